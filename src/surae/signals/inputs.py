@@ -1,0 +1,62 @@
+"""What a model reads: signals on one uniform time axis, with everything that was done to them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from surae.recording import SourceFile
+from surae.units import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class ModelInputs:
+    """Prepared signals of one recording, arrays read-only.
+
+    Attributes
+    ----------
+    name : str
+        Name of the recording.
+    rate_hz : float
+        Sampling rate [Hz].
+    time : ndarray, shape (n,)
+        Uniform time axis [s].
+    angle, velocity, acceleration : ndarray, shape (n,)
+        Ankle angle [rad] (dorsiflexion positive) and its derivatives [rad/s, rad/s²].
+    emg : ndarray, shape (n, 4)
+        EMG envelopes in the order TA, GL, SOL, GM; a missing muscle is a column of zeros.
+    emg_unit : {"V", "1"}
+        Unit of `emg`: volts, or a normalised envelope.
+    torque : ndarray, shape (n,), or None
+        Measured reaction torque [Nm], positive when the triceps pulls; None to simulate only.
+    missing_emg : tuple of str
+        Muscles (``"ta"`` …) without EMG; their weights must be fixed.
+    steps : tuple of str
+        What was done to the signals, in order, one plain sentence each.
+    fixed : mapping of str to float
+        Parameter values that the recording prescribes.
+    files : tuple of SourceFile
+        What the recording was read from.
+    """
+
+    name: str
+    rate_hz: float
+    time: FloatArray
+    angle: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    emg: FloatArray
+    emg_unit: str
+    torque: FloatArray | None
+    missing_emg: tuple[str, ...] = ()
+    steps: tuple[str, ...] = ()
+    fixed: Mapping[str, float] = field(default_factory=dict)
+    files: tuple[SourceFile, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Make the mapping read-only; the arrays are made so by whoever prepares them."""
+        object.__setattr__(self, "fixed", MappingProxyType(dict(self.fixed)))
+
+    @property
+    def n(self) -> int:
+        """Number of samples."""
+        return len(self.time)

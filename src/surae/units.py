@@ -1,0 +1,48 @@
+"""The one table of units: every quantity that enters is converted to SI here and nowhere else."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from surae.errors import InputError
+
+FloatArray = npt.NDArray[np.float64]
+
+#: SI unit of each kind of signal, as written in files and figures.
+SI = {
+    "angle": "rad",
+    "torque": "Nm",
+    "emg": "V",
+    "angular_velocity": "rad/s",
+    "angular_acceleration": "rad/s2",
+}
+
+#: Factor from a unit to the SI unit of its kind. "1" is an EMG envelope normalised by its user.
+FACTORS: dict[str, dict[str, float]] = {
+    "angle": {"rad": 1.0, "deg": math.pi / 180},
+    "torque": {"Nm": 1.0, "mNm": 1e-3},
+    "emg": {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "1": 1.0},
+    "angular_velocity": {"rad/s": 1.0, "deg/s": math.pi / 180},
+    "angular_acceleration": {"rad/s2": 1.0, "deg/s2": math.pi / 180},
+}
+
+
+def kind(role: str) -> str:
+    """The kind of signal behind a channel's role: ``"emg"`` for ``"emg_ta"``, else the role."""
+    return "emg" if role.startswith("emg_") else role
+
+
+def to_si(role: str, unit: str, where: str) -> float:
+    """Factor that brings `unit` to the SI unit of `role`.
+
+    Raises
+    ------
+    InputError
+        The unit is not known for that kind of signal; the message begins with `where`.
+    """
+    known = FACTORS[kind(role)]
+    if unit not in known:
+        allowed = ", ".join(known)
+        raise InputError(f"{where}: unit {unit!r} is not known for {role}; use one of: {allowed}")
+    return known[unit]
