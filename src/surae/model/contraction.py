@@ -1,0 +1,93 @@
+"""Contraction: force-length (16) and force-velocity (17), with their partial derivatives."""
+
+import math
+
+from surae.model.jit import jit
+
+#: cf, width of the force-length curve, equation (16).
+CF = 0.1
+#: mvsh, mvshl and fecc: shape of the force-velocity curve, equation (17) (Thelen 2003).
+MVSH = 0.25
+MVSHL = 0.5
+FECC = 1.5
+
+
+@jit
+def force_length(x: float, l0: float) -> float:
+    """Force-length factor, equation (16): f_l = exp(−(x − l0)²/(cf·l0²)).
+
+    Parameters
+    ----------
+    x : float
+        Muscle length [m].
+    l0 : float
+        Optimal length [m].
+
+    Returns
+    -------
+    float
+        Factor in (0, 1], 1 at the optimal length.
+    """
+    u = (x - l0) / l0
+    return math.exp(-u * u / CF)
+
+
+@jit
+def force_length_partials(x: float, l0: float) -> tuple[float, float, float]:
+    """Force-length factor (16) with its derivatives by x and l0 [1/m].
+
+    Returns
+    -------
+    tuple of float
+        f_l, ∂f_l/∂x, ∂f_l/∂l0.
+    """
+    u = (x - l0) / l0
+    f = math.exp(-u * u / CF)
+    d_x = -2.0 * u / (CF * l0) * f
+    return f, d_x, -d_x * x / l0
+
+
+@jit
+def force_velocity(speed: float, vmax: float) -> float:
+    """Force-velocity factor, equation (17), with the plus sign in the eccentric branch.
+
+    Parameters
+    ----------
+    speed : float
+        Lengthening speed x' [m/s]; negative when the muscle shortens.
+    vmax : float
+        Maximum shortening speed [m/s].
+
+    Returns
+    -------
+    float
+        Factor: 0 at −vmax, 1 at rest, fecc = 1.5 at +vmax.
+    """
+    if speed < 0.0:
+        return (speed + vmax) / (vmax - speed / MVSH)
+    a = MVSH * MVSHL
+    return 1.0 + (1.0 + a) * (FECC - 1.0) * speed / (a * vmax + speed)
+
+
+@jit
+def force_velocity_partials(speed: float, vmax: float) -> tuple[float, float, float]:
+    """Force-velocity factor (17) with its derivatives by speed and vmax [s/m].
+
+    It depends on speed/vmax alone, so ∂f/∂vmax = −(speed/vmax)·∂f/∂speed.
+
+    Returns
+    -------
+    tuple of float
+        f_v, ∂f_v/∂speed, ∂f_v/∂vmax.
+    """
+    if speed < 0.0:
+        below = vmax - speed / MVSH
+        f = (speed + vmax) / below
+        d_speed = (1.0 + f / MVSH) / below
+    else:
+        a = MVSH * MVSHL
+        below = a * vmax + speed
+        slope = (1.0 + a) * (FECC - 1.0)
+        f = 1.0 + slope * speed / below
+        d_speed = slope * a * vmax / (below * below)
+    return f, d_speed, -speed / vmax * d_speed

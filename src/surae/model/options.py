@@ -1,0 +1,69 @@
+"""The documented switches of the models, with their allowed values."""
+
+import math
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+from surae.errors import InputError
+
+_CHOICES = {
+    "geometry": ("thesis", "virtual-work"),
+    "tendon_strain": ("thesis", "slack-length"),
+    "integrator": ("implicit", "explicit-euler"),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class ModelOptions:
+    """How a model reads the parts of the thesis that leave a choice.
+
+    Attributes
+    ----------
+    geometry : {"thesis", "virtual-work"}
+        Muscle length: equation (9) as printed, or the integral of the moment arm.
+    tendon_strain : {"thesis", "slack-length"}
+        ε0 in metres as the printed equations take it, or a strain times the slack length.
+    integrator : {"implicit", "explicit-euler"}
+        Integrator of the muscle-tendon models; the explicit one is the thesis's.
+    theta_foot : float
+        Angle of the foot to the horizontal at θ = 0 [rad], equation (7).
+    vmax_factor : float
+        Maximum shortening speed in optimal lengths per second.
+    x_ref_tri, x_ref_tib : float
+        Muscle lengths at θ = 0 of the virtual-work geometry [m].
+    """
+
+    geometry: str = "thesis"
+    tendon_strain: str = "thesis"
+    integrator: str = "implicit"
+    theta_foot: float = 0.0
+    vmax_factor: float = 8.0
+    x_ref_tri: float = 0.080
+    x_ref_tib: float = 0.100
+
+    def __post_init__(self) -> None:
+        """Refuse values that are not among the choices or not physical."""
+        for name, allowed in _CHOICES.items():
+            value = getattr(self, name)
+            if value not in allowed:
+                raise InputError(f"option {name} is {value!r}; use one of: {', '.join(allowed)}")
+        for name in ("theta_foot", "vmax_factor", "x_ref_tri", "x_ref_tib"):
+            value = getattr(self, name)
+            if not isinstance(value, int | float) or not math.isfinite(value):
+                raise InputError(f"option {name} is {value!r}; give a finite number")
+        for name in ("vmax_factor", "x_ref_tri", "x_ref_tib"):
+            if getattr(self, name) <= 0:
+                raise InputError(f"option {name} is {getattr(self, name)}; it must be positive")
+
+    @classmethod
+    def of(cls, **given: Any) -> "ModelOptions":
+        """Options from keywords; an unknown one is an `InputError` that lists the known ones."""
+        known = [field.name for field in fields(cls)]
+        for name in given:
+            if name not in known:
+                raise InputError(f"unknown option {name!r}; known options: {', '.join(known)}")
+        return cls(**given)
+
+    def as_dict(self) -> dict[str, str | float]:
+        """The options as plain data."""
+        return asdict(self)

@@ -1,0 +1,97 @@
+"""Every parameter of every model, once: name, unit, meaning, start and bounds."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from surae.model.options import ModelOptions
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One parameter of a model.
+
+    Attributes
+    ----------
+    name : str
+        The thesis's name, the same in files, figures and Python.
+    unit : str
+        SI unit; ``"-"`` when dimensionless.
+    meaning : str
+        What it is, in a few plain words.
+    group : {"limb", "passive", "active", "tendon"}
+        Which part of the torque it acts on.
+    start : float
+        Where a fit starts, and the value of a tendon parameter that is left out.
+    lower, upper : float
+        Bounds of a fit.
+    positive : bool
+        Whether any use of the model needs a value above zero; otherwise zero is allowed too.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    group: str
+    start: float
+    lower: float
+    upper: float
+    positive: bool = True
+
+
+_P = Parameter
+#: The fifteen parameters of the muscle model (thesis Table 1, right), in the order of the thesis.
+MUSCLE_PARAMETERS: tuple[Parameter, ...] = (
+    _P("m", "kg", "mass of foot and footplate", "limb", 2.0, 1.2, 3.0, positive=False),
+    _P("k_tri", "1/m", "stiffness coefficient, triceps surae", "passive", 150.0, 20.0, 600.0),
+    _P("k_tib", "1/m", "stiffness coefficient, tibialis anterior", "passive", 100.0, 20.0, 600.0),
+    _P("x0_tri", "m", "slack length, triceps surae", "passive", 0.016, 0.002, 0.06),
+    _P("x0_tib", "m", "slack length, tibialis anterior", "passive", 0.060, 0.010, 0.12),
+    _P("tau_rel", "s", "relaxation time constant", "passive", 3.0, 0.1, 30.0),
+    _P("k_rel", "-", "relaxation factor", "passive", 0.3, 0.0, 3.0, positive=False),
+    _P("g1", "N/V", "EMG weight, tibialis anterior", "active", 1e6, 0.0, 2e7, positive=False),
+    _P("g2", "N/V", "EMG weight, gastrocnemius lateralis", "active", 1e6, 0.0, 2e7, positive=False),
+    _P("g3", "N/V", "EMG weight, soleus", "active", 1e6, 0.0, 2e7, positive=False),
+    _P("g4", "N/V", "EMG weight, gastrocnemius medialis", "active", 1e6, 0.0, 2e7, positive=False),
+    _P("l0_tri", "m", "optimal length, triceps surae", "active", 0.042, 0.015, 0.10),
+    _P("l0_tib", "m", "optimal length, tibialis anterior", "active", 0.080, 0.030, 0.16),
+    _P("f0", "Hz", "cut-off frequency of the activation filter", "active", 2.5, 0.3, 15.0),
+    _P("beta", "-", "relative damping of the activation filter", "active", 1.0, 0.2, 4.0),
+)
+
+#: Start and bounds that differ in the virtual-work geometry, whose muscles travel about 2.8 times
+#: (triceps) and 1.5 times (tibialis) as far per radian.
+_VIRTUAL_WORK = {
+    "k_tri": (60.0, 10.0, 300.0),
+    "k_tib": (70.0, 10.0, 400.0),
+    "x0_tri": (0.030, 0.001, 0.15),
+    "x0_tib": (0.075, 0.005, 0.20),
+    "l0_tri": (0.080, 0.030, 0.20),
+    "l0_tib": (0.105, 0.040, 0.25),
+}
+#: The weights of a normalised EMG envelope (unit "1") are forces [N].
+_NORMALISED_WEIGHT = (1e3, 0.0, 2e4)
+
+
+def adapted(
+    parameters: tuple[Parameter, ...], options: ModelOptions, emg_unit: str = "V"
+) -> dict[str, Parameter]:
+    """The parameters by name, start, bounds and unit adapted to geometry and EMG unit.
+
+    Parameters
+    ----------
+    parameters : tuple of Parameter
+        The model's parameters.
+    options : ModelOptions
+        The virtual-work geometry has other starts and bounds for lengths and stiffnesses.
+    emg_unit : {"V", "1"}
+        Weights of a normalised envelope are in N and of another magnitude.
+    """
+    changes: dict[str, Mapping[str, object]] = {}
+    if options.geometry == "virtual-work":
+        for name, (start, lower, upper) in _VIRTUAL_WORK.items():
+            changes[name] = {"start": start, "lower": lower, "upper": upper}
+    if emg_unit == "1":
+        start, lower, upper = _NORMALISED_WEIGHT
+        for name in ("g1", "g2", "g3", "g4"):
+            changes[name] = {"unit": "N", "start": start, "lower": lower, "upper": upper}
+    return {p.name: replace(p, **changes.get(p.name, {})) for p in parameters}  # type: ignore[arg-type]

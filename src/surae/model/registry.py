@@ -1,0 +1,105 @@
+"""The models by name: adding one is one file with a simulator and one line here."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.model.options import ModelOptions
+from surae.model.parameters import MUSCLE_PARAMETERS, Parameter
+from surae.model.simulator import Simulator
+from surae.signals import ModelInputs
+from surae.units import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class ModelSpec:
+    """A model as data.
+
+    Attributes
+    ----------
+    name : str
+        Its name on the command line and in files.
+    title : str
+        What it is called in tables and reports, with the thesis's number.
+    parameters : tuple of Parameter
+        All its parameters, in the order of its parameter vectors.
+    free : tuple of str
+        Those a fit estimates unless told otherwise; the others keep their `start`.
+    simulator : callable
+        Ties the model to a recording.
+    """
+
+    name: str
+    title: str
+    parameters: tuple[Parameter, ...]
+    free: tuple[str, ...]
+    simulator: Callable[[ModelInputs, ModelOptions], Simulator]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all parameters."""
+        return tuple(p.name for p in self.parameters)
+
+    def vector(self, given: Mapping[str, float]) -> FloatArray:
+        """Parameter vector from values by name.
+
+        Parameters that the model does not free by default may be left out.
+
+        Raises
+        ------
+        InputError
+            A parameter is unknown, missing, not finite or not physical.
+        """
+        check_names(given, self)
+        missing = [p.name for p in self.parameters if p.name in self.free and p.name not in given]
+        if missing:
+            raise InputError(f"model {self.name!r} needs a value for: {', '.join(missing)}")
+        for p in self.parameters:
+            if p.name in given:
+                check_value(p, given[p.name], self)
+        return np.array([float(given.get(p.name, p.start)) for p in self.parameters])
+
+
+def check_names(names: Mapping[str, object] | tuple[str, ...], spec: ModelSpec) -> None:
+    """Refuse a parameter name that the model does not have, listing those it has."""
+    for name in names:
+        if name not in spec.names:
+            known = ", ".join(spec.names)
+            raise InputError(f"model {spec.name!r} has no parameter {name!r}; it has: {known}")
+
+
+def check_value(parameter: Parameter, value: float, spec: ModelSpec) -> None:
+    """Refuse a value for which the equations have no meaning."""
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not number or not np.isfinite(value):
+        raise InputError(f"{spec.name}: {parameter.name} is {value!r}; give a finite number")
+    if value < 0 or (parameter.positive and value == 0):
+        rule = "above zero" if parameter.positive else "zero or more"
+        raise InputError(
+            f"{spec.name}: {parameter.name} is {value:g} {parameter.unit}; it must be {rule}"
+        )
+
+
+def _muscle(inputs: ModelInputs, options: ModelOptions) -> Simulator:
+    from surae.model.muscle import MuscleSimulator  # numba, only when it is used
+
+    return MuscleSimulator(inputs, options)
+
+
+_FIFTEEN = tuple(p.name for p in MUSCLE_PARAMETERS)
+
+MODELS: dict[str, ModelSpec] = {
+    spec.name: spec
+    for spec in (
+        ModelSpec("muscle", "muscle model [1.0]", MUSCLE_PARAMETERS, _FIFTEEN, _muscle),
+    )
+}
+
+
+def get_model(name: str) -> ModelSpec:
+    """The model called `name`; an unknown name is an `InputError` that lists the known ones."""
+    if name not in MODELS:
+        raise InputError(f"unknown model {name!r}; known models: {', '.join(MODELS)}")
+    return MODELS[name]

@@ -1,0 +1,78 @@
+"""What every model offers once it is tied to a recording, and the parts a torque is made of."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from surae.units import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class TorqueParts:
+    """A modelled torque split into its parts, each of shape (n,) in Nm; they add up to `total`.
+
+    Attributes
+    ----------
+    tissue_tri, tissue_tib : ndarray
+        Passive tissue of triceps surae and tibialis anterior, signed as in equation (1).
+    neural_tri, neural_tib : ndarray
+        Active contraction of the two groups, signed as in equation (1).
+    inertial, gravitational : ndarray
+        Foot and footplate.
+    """
+
+    tissue_tri: FloatArray
+    tissue_tib: FloatArray
+    neural_tri: FloatArray
+    neural_tib: FloatArray
+    inertial: FloatArray
+    gravitational: FloatArray
+
+    @property
+    def tissue(self) -> FloatArray:
+        """Passive tissue of both muscle groups [Nm]."""
+        return self.tissue_tri + self.tissue_tib
+
+    @property
+    def neural(self) -> FloatArray:
+        """Active contraction of both muscle groups [Nm]."""
+        return self.neural_tri + self.neural_tib
+
+    @property
+    def total(self) -> FloatArray:
+        """The whole torque [Nm], equation (1)."""
+        return self.tissue + self.neural + self.inertial + self.gravitational
+
+    def columns(self) -> Mapping[str, FloatArray]:
+        """The parts under the names they have in files, sums of both groups first."""
+        return {
+            "tissue_Nm": self.tissue,
+            "neural_Nm": self.neural,
+            "inertial_Nm": self.inertial,
+            "gravitational_Nm": self.gravitational,
+            "tissue_tri_Nm": self.tissue_tri,
+            "tissue_tib_Nm": self.tissue_tib,
+            "neural_tri_Nm": self.neural_tri,
+            "neural_tib_Nm": self.neural_tib,
+        }
+
+
+class Simulator(Protocol):
+    """A model tied to the signals of one recording: parameters in, torque out.
+
+    Parameter vectors hold all parameters of the model in the order of its `ModelSpec`.
+    """
+
+    def torque(self, values: FloatArray) -> FloatArray:
+        """Modelled torque [Nm], shape (n,)."""
+        ...
+
+    def torque_jacobian(
+        self, values: FloatArray, columns: Sequence[int]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Modelled torque, shape (n,), and its derivatives, one row for each of `columns`."""
+        ...
+
+    def parts(self, values: FloatArray) -> TorqueParts:
+        """The torque split into its parts."""
+        ...
