@@ -1,1 +1,7 @@
-"""."""
+"""Parameters from recordings: problem, solver, variable projection, multi-start."""
+
+from surae.estimation.fit import STARTS, fit_problem
+from surae.estimation.problem import FitProblem, make_problem
+from surae.estimation.result import FitResult, Start
+
+__all__ = ["STARTS", "FitProblem", "FitResult", "Start", "fit_problem", "make_problem"]

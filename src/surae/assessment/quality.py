@@ -1,0 +1,52 @@
+"""How well a modelled torque follows the measured one."""
+
+import numpy as np
+
+from surae.units import FloatArray
+
+
+def vaf(measured: FloatArray, residual: FloatArray) -> float:
+    """Variance accounted for, equation (31): (1 − Σe²/ΣT²)·100 %.
+
+    Parameters
+    ----------
+    measured : ndarray, shape (n,)
+        Measured torque T [Nm].
+    residual : ndarray, shape (n,)
+        Measured minus modelled torque e [Nm].
+
+    Returns
+    -------
+    float
+        Percentage, at most 100; the mean of T is not subtracted, as in the thesis.
+    """
+    return float(100.0 * (1.0 - (residual @ residual) / (measured @ measured)))
+
+
+def rmse(residual: FloatArray) -> float:
+    """Root mean square of a residual, in its own unit."""
+    return float(np.sqrt(np.mean(residual**2)))
+
+
+def autocorrelation(residual: FloatArray, lags: int) -> FloatArray:
+    """Autocorrelation of a residual at lags 0 … `lags` samples.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Residual; its mean is removed.
+    lags : int
+        Largest lag, below n.
+
+    Returns
+    -------
+    ndarray, shape (lags + 1,)
+        Biased estimate, 1 at lag 0; all zero but the first when the residual never changes.
+    """
+    e = residual - residual.mean()
+    size = 1 << (2 * len(e) - 1).bit_length()
+    spectrum = np.fft.rfft(e, size)
+    full = np.fft.irfft(np.abs(spectrum) ** 2, size)[: lags + 1]
+    if full[0] <= 0:
+        return np.concatenate([[1.0], np.zeros(lags)])
+    return np.asarray(full / full[0], dtype=np.float64)

@@ -1,0 +1,120 @@
+"""Covariance of the estimates, and the directions in which the data say nothing."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.units import FloatArray
+
+#: A direction is singular when its information is below this part of the strongest one's, the
+#: Jacobian's columns scaled to length 1: what is left there is rounding.
+_SINGULAR = 1e-10
+#: A parameter takes part in a direction when its share is at least this part of the largest.
+_PART = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Covariance:
+    """Covariance of the estimates that have one.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Parameters with a variance.
+    matrix : ndarray, shape (k, k)
+        Covariance, equation (33), in the products of their units.
+    directions : tuple of tuple of str
+        Sets of parameters that trade off without changing the torque; a set of one has no
+        influence at all.
+    sigma2 : float
+        Variance of the residual [Nm²].
+    dof : int
+        Degrees of freedom: samples minus estimated parameters.
+    """
+
+    names: tuple[str, ...]
+    matrix: FloatArray
+    directions: tuple[tuple[str, ...], ...]
+    sigma2: float
+    dof: int
+
+    @property
+    def correlation(self) -> FloatArray:
+        """Normalised covariance, shape (k, k), ones on the diagonal."""
+        sem = np.sqrt(np.diag(self.matrix))
+        return np.asarray(self.matrix / np.outer(sem, sem), dtype=np.float64)
+
+
+def covariance(
+    R: FloatArray, names: Sequence[str], sse: float, n: int, held: Sequence[str] = ()
+) -> Covariance:
+    """Covariance σ²(JᵀJ)⁻¹, equation (33) read as `model.md` resolves it.
+
+    Parameters
+    ----------
+    R : ndarray, shape (p, p)
+        Triangular factor of the Jacobian, RᵀR = JᵀJ.
+    names : sequence of str
+        Parameters of its columns.
+    sse : float
+        Sum of squared residuals [Nm²]; σ² = sse/(n − p).
+    n : int
+        Samples.
+    held : sequence of str
+        Parameters that lie at a bound: the others' covariance takes them as known.
+
+    Returns
+    -------
+    Covariance
+        Parameters that take part in a singular direction have no variance and are left out.
+    """
+    kept = [j for j, name in enumerate(names) if name not in held]
+    dof = n - len(kept)
+    sigma2 = sse / dof
+    if not kept:
+        return Covariance((), np.empty((0, 0)), (), sigma2, dof)
+    A = R[:, kept]
+    norms = np.linalg.norm(A, axis=0)
+    silent = norms == 0
+    scale = np.where(silent, 1.0, norms)
+    _, s, Vt = np.linalg.svd(A / scale)
+    singular = s <= _SINGULAR * s[0]
+    share = np.abs(Vt[singular])
+    parts = share >= _PART * share.max(axis=1, keepdims=True) if singular.any() else share > 0
+    directions = tuple(tuple(names[kept[j]] for j in np.flatnonzero(part)) for part in parts)
+    lost = parts.any(axis=0) | silent
+    V = Vt[~singular].T / s[~singular]
+    full = sigma2 * (V @ V.T) / np.outer(scale, scale)
+    known = np.flatnonzero(~lost)
+    return Covariance(
+        tuple(names[kept[j]] for j in known),
+        np.asarray(full[np.ix_(known, known)]),
+        directions,
+        sigma2,
+        dof,
+    )
+
+
+def ipde(correlation: FloatArray) -> float:
+    """Inter-parameter dependency estimator, equation (35): √Σ_{j>i} r_ij².
+
+    Parameters
+    ----------
+    correlation : ndarray, shape (k, k)
+        Normalised covariance.
+
+    Returns
+    -------
+    float
+        0 for independent parameters, at most √(k(k − 1)/2).
+    """
+    upper = correlation[np.triu_indices(len(correlation), 1)]
+    return float(np.sqrt(np.sum(upper**2)))
+
+
+def half_width(sem: float, dof: int) -> float:
+    """Half the width of a 95 % interval: Student's t times the standard error."""
+    from scipy.special import stdtrit
+
+    return float(stdtrit(dof, 0.975)) * sem

@@ -1,0 +1,64 @@
+"""What an estimate is worth, in one word and one plain sentence."""
+
+from collections.abc import Sequence
+from enum import StrEnum
+
+import numpy as np
+
+from surae.assessment.uncertainty import Covariance
+
+#: Half-width of the 95 % interval, as a part of the value, up to which a parameter is identified.
+IDENTIFIED = 0.10
+#: Correlation from which the partner is named.
+_STRONG = 0.9
+
+
+class Verdict(StrEnum):
+    """Judgement of one parameter."""
+
+    IDENTIFIED = "identified"
+    WEAK = "weak"
+    AT_BOUND = "at-bound"
+    FIXED = "fixed"
+
+
+def judge_interval(
+    name: str, value: float, half: float, estimated: Covariance
+) -> tuple[Verdict, str]:
+    """Verdict and sentence of a parameter that has an interval.
+
+    Parameters
+    ----------
+    name : str
+        The parameter.
+    value, half : float
+        Its estimate and the half-width of its 95 % interval.
+    estimated : Covariance
+        Where its strongest partner is looked up.
+    """
+    relative = half / abs(value) if value else np.inf
+    if relative <= IDENTIFIED:
+        return Verdict.IDENTIFIED, f"known to ±{_percent(relative)}"
+    known = f"known only to ±{_percent(relative)}" if np.isfinite(relative) else "not told from 0"
+    row = estimated.correlation[estimated.names.index(name)].copy()
+    row[estimated.names.index(name)] = 0.0
+    partner = int(np.argmax(np.abs(row)))
+    if abs(row[partner]) >= _STRONG:
+        other = estimated.names[partner]
+        return Verdict.WEAK, (
+            f"{known}: trades off with {other} (correlation {row[partner]:+.2f}); fix one of the "
+            "two, or measure a movement that tells them apart"
+        )
+    return Verdict.WEAK, f"{known}: it has little influence on this torque"
+
+
+def judge_singular(name: str, directions: Sequence[Sequence[str]]) -> str:
+    """Why a parameter has no interval: the parameters it trades off with."""
+    partners = sorted({p for d in directions if name in d for p in d if p != name})
+    if not partners:
+        return "no interval: the torque does not depend on it; fix it"
+    return f"no interval: cannot be told from {', '.join(partners)}; fix one of them"
+
+
+def _percent(part: float) -> str:
+    return f"{100 * part:.2g} %" if part < 1 else f"{100 * part:.0f} %"

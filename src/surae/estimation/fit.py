@@ -1,0 +1,161 @@
+"""From a problem to its best minimum: variable projection, then all parameters, many starts."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.estimation.least_squares import Minimum, Outcome, Rows, minimise
+from surae.estimation.problem import FitProblem, Residuals
+from surae.estimation.result import FitResult, Start, is_at_bound
+from surae.estimation.separable import scan_lengths, solve_linear
+from surae.recording import read_only
+from surae.units import FloatArray
+
+#: Starts of a fit unless told otherwise: the default start and seven random ones.
+STARTS = 8
+#: Called after every start with how many are done, how many there are, and the best sum so far.
+Progress = Callable[[int, int, float], None]
+
+#: Two starts agree when their sums differ by at most this part.
+_AGREE = 1e-6
+#: The projected iteration only has to reach the valley of the minimum.
+_ROUGH = 1e-3
+
+
+def fit_problem(
+    problem: FitProblem,
+    *,
+    starts: int = STARTS,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> FitResult:
+    """Find the parameters that bring the modelled torque closest to the measured one.
+
+    Parameters
+    ----------
+    problem : FitProblem
+        The question.
+    starts : int
+        Number of starts: the default one, the others random within the bounds.
+    seed : int
+        Seed of the random starts.
+    progress : callable, optional
+        Called after every start.
+
+    Returns
+    -------
+    FitResult
+        The best minimum. Ctrl-C keeps the best so far; its message says so.
+    """
+    if starts < 1:
+        raise InputError(f"starts is {starts}; give at least 1")
+    from threadpoolctl import threadpool_limits
+
+    begin = time.perf_counter()
+    residuals = Residuals(problem)
+    minima: list[Minimum] = []
+    initials = _initials(problem, starts, seed)
+    # Threads only slow down products of this size, and change the last bits.
+    with threadpool_limits(limits=1, user_api="blas"):
+        try:
+            for initial in initials:
+                minima.append(_from_start(problem, residuals.rows, initial))
+                if minima[-1].outcome is Outcome.INTERRUPTED:
+                    break
+                if progress is not None:
+                    progress(len(minima), starts, min(m.sse for m in minima))
+        except KeyboardInterrupt:
+            here = minimise(residuals.rows, initial, problem.lower, problem.upper, max_iterations=1)
+            minima.append(replace(here, outcome=Outcome.INTERRUPTED))
+    return _result(problem, residuals, initials, minima, seed, time.perf_counter() - begin)
+
+
+def _initials(problem: FitProblem, starts: int, seed: int) -> list[FloatArray]:
+    """The default start, then random ones, uniform within the bounds."""
+    rng = np.random.default_rng(seed)
+    spread = problem.upper - problem.lower
+    random = [problem.lower + spread * rng.random(len(spread)) for _ in range(starts - 1)]
+    return [problem.start, *random]
+
+
+def _from_start(problem: FitProblem, rows: Rows, initial: FloatArray) -> Minimum:
+    """Scan, project, then move all parameters together."""
+
+    def project(x: FloatArray) -> FloatArray:
+        return solve_linear(problem, rows, x)
+
+    lower, upper = problem.lower, problem.upper
+    x = scan_lengths(problem, rows, initial)
+    rough = minimise(rows, x, lower, upper, project=project, max_iterations=60, ftol=_ROUGH)
+    if rough.outcome is Outcome.INTERRUPTED:
+        return rough
+    return minimise(rows, rough.x, lower, upper)
+
+
+def _result(
+    problem: FitProblem,
+    residuals: Residuals,
+    initials: Sequence[FloatArray],
+    minima: Sequence[Minimum],
+    seed: int,
+    seconds: float,
+) -> FitResult:
+    best = min(minima, key=lambda m: m.sse if np.isfinite(m.sse) else np.inf)
+    power = sum(float(one.torque @ one.torque) for one in problem.inputs if one.torque is not None)
+    limit = best.sse * (1 + _AGREE) + 1e-14 * power
+    agreeing = sum(m.sse <= limit for m in minima)
+    status, message = _status(problem, best, minima, agreeing, len(initials))
+    return FitResult(
+        problem=problem,
+        status=status,
+        message=message,
+        values=dict(zip(problem.spec.names, problem.values(best.x).tolist(), strict=True)),
+        residuals=tuple(read_only(-part) for part in residuals.split(best.residual)),
+        sse=best.sse,
+        R=read_only(best.R),
+        starts=tuple(
+            Start(
+                dict(zip(problem.free, initial.tolist(), strict=True)),
+                dict(zip(problem.free, m.x.tolist(), strict=True)),
+                m.sse,
+                str(m.outcome),
+                m.iterations,
+            )
+            for initial, m in zip(initials, minima, strict=False)
+        ),
+        agreeing=agreeing,
+        seed=seed,
+        seconds=seconds,
+    )
+
+
+def _status(
+    problem: FitProblem, best: Minimum, minima: Sequence[Minimum], agreeing: int, starts: int
+) -> tuple[str, str]:
+    """Status and message of the best minimum."""
+    stopped = minima[-1].outcome is Outcome.INTERRUPTED
+    suffix = f"; stopped by the user in start {len(minima)} of {starts}" if stopped else ""
+    if best.outcome is not Outcome.CONVERGED:
+        advice = {
+            Outcome.INTERRUPTED: "the best so far is kept; fit again for a minimum",
+            Outcome.ITERATIONS: "the best so far is kept; fix a parameter that trades off, or "
+            "give more starts",
+            Outcome.NOT_FINITE: "the model overflows at the start; give another start or bounds",
+        }[best.outcome]
+        return "failed", f"no minimum reached ({best.outcome}): {advice}{suffix}"
+    bound = [
+        name
+        for name, x, low, high in zip(
+            problem.free, best.x, problem.lower, problem.upper, strict=True
+        )
+        if is_at_bound(x, low, high)
+    ]
+    text = f"{agreeing} of {len(minima)} starts reach the best minimum"
+    if len(minima) > 1 and agreeing == 1:
+        text += ": it may not be the global one, give more starts"
+    if bound:
+        return "at-bounds", f"{text}; at a bound: {', '.join(bound)}{suffix}"
+    return "converged", f"{text}{suffix}"

@@ -1,0 +1,223 @@
+"""The question a fit answers: which model and recordings, what is free, within which bounds."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.model import ModelOptions, ModelSpec, adapted, check_names, check_value, get_model
+from surae.model.simulator import Simulator
+from surae.recording import MUSCLES
+from surae.signals import ModelInputs
+from surae.signals.estimable import check_estimable
+from surae.units import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class FitProblem:
+    """A least-squares problem over the free parameters of one model and one or more recordings.
+
+    Attributes
+    ----------
+    spec : ModelSpec
+        The model.
+    options : ModelOptions
+        Its switches.
+    inputs : tuple of ModelInputs
+        The recordings, prepared; all share the parameters.
+    free : tuple of str
+        Names of the parameters to estimate, in the model's order.
+    base : ndarray, shape (P,)
+        All parameters: the fixed values, and the starts of the free ones.
+    lower, upper : ndarray, shape (p,)
+        Bounds of the free parameters.
+    """
+
+    spec: ModelSpec
+    options: ModelOptions
+    inputs: tuple[ModelInputs, ...]
+    free: tuple[str, ...]
+    base: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+
+    @property
+    def columns(self) -> list[int]:
+        """Positions of the free parameters in the parameter vector."""
+        return [self.spec.names.index(name) for name in self.free]
+
+    @property
+    def start(self) -> FloatArray:
+        """Start of the free parameters, shape (p,)."""
+        return self.base[self.columns]
+
+    @property
+    def n(self) -> int:
+        """Samples of all recordings together."""
+        return sum(one.n for one in self.inputs)
+
+    def values(self, x: FloatArray) -> FloatArray:
+        """All parameters, shape (P,), from the free ones, shape (p,)."""
+        values = self.base.copy()
+        values[self.columns] = x
+        return values
+
+
+def make_problem(
+    inputs: Sequence[ModelInputs],
+    model: str = "muscle",
+    *,
+    fixed: Mapping[str, float] | None = None,
+    free: Sequence[str] = (),
+    start: Mapping[str, float] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    options: ModelOptions | None = None,
+) -> FitProblem:
+    """Check everything that was asked for and make a problem of it.
+
+    Parameters
+    ----------
+    inputs : sequence of ModelInputs
+        The recordings; several are one joint fit with shared parameters.
+    model : str
+        Name of the model.
+    fixed : mapping of str to float, optional
+        Parameters that are not estimated. They override what a recording prescribes, and may lie
+        outside the bounds of a fit as long as they are physical.
+    free : sequence of str, optional
+        Parameters to estimate beside those that the model frees by itself.
+    start : mapping of str to float, optional
+        Where to start instead of the defaults.
+    bounds : mapping of str to (lower, upper), optional
+        Bounds instead of the defaults.
+    options : ModelOptions, optional
+        The model's switches.
+
+    Raises
+    ------
+    InputError
+        Something asked for is unknown, contradictory or impossible.
+    """
+    spec, options = get_model(model), options or ModelOptions()
+    if not inputs:
+        raise InputError("nothing to fit: give at least one recording")
+    for one in inputs:
+        check_estimable(one)
+    prescribed = _agreed_fixed(inputs) | dict(fixed or {})
+    start, bounds = dict(start or {}), dict(bounds or {})
+    for names in (prescribed, start, bounds, tuple(free)):
+        check_names(names, spec)
+    table = adapted(spec.parameters, options, _agreed_unit(inputs))
+    for name in free:
+        if name in prescribed:
+            raise InputError(f"{name} is both free and fixed; choose one")
+    for given in (prescribed, start):
+        for name, value in given.items():
+            check_value(table[name], value, spec)
+
+    base = {name: p.start for name, p in table.items()} | start | prescribed
+    names = tuple(
+        name
+        for name in spec.names
+        if (name in spec.free or name in free) and name not in prescribed
+    )
+    if not names:
+        raise InputError("every parameter is fixed: nothing to estimate; free at least one")
+    limits = {name: bounds.get(name, (table[name].lower, table[name].upper)) for name in table}
+    for name, (low, high) in limits.items():
+        if name in bounds:
+            _check_bounds(name, low, high, spec)
+        if name in start and not low <= start[name] <= high:
+            raise InputError(
+                f"start of {name} is {start[name]:g}, outside its bounds {low:g} … {high:g}"
+            )
+    _check_emg(inputs, prescribed)
+    samples = sum(one.n for one in inputs)
+    if samples <= len(names):
+        raise InputError(f"{samples} samples cannot determine {len(names)} parameters")
+    return FitProblem(
+        spec=spec,
+        options=options,
+        inputs=tuple(inputs),
+        free=names,
+        base=np.array([np.clip(base[n], *limits[n]) if n in names else base[n] for n in table]),
+        lower=np.array([limits[name][0] for name in names], dtype=float),
+        upper=np.array([limits[name][1] for name in names], dtype=float),
+    )
+
+
+def _agreed_fixed(inputs: Sequence[ModelInputs]) -> dict[str, float]:
+    """What the recordings prescribe together; a contradiction is an error."""
+    agreed: dict[str, float] = {}
+    for one in inputs:
+        for name, value in one.fixed.items():
+            if agreed.setdefault(name, value) != value:
+                raise InputError(
+                    f"{one.name}: fixes {name} at {value:g}, another recording at "
+                    f"{agreed[name]:g}; fit them apart or fix {name} yourself"
+                )
+    return agreed
+
+
+def _agreed_unit(inputs: Sequence[ModelInputs]) -> str:
+    units = {one.emg_unit for one in inputs}
+    if len(units) > 1:
+        raise InputError(
+            "some recordings have EMG in V and some normalised: their weights cannot be shared; "
+            "fit them apart"
+        )
+    return units.pop()
+
+
+def _check_bounds(name: str, low: float, high: float, spec: ModelSpec) -> None:
+    parameter = spec.parameters[spec.names.index(name)]
+    for value in (low, high):
+        check_value(parameter, value, spec)
+    if not low < high:
+        raise InputError(f"bounds of {name} are {low:g} … {high:g}; the lower must be the smaller")
+
+
+def _check_emg(inputs: Sequence[ModelInputs], fixed: Mapping[str, float]) -> None:
+    """A muscle without EMG needs its weight fixed: its column is all zeros."""
+    for one in inputs:
+        for muscle in one.missing_emg:
+            weight = f"g{MUSCLES.index(muscle) + 1}"
+            if weight not in fixed:
+                raise InputError(
+                    f"{one.name}: no EMG of muscle {muscle!r}, so its weight {weight} cannot be "
+                    f"estimated; add the channel emg_{muscle} or fix the weight ({weight}=0)"
+                )
+
+
+def simulators(problem: FitProblem) -> tuple[Simulator, ...]:
+    """The model tied to each recording."""
+    return tuple(problem.spec.simulator(one, problem.options) for one in problem.inputs)
+
+
+class Residuals:
+    """Modelled minus measured torque of all recordings, with its Jacobian."""
+
+    def __init__(self, problem: FitProblem) -> None:
+        self._problem = problem
+        self._simulators = simulators(problem)
+        measured = [one.torque for one in problem.inputs]
+        self._measured = [torque for torque in measured if torque is not None]
+        self._columns = problem.columns
+        self._rows = np.empty((len(self._columns) + 1, problem.n))
+
+    def rows(self, x: FloatArray) -> FloatArray:
+        """Jacobian rows and the residual [Nm], shape (p + 1, n); the next call overwrites them."""
+        values, begin = self._problem.values(x), 0
+        for simulator, measured in zip(self._simulators, self._measured, strict=True):
+            end = begin + len(measured)
+            torque, jacobian = simulator.torque_jacobian(values, self._columns)
+            self._rows[:-1, begin:end] = jacobian
+            np.subtract(torque, measured, out=self._rows[-1, begin:end])
+            begin = end
+        return self._rows
+
+    def split(self, residual: FloatArray) -> tuple[FloatArray, ...]:
+        """A residual of all recordings cut into one for each."""
+        ends = np.cumsum([one.n for one in self._problem.inputs])[:-1]
+        return tuple(np.split(residual, ends))

@@ -1,0 +1,89 @@
+"""What a fit found, as plain data: no optimiser, no function, nothing that refers back."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from surae.estimation.problem import FitProblem
+from surae.units import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """One start of a multi-start fit and where it ended.
+
+    Attributes
+    ----------
+    initial, values : mapping of str to float
+        Free parameters at the start and at the end.
+    sse : float
+        Sum of squared residuals at the end [Nm²].
+    outcome : str
+        Why the iteration ended.
+    iterations : int
+        Evaluations of the model and its Jacobian.
+    """
+
+    initial: Mapping[str, float]
+    values: Mapping[str, float]
+    sse: float
+    outcome: str
+    iterations: int
+
+
+@dataclass(frozen=True, slots=True)
+class FitResult:
+    """The best minimum found.
+
+    Attributes
+    ----------
+    problem : FitProblem
+        The question: model, options, recordings, free parameters, bounds.
+    status : {"converged", "at-bounds", "failed"}
+        Whether a minimum was reached, and whether some parameter lies at its bound there.
+    message : str
+        What happened, in one or two sentences, with advice where it failed.
+    values : mapping of str to float
+        All parameters of the model, fixed ones included.
+    residuals : tuple of ndarray
+        Measured minus modelled torque of each recording [Nm].
+    sse : float
+        Sum of squared residuals [Nm²].
+    R : ndarray, shape (p, p)
+        Triangular factor of the Jacobian of the torque by the free parameters: RᵀR = JᵀJ.
+    starts : tuple of Start
+        Every start, the default one first.
+    agreeing : int
+        Number of starts that ended at the best minimum.
+    seed : int
+        Seed of the random starts.
+    seconds : float
+        Wall time.
+    """
+
+    problem: FitProblem
+    status: str
+    message: str
+    values: Mapping[str, float]
+    residuals: tuple[FloatArray, ...]
+    sse: float
+    R: FloatArray
+    starts: tuple[Start, ...]
+    agreeing: int
+    seed: int
+    seconds: float
+
+    @property
+    def at_bound(self) -> tuple[str, ...]:
+        """Free parameters that lie at a bound."""
+        p = self.problem
+        return tuple(
+            name
+            for name, low, high in zip(p.free, p.lower, p.upper, strict=True)
+            if is_at_bound(self.values[name], low, high)
+        )
+
+
+def is_at_bound(value: float, lower: float, upper: float) -> bool:
+    """Whether a value lies at one of its bounds, to a millionth of their distance."""
+    margin = 1e-6 * (upper - lower)
+    return value <= lower + margin or value >= upper - margin

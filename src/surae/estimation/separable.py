@@ -1,0 +1,100 @@
+"""Variable projection: the parameters in which the torque is linear are solved, not searched.
+
+Given k, tau_rel, k_rel, l0, f0 and beta, the torque of model 1.0 is linear in m, g1 … g4 and in
+exp(−k·x0) of each muscle group: seven of the fifteen. A start needs the other eight only, and
+the long valleys in which weights trade with filter and lengths are gone (Golub and Pereyra 1973).
+"""
+
+import numpy as np
+
+from surae.estimation.box import box_quadratic
+from surae.estimation.least_squares import Rows, column_norms, compress
+from surae.estimation.problem import FitProblem
+from surae.units import FloatArray
+
+LINEAR = ("m", "g1", "g2", "g3", "g4")
+#: Slack length and stiffness of each group: passive force is linear in exp(−k·x0).
+SLACK = {"x0_tri": "k_tri", "x0_tib": "k_tib"}
+#: Optimal lengths: the only parameters along which the projected problem has several valleys.
+SCANNED = ("l0_tri", "l0_tib")
+_SCAN_POINTS = 5
+#: Relative ridge that keeps the linear problem solvable when a channel is silent.
+_RIDGE = 1e-10
+
+
+def solve_linear(problem: FitProblem, rows: Rows, x: FloatArray) -> FloatArray:
+    """Replace the linear parameters of `x` by their least-squares values within the bounds.
+
+    Parameters
+    ----------
+    problem : FitProblem
+        A problem of model 1.0.
+    rows : callable
+        Its Jacobian rows and residual.
+    x : ndarray, shape (p,)
+        Free parameters; those that are not linear are kept.
+
+    Returns
+    -------
+    ndarray, shape (p,)
+        The free parameters, exact minimiser over the linear ones; `x` itself where the model
+        gives no finite numbers.
+    """
+    names = problem.free
+    linear = [j for j, name in enumerate(names) if name in LINEAR or name in SLACK]
+    if not linear:
+        return x
+    basis = rows(x)[[*linear, -1]]
+    if not np.isfinite(basis).all():
+        return x
+    values = dict(zip(problem.spec.names, problem.values(x), strict=True))
+    slack = {i: values[SLACK[names[j]]] for i, j in enumerate(linear) if names[j] in SLACK}
+    low, high = (problem.lower - x)[linear], (problem.upper - x)[linear]
+    for i, k in slack.items():
+        # The unknown is the factor s = exp(−k·(x0' − x0)) on the passive torque, which is −J/k;
+        # s − 1 falls as x0' grows, so the bounds change places.
+        basis[i] /= -k
+        low[i], high[i] = np.expm1(np.clip([-k * high[i], -k * low[i]], -700.0, 700.0))
+    R, q = compress(basis)
+    norms = column_norms(R)
+    scale = np.where(norms > 0, norms, 1.0)
+    A = R / scale
+    H = A.T @ A + _RIDGE * np.eye(len(linear))
+    change = box_quadratic(H, A.T @ q, low * scale, high * scale) / scale
+    for i, k in slack.items():
+        change[i] = -np.log1p(max(change[i], -1 + 1e-12)) / k
+    solved = x.copy()
+    solved[linear] += change
+    return np.clip(solved, problem.lower, problem.upper)
+
+
+def scan_lengths(problem: FitProblem, rows: Rows, x: FloatArray) -> FloatArray:
+    """The best of a coarse scan of the optimal lengths, linear parameters solved at each point.
+
+    A start whose optimal length lies far outside the lengths the muscle reaches ends in a valley
+    where f_l is little more than an exponential; a few evaluations along each length avoid it.
+
+    Returns
+    -------
+    ndarray, shape (p,)
+        `x` with its linear parameters solved and its optimal lengths replaced where that helps.
+    """
+
+    def cost(point: FloatArray) -> float:
+        residual = rows(point)[-1]
+        return float(residual @ residual)
+
+    best = solve_linear(problem, rows, x)
+    lowest = cost(best)
+    for name in SCANNED:
+        if name not in problem.free:
+            continue
+        j, base = problem.free.index(name), best
+        grid = np.linspace(problem.lower[j], problem.upper[j], _SCAN_POINTS + 2)[1:-1]
+        for length in grid:
+            point = base.copy()
+            point[j] = length
+            point = solve_linear(problem, rows, point)
+            if (found := cost(point)) < lowest:
+                best, lowest = point, found
+    return best
