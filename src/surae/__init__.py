@@ -1,5 +1,59 @@
-"""Ankle muscle parameters from a robot's recording of one leg, with honest uncertainty."""
+"""Ankle muscle parameters from a robot's recording of one leg, with honest uncertainty.
+
+Everything public is loaded when it is first used, so that importing surae costs nothing.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from surae._version import __version__
+from surae.errors import ComputationError, InputError, SuraeError
 
-__all__ = ["__version__"]
+if TYPE_CHECKING:
+    from surae.api import Fit, fit, load, simulate, validate
+    from surae.recording import Recording, read, write_csv
+    from surae.signals import ModelInputs, Preparation, prepare
+
+_HOMES = {
+    "Fit": "surae.api",
+    "ModelInputs": "surae.signals",
+    "Preparation": "surae.signals",
+    "Recording": "surae.recording",
+    "fit": "surae.api",
+    "load": "surae.api",
+    "prepare": "surae.signals",
+    "read": "surae.recording",
+    "simulate": "surae.api",
+    "validate": "surae.api",
+    "write_csv": "surae.recording",
+}
+
+__all__ = [
+    "ComputationError",
+    "Fit",
+    "InputError",
+    "ModelInputs",
+    "Preparation",
+    "Recording",
+    "SuraeError",
+    "__version__",
+    "fit",
+    "load",
+    "prepare",
+    "read",
+    "simulate",
+    "validate",
+    "write_csv",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name when it is first used."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'surae' has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    """List the public names, loaded or not."""
+    return __all__

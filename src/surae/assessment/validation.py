@@ -49,7 +49,7 @@ def predict(
     InputError
         A recording has no torque to compare with, or none that is not zero.
     """
-    vector = spec.vector(values)
+    vector = spec.vector(values, options)
     predictions = []
     for one in inputs:
         if one.torque is None or not one.torque.any():

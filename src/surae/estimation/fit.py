@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from surae.errors import InputError
 from surae.estimation.least_squares import Minimum, Outcome, Rows, minimise
@@ -13,6 +14,7 @@ from surae.estimation.result import FitResult, Start, is_at_bound
 from surae.estimation.separable import scan_lengths, solve_linear
 from surae.recording import read_only
 from surae.units import FloatArray
+from surae.versions import versions
 
 #: Starts of a fit unless told otherwise: the default start and seven random ones.
 STARTS = 8
@@ -52,8 +54,6 @@ def fit_problem(
     """
     if starts < 1:
         raise InputError(f"starts is {starts}; give at least 1")
-    from threadpoolctl import threadpool_limits
-
     begin = time.perf_counter()
     residuals = Residuals(problem)
     minima: list[Minimum] = []
@@ -129,6 +129,7 @@ def _result(
         agreeing=agreeing,
         seed=seed,
         seconds=seconds,
+        versions=versions(),
     )
 
 

@@ -58,6 +58,8 @@ class FitResult:
         Seed of the random starts.
     seconds : float
         Wall time.
+    versions : mapping of str to str
+        Versions of surae and of what its numbers depend on.
     """
 
     problem: FitProblem
@@ -71,6 +73,7 @@ class FitResult:
     agreeing: int
     seed: int
     seconds: float
+    versions: Mapping[str, str]
 
     @property
     def at_bound(self) -> tuple[str, ...]:

@@ -1,5 +1,8 @@
 """Recordings to model inputs: filters, resampling, derivatives."""
 
+from surae.signals.estimable import check_estimable
 from surae.signals.inputs import ModelInputs
+from surae.signals.prepare import prepare
+from surae.signals.settings import Preparation
 
-__all__ = ["ModelInputs"]
+__all__ = ["ModelInputs", "Preparation", "check_estimable", "prepare"]

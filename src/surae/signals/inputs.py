@@ -32,6 +32,8 @@ class ModelInputs:
         Muscles (``"ta"`` …) without EMG; their weights must be fixed.
     steps : tuple of str
         What was done to the signals, in order, one plain sentence each.
+    prepared : bool
+        Whether the signals were used as they came, without filters or resampling.
     fixed : mapping of str to float
         Parameter values that the recording prescribes.
     files : tuple of SourceFile
@@ -49,6 +51,7 @@ class ModelInputs:
     torque: FloatArray | None
     missing_emg: tuple[str, ...] = ()
     steps: tuple[str, ...] = ()
+    prepared: bool = False
     fixed: Mapping[str, float] = field(default_factory=dict)
     files: tuple[SourceFile, ...] = ()
 

@@ -1,0 +1,282 @@
+"""The public functions: what the command line, the web and Python code all call."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, overload
+
+from surae.assessment.assess import Assessment, ParameterEstimate, assess
+from surae.assessment.fit_json import load_fit, save_fit
+from surae.assessment.uncertainty import Covariance
+from surae.assessment.validation import Prediction, predict
+from surae.errors import InputError
+from surae.estimation import STARTS, FitResult, fit_problem, make_problem
+from surae.estimation.fit import Progress
+from surae.files import PathLike
+from surae.model import ModelOptions, get_model
+from surae.recording import Recording, read
+from surae.signals import ModelInputs, prepare
+from surae.units import FloatArray
+
+#: A recording in any form: read, prepared, or the path of its file.
+AnyRecording = Recording | ModelInputs | PathLike
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """A fit and what it is worth.
+
+    Attributes
+    ----------
+    result : FitResult
+        What was found: values, residuals, every start.
+    assessment : Assessment
+        What it is worth: intervals, correlations, verdicts.
+    """
+
+    result: FitResult
+    assessment: Assessment
+
+    @property
+    def parameters(self) -> Mapping[str, ParameterEstimate]:
+        """Every parameter of the model by name: value, sem, ci95, verdict and more."""
+        return self.assessment.parameters
+
+    @property
+    def values(self) -> Mapping[str, float]:
+        """Every parameter's value by name, ready for `simulate`."""
+        return self.result.values
+
+    @property
+    def status(self) -> str:
+        """``"converged"``, ``"at-bounds"`` or ``"failed"``."""
+        return self.result.status
+
+    @property
+    def message(self) -> str:
+        """What happened, with advice where it failed."""
+        return self.result.message
+
+    @property
+    def vaf(self) -> float:
+        """Variance accounted for over all recordings, equation (31) [%]."""
+        return self.assessment.vaf
+
+    @property
+    def correlation(self) -> FloatArray:
+        """Correlation of the estimates named in `covariance.names`, shape (k, k)."""
+        return self.assessment.covariance.correlation
+
+    @property
+    def covariance(self) -> Covariance:
+        """Names and covariance matrix of the estimates that have one, equation (33)."""
+        return self.assessment.covariance
+
+    @property
+    def ipde(self) -> float | None:
+        """Inter-parameter dependency, equation (35); None where there is none."""
+        return self.assessment.ipde
+
+    def predict(self, recording: AnyRecording, *, prepared: bool | None = None) -> Prediction:
+        """Predict the torque of another recording, and how well it does (thesis 2.7).
+
+        Parameters
+        ----------
+        recording : Recording, ModelInputs or path
+            With its measured torque.
+        prepared : bool, optional
+            Whether its signals are used as they are; by default as they were in the fit.
+        """
+        return validate(self, [recording], prepared=prepared)[0]
+
+    def save(self, path: PathLike) -> None:
+        """Write FIT.json; `load` reads it back without loss."""
+        save_fit(path, self.result, self.assessment)
+
+    def report(self, path: PathLike) -> None:
+        """Write the report, one self-contained HTML file."""
+        from surae.report import write_report
+
+        write_report(path, self.result, self.assessment)
+
+
+def fit(
+    recordings: AnyRecording | Sequence[AnyRecording],
+    model: str = "muscle",
+    *,
+    fixed: Mapping[str, float] | None = None,
+    free: Sequence[str] = (),
+    start: Mapping[str, float] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    prepared: bool = False,
+    starts: int = STARTS,
+    seed: int = 0,
+    progress: Progress | None = None,
+    **options: Any,
+) -> Fit:
+    """Estimate a model's parameters from one recording, or from several together.
+
+    Parameters
+    ----------
+    recordings : Recording, ModelInputs, path, or a sequence of them
+        Several are one joint fit with shared parameters.
+    model : str
+        Name of the model; `surae.model.MODELS` lists them.
+    fixed : mapping of str to float, optional
+        Parameters that are not estimated, e.g. ``{"beta": 1.0}``.
+    free : sequence of str, optional
+        Parameters to estimate beside those the model frees by itself.
+    start : mapping of str to float, optional
+        Where the first start begins, instead of the defaults.
+    bounds : mapping of str to (float, float), optional
+        Bounds instead of the defaults.
+    prepared : bool
+        The signals are filtered and at the model's rate already: use them as they are.
+    starts : int
+        Number of starts; the first from the default, the others random within the bounds.
+    seed : int
+        Seed of the random starts.
+    progress : callable, optional
+        Called after every start with (done, starts, best sum of squares).
+    **options
+        Model options, see `surae.model.ModelOptions`, e.g. ``geometry="virtual-work"``.
+
+    Returns
+    -------
+    Fit
+        Ctrl-C keeps the best so far; `status` and `message` say so.
+
+    Raises
+    ------
+    InputError
+        Something given is unknown, contradictory or unusable.
+    """
+    problem = make_problem(
+        [_inputs(one, prepared) for one in _several(recordings)],
+        model,
+        fixed=fixed,
+        free=free,
+        start=start,
+        bounds=bounds,
+        options=ModelOptions.of(**options),
+    )
+    result = fit_problem(problem, starts=starts, seed=seed, progress=progress)
+    return Fit(result, assess(result))
+
+
+def load(path: PathLike) -> Fit:
+    """Read a fit that was saved; equal to the one saved.
+
+    Raises
+    ------
+    InputError
+        The file is missing, damaged, or of a newer surae.
+    """
+    result = load_fit(path)
+    return Fit(result, assess(result))
+
+
+@overload
+def simulate(
+    model: str,
+    parameters: Mapping[str, float],
+    recording: AnyRecording,
+    *,
+    jacobian: Literal[False] = False,
+    **options: Any,
+) -> FloatArray: ...
+
+
+@overload
+def simulate(
+    model: str,
+    parameters: Mapping[str, float],
+    recording: AnyRecording,
+    *,
+    jacobian: Literal[True],
+    **options: Any,
+) -> tuple[FloatArray, FloatArray]: ...
+
+
+def simulate(
+    model: str,
+    parameters: Mapping[str, float],
+    recording: AnyRecording,
+    *,
+    jacobian: bool = False,
+    **options: Any,
+) -> FloatArray | tuple[FloatArray, FloatArray]:
+    """Torque that a model gives for the angle and EMG of a recording, used as they are.
+
+    Parameters
+    ----------
+    model : str
+        Name of the model.
+    parameters : mapping of str to float
+        Its parameters; those it does not free by default may be left out.
+    recording : Recording, ModelInputs or path
+        Angle and EMG on one uniform time axis.
+    jacobian : bool
+        Also return the derivatives of the torque.
+    **options
+        Model options, see `surae.model.ModelOptions`.
+
+    Returns
+    -------
+    torque : ndarray, shape (n,)
+        Modelled torque [Nm].
+    jacobian : ndarray, shape (n, p)
+        Its derivatives by the parameters that the model frees by default, in its order; only
+        with ``jacobian=True``.
+    """
+    spec, chosen = get_model(model), ModelOptions.of(**options)
+    simulator = spec.simulator(_inputs(recording, prepared=True), chosen)
+    values = spec.vector(parameters, chosen)
+    if not jacobian:
+        return simulator.torque(values)
+    columns = [spec.names.index(name) for name in spec.free]
+    torque, rows = simulator.torque_jacobian(values, columns)
+    return torque, rows.T
+
+
+def validate(
+    fitted: Fit, recordings: Sequence[AnyRecording], *, prepared: bool | None = None
+) -> tuple[Prediction, ...]:
+    """Predict recordings with the parameters of a fit to others (thesis 2.7).
+
+    Parameters
+    ----------
+    fitted : Fit
+        Where the parameters come from.
+    recordings : sequence of Recording, ModelInputs or path
+        With their measured torque.
+    prepared : bool, optional
+        Whether their signals are used as they are; by default as they were in the fit.
+
+    Returns
+    -------
+    tuple of Prediction
+        One for each recording: VAF, RMSE, bias and the predicted torque.
+    """
+    problem = fitted.result.problem
+    as_they_are = problem.inputs[0].prepared if prepared is None else prepared
+    inputs = [_inputs(one, as_they_are) for one in recordings]
+    for one in inputs:
+        if one.emg_unit != problem.inputs[0].emg_unit:
+            raise InputError(
+                f"{one.name}: its EMG is in {one.emg_unit!r}, that of the fit in "
+                f"{problem.inputs[0].emg_unit!r}; the weights do not carry over"
+            )
+    return predict(problem.spec, problem.options, fitted.values, inputs)
+
+
+def _several(recordings: AnyRecording | Sequence[AnyRecording]) -> Sequence[AnyRecording]:
+    one = isinstance(recordings, Recording | ModelInputs | str) or hasattr(recordings, "__fspath__")
+    return [recordings] if one else recordings  # type: ignore[list-item,return-value]
+
+
+def _inputs(recording: AnyRecording, prepared: bool) -> ModelInputs:
+    if isinstance(recording, ModelInputs):
+        return recording
+    if not isinstance(recording, Recording):
+        recording = read(recording)
+    return prepare(recording, prepared=prepared)

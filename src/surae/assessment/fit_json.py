@@ -1,0 +1,291 @@
+"""FIT.json: a fit as a file, readable by people and programs, loaded again without loss."""
+
+import json
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from surae._version import __version__
+from surae.assessment.arrays import decode, encode
+from surae.assessment.assess import Assessment, ParameterEstimate
+from surae.errors import InputError
+from surae.estimation import FitProblem, FitResult, Start
+from surae.files import PathLike, read_bytes, shown, write_atomic
+from surae.model import ModelOptions, get_model
+from surae.recording import SourceFile
+from surae.signals import ModelInputs
+
+#: Of the file's layout; raised when an older surae could not read it.
+FORMAT = 1
+_SERIES = ("time", "angle", "velocity", "acceleration")
+
+
+def save_fit(path: PathLike, result: FitResult, assessment: Assessment) -> None:
+    """Write a fit to `path`, all of it or nothing.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    write_atomic(path, json.dumps(as_dict(result, assessment), indent=1, allow_nan=False) + "\n")
+
+
+def load_fit(path: PathLike) -> FitResult:
+    """Read the fit that `save_fit` wrote; equal to the one saved, to the last bit.
+
+    Raises
+    ------
+    InputError
+        The file is missing, damaged, not a fit, or of a newer surae.
+    """
+    data = read_json(path)
+    try:
+        check_version(data, path)
+        return _result(data)
+    except InputError as error:
+        raise InputError(f"{shown(path)}: {error}") from None
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError, OverflowError) as error:
+        raise InputError(
+            f"{shown(path)}: not a whole FIT.json ({type(error).__name__}: {error}); fit again"
+        ) from None
+
+
+def read_parameters(path: PathLike) -> dict[str, float]:
+    """Parameter values from a FIT.json or from ``{"parameters": {"m": 2.0, …}}``.
+
+    Raises
+    ------
+    InputError
+        The file is missing, not JSON, or has no table of numbers under ``parameters``.
+    """
+    data = read_json(path)
+    check_version(data, path)
+    table = data.get("parameters")
+    if not isinstance(table, dict) or not table:
+        raise InputError(
+            f'{shown(path)}: no parameters; write {{"parameters": {{"m": 2.0, …}}}} or give a '
+            "FIT.json"
+        )
+    values = {}
+    for name, entry in table.items():
+        value = entry.get("value") if isinstance(entry, dict) else entry
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError(f"{shown(path)}: parameter {name!r} is {entry!r}; give a number")
+        values[name] = float(value)
+    return values
+
+
+def read_json(path: PathLike) -> dict[str, Any]:
+    """A JSON object from a file.
+
+    Raises
+    ------
+    InputError
+        The file is missing or is not a JSON object.
+    """
+    try:
+        data = json.loads(read_bytes(path).decode("utf-8"))
+    except UnicodeDecodeError:
+        raise InputError(f"{shown(path)}: not a text file, expected JSON") from None
+    except RecursionError:
+        raise InputError(f"{shown(path)}: nested too deeply, expected JSON of a fit") from None
+    except json.JSONDecodeError as error:
+        raise InputError(
+            f"{shown(path)}: not JSON (line {error.lineno}, column {error.colno}: {error.msg})"
+        ) from None
+    if not isinstance(data, dict):
+        raise InputError(f"{shown(path)}: expected a JSON object, found a {type(data).__name__}")
+    return data
+
+
+def check_version(data: Mapping[str, Any], path: PathLike) -> None:
+    """Refuse a file that a newer surae wrote: it may mean what this one does not know."""
+    written = data.get("surae")
+    if written is None:
+        return
+    if _ordered(str(written)) > _ordered(__version__) or data.get("format", FORMAT) > FORMAT:
+        raise InputError(
+            f"{shown(path)}: written by surae {written}, newer than this one ({__version__}); "
+            "upgrade surae to read it"
+        )
+
+
+def _ordered(version: str) -> tuple[int, ...]:
+    """The leading numbers of a version, comparable."""
+    numbers = []
+    for part in version.split("."):
+        if not part.isdecimal():
+            break
+        numbers.append(int(part))
+    return tuple(numbers)
+
+
+def as_dict(result: FitResult, assessment: Assessment) -> dict[str, Any]:
+    """A fit as plain data, in the shape of FIT.json."""
+    problem = result.problem
+    return {
+        "surae": result.versions["surae"],
+        "format": FORMAT,
+        "model": problem.spec.name,
+        "options": problem.options.as_dict(),
+        "status": result.status,
+        "message": result.message,
+        "vaf": assessment.vaf,
+        "rmse_Nm": assessment.rmse,
+        "parameters": {p.name: _parameter(p) for p in assessment.parameters.values()},
+        "correlation": {
+            "names": list(assessment.covariance.names),
+            "matrix": assessment.covariance.correlation.tolist(),
+            "inseparable": [list(names) for names in assessment.covariance.directions],
+        },
+        "ipde": assessment.ipde,
+        "ipde_note": assessment.ipde_note,
+        "recordings": [
+            {
+                "name": quality.name,
+                "path": quality.path,
+                "sha256": quality.sha256,
+                "n": quality.n,
+                "rate_hz": quality.rate_hz,
+                "vaf": quality.vaf,
+                "rmse_Nm": quality.rmse,
+                "bias_Nm": quality.bias,
+            }
+            for quality in assessment.recordings
+        ],
+        "seed": result.seed,
+        "starts": {
+            "n": len(result.starts),
+            "agreeing": result.agreeing,
+            "all": [
+                {
+                    "initial": dict(start.initial),
+                    "values": dict(start.values),
+                    "sse": _number(start.sse),
+                    "outcome": start.outcome,
+                    "iterations": start.iterations,
+                }
+                for start in result.starts
+            ],
+        },
+        "seconds": result.seconds,
+        "versions": dict(result.versions),
+        "free": list(problem.free),
+        "sse": _number(result.sse),
+        "R": encode(result.R),
+        "traces": [
+            _trace(one, residual)
+            for one, residual in zip(problem.inputs, result.residuals, strict=True)
+        ],
+    }
+
+
+def _parameter(p: ParameterEstimate) -> dict[str, Any]:
+    return {
+        "value": p.value,
+        "unit": p.unit,
+        "sem": p.sem,
+        "ci95": None if p.ci95 is None else list(p.ci95),
+        "lower": p.lower,
+        "upper": p.upper,
+        "free": p.free,
+        "at_bound": p.at_bound,
+        "verdict": str(p.verdict),
+        "note": p.note,
+    }
+
+
+def _number(value: float) -> float | None:
+    """A sum of squares that overflowed has no place in JSON."""
+    return value if math.isfinite(value) else None
+
+
+def _trace(one: ModelInputs, residual: Any) -> dict[str, Any]:
+    torque = one.torque if one.torque is not None else np.zeros(0)
+    return {
+        "name": one.name,
+        "rate_hz": one.rate_hz,
+        "n": one.n,
+        "emg_unit": one.emg_unit,
+        "missing_emg": list(one.missing_emg),
+        "prepared": one.prepared,
+        "steps": list(one.steps),
+        "fixed": dict(one.fixed),
+        "files": [{"path": file.path, "sha256": file.sha256} for file in one.files],
+        **{name: encode(getattr(one, name)) for name in _SERIES},
+        "emg": encode(one.emg),
+        "torque": encode(torque),
+        "residual": encode(residual),
+    }
+
+
+def _inputs(trace: Mapping[str, Any]) -> ModelInputs:
+    n = int(trace["n"])
+    return ModelInputs(
+        name=str(trace["name"]),
+        rate_hz=float(trace["rate_hz"]),
+        emg=decode(trace["emg"], (n, 4)),
+        emg_unit=str(trace["emg_unit"]),
+        torque=decode(trace["torque"], (n,)),
+        missing_emg=tuple(map(str, trace["missing_emg"])),
+        steps=tuple(map(str, trace["steps"])),
+        prepared=bool(trace["prepared"]),
+        fixed={str(name): float(value) for name, value in trace["fixed"].items()},
+        files=tuple(SourceFile(str(f["path"]), str(f["sha256"])) for f in trace["files"]),
+        **{name: decode(trace[name], (n,)) for name in _SERIES},
+    )
+
+
+def _result(data: Mapping[str, Any]) -> FitResult:
+    spec = get_model(data["model"])
+    options = ModelOptions.of(**data["options"])
+    table = data["parameters"]
+    free = tuple(name for name in spec.names if table[name]["free"])
+    values = {name: float(table[name]["value"]) for name in spec.names}
+    traces = data["traces"]
+    starts = data["starts"]
+    problem = FitProblem(
+        spec=spec,
+        options=options,
+        inputs=tuple(_inputs(trace) for trace in traces),
+        free=free,
+        base=np.array(
+            [
+                starts["all"][0]["initial"][name] if name in free else values[name]
+                for name in spec.names
+            ],
+            dtype=float,
+        ),
+        lower=np.array([table[name]["lower"] for name in free], dtype=float),
+        upper=np.array([table[name]["upper"] for name in free], dtype=float),
+    )
+    return FitResult(
+        problem=problem,
+        status=str(data["status"]),
+        message=str(data["message"]),
+        values=values,
+        residuals=tuple(decode(trace["residual"], (int(trace["n"]),)) for trace in traces),
+        sse=_sum(data["sse"]),
+        R=decode(data["R"], (len(free), len(free))),
+        starts=tuple(
+            Start(
+                {str(name): float(value) for name, value in start["initial"].items()},
+                {str(name): float(value) for name, value in start["values"].items()},
+                _sum(start["sse"]),
+                str(start["outcome"]),
+                int(start["iterations"]),
+            )
+            for start in starts["all"]
+        ),
+        agreeing=int(starts["agreeing"]),
+        seed=int(data["seed"]),
+        seconds=float(data["seconds"]),
+        versions={str(name): str(version) for name, version in data["versions"].items()},
+    )
+
+
+def _sum(value: float | None) -> float:
+    return math.inf if value is None else float(value)

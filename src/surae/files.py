@@ -1,0 +1,112 @@
+"""Files at the border: bounded reads of regular files, atomic writes, checksums."""
+
+import hashlib
+import os
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO
+
+from surae.errors import InputError
+
+#: Largest file that is read [bytes]; a 30-minute trial at 2048 Hz is about 0.4 GB of text.
+MAX_BYTES = 4 * 2**30
+
+PathLike = str | os.PathLike[str]
+
+
+def shown(path: PathLike) -> str:
+    """A path as it appears in a message: always on one line."""
+    text = os.fspath(path)
+    return text if text.isprintable() else repr(text)
+
+
+def sha256(data: bytes) -> str:
+    """SHA-256 of `data` as 64 hexadecimal digits."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def read_bytes(path: PathLike, limit: int = MAX_BYTES) -> bytes:
+    """The content of a regular file.
+
+    Raises
+    ------
+    InputError
+        The file is missing, unreadable, larger than `limit` bytes, or no regular file: a device
+        or a pipe could deliver data without end.
+    """
+    cannot = f"cannot read {shown(path)}"
+    try:
+        # Looked at before it is opened: opening a pipe waits for its other end.
+        mode = Path(path).stat().st_mode
+        if stat.S_ISDIR(mode):
+            raise InputError(f"{cannot}: it is a folder, not a file")
+        if not stat.S_ISREG(mode):
+            raise InputError(f"{cannot}: it is a device or a pipe, not a regular file")
+        with Path(path).open("rb") as handle:
+            size = os.fstat(handle.fileno()).st_size
+            if size > limit:
+                raise InputError(f"{cannot}: it is larger than {limit / 2**30:g} GiB; split it")
+            return handle.read(size)
+    except InputError:
+        raise
+    except FileNotFoundError:
+        raise InputError(f"{cannot}: there is no such file") from None
+    except (OSError, ValueError) as error:
+        raise InputError(f"{cannot}: {_reason(error)}") from None
+
+
+@contextmanager
+def atomic_file(path: PathLike) -> Iterator[BinaryIO]:
+    """Open `path` for writing so that it holds either all that is written, or what it held before.
+
+    The bytes go to a temporary file in the same folder, which takes the place of `path` at the
+    end. A link's target is replaced, not the link; an existing file keeps its permissions; a
+    device or pipe, such as ``/dev/stdout``, is written to directly.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written; nothing of it is left behind.
+    """
+    cannot = f"cannot write {shown(path)}"
+    if "\0" in os.fspath(path):
+        raise InputError(f"{cannot}: its name holds a zero byte")
+    try:
+        mode = Path(path).stat().st_mode if Path(path).exists() else None
+        if mode is not None and stat.S_ISDIR(mode):
+            raise InputError(f"{cannot}: it is a folder, not a file")
+        if mode is not None and not stat.S_ISREG(mode):
+            with Path(path).open("wb") as handle:
+                yield handle
+            return
+        if mode is not None and not os.access(path, os.W_OK):
+            raise InputError(f"{cannot}: it is write-protected")
+        target = Path(os.path.realpath(path))
+        temporary = target.with_name(f".surae-{os.urandom(8).hex()}.part")
+        try:
+            with temporary.open("xb") as handle:
+                yield handle
+                handle.flush()
+                os.fsync(handle.fileno())
+            if mode is not None:
+                temporary.chmod(stat.S_IMODE(mode))
+            temporary.replace(target)
+        except BaseException:
+            temporary.unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise InputError(f"{cannot}: {_reason(error)}") from None
+
+
+def write_atomic(path: PathLike, data: bytes | str) -> None:
+    """Write `data` (text as UTF-8) to `path`, all of it or nothing; see `atomic_file`."""
+    with atomic_file(path) as handle:
+        handle.write(data.encode() if isinstance(data, str) else data)
+
+
+def _reason(error: OSError | ValueError) -> str:
+    """The system's reason for `error`, in lower case, without the path."""
+    text = (error.strerror if isinstance(error, OSError) else None) or str(error)
+    return text[:1].lower() + text[1:]

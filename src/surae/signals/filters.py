@@ -1,0 +1,149 @@
+"""Zero-phase filters whose stated cut-off is the −3 dB point of both passes together.
+
+A filter that runs forward and backward has the squared gain of one pass, so a corner placed at the
+cut-off would lose 6 dB there. The corner of the single pass is therefore moved until one pass loses
+1.5 dB at the cut-off. Corners are moved on the pre-warped axis tan(π·f/rate), on which the bilinear
+transform keeps the analog gain exactly.
+
+Before a pass, the signal is extended at both ends by as many samples as the filter's memory is long
+(decay to 1e-4): reflected about its end point (angle and torque keep their slope and the end point
+itself), or mirrored (EMG, which must not change sign).
+"""
+
+import math
+from typing import Any, Literal
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.units import FloatArray
+
+Ends = Literal["odd", "even"]
+
+#: A cut-off must lie below this fraction of the sampling rate.
+HIGHEST_CUTOFF = 0.45
+
+#: The anti-aliasing filter loses 3 dB at `ANTIALIAS_PASS` × target rate, and at least 60 dB from
+#: `ANTIALIAS_STOP` × target rate on: what lies beyond would fold back below the former.
+ANTIALIAS_PASS, ANTIALIAS_STOP, ANTIALIAS_ORDER = 0.4, 0.6, 10
+
+#: Extension at the ends lasts until the slowest pole has decayed to this.
+_MEMORY = 1e-4
+
+#: One pass is to lose half of 3.01 dB at the cut-off: |H|² = 1/√2, so |H|²⁻¹ − 1 = √2 − 1.
+_HALF = math.sqrt(2.0) - 1.0
+
+
+def butterworth(
+    values: FloatArray,
+    rate_hz: float,
+    cutoff_hz: float,
+    order: int,
+    kind: Literal["lowpass", "highpass"],
+    *,
+    ends: Ends = "odd",
+    where: str = "signal",
+) -> FloatArray:
+    """Zero-phase Butterworth filter.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Signal.
+    rate_hz, cutoff_hz : float
+        Sampling rate and −3 dB point of both passes together [Hz].
+    order : int
+        Order of one pass.
+    kind : {"lowpass", "highpass"}
+        What is kept: below or above the cut-off.
+    ends : {"odd", "even"}
+        How the signal is extended: reflected about its end point, or mirrored.
+    where : str
+        What the message of an error begins with.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Raises
+    ------
+    InputError
+        The cut-off is too high for the rate, or the signal is shorter than the filter's memory.
+    """
+    from scipy.signal import butter
+
+    ratio = _HALF ** (1.0 / (2 * order))
+    shift = 1.0 / ratio if kind == "lowpass" else ratio
+    corner = _corner(rate_hz, cutoff_hz, shift, where)
+    zpk = butter(order, corner, kind, fs=rate_hz, output="zpk")
+    return _both_ways(zpk, values, rate_hz, cutoff_hz, ends=ends, where=where)
+
+
+def bessel_lowpass(
+    values: FloatArray, rate_hz: float, cutoff_hz: float, order: int, *, where: str = "signal"
+) -> FloatArray:
+    """Zero-phase Bessel low-pass: no overshoot at a step. Parameters as of `butterworth`."""
+    from scipy.signal import bessel
+
+    corner = _corner(rate_hz, cutoff_hz, 1.0 / _bessel_ratio(order), where)
+    zpk = bessel(order, corner, "lowpass", fs=rate_hz, norm="mag", output="zpk")
+    return _both_ways(zpk, values, rate_hz, cutoff_hz, ends="odd", where=where)
+
+
+def antialias(
+    values: FloatArray,
+    rate_hz: float,
+    target_hz: float,
+    *,
+    ends: Ends = "odd",
+    where: str = "signal",
+) -> FloatArray:
+    """Low-pass before the signal is sampled at `target_hz`. Parameters as of `butterworth`.
+
+    Gain of the 10th-order Butterworth, both passes, as a fraction of the target rate: within 1e-6
+    of one up to 0.2 (20 Hz at 100 Hz), −3 dB at 0.4, at most −60 dB from 0.6 on.
+    """
+    cutoff = ANTIALIAS_PASS * target_hz
+    return butterworth(values, rate_hz, cutoff, ANTIALIAS_ORDER, "lowpass", ends=ends, where=where)
+
+
+def _corner(rate_hz: float, cutoff_hz: float, shift: float, where: str) -> float:
+    """Single-pass corner [Hz]: the cut-off times `shift` on the pre-warped axis."""
+    if cutoff_hz >= HIGHEST_CUTOFF * rate_hz:
+        raise InputError(
+            f"{where}: a filter at {cutoff_hz:g} Hz needs a sampling rate above "
+            f"{cutoff_hz / HIGHEST_CUTOFF:g} Hz, it is {rate_hz:g} Hz; lower the cut-off in the "
+            f"[prepare] settings"
+        )
+    return rate_hz / math.pi * math.atan(shift * math.tan(math.pi * cutoff_hz / rate_hz))
+
+
+def _bessel_ratio(order: int) -> float:
+    """Frequency at which one pass loses 1.5 dB, in units of that at which it loses 3 dB."""
+    from scipy.optimize import brentq
+    from scipy.signal import bessel, freqs_zpk
+
+    zeros, poles, gain = bessel(order, 1.0, analog=True, norm="mag", output="zpk")
+
+    def excess(frequency: float) -> float:
+        response = freqs_zpk(zeros, poles, gain, worN=[frequency])[1][0]
+        return float(abs(response) ** 2 - math.sqrt(0.5))
+
+    return float(brentq(excess, 0.1, 1.0, xtol=1e-14))
+
+
+def _both_ways(
+    zpk: Any, values: FloatArray, rate_hz: float, cutoff_hz: float, *, ends: Ends, where: str
+) -> FloatArray:
+    """Run the filter forward and backward over the extended signal."""
+    from scipy.signal import sosfiltfilt, zpk2sos
+
+    slowest = float(np.max(np.abs(zpk[1])))
+    memory = math.ceil(math.log(_MEMORY) / math.log(slowest)) if slowest > 0.0 else 1
+    if len(values) <= memory:
+        raise InputError(
+            f"{where}: {len(values)} samples ({len(values) / rate_hz:.3g} s) are too few for a "
+            f"filter at {cutoff_hz:g} Hz; record at least {(memory + 1) / rate_hz:.3g} s"
+        )
+    filtered: FloatArray = sosfiltfilt(zpk2sos(*zpk), values, padtype=ends, padlen=memory)
+    return filtered

@@ -1,0 +1,250 @@
+"""From a recording to model inputs: the whole chain, and a plain account of it."""
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.recording import MUSCLES, Recording, read_only
+from surae.signals.emg import (
+    envelope,
+    envelope_step,
+    refuse_negative,
+    refuse_not_raw,
+)
+from surae.signals.filters import bessel_lowpass
+from surae.signals.inputs import ModelInputs
+from surae.signals.kinematics import MINIMUM_SAMPLES, derivatives
+from surae.signals.resample import Uniform, antialias_step, needs_antialias, resample, uniform
+from surae.signals.settings import Preparation
+from surae.signals.timebase import SAME_STEPS, UNIFORM_STEPS, Axis, common_axis, timing
+from surae.units import FloatArray
+
+_DEFAULTS = Preparation()
+
+
+def prepare(
+    recording: Recording, settings: Preparation = _DEFAULTS, *, prepared: bool = False
+) -> ModelInputs:
+    """Bring a recording to what a model reads.
+
+    Raw EMG: mean removed, high-pass, rectified, optional low-pass. Angle and torque: Bessel
+    low-pass. Then every channel is anti-aliased where that is needed and given on one uniform axis
+    over the span that all share, at `settings.rate_hz` or the rate of the slowest channel where
+    that is lower: samples added in between would carry no information, but correlate the residuals
+    and make the estimates look more certain than they are. EMG envelopes and measured derivatives
+    are only resampled; derivatives that were not measured come from the prepared angle.
+
+    Parameters
+    ----------
+    recording : Recording
+        The trial; its own `prepare` settings override `settings`.
+    settings : Preparation
+        Cut-offs, orders and rate.
+    prepared : bool
+        Use all signals as they are. They must share one uniform time axis; only derivatives that
+        are not given are computed.
+
+    Returns
+    -------
+    ModelInputs
+        Without `torque` where none was recorded. The muscles without EMG are in `missing_emg`.
+
+    Raises
+    ------
+    InputError
+        The time axes, rates, units or EMG do not allow it; the message names the recording, the
+        channel and what to do.
+    """
+    if "angle" not in recording.channels:
+        raise InputError(f"{recording.name}: there is no angle; add its column")
+    settings = settings.updated(recording.prepare)
+    rate_hz, time, signals, steps = (
+        _as_they_are(recording) if prepared else _chain(recording, settings)
+    )
+    computed = derivatives(signals["angle"], rate_hz, where=f"{recording.name}: angle")
+    steps = [*steps, _derivative_step(signals)]
+
+    present = tuple(muscle for muscle in MUSCLES if f"emg_{muscle}" in signals)
+    emg = np.zeros((len(time), len(MUSCLES)))
+    for muscle in present:
+        emg[:, MUSCLES.index(muscle)] = signals[f"emg_{muscle}"]
+    missing = tuple(muscle for muscle in MUSCLES if muscle not in present)
+    if missing:
+        steps.append(f"There is no EMG of {', '.join(missing)}: taken as zero.")
+    torque = signals.get("torque")
+    return ModelInputs(
+        name=recording.name,
+        rate_hz=rate_hz,
+        time=read_only(time),
+        angle=read_only(signals["angle"]),
+        velocity=read_only(signals.get("angular_velocity", computed[0])),
+        acceleration=read_only(signals.get("angular_acceleration", computed[1])),
+        emg=read_only(emg),
+        emg_unit=_emg_unit(recording),
+        torque=None if torque is None else read_only(torque),
+        missing_emg=missing,
+        steps=tuple(steps),
+        prepared=prepared,
+        fixed=recording.fixed,
+        files=recording.files,
+    )
+
+
+def _emg_unit(recording: Recording) -> str:
+    """The unit of the EMG channels, which a recording has but one of; volts without EMG."""
+    units = (c.unit for role, c in recording.channels.items() if role.startswith("emg_"))
+    return next(units, "V")
+
+
+class _Signals(NamedTuple):
+    """Signals by role on one time axis, and the account of how they came there."""
+
+    rate_hz: float
+    time: FloatArray
+    by_role: dict[str, FloatArray]
+    steps: list[str]
+
+
+def _as_they_are(recording: Recording) -> _Signals:
+    """Signals that need no preparation."""
+    name, channels = recording.name, recording.channels
+    angle = channels["angle"]
+    timings = {role: timing(channel, name) for role, channel in channels.items()}
+    found = timings["angle"]
+    instead = "prepare them on one uniform time axis, or leave out --prepared (prepared=False)"
+    if not found.uniform:
+        raise InputError(
+            f"{name}: prepared signals are not sampled uniformly (time stamps are off by up to "
+            f"{1e3 * found.jitter_s:.3g} ms); {instead}"
+        )
+    tolerance = SAME_STEPS / found.axis.rate_hz
+    for role, channel in channels.items():
+        same = len(channel.time) == len(angle.time)
+        if not same or np.max(np.abs(channel.time - angle.time)) > tolerance:
+            raise InputError(
+                f"{name}: prepared signals do not share one time axis (angle and {role} differ); "
+                f"{instead}"
+            )
+        if role.startswith("emg_"):
+            refuse_negative(channel, f"{name}: {role}")
+    return _Signals(
+        rate_hz=found.axis.rate_hz,
+        time=angle.time if found.jitter_s <= tolerance else found.axis.time,
+        by_role={role: channel.values for role, channel in channels.items()},
+        steps=[f"All signals are used as they are, at {found.axis.rate_hz:.6g} Hz."],
+    )
+
+
+def _chain(recording: Recording, settings: Preparation) -> _Signals:
+    """Filtered and resampled signals."""
+    sources = {
+        role: uniform(channel, recording.name) for role, channel in recording.channels.items()
+    }
+    axis = common_axis(
+        [source.axis for source in sources.values()],
+        settings.rate_hz,
+        recording.name,
+        MINIMUM_SAMPLES,
+    )
+    steps = [step for role, source in sources.items() if (step := _jitter_step(role, source))]
+    filtered = dict(sources)
+    emg = [role for role in sources if role.startswith("emg_")]
+    for role in emg:
+        if recording.emg == "raw":
+            refuse_not_raw(recording.channels[role], sources[role], settings)
+            filtered[role] = envelope(sources[role], settings)
+        else:
+            refuse_negative(recording.channels[role], sources[role].where)
+    if emg and recording.emg == "raw":
+        steps.append(envelope_step([sources[role] for role in emg], settings))
+    mechanical = [role for role in ("angle", "torque") if role in sources]
+    if settings.bessel_hz is not None:
+        for role in mechanical:
+            filtered[role] = _bessel(sources[role], settings.bessel_hz, settings.bessel_order)
+        steps.append(
+            f"{' and '.join(mechanical).capitalize()}: zero-phase Bessel low-pass of order "
+            f"{settings.bessel_order} (-3 dB at {settings.bessel_hz:g} Hz after both passes)."
+        )
+
+    signals = {
+        role: resample(signal, axis, ends="even" if role in emg else "odd")
+        for role, signal in filtered.items()
+    }
+    steps += _resampling_steps(sources, axis, settings.rate_hz)
+    negative = max((_negative_share(signals[role]) for role in emg), default=0.0)
+    if negative > 0.0:
+        signals |= {role: np.maximum(signals[role], 0.0) for role in emg}
+        steps.append(
+            f"EMG: negative samples, at most {100 * negative:.2g} % of the muscle's maximum, "
+            f"were set to zero (left by the ringing of filters)."
+        )
+    return _Signals(axis.rate_hz, axis.time, signals, steps)
+
+
+def _bessel(source: Uniform, cutoff_hz: float, order: int) -> Uniform:
+    """The source, low-passed at its own rate."""
+    rate = source.axis.rate_hz
+    return source.replaced(
+        bessel_lowpass(source.values, rate, cutoff_hz, order, where=source.where)
+    )
+
+
+def _negative_share(emg: FloatArray) -> float:
+    """The most negative sample of one muscle's EMG as a fraction of its maximum, at least 0."""
+    highest = float(emg.max())
+    return max(-float(emg.min()) / highest, 0.0) if highest > 0.0 else 0.0
+
+
+def _jitter_step(role: str, source: Uniform) -> str:
+    """What was made of time stamps that are not uniform; empty where they are."""
+    found = source.timing
+    off = f"{1e3 * found.jitter_s:.3g} ms"
+    if not found.uniform:
+        return (
+            f"{role}: time stamps jitter by up to {off}; interpolated on a uniform axis of "
+            f"{found.axis.rate_hz:.6g} Hz (quintic spline)."
+        )
+    if found.jitter_s * found.axis.rate_hz > UNIFORM_STEPS:
+        return (
+            f"{role}: time stamps are rounded (by up to {off}); taken as uniform at "
+            f"{found.axis.rate_hz:.6g} Hz."
+        )
+    return ""
+
+
+def _resampling_steps(sources: Mapping[str, Uniform], axis: Axis, wanted_hz: float) -> list[str]:
+    """What was done to bring the signals on the common axis."""
+    fast = [role for role, source in sources.items() if needs_antialias(source.axis, axis)]
+    moved = [role for role, source in sources.items() if source.axis != axis]
+    steps = []
+    if fast:
+        steps.append(f"{', '.join(fast)}: {antialias_step(axis)}.")
+    if moved:
+        steps.append(
+            f"All signals given at {axis.n} instants from {axis.start:.6g} to {axis.end:.6g} s, at "
+            f"{axis.rate_hz:.6g} Hz (quintic spline between samples)."
+        )
+    else:
+        steps.append(f"All signals keep their time axis, at {axis.rate_hz:.6g} Hz.")
+    if axis.rate_hz < wanted_hz and not math.isclose(axis.rate_hz, wanted_hz, rel_tol=SAME_STEPS):
+        slowest = min(sources, key=lambda role: sources[role].axis.rate_hz)
+        steps.append(
+            f"The rate is that of the slowest channel, {slowest}, not {wanted_hz:g} Hz: samples "
+            f"added in between would carry no information, but make the uncertainty look smaller."
+        )
+    return steps
+
+
+def _derivative_step(signals: Mapping[str, FloatArray]) -> str:
+    """Where velocity and acceleration come from."""
+    given = [role for role in ("angular_velocity", "angular_acceleration") if role in signals]
+    if len(given) == 2:
+        return "Angular velocity and acceleration are those given."
+    how = "from the angle by central differences over 15 samples"
+    if not given:
+        return f"Angular velocity and acceleration {how}."
+    other = "Angular acceleration" if given == ["angular_velocity"] else "Angular velocity"
+    return f"The {given[0].replace('_', ' ')} is that given. {other} {how}."
