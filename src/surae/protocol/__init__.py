@@ -1,1 +1,27 @@
-"""."""
+"""Measurement protocols: position profiles, effort tasks, device limits, coverage, files."""
+
+from surae.protocol.adaptation import Adaptation
+from surae.protocol.coverage import Coverage, coverage
+from surae.protocol.device import DEVICES, Device, named_device
+from surae.protocol.effort import TASKS, Task
+from surae.protocol.export import write_csv, write_mat
+from surae.protocol.profiles import PROFILES, Profile
+from surae.protocol.protocol import Protocol, Trajectory, generate
+
+__all__ = [
+    "DEVICES",
+    "PROFILES",
+    "TASKS",
+    "Adaptation",
+    "Coverage",
+    "Device",
+    "Profile",
+    "Protocol",
+    "Task",
+    "Trajectory",
+    "coverage",
+    "generate",
+    "named_device",
+    "write_csv",
+    "write_mat",
+]

@@ -1,0 +1,221 @@
+"""How a motion is adapted to a device, or refused (thesis 4.1.5, Figures 36 and 37).
+
+The thesis low-pass filters a profile until its velocity stays under what the manipulator follows
+without overshoot. Its filter is not printed; here it has the gain of a first-order Butterworth
+filter, 1/√(1 + (f/fc)²), and no phase shift. A chirp of rising frequency then keeps its velocity
+while its amplitude falls, as in those figures, where a steeper filter would remove it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.protocol.device import Device
+from surae.units import FloatArray
+
+#: Angle, velocity and acceleration [rad, rad/s, rad/s²].
+Motion = tuple[FloatArray, FloatArray, FloatArray]
+
+#: Cut-off frequencies that are tried [Hz].
+_LOWEST_CUTOFF, _HIGHEST_CUTOFF = 0.02, 100.0
+
+
+@dataclass(frozen=True, slots=True)
+class Adaptation:
+    """What was changed for a device, and what that cost.
+
+    Attributes
+    ----------
+    device : str
+        Name of the device.
+    chirp_amplitude : (float, float)
+        Amplitude asked for and used, before filtering [rad].
+    chirp_end_amplitude : float
+        What is left of it at the highest frequency, after filtering [rad].
+    cutoff_hz : float or None
+        Cut-off of the low-pass filter; None when none was needed.
+    peak_velocity, peak_acceleration : (float, float)
+        As asked for, and after adaptation [rad/s, rad/s²].
+    span : float
+        Share of the range of motion that is still reached, 0…1.
+    """
+
+    device: str
+    chirp_amplitude: tuple[float, float]
+    chirp_end_amplitude: float
+    cutoff_hz: float | None
+    peak_velocity: tuple[float, float]
+    peak_acceleration: tuple[float, float]
+    span: float
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        """One plain sentence per change; empty when nothing had to change."""
+        steps = []
+        asked, used = self.chirp_amplitude
+        if used < asked:
+            steps.append(f"Chirp lowered from {asked:.3g} to {used:.3g} rad for {self.device}.")
+        if self.cutoff_hz is not None:
+            before, after = self.peak_velocity
+            steps.append(
+                f"Low-pass filtered at {self.cutoff_hz:.3g} Hz for {self.device}: the peak "
+                f"velocity falls from {before:.3g} to {after:.3g} rad/s."
+            )
+            if used > 0.0:
+                steps.append(
+                    f"Of the chirp, {self.chirp_end_amplitude:.2g} rad is left at its highest "
+                    "frequency."
+                )
+        if self.span < 0.999:
+            steps.append(f"Only {100 * self.span:.3g} % of the range of motion is reached.")
+        return tuple(steps)
+
+
+@dataclass(frozen=True, slots=True)
+class Fitted:
+    """A motion that a device can follow.
+
+    Attributes
+    ----------
+    motion : Motion
+        Three arrays of shape (n,).
+    cutoff_hz : float or None
+        Cut-off of the filter; None when the motion is as it was.
+    gain : float
+        Factor by which the filtered motion was then stretched or shrunk.
+    """
+
+    motion: Motion
+    cutoff_hz: float | None = None
+    gain: float = 1.0
+
+    def response(self, frequency_hz: float) -> float:
+        """Factor by which a sine of that frequency was changed."""
+        if self.cutoff_hz is None:
+            return 1.0
+        return self.gain * float(_filter_gain(np.array([frequency_hz]), self.cutoff_hz)[0])
+
+
+def peaks(motion: Motion) -> tuple[float, float]:
+    """Highest velocity and acceleration of a motion, either way [rad/s, rad/s²]."""
+    return float(np.abs(motion[1]).max()), float(np.abs(motion[2]).max())
+
+
+def fit_device(
+    device: Device,
+    motion: Motion,
+    *,
+    rate_hz: float,
+    highest_hz: float,
+    range_of_motion: tuple[float, float],
+) -> Fitted:
+    """The motion filtered until the device can follow it, still over the whole range if it can.
+
+    Parameters
+    ----------
+    device : Device
+        Whose limits hold afterwards.
+    motion : Motion
+        Uniformly sampled, spanning `range_of_motion`.
+    rate_hz : float
+        Sampling rate [Hz].
+    highest_hz : float
+        Highest frequency in the motion [Hz]; above the device's bandwidth it is filtered at that.
+    range_of_motion : (float, float)
+        Angles of full plantarflexion and full dorsiflexion [rad].
+
+    Returns
+    -------
+    Fitted
+        The motion as it is if the device follows it; else filtered with the highest cut-off that
+        will do and stretched to the range again; if none will do, filtered with the lowest and
+        shrunk about mid-range until the limits hold.
+    """
+    if _excess(device, motion) <= 1.0 and highest_hz <= device.frequency_limit:
+        return Fitted(motion)
+
+    def filtered(cutoff_hz: float) -> Fitted:
+        low, high = range_of_motion
+        angle, velocity, acceleration = low_pass(motion[0], cutoff_hz, rate_hz)
+        lowest = float(angle.min())
+        gain = (high - low) / (float(angle.max()) - lowest)
+        stretched = (low + gain * (angle - lowest), gain * velocity, gain * acceleration)
+        return Fitted(stretched, cutoff_hz, gain)
+
+    too_high = min(_HIGHEST_CUTOFF, device.frequency_limit)
+    best = filtered(too_high)
+    if _excess(device, best.motion) > 1.0:
+        cutoff = min(_LOWEST_CUTOFF, too_high)
+        best = filtered(cutoff)
+        while too_high / cutoff > 1.001:
+            candidate = filtered(float(np.sqrt(cutoff * too_high)))
+            assert candidate.cutoff_hz is not None
+            if _excess(device, candidate.motion) <= 1.0:
+                best, cutoff = candidate, candidate.cutoff_hz
+            else:
+                too_high = candidate.cutoff_hz
+    return _shrunk(best, max(1.0, _excess(device, best.motion)), sum(range_of_motion) / 2)
+
+
+def refusal(device: Device, motion: Motion, highest_hz: float) -> str | None:
+    """By how much a motion is too fast for a device; None if the device can follow it."""
+    velocity, acceleration = peaks(motion)
+    for value, limit, unit in (
+        (velocity, device.velocity_limit, "rad/s"),
+        (acceleration, device.acceleration_limit, "rad/s2"),
+        (highest_hz, device.frequency_limit, "Hz"),
+    ):
+        if value > limit:
+            return (
+                f"reaches {value:.4g} {unit}, {value / limit:.3g} times the {limit:.4g} {unit} "
+                f"that {device.name} follows"
+            )
+    return None
+
+
+def low_pass(angle: FloatArray, cutoff_hz: float, rate_hz: float) -> Motion:
+    """Zero-phase first-order low-pass of a motion, with its exact derivatives.
+
+    The motion is continued by its mirror image at both ends, so it begins and ends at rest.
+
+    Parameters
+    ----------
+    angle : ndarray, shape (n,)
+        Uniformly sampled at `rate_hz` [rad].
+    cutoff_hz : float
+        Frequency where the amplitude is divided by √2 [Hz].
+    rate_hz : float
+        Sampling rate [Hz].
+
+    Returns
+    -------
+    Motion
+        Three arrays of shape (n,).
+    """
+    n = len(angle)
+    spectrum = np.fft.rfft(np.concatenate([angle, angle[-2:0:-1]]))
+    frequency = np.arange(n, dtype=np.float64) * (rate_hz / (2 * n - 2))
+    filtered = spectrum * _filter_gain(frequency, cutoff_hz)
+    omega = 2j * np.pi * frequency
+    position, velocity, acceleration = (
+        np.fft.irfft(factor * filtered, 2 * n - 2)[:n] for factor in (1.0, omega, omega**2)
+    )
+    return position, velocity, acceleration
+
+
+def _filter_gain(frequency: FloatArray, cutoff_hz: float) -> FloatArray:
+    """Gain of a first-order Butterworth filter."""
+    return 1.0 / np.sqrt(1.0 + (frequency / cutoff_hz) ** 2)
+
+
+def _excess(device: Device, motion: Motion) -> float:
+    """How many times a motion goes beyond the limits; at most 1 if it can be followed."""
+    velocity, acceleration = peaks(motion)
+    return max(velocity / device.velocity_limit, acceleration / device.acceleration_limit)
+
+
+def _shrunk(fitted: Fitted, times: float, middle: float) -> Fitted:
+    """The motion made `times` smaller about the angle `middle` [rad]."""
+    angle, velocity, acceleration = fitted.motion
+    motion = (middle + (angle - middle) / times, velocity / times, acceleration / times)
+    return Fitted(motion, fitted.cutoff_hz, fitted.gain / times)

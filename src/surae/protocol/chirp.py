@@ -1,0 +1,71 @@
+"""The added chirp, and how a profile makes room for it inside the range of motion.
+
+The thesis adds the chirp to the basic profile (2.5.1, Figures 7 and 8) and doesn't say what happens
+at the ends of the range. A leg must never be moved beyond its range of motion, so the basic profile
+is mapped on a narrower range, chosen so that profile + chirp just reaches both ends.
+"""
+
+import numpy as np
+
+from surae.units import FloatArray
+
+
+def chirp(
+    t: FloatArray, *, amplitude: float, rate: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Chirp A·sin(π·s·t²), of instantaneous frequency s·t, and its derivatives.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Times since the start [s].
+    amplitude : float
+        A [rad].
+    rate : float
+        s, the rise of the frequency [Hz/s]; the thesis's "frequency scale factor".
+
+    Returns
+    -------
+    angle, velocity, acceleration : ndarray, shape (n,)
+        [rad, rad/s, rad/s²].
+    """
+    phase = np.pi * rate * t**2
+    phase_speed = 2 * np.pi * rate * t
+    angle = amplitude * np.sin(phase)
+    velocity = amplitude * phase_speed * np.cos(phase)
+    acceleration = amplitude * (2 * np.pi * rate * np.cos(phase) - phase_speed**2 * np.sin(phase))
+    return angle, velocity, acceleration
+
+
+def base_range(
+    fraction: FloatArray, added: FloatArray, range_of_motion: tuple[float, float]
+) -> tuple[float, float]:
+    """Range on which the profile is mapped so that profile + chirp spans the range of motion.
+
+    Parameters
+    ----------
+    fraction : ndarray, shape (n,)
+        The profile, 0…1.
+    added : ndarray, shape (n,)
+        The chirp [rad], smaller than half the range of motion.
+    range_of_motion : (float, float)
+        Angles of full plantarflexion and full dorsiflexion [rad].
+
+    Returns
+    -------
+    (float, float)
+        Angles `low`, `high` [rad] such that low + (high − low)·fraction + added has the extremes
+        `range_of_motion`, to 1e-12 rad.
+    """
+    plantarflexed, dorsiflexed = range_of_motion
+    amplitude = float(np.abs(added).max())
+    # From the range that is safe whatever the phases, each end is moved out by the room that is
+    # left. That room shrinks at every step: the sum follows `high` where the profile is near 1.
+    low, high = plantarflexed + amplitude, dorsiflexed - amplitude
+    for _ in range(200):
+        total = low + (high - low) * fraction + added
+        above, below = dorsiflexed - float(total.max()), float(total.min()) - plantarflexed
+        high, low = high + above, low - below
+        if max(abs(above), abs(below)) < 1e-13:
+            break
+    return low, high

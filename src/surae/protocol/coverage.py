@@ -1,0 +1,90 @@
+"""How much of the muscle's length–velocity plane a motion visits (thesis Figures 3 and 38)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.recording import read_only
+from surae.units import FloatArray
+
+#: The axes of the thesis's figures, in cells of 0.05 l0 by 0.1 l0/s.
+LENGTH_EDGES = np.linspace(0.3, 1.2, 19)
+VELOCITY_EDGES = np.linspace(-5.0, 5.0, 101)
+
+
+@dataclass(frozen=True, slots=True)
+class Coverage:
+    """Where in the length–velocity plane a muscle has been; arrays read-only.
+
+    Attributes
+    ----------
+    share : float
+        Share of the cells that were visited, 0…1.
+    time_share : ndarray, shape (n_velocity, n_length)
+        Share of the time spent in each cell; 0 where it never was.
+    outside : float
+        Share of the time spent outside the grid.
+    length_edges : ndarray, shape (n_length + 1,)
+        Borders of the cells [L/l0].
+    velocity_edges : ndarray, shape (n_velocity + 1,)
+        Borders of the cells [l0/s].
+    """
+
+    share: float
+    time_share: FloatArray
+    outside: float
+    length_edges: FloatArray
+    velocity_edges: FloatArray
+
+
+def coverage(
+    length: FloatArray,
+    velocity: FloatArray,
+    *,
+    length_edges: FloatArray = LENGTH_EDGES,
+    velocity_edges: FloatArray = VELOCITY_EDGES,
+) -> Coverage:
+    """Share of the length–velocity plane that a path through it visits.
+
+    The path between two samples counts as a straight line in steps of half a cell at most, so that
+    a fast movement is not under-counted at a low sampling rate.
+
+    Parameters
+    ----------
+    length, velocity : ndarray, shape (n,)
+        Normalised muscle length [L/l0] and velocity [l0/s], uniformly sampled.
+    length_edges, velocity_edges : ndarray
+        Borders of equal cells, increasing.
+
+    Raises
+    ------
+    InputError
+        The arrays differ in length, are too short or aren't finite.
+    """
+    length, velocity = np.asarray(length, dtype=float), np.asarray(velocity, dtype=float)
+    if length.ndim != 1 or length.shape != velocity.shape or len(length) < 2:
+        raise InputError(
+            f"coverage: length {length.shape} and velocity {velocity.shape} must be "
+            "one-dimensional, equally long and of two samples or more"
+        )
+    if not (np.isfinite(length).all() and np.isfinite(velocity).all()):
+        raise InputError("coverage: length and velocity must be finite; remove NaN and infinity")
+    cell = np.array([np.diff(length_edges).min(), np.diff(velocity_edges).min()])
+    step = np.abs(np.diff(np.column_stack([length, velocity]), axis=0)).max(axis=0)
+    parts = int(np.ceil((2 * step / cell).max())) or 1
+    at = np.arange(len(length))
+    between = np.arange((len(length) - 1) * parts + 1) / parts
+    counts, _, _ = np.histogram2d(
+        np.interp(between, at, velocity),
+        np.interp(between, at, length),
+        bins=[velocity_edges, length_edges],
+    )
+    time_share = counts / len(between)
+    return Coverage(
+        share=float((counts > 0).mean()),
+        time_share=read_only(time_share),
+        outside=max(0.0, 1.0 - float(time_share.sum())),
+        length_edges=read_only(length_edges),
+        velocity_edges=read_only(velocity_edges),
+    )

@@ -1,0 +1,111 @@
+"""The EMG tasks (thesis 2.5.1, Figure 9): the effort of each muscle that the subject is asked for.
+
+Bursts of about one second alternate between plantarflexion (the three heads of the triceps surae)
+and dorsiflexion (tibialis anterior). Their lengths, gaps and amplitudes follow a fixed
+low-discrepancy sequence, so the same task is always the same. The heads act together, as they do in
+a leg, but in proportions and at onsets that differ from burst to burst: were they proportional, the
+weights g2, g3 and g4 could not be told apart.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.protocol.ramps import smooth_step
+from surae.recording import MUSCLES
+from surae.units import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """An EMG task.
+
+    Attributes
+    ----------
+    name : str
+        Name in settings and files.
+    passive_until : float
+        The subject is relaxed until then [s].
+    description : str
+        One sentence.
+    """
+
+    name: str
+    passive_until: float
+    description: str
+
+
+TASKS: dict[str, Task] = {
+    task.name: task
+    for task in (
+        Task("part-passive", 11.0, "Relaxed to 11 s, then alternating bursts."),
+        Task("active", 0.0, "Alternating bursts throughout."),
+        Task("passive", np.inf, "Relaxed throughout."),
+    )
+}
+
+#: Muscles of each direction: the first burst is plantarflexion.
+DIRECTIONS = (("gl", "sol", "gm"), ("ta",))
+
+#: Time from one burst to the next, by which the onset of a head may be late [s].
+GAP = 0.15
+
+#: Root of x⁶ = x + 1: base of the additive recurrence in five dimensions (Roberts 2018): level and
+#: length of the burst, and what is each head's own.
+_ROOT = 1.134724138401519
+
+
+def _sequence(k: int, dimension: int) -> float:
+    """Element k of a low-discrepancy sequence in [0, 1)."""
+    return (0.5 + (k + 1) * _ROOT ** -(dimension + 1)) % 1.0
+
+
+def _bursts(start: float, end: float) -> Iterator[tuple[str, float, float, float]]:
+    """Muscle, onset [s], length [s] and amplitude of every burst that is over by `end`."""
+    k, onset = 0, start
+    while onset + (length := 0.9 + 0.3 * _sequence(k, 1)) + GAP <= end:
+        # Hard and easy efforts mix in either direction: 0.4 to 1 of the largest.
+        level = 0.4 + 0.6 * _sequence(k, 0)
+        for i, muscle in enumerate(DIRECTIONS[k % 2]):
+            own = _sequence(k, i + 2)
+            yield muscle, onset + GAP * own, length, level * (0.6 + 0.4 * own)
+        onset += length + GAP
+        k += 1
+
+
+def effort(t: FloatArray, task: Task) -> FloatArray:
+    """Target effort of the four muscles.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Times [s].
+    task : Task
+        What the subject is asked to do; no burst is cut off by the end of the trial.
+
+    Returns
+    -------
+    ndarray, shape (n, 4)
+        Fraction 0…1 of the largest effort, in the order TA, GL, SOL, GM; exactly 0 while passive.
+    """
+    target = np.zeros((len(t), len(MUSCLES)))
+    for muscle, onset, length, amplitude in _bursts(task.passive_until, float(t[-1])):
+        u = (t - onset) / length
+        bump = smooth_step(2.0 * u) * smooth_step(2.0 - 2.0 * u)
+        target[:, MUSCLES.index(muscle)] += amplitude * bump
+    return target
+
+
+def named_task(name: str) -> Task:
+    """The task of that name.
+
+    Raises
+    ------
+    InputError
+        There is none.
+    """
+    if name not in TASKS:
+        raise InputError(f"task {name!r} is not known; use one of: {', '.join(TASKS)}")
+    return TASKS[name]

@@ -1,0 +1,160 @@
+"""The position profiles of the thesis (2.5.1, Figures 2 and 6): fractions of the range of motion.
+
+A profile is a pure function of time, defined for every t, smooth, at rest at its start and end:
+0 is full plantarflexion, 1 full dorsiflexion. To add one, write its function and a line in
+`PROFILES`. Of the thesis's plots only the axes are left, so most speeds, frequencies and hold
+positions are ours; the durations, the 0.20 Hz of the sine, how each profile is made and the speed
+of the ramp and hold (0.35 l0/s in Figure 3, which is 0.9 rad/s) are the thesis's.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.protocol.ramps import Ramp, ramps_and_holds, smooth_step
+from surae.units import FloatArray
+
+Position = Callable[[FloatArray], FloatArray]
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """A position profile.
+
+    Attributes
+    ----------
+    name : str
+        Name in settings and files.
+    duration : float
+        Its own duration [s].
+    position : callable
+        Times [s], shape (n,), to fractions of the range of motion, shape (n,).
+    description : str
+        One sentence.
+    """
+
+    name: str
+    duration: float
+    position: Position
+    description: str
+
+
+@cache
+def _extremes(raw: Position, duration: float) -> tuple[float, float]:
+    values = raw(np.linspace(0.0, duration, int(duration * 4000) + 1))
+    return float(values.min()), float(values.max())
+
+
+def _spanning(raw: Position, t: FloatArray, duration: float) -> FloatArray:
+    """`raw` mapped so that its extremes over [0, duration] are 0 and 1."""
+    lowest, highest = _extremes(raw, duration)
+    return (raw(t) - lowest) / (highest - lowest)
+
+
+RAMP_AND_HOLD = (Ramp(2.0, 1.0, 0.6), Ramp(10.0, 0.0, 0.6))
+
+
+def ramp_and_hold(t: FloatArray) -> FloatArray:
+    """Through the range at 0.6 /s, a hold of 6 s, and back."""
+    return ramps_and_holds(t, RAMP_AND_HOLD)
+
+
+def sine(t: FloatArray) -> FloatArray:
+    """Sine of 0.20 Hz over the whole range, from full plantarflexion."""
+    return 0.5 - 0.5 * np.cos(2 * np.pi * 0.2 * t)
+
+
+#: Slow, with long holds, while the subject is passive (to 11 s); then holds at many lengths,
+#: reached at 0.15 to 0.8 /s.
+MULTIPLE_HOLDS = (
+    Ramp(0.5, 1.0, 0.5),
+    Ramp(5.0, 0.0, 0.25),
+    Ramp(10.5, 0.5, 0.6),
+    Ramp(12.5, 0.8, 0.15),
+    Ramp(15.5, 0.3, 0.6),
+    Ramp(17.5, 1.0, 0.35),
+    Ramp(20.8, 0.65, 0.8),
+    Ramp(22.4, 0.1, 0.25),
+    Ramp(25.8, 0.9, 0.7),
+    Ramp(28.1, 0.4, 0.4),
+    Ramp(30.5, 0.7, 0.2),
+    Ramp(32.8, 0.0, 0.6),
+)
+
+
+def multiple_holds(t: FloatArray) -> FloatArray:
+    """Holds at many positions, reached at various speeds."""
+    return ramps_and_holds(t, MULTIPLE_HOLDS)
+
+
+MULTI_SINE_START = (Ramp(1.0, 1.0, 0.6), Ramp(7.0, 0.5, 0.25))
+
+
+def _three_sines(t: FloatArray) -> FloatArray:
+    # Odd about the middle of the window, so the extremes are symmetric about mid-range.
+    window = smooth_step((t - 10.5) / 1.0) * smooth_step((40.0 - t) / 1.0)
+    since_middle = 2 * np.pi * (t - 25.25)
+    total = np.zeros_like(t)
+    for frequency in (0.31, 0.73, 1.13):
+        total += np.sin(frequency * since_middle)
+    return window * total
+
+
+def multi_sine(t: FloatArray) -> FloatArray:
+    """Ramp and hold, then from 10.5 s the sum of sines of 0.31, 0.73 and 1.13 Hz."""
+    sines = _spanning(_three_sines, t, 40.0) - 0.5
+    return ramps_and_holds(t, MULTI_SINE_START) + sines
+
+
+def _sine_product(t: FloatArray) -> FloatArray:
+    # The speed of the lingering cosine is 15/8 sin⁵ φ: it holds at every turning point. Slow sines
+    # move those turning points. 0.03 Hz at the start, 0.245 Hz after 40 s and 5.5 periods.
+    cosine = np.cos(2 * np.pi * (0.03 * t + 0.0026875 * t**2))
+    lingering = cosine * (15.0 - 10.0 * cosine**2 + 3.0 * cosine**4) / 8.0
+    slow = np.cos(2 * np.pi * 0.075 * t) * np.cos(2 * np.pi * 0.025 * t)
+    return -(0.65 + 0.35 * slow) * lingering
+
+
+def multi_sine_holds(t: FloatArray) -> FloatArray:
+    """Product of sines, slow at first and faster later, that holds at various positions."""
+    return _spanning(_sine_product, t, 40.0)
+
+
+def _half_cosine_chirp(t: FloatArray) -> FloatArray:
+    # 0.025 Hz at the start, 0.5 Hz after 40 s and 10.5 periods: at rest at both ends.
+    phase = 2 * np.pi * (0.025 * t + 0.0059375 * t**2)
+    return -np.cos(np.pi * t / 40.0) * np.cos(phase)
+
+
+def scaled_chirp(t: FloatArray) -> FloatArray:
+    """Chirp from 0.025 to 1 Hz, scaled by the first half of a cosine."""
+    return _spanning(_half_cosine_chirp, t, 40.0)
+
+
+PROFILES: dict[str, Profile] = {
+    profile.name: profile
+    for profile in (
+        Profile("ramp-and-hold", 18.0, ramp_and_hold, "One ramp, a hold and the ramp back."),
+        Profile("sine", 30.0, sine, "Sine of 0.20 Hz."),
+        Profile("multiple-holds", 35.0, multiple_holds, "Holds reached at various speeds."),
+        Profile("multi-sine", 40.0, multi_sine, "A ramp and hold, then three sines added."),
+        Profile("multi-sine-holds", 40.0, multi_sine_holds, "Products of sines, slow to fast."),
+        Profile("scaled-chirp", 40.0, scaled_chirp, "A chirp scaled by half a cosine."),
+    )
+}
+
+
+def named_profile(name: str) -> Profile:
+    """The profile of that name.
+
+    Raises
+    ------
+    InputError
+        There is none.
+    """
+    if name not in PROFILES:
+        raise InputError(f"profile {name!r} is not known; use one of: {', '.join(PROFILES)}")
+    return PROFILES[name]

@@ -1,0 +1,252 @@
+"""A measurement protocol: settings in, the motion and the effort to ask for out."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.protocol.adaptation import Adaptation, Motion, fit_device, peaks, refusal
+from surae.protocol.chirp import base_range, chirp
+from surae.protocol.device import Device
+from surae.protocol.effort import effort, named_task
+from surae.protocol.profiles import named_profile
+from surae.recording import read_only
+from surae.units import FloatArray
+
+#: The motion is shaped on a grid at least this fine [Hz], a multiple of the rate asked for, so that
+#: the extremes between two samples are seen and the result hardly depends on that rate.
+_FINE_RATE = 2000.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Protocol:
+    """Settings of a measurement protocol.
+
+    Attributes
+    ----------
+    profile : str
+        A name of `PROFILES`.
+    task : str
+        A name of `TASKS`.
+    chirp_amplitude : float
+        Amplitude of the added chirp [rad], less than half the range of motion; 0 for none.
+        Without a device it goes on to the last sample and stops there; a motion that is filtered
+        for a device ends at rest.
+    chirp_rate : float
+        Rise of the chirp's frequency [Hz/s]; irrelevant at amplitude 0.
+    range_of_motion : (float, float)
+        The subject's angles of full plantarflexion and full dorsiflexion [rad].
+    duration : float or None
+        None for the profile's own; another value plays the profile slower or faster, while the
+        chirp and the task keep their own time [s].
+    rate_hz : float
+        Sampling rate [Hz].
+    device : Device or None
+        Whose limits the motion must keep; None for no limits.
+    adapt : bool
+        Adapt a motion that the device cannot follow, instead of refusing it.
+
+    Raises
+    ------
+    InputError
+        A setting is out of its range.
+    """
+
+    profile: str
+    task: str = "part-passive"
+    chirp_amplitude: float = 0.0
+    chirp_rate: float = 0.5
+    range_of_motion: tuple[float, float] = (-0.9, 0.6)
+    duration: float | None = None
+    rate_hz: float = 256.0
+    device: Device | None = None
+    adapt: bool = True
+
+    def __post_init__(self) -> None:
+        """Check the settings."""
+        task = named_task(self.task)
+        low, high = self.range_of_motion
+        _require(
+            math.isfinite(low) and math.isfinite(high) and low < high,
+            f"range of motion {low:g}…{high:g} rad: full plantarflexion must be below dorsiflexion",
+        )
+        _require(
+            0.0 <= self.chirp_amplitude < 0.5 * (high - low),
+            f"chirp amplitude {self.chirp_amplitude:g} rad: use 0 or more, and less than half the "
+            f"range of motion ({0.5 * (high - low):g} rad)",
+        )
+        _require(0.0 < self.seconds < math.inf, f"duration {self.seconds:g} s: use more than 0 s")
+        _require(
+            0.0 < self.rate_hz < math.inf and self.seconds * self.rate_hz >= 2.0,
+            f"rate {self.rate_hz:g} Hz: use one that gives three samples or more",
+        )
+        _require(
+            math.isinf(task.passive_until) or task.passive_until < self.seconds,
+            f"task {task.name!r} is passive to {task.passive_until:g} s, the whole of "
+            f"{self.seconds:g} s; use a longer duration or task 'passive'",
+        )
+        if self.chirp_amplitude > 0.0:
+            _require(
+                0.0 < self.chirp_rate < math.inf,
+                f"chirp rate {self.chirp_rate:g} Hz/s: use more than 0, or a chirp amplitude of 0",
+            )
+            _require(
+                self.chirp_rate * self.seconds < 0.5 * self.rate_hz,
+                f"the chirp ends at {self.chirp_rate * self.seconds:g} Hz, too fast for samples at "
+                f"{self.rate_hz:g} Hz; use a rate above {2 * self.chirp_rate * self.seconds:g} Hz",
+            )
+
+    @property
+    def seconds(self) -> float:
+        """The duration, the profile's own unless it was given [s]."""
+        own = named_profile(self.profile).duration
+        return own if self.duration is None else self.duration
+
+
+def _require(holds: bool, otherwise: str) -> None:
+    if not holds:
+        raise InputError(otherwise)
+
+
+@dataclass(frozen=True, slots=True)
+class Trajectory:
+    """What a protocol asks of the device and of the subject; arrays read-only.
+
+    Attributes
+    ----------
+    settings : Protocol
+        What it was generated from.
+    time : ndarray, shape (n,)
+        Uniform time axis from 0 [s].
+    angle, velocity, acceleration : ndarray, shape (n,)
+        Ankle angle, dorsiflexion positive, and its derivatives [rad, rad/s, rad/s²].
+    effort : ndarray, shape (n, 4)
+        Target effort 0…1 of TA, GL, SOL, GM.
+    adaptation : Adaptation or None
+        What was changed for the device and what that cost; None without a device.
+    """
+
+    settings: Protocol
+    time: FloatArray
+    angle: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    effort: FloatArray
+    adaptation: Adaptation | None = None
+
+
+def generate(settings: Protocol) -> Trajectory:
+    """The trajectory of a protocol; the same settings always give the same one.
+
+    Raises
+    ------
+    InputError
+        The device cannot follow the motion and `settings.adapt` is False; the message says by how
+        much and what to do.
+    """
+    oversampling = math.ceil(_FINE_RATE / settings.rate_hz)
+    fine_rate = settings.rate_hz * oversampling
+    n = math.floor(settings.seconds * settings.rate_hz + 1e-9) + 1
+    time = np.arange(n) / settings.rate_hz
+    fine = np.arange((n - 1) * oversampling + 1) / fine_rate
+    adaptation = None
+    if settings.device is None:
+        motion = _motion(settings, time, _base_range(settings, fine))
+    else:
+        adapted, adaptation = _adapted(settings, settings.device, fine, fine_rate)
+        angle, velocity, acceleration = (signal[::oversampling] for signal in adapted)
+        motion = angle, velocity, acceleration
+    return Trajectory(
+        settings=settings,
+        time=read_only(time),
+        angle=read_only(motion[0]),
+        velocity=read_only(motion[1]),
+        acceleration=read_only(motion[2]),
+        effort=read_only(effort(time, named_task(settings.task))),
+        adaptation=adaptation,
+    )
+
+
+def _base_range(settings: Protocol, fine: FloatArray) -> tuple[float, float]:
+    """Angles on which the profile is mapped so that it spans the range together with the chirp."""
+    if settings.chirp_amplitude == 0.0:
+        return settings.range_of_motion
+    profile = named_profile(settings.profile)
+    added, _, _ = chirp(fine, amplitude=settings.chirp_amplitude, rate=settings.chirp_rate)
+    fraction = profile.position(fine * (profile.duration / settings.seconds))
+    return base_range(fraction, added, settings.range_of_motion)
+
+
+def _motion(settings: Protocol, t: FloatArray, base: tuple[float, float]) -> Motion:
+    """Profile, mapped on the angles `base`, and chirp, with derivatives."""
+    position, speed, speeding = _profile(settings, t)
+    added, added_velocity, added_acceleration = chirp(
+        t, amplitude=settings.chirp_amplitude, rate=settings.chirp_rate
+    )
+    low, gain = base[0], base[1] - base[0]
+    return (
+        low + gain * position + added,
+        gain * speed + added_velocity,
+        gain * speeding + added_acceleration,
+    )
+
+
+def _profile(settings: Protocol, t: FloatArray) -> Motion:
+    """The profile at its duration, as a fraction, with derivatives by differences of the function.
+
+    A profile is a smooth function known at every t, so fourth-order central differences over a
+    millisecond serve: their error is below 1e-7 1/s and 1e-3 1/s².
+    """
+    profile = named_profile(settings.profile)
+    stretch = profile.duration / settings.seconds
+    own, h = t * stretch, 2e-4
+    far_back, back, here, ahead, far_ahead = (
+        profile.position(own + k * h) for k in (-2, -1, 0, 1, 2)
+    )
+    speed = (far_back - 8 * back + 8 * ahead - far_ahead) / (12 * h)
+    speeding = (-far_back + 16 * back - 30 * here + 16 * ahead - far_ahead) / (12 * h**2)
+    return here, stretch * speed, stretch**2 * speeding
+
+
+def _adapted(
+    settings: Protocol, device: Device, t: FloatArray, rate_hz: float
+) -> tuple[Motion, Adaptation]:
+    """The motion that the device can follow, or InputError if it may not be adapted."""
+    asked = _motion(settings, t, _base_range(settings, t))
+    amplitude = device.chirp_amplitude(settings.profile, settings.chirp_amplitude)
+    end_hz = settings.chirp_rate * settings.seconds if amplitude > 0.0 else 0.0
+    if not settings.adapt:
+        _refuse(settings, device, asked, end_hz)
+        amplitude = settings.chirp_amplitude
+    used = replace(settings, chirp_amplitude=amplitude)
+    motion = asked if used == settings else _motion(used, t, _base_range(used, t))
+    fitted = fit_device(
+        device,
+        motion,
+        rate_hz=rate_hz,
+        highest_hz=end_hz,
+        range_of_motion=settings.range_of_motion,
+    )
+    before, after = peaks(asked), peaks(fitted.motion)
+    low, high = settings.range_of_motion
+    return fitted.motion, Adaptation(
+        device=device.name,
+        chirp_amplitude=(settings.chirp_amplitude, amplitude),
+        chirp_end_amplitude=amplitude * fitted.response(end_hz),
+        cutoff_hz=fitted.cutoff_hz,
+        peak_velocity=(before[0], after[0]),
+        peak_acceleration=(before[1], after[1]),
+        span=(float(fitted.motion[0].max()) - float(fitted.motion[0].min())) / (high - low),
+    )
+
+
+def _refuse(settings: Protocol, device: Device, motion: Motion, end_hz: float) -> None:
+    """Raise InputError unless the device follows the motion as it is."""
+    added = f"a chirp of {settings.chirp_amplitude:g} rad" if end_hz > 0.0 else "no chirp"
+    reason = refusal(device, motion, end_hz)
+    _require(
+        reason is None,
+        f"{settings.profile} with {added} {reason}; allow adaptation, or use a smaller or slower "
+        "chirp or a longer duration",
+    )

@@ -1,0 +1,53 @@
+"""Coverage of the length–velocity plane."""
+
+import numpy as np
+import pytest
+
+from surae.errors import InputError
+from surae.protocol import coverage
+
+
+def test_a_muscle_at_rest_visits_one_cell():
+    found = coverage(np.full(100, 0.72), np.full(100, 0.15))
+    assert found.share == pytest.approx(1 / (18 * 100))
+    assert found.time_share.shape == (100, 18)
+    assert found.time_share[51, 8] == 1.0
+    assert found.outside == 0.0
+
+
+def test_every_cell_visited():
+    length, velocity = np.meshgrid(np.linspace(0.31, 1.19, 60), np.linspace(-4.99, 4.99, 400))
+    length[1::2] = length[1::2, ::-1]
+    found = coverage(length.ravel(), velocity.ravel())
+    assert found.share == 1.0
+    assert found.time_share.sum() == pytest.approx(1.0)
+
+
+def test_hardly_depends_on_the_sampling_rate():
+    shares = []
+    for rate in (125.0, 1000.0):
+        t = np.arange(0.0, 30.0, 1 / rate)
+        phase = 2 * np.pi * (0.1 * t + 0.05 * t**2)
+        speed = 2 * np.pi * (0.1 + 0.1 * t)
+        shares.append(coverage(0.75 + 0.2 * np.sin(phase), 0.2 * speed * np.cos(phase)).share)
+    assert shares[0] == pytest.approx(shares[1], rel=0.02)
+
+
+def test_time_outside_the_grid_is_told():
+    found = coverage(np.linspace(0.75, 1.65, 1001), np.zeros(1001))
+    assert found.outside == pytest.approx(0.5, abs=0.01)
+
+
+def test_richer_motion_covers_more():
+    t = np.linspace(0.0, 30.0, 4000)
+    slow = coverage(0.75 + 0.3 * np.sin(t), 0.3 * np.cos(t))
+    rich_length = 0.75 + 0.2 * np.sin(t) + 0.05 * np.sin(3 * t**1.5)
+    rich = coverage(rich_length, np.gradient(rich_length, t))
+    assert rich.share > 2 * slow.share
+
+
+def test_wrong_arrays_are_refused():
+    with pytest.raises(InputError, match="equally long"):
+        coverage(np.zeros(3), np.zeros(4))
+    with pytest.raises(InputError, match="must be finite"):
+        coverage(np.array([1.0, np.nan]), np.zeros(2))

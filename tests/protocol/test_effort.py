@@ -1,0 +1,85 @@
+"""The EMG tasks."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from surae.errors import InputError
+from surae.protocol.effort import TASKS, effort, named_task
+
+T = np.arange(0.0, 35.0, 1 / 256)
+TASK = pytest.mark.parametrize("name", ["part-passive", "active"])
+
+
+@given(duration=st.floats(1.0, 120.0), name=st.sampled_from(sorted(TASKS)))
+def test_effort_is_a_fraction_whatever_the_duration(duration, name):
+    target = effort(np.linspace(0.0, duration, 2000), TASKS[name])
+    assert target.shape == (2000, 4)
+    assert target.min() >= 0.0
+    assert target.max() <= 1.0
+    assert not target[-1].any()
+
+
+def test_passive_part_is_passive_and_the_rest_is_not():
+    target = effort(T, TASKS["part-passive"])
+    assert not target[T <= 11.0].any()
+    active = target[T > 11.0]
+    assert np.mean(active.any(axis=1)) > 0.8
+    assert not effort(T, TASKS["passive"]).any()
+
+
+@TASK
+def test_flexors_and_extensors_alternate(name):
+    target = effort(T, TASKS[name])
+    assert np.max(target[:, 0] * target[:, 1:].sum(axis=1)) < 0.01
+    dorsiflexing = target[:, 0] > 0.1
+    plantarflexing = target[:, 1:].max(axis=1) > 0.1
+    turns = np.sign(plantarflexing.astype(int) - dorsiflexing.astype(int))
+    turns = turns[turns != 0]
+    assert np.sum(np.diff(turns) != 0) >= 15
+
+
+@TASK
+def test_bursts_last_about_a_second(name):
+    active = (effort(T, TASKS[name])[:, 0] > 0).astype(int)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], active, [0]])))
+    lengths = (edges[1::2] - edges[::2]) / 256
+    assert lengths.min() > 0.85
+    assert lengths.max() < 1.25
+
+
+@TASK
+def test_heads_are_similar_but_not_proportional(name):
+    heads = effort(T, TASKS[name])[:, 1:]
+    correlation = np.corrcoef(heads.T)[np.triu_indices(3, 1)]
+    assert correlation.min() > 0.85
+    assert correlation.max() < 0.98
+    for i in range(3):
+        others = np.delete(heads, i, axis=1)
+        weights = np.linalg.lstsq(others, heads[:, i], rcond=None)[0]
+        rest = heads[:, i] - others @ weights
+        assert np.linalg.norm(rest) > 0.1 * np.linalg.norm(heads[:, i])
+
+
+@TASK
+def test_amplitudes_vary(name):
+    target = effort(T, TASKS[name])
+    for k in range(4):
+        signal = target[:, k]
+        summits = signal[1:-1][(signal[1:-1] > signal[:-2]) & (signal[1:-1] >= signal[2:])]
+        assert summits.max() > 0.7
+        assert summits.max() > 2 * summits.min()
+
+
+@TASK
+def test_envelopes_are_smooth(name):
+    target = effort(np.arange(0.0, 35.0, 1e-3), TASKS[name])
+    speed = np.diff(target, axis=0) / 1e-3
+    assert np.abs(speed).max() < 5.0
+    assert np.abs(np.diff(speed, axis=0) / 1e-3).max() < 40.0
+
+
+def test_unknown_task_is_named_with_what_there_is():
+    with pytest.raises(InputError, match="'random' is not known; use one of: part-passive, active"):
+        named_task("random")
