@@ -6,8 +6,11 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 import numpy as np
+import numpy.typing as npt
 
-from surae.units import FloatArray
+from surae.errors import InputError
+from surae.recording.samples import check_samples
+from surae.units import SI, FloatArray, kind
 
 #: Muscles in the order of the equations: tibialis anterior, gastrocnemius lateralis, soleus,
 #: gastrocnemius medialis (model equations 12 and 13).
@@ -87,6 +90,15 @@ class Recording:
         Settings of the preparation that the recording's description overrides.
     files : tuple of SourceFile
         What it was read from; empty for a simulated recording.
+    side : {"left", "right"} or None
+        The leg, where its description says so.
+    device : mapping
+        What its description says of the measuring device.
+
+    Raises
+    ------
+    InputError
+        Some EMG is in volts and some normalised: their weights would not compare.
     """
 
     name: str
@@ -95,6 +107,8 @@ class Recording:
     fixed: Mapping[str, float] = field(default_factory=dict)
     prepare: Mapping[str, Any] = field(default_factory=dict)
     files: tuple[SourceFile, ...] = ()
+    side: str | None = None
+    device: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Order the channels and make the mappings read-only."""
@@ -102,3 +116,90 @@ class Recording:
         object.__setattr__(self, "channels", MappingProxyType(ordered))
         object.__setattr__(self, "fixed", MappingProxyType(dict(self.fixed)))
         object.__setattr__(self, "prepare", MappingProxyType(dict(self.prepare)))
+        object.__setattr__(self, "device", MappingProxyType(dict(self.device)))
+        emg = [channel for role, channel in ordered.items() if kind(role) == "emg"]
+        for channel in emg[1:]:
+            if channel.unit != emg[0].unit:
+                raise InputError(
+                    f"{self.name}: {emg[0].role} is in {emg[0].unit!r} but {channel.role} in "
+                    f"{channel.unit!r}; give all EMG in volts or all normalised ('1')"
+                )
+
+    @classmethod
+    def from_arrays(
+        cls,
+        time: npt.ArrayLike,
+        angle: npt.ArrayLike,
+        torque: npt.ArrayLike | None = None,
+        emg: npt.ArrayLike | None = None,
+        *,
+        name: str = "arrays",
+        emg_kind: Literal["raw", "envelope"] = "raw",
+        velocity: npt.ArrayLike | None = None,
+        acceleration: npt.ArrayLike | None = None,
+    ) -> "Recording":
+        """Build a recording from arrays on one time axis, which are copied.
+
+        Parameters
+        ----------
+        time : array_like, shape (n,)
+            Increasing times [s], at least two.
+        angle : array_like, shape (n,)
+            Ankle angle [rad], dorsiflexion positive.
+        torque : array_like, shape (n,), optional
+            Reaction torque [Nm], positive when the triceps pulls.
+        emg : array_like, shape (n, 4), optional
+            EMG [V] in the order of `MUSCLES`.
+        name : str
+            Name shown in tables and figures.
+        emg_kind : {"raw", "envelope"}
+            Whether `emg` is raw or already envelopes.
+        velocity, acceleration : array_like, shape (n,), optional
+            Derivatives of the angle [rad/s, rad/s²], used as they are.
+
+        Raises
+        ------
+        InputError
+            A shape is wrong, a sample is not finite, or time doesn't increase; the message names
+            the array and the sample.
+        """
+        if emg_kind not in ("raw", "envelope"):
+            raise InputError(f"{name}: emg_kind is {emg_kind!r}; use one of: raw, envelope")
+        axis = _floats(time, name, "time")
+        given = {
+            "angle": angle,
+            "torque": torque,
+            "angular_velocity": velocity,
+            "angular_acceleration": acceleration,
+        }
+        signals = {
+            role: _floats(values, name, role)
+            for role, values in given.items()
+            if values is not None
+        }
+        if emg is not None:
+            table = _floats(emg, name, "emg")
+            if table.shape != (len(axis), len(MUSCLES)):
+                raise InputError(
+                    f"{name}: emg has shape {table.shape}; it must be ({len(axis)}, "
+                    f"{len(MUSCLES)}), one column each for {', '.join(MUSCLES)}"
+                )
+            signals |= {f"emg_{m}": read_only(table[:, i]) for i, m in enumerate(MUSCLES)}
+        for role, values in signals.items():
+            check_samples(axis, values, where=name, names=("time", role))
+        channels = {
+            role: Channel(role, axis, values, SI[kind(role)], f"array: {role} [{SI[kind(role)]}]")
+            for role, values in signals.items()
+        }
+        return cls(name=name, channels=channels, emg=emg_kind)
+
+
+def _floats(values: npt.ArrayLike, where: str, name: str) -> FloatArray:
+    """A read-only copy of an argument as numbers of at least one dimension."""
+    try:
+        array = read_only(values)
+    except (TypeError, ValueError):
+        raise InputError(f"{where}: {name} is not an array of numbers") from None
+    if array.ndim == 0:
+        raise InputError(f"{where}: {name} is a single number; it must be an array")
+    return array

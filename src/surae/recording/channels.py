@@ -1,0 +1,120 @@
+"""A raw column becomes a channel: its unit settled, its scaling applied, its samples checked."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.recording.naming import plain
+from surae.recording.recording import Channel, read_only
+from surae.recording.samples import check_finite, check_samples
+from surae.recording.table import Column, Table
+from surae.units import FACTORS, SI, kind, to_si
+
+#: Other spellings of units in files' headers, in small letters.
+_SPELLINGS = {
+    "degree": "deg",
+    "degrees": "deg",
+    "°": "deg",
+    "radian": "rad",
+    "radians": "rad",
+    "n.m": "Nm",
+    "n·m": "Nm",
+    "n m": "Nm",
+    "n*m": "Nm",
+    "volt": "V",
+    "volts": "V",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Scaling:
+    """How raw values become SI: ``sign * (scale * raw + offset) * factor of the unit``.
+
+    `scale` and `offset` bring the raw values to `unit` (an amplifier's gain, counts to volts);
+    `sign` is -1 where the file counts the other direction as positive.
+    """
+
+    unit: str
+    sign: int = 1
+    scale: float = 1.0
+    offset: float = 0.0
+
+    def describe(self) -> str:
+        """What is applied, for the channel's source."""
+        parts = [f"[{self.unit}]"]
+        if self.scale != 1:
+            parts.append(f"scale {self.scale:g}")
+        if self.offset != 0:
+            parts.append(f"offset {self.offset:g}")
+        if self.sign != 1:
+            parts.append("sign reversed")
+        return ", ".join(parts)
+
+
+def stated_unit(table: Table, role: str, name: str) -> str | None:
+    """The unit that the file itself states for a column used as `role`; None if it is unknown."""
+    text = table.units.get(name) or table.units_of_kind.get(kind(role))
+    if text is None:
+        return None
+    folded = plain(text.strip()).casefold()
+    folded = _SPELLINGS.get(folded, folded).casefold()
+    return next((unit for unit in FACTORS[kind(role)] if unit.casefold() == folded), None)
+
+
+def settle_unit(table: Table, role: str, name: str, unit: str | None, where: str) -> str:
+    """The unit of a column: as described by its user, else as stated by the file.
+
+    Raises
+    ------
+    InputError
+        Neither says it, it isn't known, or the two disagree. An EMG described as ``"1"`` has been
+        normalised by its user and may disagree.
+    """
+    stated = stated_unit(table, role, name)
+    if unit is None:
+        if stated is None:
+            allowed = ", ".join(FACTORS[kind(role)])
+            raise InputError(
+                f"{where}: unit is missing and {table.file} states none for column {name!r}; "
+                f"write one of: {allowed}"
+            )
+        return stated
+    unit = plain(unit)
+    to_si(role, unit, where)
+    if stated is not None and unit not in (stated, "1"):
+        raise InputError(
+            f"{where}: unit {unit!r} contradicts {table.file}, which states {stated!r} for column "
+            f"{name!r}; write {stated!r}, with a scale if the file is wrong"
+        )
+    return unit
+
+
+def channel(role: str, column: Column, scaling: Scaling, table: Table) -> Channel:
+    """Check a column's samples and bring them to SI.
+
+    Raises
+    ------
+    InputError
+        Fewer than two samples, one that is not finite, or time that doesn't increase.
+    """
+    shown = f"column {column.name!r}"
+    check_samples(
+        column.time,
+        column.values,
+        where=table.file,
+        names=(f"column {column.time_name!r}", shown),
+        position=column.position,
+    )
+    factor = to_si(role, scaling.unit, f"{table.file}: {shown}")
+    with np.errstate(over="ignore", invalid="ignore"):
+        values = scaling.sign * (scaling.scale * column.values + scaling.offset) * factor
+    check_finite(values, where=table.file, name=f"{shown} scaled to SI", position=column.position)
+    return Channel(
+        role=role,
+        time=column.time,
+        values=read_only(values),
+        unit="1" if scaling.unit == "1" else SI[kind(role)],
+        source=f"{Path(table.file).name}: {column.name} {scaling.describe()}",
+    )

@@ -1,0 +1,34 @@
+"""Any supported file to a recording."""
+
+from surae.files import PathLike
+from surae.recording import mapping, opensim
+from surae.recording.formats import open_table
+from surae.recording.named import recording_by_names
+from surae.recording.recording import Recording
+from surae.recording.source import open_source
+
+
+def read(path: PathLike) -> Recording:
+    """Read a recording: our CSV, a TOML mapping, or a data file whose columns have our names.
+
+    What the file is shows in its content; its name doesn't matter.
+
+    Parameters
+    ----------
+    path : str or path
+        A regular file.
+
+    Returns
+    -------
+    Recording
+        In SI units, each channel on its own times, with the SHA-256 of every file read.
+
+    Raises
+    ------
+    InputError
+        One line that names file, column and row, and says what to do.
+    """
+    source = open_source(path)
+    if mapping.recognises(source) and not opensim.recognises(source):
+        return mapping.read_mapping(source)
+    return recording_by_names(open_table(source), source)

@@ -1,0 +1,157 @@
+"""The body of a text table: numbers in columns, read fast, explained line by line when wrong."""
+
+import csv
+import re
+from array import array
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import chain, islice
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.recording.recording import read_only
+from surae.recording.source import Source
+from surae.recording.table import Column, some
+from surae.units import FloatArray
+
+_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Everything after the header row of a text table.
+
+    Attributes
+    ----------
+    source : Source
+        The file, of which `Source.require_text` has passed.
+    header : int
+        Line number of the row with the names; the first line of a file is 1.
+    names : tuple of str
+        The names in that row.
+    delimiter : str or None
+        What separates the cells; None for white space of any length.
+    """
+
+    source: Source
+    header: int
+    names: tuple[str, ...]
+    delimiter: str | None
+
+    def load(self, wanted: Sequence[int]) -> FloatArray:
+        """Read the columns with these indices, each as one row of the result.
+
+        Returns
+        -------
+        ndarray, shape (len(wanted), n)
+            Not checked for finiteness.
+
+        Raises
+        ------
+        InputError
+            There are no rows, a row has more or fewer cells than the header, or a wanted cell
+            is no number. Cells in other columns may hold anything.
+        """
+        first = next(self._numbered(), None)
+        if first is None:
+            raise InputError(
+                f"{self.source.shown}: row {self.header}: no samples follow the header"
+            )
+        return self._load_fast(wanted, *first) if self._plain(first[1]) else self._load(wanted)
+
+    def columns(self, wanted: Sequence[str], time: str, factor: float) -> dict[str, Column]:
+        """The named columns with the times in column `time`, multiplied by `factor` to seconds."""
+        data = self.load([self.names.index(name) for name in (time, *wanted)])
+        seconds = read_only(data[0] * factor)
+        return {
+            name: Column(name, seconds, read_only(values), time, self.position)
+            for name, values in zip(wanted, data[1:], strict=True)
+        }
+
+    def position(self, index: int) -> str:
+        """The line number of a sample: ``"row 12"``."""
+        number, _ = next(islice(self._numbered(), index, None))
+        return f"row {number}"
+
+    def _numbered(self) -> Iterator[tuple[int, str]]:
+        """Line number and text of each row; blank lines and ``#`` comments are left out."""
+        lines = islice(self.source.lines(), self.header, None)
+        for number, line in enumerate(lines, start=self.header + 1):
+            text = line.lstrip()
+            if text and text[0] != "#":
+                yield number, line
+
+    def _plain(self, line: str) -> bool:
+        """Whether a row is one that NumPy's parser takes: a number in every cell."""
+        try:
+            return len([float(cell) for cell in split(line, self.delimiter)]) == len(self.names)
+        except (ValueError, csv.Error):
+            return False
+
+    def _load_fast(self, wanted: Sequence[int], number: int, line: str) -> FloatArray:
+        """Read with NumPy's parser; where it gives up, line by line."""
+        lines = islice(self.source.lines(), number, None)
+        rows = (line for line in lines if (text := line.lstrip()) and text[0] != "#")
+        try:
+            table = np.loadtxt(
+                chain((line,), rows), delimiter=self.delimiter, comments=None, ndmin=2
+            )
+        except ValueError:
+            return self._load(wanted)
+        return np.ascontiguousarray(table[:, list(wanted)].T)
+
+    def _load(self, wanted: Sequence[int]) -> FloatArray:
+        """Read line by line; the definition of what `load` accepts."""
+        columns = [array("d") for _ in wanted]
+        for number, line in self._numbered():
+            where = f"{self.source.shown}: row {number}"
+            try:
+                cells = split(line, self.delimiter)
+            except csv.Error as error:
+                raise InputError(f"{where}: {error}") from None
+            if len(cells) < len(self.names):
+                raise InputError(
+                    f"{where}: {len(cells)} cells where the header names {len(self.names)} "
+                    f"columns; none for column {some(self.names[len(cells) :], 1)}"
+                )
+            if len(cells) > len(self.names):
+                raise InputError(
+                    f"{where}: {len(cells)} cells where the header names {len(self.names)} "
+                    f"columns; the last is column {some(self.names[-1:])}"
+                )
+            for values, index in zip(columns, wanted, strict=True):
+                try:
+                    values.append(_number(cells[index]))
+                except ValueError as error:
+                    raise InputError(
+                        f"{self.source.shown}: column {some([self.names[index]])}, row {number}: "
+                        f"{error}"
+                    ) from None
+        return np.array(columns, dtype=np.float64)
+
+
+def split(line: str, delimiter: str | None) -> list[str]:
+    """Cells of a line, without quotes and surrounding white space."""
+    if delimiter is None:
+        return line.split()
+    if '"' in line:
+        cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+    else:
+        cells = line.split(delimiter)
+    return [cell.strip() for cell in cells]
+
+
+def _number(cell: str) -> float:
+    """The number in a cell; Python's own underscores and foreign digits are none."""
+    if not cell:
+        raise ValueError("the cell is blank")
+    try:
+        if "_" in cell or not cell.isascii():
+            raise ValueError
+        return float(cell)
+    except ValueError:
+        pass
+    if _DECIMAL_COMMA.fullmatch(cell):
+        raise ValueError(f"{cell!r} has a decimal comma; write {cell.replace(',', '.')!r}")
+    raise ValueError(f"{some([cell])} is not a number")

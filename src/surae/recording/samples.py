@@ -1,0 +1,73 @@
+"""The one check that every signal passes, whatever file or array it comes from."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.units import FloatArray
+
+#: Says where sample `index` is, in the terms of its source: "row 12", "sample 12".
+Position = Callable[[int], str]
+
+
+def sample(index: int) -> str:
+    """Position of a sample in an array or a binary file; the first is sample 1."""
+    return f"sample {index + 1}"
+
+
+def check_samples(
+    time: FloatArray,
+    values: FloatArray,
+    *,
+    where: str,
+    names: tuple[str, str],
+    position: Position = sample,
+) -> None:
+    """Check that a signal has two finite samples or more, at times that increase.
+
+    Parameters
+    ----------
+    time, values : ndarray, shape (n,)
+        The signal and its times [s].
+    where : str
+        File or object that the signal belongs to, the beginning of the message.
+    names : tuple of str
+        Names of the time and of the signal there.
+    position : callable
+        Where a sample is.
+
+    Raises
+    ------
+    InputError
+        One line with `where`, the name and the position of the first sample that is wrong.
+    """
+    for name, array in zip(names, (time, values), strict=True):
+        if array.ndim != 1:
+            raise InputError(f"{where}: {name} has {array.ndim} dimensions; it must have one")
+    if len(time) != len(values):
+        raise InputError(
+            f"{where}: {names[1]} has {len(values)} samples but {names[0]} has {len(time)}"
+        )
+    if len(time) < 2:
+        count = "one sample" if len(time) else "no samples"
+        raise InputError(f"{where}: {names[1]} has {count}; at least two are needed")
+    for name, array in zip(names, (time, values), strict=True):
+        check_finite(array, where=where, name=name, position=position)
+    stuck = np.flatnonzero(time[1:] <= time[:-1])
+    if stuck.size:
+        index = int(stuck[0]) + 1
+        raise InputError(
+            f"{where}: {names[0]}, {position(index)}: time doesn't increase "
+            f"({time[index]:.12g} s after {time[index - 1]:.12g} s)"
+        )
+
+
+def check_finite(values: FloatArray, *, where: str, name: str, position: Position = sample) -> None:
+    """Check that all of `values` are finite numbers; the message names the first that isn't."""
+    wrong = np.flatnonzero(~np.isfinite(values))
+    if wrong.size:
+        index = int(wrong[0])
+        raise InputError(
+            f"{where}: {name}, {position(index)}: {values[index]} is not a finite number"
+        )

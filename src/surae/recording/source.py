@@ -1,0 +1,89 @@
+"""A file read into memory once: the bytes that are hashed are the bytes that are parsed."""
+
+import io
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from surae import files
+from surae.errors import InputError
+from surae.recording.recording import SourceFile
+
+_BOM = b"\xef\xbb\xbf"
+_BOMS_UTF16 = (b"\xff\xfe", b"\xfe\xff")
+
+#: A file's kind shows within so many bytes: OpenSim's header, a TOML's first key.
+HEAD = 65536
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A file's path as given, its bytes and their SHA-256."""
+
+    path: str
+    data: bytes = field(repr=False)
+    sha256: str
+
+    @property
+    def shown(self) -> str:
+        """The path as it appears in messages."""
+        return files.shown(self.path)
+
+    @property
+    def name(self) -> str:
+        """The file's name without folder and extension, in one printable line."""
+        return files.shown(Path(self.path).stem)
+
+    @property
+    def file(self) -> SourceFile:
+        """What a recording keeps of it."""
+        return SourceFile(path=self.path, sha256=self.sha256)
+
+    def lines(self) -> Iterator[str]:
+        r"""The text's lines with their ends, ``\r\n`` and ``\r`` turned into ``\n``."""
+        stream = io.BytesIO(self.data)
+        stream.seek(len(_BOM) if self.data.startswith(_BOM) else 0)
+        return iter(io.TextIOWrapper(stream, encoding="utf-8"))
+
+    def head(self) -> list[str]:
+        """Lines of the file's first part, for recognising it; never fails."""
+        return self.data[:HEAD].removeprefix(_BOM).decode(errors="replace").splitlines()
+
+    def require_text(self) -> None:
+        """Check that it is UTF-8 text with something in it.
+
+        Raises
+        ------
+        InputError
+            It is empty, binary or in another encoding.
+        """
+        if not self.data.removeprefix(_BOM).strip():
+            raise InputError(f"{self.shown}: the file is empty")
+        if self.data.startswith(_BOMS_UTF16):
+            raise InputError(f"{self.shown}: the text is UTF-16; save it as UTF-8")
+        if b"\0" in self.data:
+            raise InputError(
+                f"{self.shown}: the file is binary, in no format that is read here; supported: "
+                "CSV, TOML mapping, OpenSim .sto/.mot, MATLAB 7.3 (Spike2 export)"
+            )
+        try:
+            if not self.data.isascii():
+                self.data.decode()
+        except UnicodeDecodeError as error:
+            row = self.data.count(b"\n", 0, error.start) + 1
+            raise InputError(
+                f"{self.shown}: row {row}: byte 0x{self.data[error.start]:02x} is not UTF-8 text; "
+                "save the file as UTF-8"
+            ) from None
+
+
+def open_source(path: files.PathLike) -> Source:
+    """Read a regular file into memory.
+
+    Raises
+    ------
+    InputError
+        It cannot be read; see `surae.files.read_bytes`.
+    """
+    data = files.read_bytes(path)
+    return Source(path=str(path), data=data, sha256=files.sha256(data))

@@ -1,0 +1,79 @@
+"""What every file format is turned into: named raw columns, each with its own times."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from surae.recording.samples import Position
+from surae.units import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """One signal as the file holds it.
+
+    Attributes
+    ----------
+    name : str
+        Its name in the file.
+    time : ndarray, shape (n,)
+        Times of the samples [s].
+    values : ndarray, shape (n,)
+        The signal, neither converted nor checked.
+    time_name : str
+        What the file calls its times.
+    position : callable
+        Where a sample is in the file, for messages.
+    """
+
+    name: str
+    time: FloatArray
+    values: FloatArray
+    time_name: str
+    position: Position
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A data file of which the header has been read.
+
+    Attributes
+    ----------
+    file : str
+        The file as it appears in messages.
+    format : str
+        Name of its format.
+    names : tuple of str
+        Its columns in the file's order, the time left out.
+    time_name : str
+        What it calls its time.
+    load : callable
+        ``load(names)`` reads the named columns, which are in `names` once, as a `Column` each.
+    units : mapping of str to str
+        Units that the file states, by column, in its own spelling.
+    units_of_kind : mapping of str to str
+        Units that the file states for a kind of signal (`surae.units.FACTORS`), such as angles
+        in degrees, without saying which of its columns are angles.
+    notes : mapping of str to str
+        Settings of the recording that the file states: ``"name"``, ``"emg"``.
+    header : int or None
+        Row of the column names in a format whose names are meant to be ours (CSV), None in one
+        with names of its own.
+    """
+
+    file: str
+    format: str
+    names: tuple[str, ...]
+    time_name: str
+    load: Callable[[Sequence[str]], Mapping[str, Column]]
+    units: Mapping[str, str] = field(default_factory=dict)
+    units_of_kind: Mapping[str, str] = field(default_factory=dict)
+    notes: Mapping[str, str] = field(default_factory=dict)
+    header: int | None = None
+
+
+def some(names: Iterable[str], most: int = 8) -> str:
+    """The first few of `names` for a message, shortened where they are long."""
+    every = [name for name in names if name]
+    few = ", ".join(repr(name if len(name) <= 40 else name[:37] + "...") for name in every[:most])
+    rest = len(every) - most
+    return f"{few} and {rest} more" if rest > 0 else few or "none"

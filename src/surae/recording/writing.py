@@ -1,0 +1,57 @@
+"""Columns to a CSV file that reads back to the same numbers."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from surae.errors import InputError
+from surae.files import PathLike, atomic_file, shown
+from surae.recording.samples import check_finite
+
+#: Rows that are turned into text at a time.
+_CHUNK = 16384
+
+
+def write_csv(
+    path: PathLike,
+    columns: Mapping[str, npt.ArrayLike],
+    comments: Sequence[str] = (),
+) -> None:
+    """Write columns as CSV at full double precision, all of the file or nothing of it.
+
+    Parameters
+    ----------
+    path : str or path
+        The file; what it held before is replaced.
+    columns : mapping of str to array_like, shape (n,)
+        Finite numbers by column name, such as ``"torque_Nm"``, in the order to write.
+    comments : sequence of str
+        Lines to put before the header, each behind ``# ``.
+
+    Raises
+    ------
+    InputError
+        The columns differ in length, hold no finite numbers or have names that a CSV header
+        cannot hold, or the file cannot be written.
+    """
+    where = f"cannot write {shown(path)}"
+    arrays = {name: np.asarray(values, dtype=np.float64) for name, values in columns.items()}
+    if not arrays:
+        raise InputError(f"{where}: there are no columns")
+    length = len(next(iter(arrays.values())).ravel())
+    for name, array in arrays.items():
+        if name.strip() != name or not name.isprintable() or set(name) & set(',;"#') or not name:
+            raise InputError(f"{where}: {name!r} cannot be the name of a CSV column")
+        if array.shape != (length,):
+            raise InputError(
+                f"{where}: column {name!r} has shape {array.shape}; the first has ({length},)"
+            )
+        check_finite(array, where=where, name=f"column {name!r}")
+    lines = [f"# {line}".rstrip() for comment in comments for line in comment.splitlines()]
+    lines.append(",".join(arrays))
+    with atomic_file(path) as handle:
+        handle.write(("\n".join(lines) + "\n").encode())
+        for first in range(0, length, _CHUNK):
+            part = zip(*(a[first : first + _CHUNK].tolist() for a in arrays.values()), strict=True)
+            handle.write("".join(",".join(map(repr, row)) + "\n" for row in part).encode())
