@@ -106,6 +106,29 @@ def write_atomic(path: PathLike, data: bytes | str) -> None:
         handle.write(data.encode() if isinstance(data, str) else data)
 
 
+def require_writable(path: PathLike) -> None:
+    """Refuse a path that `write_atomic` could not write to, without touching what it holds.
+
+    Raises
+    ------
+    InputError
+        Its folder is missing or write-protected, or it is a folder itself.
+    """
+    cannot = f"cannot write {shown(path)}"
+    try:
+        target = Path(os.path.realpath(path))
+        if target.is_dir():
+            raise InputError(f"{cannot}: it is a folder, not a file")
+        if not target.parent.is_dir():
+            raise InputError(f"{cannot}: there is no folder {shown(target.parent)}; make it first")
+        if not os.access(target if target.exists() else target.parent, os.W_OK):
+            raise InputError(f"{cannot}: it is write-protected")
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:
+        raise InputError(f"{cannot}: {_reason(error)}") from None
+
+
 def _reason(error: OSError | ValueError) -> str:
     """The system's reason for `error`, in lower case, without the path."""
     text = (error.strerror if isinstance(error, OSError) else None) or str(error)

@@ -1,0 +1,90 @@
+"""The command line: `surae COMMAND …`.
+
+A command is one module with one click command; it is imported only when it is called, so that
+help and errors come at once. Errors are one line on stderr: exit 2 for wrong use or input, 1 when
+the computation failed, 130 when the user stopped it.
+"""
+
+import sys
+from importlib import import_module
+
+import click
+
+from surae._version import __version__
+from surae.errors import InputError, SuraeError
+
+#: Command → module and its one-line help.
+COMMANDS = {
+    "demo": ("surae.cli.demo", "Fit an embedded virtual subject and write its report."),
+    "fit": ("surae.cli.fit", "Estimate a model's parameters from recordings."),
+    "simulate": ("surae.cli.simulate", "Compute the torque that a model gives for a recording."),
+    "validate": ("surae.cli.validate", "Predict other recordings with the parameters of a fit."),
+}
+
+
+class _Lazy(click.Group):
+    """A group that imports a command when it is called."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = import_module(COMMANDS[cmd_name][0]).command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
+
+
+@click.group(cls=_Lazy, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, message="surae %(version)s")
+def group() -> None:
+    """Ankle muscle parameters from a robot's recording of one leg.
+
+    Add --debug to any command to see where an error came from.
+    """
+
+
+def main() -> None:
+    """Run the command line and exit."""
+    arguments = sys.argv[1:]
+    debug = "--debug" in arguments
+    if debug:
+        arguments.remove("--debug")
+    try:
+        code = group.main(arguments, prog_name="surae", standalone_mode=False)
+    except (KeyboardInterrupt, click.Abort):
+        _fail("stopped by the user; nothing was written", 130, debug)
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message())
+        sys.exit(0)
+    except click.ClickException as error:
+        context = getattr(error, "ctx", None)
+        hint = f" (see `{context.command_path} --help`)" if context else ""
+        _fail(f"{error.format_message()}{hint}", 2, debug)
+    except InputError as error:
+        _fail(str(error), 2, debug)
+    except SuraeError as error:
+        _fail(str(error), 1, debug)
+    except BrokenPipeError:
+        sys.stderr.close()  # the reader of our output has gone; nothing is left to tell it
+        sys.exit(1)
+    except MemoryError:
+        _fail("not enough memory for this recording; cut or downsample it", 1, debug)
+    except Exception as error:
+        text = f"{type(error).__name__}: {error}"
+        _fail(f"internal error ({text}); run again with --debug and report it", 1, debug)
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _fail(message: str, code: int, debug: bool) -> None:
+    """One line on stderr, the traceback only when asked for."""
+    if debug:
+        import traceback
+
+        traceback.print_exc()
+    click.echo("surae: " + " ".join(message.split()), err=True)
+    sys.exit(code)

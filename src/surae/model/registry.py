@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 
 from surae.errors import InputError
 from surae.model.options import ModelOptions
-from surae.model.parameters import MUSCLE_PARAMETERS, Parameter
+from surae.model.parameters import MUSCLE_PARAMETERS, Parameter, adapted
 from surae.model.simulator import Simulator
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -42,10 +43,11 @@ class ModelSpec:
         """Names of all parameters."""
         return tuple(p.name for p in self.parameters)
 
-    def vector(self, given: Mapping[str, float]) -> FloatArray:
+    def vector(self, given: Mapping[str, float], options: ModelOptions) -> FloatArray:
         """Parameter vector from values by name.
 
-        Parameters that the model does not free by default may be left out.
+        Parameters that the model does not free by default may be left out: they take the start
+        that `adapted` gives them under `options`.
 
         Raises
         ------
@@ -59,7 +61,8 @@ class ModelSpec:
         for p in self.parameters:
             if p.name in given:
                 check_value(p, given[p.name], self)
-        return np.array([float(given.get(p.name, p.start)) for p in self.parameters])
+        table = adapted(self.parameters, options)
+        return np.array([float(given.get(name, p.start)) for name, p in table.items()])
 
 
 def check_names(names: Mapping[str, object] | tuple[str, ...], spec: ModelSpec) -> None:
@@ -72,14 +75,14 @@ def check_names(names: Mapping[str, object] | tuple[str, ...], spec: ModelSpec) 
 
 def check_value(parameter: Parameter, value: float, spec: ModelSpec) -> None:
     """Refuse a value for which the equations have no meaning."""
-    number = isinstance(value, int | float) and not isinstance(value, bool)
+    untyped: object = value
+    number = isinstance(untyped, Real) and not isinstance(untyped, bool)
     if not number or not np.isfinite(value):
         raise InputError(f"{spec.name}: {parameter.name} is {value!r}; give a finite number")
     if value < 0 or (parameter.positive and value == 0):
         rule = "above zero" if parameter.positive else "zero or more"
-        raise InputError(
-            f"{spec.name}: {parameter.name} is {value:g} {parameter.unit}; it must be {rule}"
-        )
+        unit = "" if parameter.unit == "-" else f" {parameter.unit}"
+        raise InputError(f"{spec.name}: {parameter.name} is {value:g}{unit}; it must be {rule}")
 
 
 def _muscle(inputs: ModelInputs, options: ModelOptions) -> Simulator:

@@ -2,7 +2,7 @@
 
 from surae.recording.reading import read
 from surae.recording.recording import MUSCLES, ROLES, Channel, Recording, SourceFile, read_only
-from surae.recording.writing import write_csv
+from surae.recording.writing import columns, write_csv
 
 __all__ = [
     "MUSCLES",
@@ -10,6 +10,7 @@ __all__ = [
     "Channel",
     "Recording",
     "SourceFile",
+    "columns",
     "read",
     "read_only",
     "write_csv",

@@ -7,10 +7,23 @@ import numpy.typing as npt
 
 from surae.errors import InputError
 from surae.files import PathLike, atomic_file, shown
+from surae.recording.recording import Recording
 from surae.recording.samples import check_finite
+from surae.units import FloatArray
 
 #: Rows that are turned into text at a time.
 _CHUNK = 16384
+
+
+def columns(recording: Recording) -> dict[str, FloatArray]:
+    """The channels of a recording under their CSV names, time first.
+
+    The channels must share the time axis of the angle, which is the one that is given.
+    """
+    named = {"time_s": recording.channels["angle"].time}
+    for role, one in recording.channels.items():
+        named[f"{role}_{one.unit.replace('/', '_')}"] = one.values
+    return named
 
 
 def write_csv(
