@@ -104,12 +104,8 @@ def textbook(inputs: ModelInputs, options: ModelOptions, p: np.ndarray) -> np.nd
     e1, e2, e3, e4 = inputs.emg.T
     force = {"tri": q["g2"] * e2 + q["g3"] * e3 + q["g4"] * e4, "tib": q["g1"] * e1}
     w, k = 2 * np.pi * q["f0"], q["k_rel"]
-    activation = StateSpace(
-        [[0, 1], [-(w**2), -2 * q["beta"] * w]], [[0], [w**2]], [[1, 0]], [[0]]
-    )
-    relaxation = StateSpace(
-        [[-(1 + k) / q["tau_rel"]]], [[k / q["tau_rel"]]], [[-1]], [[1]]
-    )
+    activation = StateSpace([[0, 1], [-(w**2), -2 * q["beta"] * w]], [[0], [w**2]], [[1, 0]], [[0]])
+    relaxation = StateSpace([[-(1 + k) / q["tau_rel"]]], [[k / q["tau_rel"]]], [[-1]], [[1]])
     torque = q["m"] * 0.15**2 * inputs.acceleration
     torque += q["m"] * 9.81 * 0.15 * np.cos(th - options.theta_foot)
     for muscle, sign in (("tri", 1), ("tib", -1)):

@@ -1,4 +1,4 @@
-"""From a problem to its best minimum: variable projection, then all parameters, many starts."""
+"""From a problem to its best minimum: projected starts, then all parameters together."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -8,7 +8,8 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from surae.errors import InputError
-from surae.estimation.least_squares import Minimum, Outcome, Rows, minimise
+from surae.estimation.curved import curved_move
+from surae.estimation.least_squares import Minimum, Move, Outcome, Rows, minimise
 from surae.estimation.problem import FitProblem, Residuals
 from surae.estimation.result import FitResult, Start, is_at_bound
 from surae.estimation.separable import scan_lengths, solve_linear
@@ -21,10 +22,9 @@ STARTS = 8
 #: Called after every start with how many are done, how many there are, and the best sum so far.
 Progress = Callable[[int, int, float], None]
 
-#: Two starts agree when their sums differ by at most this part.
-_AGREE = 1e-6
-#: The projected iteration only has to reach the valley of the minimum.
-_ROUGH = 1e-3
+#: A failed step ends the iteration when no more than this many noise variances are to be gained:
+#: a seventh of a standard error in all.
+_STALL = 0.02
 
 
 def fit_problem(
@@ -55,14 +55,15 @@ def fit_problem(
     if starts < 1:
         raise InputError(f"starts is {starts}; give at least 1")
     begin = time.perf_counter()
-    residuals = Residuals(problem)
+    residuals, move = Residuals(problem), curved_move(problem)
     minima: list[Minimum] = []
     initials = _initials(problem, starts, seed)
     # Threads only slow down products of this size, and change the last bits.
     with threadpool_limits(limits=1, user_api="blas"):
         try:
-            for initial in initials:
-                minima.append(_from_start(problem, residuals.rows, initial))
+            for number, initial in enumerate(initials):
+                # The first start is where the user, or the literature, expects the lengths.
+                minima.append(_from_start(problem, residuals.rows, move, initial, scan=number > 0))
                 if minima[-1].outcome is Outcome.INTERRUPTED:
                     break
                 if progress is not None:
@@ -81,18 +82,15 @@ def _initials(problem: FitProblem, starts: int, seed: int) -> list[FloatArray]:
     return [problem.start, *random]
 
 
-def _from_start(problem: FitProblem, rows: Rows, initial: FloatArray) -> Minimum:
-    """Scan, project, then move all parameters together."""
-
-    def project(x: FloatArray) -> FloatArray:
-        return solve_linear(problem, rows, x)
-
-    lower, upper = problem.lower, problem.upper
-    x = scan_lengths(problem, rows, initial)
-    rough = minimise(rows, x, lower, upper, project=project, max_iterations=60, ftol=_ROUGH)
-    if rough.outcome is Outcome.INTERRUPTED:
-        return rough
-    return minimise(rows, rough.x, lower, upper)
+def _from_start(
+    problem: FitProblem, rows: Rows, move: Move, initial: FloatArray, *, scan: bool
+) -> Minimum:
+    """Solve the linear parameters, then move all parameters together."""
+    if scan:
+        x = scan_lengths(problem, rows, initial)
+    else:
+        x, _ = solve_linear(problem, rows, initial)
+    return minimise(rows, x, problem.lower, problem.upper, move=move, stall=_STALL / problem.n)
 
 
 def _result(
@@ -104,8 +102,8 @@ def _result(
     seconds: float,
 ) -> FitResult:
     best = min(minima, key=lambda m: m.sse if np.isfinite(m.sse) else np.inf)
-    power = sum(float(one.torque @ one.torque) for one in problem.inputs if one.torque is not None)
-    limit = best.sse * (1 + _AGREE) + 1e-14 * power
+    # Sums that differ by less than the variance of the noise cannot be told apart by the data.
+    limit = best.sse * (1 + 1 / (problem.n - len(problem.free)))
     agreeing = sum(m.sse <= limit for m in minima)
     status, message = _status(problem, best, minima, agreeing, len(initials))
     return FitResult(

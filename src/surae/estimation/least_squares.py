@@ -5,10 +5,15 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
+from scipy.linalg.lapack import dgeqrf
 
 from surae.estimation.box import box_quadratic
 from surae.units import FloatArray
 
+#: Relative ridge under which the undamped step is judged.
+_RIDGE = 1e-12
+#: How a point moves along a step; beyond first order it is free to follow the problem's curves.
+Move = Callable[[FloatArray, FloatArray], FloatArray]
 #: A function of the parameters that returns the (p + 1, n) rows of the Jacobian and, last, the
 #: residual. It may be overwritten.
 Rows = Callable[[FloatArray], FloatArray]
@@ -51,13 +56,13 @@ class Minimum:
     iterations: int
 
 
-def compress(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
+def compress(rows: FloatArray) -> tuple[FloatArray, FloatArray, float]:
     """R of the Jacobian and Qᵀ·residual: all that a step needs, p × p instead of n × p.
 
     Parameters
     ----------
     rows : ndarray, shape (p + 1, n)
-        Jacobian rows and the residual.
+        Jacobian rows and the residual; overwritten.
 
     Returns
     -------
@@ -65,12 +70,14 @@ def compress(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
         Upper triangular factor.
     q : ndarray, shape (p,)
         Projection of the residual on the Jacobian's columns.
+    rest : float
+        Sum of squares of the residual that no combination of the columns can take away.
     """
     p, n = rows.shape[0] - 1, rows.shape[1]
+    factored = dgeqrf(rows.T, lwork=64 * (p + 1), overwrite_a=True)[0]
     full = np.zeros((p + 1, p + 1))
-    triangle = np.linalg.qr(rows.T, mode="r")
-    full[: min(p + 1, n)] = triangle
-    return full[:p, :p], full[:p, p]
+    full[: min(p + 1, n)] = np.triu(factored[: p + 1])
+    return full[:p, :p], full[:p, p], float(full[p, p] ** 2)
 
 
 def minimise(
@@ -79,11 +86,12 @@ def minimise(
     lower: FloatArray,
     upper: FloatArray,
     *,
-    project: Callable[[FloatArray], FloatArray] | None = None,
+    move: Move = np.add,
     max_iterations: int = 200,
-    ftol: float = 1e-12,
+    ftol: float = 1e-8,
     xtol: float = 1e-10,
     gtol: float = 1e-10,
+    stall: float | None = None,
 ) -> Minimum:
     """Minimise the sum of squared residuals within bounds.
 
@@ -101,14 +109,18 @@ def minimise(
         Start, within the bounds.
     lower, upper : ndarray, shape (p,)
         Bounds.
-    project : callable, optional
-        Improves a trial point before it is judged, e.g. by solving its linear parameters.
+    move : callable, optional
+        How a point moves along a step; straight by default.
     max_iterations : int
         Limit on evaluations.
     ftol, xtol, gtol : float
-        Converged when a step is predicted to lower the sum by less than `ftol` of itself, or
-        changes no parameter by more than `xtol` of its scale, or when the cosine between residual
-        and every column that is free to move is at most `gtol`.
+        Converged when the undamped step is predicted to lower the sum by less than `ftol` of
+        itself, or a step changes no parameter by more than `xtol` of its size, or the cosine
+        between residual and every column that is free to move is at most `gtol`.
+    stall : float, optional
+        Takes the place of `ftol` after a step that failed. The torque has kinks, where tissue
+        goes slack (11), and closer to the minimum than a small part of the noise the quadratic
+        prediction does not hold: more steps would only chase kinks.
 
     Returns
     -------
@@ -120,12 +132,13 @@ def minimise(
     Moré, The Levenberg–Marquardt algorithm (1978); Nielsen, Damping parameter in Marquardt's
     method, IMM-REP-1999-05 (1999).
     """
+    stall = ftol if stall is None else stall
     x = np.clip(x, lower, upper)
     current = rows(x)
     count = 1
     residual = current[-1].copy()
     sse = float(residual @ residual)
-    R, q = compress(current)
+    R, q, _ = compress(current)
     if not (np.isfinite(sse) and np.isfinite(R).all()):
         return Minimum(x, sse, residual, R, Outcome.NOT_FINITE, count)
     norms = column_norms(R)
@@ -141,25 +154,25 @@ def minimise(
                 break
             A = R / scale
             H = A.T @ A
-            d = box_quadratic(
-                H + damping * np.eye(len(x)), g, (lower - x) * scale, (upper - x) * scale
-            )
-            predicted = -float(d @ (2.0 * g + H @ d))
-            trial = np.clip(x + d / scale, lower, upper)
-            if project is not None:
-                trial = project(trial)
-            small_step = np.all(np.abs(d / scale) <= xtol * (np.abs(x) + xtol))
-            # Under heavy damping a small predicted gain says nothing about the minimum.
-            if small_step or (predicted <= ftol * sse and damping <= 1e-3):
+            room = (lower - x) * scale, (upper - x) * scale
+            undamped = _gain(H, g, box_quadratic(H + _RIDGE * np.eye(len(x)), g, *room))
+            if undamped <= (stall if growth > 2.0 else ftol) * sse:
                 outcome = Outcome.CONVERGED
                 break
+            d = box_quadratic(H + damping * np.eye(len(x)), g, *room)
+            predicted = _gain(H, g, d)
+            step = d / scale
+            if np.all(np.abs(step) <= xtol * (np.abs(x) + xtol)):
+                outcome = Outcome.CONVERGED
+                break
+            trial = np.clip(move(x, step), lower, upper)
             current = rows(trial)
             count += 1
             trial_sse = float(current[-1] @ current[-1])
             gain = (sse - trial_sse) / predicted if np.isfinite(trial_sse) else -1.0
             if gain > 1e-4 and np.isfinite(current).all():
                 x, sse, residual = trial, trial_sse, current[-1].copy()
-                R, q = compress(current)
+                R, q, _ = compress(current)
                 damping = max(damping * max(1 / 10, 1 - (2 * gain - 1) ** 3), 1e-15)
                 growth = 2.0
             else:
@@ -168,6 +181,11 @@ def minimise(
     except KeyboardInterrupt:
         outcome = Outcome.INTERRUPTED
     return Minimum(x, sse, residual, R, outcome, count)
+
+
+def _gain(H: FloatArray, g: FloatArray, d: FloatArray) -> float:
+    """How much a step lowers the sum of squares of the linear problem."""
+    return -float(d @ (2.0 * g + H @ d))
 
 
 def column_norms(R: FloatArray) -> FloatArray:

@@ -22,7 +22,7 @@ _SCAN_POINTS = 5
 _RIDGE = 1e-10
 
 
-def solve_linear(problem: FitProblem, rows: Rows, x: FloatArray) -> FloatArray:
+def solve_linear(problem: FitProblem, rows: Rows, x: FloatArray) -> tuple[FloatArray, float]:
     """Replace the linear parameters of `x` by their least-squares values within the bounds.
 
     Parameters
@@ -36,17 +36,18 @@ def solve_linear(problem: FitProblem, rows: Rows, x: FloatArray) -> FloatArray:
 
     Returns
     -------
-    ndarray, shape (p,)
+    solved : ndarray, shape (p,)
         The free parameters, exact minimiser over the linear ones; `x` itself where the model
         gives no finite numbers.
+    sse : float
+        Sum of squared residuals there, known without another evaluation; infinite where the
+        model gives no finite numbers.
     """
     names = problem.free
     linear = [j for j, name in enumerate(names) if name in LINEAR or name in SLACK]
-    if not linear:
-        return x
     basis = rows(x)[[*linear, -1]]
     if not np.isfinite(basis).all():
-        return x
+        return x, np.inf
     values = dict(zip(problem.spec.names, problem.values(x), strict=True))
     slack = {i: values[SLACK[names[j]]] for i, j in enumerate(linear) if names[j] in SLACK}
     low, high = (problem.lower - x)[linear], (problem.upper - x)[linear]
@@ -55,17 +56,20 @@ def solve_linear(problem: FitProblem, rows: Rows, x: FloatArray) -> FloatArray:
         # s − 1 falls as x0' grows, so the bounds change places.
         basis[i] /= -k
         low[i], high[i] = np.expm1(np.clip([-k * high[i], -k * low[i]], -700.0, 700.0))
-    R, q = compress(basis)
+    R, q, rest = compress(basis)
     norms = column_norms(R)
     scale = np.where(norms > 0, norms, 1.0)
     A = R / scale
     H = A.T @ A + _RIDGE * np.eye(len(linear))
-    change = box_quadratic(H, A.T @ q, low * scale, high * scale) / scale
+    change = box_quadratic(H, A.T @ q, low * scale, high * scale)
+    left = A @ change + q
+    sse = float(left @ left) + rest
+    change /= scale
     for i, k in slack.items():
         change[i] = -np.log1p(max(change[i], -1 + 1e-12)) / k
     solved = x.copy()
     solved[linear] += change
-    return np.clip(solved, problem.lower, problem.upper)
+    return np.clip(solved, problem.lower, problem.upper), sse
 
 
 def scan_lengths(problem: FitProblem, rows: Rows, x: FloatArray) -> FloatArray:
@@ -79,22 +83,15 @@ def scan_lengths(problem: FitProblem, rows: Rows, x: FloatArray) -> FloatArray:
     ndarray, shape (p,)
         `x` with its linear parameters solved and its optimal lengths replaced where that helps.
     """
-
-    def cost(point: FloatArray) -> float:
-        residual = rows(point)[-1]
-        return float(residual @ residual)
-
-    best = solve_linear(problem, rows, x)
-    lowest = cost(best)
+    best, lowest = solve_linear(problem, rows, x)
     for name in SCANNED:
         if name not in problem.free:
             continue
         j, base = problem.free.index(name), best
-        grid = np.linspace(problem.lower[j], problem.upper[j], _SCAN_POINTS + 2)[1:-1]
-        for length in grid:
+        for length in np.linspace(problem.lower[j], problem.upper[j], _SCAN_POINTS + 2)[1:-1]:
             point = base.copy()
             point[j] = length
-            point = solve_linear(problem, rows, point)
-            if (found := cost(point)) < lowest:
-                best, lowest = point, found
+            point, sse = solve_linear(problem, rows, point)
+            if sse < lowest:
+                best, lowest = point, sse
     return best

@@ -8,11 +8,12 @@ kernel source together with the versions that produced the code.
 import hashlib
 import os
 import platform
+import stat
 import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
@@ -29,19 +30,38 @@ def cache_folder() -> Path:
     digest = hashlib.sha256()
     for version in (numba.__version__, np.__version__, platform.python_version()):
         digest.update(version.encode())
-    for folder in _KERNEL_FOLDERS:
-        for source in sorted((_PACKAGE / folder).glob("*.py")):
+    for kernels in _KERNEL_FOLDERS:
+        for source in sorted((_PACKAGE / kernels).glob("*.py")):
             digest.update(source.name.encode() + source.read_bytes())
+    name = f"kernels-{digest.hexdigest()[:16]}"
     base = os.environ.get("SURAE_CACHE") or os.environ.get("XDG_CACHE_HOME")
-    root = Path(base) if base else Path.home() / ".cache"
-    folder = root / "surae" / f"kernels-{digest.hexdigest()[:16]}"
     try:
+        root = Path(base).absolute() if base else Path.home() / ".cache"
+        folder = root / "surae" / name
         folder.mkdir(parents=True, exist_ok=True)
         if not os.access(folder, os.W_OK):
             raise PermissionError(folder)
-    except OSError:  # a read-only home: compile into a folder of this user's own
-        folder = Path(tempfile.gettempdir()) / f"surae-{os.getuid()}" / folder.name
-        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    except (OSError, RuntimeError):  # a read-only home, or none at all
+        folder = _private_folder() / name
+        folder.mkdir(exist_ok=True)
+    return folder
+
+
+def _private_folder() -> Path:
+    """Folder among the temporary files that only this user can write to: its code will be run."""
+    temporary = Path(tempfile.gettempdir())
+    if not hasattr(os, "getuid"):  # where users have no number, each has a temporary folder
+        folder = temporary / "surae"
+        folder.mkdir(exist_ok=True)
+        return folder
+    folder = temporary / f"surae-{os.getuid()}"
+    try:
+        folder.mkdir(mode=0o700)
+    except FileExistsError:
+        found = folder.lstat()
+        private = stat.S_ISDIR(found.st_mode) and not found.st_mode & 0o022
+        if found.st_uid != os.getuid() or not private:  # somebody else may have put it there
+            return Path(tempfile.mkdtemp(prefix="surae-"))
     return folder
 
 
@@ -52,10 +72,11 @@ def is_warm() -> bool:
 
 def jit(function: F) -> F:
     """Compile `function` with numba: no GIL, IEEE arithmetic, cached on disk."""
-    previous = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(cache_folder())  # numba reads it when it decorates
+    config: Any = numba.config
+    previous = config.CACHE_DIR
+    config.CACHE_DIR = str(cache_folder())  # numba reads it when it decorates
     try:
-        compiled: F = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+        compiled: Any = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
     finally:
-        numba.config.CACHE_DIR = previous
-    return compiled
+        config.CACHE_DIR = previous
+    return cast(F, compiled)

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import asdict, dataclass, fields
+from numbers import Real
 from typing import Any
 
 from surae.errors import InputError
@@ -49,7 +50,8 @@ class ModelOptions:
                 raise InputError(f"option {name} is {value!r}; use one of: {', '.join(allowed)}")
         for name in ("theta_foot", "vmax_factor", "x_ref_tri", "x_ref_tib"):
             value = getattr(self, name)
-            if not isinstance(value, int | float) or not math.isfinite(value):
+            number = isinstance(value, Real) and not isinstance(value, bool)
+            if not number or not math.isfinite(value):
                 raise InputError(f"option {name} is {value!r}; give a finite number")
         for name in ("vmax_factor", "x_ref_tri", "x_ref_tib"):
             if getattr(self, name) <= 0:

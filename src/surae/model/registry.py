@@ -8,7 +8,7 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.model.options import ModelOptions
-from surae.model.parameters import MUSCLE_PARAMETERS, Parameter, adapted
+from surae.model.parameters import MUSCLE_PARAMETERS, TENDON_PARAMETERS, Parameter, adapted
 from surae.model.simulator import Simulator
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -91,12 +91,36 @@ def _muscle(inputs: ModelInputs, options: ModelOptions) -> Simulator:
     return MuscleSimulator(inputs, options)
 
 
+def _muscle_tendon(inputs: ModelInputs, options: ModelOptions) -> Simulator:
+    from surae.model.muscle_tendon import muscle_tendon_simulator
+
+    return muscle_tendon_simulator(inputs, options)
+
+
 _FIFTEEN = tuple(p.name for p in MUSCLE_PARAMETERS)
+_WITH_TENDON = MUSCLE_PARAMETERS + TENDON_PARAMETERS
 
 MODELS: dict[str, ModelSpec] = {
     spec.name: spec
     for spec in (
         ModelSpec("muscle", "muscle model [1.0]", MUSCLE_PARAMETERS, _FIFTEEN, _muscle),
+        ModelSpec(
+            "muscle-tendon", "muscle-tendon model [2.0]", _WITH_TENDON, _FIFTEEN, _muscle_tendon
+        ),
+        ModelSpec(
+            "muscle-tendon-strain",
+            "muscle-tendon model, tendon strain freed [2.1]",
+            _WITH_TENDON,
+            (*_FIFTEEN, "dlt_tri", "dlt_tib"),
+            _muscle_tendon,
+        ),
+        ModelSpec(
+            "muscle-tendon-toe",
+            "muscle-tendon model, tendon toe force freed [2.2]",
+            _WITH_TENDON,
+            (*_FIFTEEN, "pt_tri", "pt_tib"),
+            _muscle_tendon,
+        ),
     )
 }
 

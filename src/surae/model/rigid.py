@@ -138,7 +138,7 @@ def rigid_torque(
     """
     alpha = active_state(emg, p[G : G + 4], p[F0], p[BETA], dt)
     forces = rigid_forces(p, lengths, speeds, alpha, factor, dt)
-    torque = p[M] * limb
+    torque: FloatArray = p[M] * limb
     for muscle in range(2):
         for i in range(limb.shape[0]):
             torque[i] += arms[muscle, i] * (forces[muscle, 0, i] + forces[muscle, 1, i])
@@ -233,13 +233,13 @@ def rigid_torque_jacobian(
                 e_before[c] = emg[i, c]
 
             force = elastic - z
-            if force > 0.0:
+            if force <= 0.0:  # equation (11): tissue cannot push
+                force = 0.0
+                J[K + muscle, i] = J[X0 + muscle, i] = relaxed_t = relaxed_r = 0.0
+            else:  # also where the exponential overflowed: the torque is not a number then
                 J[K + muscle, i] = arm * (elastic_k - z_k)
                 J[X0 + muscle, i] = -arm * k * force
                 relaxed_t, relaxed_r = -arm * z_t, -arm * z_r
-            else:  # equation (11): tissue cannot push
-                force = 0.0
-                J[K + muscle, i] = J[X0 + muscle, i] = relaxed_t = relaxed_r = 0.0
             fl, _, fl_l0 = force_length_partials(x, l0)
             fv, _, fv_vmax = force_velocity_partials(speeds[muscle, i], vmax)
             gain = arm * fl * fv

@@ -1,0 +1,50 @@
+"""Steps along the curved valley of stiffness and slack length."""
+
+import numpy as np
+
+from surae.estimation.least_squares import Move
+from surae.estimation.problem import FitProblem
+from surae.model.geometry import paths
+from surae.units import FloatArray
+
+_GROUPS = (("k_tri", "x0_tri"), ("k_tib", "x0_tib"))
+
+
+def curved_move(problem: FitProblem) -> Move:
+    """How a point moves along a step so that the passive forces change as predicted.
+
+    The data determine the passive force where the muscle is long, exp(k·(x_ref − x0)), far better
+    than k or x0 alone, so the valley of the minimum is the curve k·(x_ref − x0) = constant and a
+    straight step leaves it. The step is therefore taken in φ = k·(x_ref − x0) and k: the same to
+    first order, and a slack length held at a bound stays there.
+
+    Parameters
+    ----------
+    problem : FitProblem
+        Its recordings give x_ref, the greatest length of each muscle.
+
+    Returns
+    -------
+    callable
+        From a point and a step, both of shape (p,), to the point reached.
+    """
+    groups = []
+    for muscle, (k_name, x0_name) in enumerate(_GROUPS):
+        if k_name in problem.free and x0_name in problem.free:
+            longest = max(
+                float(paths(one.angle, one.velocity, problem.options)[muscle].length.max())
+                for one in problem.inputs
+            )
+            groups.append((problem.free.index(k_name), problem.free.index(x0_name), longest))
+
+    def move(x: FloatArray, step: FloatArray) -> FloatArray:
+        moved = x + step
+        for j_k, j_x0, x_ref in groups:
+            reach = x_ref - x[j_x0]
+            # A step that would turn the stiffness around is cut: bounds keep it positive.
+            k = max(moved[j_k], 0.1 * x[j_k])
+            phi = x[j_k] * reach + reach * (k - x[j_k]) - x[j_k] * step[j_x0]
+            moved[j_k], moved[j_x0] = k, x_ref - phi / k
+        return np.asarray(moved)
+
+    return move

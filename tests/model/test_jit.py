@@ -1,0 +1,227 @@
+"""The on-disk cache of compiled kernels: named by its source, never stale, always writable."""
+
+import ast
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import surae
+from surae.model import jit
+
+PACKAGE = Path(surae.__file__).parent
+
+
+@pytest.fixture
+def fresh(tmp_path, monkeypatch) -> Iterator[Path]:
+    """A copy of the package's sources as the package, an empty cache, nothing remembered."""
+    package = tmp_path / "surae"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(jit, "_PACKAGE", package)
+    monkeypatch.setenv("SURAE_CACHE", str(tmp_path / "cache"))
+    jit.cache_folder.cache_clear()
+    yield package
+    jit.cache_folder.cache_clear()
+
+
+def folder_now() -> Path:
+    jit.cache_folder.cache_clear()
+    return jit.cache_folder()
+
+
+def test_folder_lies_in_the_cache_and_is_stable(fresh, tmp_path) -> None:
+    folder = folder_now()
+    assert folder.is_dir()
+    assert folder.parent == tmp_path / "cache" / "surae"
+    assert folder_now() == folder
+
+
+@pytest.mark.parametrize("source", ["model/contraction.py", "model/rigid.py", "model/jit.py"])
+def test_another_source_is_another_folder(fresh, source) -> None:
+    before = folder_now()
+    text = (fresh / source).read_text(encoding="utf-8")
+    (fresh / source).write_text(text + "\n# changed\n", encoding="utf-8")
+    assert folder_now() != before
+    (fresh / source).write_text(text, encoding="utf-8")
+    assert folder_now() == before
+
+
+def test_a_new_source_is_another_folder(fresh) -> None:
+    before = folder_now()
+    (fresh / "estimation" / "another_kernel.py").write_text("x = 1\n", encoding="utf-8")
+    assert folder_now() != before
+
+
+def test_other_versions_are_another_folder(fresh, monkeypatch) -> None:
+    before = folder_now()
+    monkeypatch.setattr(jit.numba, "__version__", "0.0.1")
+    other_numba = folder_now()
+    monkeypatch.setattr(jit.platform, "python_version", lambda: "3.99.0")
+    assert len({before, other_numba, folder_now()}) == 3
+
+
+def test_a_relative_cache_does_not_follow_the_working_directory(
+    fresh, tmp_path, monkeypatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("SURAE_CACHE", "here")
+    assert folder_now().parent == tmp_path / "here" / "surae"
+
+
+def test_the_cache_of_the_desktop_is_used(fresh, tmp_path, monkeypatch) -> None:
+    monkeypatch.delenv("SURAE_CACHE")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
+    assert folder_now().parent == tmp_path / "xdg" / "surae"
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setattr(Path, "home", lambda: tmp_path / "home")
+    assert folder_now().parent == tmp_path / "home" / ".cache" / "surae"
+
+
+def no_home() -> Path:
+    raise RuntimeError("Could not determine home directory.")
+
+
+@pytest.fixture
+def temporary(fresh, tmp_path, monkeypatch) -> Path:
+    """A user without a home; the folder of temporary files."""
+    monkeypatch.delenv("SURAE_CACHE")
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setattr(Path, "home", no_home)
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    return folder
+
+
+def test_without_a_home_the_temporary_folder_serves(temporary) -> None:
+    folder = folder_now()
+    assert folder.is_dir()
+    assert temporary in folder.parents
+    assert folder_now() == folder
+
+
+def test_a_home_that_cannot_be_written_is_left_alone(temporary, tmp_path, monkeypatch) -> None:
+    (tmp_path / "file").write_text("not a folder", encoding="utf-8")
+    monkeypatch.setenv("SURAE_CACHE", str(tmp_path / "file"))
+    assert temporary in folder_now().parents
+    monkeypatch.setenv("SURAE_CACHE", str(tmp_path / "read-only"))
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    assert temporary in folder_now().parents
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="users have no number on this system")
+def test_the_temporary_folder_is_this_users_alone(temporary) -> None:
+    private = temporary / f"surae-{os.getuid()}"
+    assert folder_now().parent == private
+    assert private.stat().st_mode & 0o077 == 0
+    # a folder that others can write to may hold their code: it is not used
+    private.chmod(0o777)
+    other = folder_now().parent
+    assert other != private
+    assert other.stat().st_mode & 0o077 == 0
+    # nor is a link to elsewhere
+    shutil.rmtree(private)
+    elsewhere = temporary / "elsewhere"
+    elsewhere.mkdir(mode=0o700)
+    private.symlink_to(elsewhere)
+    assert folder_now().parent not in (private, elsewhere)
+    assert not any(elsewhere.iterdir())
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="users have no number on this system")
+def test_somebody_elses_temporary_folder_is_not_used(temporary, monkeypatch) -> None:
+    mine = folder_now().parent
+    me = os.getuid()
+    monkeypatch.setattr(os, "getuid", lambda: me + 1)
+    mine.rename(temporary / f"surae-{me + 1}")
+    assert folder_now().parent != temporary / f"surae-{me + 1}"
+
+
+def test_systems_without_user_numbers(temporary, monkeypatch) -> None:
+    monkeypatch.delattr(os, "getuid", raising=False)
+    folder = folder_now()
+    assert folder.is_dir()
+    assert folder.parent == temporary / "surae"
+
+
+def test_warm_only_once_something_is_compiled(fresh) -> None:
+    folder = folder_now()
+    assert not jit.is_warm()
+    (folder / "model_0").mkdir()
+    assert not jit.is_warm()
+    (folder / "model_0" / "rigid.rigid_torque-1.py311.nbi").touch()
+    assert jit.is_warm()
+
+
+def test_decorating_leaves_the_configuration_of_numba_alone(fresh) -> None:
+    before = jit.numba.config.CACHE_DIR
+    jit.jit(abs_of)
+    assert before == jit.numba.config.CACHE_DIR
+
+
+def abs_of(x: float) -> float:
+    return abs(x)
+
+
+RUN = """
+from surae.model import jit, upper
+print(upper.twice(3.0), jit.is_warm(), sum(upper.twice.stats.cache_hits.values()))
+"""
+
+
+def test_a_changed_helper_is_never_served_from_the_cache(fresh, tmp_path) -> None:
+    # numba alone would: it looks only at the file of the function that is called
+    head = "from surae.model.jit import jit\n"
+    lower = fresh / "model" / "lower.py"
+    lower.write_text(f"{head}@jit\ndef part(x):\n    return x\n", encoding="utf-8")
+    (fresh / "model" / "upper.py").write_text(
+        f"{head}from surae.model.lower import part\n@jit\ndef twice(x):\n    return 2 * part(x)\n",
+        encoding="utf-8",
+    )
+
+    def run() -> list[str]:
+        code = f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n{RUN}"
+        done = subprocess.run(
+            [sys.executable, "-B", "-c", code], capture_output=True, text=True, check=True
+        )
+        return done.stdout.split()
+
+    assert run() == ["6.0", "True", "0"]
+    assert run() == ["6.0", "True", "1"]
+    lower.write_text(f"{head}@jit\ndef part(x):\n    return -x\n", encoding="utf-8")
+    assert run() == ["-6.0", "True", "0"]
+
+
+def imports(source: Path) -> list[tuple[str, str]]:
+    """Module and name of whatever a file imports by name."""
+    tree = ast.parse(source.read_text(encoding="utf-8"))
+    nodes = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+    return [(node.module or "", alias.name) for node in nodes for alias in node.names]
+
+
+def test_every_kernel_lies_in_a_folder_that_names_the_cache() -> None:
+    sources = [s for s in PACKAGE.rglob("*.py") if ("surae.model.jit", "jit") in imports(s)]
+    hashed = {PACKAGE / folder for folder in jit._KERNEL_FOLDERS}
+    assert len(sources) >= 4
+    assert {source.parent for source in sources} <= hashed
+    for source in sources:  # nor do kernels read constants from elsewhere in the package
+        for module, name in imports(source):
+            if module.startswith("surae."):
+                inside = module.split(".")[1] in jit._KERNEL_FOLDERS
+                assert inside or name.endswith("Array"), f"{source.name} imports {name}"
+
+
+def test_no_other_numba_decorator() -> None:
+    decorators = {"jit", "njit", "vectorize", "guvectorize", "cfunc", "stencil"}
+    for source in PACKAGE.rglob("*.py"):
+        if source == PACKAGE / "model" / "jit.py":
+            continue
+        for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
+            numbas = isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)
+            assert not (numbas and node.value.id in ("numba", "nb") and node.attr in decorators)
+        assert not any(module.split(".")[0] == "numba" for module, _ in imports(source)), source

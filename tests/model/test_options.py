@@ -1,0 +1,85 @@
+"""The switches of the models: defaults, allowed values, refusals."""
+
+import re
+
+import numpy as np
+import pytest
+
+from surae.errors import InputError
+from surae.model import ModelOptions
+
+
+def test_defaults_are_the_thesis() -> None:
+    options = ModelOptions()
+    assert options.geometry == "thesis"
+    assert options.tendon_strain == "thesis"
+    assert options.integrator == "implicit"
+    assert options.vmax_factor == 8.0
+    assert options.theta_foot == 0.0
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("geometry", "virtual-work"),
+        ("tendon_strain", "slack-length"),
+        ("integrator", "explicit-euler"),
+        ("theta_foot", -0.2),
+        ("vmax_factor", 10),
+        ("x_ref_tri", np.float32(0.1)),
+        ("x_ref_tib", np.float64(0.1)),
+        ("vmax_factor", np.int64(10)),
+    ],
+)
+def test_allowed_values(name, value) -> None:
+    assert getattr(ModelOptions.of(**{name: value}), name) == value
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (
+            {"geometry": "cylinder"},
+            "option geometry is 'cylinder'; use one of: thesis, virtual-work",
+        ),
+        ({"geometry": None}, "option geometry is None; use one of: thesis, virtual-work"),
+        (
+            {"tendon_strain": "metres"},
+            "option tendon_strain is 'metres'; use one of: thesis, slack-length",
+        ),
+        (
+            {"integrator": "rk4"},
+            "option integrator is 'rk4'; use one of: implicit, explicit-euler",
+        ),
+        ({"theta_foot": "0"}, "option theta_foot is '0'; give a finite number"),
+        ({"theta_foot": float("inf")}, "option theta_foot is inf; give a finite number"),
+        ({"vmax_factor": float("nan")}, "option vmax_factor is nan; give a finite number"),
+        ({"vmax_factor": True}, "option vmax_factor is True; give a finite number"),
+        ({"vmax_factor": 0}, "option vmax_factor is 0; it must be positive"),
+        ({"x_ref_tri": -0.1}, "option x_ref_tri is -0.1; it must be positive"),
+        ({"x_ref_tib": 0.0}, "option x_ref_tib is 0.0; it must be positive"),
+        (
+            {"gravity": 9.81},
+            "unknown option 'gravity'; known options: geometry, tendon_strain, integrator, "
+            "theta_foot, vmax_factor, x_ref_tri, x_ref_tib",
+        ),
+    ],
+)
+def test_refusals(given, message) -> None:
+    with pytest.raises(InputError, match=f"^{re.escape(message)}$"):
+        ModelOptions.of(**given)
+
+
+def test_refuses_when_constructed_directly_too() -> None:
+    with pytest.raises(InputError, match="vmax_factor"):
+        ModelOptions(vmax_factor=-8.0)
+
+
+def test_as_plain_data_and_back() -> None:
+    options = ModelOptions(geometry="virtual-work", theta_foot=0.3)
+    assert ModelOptions.of(**options.as_dict()) == options
+
+
+def test_frozen() -> None:
+    with pytest.raises(AttributeError):
+        ModelOptions().vmax_factor = 10.0  # type: ignore[misc]

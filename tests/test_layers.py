@@ -1,0 +1,211 @@
+"""The architecture, enforced: imports only go down, nothing goes round, `import surae` is light."""
+
+import ast
+import json
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import surae
+
+PACKAGE = Path(surae.__file__).parent
+
+#: From the bottom to the top; modules on one line may use each other, never in a circle.
+LAYERS = (
+    ("_version", "errors", "files", "units", "versions"),
+    ("recording",),
+    ("signals",),
+    ("model",),
+    ("protocol",),
+    ("estimation",),
+    ("assessment",),
+    ("studies",),
+    ("report",),
+    ("api",),
+    ("cli", "__main__"),
+    ("web",),
+)
+RANK = {name: rank for rank, layer in enumerate(LAYERS) for name in layer}
+#: Light enough to run a command that computes nothing without a pause.
+HEAVY = ("numba", "scipy", "matplotlib", "h5py", "pydantic", "rich", "click", "jinja2", "joblib")
+
+
+def module_name(source: Path, package: Path) -> str:
+    parts = ("surae", *source.relative_to(package).with_suffix("").parts)
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def called(call: ast.Call) -> str:
+    """Name of the function that is called, without what it belongs to."""
+    if isinstance(call.func, ast.Attribute):
+        return call.func.attr
+    return call.func.id if isinstance(call.func, ast.Name) else ""
+
+
+def imports(source: Path, package: Path, known: frozenset[str]) -> set[str]:
+    """Modules of the package that a file imports anywhere, inside functions too."""
+    own = module_name(source, package)
+    base = own.split(".") if source.name == "__init__.py" else own.split(".")[:-1]
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            above = base[: len(base) - node.level + 1] if node.level else []
+            origin = ".".join([*above, *([node.module] if node.module else [])])
+            for alias in node.names:
+                inner = f"{origin}.{alias.name}"
+                found.add(inner if inner in known else origin)
+        elif isinstance(node, ast.Call) and called(node) in ("import_module", "__import__"):
+            found.update(str(a.value) for a in node.args if isinstance(a, ast.Constant))
+    return {name for name in found if name == "surae" or name.startswith("surae.")} - {own}
+
+
+def graph(package: Path) -> dict[str, set[str]]:
+    """Which module of the package imports which."""
+    sources = sorted(package.rglob("*.py"))
+    known = frozenset(module_name(s, package) for s in sources) - {"surae"}
+    return {module_name(s, package): imports(s, package, known) for s in sources}
+
+
+@cache
+def surae_graph() -> dict[str, set[str]]:
+    return graph(PACKAGE)
+
+
+def upward(edges: dict[str, set[str]]) -> list[str]:
+    """Imports that do not go down, and modules without a layer, one sentence each."""
+    found = []
+    for module, imported in edges.items():
+        if module == "surae":
+            continue  # names everything, lazily: tested apart
+        layer = module.split(".")[1]
+        if layer not in RANK:
+            found.append(f"{module} belongs to no layer")
+            continue
+        for name in imported:
+            if name == "surae":
+                if RANK[layer] <= RANK["api"]:
+                    found.append(f"{module} imports surae itself; take _version or the module")
+            elif RANK.get(name.split(".")[1], 99) > RANK[layer]:
+                found.append(f"{module} imports {name}, which lies above it")
+    return found
+
+
+def circle(edges: dict[str, set[str]]) -> list[str]:
+    """One circle of imports, or nothing."""
+    done: set[str] = set()
+
+    def visit(module: str, path: list[str]) -> list[str]:
+        if module in path:
+            return [*path[path.index(module) :], module]
+        if module in done:
+            return []
+        for name in sorted(edges.get(module, ())):
+            if found := visit(name, [*path, module]):
+                return found
+        done.add(module)
+        return []
+
+    for start in sorted(edges):
+        if found := visit(start, []):
+            return found
+    return []
+
+
+def test_imports_only_go_down() -> None:
+    assert upward(surae_graph()) == []
+
+
+def test_nothing_imports_in_a_circle() -> None:
+    inside = {module: names for module, names in surae_graph().items() if module != "surae"}
+    assert " → ".join(circle(inside)) == ""
+
+
+def test_every_import_of_the_package_leads_somewhere() -> None:
+    edges = surae_graph()
+    missing = {
+        f"{module} imports {name}"
+        for module, names in edges.items()
+        for name in names
+        if name not in edges
+    }
+    assert missing == set()
+
+
+def test_the_package_itself_imports_its_version_and_errors_only() -> None:
+    tree = ast.parse((PACKAGE / "__init__.py").read_text(encoding="utf-8"))
+    eager = {
+        node.module if isinstance(node, ast.ImportFrom) else node.names[0].name
+        for node in tree.body
+        if isinstance(node, ast.Import | ast.ImportFrom)
+    }
+    ours = {name for name in eager if name and name.split(".")[0] == "surae"}
+    assert ours <= {"surae._version", "surae.errors"}  # the rest when it is first used
+
+
+@pytest.mark.parametrize("module", ["surae", "surae.model", "surae.errors", "surae.units"])
+def test_importing_is_light(module) -> None:
+    code = f"import sys, json, {module}; print(json.dumps(sorted(sys.modules)))"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
+    )
+    loaded = {name.split(".")[0] for name in json.loads(done.stdout)}
+    heavy = [*HEAVY, "numpy"] if module in ("surae", "surae.errors") else HEAVY
+    assert loaded & set(heavy) == set()
+
+
+@pytest.fixture
+def small(tmp_path) -> Path:
+    """A package with one import of every kind, in order."""
+    files = {
+        "__init__.py": "from surae._version import __version__\n",
+        "_version.py": "__version__ = '0'\n",
+        "errors.py": "",
+        "signals/__init__.py": "from surae.signals.inputs import x\n",
+        "signals/inputs.py": "from surae.errors import y\nx = 1\n",
+        "model/__init__.py": "",
+        "model/rigid.py": "def f():\n    from ..signals import inputs\n    import surae.errors\n",
+    }
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def test_the_test_follows_every_kind_of_import(small) -> None:
+    edges = graph(small)
+    assert edges["surae"] == {"surae._version"}
+    assert edges["surae.signals"] == {"surae.signals.inputs"}
+    assert edges["surae.model.rigid"] == {"surae.signals.inputs", "surae.errors"}
+    assert upward(edges) == []
+    assert circle(edges) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "complaint"),
+    [
+        ("signals/up.py", "def f():\n    from surae.model import rigid\n", "lies above it"),
+        ("signals/up.py", "import surae.model.rigid\n", "lies above it"),
+        ("signals/up.py", "from .. import model\n", "lies above it"),
+        ("signals/up.py", "importlib.import_module('surae.model.rigid')\n", "lies above it"),
+        ("model/up.py", "from surae import __version__\n", "imports surae itself"),
+        ("helpers/__init__.py", "", "belongs to no layer"),
+    ],
+)
+def test_the_test_finds_what_it_is_for(small, name, text, complaint) -> None:
+    (small / name).parent.mkdir(exist_ok=True)
+    (small / name).write_text(text, encoding="utf-8")
+    found = upward(graph(small))
+    assert len(found) == 1
+    assert complaint in found[0]
+
+
+def test_the_test_finds_circles(small) -> None:
+    (small / "signals" / "inputs.py").write_text("def f():\n    from surae.signals import x\n")
+    found = circle(graph(small))
+    assert found[0] == found[-1]
+    assert set(found) == {"surae.signals", "surae.signals.inputs"}
