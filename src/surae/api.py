@@ -13,7 +13,7 @@ from surae.estimation import STARTS, FitResult, fit_problem, make_problem
 from surae.estimation.fit import Progress
 from surae.files import PathLike
 from surae.model import ModelOptions, TorqueParts, get_model
-from surae.recording import Recording, read
+from surae.recording import MUSCLES, Recording, read
 from surae.signals import ModelInputs, prepare
 from surae.units import FloatArray
 
@@ -94,9 +94,12 @@ class Fit:
 
     def report(self, path: PathLike) -> None:
         """Write the report, one self-contained HTML file."""
+        from datetime import datetime
+
         from surae.report import write_report
 
-        write_report(path, self.result, self.assessment)
+        now = datetime.now().astimezone()
+        write_report(path, self.result, self.assessment, versions=self.result.versions, created=now)
 
 
 def fit(
@@ -272,9 +275,17 @@ def validate(
     for one in inputs:
         if one.emg_unit != problem.inputs[0].emg_unit:
             raise InputError(
-                f"{one.name}: its EMG is in {one.emg_unit!r}, that of the fit in "
+                f"{one.where}: its EMG is in {one.emg_unit!r}, that of the fit in "
                 f"{problem.inputs[0].emg_unit!r}; the weights do not carry over"
             )
+    estimated = [m for i, m in enumerate(MUSCLES, start=1) if f"g{i}" in problem.free]
+    for one in inputs:
+        for muscle in one.missing_emg:
+            if muscle in estimated:
+                raise InputError(
+                    f"{one.where}: no EMG of muscle {muscle!r}, whose weight the fit estimated; "
+                    f"add the channel emg_{muscle}"
+                )
     return predict(problem.spec, problem.options, fitted.values, inputs)
 
 

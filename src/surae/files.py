@@ -117,6 +117,8 @@ def require_writable(path: PathLike) -> None:
     cannot = f"cannot write {shown(path)}"
     try:
         target = Path(os.path.realpath(path))
+        if not os.fspath(path):
+            raise InputError("cannot write a file without a name")
         if target.is_dir():
             raise InputError(f"{cannot}: it is a folder, not a file")
         if not target.parent.is_dir():

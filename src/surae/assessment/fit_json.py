@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from surae.assessment.assess import Assessment, ParameterEstimate
 from surae.errors import InputError
 from surae.estimation import FitProblem, FitResult, Start
 from surae.files import PathLike, read_bytes, shown, write_atomic
-from surae.model import ModelOptions, get_model
+from surae.model import ModelOptions, check_value, get_model
 from surae.recording import SourceFile
 from surae.signals import ModelInputs
 
@@ -42,18 +43,43 @@ def load_fit(path: PathLike) -> FitResult:
         The file is missing, damaged, not a fit, or of a newer surae.
     """
     data = read_json(path)
+    check_version(data, path)
     try:
-        check_version(data, path)
         return _result(data)
     except InputError as error:
         raise InputError(f"{shown(path)}: {error}") from None
-    except (KeyError, TypeError, ValueError, AttributeError, IndexError, OverflowError) as error:
+    except KeyError as error:
         raise InputError(
-            f"{shown(path)}: not a whole FIT.json ({type(error).__name__}: {error}); fit again"
+            f"{shown(path)}: not a whole FIT.json, {error} is missing; give one that "
+            "`surae fit --output` wrote"
         ) from None
+    except (TypeError, ValueError, AttributeError, IndexError, OverflowError) as error:
+        raise InputError(f"{shown(path)}: a damaged FIT.json ({error}); fit again") from None
 
 
-def read_parameters(path: PathLike) -> dict[str, float]:
+@dataclass(frozen=True, slots=True)
+class GivenParameters:
+    """Parameters from a file, and what else a FIT.json says of them.
+
+    Attributes
+    ----------
+    values : mapping of str to float
+        By name.
+    model : str or None
+        The model they belong to; None where the file does not say.
+    options : mapping
+        The model's options.
+    emg_unit : str or None
+        Unit of the EMG that the weights go with.
+    """
+
+    values: Mapping[str, float]
+    model: str | None
+    options: Mapping[str, Any]
+    emg_unit: str | None
+
+
+def read_parameters(path: PathLike) -> GivenParameters:
     """Parameter values from a FIT.json or from ``{"parameters": {"m": 2.0, …}}``.
 
     Raises
@@ -73,9 +99,17 @@ def read_parameters(path: PathLike) -> dict[str, float]:
     for name, entry in table.items():
         value = entry.get("value") if isinstance(entry, dict) else entry
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"{shown(path)}: parameter {name!r} is {entry!r}; give a number")
-        values[name] = float(value)
-    return values
+            text = json.dumps(entry, ensure_ascii=False)
+            raise InputError(f"{shown(path)}: parameter {name!r} is {text}; give a number")
+        try:
+            values[name] = float(value)
+        except OverflowError:
+            raise InputError(f"{shown(path)}: parameter {name!r} is too large a number") from None
+    model, options, traces = data.get("model"), data.get("options", {}), data.get("traces")
+    if not (isinstance(model, str | None) and isinstance(options, dict)):
+        raise InputError(f"{shown(path)}: model must be a name, and options a table")
+    units = {t.get("emg_unit") for t in traces if isinstance(t, dict)} if traces else set()
+    return GivenParameters(values, model, options, units.pop() if len(units) == 1 else None)
 
 
 def read_json(path: PathLike) -> dict[str, Any]:
@@ -96,8 +130,12 @@ def read_json(path: PathLike) -> dict[str, Any]:
         raise InputError(
             f"{shown(path)}: not JSON (line {error.lineno}, column {error.colno}: {error.msg})"
         ) from None
+    except ValueError:
+        raise InputError(f"{shown(path)}: a number in it has thousands of digits") from None
     if not isinstance(data, dict):
-        raise InputError(f"{shown(path)}: expected a JSON object, found a {type(data).__name__}")
+        raise InputError(
+            f'{shown(path)}: expected a JSON object {{"…": …}}, found a {type(data).__name__}'
+        )
     return data
 
 
@@ -106,10 +144,13 @@ def check_version(data: Mapping[str, Any], path: PathLike) -> None:
     written = data.get("surae")
     if written is None:
         return
-    if _ordered(str(written)) > _ordered(__version__) or data.get("format", FORMAT) > FORMAT:
+    layout = data.get("format", FORMAT)
+    if not isinstance(written, str) or not isinstance(layout, int):
+        raise InputError(f"{shown(path)}: a damaged FIT.json (surae or format); fit again")
+    if _ordered(written) > _ordered(__version__) or layout > FORMAT:
         raise InputError(
-            f"{shown(path)}: written by surae {written}, newer than this one ({__version__}); "
-            "upgrade surae to read it"
+            f"{shown(path)}: written by surae {written} in format {layout}, newer than this one "
+            f"({__version__}, format {FORMAT}); upgrade surae to read it"
         )
 
 
@@ -247,6 +288,13 @@ def _result(data: Mapping[str, Any]) -> FitResult:
     values = {name: float(table[name]["value"]) for name in spec.names}
     traces = data["traces"]
     starts = data["starts"]
+    if not traces or not starts["all"] or not free:
+        raise ValueError("no recording, start or free parameter")
+    for name in spec.names:
+        check_value(spec.parameters[spec.names.index(name)], values[name], spec)
+    limits = np.array([[table[n]["lower"], table[n]["upper"]] for n in free], dtype=float)
+    if not np.isfinite(limits).all():
+        raise ValueError("a bound is not a number")
     problem = FitProblem(
         spec=spec,
         options=options,
@@ -259,8 +307,8 @@ def _result(data: Mapping[str, Any]) -> FitResult:
             ],
             dtype=float,
         ),
-        lower=np.array([table[name]["lower"] for name in free], dtype=float),
-        upper=np.array([table[name]["upper"] for name in free], dtype=float),
+        lower=limits[:, 0],
+        upper=limits[:, 1],
     )
     return FitResult(
         problem=problem,

@@ -10,8 +10,8 @@ from surae.units import FloatArray
 #: A direction is singular when its information is below this part of the strongest one's, the
 #: Jacobian's columns scaled to length 1: what is left there is rounding.
 _SINGULAR = 1e-10
-#: A parameter takes part in a direction when its share is at least this part of the largest.
-_PART = 0.1
+#: A parameter takes part in a singular direction of unit length when its share is at least this.
+_PART = 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,24 +76,39 @@ def covariance(
         return Covariance((), np.empty((0, 0)), (), sigma2, dof)
     A = R[:, kept]
     norms = np.linalg.norm(A, axis=0)
-    silent = norms == 0
-    scale = np.where(silent, 1.0, norms)
+    scale = np.where(norms > 0, norms, 1.0)
     _, s, Vt = np.linalg.svd(A / scale)
     singular = s <= _SINGULAR * s[0]
-    share = np.abs(Vt[singular])
-    parts = share >= _PART * share.max(axis=1, keepdims=True) if singular.any() else share > 0
-    directions = tuple(tuple(names[kept[j]] for j in np.flatnonzero(part)) for part in parts)
-    lost = parts.any(axis=0) | silent
+    groups = _inseparable(Vt[singular])
     V = Vt[~singular].T / s[~singular]
     full = sigma2 * (V @ V.T) / np.outer(scale, scale)
-    known = np.flatnonzero(~lost)
+    known = np.setdiff1d(np.arange(len(kept)), [j for group in groups for j in group])
     return Covariance(
         tuple(names[kept[j]] for j in known),
         np.asarray(full[np.ix_(known, known)]),
-        directions,
+        tuple(tuple(names[kept[j]] for j in group) for group in groups),
         sigma2,
         dof,
     )
+
+
+def _inseparable(directions: FloatArray) -> list[list[int]]:
+    """Sets of parameters that the singular directions, shape (k, p), tie together.
+
+    Any mixture of the directions is as good a basis, but their projector is unique: two parameters
+    belong together when it links them, directly or through others.
+    """
+    linked = np.abs(directions.T @ directions) >= _PART**2
+    left = np.flatnonzero(np.diag(linked)).tolist()
+    groups = []
+    while left:
+        group, grown = {left[0]}, set()
+        while group != grown:
+            grown = set(group)
+            group |= {j for j in left if linked[j, list(grown)].any()}
+        groups.append(sorted(group))
+        left = [j for j in left if j not in group]
+    return groups
 
 
 def ipde(correlation: FloatArray) -> float:

@@ -3,8 +3,10 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from surae.assessment.quality import rmse, vaf
-from surae.errors import InputError
+from surae.errors import ComputationError, InputError
 from surae.model import ModelOptions, ModelSpec
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -48,13 +50,17 @@ def predict(
     ------
     InputError
         A recording has no torque to compare with, or none that is not zero.
+    ComputationError
+        The predicted torque is not finite.
     """
     vector = spec.vector(values, options)
     predictions = []
     for one in inputs:
         if one.torque is None or not one.torque.any():
-            raise InputError(f"{one.name}: no torque to compare the prediction with")
+            raise InputError(f"{one.where}: no torque to compare the prediction with")
         torque = spec.simulator(one, options).torque(vector)
+        if not np.isfinite(torque).all():
+            raise ComputationError(f"{one.where}: the model overflows with these parameters")
         residual = one.torque - torque
         predictions.append(
             Prediction(

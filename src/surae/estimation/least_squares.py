@@ -1,5 +1,6 @@
 """Non-linear least squares within bounds: Levenberg–Marquardt on the compressed Jacobian."""
 
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
@@ -10,6 +11,13 @@ from scipy.linalg.lapack import dgeqrf
 from surae.estimation.box import box_quadratic
 from surae.units import FloatArray
 
+#: A step may raise the sum a little, by `_UPHILL` of the best, as long as it stays below the
+#: highest of the `_MEMORY` last ones: that carries the iteration across kinks (Grippo et al. 1986).
+_MEMORY, _UPHILL = 3, 0.01
+#: The iteration rests when so many evaluations have not gained so many times `stall` together.
+_PATIENCE, _WORTHWHILE = 40, 50
+#: Part of the predicted gain that a step must reach.
+_ENOUGH = 1e-4
 #: Relative ridge under which the undamped step is judged.
 _RIDGE = 1e-12
 #: How a point moves along a step; beyond first order it is free to follow the problem's curves.
@@ -77,7 +85,8 @@ def compress(rows: FloatArray) -> tuple[FloatArray, FloatArray, float]:
     factored = dgeqrf(rows.T, lwork=64 * (p + 1), overwrite_a=True)[0]
     full = np.zeros((p + 1, p + 1))
     full[: min(p + 1, n)] = np.triu(factored[: p + 1])
-    return full[:p, :p], full[:p, p], float(full[p, p] ** 2)
+    rest = float(full[p, p])  # of Python, which overflows without a warning
+    return full[:p, :p], full[:p, p], rest * rest
 
 
 def minimise(
@@ -118,9 +127,9 @@ def minimise(
         itself, or a step changes no parameter by more than `xtol` of its size, or the cosine
         between residual and every column that is free to move is at most `gtol`.
     stall : float, optional
-        Takes the place of `ftol` after a step that failed. The torque has kinks, where tissue
-        goes slack (11), and closer to the minimum than a small part of the noise the quadratic
-        prediction does not hold: more steps would only chase kinks.
+        Takes the place of `ftol` after a step that did not improve on the best point. The torque
+        has kinks, where tissue goes slack (11), and closer to the minimum than a small part of the
+        noise the quadratic prediction does not hold: more steps would only chase kinks.
 
     Returns
     -------
@@ -130,57 +139,95 @@ def minimise(
     References
     ----------
     Moré, The Levenberg–Marquardt algorithm (1978); Nielsen, Damping parameter in Marquardt's
-    method, IMM-REP-1999-05 (1999).
+    method, IMM-REP-1999-05 (1999); Grippo, Lampariello and Lucidi, A nonmonotone line search
+    technique for Newton's method, SIAM J. Numer. Anal. 23 (1986).
     """
     stall = ftol if stall is None else stall
     x = np.clip(x, lower, upper)
-    current = rows(x)
-    count = 1
-    residual = current[-1].copy()
-    sse = float(residual @ residual)
-    R, q, _ = compress(current)
-    if not (np.isfinite(sse) and np.isfinite(R).all()):
-        return Minimum(x, sse, residual, R, Outcome.NOT_FINITE, count)
-    norms = column_norms(R)
-    damping, growth = 1e-3, 2.0
+    here = best = _Point.of(x, rows(x))
+    count, eye = 1, np.eye(len(x))
+    if not here.finite:
+        return best.minimum(Outcome.NOT_FINITE, count)
+    norms = column_norms(here.R)
+    damping, growth, failed = 1e-3, 2.0, False
+    milestone, since = here.sse, 0
+    recent = deque([here.sse], maxlen=_MEMORY)
     outcome = Outcome.ITERATIONS
     try:
         while count < max_iterations:
-            norms = np.maximum(norms, column_norms(R))
+            norms = np.maximum(norms, column_norms(here.R))
             scale = np.where(norms > 0, norms, 1.0)
-            g = (R.T @ q) / scale
-            if _stationary(g, x, lower, upper, gtol * np.sqrt(sse)):
-                outcome = Outcome.CONVERGED
-                break
-            A = R / scale
-            H = A.T @ A
-            room = (lower - x) * scale, (upper - x) * scale
-            undamped = _gain(H, g, box_quadratic(H + _RIDGE * np.eye(len(x)), g, *room))
-            if undamped <= (stall if growth > 2.0 else ftol) * sse:
-                outcome = Outcome.CONVERGED
-                break
-            d = box_quadratic(H + damping * np.eye(len(x)), g, *room)
-            predicted = _gain(H, g, d)
+            A = here.R / scale
+            g, H = A.T @ here.q, A.T @ A
+            room = (lower - here.x) * scale, (upper - here.x) * scale
+            undamped = _gain(H, g, box_quadratic(H + _RIDGE * eye, g, *room))
+            d = box_quadratic(H + damping * eye, g, *room)
             step = d / scale
-            if np.all(np.abs(step) <= xtol * (np.abs(x) + xtol)):
+            if (
+                undamped <= (stall if failed else ftol) * here.sse
+                or np.all(np.abs(step) <= xtol * (np.abs(here.x) + xtol))
+                or _stationary(g, here.x, lower, upper, gtol * np.sqrt(here.sse))
+                or since > _PATIENCE
+            ):
                 outcome = Outcome.CONVERGED
                 break
-            trial = np.clip(move(x, step), lower, upper)
-            current = rows(trial)
+            x = np.clip(move(here.x, step), lower, upper)
+            trial = rows(x)
             count += 1
-            trial_sse = float(current[-1] @ current[-1])
-            gain = (sse - trial_sse) / predicted if np.isfinite(trial_sse) else -1.0
-            if gain > 1e-4 and np.isfinite(current).all():
-                x, sse, residual = trial, trial_sse, current[-1].copy()
-                R, q, _ = compress(current)
-                damping = max(damping * max(1 / 10, 1 - (2 * gain - 1) ** 3), 1e-15)
+            sse = _sum_of_squares(trial[-1]) if np.isfinite(trial).all() else np.inf
+            failed = not sse < best.sse
+            if sse < milestone * (1 - _WORTHWHILE * stall):
+                milestone, since = sse, 0
+            since += 1
+            predicted = _gain(H, g, d)
+            gain = (min(max(recent), (1 + _UPHILL) * best.sse) - sse) / predicted
+            if gain > _ENOUGH:
+                monotone = (here.sse - sse) / predicted
+                here = _Point.of(x, trial)
+                if here.sse < best.sse:
+                    best = here
+                recent.append(here.sse)
+                damping = max(damping * np.clip(1 - (2 * monotone - 1) ** 3, 0.1, 10.0), 1e-15)
                 growth = 2.0
             else:
                 damping *= growth
                 growth *= 2.0
     except KeyboardInterrupt:
         outcome = Outcome.INTERRUPTED
-    return Minimum(x, sse, residual, R, outcome, count)
+    return best.minimum(outcome, count)
+
+
+@dataclass(frozen=True, slots=True)
+class _Point:
+    """A point of the iteration: parameters, sum of squares, and the compressed problem there."""
+
+    x: FloatArray
+    sse: float
+    residual: FloatArray
+    R: FloatArray
+    q: FloatArray
+
+    @classmethod
+    def of(cls, x: FloatArray, rows: FloatArray) -> "_Point":
+        """Compress the rows at `x`, which are overwritten."""
+        residual = rows[-1].copy()
+        R, q, _ = compress(rows)
+        return cls(x, _sum_of_squares(residual), residual, R, q)
+
+    @property
+    def finite(self) -> bool:
+        """Whether the model has numbers here."""
+        return bool(np.isfinite(self.sse) and np.isfinite(self.R).all())
+
+    def minimum(self, outcome: Outcome, count: int) -> Minimum:
+        """The point as a result."""
+        return Minimum(self.x, self.sse, self.residual, self.R, outcome, count)
+
+
+def _sum_of_squares(residual: FloatArray) -> float:
+    """Sum of squares; infinite where it overflows, which only makes the step fail."""
+    with np.errstate(over="ignore"):
+        return float(residual @ residual)
 
 
 def _gain(H: FloatArray, g: FloatArray, d: FloatArray) -> float:

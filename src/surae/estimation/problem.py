@@ -104,8 +104,9 @@ def make_problem(
         raise InputError("nothing to fit: give at least one recording")
     for one in inputs:
         check_estimable(one)
-    prescribed = _agreed_fixed(inputs) | dict(fixed or {})
-    start, bounds = dict(start or {}), dict(bounds or {})
+        _check_prescribed(one, spec)
+    fixed, start, bounds = dict(fixed or {}), dict(start or {}), dict(bounds or {})
+    prescribed = _agreed_fixed(inputs, fixed) | fixed
     for names in (prescribed, start, bounds, tuple(free)):
         check_names(names, spec)
     table = adapted(spec.parameters, options, _agreed_unit(inputs))
@@ -124,13 +125,13 @@ def make_problem(
     )
     if not names:
         raise InputError("every parameter is fixed: nothing to estimate; free at least one")
-    limits = {name: bounds.get(name, (table[name].lower, table[name].upper)) for name in table}
+    limits = {name: (p.lower, p.upper) for name, p in table.items()}
+    limits |= {name: _checked_bounds(name, pair, spec) for name, pair in bounds.items()}
     for name, (low, high) in limits.items():
-        if name in bounds:
-            _check_bounds(name, low, high, spec)
         if name in start and not low <= start[name] <= high:
             raise InputError(
-                f"start of {name} is {start[name]:g}, outside its bounds {low:g} … {high:g}"
+                f"start of {name} is {start[name]:g}, outside its bounds {low:g} … {high:g}; "
+                "start between them, or give other bounds"
             )
     _check_emg(inputs, prescribed)
     samples = sum(one.n for one in inputs)
@@ -147,14 +148,26 @@ def make_problem(
     )
 
 
-def _agreed_fixed(inputs: Sequence[ModelInputs]) -> dict[str, float]:
-    """What the recordings prescribe together; a contradiction is an error."""
+def _check_prescribed(one: ModelInputs, spec: ModelSpec) -> None:
+    """Refuse what a recording's own description fixes wrongly, naming its file."""
+    try:
+        check_names(one.fixed, spec)
+        for name, value in one.fixed.items():
+            check_value(spec.parameters[spec.names.index(name)], value, spec)
+    except InputError as error:
+        raise InputError(f"{one.where}: fixed: {error}") from None
+
+
+def _agreed_fixed(
+    inputs: Sequence[ModelInputs], overridden: Mapping[str, float]
+) -> dict[str, float]:
+    """What the recordings prescribe together; a contradiction that stays is an error."""
     agreed: dict[str, float] = {}
     for one in inputs:
         for name, value in one.fixed.items():
-            if agreed.setdefault(name, value) != value:
+            if agreed.setdefault(name, value) != value and name not in overridden:
                 raise InputError(
-                    f"{one.name}: fixes {name} at {value:g}, another recording at "
+                    f"{one.where}: fixes {name} at {value:g}, another recording at "
                     f"{agreed[name]:g}; fit them apart or fix {name} yourself"
                 )
     return agreed
@@ -170,12 +183,16 @@ def _agreed_unit(inputs: Sequence[ModelInputs]) -> str:
     return units.pop()
 
 
-def _check_bounds(name: str, low: float, high: float, spec: ModelSpec) -> None:
+def _checked_bounds(name: str, pair: object, spec: ModelSpec) -> tuple[float, float]:
+    if not isinstance(pair, Sequence | np.ndarray) or len(pair) != 2:
+        raise InputError(f"bounds of {name} are {pair!r}; give a lower and an upper one")
+    low, high = pair
     parameter = spec.parameters[spec.names.index(name)]
     for value in (low, high):
         check_value(parameter, value, spec)
     if not low < high:
         raise InputError(f"bounds of {name} are {low:g} … {high:g}; the lower must be the smaller")
+    return float(low), float(high)
 
 
 def _check_emg(inputs: Sequence[ModelInputs], fixed: Mapping[str, float]) -> None:
@@ -185,7 +202,7 @@ def _check_emg(inputs: Sequence[ModelInputs], fixed: Mapping[str, float]) -> Non
             weight = f"g{MUSCLES.index(muscle) + 1}"
             if weight not in fixed:
                 raise InputError(
-                    f"{one.name}: no EMG of muscle {muscle!r}, so its weight {weight} cannot be "
+                    f"{one.where}: no EMG of muscle {muscle!r}, so its weight {weight} cannot be "
                     f"estimated; add the channel emg_{muscle} or fix the weight ({weight}=0)"
                 )
 

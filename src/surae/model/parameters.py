@@ -52,10 +52,31 @@ MUSCLE_PARAMETERS: tuple[Parameter, ...] = (
     _P("g2", "N/V", "EMG weight, gastrocnemius lateralis", "active", 1e6, 0.0, 2e7, positive=False),
     _P("g3", "N/V", "EMG weight, soleus", "active", 1e6, 0.0, 2e7, positive=False),
     _P("g4", "N/V", "EMG weight, gastrocnemius medialis", "active", 1e6, 0.0, 2e7, positive=False),
-    _P("l0_tri", "m", "optimal length, triceps surae", "active", 0.042, 0.015, 0.10),
-    _P("l0_tib", "m", "optimal length, tibialis anterior", "active", 0.080, 0.030, 0.16),
+    _P("l0_tri", "m", "optimal length, triceps surae", "active", 0.042, 0.020, 0.070),
+    _P("l0_tib", "m", "optimal length, tibialis anterior", "active", 0.080, 0.040, 0.130),
     _P("f0", "Hz", "cut-off frequency of the activation filter", "active", 2.5, 0.3, 15.0),
     _P("beta", "-", "relative damping of the activation filter", "active", 1.0, 0.2, 4.0),
+)
+
+#: The tendons (thesis Table 2), after the fifteen; slack lengths matter to no torque and are
+#: constants. ε0 is in metres as the printed equations take it.
+TENDON_PARAMETERS: tuple[Parameter, ...] = (
+    _P("dlt_tri", "m", "tendon strain factor, triceps surae", "tendon", 0.04, 0.005, 0.2),
+    _P("dlt_tib", "m", "tendon strain factor, tibialis anterior", "tendon", 0.04, 0.002, 0.2),
+    _P("pt_tri", "-", "tendon toe force, triceps surae", "tendon", 0.3, 0.05, 0.9),
+    _P("pt_tib", "-", "tendon toe force, tibialis anterior", "tendon", 0.3, 0.05, 0.9),
+    _P("kt_tri", "-", "tendon toe shape, triceps surae", "tendon", 4.0, 1.0, 10.0),
+    _P("kt_tib", "-", "tendon toe shape, tibialis anterior", "tendon", 4.0, 1.0, 10.0),
+    _P("fmax_tri", "N", "tendon force at dlt, triceps surae", "tendon", 8e3, 2e3, 2e4),
+    _P(
+        "fmax_tib",
+        "N",
+        "tendon force at dlt, tibialis anterior",
+        "tendon",
+        1.4e3,
+        300.0,
+        6e3,
+    ),
 )
 
 #: Start and bounds that differ in the virtual-work geometry, whose muscles travel about 2.8 times
@@ -68,6 +89,8 @@ _VIRTUAL_WORK = {
     "l0_tri": (0.080, 0.030, 0.20),
     "l0_tib": (0.105, 0.040, 0.25),
 }
+#: ε0 as a strain, times the slack length (Thelen 2003).
+_SLACK_LENGTH = {"dlt_tri": (0.10, 0.01, 0.5), "dlt_tib": (0.035, 0.005, 0.5)}
 #: The weights of a normalised EMG envelope (unit "1") are forces [N].
 _NORMALISED_WEIGHT = (1e3, 0.0, 2e4)
 
@@ -75,14 +98,15 @@ _NORMALISED_WEIGHT = (1e3, 0.0, 2e4)
 def adapted(
     parameters: tuple[Parameter, ...], options: ModelOptions, emg_unit: str = "V"
 ) -> dict[str, Parameter]:
-    """The parameters by name, start, bounds and unit adapted to geometry and EMG unit.
+    """The parameters by name, start, bounds and unit adapted to options and EMG unit.
 
     Parameters
     ----------
     parameters : tuple of Parameter
         The model's parameters.
     options : ModelOptions
-        The virtual-work geometry has other starts and bounds for lengths and stiffnesses.
+        The virtual-work geometry has other starts and bounds for lengths and stiffnesses; the
+        tendon's ε0 is a length or a strain.
     emg_unit : {"V", "1"}
         Weights of a normalised envelope are in N and of another magnitude.
     """
@@ -90,6 +114,9 @@ def adapted(
     if options.geometry == "virtual-work":
         for name, (start, lower, upper) in _VIRTUAL_WORK.items():
             changes[name] = {"start": start, "lower": lower, "upper": upper}
+    if options.tendon_strain == "slack-length":
+        for name, (start, lower, upper) in _SLACK_LENGTH.items():
+            changes[name] = {"unit": "-", "start": start, "lower": lower, "upper": upper}
     if emg_unit == "1":
         start, lower, upper = _NORMALISED_WEIGHT
         for name in ("g1", "g2", "g3", "g4"):

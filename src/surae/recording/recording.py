@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.errors import InputError
+from surae.files import shown
 from surae.recording.samples import check_samples
 from surae.units import SI, FloatArray, kind
 
@@ -110,6 +111,11 @@ class Recording:
     side: str | None = None
     device: Mapping[str, Any] = field(default_factory=dict)
 
+    @property
+    def where(self) -> str:
+        """How messages call it: the file it was read from, else its name."""
+        return shown(self.files[0].path) if self.files else self.name
+
     def __post_init__(self) -> None:
         """Order the channels and make the mappings read-only."""
         ordered = {role: self.channels[role] for role in ROLES if role in self.channels}
@@ -121,7 +127,7 @@ class Recording:
         for channel in emg[1:]:
             if channel.unit != emg[0].unit:
                 raise InputError(
-                    f"{self.name}: {emg[0].role} is in {emg[0].unit!r} but {channel.role} in "
+                    f"{self.where}: {emg[0].role} is in {emg[0].unit!r} but {channel.role} in "
                     f"{channel.unit!r}; give all EMG in volts or all normalised ('1')"
                 )
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
+from surae.files import shown
 from surae.recording import SourceFile
 from surae.units import FloatArray
 
@@ -58,6 +59,11 @@ class ModelInputs:
     def __post_init__(self) -> None:
         """Make the mapping read-only; the arrays are made so by whoever prepares them."""
         object.__setattr__(self, "fixed", MappingProxyType(dict(self.fixed)))
+
+    @property
+    def where(self) -> str:
+        """How messages call it: the file it was read from, else its name."""
+        return shown(self.files[0].path) if self.files else self.name
 
     @property
     def n(self) -> int:

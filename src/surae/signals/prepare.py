@@ -59,12 +59,15 @@ def prepare(
         channel and what to do.
     """
     if "angle" not in recording.channels:
-        raise InputError(f"{recording.name}: there is no angle; add its column")
-    settings = settings.updated(recording.prepare)
+        raise InputError(f"{recording.where}: there is no angle; add its column")
+    try:
+        settings = settings.updated(recording.prepare)
+    except InputError as error:
+        raise InputError(f"{recording.where}: {error}") from None
     rate_hz, time, signals, steps = (
         _as_they_are(recording) if prepared else _chain(recording, settings)
     )
-    computed = derivatives(signals["angle"], rate_hz, where=f"{recording.name}: angle")
+    computed = derivatives(signals["angle"], rate_hz, where=f"{recording.where}: angle")
     steps = [*steps, _derivative_step(signals)]
 
     present = tuple(muscle for muscle in MUSCLES if f"emg_{muscle}" in signals)
@@ -110,7 +113,7 @@ class _Signals(NamedTuple):
 
 def _as_they_are(recording: Recording) -> _Signals:
     """Signals that need no preparation."""
-    name, channels = recording.name, recording.channels
+    name, channels = recording.where, recording.channels
     angle = channels["angle"]
     timings = {role: timing(channel, name) for role, channel in channels.items()}
     found = timings["angle"]
@@ -141,12 +144,12 @@ def _as_they_are(recording: Recording) -> _Signals:
 def _chain(recording: Recording, settings: Preparation) -> _Signals:
     """Filtered and resampled signals."""
     sources = {
-        role: uniform(channel, recording.name) for role, channel in recording.channels.items()
+        role: uniform(channel, recording.where) for role, channel in recording.channels.items()
     }
     axis = common_axis(
         [source.axis for source in sources.values()],
         settings.rate_hz,
-        recording.name,
+        recording.where,
         MINIMUM_SAMPLES,
     )
     steps = [step for role, source in sources.items() if (step := _jitter_step(role, source))]

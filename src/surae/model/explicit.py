@@ -1,0 +1,138 @@
+"""The thesis's own integration of the muscle-tendon model, equations (22) to (28), kept as it is.
+
+One explicit Euler step a sample: the tendon force follows from the muscle length that the sample
+before left behind, what tissue does not carry is the active force, the inverse of (17) makes a
+speed of it, clamped at ±vmax (27), and the speed the next length (28). It divides by the active
+state, is stiff, and where the muscle is hardly active it chatters between the clamps (Figure 45).
+"""
+
+import numpy as np
+
+from surae.model.balance import solve
+from surae.model.compliant import (
+    ELONGATION,
+    EPS0,
+    F_MAX,
+    FORCE,
+    K_TOE,
+    LENGTH,
+    SPEED,
+    TISSUE,
+    TOE,
+    IntArray,
+)
+from surae.model.contraction import FECC, MVSH, MVSHL, force_length
+from surae.model.jit import jit
+from surae.model.passive import elastic_force, relaxation_step
+from surae.model.rigid import BETA, F0, K_REL, L0, TAU, X0, G, K
+from surae.model.stages import ALPHA, staged_activation
+from surae.model.tendon import tendon_curve, tendon_force
+from surae.units import FloatArray
+
+
+@jit
+def speed_of(factor: float, vmax: float) -> float:
+    """Speed at a force-velocity factor, the inverse of (17) with the clamp (27).
+
+    Nothing contracts faster than −vmax, where the factor is 0, nor is stretched faster than vmax,
+    where it is fecc. A factor that is not a number (no active state and no force left to explain)
+    is a muscle at rest.
+
+    Parameters
+    ----------
+    factor : float
+        f_v, of any size and sign.
+    vmax : float
+        Maximum shortening speed [m/s].
+
+    Returns
+    -------
+    float
+        x' [m/s].
+    """
+    if factor <= 0.0:
+        return -vmax
+    if factor < 1.0:
+        return vmax * (factor - 1.0) / (1.0 + factor / MVSH)
+    if factor >= FECC:
+        return vmax
+    if factor >= 1.0:
+        a = MVSH * MVSHL
+        return a * vmax * (factor - 1.0) / ((1.0 + a) * (FECC - 1.0) - (factor - 1.0))
+    return 0.0
+
+
+def explicit_states(
+    p: FloatArray, lengths: FloatArray, emg: FloatArray, strain_lengths: FloatArray,
+    factor: float, dt: float,
+) -> tuple[FloatArray, IntArray]:  # fmt: skip
+    """States of both muscle groups as the thesis integrates them.
+
+    It starts, as the thesis does, with tendon and tissue in equilibrium and no active state.
+
+    Parameters
+    ----------
+    p : ndarray, shape (23,)
+        The muscle's fifteen parameters, then ε0, F̄toe, ktoe and Fmax of triceps and tibialis.
+    lengths : ndarray, shape (2, n)
+        Muscle lengths on a rigid tendon, lmt − lt0 [m], triceps first.
+    emg : ndarray, shape (4, n)
+        EMG envelopes TA, GL, SOL, GM [V].
+    strain_lengths : ndarray, shape (2,)
+        What ε0 is multiplied by to be an elongation in metres: 1, or the slack length.
+    factor : float
+        vmax in optimal lengths per second.
+    dt : float
+        Sample time [s].
+
+    Returns
+    -------
+    states, unsolved
+        As from `surae.model.compliant.compliant_torque`; only the start is ever solved for.
+    """
+    alphas = staged_activation(emg, p[G : G + 4], p[F0], p[BETA], dt, False)
+    states = np.full((2, 5, lengths.shape[1]), np.nan)
+    unsolved = np.full(2, -1)
+    for muscle in range(2):
+        unsolved[muscle] = _integrate(
+            muscle, p, lengths[muscle], alphas[ALPHA + muscle], float(strain_lengths[muscle]),
+            factor, dt, states[muscle],
+        )  # fmt: skip
+    return states, unsolved
+
+
+@jit
+def _integrate(
+    muscle: int, p: FloatArray, lengths: FloatArray, alphas: FloatArray, strain_length: float,
+    factor: float, dt: float, states: FloatArray,
+) -> int:  # fmt: skip
+    """One muscle group: fills its states; 0 where the start could not be solved, else −1."""
+    k, x0, l0 = p[K + muscle], p[X0 + muscle], p[L0 + muscle]
+    vmax = factor * l0
+    eps0, toe = p[EPS0 + muscle] * strain_length, p[TOE + muscle]
+    curve = tendon_curve(eps0, toe, p[K_TOE + muscle], p[F_MAX + muscle])
+    step = relaxation_step(p[TAU], p[K_REL], dt)
+    kept, b0, b1 = step[0], step[1], step[2]
+    dc = p[K_REL] / (1.0 + p[K_REL])
+
+    start = (lengths[0], lengths[0], 1.0, 1.0 - dc, 0.0, 0.0)
+    solved, e, _ = solve(0.0, (k, x0, l0, vmax), curve, start)
+    if not solved:
+        return 0
+    x = lengths[0] - e
+    before = elastic_force(x, k, x0)
+    z = dc * before
+    for i in range(len(lengths)):
+        e = lengths[i] - x  # (22)
+        force = tendon_force(e, curve)[0]
+        elastic = elastic_force(x, k, x0)
+        if i > 0:
+            z = kept * z + b0 * before + b1 * elastic
+        before = elastic
+        tissue = max(elastic - z, 0.0)
+        active = max(alphas[i, 1], 0.0)
+        speed = speed_of((force - tissue) / (force_length(x, l0) * active), vmax)  # (25) to (27)
+        states[LENGTH, i], states[SPEED, i], states[ELONGATION, i] = x, speed, e
+        states[FORCE, i], states[TISSUE, i] = force, tissue
+        x += speed * dt  # (28)
+    return -1
