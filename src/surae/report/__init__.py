@@ -1,1 +1,54 @@
-"""."""
+"""Reports of fits: one HTML file to read, print and keep."""
+
+from collections.abc import Mapping
+from datetime import datetime
+
+from surae.assessment import Assessment
+from surae.estimation import FitResult
+from surae.files import PathLike, write_atomic
+
+__all__ = ["build", "write_report"]
+
+
+def build(
+    result: FitResult, assessment: Assessment, *, versions: Mapping[str, str], created: datetime
+) -> str:
+    """The report of a fit as one HTML page, which needs no script and no other file.
+
+    Parameters
+    ----------
+    result : FitResult
+        A fit of one or more recordings.
+    assessment : Assessment
+        What it is worth.
+    versions : mapping of str to str
+        Names and versions of the programs that made the fit.
+    created : datetime
+        When the report is made; the same arguments give the same page.
+
+    Returns
+    -------
+    str
+        HTML.
+    """
+    from surae.report.html import render  # matplotlib and Jinja, only when a report is made
+
+    return render(result, assessment, versions=versions, created=created)
+
+
+def write_report(
+    path: PathLike,
+    result: FitResult,
+    assessment: Assessment,
+    *,
+    versions: Mapping[str, str],
+    created: datetime,
+) -> None:
+    """Write the report of a fit to `path`; see `build`.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    write_atomic(path, build(result, assessment, versions=versions, created=created))

@@ -1,0 +1,98 @@
+"""Numbers as text: as many digits as the standard error allows, powers of ten in print style."""
+
+import math
+from typing import NamedTuple
+
+#: What stands for a number that there is not.
+NONE = "—"
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+#: Digits beyond which a value is not written, however small its standard error.
+_MOST = 9
+
+
+class Estimate(NamedTuple):
+    """An estimate, its standard error and its 95 % interval as text, without unit."""
+
+    value: str
+    sem: str
+    interval: str
+
+
+def estimate(value: float, sem: float | None, ci95: tuple[float, float] | None) -> Estimate:
+    """An estimate written to the second digit of its standard error, the interval alike."""
+    if sem is None or ci95 is None or not math.isfinite(sem) or sem <= 0:
+        return Estimate(_rounded(value), NONE, NONE)
+    first = _order(float(f"{sem:.1e}"))
+    largest = _order(value or max(map(abs, ci95)))
+    shift = _shift(largest)
+    decimals = min(max(shift - first + 1, 0), max(_MOST - 1 - largest + shift, 0))
+    step = 10.0 ** max(first - 1, 0) if shift == 0 else 1.0
+
+    def digits(number: float) -> str:
+        return _fixed(round(number / step) * step if step > 1 else number / 10.0**shift, decimals)
+
+    low, high = map(digits, ci95)
+    interval = f"{low} … {high}"
+    return Estimate(
+        digits(value) + _power(shift),
+        significant(float(f"{sem:.1e}"), 2),
+        f"({interval}){_power(shift)}" if shift else interval,
+    )
+
+
+def _rounded(value: float) -> str:
+    """Four digits at most: nothing says how many are true."""
+    return short(float(f"{value:.4g}"))
+
+
+def significant(value: float, digits: int) -> str:
+    """A number with so many significant digits; trailing zeros stay."""
+    if not math.isfinite(value):
+        return NONE
+    if value == 0:
+        return "0"
+    order = _order(float(f"{value:.{digits - 1}e}"))
+    shift = _shift(order)
+    return _fixed(value / 10.0**shift, max(digits - 1 - order + shift, 0)) + _power(shift)
+
+
+def short(value: float) -> str:
+    """A round number, such as a bound or a setting, with no more digits than it has."""
+    if not math.isfinite(value):
+        return NONE
+    shift = _shift(_order(value))
+    return f"{value / 10.0**shift:.6g}".replace("-", "−") + _power(shift)
+
+
+def percentage(vaf: float) -> str:
+    """A VAF [%] with two decimals, never rounded up to 100."""
+    if not math.isfinite(vaf):
+        return NONE
+    if 99.99 < vaf < 100:
+        return "> 99.99"
+    return _fixed(vaf, 2)
+
+
+def _fixed(value: float, decimals: int) -> str:
+    text = f"{value:.{decimals}f}"
+    return text if float(text) == 0 else text.replace("-", "−")
+
+
+def _order(value: float) -> int:
+    """Power of ten of the first digit."""
+    return math.floor(math.log10(abs(value))) if value else 0
+
+
+def _shift(order: int) -> int:
+    """Power of ten that is written out; 0 for numbers that read well without."""
+    return order if order >= 5 or order < -3 else 0
+
+
+def _power(shift: int) -> str:
+    return f"×10{str(shift).translate(_SUPERSCRIPT)}" if shift else ""
+
+
+def signed(value: float, decimals: int) -> str:
+    """A number with so many decimals, zero without a sign."""
+    text = f"{value:.{decimals}f}"
+    return text.lstrip("-") if float(text) == 0 else text.replace("-", "−")

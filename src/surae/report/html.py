@@ -1,0 +1,58 @@
+"""A report as one HTML file that asks nothing of the outside."""
+
+import base64
+from collections.abc import Mapping
+from datetime import datetime
+
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from surae.assessment import Assessment
+from surae.estimation import FitResult
+from surae.report.content import make_content
+from surae.report.correlations import CorrelationSection
+from surae.report.figures import correlation_figure, png, residual_figure, svg, torque_figure
+from surae.report.traces import traces_of
+from surae.report.whiteness import whiteness
+
+
+def render(
+    result: FitResult, assessment: Assessment, *, versions: Mapping[str, str], created: datetime
+) -> str:
+    """The page; see `surae.report.build`."""
+    traces = traces_of(result)
+    white = tuple(
+        whiteness(one.residual, inputs.rate_hz)
+        for one, inputs in zip(traces, result.problem.inputs, strict=True)
+    )
+    content = make_content(result, assessment, traces, white, versions=versions, created=created)
+    # Names come from files and are untrusted: everything is escaped.
+    environment = Environment(
+        loader=PackageLoader("surae.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("report.html.j2").render(
+        content=content,
+        torque=[_image(png(torque_figure(one)), "png") for one in traces],
+        residual=[
+            _image(png(residual_figure(one.time, one.residual, w)), "png")
+            for one, w in zip(traces, white, strict=True)
+        ],
+        correlation=_heat_map(content.correlation),
+    )
+
+
+def _heat_map(section: CorrelationSection) -> str | None:
+    if len(section.names) < 2:
+        return None
+    figure = correlation_figure(
+        section.names, np.array(section.matrix), section.passive, section.active
+    )
+    return _image(svg(figure), "svg+xml")
+
+
+def _image(data: bytes, kind: str) -> str:
+    return f"data:image/{kind};base64,{base64.b64encode(data).decode()}"

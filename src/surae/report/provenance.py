@@ -1,0 +1,92 @@
+"""How a fit came about: settings, what was fixed or changed, files and preparation."""
+
+from dataclasses import dataclass
+
+from surae.assessment import Assessment
+from surae.estimation import FitResult
+from surae.model import adapted
+from surae.report.digits import short, significant
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """A label and what it says."""
+
+    label: str
+    value: str
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A recording, the files it was read from (path, SHA-256), and what was done to its signals."""
+
+    recording: str
+    files: tuple[tuple[str, str], ...]
+    samples: str
+    steps: tuple[str, ...]
+
+
+def settings(result: FitResult, assessment: Assessment) -> tuple[Setting, ...]:
+    """Model, options, fixed parameters, changed bounds, starts, seed and time of a fit."""
+    problem = result.problem
+    options = ", ".join(
+        f"{name} = {value if isinstance(value, str) else short(value)}"
+        for name, value in problem.options.as_dict().items()
+    )
+    return (
+        Setting("Model", f"{problem.spec.title} ({problem.spec.name})"),
+        Setting("Model options", options),
+        Setting("Fixed parameters", _fixed(result, assessment)),
+        Setting("Bounds", _bounds(result)),
+        Setting("Samples and estimated parameters", f"{problem.n} and {len(problem.free)}"),
+        Setting("Starts", _starts(result)),
+        Setting("Wall time of the fit", f"{significant(result.seconds, 2)} s"),
+    )
+
+
+def sources(result: FitResult) -> tuple[Source, ...]:
+    """The recordings of a fit."""
+    return tuple(
+        Source(
+            recording=one.name,
+            files=tuple((file.path, file.sha256) for file in one.files),
+            samples=f"{one.n} at {short(one.rate_hz)} Hz",
+            steps=one.steps,
+        )
+        for one in result.problem.inputs
+    )
+
+
+def _starts(result: FitResult) -> str:
+    count = len(result.starts)
+    return "the default one" if count == 1 else f"{count}, random ones with seed {result.seed}"
+
+
+def _fixed(result: FitResult, assessment: Assessment) -> str:
+    problem = result.problem
+    prescribed = {name for one in problem.inputs for name in one.fixed}
+    texts = []
+    for p in assessment.parameters.values():
+        if p.free:
+            continue
+        if p.name in prescribed:
+            why = " (prescribed by the recording)"
+        else:
+            why = "" if p.name in problem.spec.free else " (not freed in this model)"
+        unit = "" if p.unit == "-" else f" {p.unit}"
+        texts.append(f"{p.name} = {short(p.value)}{unit}{why}")
+    return ", ".join(texts) or "none"
+
+
+def _bounds(result: FitResult) -> str:
+    problem = result.problem
+    table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
+    changed = [
+        f"{name}: {short(low)} … {short(high)} instead of "
+        f"{short(table[name].lower)} … {short(table[name].upper)}"
+        for name, low, high in zip(
+            problem.free, problem.lower.tolist(), problem.upper.tolist(), strict=True
+        )
+        if (low, high) != (table[name].lower, table[name].upper)
+    ]
+    return "; ".join(changed) or "those of the model"

@@ -1,0 +1,177 @@
+"""The plain-language summary: what a clinician may take from a fit, and what not."""
+
+from collections.abc import Sequence
+
+from surae.assessment import Assessment, ParameterEstimate, Verdict
+from surae.assessment.verdict import IDENTIFIED
+from surae.estimation import FitResult
+from surae.report.digits import percentage, significant
+from surae.report.whiteness import Whiteness
+
+#: Lower limit of a VAF [%] and how such a model follows the torque.
+_CLOSENESS = (
+    (99.0, "very closely"),
+    (95.0, "closely"),
+    (85.0, "moderately well"),
+    (60.0, "only roughly"),
+    (float("-inf"), "poorly"),
+)
+
+#: VAF [%] below which the parameters are not to be read as properties of the muscles.
+_TRUSTED = 85.0
+#: What is said of a fit that failed.
+FAILED = (
+    "The fit did not reach a minimum. The numbers in this report show where it stopped; they are "
+    "not estimates."
+)
+
+
+def summary(
+    result: FitResult, assessment: Assessment, whiteness: Sequence[Whiteness], rms: float
+) -> tuple[str, ...]:
+    """The summary, one paragraph an entry.
+
+    Parameters
+    ----------
+    result, assessment : FitResult, Assessment
+        The fit and what it is worth.
+    whiteness : sequence of Whiteness
+        Of the residual of each recording.
+    rms : float
+        Root mean square of the measured torque of all recordings [Nm].
+    """
+    if result.status == "failed":
+        return (FAILED,)
+    texts = [
+        _following(result, assessment, rms),
+        _counted(assessment),
+        _intervals(assessment, whiteness),
+    ]
+    if len(result.starts) > 1 and result.agreeing == 1:
+        texts.append(
+            f"Only one of {len(result.starts)} starts reached this solution. There may be a better "
+            "one: give more starts before relying on the values."
+        )
+    return tuple(text for text in texts if text)
+
+
+def widening(whiteness: Sequence[Whiteness]) -> float | None:
+    """Rough factor by which the intervals are too narrow; None where they are not."""
+    return max((w.widening for w in whiteness if w.coloured), default=None)
+
+
+def caution(result: FitResult, whiteness: Sequence[Whiteness]) -> str:
+    """What to know before reading the parameter table; empty where there is nothing."""
+    if result.status == "failed":
+        return FAILED
+    factor = widening(whiteness)
+    if factor is None:
+        return ""
+    return (
+        f"The residuals are not white: read SEM and intervals as about {significant(factor, 2)} "
+        "times as wide, and the verdicts accordingly."
+    )
+
+
+def remain_identified(assessment: Assessment, factor: float) -> int:
+    """How many parameters would still be identified with intervals `factor` times as wide."""
+    return sum(
+        p.ci95 is not None and factor * (p.ci95[1] - p.value) <= IDENTIFIED * abs(p.value)
+        for p in _of(assessment, Verdict.IDENTIFIED)
+    )
+
+
+def closeness(vaf: float) -> str:
+    """How closely a model with this VAF [%] follows the torque, in words."""
+    return next((word for limit, word in _CLOSENESS if vaf >= limit), "to an unknown degree")
+
+
+def _following(result: FitResult, assessment: Assessment, rms: float) -> str:
+    text = (
+        f"The {result.problem.spec.title} follows the measured torque "
+        f"{closeness(assessment.vaf)}: it accounts for {_in_words(assessment.vaf)} % of the "
+        f"torque’s mean square (VAF). What it misses is {significant(assessment.rmse, 3)} Nm, "
+        f"where the torque itself is {significant(rms, 3)} Nm (both root mean square)."
+    )
+    if assessment.vaf < _TRUSTED:
+        text += (
+            " A model that misses so much may be the wrong one for this torque: its parameters, "
+            "even the identified ones, should not be read as properties of the muscles."
+        )
+    return text
+
+
+def _in_words(vaf: float) -> str:
+    return percentage(vaf).replace("> ", "more than ")
+
+
+def _counted(assessment: Assessment) -> str:
+    """How many parameters are known, and what to do about the others."""
+    free = [p for p in assessment.parameters.values() if p.free]
+    identified = _of(assessment, Verdict.IDENTIFIED)
+    bound = _of(assessment, Verdict.AT_BOUND)
+    weak = [p for p in _of(assessment, Verdict.WEAK) if p.ci95 is not None]
+    unknown = [p.name for p in _of(assessment, Verdict.WEAK) if p.ci95 is None]
+    text = (
+        f"{_share(len(identified), len(free))} identified: the 95 % interval is within "
+        f"±{100 * IDENTIFIED:g} % of the value."
+    )
+    if weak:
+        subject = "The weak one is" if len(weak) == 1 else f"The {len(weak)} weak ones are"
+        text += (
+            f" {subject} an indication, not a measurement: fix what is known otherwise, or measure "
+            "a movement that tells more."
+        )
+    if unknown:
+        text += f" This torque leaves {' and '.join(unknown)} undetermined: fix what is known."
+    if bound:
+        subject = (
+            "The value at a bound was" if len(bound) == 1 else
+            f"The {len(bound)} values at a bound were"
+        )  # fmt: skip
+        text += (
+            f" {subject} set by the bound, not by the data: see whether the bound is right, or fix "
+            "the parameter."
+        )
+    if weak or unknown or bound:
+        text += " The parameter table says what to do about each."
+    return text
+
+
+def _intervals(assessment: Assessment, whiteness: Sequence[Whiteness]) -> str:
+    """Whether the intervals can be trusted."""
+    if not any(p.ci95 for p in assessment.parameters.values()):
+        return ""
+    factor = widening(whiteness)
+    if factor is None:
+        return (
+            "The residuals look like white noise, as the intervals assume. The intervals do not "
+            "cover errors of the model itself."
+        )
+    worst = max(whiteness, key=lambda w: w.widening)
+    text = (
+        "The residuals are not white noise: neighbouring samples correlate by "
+        f"{significant(worst.lag1, 2)}, and it takes {significant(worst.fall_s, 2)} s to fall to "
+        "the level of white noise. The model leaves something out, and the intervals and verdicts, "
+        f"which assume white noise, are too narrow: by a factor of about {significant(factor, 2)}, "
+        "as a rough guide."
+    )
+    identified = len(_of(assessment, Verdict.IDENTIFIED))
+    if identified:
+        text += (
+            f" With intervals so much wider, {remain_identified(assessment, factor) or 'none'} of "
+            f"the {identified} would still count as identified."
+        )
+    return text
+
+
+def _of(assessment: Assessment, verdict: Verdict) -> list[ParameterEstimate]:
+    return [p for p in assessment.parameters.values() if p.verdict is verdict]
+
+
+def _share(part: int, whole: int) -> str:
+    """The beginning of a sentence about some of all estimated parameters."""
+    if part == whole:
+        return f"All {whole} estimated parameters are" if whole > 1 else "The one parameter is"
+    verb = "is" if part == 1 else "are"
+    return f"{part or 'None'} of the {whole} estimated parameters {verb}"

@@ -1,0 +1,156 @@
+from dataclasses import replace
+from datetime import datetime
+
+import numpy as np
+import pytest
+
+from surae.assessment import assess
+from surae.report.content import make_content
+from surae.report.digits import estimate, percentage, significant
+from surae.report.traces import traces_of
+from surae.report.whiteness import whiteness
+from surae.report.wording import closeness, remain_identified
+
+
+def content_of(case, result=None, residual=None):
+    result = result or case.result
+    traces = traces_of(result)
+    white = tuple(
+        whiteness(one.residual if residual is None else residual, inputs.rate_hz)
+        for one, inputs in zip(traces, result.problem.inputs, strict=True)
+    )
+    return make_content(
+        result, case.assessment, traces, white, versions={"surae": "1.2.3"},
+        created=datetime(2026, 1, 5, 14, 3),
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def content(plain):
+    return content_of(plain)
+
+
+def rows_of(content):
+    return {row.name: row for group in content.groups for row in group.rows}
+
+
+def test_the_numbers_are_those_of_the_assessment(plain, content):
+    rows = rows_of(content)
+    assert list(rows) == list(plain.assessment.parameters)
+    for name, p in plain.assessment.parameters.items():
+        row = rows[name]
+        assert (row.value, row.sem, row.interval) == estimate(p.value, p.sem, p.ci95)
+        assert (row.verdict, row.note) == (p.verdict, p.note)
+        assert row.bar.value == pytest.approx((p.value - p.lower) / (p.upper - p.lower))
+        assert row.bar.low <= row.bar.value <= row.bar.high
+    vaf, rmse = plain.assessment.vaf, plain.assessment.rmse
+    assert [item.value for item in content.key][:2] == [
+        f"{percentage(vaf)} %", f"{significant(rmse, 3)} Nm",
+    ]  # fmt: skip
+    facts = {fact.label: fact.value for fact in content.recordings[0].facts}
+    assert facts["VAF"] == f"{percentage(plain.assessment.recordings[0].vaf)} %"
+    assert facts["Samples"] == "1000 at 100 Hz"
+    assert np.array(content.correlation.matrix) == pytest.approx(
+        plain.assessment.covariance.correlation
+    )
+    assert significant(plain.assessment.ipde, 3) in content.correlation.ipde
+
+
+def test_the_block_is_passive_against_active(content):
+    assert content.correlation.passive == ("k_tri", "k_tib", "x0_tri", "x0_tib", "tau_rel", "k_rel")
+    assert content.correlation.active == (
+        "g1", "g2", "g3", "g4", "l0_tri", "l0_tib", "f0", "beta",
+    )  # fmt: skip
+
+
+def test_every_start_is_listed(plain, content):
+    assert [row.sse for row in content.starts] == [
+        significant(start.sse, 6) for start in plain.result.starts
+    ]
+    assert sum(row.agrees for row in content.starts) == plain.result.agreeing
+    assert [row.excess for row in content.starts].count("best") == 1
+
+
+def test_white_residuals_are_not_called_coloured(content):
+    assert content.caution == ""
+    assert "look like white noise" in " ".join(content.summary)
+
+
+def test_coloured_residuals_are_said_to_narrow_the_intervals(plain):
+    slow = np.cumsum(np.random.default_rng(3).standard_normal(1000))
+    found = whiteness(slow, 100.0)
+    content = content_of(plain, residual=slow)
+    text = " ".join(content.summary)
+    assert f"correlate by {significant(found.lag1, 2)}" in text
+    assert f"{significant(found.fall_s, 2)} s to fall" in text
+    assert "too narrow" in text
+    assert "not white" in content.caution
+    assert "too narrow" in content.recordings[0].residual_text
+
+
+def test_fixed_and_bounded_parameters_say_why(joint):
+    content = content_of(joint)
+    rows = rows_of(content)
+    beta, f0 = rows["beta"], rows["f0"]
+    assert (beta.verdict, beta.value, beta.sem, beta.interval, beta.bounds, beta.bar) == (
+        "fixed", "1", "—", "—", "—", None,
+    )  # fmt: skip
+    assert beta.note == "fixed, not estimated"
+    assert (f0.verdict, f0.value, f0.interval, f0.bar.low) == ("at-bound", "1.5", "—", None)
+    assert "upper bound" in f0.note
+    shown = {setting.label: setting.value for setting in content.settings}
+    assert shown["Fixed parameters"] == "beta = 1"
+    assert shown["Bounds"] == "f0: 0.3 … 1.5 instead of 0.3 … 15"
+    assert "beta" not in content.correlation.names
+    assert "f0" in content.correlation.note
+    assert len(content.recordings) == len(content.sources) == 2
+
+
+def test_a_parameter_without_influence_says_so(silent):
+    content = content_of(silent)
+    rows = rows_of(content)
+    for name in ("g1", "l0_tib"):
+        assert (rows[name].sem, rows[name].interval) == ("—", "—")
+        assert rows[name].note == silent.assessment.parameters[name].note
+        assert rows[name].note.startswith("no interval: ")
+        assert not rows[name].determined
+    (weak,) = [some for some in content.glance if some.verdict == "weak"]
+    assert ("g1", "undetermined") in weak.parameters
+    assert "leaves g1 and l0_tib undetermined" in " ".join(content.summary)
+
+
+def test_a_failed_fit_claims_nothing(plain):
+    failed = replace(plain.result, status="failed", message="no minimum reached: fit again")
+    content = content_of(plain, failed)
+    assert len(content.summary) == 1
+    assert "not estimates" in content.summary[0]
+    assert "not estimates" in content.caution
+    assert "identified" not in content.summary[0]
+    assert content.key[2].value == "—"
+
+
+def test_a_single_agreeing_start_is_a_warning(plain):
+    content = content_of(plain, replace(plain.result, agreeing=1))
+    assert "Only one of 3 starts" in content.summary[-1]
+
+
+def test_the_starts_are_in_the_settings(content, silent):
+    several = {setting.label: setting.value for setting in content.settings}
+    one = {setting.label: setting.value for setting in content_of(silent).settings}
+    assert (several["Starts"], one["Starts"]) == ("3, random ones with seed 0", "the default one")
+
+
+def test_a_moderate_fit_is_called_moderate(plain):
+    assert [closeness(v) for v in (99.5, 96.0, 90.0, 70.0, -5.0)] == [
+        "very closely", "closely", "moderately well", "only roughly", "poorly",
+    ]  # fmt: skip
+    poor = replace(plain, assessment=replace(plain.assessment, vaf=70.0))
+    assert "should not be read as properties of the muscles" in content_of(poor).summary[0]
+
+
+def test_the_widened_intervals_are_counted(plain):
+    parameters = assess(plain.result).parameters.values()
+    half = {p.name: (p.ci95[1] - p.value) / abs(p.value) for p in parameters}
+    for factor in (1.0, 2.5, 40.0):
+        expected = sum(factor * part <= 0.1 for part in half.values())
+        assert remain_identified(plain.assessment, factor) == expected

@@ -1,0 +1,44 @@
+import math
+
+import pytest
+
+from surae.report.digits import estimate, percentage, short, significant
+
+
+@pytest.mark.parametrize(
+    ("value", "sem", "expected"),
+    [
+        (200.84, 2.52, ("200.8", "2.5", "195.9 … 205.8")),
+        (0.0181497, 0.00039, ("0.01815", "3.9×10⁻⁴", "0.01739 … 0.01891")),
+        (600021.1, 5812.0, ("6.000×10⁵", "5800", "(5.886 … 6.114)×10⁵")),
+        (7555.0, 2187.0, ("7600", "2200", "3300 … 11800")),
+        (0.058, 0.037, ("0.058", "0.037", "−0.015 … 0.131")),
+        (2.0, 0.0996, ("2.00", "0.10", "1.80 … 2.20")),
+    ],
+)
+def test_an_estimate_has_the_digits_of_its_standard_error(value, sem, expected):
+    half = 1.96 * sem
+    assert estimate(value, sem, (value - half, value + half)) == expected
+
+
+@pytest.mark.parametrize("sem", [None, 0.0, math.inf])
+def test_an_estimate_without_standard_error_has_no_interval(sem):
+    ci95 = None if sem is None else (0.0, 1.0)
+    assert estimate(0.0650312, sem, ci95) == ("0.06503", "—", "—")
+
+
+def test_numbers_that_are_none_are_dashes():
+    assert [significant(math.nan, 2), short(math.inf), percentage(math.nan)] == ["—"] * 3
+
+
+def test_a_vaf_is_never_rounded_up_to_100():
+    assert percentage(99.99999) == "> 99.99"
+    assert percentage(100.0) == "100.00"
+    assert percentage(-3.456) == "−3.46"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(2e7, "2×10⁷"), (0.002, "0.002"), (-0.9, "−0.9"), (0.0, "0"), (256, "256")]
+)
+def test_round_numbers_stay_round(value, text):
+    assert short(value) == text

@@ -1,0 +1,97 @@
+import re
+import subprocess
+import sys
+from datetime import datetime
+from html.parser import HTMLParser
+
+import pytest
+
+from surae.report import build, write_report
+
+HOSTILE = '"><script>alert(1)</script>'
+_EXTERNAL = ("src", "href", "action", "data", "poster", "srcset", "background")
+
+
+class Page(HTMLParser):
+    """Tags with their attributes, and the text of the page."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.tags, self.text = [], ""
+        self.feed(page)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_data(self, data):
+        self.text += data
+
+    def all(self, tag):
+        return [attributes for name, attributes in self.tags if name == tag]
+
+
+@pytest.mark.parametrize("name", ["plain", "joint", "silent"])
+def test_nothing_is_asked_of_the_outside(name, request):
+    page = request.getfixturevalue(name).page
+    parsed = Page(page)
+    for _, attributes in parsed.tags:
+        for key in _EXTERNAL:
+            value = attributes.get(key)
+            assert value is None or value.startswith("data:image/")
+    assert not re.search(r"url\(|@import|https?://", page)
+    assert not {"script", "link", "iframe", "object", "embed", "base", "form"} & {
+        tag for tag, _ in parsed.tags
+    }
+    policies = [m["content"] for m in parsed.all("meta") if "http-equiv" in m]
+    assert policies == ["default-src 'none'; img-src data:; style-src 'unsafe-inline'"]
+    assert len(page.encode()) < 1_000_000
+
+
+def test_all_parameters_verdicts_and_reasons_are_on_the_page(joint):
+    text = " ".join(Page(joint.page).text.split())
+    for p in joint.assessment.parameters.values():
+        assert p.name in text
+        assert p.meaning in text
+        assert " ".join(p.note.split()) in text
+    for file in joint.result.problem.inputs:
+        assert file.files[0].sha256 in text
+    for expected in ("1.2.3", "2026-01-05 14:03", joint.result.message):
+        assert expected in text
+
+
+def test_names_are_text(joint):
+    parsed = Page(joint.page)
+    assert "<script" not in joint.page
+    assert parsed.text.count(HOSTILE) >= 4  # title, heading, file, step
+    assert not parsed.all("script")
+
+
+def test_images_and_tables_can_be_read_without_seeing(joint):
+    parsed = Page(joint.page)
+    images = parsed.all("img")
+    assert len(images) == 5  # two figures for each recording, and the heat map
+    assert all(len(image["alt"]) > 40 for image in images)
+    assert all(cell.get("scope") in ("col", "row", "rowgroup") for cell in parsed.all("th"))
+    assert all(drawing.get("aria-label") for drawing in parsed.all("svg"))
+    assert len(parsed.all("caption")) == len(parsed.all("table"))
+    assert parsed.all("html") == [{"lang": "en"}]
+    identifiers = [a["id"] for _, a in parsed.tags if "id" in a]
+    assert len(set(identifiers)) == len(identifiers)
+    assert {a["aria-labelledby"] for _, a in parsed.tags if "aria-labelledby" in a} <= set(
+        identifiers
+    )
+
+
+def test_the_same_fit_gives_the_same_file(plain, tmp_path):
+    arguments = {"versions": {"surae": "1.2.3"}, "created": datetime(2026, 1, 5, 14, 3)}
+    path = tmp_path / "report.html"
+    write_report(path, plain.result, plain.assessment, **arguments)
+    assert path.read_text(encoding="utf-8") == plain.page
+    later = build(plain.result, plain.assessment, versions={}, created=datetime(2027, 1, 5, 14, 3))
+    assert "2027-01-05" in later
+
+
+def test_importing_the_report_imports_no_heavy_library():
+    code = "import sys, surae.report; print({'matplotlib', 'jinja2'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "set()"
