@@ -4,7 +4,6 @@ import statistics
 import time
 from collections.abc import Callable
 
-import baseline
 import numpy as np
 from pytest_benchmark.fixture import BenchmarkFixture
 from threadpoolctl import threadpool_limits
@@ -12,6 +11,8 @@ from threadpoolctl import threadpool_limits
 from surae.assessment import assess
 from surae.estimation import FitProblem, fit_problem
 from surae.estimation.problem import simulators
+
+import baseline
 
 _PAIRS = 9
 

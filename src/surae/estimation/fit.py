@@ -8,11 +8,11 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from surae.errors import InputError
-from surae.estimation.curved import curved_move
-from surae.estimation.least_squares import Minimum, Move, Outcome, Rows, minimise
+from surae.estimation.interrupt import postponed_interrupt
+from surae.estimation.least_squares import Minimum, Outcome, minimise
 from surae.estimation.problem import FitProblem, Residuals
 from surae.estimation.result import FitResult, Start, is_at_bound
-from surae.estimation.separable import scan_lengths, solve_linear
+from surae.estimation.starts import from_start
 from surae.recording import read_only
 from surae.units import FloatArray
 from surae.versions import versions
@@ -21,10 +21,6 @@ from surae.versions import versions
 STARTS = 8
 #: Called after every start with how many are done, how many there are, and the best sum so far.
 Progress = Callable[[int, int, float], None]
-
-#: A failed step ends the iteration when no more than this many noise variances are to be gained:
-#: a seventh of a standard error in all.
-_STALL = 0.02
 
 
 def fit_problem(
@@ -55,22 +51,26 @@ def fit_problem(
     if starts < 1:
         raise InputError(f"starts is {starts}; give at least 1")
     begin = time.perf_counter()
-    residuals, move = Residuals(problem), curved_move(problem)
+    residuals = Residuals(problem)
+    minimum = from_start(problem, residuals)
     minima: list[Minimum] = []
     initials = _initials(problem, starts, seed)
     # Threads only slow down products of this size, and change the last bits.
-    with threadpool_limits(limits=1, user_api="blas"):
+    with threadpool_limits(limits=1, user_api="blas"), postponed_interrupt():
         try:
             for number, initial in enumerate(initials):
                 # The first start is where the user, or the literature, expects the lengths.
-                minima.append(_from_start(problem, residuals.rows, move, initial, scan=number > 0))
+                minima.append(minimum(initial, scan=number > 0))
                 if minima[-1].outcome is Outcome.INTERRUPTED:
                     break
                 if progress is not None:
                     progress(len(minima), starts, min(m.sse for m in minima))
         except KeyboardInterrupt:
-            here = minimise(residuals.rows, initial, problem.lower, problem.upper, max_iterations=1)
-            minima.append(replace(here, outcome=Outcome.INTERRUPTED))
+            if len(minima) == number:  # and not while the caller was told of a whole start
+                here = minimise(
+                    residuals.rows, initial, problem.lower, problem.upper, max_iterations=1
+                )
+                minima.append(replace(here, outcome=Outcome.INTERRUPTED))
     return _result(problem, residuals, initials, minima, seed, time.perf_counter() - begin)
 
 
@@ -80,17 +80,6 @@ def _initials(problem: FitProblem, starts: int, seed: int) -> list[FloatArray]:
     spread = problem.upper - problem.lower
     random = [problem.lower + spread * rng.random(len(spread)) for _ in range(starts - 1)]
     return [problem.start, *random]
-
-
-def _from_start(
-    problem: FitProblem, rows: Rows, move: Move, initial: FloatArray, *, scan: bool
-) -> Minimum:
-    """Solve the linear parameters, then move all parameters together."""
-    if scan:
-        x = scan_lengths(problem, rows, initial)
-    else:
-        x, _ = solve_linear(problem, rows, initial)
-    return minimise(rows, x, problem.lower, problem.upper, move=move, stall=_STALL / problem.n)
 
 
 def _result(
@@ -135,8 +124,10 @@ def _status(
     problem: FitProblem, best: Minimum, minima: Sequence[Minimum], agreeing: int, starts: int
 ) -> tuple[str, str]:
     """Status and message of the best minimum."""
-    stopped = minima[-1].outcome is Outcome.INTERRUPTED
-    suffix = f"; stopped by the user in start {len(minima)} of {starts}" if stopped else ""
+    within = minima[-1].outcome is Outcome.INTERRUPTED
+    stopped = within or len(minima) < starts
+    where = f"{'in' if within else 'after'} start {len(minima)} of {starts}"
+    suffix = f"; stopped by the user {where}" if stopped else ""
     if best.outcome is not Outcome.CONVERGED:
         advice = {
             Outcome.INTERRUPTED: "the best so far is kept; fit again for a minimum",

@@ -174,7 +174,7 @@ def minimise(
             x = np.clip(move(here.x, step), lower, upper)
             trial = rows(x)
             count += 1
-            sse = _sum_of_squares(trial[-1]) if np.isfinite(trial).all() else np.inf
+            sse = sum_of_squares(trial[-1]) if np.isfinite(trial).all() else np.inf
             failed = not sse < best.sse
             if sse < milestone * (1 - _WORTHWHILE * stall):
                 milestone, since = sse, 0
@@ -212,7 +212,7 @@ class _Point:
         """Compress the rows at `x`, which are overwritten."""
         residual = rows[-1].copy()
         R, q, _ = compress(rows)
-        return cls(x, _sum_of_squares(residual), residual, R, q)
+        return cls(x, sum_of_squares(residual), residual, R, q)
 
     @property
     def finite(self) -> bool:
@@ -224,7 +224,7 @@ class _Point:
         return Minimum(self.x, self.sse, self.residual, self.R, outcome, count)
 
 
-def _sum_of_squares(residual: FloatArray) -> float:
+def sum_of_squares(residual: FloatArray) -> float:
     """Sum of squares; infinite where it overflows, which only makes the step fail."""
     with np.errstate(over="ignore"):
         return float(residual @ residual)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.errors import InputError
+from surae.estimation.interrupt import checkpoint
 from surae.model import ModelOptions, ModelSpec, adapted, check_names, check_value, get_model
 from surae.model.simulator import Simulator
 from surae.recording import MUSCLES
@@ -225,6 +226,7 @@ class Residuals:
 
     def rows(self, x: FloatArray) -> FloatArray:
         """Jacobian rows and the residual [Nm], shape (p + 1, n); the next call overwrites them."""
+        checkpoint()
         values, begin = self._problem.values(x), 0
         for simulator, measured in zip(self._simulators, self._measured, strict=True):
             end = begin + len(measured)

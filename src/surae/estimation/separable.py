@@ -8,7 +8,7 @@ the long valleys in which weights trade with filter and lengths are gone (Golub 
 import numpy as np
 
 from surae.estimation.box import box_quadratic
-from surae.estimation.least_squares import Rows, column_norms, compress
+from surae.estimation.least_squares import Rows, column_norms, compress, sum_of_squares
 from surae.estimation.problem import FitProblem
 from surae.units import FloatArray
 
@@ -45,15 +45,23 @@ def solve_linear(problem: FitProblem, rows: Rows, x: FloatArray) -> tuple[FloatA
     """
     names = problem.free
     linear = [j for j, name in enumerate(names) if name in LINEAR or name in SLACK]
-    basis = rows(x)[[*linear, -1]]
+    slack = {i: SLACK[names[j]] for i, j in enumerate(linear) if names[j] in SLACK}
+    # From the greatest slack length on, passive torque only grows: at a small one it may be so
+    # large that nothing else is left in the digits of the residual.
+    base = x.copy()
+    for i in slack:
+        base[linear[i]] = problem.upper[linear[i]]
+    basis = rows(base)[[*linear, -1]]
     if not np.isfinite(basis).all():
         return x, np.inf
+    if not linear:
+        return x, sum_of_squares(basis[-1])
     values = dict(zip(problem.spec.names, problem.values(x), strict=True))
-    slack = {i: values[SLACK[names[j]]] for i, j in enumerate(linear) if names[j] in SLACK}
-    low, high = (problem.lower - x)[linear], (problem.upper - x)[linear]
-    for i, k in slack.items():
+    low, high = (problem.lower - base)[linear], (problem.upper - base)[linear]
+    for i, k_name in slack.items():
         # The unknown is the factor s = exp(−k·(x0' − x0)) on the passive torque, which is −J/k;
         # s − 1 falls as x0' grows, so the bounds change places.
+        k = values[k_name]
         basis[i] /= -k
         low[i], high[i] = np.expm1(np.clip([-k * high[i], -k * low[i]], -700.0, 700.0))
     R, q, rest = compress(basis)
@@ -62,12 +70,11 @@ def solve_linear(problem: FitProblem, rows: Rows, x: FloatArray) -> tuple[FloatA
     A = R / scale
     H = A.T @ A + _RIDGE * np.eye(len(linear))
     change = box_quadratic(H, A.T @ q, low * scale, high * scale)
-    left = A @ change + q
-    sse = float(left @ left) + rest
+    sse = sum_of_squares(A @ change + q) + rest
     change /= scale
-    for i, k in slack.items():
-        change[i] = -np.log1p(max(change[i], -1 + 1e-12)) / k
-    solved = x.copy()
+    for i, k_name in slack.items():
+        change[i] = -np.log1p(change[i]) / values[k_name]
+    solved = base
     solved[linear] += change
     return np.clip(solved, problem.lower, problem.upper), sse
 

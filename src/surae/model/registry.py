@@ -30,6 +30,9 @@ class ModelSpec:
         Those a fit estimates unless told otherwise; the others keep their `start`.
     simulator : callable
         Ties the model to a recording.
+    parent : str or None
+        The simpler model, of the same parameters and fewer, from whose solution a fit of this one
+        starts; None for a model whose start is solved for its linear parameters.
     """
 
     name: str
@@ -37,6 +40,7 @@ class ModelSpec:
     parameters: tuple[Parameter, ...]
     free: tuple[str, ...]
     simulator: Callable[[ModelInputs, ModelOptions], Simulator]
+    parent: str | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -105,7 +109,12 @@ MODELS: dict[str, ModelSpec] = {
     for spec in (
         ModelSpec("muscle", "muscle model [1.0]", MUSCLE_PARAMETERS, _FIFTEEN, _muscle),
         ModelSpec(
-            "muscle-tendon", "muscle-tendon model [2.0]", _WITH_TENDON, _FIFTEEN, _muscle_tendon
+            "muscle-tendon",
+            "muscle-tendon model [2.0]",
+            _WITH_TENDON,
+            _FIFTEEN,
+            _muscle_tendon,
+            "muscle",
         ),
         ModelSpec(
             "muscle-tendon-strain",
@@ -113,6 +122,7 @@ MODELS: dict[str, ModelSpec] = {
             _WITH_TENDON,
             (*_FIFTEEN, "dlt_tri", "dlt_tib"),
             _muscle_tendon,
+            "muscle",
         ),
         ModelSpec(
             "muscle-tendon-toe",
@@ -120,6 +130,7 @@ MODELS: dict[str, ModelSpec] = {
             _WITH_TENDON,
             (*_FIFTEEN, "pt_tri", "pt_tib"),
             _muscle_tendon,
+            "muscle",
         ),
     )
 }

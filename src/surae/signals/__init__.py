@@ -4,5 +4,6 @@ from surae.signals.estimable import check_estimable
 from surae.signals.inputs import ModelInputs
 from surae.signals.prepare import prepare
 from surae.signals.settings import Preparation
+from surae.signals.thinning import thinned, thinning_factor
 
-__all__ = ["ModelInputs", "Preparation", "check_estimable", "prepare"]
+__all__ = ["ModelInputs", "Preparation", "check_estimable", "prepare", "thinned", "thinning_factor"]

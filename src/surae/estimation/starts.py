@@ -1,0 +1,101 @@
+"""From one start to its minimum: what each model solves before all parameters move together."""
+
+from dataclasses import replace
+from typing import Protocol
+
+import numpy as np
+
+from surae.estimation.curved import curved_move
+from surae.estimation.least_squares import Minimum, Outcome, minimise
+from surae.estimation.problem import FitProblem, Residuals
+from surae.estimation.separable import scan_lengths, solve_linear
+from surae.model import get_model
+from surae.signals import thinned, thinning_factor
+from surae.units import FloatArray
+
+#: A failed step ends the iteration when no more than this many noise variances are to be gained:
+#: estimates within a tenth of a standard error of the minimum. On thinned data less will do.
+_STALL, _STALL_THINNED = 0.1, 1.0
+#: Thinned data keep at least this rate [Hz], enough for a robot's motion, and so many samples.
+_THIN_RATE, _THIN_SAMPLES = 60.0, 500
+
+
+class FromStart(Protocol):
+    """Finds the minimum that a start leads to."""
+
+    def __call__(self, initial: FloatArray, *, scan: bool) -> Minimum:
+        """Minimum from the free parameters `initial`; `scan` looks for better optimal lengths."""
+        ...
+
+
+def from_start(problem: FitProblem, residuals: Residuals) -> FromStart:
+    """How a start of this problem finds its minimum.
+
+    A model of rigid tendons solves its linear parameters first. A model with a parent takes the
+    parent's minimum, then its own on thinned data: compliance changes the muscle's parameters by
+    a few percent, so each lies in the valley of the next and costs a fraction of it.
+    """
+    move, stall = curved_move(problem), _STALL / problem.n
+    first = _first_look(problem)
+
+    def minimum(initial: FloatArray, *, scan: bool) -> Minimum:
+        rows = residuals.rows
+        if first is not None:
+            before = first(initial, scan=scan)
+            x = before.x
+            if before.outcome is Outcome.INTERRUPTED:
+                here = minimise(rows, x, problem.lower, problem.upper, max_iterations=1)
+                return replace(here, outcome=Outcome.INTERRUPTED)
+        elif scan:
+            x = scan_lengths(problem, rows, initial)
+        else:
+            x, _ = solve_linear(problem, rows, initial)
+        return minimise(rows, x, problem.lower, problem.upper, move=move, stall=stall)
+
+    return minimum
+
+
+def _first_look(problem: FitProblem) -> FromStart | None:
+    """The minimum of a model with a parent on thinned data; None for a model without."""
+    factors = [thinning_factor(one, _THIN_RATE, _THIN_SAMPLES) for one in problem.inputs]
+    thin = replace(
+        problem,
+        inputs=tuple(thinned(one, by) for one, by in zip(problem.inputs, factors, strict=True)),
+    )
+    parent = _parent(thin)
+    if parent is None:
+        return None
+    shared = [problem.free.index(name) for name in parent.free]
+    from_parent = from_start(parent, Residuals(parent))
+    rows = Residuals(thin).rows
+    move, stall = curved_move(thin), _STALL_THINNED / thin.n
+
+    def minimum(initial: FloatArray, *, scan: bool) -> Minimum:
+        before = from_parent(initial[shared], scan=scan)
+        x = initial.copy()
+        x[shared] = before.x
+        limit = 1 if before.outcome is Outcome.INTERRUPTED else 200
+        found = minimise(
+            rows, x, thin.lower, thin.upper, move=move, stall=stall, max_iterations=limit
+        )
+        return replace(found, outcome=before.outcome) if limit == 1 else found
+
+    return minimum
+
+
+def _parent(problem: FitProblem) -> FitProblem | None:
+    """The same problem with the parent model; None without one, or with nothing free in it."""
+    if problem.spec.parent is None:
+        return None
+    spec = get_model(problem.spec.parent)
+    shared = [name in spec.names for name in problem.free]
+    if not any(shared):
+        return None
+    return replace(
+        problem,
+        spec=spec,
+        free=tuple(name for name in problem.free if name in spec.names),
+        base=problem.base[[problem.spec.names.index(name) for name in spec.names]],
+        lower=problem.lower[np.array(shared)],
+        upper=problem.upper[np.array(shared)],
+    )
