@@ -12,7 +12,8 @@ from surae.errors import ComputationError, InputError, SuraeError
 if TYPE_CHECKING:
     from surae.api import Fit, fit, load, simulate, validate
     from surae.recording import Recording, read, write_csv
-    from surae.signals import ModelInputs, Preparation, prepare
+    from surae.signals import ModelInputs, Preparation
+    from surae.signals.prepare import prepare
 
 _HOMES = {
     "Fit": "surae.api",

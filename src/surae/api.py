@@ -110,6 +110,7 @@ def fit(
     free: Sequence[str] = (),
     start: Mapping[str, float] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
+    priors: Mapping[str, tuple[float, float]] | None = None,
     prepared: bool = False,
     starts: int = STARTS,
     seed: int = 0,
@@ -132,6 +133,9 @@ def fit(
         Where the first start begins, instead of the defaults.
     bounds : mapping of str to (float, float), optional
         Bounds instead of the defaults.
+    priors : mapping of str to (float, float), optional
+        What is known of a parameter beforehand: its median, and the standard deviation of its
+        logarithm (about its relative standard deviation), e.g. ``{"dlt_tib": (0.04, 0.2)}``.
     prepared : bool
         The signals are filtered and at the model's rate already: use them as they are.
     starts : int
@@ -160,6 +164,7 @@ def fit(
         free=free,
         start=start,
         bounds=bounds,
+        priors=priors,
         options=ModelOptions.of(**options),
     )
     result = fit_problem(problem, starts=starts, seed=seed, progress=progress)

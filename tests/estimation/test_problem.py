@@ -221,9 +221,11 @@ def test_residuals_of_two_recordings(clean, noisy, subject):
     truth = np.array([subject.parameters[name] for name in problem.free])
     rows = residuals.rows(truth).copy()
     assert rows.shape == (15, clean.n + noisy.n)
-    first, second = residuals.split(rows[-1])
+    first, second = residuals.of(truth)
     np.testing.assert_allclose(first, 0.0, atol=1e-12)
     assert np.std(second) > 0.01
+    np.testing.assert_allclose(rows[-1], -np.concatenate([first, second]), atol=1e-10)
+    assert residuals.sse([first, second]) == pytest.approx(rows[-1] @ rows[-1])
     # Each part is what its recording alone gives, and the order is that of the recordings.
     alone = Residuals(make_problem([noisy], fixed={"beta": subject.parameters["beta"]}))
     np.testing.assert_array_equal(rows[:, clean.n :], alone.rows(truth))
@@ -240,3 +242,42 @@ def test_residuals_are_model_minus_measurement(clean):
 
 def test_bounds_that_are_text(clean):
     assert "m is 'a'; give a finite number" in refused([clean], bounds={"m": "ab"})
+
+
+def test_a_prior_adds_its_part_to_the_problem(noisy):
+    problem = make_problem([noisy], priors={"tau_rel": (3.0, 0.2), "l0_tri": (0.05, 0.1)})
+    residuals = Residuals(problem, noise=0.7)
+    x = problem.start
+    rows = residuals.rows(x).copy()
+    assert rows.shape == (16, noisy.n + 2)
+    j = problem.free.index("tau_rel")
+    assert rows[-1, noisy.n] == pytest.approx(0.7 * np.log(x[j] / 3.0) / 0.2)
+    step = 1e-6
+    moved = x.copy()
+    moved[j] += step
+    slope = (residuals.rows(moved)[-1, noisy.n] - rows[-1, noisy.n]) / step
+    assert rows[j, noisy.n] == pytest.approx(slope, rel=1e-5)
+    assert np.count_nonzero(rows[:-1, noisy.n :]) == 2
+
+
+def test_weights_scale_residual_and_jacobian(noisy):
+    weight = np.where(noisy.time < noisy.time.mean(), 4.0, 0.0)
+    problem = make_problem([replace(noisy, weight=weight)])
+    plain, weighted = Residuals(make_problem([noisy])), Residuals(problem)
+    x = problem.start
+    np.testing.assert_allclose(weighted.rows(x), plain.rows(x) * np.sqrt(weight), rtol=1e-12)
+    assert problem.n == np.count_nonzero(weight)
+
+
+@pytest.mark.parametrize(
+    ("priors", "words"),
+    [
+        ({"nope": (1.0, 0.1)}, "it is not estimated"),
+        ({"beta": (0.0, 0.1)}, "must be above zero"),
+        ({"beta": (1.0, -0.1)}, "must be above zero"),
+        ({"beta": (1.0, True)}, "must be above zero"),
+        ({"beta": 1.0}, "give its median and its spread"),
+    ],
+)
+def test_priors_that_are_refused(clean, priors, words):
+    assert words in refused([clean], priors=priors)

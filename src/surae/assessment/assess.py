@@ -10,6 +10,8 @@ from surae.assessment.uncertainty import Covariance, covariance, half_width, ipd
 from surae.assessment.verdict import Verdict, judge_interval, judge_singular
 from surae.estimation import FitResult
 from surae.model import adapted
+from surae.signals import ModelInputs
+from surae.units import FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +55,7 @@ class ParameterEstimate:
 
 @dataclass(frozen=True, slots=True)
 class RecordingQuality:
-    """How well one recording is followed: VAF [%], RMSE and mean residual [Nm]."""
+    """How well one recording is followed where its samples count: VAF [%], RMSE, bias [Nm]."""
 
     name: str
     path: str | None
@@ -72,7 +74,7 @@ class Assessment:
     Attributes
     ----------
     vaf, rmse : float
-        Of all recordings together [%, Nm].
+        Of all recordings together [%, Nm]; NaN where the model gave no finite torque.
     parameters : mapping of str to ParameterEstimate
         All parameters of the model, in its order.
     covariance : Covariance
@@ -109,7 +111,7 @@ def assess(result: FitResult) -> Assessment:
     """
     problem = result.problem
     estimated = covariance(result.R, problem.free, result.sse, problem.n, result.at_bound)
-    measured = [one.torque for one in problem.inputs if one.torque is not None]
+    pairs = [_counted(*pair) for pair in zip(problem.inputs, result.residuals, strict=True)]
     recordings = tuple(
         RecordingQuality(
             name=one.name,
@@ -121,16 +123,16 @@ def assess(result: FitResult) -> Assessment:
             rmse=rmse(residual),
             bias=float(residual.mean()),
         )
-        for one, torque, residual in zip(problem.inputs, measured, result.residuals, strict=True)
+        for one, (torque, residual) in zip(problem.inputs, pairs, strict=True)
     )
     left_out = [name for name in problem.free if name not in estimated.names]
     several = len(estimated.names) > 1
     note = f"without {', '.join(left_out)}" if left_out else ""
     if not several:
         note = "fewer than two parameters have a variance"
-    residuals = np.concatenate(result.residuals)
+    residuals = np.concatenate([residual for _, residual in pairs])
     return Assessment(
-        vaf=vaf(np.concatenate(measured), residuals),
+        vaf=vaf(np.concatenate([torque for torque, _ in pairs]), residuals),
         rmse=rmse(residuals),
         parameters=_parameters(result, estimated),
         covariance=estimated,
@@ -138,6 +140,14 @@ def assess(result: FitResult) -> Assessment:
         ipde_note=note,
         recordings=recordings,
     )
+
+
+def _counted(one: ModelInputs, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Measured torque and residual where samples count."""
+    torque = one.torque if one.torque is not None else np.full(one.n, np.nan)
+    if one.weight is None:
+        return torque, residual
+    return torque[one.weight > 0], residual[one.weight > 0]
 
 
 def _parameters(result: FitResult, estimated: Covariance) -> dict[str, ParameterEstimate]:
@@ -170,6 +180,8 @@ def _parameters(result: FitResult, estimated: Covariance) -> dict[str, Parameter
             half = half_width(sem, estimated.dof)
             ci95 = (value - half, value + half)
             verdict, note = judge_interval(name, value, half, estimated)
+        elif not np.isfinite(estimated.sigma2):
+            verdict, note = Verdict.WEAK, "no interval: the model gives no finite torque here"
         else:
             verdict, note = Verdict.WEAK, judge_singular(name, estimated.directions)
         parameters[name] = ParameterEstimate(

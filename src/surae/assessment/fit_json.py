@@ -12,7 +12,7 @@ from surae._version import __version__
 from surae.assessment.arrays import decode, encode
 from surae.assessment.assess import Assessment, ParameterEstimate
 from surae.errors import InputError
-from surae.estimation import FitProblem, FitResult, Start
+from surae.estimation import FitProblem, FitResult, Prior, Start
 from surae.files import PathLike, read_bytes, shown, write_atomic
 from surae.model import ModelOptions, check_value, get_model
 from surae.recording import SourceFile
@@ -120,8 +120,9 @@ def read_json(path: PathLike) -> dict[str, Any]:
     InputError
         The file is missing or is not a JSON object.
     """
+    content = read_bytes(path)
     try:
-        data = json.loads(read_bytes(path).decode("utf-8"))
+        data = json.loads(content.decode("utf-8"))
     except UnicodeDecodeError:
         raise InputError(f"{shown(path)}: not a text file, expected JSON") from None
     except RecursionError:
@@ -168,14 +169,14 @@ def as_dict(result: FitResult, assessment: Assessment) -> dict[str, Any]:
     """A fit as plain data, in the shape of FIT.json."""
     problem = result.problem
     return {
-        "surae": result.versions["surae"],
+        "surae": result.versions.get("surae", __version__),
         "format": FORMAT,
         "model": problem.spec.name,
         "options": problem.options.as_dict(),
         "status": result.status,
         "message": result.message,
-        "vaf": assessment.vaf,
-        "rmse_Nm": assessment.rmse,
+        "vaf": _number(assessment.vaf),
+        "rmse_Nm": _number(assessment.rmse),
         "parameters": {p.name: _parameter(p) for p in assessment.parameters.values()},
         "correlation": {
             "names": list(assessment.covariance.names),
@@ -191,9 +192,9 @@ def as_dict(result: FitResult, assessment: Assessment) -> dict[str, Any]:
                 "sha256": quality.sha256,
                 "n": quality.n,
                 "rate_hz": quality.rate_hz,
-                "vaf": quality.vaf,
-                "rmse_Nm": quality.rmse,
-                "bias_Nm": quality.bias,
+                "vaf": _number(quality.vaf),
+                "rmse_Nm": _number(quality.rmse),
+                "bias_Nm": _number(quality.bias),
             }
             for quality in assessment.recordings
         ],
@@ -215,6 +216,10 @@ def as_dict(result: FitResult, assessment: Assessment) -> dict[str, Any]:
         "seconds": result.seconds,
         "versions": dict(result.versions),
         "free": list(problem.free),
+        "priors": {
+            name: {"median": prior.median, "spread": prior.spread}
+            for name, prior in problem.priors.items()
+        },
         "sse": _number(result.sse),
         "R": encode(result.R),
         "traces": [
@@ -240,7 +245,7 @@ def _parameter(p: ParameterEstimate) -> dict[str, Any]:
 
 
 def _number(value: float) -> float | None:
-    """A sum of squares that overflowed has no place in JSON."""
+    """A number that is not finite has no place in JSON."""
     return value if math.isfinite(value) else None
 
 
@@ -259,6 +264,7 @@ def _trace(one: ModelInputs, residual: Any) -> dict[str, Any]:
         **{name: encode(getattr(one, name)) for name in _SERIES},
         "emg": encode(one.emg),
         "torque": encode(torque),
+        "weight": None if one.weight is None else encode(one.weight),
         "residual": encode(residual),
     }
 
@@ -267,14 +273,15 @@ def _inputs(trace: Mapping[str, Any]) -> ModelInputs:
     n = int(trace["n"])
     return ModelInputs(
         name=str(trace["name"]),
-        rate_hz=float(trace["rate_hz"]),
+        rate_hz=_real(trace["rate_hz"]),
         emg=decode(trace["emg"], (n, 4)),
         emg_unit=str(trace["emg_unit"]),
         torque=decode(trace["torque"], (n,)),
         missing_emg=tuple(map(str, trace["missing_emg"])),
         steps=tuple(map(str, trace["steps"])),
         prepared=bool(trace["prepared"]),
-        fixed={str(name): float(value) for name, value in trace["fixed"].items()},
+        weight=None if trace["weight"] is None else decode(trace["weight"], (n,)),
+        fixed={str(name): _real(value) for name, value in trace["fixed"].items()},
         files=tuple(SourceFile(str(f["path"]), str(f["sha256"])) for f in trace["files"]),
         **{name: decode(trace[name], (n,)) for name in _SERIES},
     )
@@ -285,7 +292,7 @@ def _result(data: Mapping[str, Any]) -> FitResult:
     options = ModelOptions.of(**data["options"])
     table = data["parameters"]
     free = tuple(name for name in spec.names if table[name]["free"])
-    values = {name: float(table[name]["value"]) for name in spec.names}
+    values = {name: _real(table[name]["value"]) for name in spec.names}
     traces = data["traces"]
     starts = data["starts"]
     if not traces or not starts["all"] or not free:
@@ -309,19 +316,30 @@ def _result(data: Mapping[str, Any]) -> FitResult:
         ),
         lower=limits[:, 0],
         upper=limits[:, 1],
+        priors={
+            str(name): Prior(_real(prior["median"]), _real(prior["spread"]))
+            for name, prior in data["priors"].items()
+        },
     )
+    residuals = tuple(decode(trace["residual"], (int(trace["n"]),)) for trace in traces)
+    sse = _sum(data["sse"])
+    weights = [1.0 if one.weight is None else one.weight for one in problem.inputs]
+    with np.errstate(over="ignore", invalid="ignore"):
+        weighted = sum(float(np.sum(w * e**2)) for w, e in zip(weights, residuals, strict=True))
+    if math.isfinite(sse) and not math.isclose(sse, weighted, rel_tol=1e-6):
+        raise ValueError("the sum of squares is not that of the residuals")
     return FitResult(
         problem=problem,
         status=str(data["status"]),
         message=str(data["message"]),
         values=values,
-        residuals=tuple(decode(trace["residual"], (int(trace["n"]),)) for trace in traces),
-        sse=_sum(data["sse"]),
+        residuals=residuals,
+        sse=sse,
         R=decode(data["R"], (len(free), len(free))),
         starts=tuple(
             Start(
-                {str(name): float(value) for name, value in start["initial"].items()},
-                {str(name): float(value) for name, value in start["values"].items()},
+                {str(name): _real(value) for name, value in start["initial"].items()},
+                {str(name): _real(value) for name, value in start["values"].items()},
                 _sum(start["sse"]),
                 str(start["outcome"]),
                 int(start["iterations"]),
@@ -330,10 +348,17 @@ def _result(data: Mapping[str, Any]) -> FitResult:
         ),
         agreeing=int(starts["agreeing"]),
         seed=int(data["seed"]),
-        seconds=float(data["seconds"]),
+        seconds=_real(data["seconds"]),
         versions={str(name): str(version) for name, version in data["versions"].items()},
     )
 
 
 def _sum(value: float | None) -> float:
-    return math.inf if value is None else float(value)
+    return math.inf if value is None else _real(value)
+
+
+def _real(value: object) -> float:
+    """A finite number; text, true and false are none."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ValueError(f"{value!r:.40} is not a finite number")
+    return float(value)

@@ -18,14 +18,19 @@ def vaf(measured: FloatArray, residual: FloatArray) -> float:
     Returns
     -------
     float
-        Percentage, at most 100; the mean of T is not subtracted, as in the thesis.
+        Percentage, at most 100; the mean of T is not subtracted, as in the thesis. NaN where the
+        residual has no finite sum of squares.
     """
-    return float(100.0 * (1.0 - (residual @ residual) / (measured @ measured)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        missed = residual @ residual
+    return float(100.0 * (1.0 - missed / (measured @ measured))) if np.isfinite(missed) else np.nan
 
 
 def rmse(residual: FloatArray) -> float:
-    """Root mean square of a residual, in its own unit."""
-    return float(np.sqrt(np.mean(residual**2)))
+    """Root mean square of a residual, in its own unit; NaN where it has none that is finite."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        mean = np.mean(residual**2)
+    return float(np.sqrt(mean)) if np.isfinite(mean) else np.nan
 
 
 def autocorrelation(residual: FloatArray, lags: int) -> FloatArray:

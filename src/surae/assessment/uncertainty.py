@@ -67,12 +67,13 @@ def covariance(
     Returns
     -------
     Covariance
-        Parameters that take part in a singular direction have no variance and are left out.
+        Parameters that take part in a singular direction have no variance and are left out; none
+        has one where the model gave no finite numbers.
     """
     kept = [j for j, name in enumerate(names) if name not in held]
     dof = n - len(kept)
     sigma2 = sse / dof
-    if not kept:
+    if not kept or not (np.isfinite(sse) and np.isfinite(R).all()):
         return Covariance((), np.empty((0, 0)), (), sigma2, dof)
     A = R[:, kept]
     norms = np.linalg.norm(A, axis=0)
@@ -102,7 +103,8 @@ def _inseparable(directions: FloatArray) -> list[list[int]]:
     left = np.flatnonzero(np.diag(linked)).tolist()
     groups = []
     while left:
-        group, grown = {left[0]}, set()
+        group: set[int] = {left[0]}
+        grown: set[int] = set()
         while group != grown:
             grown = set(group)
             group |= {j for j in left if linked[j, list(grown)].any()}

@@ -51,7 +51,8 @@ def fit_problem(
     if starts < 1:
         raise InputError(f"starts is {starts}; give at least 1")
     begin = time.perf_counter()
-    residuals = Residuals(problem)
+    noise = _noise(problem) if problem.priors else 0.0
+    residuals = Residuals(problem, noise)
     minimum = from_start(problem, residuals)
     minima: list[Minimum] = []
     initials = _initials(problem, starts, seed)
@@ -72,6 +73,12 @@ def fit_problem(
                 )
                 minima.append(replace(here, outcome=Outcome.INTERRUPTED))
     return _result(problem, residuals, initials, minima, seed, time.perf_counter() - begin)
+
+
+def _noise(problem: FitProblem) -> float:
+    """Standard deviation of the residual [Nm] that priors are weighed against: without them."""
+    plain = fit_problem(replace(problem, priors={}), starts=1)
+    return float(np.sqrt(plain.sse / (problem.n - len(problem.free))))
 
 
 def _initials(problem: FitProblem, starts: int, seed: int) -> list[FloatArray]:
@@ -95,13 +102,14 @@ def _result(
     limit = best.sse * (1 + 1 / (problem.n - len(problem.free)))
     agreeing = sum(m.sse <= limit for m in minima)
     status, message = _status(problem, best, minima, agreeing, len(initials))
+    left = residuals.of(best.x)
     return FitResult(
         problem=problem,
         status=status,
         message=message,
         values=dict(zip(problem.spec.names, problem.values(best.x).tolist(), strict=True)),
-        residuals=tuple(read_only(-part) for part in residuals.split(best.residual)),
-        sse=best.sse,
+        residuals=tuple(read_only(one) for one in left),
+        sse=residuals.sse(left),
         R=read_only(best.R),
         starts=tuple(
             Start(

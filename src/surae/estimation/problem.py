@@ -1,7 +1,7 @@
 """The question a fit answers: which model and recordings, what is free, within which bounds."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,6 +13,25 @@ from surae.recording import MUSCLES
 from surae.signals import ModelInputs
 from surae.signals.estimable import check_estimable
 from surae.units import FloatArray
+
+#: Below this part of its median a parameter's prior no longer changes: its logarithm would not end.
+_SMALLEST = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Prior:
+    """What is known of a parameter beforehand: a Gaussian on its logarithm.
+
+    Attributes
+    ----------
+    median : float
+        Expected value, in the parameter's unit.
+    spread : float
+        Standard deviation of the logarithm; for small ones, the relative standard deviation.
+    """
+
+    median: float
+    spread: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +52,8 @@ class FitProblem:
         All parameters: the fixed values, and the starts of the free ones.
     lower, upper : ndarray, shape (p,)
         Bounds of the free parameters.
+    priors : mapping of str to Prior
+        What is known of free parameters beforehand.
     """
 
     spec: ModelSpec
@@ -42,6 +63,7 @@ class FitProblem:
     base: FloatArray
     lower: FloatArray
     upper: FloatArray
+    priors: Mapping[str, Prior] = field(default_factory=dict)
 
     @property
     def columns(self) -> list[int]:
@@ -55,8 +77,8 @@ class FitProblem:
 
     @property
     def n(self) -> int:
-        """Samples of all recordings together."""
-        return sum(one.n for one in self.inputs)
+        """Samples that count, of all recordings together."""
+        return sum(one.counted for one in self.inputs)
 
     def values(self, x: FloatArray) -> FloatArray:
         """All parameters, shape (P,), from the free ones, shape (p,)."""
@@ -73,6 +95,7 @@ def make_problem(
     free: Sequence[str] = (),
     start: Mapping[str, float] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
+    priors: Mapping[str, tuple[float, float]] | None = None,
     options: ModelOptions | None = None,
 ) -> FitProblem:
     """Check everything that was asked for and make a problem of it.
@@ -92,6 +115,8 @@ def make_problem(
         Where to start instead of the defaults.
     bounds : mapping of str to (lower, upper), optional
         Bounds instead of the defaults.
+    priors : mapping of str to (median, spread), optional
+        What is known of free parameters beforehand; see `Prior`.
     options : ModelOptions, optional
         The model's switches.
 
@@ -135,7 +160,8 @@ def make_problem(
                 "start between them, or give other bounds"
             )
     _check_emg(inputs, prescribed)
-    samples = sum(one.n for one in inputs)
+    known = {name: _checked_prior(name, pair, names) for name, pair in (priors or {}).items()}
+    samples = sum(one.counted for one in inputs)
     if samples <= len(names):
         raise InputError(f"{samples} samples cannot determine {len(names)} parameters")
     return FitProblem(
@@ -146,6 +172,7 @@ def make_problem(
         base=np.array([np.clip(base[n], *limits[n]) if n in names else base[n] for n in table]),
         lower=np.array([limits[name][0] for name in names], dtype=float),
         upper=np.array([limits[name][1] for name in names], dtype=float),
+        priors=known,
     )
 
 
@@ -196,6 +223,21 @@ def _checked_bounds(name: str, pair: object, spec: ModelSpec) -> tuple[float, fl
     return float(low), float(high)
 
 
+def _checked_prior(name: str, pair: object, free: Sequence[str]) -> Prior:
+    if name not in free:
+        raise InputError(
+            f"prior of {name}: it is not estimated; free parameters: {', '.join(free)}"
+        )
+    if not isinstance(pair, Sequence | np.ndarray) or len(pair) != 2:
+        raise InputError(f"prior of {name} is {pair!r}; give its median and its spread")
+    median, spread = pair
+    for value in (median, spread):
+        number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+        if not number or not 0 < value < np.inf:
+            raise InputError(f"prior of {name} is {pair!r}; median and spread must be above zero")
+    return Prior(float(median), float(spread))
+
+
 def _check_emg(inputs: Sequence[ModelInputs], fixed: Mapping[str, float]) -> None:
     """A muscle without EMG needs its weight fixed: its column is all zeros."""
     for one in inputs:
@@ -214,29 +256,71 @@ def simulators(problem: FitProblem) -> tuple[Simulator, ...]:
 
 
 class Residuals:
-    """Modelled minus measured torque of all recordings, with its Jacobian."""
+    """Modelled minus measured torque of all recordings, with its Jacobian, weighted.
 
-    def __init__(self, problem: FitProblem) -> None:
-        self._problem = problem
+    Priors follow as further residuals, σ·(ln x − ln median)/spread, so that the sum of squares over
+    σ² is minus twice the logarithm of the posterior, but for a constant.
+
+    Parameters
+    ----------
+    problem : FitProblem
+        The question.
+    noise : float
+        Standard deviation σ of the torque's noise [Nm], against which priors are weighed.
+    """
+
+    def __init__(self, problem: FitProblem, noise: float = 0.0) -> None:
+        self._problem, self._noise = problem, noise
         self._simulators = simulators(problem)
         measured = [one.torque for one in problem.inputs]
         self._measured = [torque for torque in measured if torque is not None]
+        self._roots = [
+            None if one.weight is None else np.sqrt(one.weight) for one in problem.inputs
+        ]
         self._columns = problem.columns
-        self._rows = np.empty((len(self._columns) + 1, problem.n))
+        self._samples = sum(one.n for one in problem.inputs)
+        self._rows = np.empty((len(self._columns) + 1, self._samples + len(problem.priors)))
 
-    def rows(self, x: FloatArray) -> FloatArray:
-        """Jacobian rows and the residual [Nm], shape (p + 1, n); the next call overwrites them."""
+    def data_rows(self, x: FloatArray) -> FloatArray:
+        """Jacobian rows and the residual [Nm] of the recordings alone, without priors."""
         checkpoint()
         values, begin = self._problem.values(x), 0
-        for simulator, measured in zip(self._simulators, self._measured, strict=True):
+        for simulator, measured, root in zip(
+            self._simulators, self._measured, self._roots, strict=True
+        ):
             end = begin + len(measured)
             torque, jacobian = simulator.torque_jacobian(values, self._columns)
             self._rows[:-1, begin:end] = jacobian
             np.subtract(torque, measured, out=self._rows[-1, begin:end])
+            if root is not None:
+                self._rows[:, begin:end] *= root
             begin = end
+        return self._rows[:, : self._samples]
+
+    def rows(self, x: FloatArray) -> FloatArray:
+        """Jacobian rows and the residual [Nm], shape (p + 1, n); the next call overwrites them."""
+        self.data_rows(x)
+        self._rows[:-1, self._samples :] = 0.0
+        for column, (name, prior) in enumerate(self._problem.priors.items(), self._samples):
+            j = self._problem.free.index(name)
+            value = max(x[j], _SMALLEST * prior.median)
+            weight = self._noise / prior.spread
+            self._rows[j, column] = weight / value
+            self._rows[-1, column] = weight * np.log(value / prior.median)
         return self._rows
 
-    def split(self, residual: FloatArray) -> tuple[FloatArray, ...]:
-        """A residual of all recordings cut into one for each."""
-        ends = np.cumsum([one.n for one in self._problem.inputs])[:-1]
-        return tuple(np.split(residual, ends))
+    def of(self, x: FloatArray) -> tuple[FloatArray, ...]:
+        """Measured minus modelled torque of each recording [Nm], as it is, without weights."""
+        values = self._problem.values(x)
+        return tuple(
+            measured - simulator.torque(values)
+            for simulator, measured in zip(self._simulators, self._measured, strict=True)
+        )
+
+    def sse(self, residuals: Sequence[FloatArray]) -> float:
+        """Weighted sum of squares of residuals as `of` gives them [Nm²]."""
+        with np.errstate(over="ignore"):
+            return sum(
+                float(np.sum(one**2 if root is None else (root * one) ** 2))
+                for one, root in zip(residuals, self._roots, strict=True)
+            )

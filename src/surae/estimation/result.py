@@ -16,7 +16,7 @@ class Start:
     initial, values : mapping of str to float
         Free parameters at the start and at the end.
     sse : float
-        Sum of squared residuals at the end [Nm²].
+        Sum of squared residuals at the end, weighted and with priors [Nm²].
     outcome : str
         Why the iteration ended.
     iterations : int
@@ -47,9 +47,10 @@ class FitResult:
     residuals : tuple of ndarray
         Measured minus modelled torque of each recording [Nm].
     sse : float
-        Sum of squared residuals [Nm²].
+        Weighted sum of squared residuals, without priors [Nm²].
     R : ndarray, shape (p, p)
-        Triangular factor of the Jacobian of the torque by the free parameters: RᵀR = JᵀJ.
+        Triangular factor of the weighted Jacobian by the free parameters: RᵀR = JᵀWJ, with what
+        priors add to it.
     starts : tuple of Start
         Every start, the default one first.
     agreeing : int

@@ -47,9 +47,9 @@ def from_start(problem: FitProblem, residuals: Residuals) -> FromStart:
                 here = minimise(rows, x, problem.lower, problem.upper, max_iterations=1)
                 return replace(here, outcome=Outcome.INTERRUPTED)
         elif scan:
-            x = scan_lengths(problem, rows, initial)
+            x = scan_lengths(problem, residuals.data_rows, initial)
         else:
-            x, _ = solve_linear(problem, rows, initial)
+            x, _ = solve_linear(problem, residuals.data_rows, initial)
         return minimise(rows, x, problem.lower, problem.upper, move=move, stall=stall)
 
     return minimum
@@ -61,6 +61,7 @@ def _first_look(problem: FitProblem) -> FromStart | None:
     thin = replace(
         problem,
         inputs=tuple(thinned(one, by) for one, by in zip(problem.inputs, factors, strict=True)),
+        priors={},  # a first look needs none
     )
     parent = _parent(thin)
     if parent is None:
@@ -98,4 +99,5 @@ def _parent(problem: FitProblem) -> FitProblem | None:
         base=problem.base[[problem.spec.names.index(name) for name in spec.names]],
         lower=problem.lower[np.array(shared)],
         upper=problem.upper[np.array(shared)],
+        priors={},
     )

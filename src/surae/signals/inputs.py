@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
+import numpy as np
+
 from surae.files import shown
 from surae.recording import SourceFile
 from surae.units import FloatArray
@@ -35,6 +37,8 @@ class ModelInputs:
         What was done to the signals, in order, one plain sentence each.
     prepared : bool
         Whether the signals were used as they came, without filters or resampling.
+    weight : ndarray, shape (n,), or None
+        What each sample counts in a fit, 0 to leave it out; None: all the same.
     fixed : mapping of str to float
         Parameter values that the recording prescribes.
     files : tuple of SourceFile
@@ -53,6 +57,7 @@ class ModelInputs:
     missing_emg: tuple[str, ...] = ()
     steps: tuple[str, ...] = ()
     prepared: bool = False
+    weight: FloatArray | None = None
     fixed: Mapping[str, float] = field(default_factory=dict)
     files: tuple[SourceFile, ...] = ()
 
@@ -69,3 +74,8 @@ class ModelInputs:
     def n(self) -> int:
         """Number of samples."""
         return len(self.time)
+
+    @property
+    def counted(self) -> int:
+        """Number of samples that count in a fit."""
+        return self.n if self.weight is None else int(np.count_nonzero(self.weight))

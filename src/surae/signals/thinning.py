@@ -37,6 +37,7 @@ def thinned(inputs: ModelInputs, factor: int) -> ModelInputs:
         acceleration=kept(inputs.acceleration),
         emg=read_only(inputs.emg[:used].reshape(groups, factor, -1).mean(axis=1)),
         torque=None if inputs.torque is None else kept(inputs.torque),
+        weight=None if inputs.weight is None else kept(inputs.weight),
         steps=(*inputs.steps, f"Thinned to every {factor}th sample."),
     )
 

@@ -41,7 +41,7 @@ POPULATIONS: dict[str, dict[str, tuple[float, float]]] = {
 }
 POPULATIONS["patient"] = POPULATIONS["healthy"] | {
     "m": (1.25, 2.0),
-    "k_tri": (200.0, 260.0),
+    "k_tri": (190.0, 235.0),
     "k_tib": (120.0, 160.0),
     "x0_tri": (0.0145, 0.0165),
     "x0_tib": (0.058, 0.062),

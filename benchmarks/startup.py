@@ -1,0 +1,58 @@
+"""What a warm `surae fit` costs beside importing its libraries: the median of paired runs."""
+
+import argparse
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from surae.protocol import Protocol, generate
+from surae.recording import write_csv
+from surae.studies import virtual_subject, virtual_trial
+
+LIBRARIES = [sys.executable, "-c", "import numpy, scipy.optimize, numba"]
+MUSCLES = ("ta", "gl", "sol", "gm")
+#: A warm fit may take this many times what its libraries take to import.
+LIMIT = 2.5
+
+
+def write_trial(path: Path) -> None:
+    """A virtual subject's trial of 32 s at 128 Hz with noise on the torque."""
+    settings = Protocol(
+        profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5, rate_hz=128.0, duration=32.0
+    )
+    trial = virtual_trial(virtual_subject(seed=1), generate(settings), noise=0.0)
+    assert trial.torque is not None
+    signals = {"time_s": trial.time, "angle_rad": trial.angle, "torque_Nm": trial.torque}
+    emg = {f"emg_{muscle}_V": trial.emg[:, i] for i, muscle in enumerate(MUSCLES)}
+    write_csv(path, signals | emg)
+
+
+def seconds(command: list[str]) -> float:
+    begin = time.perf_counter()
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    return time.perf_counter() - begin
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("recording", nargs="?", help="a prepared CSV; by default a virtual trial")
+    parser.add_argument("--runs", type=int, default=7)
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        recording = arguments.recording or f"{folder}/trial.csv"
+        if arguments.recording is None:
+            write_trial(Path(recording))
+        fit = [sys.executable, "-m", "surae", "fit", recording, "--prepared"]
+        seconds(fit), seconds(LIBRARIES)  # warm
+        pairs = [(seconds(fit), seconds(LIBRARIES)) for _ in range(arguments.runs)]
+    ratio = statistics.median(ours / theirs for ours, theirs in pairs)
+    ours, theirs = (statistics.median(times) for times in zip(*pairs, strict=True))
+    print(f"surae fit {ours:.3f} s, libraries alone {theirs:.3f} s, ratio {ratio:.2f}")
+    sys.exit(ratio >= LIMIT)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,221 @@
+"""A fit judged: intervals, notes, what has none and why."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from surae.assessment import Verdict, assess, predict
+from surae.assessment.uncertainty import half_width
+from surae.assessment.verdict import IDENTIFIED, judge_interval
+from surae.errors import InputError
+from surae.estimation import fit_problem, make_problem
+from surae.estimation.problem import Residuals
+from surae.recording import SourceFile
+from surae.recording.recording import MUSCLES
+
+
+def quick(inputs, **given):
+    return fit_problem(make_problem(inputs, **given), starts=1)
+
+
+def with_emg(inputs, **columns):
+    emg = inputs.emg.copy()
+    for muscle, values in columns.items():
+        emg[:, MUSCLES.index(muscle)] = values
+    return replace(inputs, emg=emg)
+
+
+def test_every_parameter_of_an_ordinary_fit(fitted):
+    found = assess(fitted)
+    assert list(found.parameters) == list(fitted.problem.spec.names)
+    for name, p in found.parameters.items():
+        assert p.name == name
+        assert p.value == fitted.values[name]
+        assert p.free
+        assert not p.at_bound
+        half = half_width(p.sem, found.covariance.dof)
+        assert p.ci95 == (p.value - half, p.value + half)
+        assert p.lower < p.value < p.upper
+        expected = Verdict.IDENTIFIED if half / p.value <= 0.1 else Verdict.WEAK
+        assert p.verdict is expected
+        assert p.note.startswith("known to" if expected is Verdict.IDENTIFIED else "known only to")
+    assert found.ipde == pytest.approx(
+        np.sqrt(np.sum(np.triu(found.covariance.correlation, 1) ** 2)), rel=1e-12
+    )
+    assert 0 < found.ipde < np.sqrt(105)
+    assert found.ipde_note == ""
+
+
+def test_covariance_equals_its_definition_on_the_whole_jacobian(fitted):
+    problem = fitted.problem
+    x = np.array([fitted.values[name] for name in problem.free])
+    rows = Residuals(problem).rows(x)
+    J, e = rows[:-1].T, rows[-1]
+    scale = np.linalg.norm(J, axis=0)
+    sigma2 = e @ e / (problem.n - 15)
+    expected = sigma2 * np.linalg.inv((J / scale).T @ (J / scale)) / np.outer(scale, scale)
+    found = assess(fitted)
+    np.testing.assert_allclose(found.covariance.matrix, expected, rtol=1e-6)
+    sem = [found.parameters[name].sem for name in problem.free]
+    np.testing.assert_allclose(sem, np.sqrt(np.diag(expected)), rtol=1e-6)
+
+
+def test_goodness_by_hand(fitted, noisy):
+    found = assess(fitted)
+    (residual,) = fitted.residuals
+    assert found.vaf == pytest.approx(
+        100 * (1 - np.sum(residual**2) / np.sum(noisy.torque**2)), rel=1e-14
+    )
+    assert found.rmse == pytest.approx(np.sqrt(np.mean(residual**2)), rel=1e-14)
+    (one,) = found.recordings
+    assert (one.name, one.n, one.rate_hz) == (noisy.name, noisy.n, noisy.rate_hz)
+    assert one.vaf == found.vaf
+    assert one.bias == pytest.approx(residual.mean(), abs=1e-15)
+    assert (one.path, one.sha256) == (None, None)
+
+
+def test_several_recordings_are_judged_together_and_apart(noisy, clean):
+    named = replace(clean, files=(SourceFile("a.csv", "0" * 64), SourceFile("b.csv", "1" * 64)))
+    result = quick([noisy, named])
+    found = assess(result)
+    both = np.concatenate(result.residuals)
+    power = np.sum(noisy.torque**2) + np.sum(clean.torque**2)
+    assert found.vaf == pytest.approx(100 * (1 - both @ both / power), rel=1e-13)
+    first, second = found.recordings
+    assert first.vaf < found.vaf < second.vaf
+    assert (second.path, second.sha256) == ("a.csv", "0" * 64)
+
+
+def test_fixed_has_no_interval(noisy):
+    found = assess(quick([noisy], fixed={"beta": 1.0, "f0": 2.0}))
+    for name, value in (("beta", 1.0), ("f0", 2.0)):
+        p = found.parameters[name]
+        assert (p.value, p.sem, p.ci95, p.free) == (value, None, None, False)
+        assert p.verdict is Verdict.FIXED
+        assert p.note == "fixed, not estimated"
+        assert name not in found.covariance.names
+    assert len(found.covariance.names) == 13
+
+
+def test_without_relaxation_its_time_constant_means_nothing(noisy):
+    p = assess(quick([noisy], fixed={"k_rel": 0.0})).parameters["tau_rel"]
+    assert p.sem is None
+    assert p.verdict is Verdict.WEAK
+    assert "does not depend on it" in p.note
+
+
+def test_at_a_bound_there_is_no_interval_and_the_others_take_it_as_known(noisy):
+    result = quick([noisy], bounds={"m": (2.9, 3.0), "beta": (0.2, 0.5)})
+    found = assess(result)
+    assert result.status == "at-bounds"
+    for name, side in (("m", "lower"), ("beta", "upper")):
+        p = found.parameters[name]
+        assert p.at_bound
+        assert p.free
+        assert (p.sem, p.ci95) == (None, None)
+        assert p.verdict is Verdict.AT_BOUND
+        assert p.note.startswith(f"at its {side} bound")
+    assert "m" not in found.covariance.names
+    assert found.covariance.dof == noisy.n - len(found.covariance.names)
+    assert "m" in found.ipde_note
+
+
+@pytest.fixture(scope="module")
+def silent(noisy):
+    """Fit without any triceps EMG."""
+    return quick([with_emg(noisy, gl=0.0, sol=0.0, gm=0.0)])
+
+
+def test_silent_triceps(silent):
+    found = assess(silent)
+    for name in ("g2", "g3", "g4", "l0_tri"):
+        p = found.parameters[name]
+        assert (p.sem, p.ci95) == (None, None), name
+        if not p.at_bound:
+            assert p.verdict is Verdict.WEAK
+            assert "does not depend on it" in p.note
+    assert found.parameters["m"].sem is not None
+    assert "g2" in found.ipde_note
+
+
+def test_two_channels_alike_trade_off(noisy):
+    same = noisy.emg[:, MUSCLES.index("sol")]
+    found = assess(quick([with_emg(noisy, gl=same)]))
+    for name, other in (("g2", "g3"), ("g3", "g2")):
+        p = found.parameters[name]
+        if not p.at_bound:
+            assert p.sem is None
+            assert p.verdict is Verdict.WEAK
+            assert f"cannot be told from {other}" in p.note
+    for name in ("g4", "l0_tri", "m"):
+        assert found.parameters[name].sem is not None, name
+
+
+def test_no_ipde_for_a_single_parameter(noisy, subject):
+    fixed = {name: value for name, value in subject.parameters.items() if name != "m"}
+    found = assess(quick([noisy], fixed=fixed))
+    assert found.parameters["m"].sem > 0
+    assert found.ipde is None
+    assert found.ipde_note == "fewer than two parameters have a variance"
+
+
+@pytest.mark.parametrize(
+    ("half", "verdict"),
+    [(0.0, "identified"), (0.2, "identified"), (0.2 * (1 + 1e-9), "weak"), (5.0, "weak")],
+)
+def test_the_threshold_is_ten_percent(fitted, half, verdict):
+    estimated = assess(fitted).covariance
+    assert IDENTIFIED == 0.1
+    for value in (2.0, -2.0):
+        found, note = judge_interval("m", value, half, estimated)
+        assert found == verdict
+        assert "%" in note
+
+
+def test_a_value_of_zero_is_never_identified(fitted):
+    verdict, note = judge_interval("k_rel", 0.0, 1e-3, assess(fitted).covariance)
+    assert verdict is Verdict.WEAK
+    assert note.startswith("not told from 0")
+
+
+def test_a_strong_partner_is_named(fitted):
+    estimated = assess(fitted).covariance
+    strongest = np.abs(np.triu(estimated.correlation, 1))
+    i, j = np.unravel_index(np.argmax(strongest), strongest.shape)
+    assert strongest[i, j] > 0.9  # stiffness and slack length
+    _, note = judge_interval(estimated.names[i], 1.0, 1.0, estimated)
+    assert f"trades off with {estimated.names[j]}" in note
+    loose = int(np.argmin((np.abs(estimated.correlation) - np.eye(15)).max(axis=0)))
+    _, note = judge_interval(estimated.names[loose], 1.0, 1.0, estimated)
+    assert "little influence" in note
+
+
+def test_predict_by_hand(fitted, noisy, clean):
+    problem = fitted.problem
+    one, two = predict(problem.spec, problem.options, fitted.values, [noisy, clean])
+    np.testing.assert_allclose(one.torque, noisy.torque - fitted.residuals[0], atol=1e-9)
+    assert one.vaf == pytest.approx(assess(fitted).vaf, abs=1e-9)
+    e = clean.torque - two.torque
+    assert two.rmse == pytest.approx(np.sqrt(np.mean(e**2)), rel=1e-12)
+    assert two.bias == pytest.approx(e.mean(), rel=1e-9)
+    assert two.vaf == pytest.approx(100 * (1 - e @ e / (clean.torque @ clean.torque)), rel=1e-12)
+    assert two.vaf > 99.9
+
+
+def test_predict_needs_a_torque(fitted, noisy):
+    problem = fitted.problem
+    for torque in (None, np.zeros(noisy.n)):
+        with pytest.raises(InputError, match="no torque to compare"):
+            predict(problem.spec, problem.options, fitted.values, [replace(noisy, torque=torque)])
+
+
+def test_half_the_noise_half_the_standard_error(subject, trajectory):
+    # Noise is what the standard error measures.
+    from surae.studies import virtual_trial
+
+    sems = []
+    for noise in (0.02, 0.01):
+        found = assess(quick([virtual_trial(subject, trajectory, noise=noise)]))
+        sems.append(np.array([p.sem / p.value for p in found.parameters.values()]))
+    np.testing.assert_allclose(sems[0] / sems[1], 2.0, rtol=0.2)

@@ -1,0 +1,160 @@
+"""Covariance against its definition, the dependency estimator by hand, singular directions."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from surae.assessment import ipde
+from surae.assessment.uncertainty import covariance, half_width
+
+NAMES = tuple("abcdef")
+
+
+def regression(p=5, n=60, seed=0):
+    """Jacobian with columns of very different size, and its triangular factor."""
+    rng = np.random.default_rng(seed)
+    J = rng.standard_normal((n, p)) * np.geomspace(1e-6, 1e6, p)
+    return J, np.linalg.qr(J, mode="r")
+
+
+def test_covariance_is_sigma2_times_the_inverse_information():
+    J, R = regression()
+    found = covariance(R, NAMES[:5], sse=11.0, n=60)
+    scale = np.linalg.norm(J, axis=0)
+    expected = 11.0 / 55 * np.linalg.inv((J / scale).T @ (J / scale)) / np.outer(scale, scale)
+    assert found.names == NAMES[:5]
+    assert found.dof == 55
+    assert found.sigma2 == pytest.approx(0.2, rel=1e-15)
+    assert found.directions == ()
+    np.testing.assert_allclose(found.matrix, expected, rtol=1e-9)
+    np.testing.assert_array_equal(found.matrix, found.matrix.T)
+
+
+def test_standard_errors_by_hand():
+    # y = a + b·t at t = −1, 0, 1 with residual 1, −2, 1: σ² = 6, var a = 6/3, var b = 6/2.
+    J = np.array([[1.0, -1.0], [1.0, 0.0], [1.0, 1.0]])
+    found = covariance(np.linalg.qr(J, mode="r"), ("a", "b"), sse=6.0, n=3)
+    np.testing.assert_allclose(
+        found.matrix,
+        [[2.0 * 3.0, 0.0], [0.0, 9.0]][0:2] / np.array([[3.0, 1], [1, 3.0]]),
+        atol=1e-14,
+    )
+    np.testing.assert_allclose(np.diag(found.matrix), [2.0, 3.0], rtol=1e-13)
+
+
+def test_standard_errors_are_honest():
+    # Over many noisy data sets the spread of a linear fit is what the covariance says.
+    rng = np.random.default_rng(5)
+    t = np.linspace(0, 1, 50)
+    J = np.stack([np.ones_like(t), t, t**2], axis=1)
+    R = np.linalg.qr(J, mode="r")
+    solutions = np.array(
+        [np.linalg.lstsq(J, rng.standard_normal(50), rcond=None)[0] for _ in range(2000)]
+    )
+    expected = covariance(R, ("a", "b", "c"), sse=47.0, n=50)  # σ² = 1
+    np.testing.assert_allclose(np.cov(solutions.T), expected.matrix, rtol=0.1)
+
+
+def test_correlation():
+    J, R = regression()
+    r = covariance(R, NAMES[:5], 1.0, 60).correlation
+    np.testing.assert_allclose(np.diag(r), 1.0, rtol=1e-14)
+    assert np.all(np.abs(r) <= 1 + 1e-14)
+    # Independent of the units of the parameters.
+    scaled = np.linalg.qr(J * [1.0, 1e3, 1e-3, 7.0, 1.0], mode="r")
+    np.testing.assert_allclose(covariance(scaled, NAMES[:5], 1.0, 60).correlation, r, atol=1e-9)
+
+
+def test_held_parameters_are_taken_as_known():
+    J, R = regression()
+    found = covariance(R, NAMES[:5], 3.0, 60, held=("b", "e"))
+    alone = covariance(np.linalg.qr(J[:, [0, 2, 3]], mode="r"), ("a", "c", "d"), 3.0, 60)
+    assert found.names == ("a", "c", "d")
+    assert found.dof == alone.dof == 57
+    np.testing.assert_allclose(found.matrix, alone.matrix, rtol=1e-10)
+
+
+def test_everything_held():
+    found = covariance(regression()[1], NAMES[:5], 3.0, 60, held=NAMES[:5])
+    assert found.names == ()
+    assert found.matrix.shape == (0, 0)
+    assert found.correlation.shape == (0, 0)
+    assert found.sigma2 == pytest.approx(3.0 / 60)
+
+
+def test_a_silent_column_is_named_and_the_others_keep_their_variance():
+    J, _ = regression()
+    J[:, 2] = 0.0
+    found = covariance(np.linalg.qr(J, mode="r"), NAMES[:5], 3.0, 60)
+    kept = [0, 1, 3, 4]
+    alone = covariance(np.linalg.qr(J[:, kept], mode="r"), tuple("abde"), 3.0, 60)
+    assert found.names == tuple("abde")
+    assert found.directions == (("c",),)
+    np.testing.assert_allclose(found.matrix * found.dof, alone.matrix * alone.dof, rtol=1e-9)
+
+
+def test_two_columns_alike_are_named_together():
+    J, _ = regression()
+    J[:, 3] = 1e3 * J[:, 1]
+    found = covariance(np.linalg.qr(J, mode="r"), NAMES[:5], 3.0, 60)
+    assert found.names == ("a", "c", "e")
+    assert found.directions == (("b", "d"),)
+
+
+def test_two_pairs_alike_are_told_apart():
+    J, _ = regression(p=6)
+    J[:, 3] = 1e3 * J[:, 1]
+    J[:, 4] = -2.0 * J[:, 0]
+    found = covariance(np.linalg.qr(J, mode="r"), NAMES, 3.0, 60)
+    assert found.names == ("c", "f")
+    assert {frozenset(d) for d in found.directions} == {frozenset("bd"), frozenset("ae")}
+
+
+def test_several_silent_columns_are_named_one_by_one():
+    J, _ = regression(p=6)
+    J[:, [1, 2, 4]] = 0.0
+    found = covariance(np.linalg.qr(J, mode="r"), NAMES, 3.0, 60)
+    assert found.names == ("a", "d", "f")
+    assert sorted(found.directions) == [("b",), ("c",), ("e",)]
+
+
+def test_a_silent_column_and_two_alike():
+    J, _ = regression(p=6)
+    J[:, 5] = 0.0
+    J[:, 3] = J[:, 1]
+    found = covariance(np.linalg.qr(J, mode="r"), NAMES, 3.0, 60)
+    assert found.names == ("a", "c", "e")
+    assert {frozenset(d) for d in found.directions} == {frozenset("bd"), frozenset("f")}
+
+
+def test_everything_silent():
+    found = covariance(np.zeros((3, 3)), tuple("abc"), 1.0, 10)
+    assert found.names == ()
+    assert sorted(found.directions) == [("a",), ("b",), ("c",)]
+
+
+def test_weak_is_not_singular():
+    # Correlation 1 − 5e−9 is weak, but told apart: it keeps its (large) variance.
+    rng = np.random.default_rng(9)
+    u, v = np.linalg.qr(rng.standard_normal((60, 2)))[0].T
+    J = np.stack([u, u + 1e-4 * v], axis=1)
+    found = covariance(np.linalg.qr(J, mode="r"), ("a", "b"), 58.0, 60)
+    assert found.names == ("a", "b")
+    assert found.correlation[0, 1] == pytest.approx(-1.0, abs=1e-6)
+    np.testing.assert_allclose(np.sqrt(np.diag(found.matrix)), 1e4, rtol=1e-3)
+
+
+def test_ipde_by_hand():
+    r = np.array([[1.0, 0.3, -0.4], [0.3, 1.0, 0.0], [-0.4, 0.0, 1.0]])
+    assert ipde(r) == pytest.approx(0.5, rel=1e-15)
+
+
+def test_ipde_limits():
+    assert ipde(np.eye(15)) == 0.0
+    assert ipde(np.ones((15, 15))) == pytest.approx(np.sqrt(105), rel=1e-15)
+    assert ipde(-np.ones((2, 2))) == 1.0
+
+
+@pytest.mark.parametrize("dof", [1, 3, 30, 8000])
+def test_half_width_is_students(dof):
+    assert half_width(2.0, dof) == pytest.approx(2.0 * stats.t.ppf(0.975, dof), rel=1e-9)

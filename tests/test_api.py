@@ -1,0 +1,302 @@
+"""The public functions: every form of recording, the same numbers whichever way they are called."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import surae
+from surae.errors import InputError
+from surae.model.parameters import MUSCLE_PARAMETERS
+from surae.protocol import Protocol, generate
+from surae.studies import virtual_subject, virtual_trial
+
+FIFTEEN = [p.name for p in MUSCLE_PARAMETERS]
+
+
+def trial(seed=1, noise=0.02):
+    protocol = Protocol(profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5, rate_hz=64.0)
+    return virtual_trial(virtual_subject(seed), generate(protocol), noise=noise)
+
+
+@pytest.fixture(scope="module")
+def inputs():
+    return trial()
+
+
+@pytest.fixture(scope="module")
+def path(inputs, tmp_path_factory):
+    """The trial as a CSV file, EMG as envelopes."""
+    where = tmp_path_factory.mktemp("api") / "trial.csv"
+    columns = [
+        inputs.time, inputs.angle, inputs.torque, *inputs.emg.T, inputs.velocity,
+        inputs.acceleration,
+    ]  # fmt: skip
+    header = (
+        "# emg: envelope\n"
+        "time_s,angle_rad,torque_Nm,emg_ta_V,emg_gl_V,emg_sol_V,emg_gm_V,"
+        "angular_velocity_rad_s,angular_acceleration_rad_s2"
+    )
+    np.savetxt(where, np.stack(columns, axis=1), "%.17g", ",", header=header, comments="")
+    return where
+
+
+@pytest.fixture(scope="module")
+def fit(inputs):
+    return surae.fit(inputs, starts=1)
+
+
+def same(one, other):
+    assert one.values == other.values
+    assert one.result.sse == other.result.sse
+
+
+def test_fit_of_any_form_of_recording(fit, inputs, path):
+    recording = surae.read(path)
+    for given in (
+        [inputs],
+        (inputs,),
+        path,
+        str(path),
+        [path],
+        recording,
+        [recording],
+        surae.prepare(recording, prepared=True),
+    ):
+        same(surae.fit(given, prepared=True, starts=1), fit)
+
+
+def test_the_contract_s_example(fit):
+    p = fit.parameters["l0_tri"]
+    assert p.value == fit.values["l0_tri"] == fit.result.values["l0_tri"]
+    assert p.ci95[0] < p.value < p.ci95[1]
+    assert p.sem > 0
+    assert p.verdict == "identified"
+    assert fit.vaf > 99.9
+    k = len(fit.covariance.names)
+    assert fit.correlation.shape == (k, k)
+    assert fit.covariance.matrix.shape == (k, k)
+    assert fit.ipde > 0
+    assert fit.status in ("converged", "at-bounds")
+    assert "starts" in fit.message
+    assert list(fit.parameters) == list(fit.values) == FIFTEEN
+
+
+def test_two_recordings_are_one_joint_fit(inputs, path):
+    joint = surae.fit([inputs, path], prepared=True, starts=1)
+    assert len(joint.result.problem.inputs) == 2
+    assert len(joint.assessment.recordings) == 2
+
+
+def test_arguments_reach_the_fit(inputs):
+    seen = []
+    found = surae.fit(
+        inputs,
+        fixed={"beta": 1.0},
+        start={"f0": 3.0},
+        bounds={"m": (1.0, 2.9)},
+        starts=3,
+        seed=4,
+        progress=lambda *given: seen.append(given),
+        geometry="virtual-work",
+        theta_foot=0.1,
+    )
+    problem = found.result.problem
+    assert found.parameters["beta"].value == 1.0
+    assert "beta" not in problem.free
+    assert problem.start[problem.free.index("f0")] == 3.0
+    assert problem.upper[0] == 2.9
+    assert problem.options.geometry == "virtual-work"
+    assert problem.options.theta_foot == 0.1
+    assert [(done, starts) for done, starts, _ in seen] == [(1, 3), (2, 3), (3, 3)]
+    assert found.result.seed == 4
+
+
+def test_an_unknown_option_lists_the_known_ones(inputs, fit):
+    message = r"unknown option 'geometri'; known options: geometry, tendon_strain"
+    with pytest.raises(InputError, match=message):
+        surae.fit(inputs, geometri="thesis")
+    with pytest.raises(InputError, match=message):
+        surae.simulate("muscle", fit.values, inputs, geometri="thesis")
+
+
+def test_an_option_with_a_wrong_value_lists_the_choices(inputs):
+    with pytest.raises(InputError, match="use one of: thesis, virtual-work"):
+        surae.fit(inputs, geometry="euclid")
+
+
+@pytest.mark.parametrize("empty", [[], ()])
+def test_nothing_to_fit(empty):
+    with pytest.raises(InputError, match="nothing to fit"):
+        surae.fit(empty)
+
+
+def test_a_missing_file():
+    with pytest.raises(InputError, match="no such file"):
+        surae.fit(Path("nowhere") / "none.csv")
+
+
+def test_starts_below_one(inputs):
+    with pytest.raises(InputError, match="starts is 0; give at least 1"):
+        surae.fit(inputs, starts=0)
+
+
+def test_simulate_gives_the_torque_of_the_fit(fit, inputs):
+    torque = surae.simulate("muscle", fit.values, inputs)
+    assert torque.shape == (inputs.n,)
+    np.testing.assert_allclose(torque, inputs.torque - fit.result.residuals[0], atol=1e-9)
+
+
+def test_simulate_from_a_file_uses_the_signals_as_they_are(fit, inputs, path):
+    np.testing.assert_array_equal(
+        surae.simulate("muscle", dict(fit.values), path),
+        surae.simulate("muscle", dict(fit.values), inputs),
+    )
+
+
+@pytest.mark.parametrize(
+    ("model", "extra"),
+    [
+        ("muscle", []),
+        ("muscle-tendon", []),
+        ("muscle-tendon-strain", ["dlt_tri", "dlt_tib"]),
+        ("muscle-tendon-toe", ["pt_tri", "pt_tib"]),
+    ],
+)
+def test_the_columns_of_the_jacobian(model, extra, fit, inputs):
+    tendon = {"dlt_tri": 0.04, "dlt_tib": 0.04, "pt_tri": 0.3, "pt_tib": 0.3}
+    values = {name: fit.values[name] for name in FIFTEEN} | {n: tendon[n] for n in extra}
+    torque, jacobian = surae.simulate(model, values, inputs, jacobian=True)
+    assert torque.shape == (inputs.n,)
+    assert jacobian.shape == (inputs.n, 15 + len(extra))
+    np.testing.assert_allclose(torque, surae.simulate(model, values, inputs), atol=1e-12)
+    for j, name in enumerate(FIFTEEN + extra):
+        step = 3e-5 * values[name]
+        up, down = (
+            surae.simulate(model, values | {name: values[name] + s}, inputs) for s in (step, -step)
+        )
+        slope = (up - down) / (2 * step)
+        # Single samples may cross the kink of (11) within the step.
+        error = np.abs(jacobian[:, j] - slope)
+        assert np.quantile(error, 0.99) < 1e-4 * np.abs(slope).max() + 1e-12, name
+
+
+def test_simulate_parts_add_up(fit, inputs):
+    from surae.api import simulate_parts
+
+    parts = simulate_parts("muscle", fit.values, inputs)
+    np.testing.assert_allclose(
+        parts.total, surae.simulate("muscle", fit.values, inputs), atol=1e-10
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"m": None}, "finite number"),
+        ({"m": -1.0}, "zero or more"),
+        ({"mass": 2.0}, "no parameter 'mass'"),
+    ],
+)
+def test_parameters_that_mean_nothing(change, message, fit, inputs):
+    with pytest.raises(InputError, match=message):
+        surae.simulate("muscle", dict(fit.values) | change, inputs)
+
+
+def test_a_parameter_left_out(fit, inputs):
+    values = dict(fit.values)
+    del values["g3"]
+    with pytest.raises(InputError, match="needs a value for: g3"):
+        surae.simulate("muscle", values, inputs)
+
+
+def test_simulate_without_a_torque(fit, inputs):
+    np.testing.assert_array_equal(
+        surae.simulate("muscle", fit.values, replace(inputs, torque=None)),
+        surae.simulate("muscle", fit.values, inputs),
+    )
+
+
+def test_predict_and_validate(fit, inputs):
+    other = trial(seed=1, noise=0.05)
+    found = fit.predict(other)
+    (again,) = surae.validate(fit, [other])
+    residual = other.torque - surae.simulate("muscle", fit.values, other)
+    for one in (found, again):
+        assert one.vaf == pytest.approx(
+            100 * (1 - residual @ residual / (other.torque @ other.torque)), rel=1e-13
+        )
+        assert one.rmse == pytest.approx(np.sqrt(np.mean(residual**2)), rel=1e-13)
+        assert one.bias == pytest.approx(residual.mean(), abs=1e-12)
+        assert one.name == other.name
+    assert fit.predict(inputs).vaf == pytest.approx(fit.vaf, rel=1e-12)
+
+
+def test_predict_prepares_as_the_fit_did(fit, path):
+    # This fit used the signals as they are, so a file is used as it is too.
+    as_it_is = fit.predict(path)
+    assert as_it_is.vaf == pytest.approx(fit.vaf, rel=1e-9)
+    assert fit.predict(path, prepared=True).vaf == as_it_is.vaf
+    filtered = fit.predict(path, prepared=False)
+    assert filtered.vaf != as_it_is.vaf
+    (validated,) = surae.validate(fit, [path], prepared=False)
+    assert validated.vaf == filtered.vaf
+
+
+def test_predict_filters_where_the_fit_did(path):
+    filtered = surae.fit(path, starts=1)
+    assert not filtered.result.problem.inputs[0].prepared
+    assert filtered.predict(path).vaf == pytest.approx(filtered.vaf, rel=1e-9)
+
+
+def test_predict_remembers_the_options(inputs):
+    other = surae.fit(inputs, starts=1, geometry="virtual-work")
+    assert other.predict(inputs).vaf == pytest.approx(other.vaf, rel=1e-12)
+
+
+def test_weights_in_volts_say_nothing_of_normalised_emg(fit, inputs):
+    with pytest.raises(InputError, match="the weights do not carry over"):
+        fit.predict(replace(inputs, emg_unit="1"))
+
+
+def test_a_muscle_whose_weight_was_estimated_must_be_there(fit, inputs):
+    with pytest.raises(InputError, match=r"no EMG of muscle 'gl'.*emg_gl"):
+        fit.predict(replace(inputs, missing_emg=("gl",)))
+
+
+def test_predict_without_a_torque(fit, inputs):
+    with pytest.raises(InputError, match="no torque"):
+        fit.predict(replace(inputs, torque=None))
+
+
+def test_saved_and_loaded_it_does_the_same(fit, inputs, tmp_path):
+    fit.save(tmp_path / "fit.json")
+    loaded = surae.load(tmp_path / "fit.json")
+    same(loaded, fit)
+    assert loaded.vaf == fit.vaf
+    assert loaded.message == fit.message
+    assert loaded.predict(inputs).vaf == fit.predict(inputs).vaf
+    np.testing.assert_array_equal(loaded.correlation, fit.correlation)
+
+
+def test_report(fit, tmp_path):
+    fit.report(tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text("utf-8")
+    assert text.lstrip().lower().startswith("<!doctype html")
+    assert "l0_tri" in text
+
+
+def test_a_recording_is_not_changed(inputs, fit):
+    before = [getattr(inputs, name).copy() for name in ("angle", "torque", "emg")]
+    surae.fit(inputs, starts=2)
+    for name, kept in zip(("angle", "torque", "emg"), before, strict=True):
+        np.testing.assert_array_equal(getattr(inputs, name), kept)
+
+
+def test_public_names():
+    for name in surae.__all__:
+        assert getattr(surae, name) is not None
+    assert set(dir(surae)) >= {"fit", "simulate", "load", "read", "validate"}
+    with pytest.raises(AttributeError, match="no attribute 'fitt'"):
+        _ = surae.fitt
