@@ -10,7 +10,15 @@ from surae._version import __version__
 from surae.errors import ComputationError, InputError, SuraeError
 
 if TYPE_CHECKING:
-    from surae.api import Fit, fit, load, simulate, validate
+    from surae.api import (
+        Fit,
+        fit,
+        load,
+        simulate,
+        simulate_parts,
+        simulate_tendon,
+        validate,
+    )
     from surae.recording import Recording, read, write_csv
     from surae.signals import ModelInputs, Preparation
     from surae.signals.prepare import prepare
@@ -25,6 +33,8 @@ _HOMES = {
     "prepare": "surae.signals",
     "read": "surae.recording",
     "simulate": "surae.api",
+    "simulate_parts": "surae.api",
+    "simulate_tendon": "surae.api",
     "validate": "surae.api",
     "write_csv": "surae.recording",
 }
@@ -43,6 +53,8 @@ __all__ = [
     "prepare",
     "read",
     "simulate",
+    "simulate_parts",
+    "simulate_tendon",
     "validate",
     "write_csv",
 ]

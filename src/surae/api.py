@@ -12,7 +12,16 @@ from surae.errors import InputError
 from surae.estimation import STARTS, FitResult, fit_problem, make_problem
 from surae.estimation.fit import Progress
 from surae.files import PathLike
-from surae.model import ModelOptions, TorqueParts, get_model
+from surae.model import (
+    MODELS,
+    ModelOptions,
+    ModelSpec,
+    Simulator,
+    TendonState,
+    TorqueParts,
+    check_finite_torque,
+    get_model,
+)
 from surae.recording import MUSCLES, Recording, read
 from surae.signals import ModelInputs, prepare
 from surae.units import FloatArray
@@ -75,6 +84,39 @@ class Fit:
     def ipde(self) -> float | None:
         """Inter-parameter dependency, equation (35); None where there is none."""
         return self.assessment.ipde
+
+    def parts(self, recording: int = 0) -> TorqueParts:
+        """The modelled torque of the fit's first, second, … recording, split into its parts.
+
+        Raises
+        ------
+        InputError
+            The fit has no such recording.
+        ComputationError
+            The torque is not finite, as in a fit that failed at its start.
+        """
+        problem = self.result.problem
+        inputs = self._recording(recording)
+        return _parts(problem.spec, self.values, inputs, problem.options)
+
+    def tendon(self, recording: int = 0) -> TendonState:
+        """What muscles and tendons do in the fit's first, second, … recording.
+
+        Raises
+        ------
+        InputError
+            The fit has no such recording, or its model has rigid tendons.
+        """
+        problem = self.result.problem
+        inputs = self._recording(recording)
+        return _tendon(problem.spec, self.values, inputs, problem.options)
+
+    def _recording(self, number: int) -> ModelInputs:
+        inputs = self.result.problem.inputs
+        if number not in range(len(inputs)):
+            known = "only 0" if len(inputs) == 1 else f"0 … {len(inputs) - 1}"
+            raise InputError(f"the fit has no recording {number!r}; they are numbered {known}")
+        return inputs[number]
 
     def predict(self, recording: AnyRecording, *, prepared: bool | None = None) -> Prediction:
         """Predict the torque of another recording, and how well it does (thesis 2.7).
@@ -235,24 +277,50 @@ def simulate(
     jacobian : ndarray, shape (n, p)
         Its derivatives by the parameters that the model frees by default, in its order; only
         with ``jacobian=True``.
+
+    Raises
+    ------
+    InputError
+        Something given is unknown, missing or unusable.
+    ComputationError
+        The torque is not finite; the message names the first such sample.
     """
     spec, chosen = get_model(model), ModelOptions.of(**options)
-    simulator = spec.simulator(_inputs(recording, prepared=True), chosen)
-    values = spec.vector(parameters, chosen)
+    inputs = _inputs(recording, prepared=True)
+    simulator, values = _tied(spec, parameters, inputs, chosen)
     if not jacobian:
-        return simulator.torque(values)
+        torque = simulator.torque(values)
+        check_finite_torque(torque, inputs)
+        return torque
     columns = [spec.names.index(name) for name in spec.free]
     torque, rows = simulator.torque_jacobian(values, columns)
+    check_finite_torque(torque, inputs)
     return torque, rows.T
 
 
 def simulate_parts(
     model: str, parameters: Mapping[str, float], recording: AnyRecording, **options: Any
 ) -> TorqueParts:
-    """The torque of `simulate`, split into its parts; the arguments are the same."""
-    spec, chosen = get_model(model), ModelOptions.of(**options)
-    simulator = spec.simulator(_inputs(recording, prepared=True), chosen)
-    return simulator.parts(spec.vector(parameters, chosen))
+    """The torque of `simulate`, split into its parts; arguments and errors are the same."""
+    inputs = _inputs(recording, prepared=True)
+    return _parts(get_model(model), parameters, inputs, ModelOptions.of(**options))
+
+
+def simulate_tendon(
+    model: str, parameters: Mapping[str, float], recording: AnyRecording, **options: Any
+) -> TendonState:
+    """Lengths, velocities and forces of muscles and tendons over time.
+
+    The arguments are those of `simulate`. Where the model has no finite state, the result says so
+    itself, in `TendonState.unsolved`.
+
+    Raises
+    ------
+    InputError
+        The model's tendons are rigid, or something given is unknown, missing or unusable.
+    """
+    inputs = _inputs(recording, prepared=True)
+    return _tendon(get_model(model), parameters, inputs, ModelOptions.of(**options))
 
 
 def validate(
@@ -292,6 +360,36 @@ def validate(
                     f"add the channel emg_{muscle}"
                 )
     return predict(problem.spec, problem.options, fitted.values, inputs)
+
+
+def _tied(
+    spec: ModelSpec, given: Mapping[str, float], inputs: ModelInputs, options: ModelOptions
+) -> tuple[Simulator, FloatArray]:
+    """The model tied to a recording, and its parameter vector."""
+    return spec.simulator(inputs, options), spec.vector(given, options)
+
+
+def _parts(
+    spec: ModelSpec, given: Mapping[str, float], inputs: ModelInputs, options: ModelOptions
+) -> TorqueParts:
+    simulator, values = _tied(spec, given, inputs, options)
+    parts = simulator.parts(values)
+    check_finite_torque(parts.total, inputs)
+    return parts
+
+
+def _tendon(
+    spec: ModelSpec, given: Mapping[str, float], inputs: ModelInputs, options: ModelOptions
+) -> TendonState:
+    simulator, values = _tied(spec, given, inputs, options)
+    state = simulator.tendon(values)
+    if state is None:
+        others = [m.name for m in MODELS.values() if any(p.group == "tendon" for p in m.parameters)]
+        raise InputError(
+            f"model {spec.name!r} has rigid tendons; models whose tendons give way: "
+            f"{', '.join(others)}"
+        )
+    return state
 
 
 def _several(recordings: AnyRecording | Sequence[AnyRecording]) -> Sequence[AnyRecording]:

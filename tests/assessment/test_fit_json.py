@@ -18,7 +18,7 @@ from surae.assessment.fit_json import FORMAT, as_dict, load_fit, read_parameters
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.protocol import Protocol, generate
-from surae.recording import SourceFile
+from surae.recording import SourceFile, read_only
 from surae.studies import virtual_subject, virtual_trial
 
 
@@ -37,9 +37,13 @@ def result():
         name="zweite Messung, 2 µV",
         files=(SourceFile("b.csv", "1" * 64), SourceFile("c.csv", "2" * 64)),
         fixed={"beta": 1.0},
+        weight=read_only(np.where(second.time < 30.0, 1.0, 0.5)),
     )
     problem = make_problem(
-        [first, named], bounds={"m": (2.9, 3.0)}, start={"f0": 2.0, "tau_rel": 1.1}
+        [first, named],
+        bounds={"m": (2.9, 3.0)},
+        start={"f0": 2.0, "tau_rel": 1.1},
+        priors={"k_rel": (0.3, 0.5)},
     )
     return fit_problem(problem, starts=3, seed=5)
 
@@ -90,7 +94,7 @@ def test_loaded_equals_saved_in_every_field(result, text, tmp_path):
     assert_same(loaded.result.R, result.R)
     assert_same(dict(loaded.result.versions), dict(result.versions))
     assert_same(loaded.result.problem.inputs, result.problem.inputs)
-    for name in ("spec", "options", "free"):
+    for name in ("spec", "options", "free", "priors"):
         assert_same(getattr(loaded.result.problem, name), getattr(result.problem, name), name)
     for name in ("lower", "upper", "base"):
         np.testing.assert_array_equal(

@@ -3,11 +3,9 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from surae.assessment.quality import rmse, vaf
-from surae.errors import ComputationError, InputError
-from surae.model import ModelOptions, ModelSpec
+from surae.errors import InputError
+from surae.model import ModelOptions, ModelSpec, check_finite_torque
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 
@@ -59,8 +57,7 @@ def predict(
         if one.torque is None or not one.torque.any():
             raise InputError(f"{one.where}: no torque to compare the prediction with")
         torque = spec.simulator(one, options).torque(vector)
-        if not np.isfinite(torque).all():
-            raise ComputationError(f"{one.where}: the model overflows with these parameters")
+        check_finite_torque(torque, one)
         residual = one.torque - torque
         predictions.append(
             Prediction(

@@ -1,12 +1,18 @@
 """The command line: `surae COMMAND …`.
 
-A command is one module with one click command; it is imported only when it is called, so that
-help and errors come at once. Errors are one line on stderr: exit 2 for wrong use or input, 1 when
-the computation failed, 130 when the user stopped it.
+A command is one module with one click command; it is imported only when it is called, and imports
+what computes only when its input is in order, so that help and errors come at once. Errors are one
+line on stderr: exit 2 for wrong use or input, 1 when the computation failed, 130 when the user
+stopped it.
 """
 
+import io
+import os
 import sys
+from contextlib import suppress
 from importlib import import_module
+from pathlib import Path
+from typing import NoReturn
 
 import click
 
@@ -26,15 +32,18 @@ class _Lazy(click.Group):
     """A group that imports a command when it is called."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
+        del ctx
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        del ctx
         if cmd_name not in COMMANDS:
             return None
         command: click.Command = import_module(COMMANDS[cmd_name][0]).command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        del ctx
         with formatter.section("Commands"):
             formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
 
@@ -48,16 +57,19 @@ def group() -> None:
     """
 
 
-def main() -> None:
+def main() -> NoReturn:
     """Run the command line and exit."""
-    arguments = sys.argv[1:]
-    debug = "--debug" in arguments
-    if debug:
-        arguments.remove("--debug")
+    arguments, debug = _debug(sys.argv[1:])
+    if sys.stdout is None:  # closed by whoever called
+        sys.stdout = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal without … or ×
     try:
         code = group.main(arguments, prog_name="surae", standalone_mode=False)
+        sys.stdout.flush()
     except (KeyboardInterrupt, click.Abort):
-        _fail("stopped by the user; nothing was written", 130, debug)
+        _fail("stopped by the user", 130, debug)
     except click.exceptions.NoArgsIsHelpError as error:
         click.echo(error.format_message())
         sys.exit(0)
@@ -69,18 +81,28 @@ def main() -> None:
         _fail(str(error), 2, debug)
     except SuraeError as error:
         _fail(str(error), 1, debug)
-    except BrokenPipeError:
-        sys.stderr.close()  # the reader of our output has gone; nothing is left to tell it
-        sys.exit(1)
     except MemoryError:
         _fail("not enough memory for this recording; cut or downsample it", 1, debug)
+    except OSError as error:  # files of the user's have become InputErrors: stdout, the cache
+        with suppress(OSError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _fail(f"{error.filename or 'stdout'}: {error.strerror or error}", 1, debug)
     except Exception as error:
+        if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
+            _fail("stopped by the user", 130, debug)  # compiled code makes it a SystemError
         text = f"{type(error).__name__}: {error}"
         _fail(f"internal error ({text}); run again with --debug and report it", 1, debug)
     sys.exit(code if isinstance(code, int) else 0)
 
 
-def _fail(message: str, code: int, debug: bool) -> None:
+def _debug(arguments: list[str]) -> tuple[list[str], bool]:
+    """The arguments without --debug, wherever it stands before a bare ``--``."""
+    end = arguments.index("--") if "--" in arguments else len(arguments)
+    rest = [text for text in arguments[:end] if text != "--debug"]
+    return [*rest, *arguments[end:]], len(rest) < end
+
+
+def _fail(message: str, code: int, debug: bool) -> NoReturn:
     """One line on stderr, the traceback only when asked for."""
     if debug:
         import traceback

@@ -1,12 +1,13 @@
 """`surae demo`."""
 
+import json
 from pathlib import Path
 
 import click
 
-from surae.api import fit
-from surae.cli.screen import fit_progress, notice_compilation, show_fit
+from surae.cli.paths import check_outputs
 from surae.errors import InputError
+from surae.files import shown, write_atomic
 
 
 @click.command("demo")
@@ -14,29 +15,33 @@ from surae.errors import InputError
 def command(output: str) -> int:
     """Fit an embedded virtual subject: protocol, noisy trial, fit, table and report.
 
-    The subject's true parameters are known, and are written beside the fit.
+    The subject's true parameters are known; they are written beside the fit, as true.json.
     """
-    from surae.protocol import Protocol, generate
-    from surae.studies import virtual_subject, virtual_trial
-
     folder = Path(output)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"cannot make the folder {output}: {error.strerror}") from None
-    notice_compilation()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"cannot make the folder {shown(output)}: {reason.lower()}") from None
+    fitted, report, true = (str(folder / f) for f in ("fit.json", "report.html", "true.json"))
+    check_outputs({"fit": fitted, "report": report, "true values": true}, ())
+
+    from surae.api import fit  # numba: only when everything is in order
+    from surae.cli.fit import finish
+    from surae.cli.progress import compilation_notice, work
+    from surae.cli.screen import show_line
+    from surae.protocol import Protocol, generate
+    from surae.studies import virtual_subject, virtual_trial
+
     subject = virtual_subject(seed=1)
     protocol = Protocol(profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5)
-    trial = virtual_trial(subject, generate(protocol))
-    with fit_progress() as progress:
-        found = fit(trial, progress=progress)
-    show_fit(found)
-    inside = sum(
-        p.ci95 is not None and p.ci95[0] <= subject.parameters[p.name] <= p.ci95[1]
-        for p in found.parameters.values()
-    )
-    click.echo(f"{inside} of {len(found.parameters)} true values lie in their 95 % interval")
-    found.save(folder / "fit.json")
-    found.report(folder / "report.html")
-    click.echo(f"report: {(folder / 'report.html').resolve()}")
-    return 1 if found.status == "failed" else 0
+    with work() as progress, compilation_notice():
+        progress.describe("simulating a trial")
+        trial = virtual_trial(subject, generate(protocol))
+        found = fit(trial, progress=progress.starts)
+    write_atomic(true, json.dumps({"parameters": dict(subject.parameters)}, indent=1) + "\n")
+    code = finish(found, fitted, report)
+    intervals = {p.name: p.ci95 for p in found.parameters.values() if p.ci95 is not None}
+    inside = sum(low <= subject.parameters[p] <= high for p, (low, high) in intervals.items())
+    show_line(f"{inside} of {len(intervals)} true values lie in their 95 % interval: {shown(true)}")
+    return code

@@ -1,24 +1,39 @@
 """`surae fit`."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from surae.api import STARTS, fit
-from surae.cli.options import assignments, given, model_options, ranges
-from surae.cli.screen import fit_progress, notice_compilation, show_fit
+from surae.cli.options import (
+    MODEL_NAMES,
+    assignments,
+    given,
+    model_options,
+    names,
+    ranges,
+    refuse_fixed,
+    whole_number,
+)
+from surae.cli.paths import check_outputs, refuse_repeated
+from surae.files import shown
+
+if TYPE_CHECKING:
+    from surae.api import Fit
+
+#: More starts than this are a slip of the keyboard.
+_MOST_STARTS = 10_000
 
 
 @click.command("fit")
 @click.argument("recordings", metavar="REC…", nargs=-1, required=True)
-@click.option("--model", default="muscle", show_default=True, metavar="M", help="Which model.")
+@click.option("--model", default="muscle", show_default=True, metavar="M", help=f"{MODEL_NAMES}.")
 @click.option("--prepared", is_flag=True, help="Use the signals as they are, without filters.")
 @click.option("--fixed", multiple=True, metavar="NAME=VALUE", help="Do not estimate a parameter.")
 @click.option("--free", multiple=True, metavar="NAME", help="Estimate one that is fixed.")
 @click.option("--start", multiple=True, metavar="NAME=VALUE", help="Start somewhere else.")
 @click.option("--bound", multiple=True, metavar="NAME=LOW:HIGH", help="Other bounds.")
-@click.option("--starts", default=STARTS, show_default=True, metavar="N", help="Number of starts.")
-@click.option("--seed", default=0, show_default=True, metavar="N", help="Of the random starts.")
+@click.option("--starts", metavar="N", help="Number of starts.  [default: 8]")
+@click.option("--seed", metavar="N", help="Of the random starts.  [default: 0]")
 @click.option("--output", metavar="FIT.json", help="Write the fit.")
 @click.option("--report", metavar="REPORT.html", help="Write the report.")
 @model_options
@@ -30,8 +45,8 @@ def command(
     free: tuple[str, ...],
     start: tuple[str, ...],
     bound: tuple[str, ...],
-    starts: int,
-    seed: int,
+    starts: str | None,
+    seed: str | None,
     output: str | None,
     report: str | None,
     **options: Any,
@@ -39,39 +54,69 @@ def command(
     """Estimate a model's parameters from one recording, or jointly from several.
 
     REC is a CSV with named channels, or a TOML that maps the channels of other files.
+    Ctrl-C stops the search: the best fit so far is shown and written.
     """
-    check_writable(output, report)
-    notice_compilation()
-    with fit_progress() as progress:
-        found = fit(
-            list(recordings),
-            model,
-            fixed=assignments("--fixed", fixed),
-            free=free,
-            start=assignments("--start", start),
-            bounds=ranges("--bound", bound),
-            prepared=prepared,
-            starts=starts,
-            seed=seed,
-            progress=progress,
-            **given(options),
+    held = assignments("--fixed", fixed)
+    begin, limits = assignments("--start", start), ranges("--bound", bound)
+    refuse_fixed("--start", tuple(begin), tuple(held))
+    refuse_fixed("--bound", tuple(limits), tuple(held))
+    freed, chosen = names("--free", free), given(options)
+    count = whole_number("--starts", starts, least=1, most=_MOST_STARTS)
+    number = whole_number("--seed", seed, least=0) or 0
+    refuse_repeated(recordings)
+
+    from surae.cli.progress import compilation_notice, work
+    from surae.recording import read
+    from surae.signals import prepare
+
+    with work() as progress:
+        inputs = []
+        for path in recordings:
+            progress.describe(f"reading {path}")
+            inputs.append(prepare(read(path), prepared=prepared))
+        check_outputs(
+            {"--output": output, "--report": report},
+            (file.path for one in inputs for file in one.files),
         )
-    show_fit(found)
-    if output:
+        from surae.api import fit  # numba: only when the input is in order
+        from surae.estimation import STARTS
+
+        with compilation_notice():
+            found = fit(
+                inputs,
+                model,
+                fixed=held,
+                free=freed,
+                start=begin,
+                bounds=limits,
+                starts=count or STARTS,
+                seed=number,
+                progress=progress.starts,
+                **chosen,
+            )
+    return finish(found, output, report)
+
+
+def finish(found: "Fit", output: str | None, report: str | None) -> int:
+    """Write a fit, then show it: a closed pipe must not cost a result. Returns the exit code."""
+    from surae.cli.screen import show_fit, show_line
+
+    if output is not None:
         found.save(output)
-        click.echo(f"fit: {output}")
-    if report:
+    show_fit(found)
+    if output is not None:
+        show_line(f"fit: {shown(output)}")
+    if report is not None:
         found.report(report)
-        click.echo(f"report: {report}")
-    if "stopped by the user" in found.message:
+        show_line(f"report: {shown(report)}")
+    if found.result.starts[-1].outcome == "interrupted":
+        click.echo(
+            "surae: stopped by the user; the best fit so far is shown"
+            + (" and written" if output is not None else ""),
+            err=True,
+        )
         return 130
-    return 1 if found.status == "failed" else 0
-
-
-def check_writable(*paths: str | None) -> None:
-    """Refuse an output that cannot be written before the work is done, not after."""
-    from surae.files import require_writable
-
-    for path in paths:
-        if path is not None:
-            require_writable(path)
+    if found.status == "failed":
+        click.echo(f"surae: the fit failed: {found.message}", err=True)
+        return 1
+    return 0

@@ -1,18 +1,19 @@
-"""What a command shows: tables on stdout, progress and notices on stderr."""
+"""What a command shows on stdout: tables, and lines that never break over a closed pipe."""
 
+import os
 import sys
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+import textwrap
+from collections.abc import Sequence
 
 from rich import box
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 from rich.text import Text
 
 from surae.api import Fit
-from surae.assessment import ParameterEstimate, Prediction, Verdict
+from surae.assessment import Prediction, Verdict
+from surae.files import shown
+from surae.report.digits import estimate, percentage, significant
 
 _STYLES = {
     Verdict.IDENTIFIED: "green",
@@ -20,85 +21,96 @@ _STYLES = {
     Verdict.AT_BOUND: "red",
     Verdict.FIXED: "dim",
 }
-
-
-def console() -> Console:
-    """Where results go: the terminal's width, or enough for a table in a file."""
-    return Console() if sys.stdout.isatty() else Console(width=120)
-
-
-def notice_compilation() -> None:
-    """Say why the first run is slow, before it is."""
-    from surae.model.jit import is_warm
-
-    if not is_warm():
-        print("Compiling the model, once for this installation: about half a minute …",
-              file=sys.stderr, flush=True)  # fmt: skip
-
-
-@contextmanager
-def fit_progress() -> Iterator[Callable[[int, int, float], None]]:
-    """A bar over the starts of a fit, on a terminal only."""
-    columns = (
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
-    )  # fmt: skip
-    visible = sys.stderr.isatty()
-    with Progress(
-        *columns, console=Console(stderr=True), transient=True, disable=not visible
-    ) as bar:
-        task = bar.add_task("fitting, starts", total=None)
-
-        def update(done: int, total: int, best: float) -> None:
-            bar.update(task, completed=done, total=total,
-                       description=f"fitting, best sum {best:.4g} Nm², starts")  # fmt: skip
-
-        yield update
+#: Width where stdout is no terminal and COLUMNS is not set.
+_WIDTH = 120
+#: Widths from which the interval stays on one line, and from which meanings have room.
+_NARROW, _WIDE = 72, 116
 
 
 def show_fit(fit: Fit) -> None:
-    """Parameters with intervals and verdicts, and how well the torque is followed."""
-    out = console()
-    problem = fit.result.problem
-    table = Table(box=box.SIMPLE_HEAD, title=f"{problem.spec.title}", title_justify="left",
-                  pad_edge=False)  # fmt: skip
+    """Parameters with intervals and verdicts, what to do, and how well the torque is followed."""
+    out = _console()
+    table = _table()
     table.add_column("parameter", no_wrap=True)
     table.add_column("value", justify="right", no_wrap=True)
-    table.add_column("95 % interval", justify="right", no_wrap=True)
+    table.add_column("95 % interval", justify="right", no_wrap=out.width >= _NARROW)
     table.add_column("unit", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
-    table.add_column("why", overflow="fold")
+    if out.width >= _WIDE:
+        table.add_column("meaning", no_wrap=True)
     for p in fit.parameters.values():
-        style = _STYLES[p.verdict]
-        table.add_row(p.name, f"{p.value:.5g}", _interval(p), p.unit,
-                      Text(str(p.verdict), style=style), p.note)  # fmt: skip
-    out.print(table)
+        text = estimate(p.value, p.sem, p.ci95)
+        verdict = Text(str(p.verdict), _STYLES[p.verdict])
+        meaning = [p.meaning] if out.width >= _WIDE else []
+        table.add_row(p.name, text.value, text.interval, p.unit, verdict, *meaning)
+    show_line(fit.result.problem.spec.title)
+    _print(out, table)
+    for line in _notes(fit, out.width):
+        show_line(line)
     for quality in fit.assessment.recordings:
-        out.print(f"{quality.name}: VAF {quality.vaf:.2f} %, RMSE {quality.rmse:.3g} Nm, "
-                  f"{quality.n} samples at {quality.rate_hz:g} Hz", highlight=False)  # fmt: skip
+        show_line(
+            f"{quality.name}: VAF {percentage(quality.vaf)} %, "
+            f"RMSE {significant(quality.rmse, 3)} Nm, "
+            f"{quality.n} samples at {quality.rate_hz:g} Hz"
+        )
     if len(fit.assessment.recordings) > 1:
-        out.print(f"all together: VAF {fit.vaf:.2f} %", highlight=False)
+        show_line(f"all together: VAF {percentage(fit.vaf)} %")
     ipde = "none" if fit.ipde is None else f"{fit.ipde:.2f}"
     note = f" ({fit.assessment.ipde_note})" if fit.assessment.ipde_note else ""
-    out.print(f"IPDE {ipde}{note}", highlight=False)
-    out.print(f"{fit.status}: {fit.message} ({fit.result.seconds:.2f} s)", highlight=False)
+    show_line(f"IPDE {ipde}{note}")
+    show_line(f"{fit.status}: {fit.message} ({fit.result.seconds:.2f} s)")
 
 
-def show_predictions(predictions: tuple[Prediction, ...]) -> None:
-    """How well recordings are predicted."""
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+def show_predictions(predictions: Sequence[Prediction], paths: Sequence[str]) -> None:
+    """How well recordings are predicted, each under the path it was given by."""
+    table = _table()
     table.add_column("recording", overflow="fold")
     for heading in ("VAF [%]", "RMSE [Nm]", "bias [Nm]"):
         table.add_column(heading, justify="right", no_wrap=True)
-    for one in predictions:
-        table.add_row(one.name, f"{one.vaf:.2f}", f"{one.rmse:.3g}", f"{one.bias:.3g}")
-    console().print(table)
+    for path, one in zip(paths, predictions, strict=True):
+        numbers = (percentage(one.vaf), significant(one.rmse, 3), significant(one.bias, 3))
+        table.add_row(Text(shown(path)), *numbers)
+    _print(_console(), table)
 
 
-def _interval(p: ParameterEstimate) -> str:
-    return "–" if p.ci95 is None else f"{p.ci95[0]:.4g} … {p.ci95[1]:.4g}"
+def show_line(text: str) -> None:
+    """One line, folded on a terminal. When the reader has gone, the work goes on unseen."""
+    _write(text + "\n")
 
 
-def stopwatch() -> Callable[[], float]:
-    """Seconds since this call."""
-    begin = time.perf_counter()
-    return lambda: time.perf_counter() - begin
+def _notes(fit: Fit, width: int) -> list[str]:
+    """Why parameters are not identified and what to do, one line for each reason."""
+    reasons: dict[str, list[str]] = {}
+    for p in fit.parameters.values():
+        if p.verdict in (Verdict.WEAK, Verdict.AT_BOUND):
+            reasons.setdefault(p.note, []).append(p.name)
+    lines = []
+    for note, names in reasons.items():
+        lines += textwrap.wrap(f"{', '.join(names)}: {note}", width, subsequent_indent="    ")
+    return ["Not identified:", *lines, ""] if lines else []
+
+
+def _table() -> Table:
+    return Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
+
+
+def _console() -> Console:
+    """For the terminal's width, or COLUMNS, or enough for a table in a file."""
+    if sys.stdout.isatty():
+        return Console()
+    columns = os.environ.get("COLUMNS", "")
+    return Console(width=int(columns) if columns.isdecimal() and int(columns) else _WIDTH)
+
+
+def _print(out: Console, table: Table) -> None:
+    with out.capture() as captured:
+        out.print(table)
+    _write("\n" + "".join(f"{line.rstrip()}\n" for line in captured.get().splitlines()) + "\n")
+
+
+def _write(text: str) -> None:
+    try:
+        sys.stdout.write(text)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

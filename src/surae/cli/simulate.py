@@ -4,32 +4,77 @@ from typing import Any
 
 import click
 
-from surae.api import simulate_parts
-from surae.assessment.fit_json import read_parameters
-from surae.cli.options import given, model_options
-from surae.cli.screen import notice_compilation
-from surae.recording import columns, read, write_csv
+from surae.cli.options import MODEL_NAMES, given, model_options
+from surae.cli.paths import check_outputs
+from surae.errors import ComputationError, InputError
+from surae.files import shown
 
 
 @click.command("simulate")
 @click.argument("recording", metavar="IN.csv")
-@click.option("--model", default="muscle", show_default=True, metavar="M",
-              help="muscle, or another model of `surae fit`.")  # fmt: skip
+@click.option("--model", metavar="M",
+              help=f"{MODEL_NAMES}.  [default: that of FIT.json, else muscle]")  # fmt: skip
 @click.option("--parameters", required=True, metavar="P.json",
               help='{"parameters": {"m": 2.0, …}} or a FIT.json.')  # fmt: skip
 @click.option("--output", required=True, metavar="OUT.csv", help="Where the torque goes.")
 @model_options
-def command(recording: str, model: str, parameters: str, output: str, **options: Any) -> None:
+def command(
+    recording: str, model: str | None, parameters: str, output: str, **options: Any
+) -> None:
     """Compute the torque that a model gives for the angle and EMG of a recording.
 
     The signals are used as they are. OUT.csv holds them with torque_Nm, the modelled torque, and
-    its parts.
+    its parts; muscle-tendon models add lengths, velocities and forces of muscles and tendons. A
+    FIT.json also says the model and its options, unless they are given here.
     """
-    values = read_parameters(parameters)
+    chosen = given(options)
+
+    from surae.model import ModelOptions, get_model
+    from surae.recording import columns, read, write_csv
+    from surae.signals import prepare
+
     measured = read(recording)
-    notice_compilation()
-    parts = simulate_parts(model, values, measured, **given(options))
+    inputs = prepare(measured, prepared=True)
+    check_outputs({"--output": output}, [parameters, *(file.path for file in measured.files)])
+
+    from surae.api import simulate_parts  # numba: only when the input is in order
+    from surae.assessment.fit_json import read_parameters
+    from surae.cli.progress import compilation_notice
+    from surae.cli.screen import show_line
+
+    source = read_parameters(parameters)
+    spec = get_model(model or source.model or "muscle")
+    settings = dict(source.options) | chosen
+    known = ModelOptions.of(**settings)
+    try:
+        values = spec.vector(source.values, known)
+    except InputError as error:
+        raise InputError(f"{shown(parameters)}: {error}") from None
+    if source.emg_unit not in (None, inputs.emg_unit):
+        raise InputError(
+            f"{shown(recording)}: its EMG is in {inputs.emg_unit!r}, that of {shown(parameters)} "
+            f"in {source.emg_unit!r}; the weights do not carry over"
+        )
+    silent = [muscle for muscle in inputs.missing_emg if source.values[_weight(muscle)]]
+    if silent:
+        click.echo(
+            f"surae: {shown(recording)}: no EMG of {', '.join(silent)}; taken as silent", err=True
+        )
+    with compilation_notice():
+        try:
+            parts = simulate_parts(spec.name, source.values, inputs, **settings)
+        except ComputationError as error:
+            raise ComputationError(f"{shown(parameters)}: {error}") from None
+        state = spec.simulator(inputs, known).tendon(values)
     table = columns(measured) | {"torque_Nm": parts.total} | dict(parts.columns())
+    if state is not None:
+        table |= state.columns()
     # The model takes the EMG as an envelope, whatever the file said of it.
-    write_csv(output, table, ["emg: envelope", f"torque simulated with model {model}"])
-    click.echo(f"simulated: {output}")
+    write_csv(output, table, ["emg: envelope", f"torque simulated with model {spec.name}"])
+    show_line(f"simulated: {shown(output)}")
+
+
+def _weight(muscle: str) -> str:
+    from surae.recording import MUSCLES
+
+    return f"g{MUSCLES.index(muscle) + 1}"

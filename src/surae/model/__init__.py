@@ -3,7 +3,8 @@
 from surae.model.options import ModelOptions
 from surae.model.parameters import Parameter, adapted
 from surae.model.registry import MODELS, ModelSpec, check_names, check_value, get_model
-from surae.model.simulator import Simulator, TorqueParts
+from surae.model.simulator import Simulator, TorqueParts, check_finite_torque
+from surae.model.tendon_state import TendonLaw, TendonState
 
 __all__ = [
     "MODELS",
@@ -11,8 +12,11 @@ __all__ = [
     "ModelSpec",
     "Parameter",
     "Simulator",
+    "TendonLaw",
+    "TendonState",
     "TorqueParts",
     "adapted",
+    "check_finite_torque",
     "check_names",
     "check_value",
     "get_model",

@@ -74,3 +74,6 @@ class MuscleSimulator:
             inertial=p[M] * self._inertia,
             gravitational=p[M] * self._gravity,
         )
+
+    def tendon(self, values: FloatArray) -> None:
+        """Nothing: the tendons are rigid."""

@@ -1,18 +1,21 @@
 """The muscle-tendon models tied to a recording (thesis 2.4): one model, whatever is freed of it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from surae.model import limb
 from surae.model.compliant import (
     ELONGATION,
+    EPS0,
+    F_MAX,
     FORCE,
+    K_TOE,
     LENGTH,
     N_COMPLIANT,
     SPEED,
     TISSUE,
+    TOE,
     IntArray,
     compliant_torque,
 )
@@ -23,7 +26,8 @@ from surae.model.parameters import MUSCLE_PARAMETERS, TENDON_PARAMETERS
 from surae.model.rigid import M
 from surae.model.simulator import TorqueParts
 from surae.model.stages import GAMMA
-from surae.model.tendon import SLACK_TIB, SLACK_TRI
+from surae.model.tendon import SLACK_TIB, SLACK_TRI, tendon_curve
+from surae.model.tendon_state import TendonLaw, TendonState
 from surae.recording import read_only
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -31,33 +35,6 @@ from surae.units import FloatArray
 #: Relative step of the central differences that the explicit scheme's derivatives are made of.
 DIFFERENCE = 1e-6
 _STARTS = np.array([p.start for p in MUSCLE_PARAMETERS + TENDON_PARAMETERS])
-
-
-@dataclass(frozen=True, slots=True)
-class TendonState:
-    """What muscle and tendon of both groups do over time; arrays (2, n), triceps surae first.
-
-    Attributes
-    ----------
-    muscle_length, muscle_velocity : ndarray
-        Length x [m] and lengthening velocity x' [m/s] of the muscle.
-    tendon_length, elongation : ndarray
-        Length lt and elongation lt − lt0 of the tendon [m]; a slack tendon's is negative.
-    tendon_force, tissue_force, active_force : ndarray
-        Force in the tendon, and the passive and active forces of the muscle that make it up [N].
-    unsolved : tuple of int or None
-        First sample of each group whose force balance could not be solved, which takes a number
-        that is not finite; from there on everything is NaN.
-    """
-
-    muscle_length: FloatArray
-    muscle_velocity: FloatArray
-    tendon_length: FloatArray
-    elongation: FloatArray
-    tendon_force: FloatArray
-    tissue_force: FloatArray
-    active_force: FloatArray
-    unsolved: tuple[int | None, int | None]
 
 
 class MuscleTendonSimulator:
@@ -78,7 +55,8 @@ class MuscleTendonSimulator:
         self._emg = np.array(inputs.emg.T, dtype=np.float64, order="C")
         self._factor = float(options.vmax_factor)
         self._dt = 1.0 / inputs.rate_hz
-        self._staged = _at_first_stage(self._lengths, np.stack([tri.speed, tib.speed]), self._dt)
+        self._speeds = np.stack([tri.speed, tib.speed])
+        self._staged = _at_first_stage(self._lengths, self._speeds, self._dt)
         self._slack = np.array([SLACK_TRI, SLACK_TIB])
         in_metres = options.tendon_strain == "thesis"
         self._strain_lengths = np.ones(2) if in_metres else self._slack
@@ -96,7 +74,7 @@ class MuscleTendonSimulator:
 
     def parts(self, values: FloatArray) -> TorqueParts:
         """The torque split into its parts; of the tendon's torque, tissue is F_elas·r."""
-        states = self._states(values)[0]
+        states = self._states(values)
         tissue = states[:, TISSUE]
         tissue, neural = self._arms * tissue, self._arms * (states[:, FORCE] - tissue)
         return TorqueParts(
@@ -110,16 +88,18 @@ class MuscleTendonSimulator:
 
     def tendon(self, values: FloatArray) -> TendonState:
         """Lengths, velocities and forces of muscles and tendons over time."""
-        states, unsolved = self._states(values)
-        first = [None if sample < 0 else int(sample) for sample in unsolved]
+        states = self._states(values)
+        first = [_first_not_finite(group) for group in states]
         return TendonState(
             muscle_length=read_only(states[:, LENGTH]),
             muscle_velocity=read_only(states[:, SPEED]),
             tendon_length=read_only(self._slack[:, None] + states[:, ELONGATION]),
             elongation=read_only(states[:, ELONGATION]),
+            tendon_velocity=read_only(self._speeds - states[:, SPEED]),
             tendon_force=read_only(states[:, FORCE]),
             tissue_force=read_only(states[:, TISSUE]),
             active_force=read_only(states[:, FORCE] - states[:, TISSUE]),
+            laws=(self._law(values, 0), self._law(values, 1)),
             unsolved=(first[0], first[1]),
         )
 
@@ -135,9 +115,13 @@ class MuscleTendonSimulator:
             self._strain_lengths, self._factor, self._dt,
         )  # fmt: skip
 
-    def _states(self, values: FloatArray) -> tuple[FloatArray, IntArray]:
-        _, _, states, unsolved = self._run(values, ())
-        return states, unsolved
+    def _states(self, values: FloatArray) -> FloatArray:
+        return self._run(values, ())[2]
+
+    def _law(self, values: FloatArray, group: int) -> TendonLaw:
+        eps0 = values[EPS0 + group] * self._strain_lengths[group]
+        others = (float(values[first + group]) for first in (TOE, K_TOE, F_MAX))
+        return TendonLaw(float(self._slack[group]), tendon_curve(float(eps0), *others))
 
 
 class ThesisSimulator(MuscleTendonSimulator):
@@ -149,7 +133,7 @@ class ThesisSimulator(MuscleTendonSimulator):
 
     def torque(self, values: FloatArray) -> FloatArray:
         """Modelled torque [Nm], shape (n,)."""
-        states, _ = self._states(values)
+        states = self._states(values)
         torque: FloatArray = values[M] * self._limb + (self._arms * states[:, FORCE]).sum(axis=0)
         return torque
 
@@ -166,11 +150,11 @@ class ThesisSimulator(MuscleTendonSimulator):
             row[:] = (self.torque(above) - self.torque(below)) / (above[j] - below[j])
         return self.torque(values), jacobian
 
-    def _states(self, values: FloatArray) -> tuple[FloatArray, IntArray]:
+    def _states(self, values: FloatArray) -> FloatArray:
         p = np.array(values, dtype=np.float64)
         return explicit_states(
             p, self._lengths, self._emg, self._strain_lengths, self._factor, self._dt
-        )
+        )[0]
 
 
 def muscle_tendon_simulator(inputs: ModelInputs, options: ModelOptions) -> MuscleTendonSimulator:
@@ -178,6 +162,12 @@ def muscle_tendon_simulator(inputs: ModelInputs, options: ModelOptions) -> Muscl
     if options.integrator == "explicit-euler":
         return ThesisSimulator(inputs, options)
     return MuscleTendonSimulator(inputs, options)
+
+
+def _first_not_finite(states: FloatArray) -> int | None:
+    """First sample of a group's states, shape (5, n), that are not all finite numbers."""
+    wrong = np.flatnonzero(~np.isfinite(states).all(axis=0))
+    return int(wrong[0]) if wrong.size else None
 
 
 def _at_first_stage(lengths: FloatArray, speeds: FloatArray, dt: float) -> FloatArray:

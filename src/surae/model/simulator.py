@@ -4,6 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
+from surae.errors import ComputationError
+from surae.model.tendon_state import TendonState
+from surae.recording.samples import sample
+from surae.signals import ModelInputs
 from surae.units import FloatArray
 
 
@@ -76,3 +82,25 @@ class Simulator(Protocol):
     def parts(self, values: FloatArray) -> TorqueParts:
         """The torque split into its parts."""
         ...
+
+    def tendon(self, values: FloatArray) -> TendonState | None:
+        """What muscles and tendons do over time; None from a model whose tendons are rigid."""
+        ...
+
+
+def check_finite_torque(torque: FloatArray, inputs: ModelInputs) -> None:
+    """Refuse a modelled torque that is not finite everywhere, naming its first such sample.
+
+    Raises
+    ------
+    ComputationError
+        Some sample is infinite or not a number.
+    """
+    wrong = np.flatnonzero(~np.isfinite(torque))
+    if wrong.size:
+        first = int(wrong[0])
+        raise ComputationError(
+            f"{inputs.where}: the model overflows with these parameters, its torque is not finite "
+            f"from {sample(first)} ({inputs.time[first]:.6g} s) on; check their units and that of "
+            "the EMG"
+        )

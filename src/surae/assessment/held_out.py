@@ -1,0 +1,164 @@
+"""Parts of the data that a fit does not see, and how well it predicts them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.estimation import FitProblem, FitResult
+from surae.recording import read_only
+from surae.signals import ModelInputs
+from surae.units import FloatArray, IntArray
+
+#: Contiguous blocks that a single recording is cut into.
+BLOCKS = 4
+#: Samples this close to a block count neither in it nor in the fit, so that a residual that is
+#: correlated over time does not tell the fit about the block [s]; at most a tenth of the block.
+GUARD_S, GUARD_PART = 0.5, 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Fold:
+    """One part of the data that is left out.
+
+    Attributes
+    ----------
+    name : str
+        What is left out.
+    training : tuple of ModelInputs
+        What is fitted. The signals of a block are still simulated, as activation and relaxation
+        remember them; its torque has weight 0.
+    held : ModelInputs
+        The recording that is predicted.
+    samples : ndarray of int
+        Its samples that are left out.
+    """
+
+    name: str
+    training: tuple[ModelInputs, ...]
+    held: ModelInputs
+    samples: IntArray
+
+
+def folds(inputs: Sequence[ModelInputs]) -> tuple[Fold, ...]:
+    """Leave out each of several recordings in turn, or each block of a single one.
+
+    Every sample that counts is in one fold's `samples` exactly once.
+    """
+    if len(inputs) == 1:
+        return _blocks(inputs[0])
+    return tuple(
+        Fold(one.name, tuple(inputs[:i]) + tuple(inputs[i + 1 :]), one, _counted(one))
+        for i, one in enumerate(inputs)
+    )
+
+
+def _blocks(one: ModelInputs) -> tuple[Fold, ...]:
+    made = []
+    for number, samples in enumerate(np.array_split(_counted(one), BLOCKS), start=1):
+        if not len(samples):
+            raise InputError(f"{one.where}: too few samples to leave out each quarter in turn")
+        first, last = int(samples[0]), int(samples[-1])
+        guard = int(min(GUARD_S * one.rate_hz, GUARD_PART * len(samples)))
+        weight = np.ones(one.n) if one.weight is None else one.weight.copy()
+        weight[max(first - guard, 0) : last + 1 + guard] = 0.0
+        name = f"block {number} of {BLOCKS} ({one.time[first]:.1f}…{one.time[last]:.1f} s)"
+        made.append(Fold(name, (replace(one, weight=read_only(weight)),), one, samples))
+    return tuple(made)
+
+
+def _counted(one: ModelInputs) -> IntArray:
+    return np.arange(one.n) if one.weight is None else np.flatnonzero(one.weight)
+
+
+def without(problem: FitProblem, fold: Fold, found: FitResult) -> FitProblem:
+    """The problem without the fold's samples, starting from the solution with them.
+
+    Raises
+    ------
+    InputError
+        Too few samples are left to determine the parameters.
+    """
+    left = replace(
+        problem,
+        inputs=fold.training,
+        base=np.array([found.values[name] for name in problem.spec.names]),
+    )
+    if left.n <= len(left.free):
+        raise InputError(
+            f"without {fold.name}, {left.n} samples cannot determine {len(left.free)} parameters; "
+            "give longer recordings"
+        )
+    return left
+
+
+def prediction_error(found: FitResult, fold: Fold) -> FloatArray:
+    """Measured minus predicted torque [Nm] of the samples that the fit did not see."""
+    problem, torque = found.problem, fold.held.torque
+    if torque is None:
+        raise InputError(f"{fold.held.where}: no torque to compare the prediction with")
+    values = np.array([found.values[name] for name in problem.spec.names])
+    predicted = problem.spec.simulator(fold.held, problem.options).torque(values)
+    return np.asarray((torque - predicted)[fold.samples], dtype=np.float64)
+
+
+@dataclass(frozen=True, slots=True)
+class HeldOut:
+    """How well a model predicts what its fits did not see.
+
+    Attributes
+    ----------
+    vaf : float
+        Of the residuals of all folds pooled, equation (31) [%].
+    spread : float
+        Standard deviation of the folds' own VAFs [%].
+    folds : tuple of float or None
+        VAF of every fold [%]; None where its torque is zero throughout.
+    gain : float
+        How much `vaf` exceeds that of the rigid model [%]; 0 for the rigid model itself.
+    gain_se : float
+        Standard error of the gain, from how it differs between the folds [%].
+    """
+
+    vaf: float
+    spread: float
+    folds: tuple[float | None, ...]
+    gain: float
+    gain_se: float
+
+
+def held_out(
+    missed: Sequence[float], of_rigid: Sequence[float], total: Sequence[float]
+) -> HeldOut | None:
+    """Score of a model from its folds.
+
+    The gain is Σ(missed by the rigid model − missed by this one)/ΣT², a sum over the k folds. Its
+    standard error is √k times the standard deviation of the terms: the folds are paired, so that a
+    fold which is hard to predict for every model does not blur the difference.
+
+    Parameters
+    ----------
+    missed, of_rigid : sequence of float
+        Sum of squared prediction errors of each fold, by the model and by the rigid one [Nm²].
+    total : sequence of float
+        Sum of the squared measured torque of each fold [Nm²].
+
+    Returns
+    -------
+    HeldOut or None
+        None where a prediction is not finite, or there is no torque at all.
+    """
+    mine, rigid, scale = np.array(missed), np.array(of_rigid), np.array(total)
+    whole = scale.sum()
+    if not (np.isfinite(mine).all() and np.isfinite(rigid).all() and whole > 0):
+        return None
+    vafs = [100 * (1 - m / t) if t > 0 else None for m, t in zip(missed, total, strict=True)]
+    terms = 100 * (rigid - mine) / whole
+    return HeldOut(
+        vaf=float(100 * (1 - mine.sum() / whole)),
+        spread=float(np.std([v for v in vafs if v is not None], ddof=1)),
+        folds=tuple(vafs),
+        gain=float(terms.sum()),
+        gain_se=float(np.sqrt(len(terms)) * terms.std(ddof=1)),
+    )

@@ -1,0 +1,53 @@
+"""What a command reads and writes, checked before any work is done."""
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+from surae.errors import InputError
+from surae.files import require_writable, shown
+
+
+def refuse_repeated(recordings: Sequence[str]) -> None:
+    """Refuse a recording that is given twice: its samples would count double.
+
+    Raises
+    ------
+    InputError
+        Two paths lead to one file.
+    """
+    seen = set()
+    for path in recordings:
+        real = os.path.realpath(path)
+        if real in seen:
+            raise InputError(f"{shown(path)} is given twice and would count double; give it once")
+        seen.add(real)
+
+
+def check_outputs(outputs: Mapping[str, str | None], inputs: Iterable[str]) -> None:
+    """Refuse outputs that cannot be written, before the work instead of after it.
+
+    Parameters
+    ----------
+    outputs : mapping of str to (str or None)
+        Path by option, None where the option is not given.
+    inputs : iterable of str
+        Files that are read, and must not be replaced by results.
+
+    Raises
+    ------
+    InputError
+        An output cannot be written, is an input, or is given twice.
+    """
+    taken = {os.path.realpath(path): "is read by this command" for path in inputs}
+    for option, path in outputs.items():
+        if path is None:
+            continue
+        if not path:
+            raise InputError(f"{option} is empty; give the name of a file")
+        require_writable(path)
+        real = os.path.realpath(path)
+        if real in taken:
+            raise InputError(f"{option}: {shown(path)} {taken[real]}; choose another file")
+        if not Path(real).exists() or Path(real).is_file():  # a device may take both
+            taken[real] = f"is the file of {option} too"

@@ -1,0 +1,83 @@
+"""What a user sees while something takes time: a bar on a terminal, a notice anywhere; stderr."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
+
+_COMPILING = "Compiling the model, once for this installation: about half a minute …"
+
+
+class Work:
+    """Tells how far a piece of work is; says nothing where there is no terminal."""
+
+    def __init__(self, bar: "Progress | None" = None, task: "TaskID | None" = None) -> None:
+        self._bar, self._task = bar, task
+
+    def describe(self, what: str) -> None:
+        """Say what is being done."""
+        if self._bar is not None and self._task is not None:
+            shown = what if what.isprintable() else repr(what)
+            self._bar.update(self._task, description=shown)
+
+    def starts(self, done: int, total: int, best: float) -> None:
+        """Say how many starts of a fit are done; the sum of squares tells a user nothing."""
+        del best
+        if self._bar is not None and self._task is not None:
+            what = f"fitting: start {min(done + 1, total)} of {total}"
+            self._bar.update(self._task, completed=done, total=total, description=what)
+
+
+@contextmanager
+def work() -> Iterator[Work]:
+    """A bar that goes when the work is done."""
+    if not sys.stderr.isatty():
+        yield Work()
+        return
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    columns = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(bar_width=20),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        yield Work(bar, bar.add_task("", total=None))
+
+
+@contextmanager
+def compilation_notice() -> Iterator[None]:
+    """Say why the first run is slow, when and only when the model really is compiled."""
+    from numba.core import event
+
+    class Notice(event.Listener):
+        """Writes its line at the first of the compilations."""
+
+        def __init__(self) -> None:
+            self.written = False
+
+        def on_start(self, event: Any) -> None:
+            del event
+            if not self.written:
+                click.echo(_COMPILING, err=True)
+            self.written = True
+
+        def on_end(self, event: Any) -> None:
+            del event
+
+    with event.install_listener("numba:compile", Notice()):
+        yield

@@ -1,0 +1,125 @@
+"""Parameters and fits that cannot be used: one line that names the file and what is wrong."""
+
+import json
+
+import pytest
+
+from .conftest import refused
+
+
+def _parameters(files, change) -> str:
+    content = json.loads((files / "true.json").read_text(encoding="utf-8"))
+    change(content["parameters"])
+    (files / "p.json").write_text(json.dumps(content), encoding="utf-8")
+    return "p.json"
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda p: p.clear(), ("no parameters",)),
+        (lambda p: p.pop("f0"), ("needs a value for: f0",)),
+        (lambda p: p.update(zz=1.0), ("'zz'", "k_tri")),
+        (lambda p: p.update(m="2"), ("'m' is \"2\"", "number")),
+        (lambda p: p.update(m=None), ("'m' is null", "number")),
+        (lambda p: p.update(m=True), ("'m' is true", "number")),
+        (lambda p: p.update(m=[2]), ("'m' is [2]", "number")),
+        (lambda p: p.update(l0_tri=-1), ("l0_tri is -1 m", "above zero")),
+        (lambda p: p.update(m=float("nan")), ("m is nan", "finite")),
+        (lambda p: p.update(m=10**400), ("'m'", "too large")),
+    ],
+)
+def test_wrong_parameters(run, files, change, says) -> None:
+    path = _parameters(files, change)
+    done = run("simulate", "trial.csv", "--parameters", path, "--output", "out.csv")
+    refused(done, "p.json: ", *says)
+    assert not (files / "out.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"", ("JSON", "line 1")),
+        (b'{"parameters": {"m": 2.0,}}', ("JSON", "line 1", "column 26")),
+        (b"[1, 2]", ("object", "list")),
+        (b'{"m": 2.0}', ("no parameters",)),
+        (b'{"parameters": [2.0]}', ("no parameters",)),
+        (b'{"parameters": {"m": 1' + 5000 * b"0" + b"}}", ("thousands of digits",)),
+        (b"[" * 100_000, ("nested too deeply",)),
+        (b"\xff\xfe", ("not a text file",)),
+    ],
+)
+@pytest.mark.parametrize("command", ["simulate", "validate"])
+def test_what_is_no_json_of_parameters(run, files, command, content, says) -> None:
+    (files / "p.json").write_bytes(content)
+    if command == "validate":
+        done = run("validate", "p.json", "trial.csv")
+        says = says if "no parameters" not in says else ("missing",)
+    else:
+        done = run("simulate", "trial.csv", "--parameters", "p.json", "--output", "out.csv")
+    refused(done, "p.json: ", *says)
+
+
+def _set(*keys_and_value):
+    *keys, last, value = keys_and_value
+
+    def change(content) -> None:
+        for key in keys:
+            content = content[key]
+        content[last] = value
+
+    return change
+
+
+NEWER = [
+    (_set("surae", "99.0"), ("99.0", "newer", "upgrade")),
+    (_set("format", 99), ("format 99", "newer", "upgrade")),
+    (_set("surae", 5), ("damaged",)),
+    (_set("format", "x"), ("damaged",)),
+]
+
+
+@pytest.mark.parametrize(("change", "says"), NEWER)
+def test_a_fit_of_a_newer_version(run, edit_fit, change, says) -> None:
+    edit_fit("f.json", change)
+    refused(run("validate", "f.json", "trial.csv"), "f.json: ", *says)
+    done = run("simulate", "trial.csv", "--parameters", "f.json", "--output", "out.csv")
+    refused(done, "f.json: ", *says)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda f: f.pop("R"), ("'R' is missing",)),
+        (lambda f: f.pop("model"), ("'model' is missing",)),
+        (lambda f: f["parameters"].pop("m"), ("'m' is missing",)),
+        (_set("R", "!!!"), ("damaged",)),
+        (_set("R", "data", "!!!"), ("damaged",)),
+        (_set("model", "zz"), ("'zz'", "muscle")),
+        (_set("options", {"q": 1}), ("'q'", "geometry")),
+        (_set("traces", []), ("damaged",)),
+        (_set("starts", "all", []), ("damaged",)),
+        (_set("parameters", "m", "value", "x"), ("damaged",)),
+        (_set("parameters", "m", "value", -5), ("m is -5 kg",)),
+        (_set("parameters", "m", "lower", None), ("damaged",)),
+        (_set("traces", 0, "n", 3), ("damaged",)),
+    ],
+)
+def test_a_damaged_fit(run, edit_fit, change, says) -> None:
+    edit_fit("f.json", change)
+    refused(run("validate", "f.json", "trial.csv"), "f.json: ", *says)
+
+
+def test_a_fit_cut_short(run, files) -> None:
+    whole = (files / "fit.json").read_bytes()
+    (files / "f.json").write_bytes(whole[: len(whole) // 2])
+    refused(run("validate", "f.json", "trial.csv"), "f.json: not JSON (line ")
+
+
+def test_files_that_are_missing(run, files) -> None:
+    refused(run("validate", "gone.json", "trial.csv"), "gone.json", "no such file")
+    refused(run("validate", "fit.json", "gone.csv"), "gone.csv", "no such file")
+    done = run("simulate", "trial.csv", "--parameters", "gone.json", "--output", "out.csv")
+    refused(done, "gone.json", "no such file")
+    done = run("simulate", "gone.csv", "--parameters", "true.json", "--output", "out.csv")
+    refused(done, "gone.csv", "no such file")

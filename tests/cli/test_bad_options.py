@@ -1,0 +1,87 @@
+"""Options that make no sense: one line that names the option and what to write."""
+
+import re
+
+import pytest
+
+from surae import api, estimation
+from surae.cli.options import assignments, number, ranges, whole_number
+from surae.errors import InputError
+from surae.model.registry import MODELS
+
+from .conftest import refused
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--model", "zz"], ("'zz'", "muscle-tendon")),
+        (["--fixed", "zz=1"], ("'zz'", "k_tri")),
+        (["--fixed", "m"], ("--fixed m", "name=value")),
+        (["--fixed", "m="], ("--fixed m=", "name=value")),
+        (["--fixed", "=1"], ("--fixed =1", "name=value")),
+        (["--fixed", "m=a"], ("--fixed m=a", "'a' is not a number")),
+        (["--fixed", "m=2,5"], ("--fixed m=2,5", "write 2.5")),
+        (["--fixed", "m=2_0"], ("--fixed m=2_0", "not a number")),
+        (["--fixed", "m=1", "--fixed", "m=2"], ("--fixed m", "twice")),
+        (["--fixed", "m=-1"], ("m is -1 kg", "zero or more")),
+        (["--fixed", "m=nan"], ("m is nan", "finite")),
+        (["--fixed", "l0_tri=0"], ("l0_tri is 0 m", "above zero")),
+        (["--free", "zz"], ("'zz'", "k_tri")),
+        (["--free", "m=2"], ("--free m=2", "without a value")),
+        (["--free", "m", "--fixed", "m=2"], ("m is both free and fixed",)),
+        (["--start", "zz=1"], ("'zz'", "k_tri")),
+        (["--start", "m=10"], ("start of m is 10", "1.2 … 3")),
+        (["--start", "m=x"], ("--start m=x", "not a number")),
+        (["--start", "m=2", "--fixed", "m=2"], ("--start m", "--fixed m")),
+        (["--bound", "zz=1:2"], ("'zz'", "k_tri")),
+        (["--bound", "m=1"], ("--bound m=1", "name=lower:upper")),
+        (["--bound", "m=1:"], ("--bound m=1:", "name=lower:upper")),
+        (["--bound", "=1:2"], ("--bound =1:2", "name=lower:upper")),
+        (["--bound", "m=1:a"], ("--bound m=1:a", "'a' is not a number")),
+        (["--bound", "m=3:1"], ("bounds of m are 3 … 1",)),
+        (["--bound", "m=-1:3"], ("m is -1 kg",)),
+        (["--bound", "m=1:inf"], ("m is inf",)),
+        (["--bound", "m=1:2", "--bound", "m=1:3"], ("--bound m", "twice")),
+        (["--bound", "m=1:2", "--fixed", "m=2"], ("--bound m", "--fixed m")),
+        (["--starts", "0"], ("--starts 0", "1 to")),
+        (["--starts", "1.5"], ("--starts 1.5", "whole number")),
+        (["--starts", "1000000000"], ("--starts 1000000000",)),
+        (["--seed", "-1"], ("--seed -1", "0 or more")),
+        (["--seed", "x"], ("--seed x", "whole number")),
+        (["--geometry", "zz"], ("geometry", "'zz'", "virtual-work")),
+        (["--tendon-strain", "zz"], ("tendon_strain", "'zz'", "slack-length")),
+        (["--integrator", "zz"], ("integrator", "'zz'", "explicit-euler")),
+        (["--theta-foot", "x"], ("--theta-foot x", "not a number")),
+        (["--theta-foot", "nan"], ("theta_foot is nan", "finite")),
+        (["--vmax-factor", "0"], ("vmax_factor is 0", "positive")),
+        (["--x-ref-tri", "-1"], ("x_ref_tri is -1", "positive")),
+    ],
+)
+def test_a_wrong_option(run, files, options, says) -> None:
+    refused(run("fit", "trial.csv", "--prepared", "--output", "out.json", *options), *says)
+    assert not (files / "out.json").exists()
+
+
+def test_texts_of_values() -> None:
+    assert assignments("--fixed", [" m = 2 ", "beta=1e0"]) == {"m": 2.0, "beta": 1.0}
+    assert ranges("--bound", ["m = 1 : 4"]) == {"m": (1.0, 4.0)}
+    assert number("x", "-1.5e-3") == -0.0015
+    assert whole_number("--seed", None, least=0) is None
+    assert whole_number("--seed", "0", least=0) == 0
+    assert whole_number("--seed", "12345678901234567890", least=0) == 12345678901234567890
+    with pytest.raises(InputError, match=r"x: '1,2,3' is not a number$"):
+        number("x", "1,2,3")
+
+
+@pytest.mark.parametrize("command", ["fit", "simulate"])
+def test_the_help_lists_every_model(run, command) -> None:
+    listed = re.split(r"[\s,.]+", run(command, "--help").out)
+    assert set(MODELS) <= set(listed)
+
+
+def test_the_help_states_the_true_defaults(run) -> None:
+    text = " ".join(run("fit", "--help").out.split())
+    assert f"[default: {estimation.STARTS}] --seed" in text
+    assert "[default: 0] --output" in text
+    assert api.fit.__kwdefaults__["seed"] == 0

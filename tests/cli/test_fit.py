@@ -1,0 +1,202 @@
+import json
+import re
+import signal
+from collections.abc import Sequence
+
+import pytest
+
+import surae
+from surae.cli.progress import Work
+from surae.cli.screen import show_fit
+from surae.model import get_model
+
+FIT = ("fit", "trial.csv", "--prepared", "--starts", "1")
+#: Settles the fit in the valley of the other parameters, but outside what m may be.
+BEYOND = ("--bound", "m=2.9:3")
+
+
+def table(out: str) -> dict[str, str]:
+    """Lines of the parameter table by the parameter's name."""
+    return {line.split()[0]: line for line in out.splitlines() if line.strip()}
+
+
+def test_the_table_shows_every_parameter(run, files) -> None:
+    done = run(*FIT)
+    assert (done.code, done.err) == (0, "")
+    lines = table(done.out)
+    for p in get_model("muscle").parameters:
+        assert p.unit in lines[p.name]
+        assert "identified" in lines[p.name]
+        assert p.meaning in lines[p.name]
+    assert "muscle model [1.0]" in done.out
+    assert "Not identified" not in done.out
+    assert "trial: VAF 99." in done.out
+    assert "2561 samples at 64 Hz" in done.out
+    assert "IPDE " in done.out
+    assert "converged: 1 of 1 starts" in done.out
+
+
+def test_value_and_interval_have_the_same_decimals_and_hold_each_other(run, files) -> None:
+    lines = table(run(*FIT).out)
+    value, low, dots, high = lines["k_tri"].split()[1:5]
+    assert dots == "…"
+    assert float(low) < float(value) < float(high)
+    assert len({len(text.partition(".")[2]) for text in (value, low, high)}) == 1
+    half = (float(high) - float(low)) / 2
+    step = 10.0 ** -len(value.partition(".")[2])
+    assert 10 <= half / step < 300  # at least two digits of the half-width, at most three
+
+
+@pytest.mark.parametrize(("columns", "widest"), [("80", 80), ("60", 60), ("200", 120)])
+def test_the_table_fits_the_terminal(run, files, monkeypatch, columns, widest) -> None:
+    monkeypatch.setenv("COLUMNS", columns)
+    out = run(*FIT, *BEYOND).out
+    rows = out.split("\n\n")
+    assert max(map(len, rows[1].splitlines())) <= widest
+    assert max(map(len, rows[2].splitlines())) <= int(columns)
+    assert all(line == line.rstrip() for line in out.splitlines())
+    assert ("mass of foot" in out) == (columns == "200")
+    if columns != "60":
+        assert len(rows[1].splitlines()) == 2 + 15  # one line for each parameter
+
+
+def test_what_is_not_identified_is_explained_below_the_table(run, files) -> None:
+    out = run(*FIT, *BEYOND, "--fixed", "beta=1").out
+    assert "at-bound" in table(out)["m"]
+    assert "—" in table(out)["m"]
+    assert "fixed" in table(out)["beta"]
+    notes = out[out.index("Not identified:") :].splitlines()
+    assert any(re.match("m(, .*)?: at its lower bound", line) for line in notes)
+    assert not any(line.startswith("beta") for line in notes[: notes.index("")])
+    assert "at-bounds: " in out
+
+
+def test_colours_only_on_a_terminal_that_wants_them(run, files, monkeypatch) -> None:
+    assert "\x1b" not in run(*FIT).out
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    assert "\x1b[32m" in run(*FIT).out
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert "\x1b[32m" not in run(*FIT).out
+
+
+def test_outputs_appear_and_load(run, files) -> None:
+    done = run(*FIT, "--output", "ä b.json", "--report", "r.html", "--seed", "7")
+    assert done.code == 0
+    assert "fit: ä b.json" in done.out
+    assert "report: r.html" in done.out
+    fit = surae.load(files / "ä b.json")
+    assert fit.result.seed == 7
+    assert fit.status == "converged"
+    again = surae.fit(files / "trial.csv", prepared=True, starts=1, seed=7)
+    assert again.values == fit.values
+    page = (files / "r.html").read_text(encoding="utf-8")
+    assert page.startswith("<!DOCTYPE html>") or page.startswith("<!doctype html>")
+    assert "l0_tri" in page
+
+
+def test_options_reach_the_fit(run, files) -> None:
+    done = run(
+        *FIT, "--fixed", "beta=1", "--fixed", "m=2", "--bound", "f0=1:4", "--start", "f0=3",
+        "--geometry", "virtual-work", "--vmax-factor", "10", "--output", "f.json",
+    )  # fmt: skip
+    assert done.code in (0, 1)
+    content = json.loads((files / "f.json").read_text(encoding="utf-8"))
+    parameters = content["parameters"]
+    assert (parameters["beta"]["value"], parameters["beta"]["verdict"]) == (1.0, "fixed")
+    assert (parameters["m"]["value"], parameters["m"]["free"]) == (2.0, False)
+    assert (parameters["f0"]["lower"], parameters["f0"]["upper"]) == (1.0, 4.0)
+    assert content["starts"]["all"][0]["initial"]["f0"] == 3.0
+    assert content["options"]["geometry"] == "virtual-work"
+    assert content["options"]["vmax_factor"] == 10.0
+
+
+def test_two_recordings_are_one_fit(run, edit) -> None:
+    def first_part(header: list[str], rows: list[list[str]]) -> None:
+        del rows[1500:]
+
+    edit("second.csv", first_part)
+    done = run(*FIT, "second.csv")
+    assert done.code == 0
+    assert "trial: VAF" in done.out
+    assert "second: VAF" in done.out
+    assert "all together: VAF" in done.out
+
+
+def test_a_muscle_without_emg_is_fine_when_its_weight_is_fixed(run, edit) -> None:
+    def drop(header: list[str], rows: Sequence[list[str]]) -> None:
+        column = header.index("emg_ta_V")
+        for row in [header, *rows]:
+            del row[column]
+
+    edit("no ta.csv", drop)
+    arguments = ("fit", "no ta.csv", "--prepared", "--starts", "1")
+    assert run(*arguments).code == 2
+    done = run(*arguments, "--fixed", "g1=0")
+    assert done.code in (0, 1)
+    assert "fixed" in table(done.out)["g1"]
+
+
+def test_a_fit_that_fails_is_shown_written_and_exit_1(run, files, monkeypatch) -> None:
+    real = surae.api.fit
+
+    def cut_short(*arguments, **options):
+        fit = real(*arguments, **options)
+        object.__setattr__(fit.result, "status", "failed")
+        object.__setattr__(fit.result, "message", "no minimum reached")
+        return fit
+
+    monkeypatch.setattr("surae.api.fit", cut_short)
+    done = run(*FIT, "--output", "f.json")
+    assert done.code == 1
+    assert done.err == "surae: the fit failed: no minimum reached\n"
+    assert "k_tri" in done.out
+    assert surae.load(files / "f.json").status == "failed"
+
+
+def test_ctrl_c_keeps_the_best_so_far(run, files, monkeypatch) -> None:
+    def press(self: Work, done: int, total: int, best: float) -> None:
+        if done == 3:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(Work, "starts", press)
+    done = run(*FIT[:-1], "50", "--output", "f.json")
+    assert done.code == 130
+    assert done.err == "surae: stopped by the user; the best fit so far is shown and written\n"
+    assert "k_tri" in done.out
+    fit = surae.load(files / "f.json")
+    assert [start.outcome for start in fit.result.starts][-1] == "interrupted"
+    assert len(fit.result.starts) == 4
+    assert "stopped by the user in start 4 of 50" in fit.message
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_odd_names_are_shown_as_they_are(run, files) -> None:
+    odd = files / "[red]x[!b] é 你.csv"
+    (files / "trial.csv").rename(odd)
+    done = run("fit", odd.name, "--prepared", "--starts", "1", "--output", "[b]\nx.json")
+    assert done.code == 0
+    assert f"{odd.stem}: VAF" in done.out
+    assert r"fit: '[b]\nx.json'" in done.out
+    assert (files / "[b]\nx.json").is_file()
+
+
+def test_a_raw_recording_of_a_dynamometer(run, shared) -> None:
+    done = run("fit", shared / "dynamometer" / "PL_50_01.toml", "--starts", "1")
+    assert done.code in (0, 1)
+    assert "isokinetic dorsiflexion, tibialis anterior EMG only: VAF 9" in done.out
+    assert "fixed" in table(done.out)["g2"]
+
+
+def test_two_walking_speeds_jointly(run, shared) -> None:
+    paths = [shared / "gait" / f"{name}.toml" for name in ("walk36", "run81")]
+    done = run("fit", *paths, "--starts", "1", "--output", "f.json")
+    assert done.code in (0, 1)
+    assert "treadmill walk36, right ankle: VAF" in done.out
+    assert "treadmill run81, right ankle: VAF" in done.out
+    assert table(done.out)["g1"].split()[-2:] != []
+    assert " N " in table(done.out)["g1"]  # the weight of a normalised envelope is a force
+
+
+def test_showing_a_fit_needs_no_terminal(files, capsys) -> None:
+    show_fit(surae.load(files / "fit.json"))
+    assert "muscle model [1.0]" in capsys.readouterr().out
