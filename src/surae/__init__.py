@@ -12,6 +12,7 @@ from surae.errors import ComputationError, InputError, SuraeError
 if TYPE_CHECKING:
     from surae.api import (
         Fit,
+        compare,
         fit,
         load,
         simulate,
@@ -19,15 +20,18 @@ if TYPE_CHECKING:
         simulate_tendon,
         validate,
     )
+    from surae.assessment import Comparison
     from surae.recording import Recording, read, write_csv
     from surae.signals import ModelInputs, Preparation
     from surae.signals.prepare import prepare
 
 _HOMES = {
+    "Comparison": "surae.assessment",
     "Fit": "surae.api",
     "ModelInputs": "surae.signals",
     "Preparation": "surae.signals",
     "Recording": "surae.recording",
+    "compare": "surae.api",
     "fit": "surae.api",
     "load": "surae.api",
     "prepare": "surae.signals",
@@ -40,6 +44,7 @@ _HOMES = {
 }
 
 __all__ = [
+    "Comparison",
     "ComputationError",
     "Fit",
     "InputError",
@@ -48,6 +53,7 @@ __all__ = [
     "Recording",
     "SuraeError",
     "__version__",
+    "compare",
     "fit",
     "load",
     "prepare",

@@ -4,7 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, overload
 
+import numpy as np
+
 from surae.assessment.assess import Assessment, ParameterEstimate, assess
+from surae.assessment.compare import COMPARED, FEW_STARTS, Told, compare_models
+from surae.assessment.comparison import Comparison
 from surae.assessment.fit_json import load_fit, save_fit
 from surae.assessment.uncertainty import Covariance
 from surae.assessment.validation import Prediction, predict
@@ -213,6 +217,62 @@ def fit(
     return Fit(result, assess(result))
 
 
+def compare(
+    recordings: AnyRecording | Sequence[AnyRecording],
+    models: Sequence[str] = COMPARED,
+    *,
+    fixed: Mapping[str, float] | None = None,
+    prepared: bool = False,
+    starts: int = FEW_STARTS,
+    seed: int = 0,
+    progress: Told | None = None,
+    **options: Any,
+) -> Comparison:
+    """Rigid or elastic: whether the data need tendons that give way, and what it changes.
+
+    Every model is fitted to all data, and again without each recording in turn (of a single one:
+    each quarter in turn), which it then predicts. `Comparison.rule` says how the finding follows.
+
+    Parameters
+    ----------
+    recordings : Recording, ModelInputs, path, or a sequence of them
+        Several share all parameters.
+    models : sequence of str
+        At least one without tendons and one with.
+    fixed : mapping of str to float, optional
+        Parameters that are not estimated, by every model that has them.
+    prepared : bool
+        The signals are filtered and at the model's rate already: use them as they are.
+    starts : int
+        Number of starts of each fit to all data.
+    seed : int
+        Seed of the random starts.
+    progress : callable, optional
+        Called before every fit with (what it is, fits done, all fits).
+    **options
+        Model options, see `surae.model.ModelOptions`, e.g. ``tendon_strain="slack-length"``.
+
+    Returns
+    -------
+    Comparison
+        Ctrl-C keeps the fits that are complete; `missing` names the others.
+
+    Raises
+    ------
+    InputError
+        Something given is unknown, contradictory or unusable.
+    """
+    return compare_models(
+        [_inputs(one, prepared) for one in _several(recordings)],
+        models,
+        fixed=fixed,
+        options=ModelOptions.of(**options),
+        starts=starts,
+        seed=seed,
+        progress=progress,
+    )
+
+
 def load(path: PathLike) -> Fit:
     """Read a fit that was saved; equal to the one saved.
 
@@ -288,14 +348,15 @@ def simulate(
     spec, chosen = get_model(model), ModelOptions.of(**options)
     inputs = _inputs(recording, prepared=True)
     simulator, values = _tied(spec, parameters, inputs, chosen)
-    if not jacobian:
-        torque = simulator.torque(values)
-        check_finite_torque(torque, inputs)
-        return torque
     columns = [spec.names.index(name) for name in spec.free]
-    torque, rows = simulator.torque_jacobian(values, columns)
-    check_finite_torque(torque, inputs)
-    return torque, rows.T
+    with _quietly():
+        if not jacobian:
+            torque = simulator.torque(values)
+            check_finite_torque(torque, inputs)
+            return torque
+        torque, rows = simulator.torque_jacobian(values, columns)
+        check_finite_torque(torque, inputs)
+        return torque, rows.T
 
 
 def simulate_parts(
@@ -362,6 +423,11 @@ def validate(
     return predict(problem.spec, problem.options, fitted.values, inputs)
 
 
+def _quietly() -> np.errstate:
+    """No warnings of numbers that overflow: a torque that is not finite is refused in words."""
+    return np.errstate(over="ignore", invalid="ignore")
+
+
 def _tied(
     spec: ModelSpec, given: Mapping[str, float], inputs: ModelInputs, options: ModelOptions
 ) -> tuple[Simulator, FloatArray]:
@@ -373,8 +439,9 @@ def _parts(
     spec: ModelSpec, given: Mapping[str, float], inputs: ModelInputs, options: ModelOptions
 ) -> TorqueParts:
     simulator, values = _tied(spec, given, inputs, options)
-    parts = simulator.parts(values)
-    check_finite_torque(parts.total, inputs)
+    with _quietly():
+        parts = simulator.parts(values)
+        check_finite_torque(parts.total, inputs)
     return parts
 
 
@@ -382,7 +449,8 @@ def _tendon(
     spec: ModelSpec, given: Mapping[str, float], inputs: ModelInputs, options: ModelOptions
 ) -> TendonState:
     simulator, values = _tied(spec, given, inputs, options)
-    state = simulator.tendon(values)
+    with _quietly():
+        state = simulator.tendon(values)
     if state is None:
         others = [m.name for m in MODELS.values() if any(p.group == "tendon" for p in m.parameters)]
         raise InputError(

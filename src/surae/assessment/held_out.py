@@ -4,12 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from surae.errors import InputError
 from surae.estimation import FitProblem, FitResult
 from surae.recording import read_only
 from surae.signals import ModelInputs
-from surae.units import FloatArray, IntArray
+from surae.units import FloatArray
 
 #: Contiguous blocks that a single recording is cut into.
 BLOCKS = 4
@@ -38,7 +39,7 @@ class Fold:
     name: str
     training: tuple[ModelInputs, ...]
     held: ModelInputs
-    samples: IntArray
+    samples: npt.NDArray[np.intp]
 
 
 def folds(inputs: Sequence[ModelInputs]) -> tuple[Fold, ...]:
@@ -68,7 +69,7 @@ def _blocks(one: ModelInputs) -> tuple[Fold, ...]:
     return tuple(made)
 
 
-def _counted(one: ModelInputs) -> IntArray:
+def _counted(one: ModelInputs) -> npt.NDArray[np.intp]:
     return np.arange(one.n) if one.weight is None else np.flatnonzero(one.weight)
 
 
@@ -93,14 +94,19 @@ def without(problem: FitProblem, fold: Fold, found: FitResult) -> FitProblem:
     return left
 
 
+def measured(fold: Fold) -> FloatArray:
+    """Measured torque [Nm] of the samples that are left out."""
+    if fold.held.torque is None:
+        raise InputError(f"{fold.held.where}: no torque to compare the prediction with")
+    return fold.held.torque[fold.samples]
+
+
 def prediction_error(found: FitResult, fold: Fold) -> FloatArray:
     """Measured minus predicted torque [Nm] of the samples that the fit did not see."""
-    problem, torque = found.problem, fold.held.torque
-    if torque is None:
-        raise InputError(f"{fold.held.where}: no torque to compare the prediction with")
+    problem = found.problem
     values = np.array([found.values[name] for name in problem.spec.names])
     predicted = problem.spec.simulator(fold.held, problem.options).torque(values)
-    return np.asarray((torque - predicted)[fold.samples], dtype=np.float64)
+    return np.asarray(measured(fold) - predicted[fold.samples], dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,8 +119,8 @@ class HeldOut:
         Of the residuals of all folds pooled, equation (31) [%].
     spread : float
         Standard deviation of the folds' own VAFs [%].
-    folds : tuple of float or None
-        VAF of every fold [%]; None where its torque is zero throughout.
+    folds : tuple of float
+        VAF of every fold [%].
     gain : float
         How much `vaf` exceeds that of the rigid model [%]; 0 for the rigid model itself.
     gain_se : float
@@ -123,7 +129,7 @@ class HeldOut:
 
     vaf: float
     spread: float
-    folds: tuple[float | None, ...]
+    folds: tuple[float, ...]
     gain: float
     gain_se: float
 
@@ -147,18 +153,18 @@ def held_out(
     Returns
     -------
     HeldOut or None
-        None where a prediction is not finite, or there is no torque at all.
+        None where a prediction is not finite, or a fold has no torque.
     """
     mine, rigid, scale = np.array(missed), np.array(of_rigid), np.array(total)
     whole = scale.sum()
-    if not (np.isfinite(mine).all() and np.isfinite(rigid).all() and whole > 0):
+    if not (np.isfinite(mine).all() and np.isfinite(rigid).all() and (scale > 0).all()):
         return None
-    vafs = [100 * (1 - m / t) if t > 0 else None for m, t in zip(missed, total, strict=True)]
+    vafs = 100 * (1 - mine / scale)
     terms = 100 * (rigid - mine) / whole
     return HeldOut(
         vaf=float(100 * (1 - mine.sum() / whole)),
-        spread=float(np.std([v for v in vafs if v is not None], ddof=1)),
-        folds=tuple(vafs),
+        spread=float(vafs.std(ddof=1)),
+        folds=tuple(vafs.tolist()),
         gain=float(terms.sum()),
         gain_se=float(np.sqrt(len(terms)) * terms.std(ddof=1)),
     )

@@ -46,9 +46,14 @@ def autocorrelation(residual: FloatArray, lags: int) -> FloatArray:
     Returns
     -------
     ndarray, shape (lags + 1,)
-        Biased estimate, 1 at lag 0; all zero but the first when the residual never changes.
+        Biased estimate, 1 at lag 0; all zero but the first when the residual never changes, NaN
+        when it is not finite.
     """
-    e = residual - residual.mean()
+    largest = float(np.abs(residual).max())
+    if not np.isfinite(largest):
+        return np.full(lags + 1, np.nan)
+    e = residual / (largest or 1.0)  # so that no square overflows
+    e -= e.mean()
     size = 1 << (2 * len(e) - 1).bit_length()
     spectrum = np.fft.rfft(e, size)
     full = np.fft.irfft(np.abs(spectrum) ** 2, size)[: lags + 1]

@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from surae.assessment.quality import rmse, vaf
 from surae.errors import InputError
 from surae.model import ModelOptions, ModelSpec, check_finite_torque
@@ -56,7 +58,8 @@ def predict(
     for one in inputs:
         if one.torque is None or not one.torque.any():
             raise InputError(f"{one.where}: no torque to compare the prediction with")
-        torque = spec.simulator(one, options).torque(vector)
+        with np.errstate(over="ignore", invalid="ignore"):  # refused below
+            torque = spec.simulator(one, options).torque(vector)
         check_finite_torque(torque, one)
         residual = one.torque - torque
         predictions.append(

@@ -23,6 +23,7 @@ from surae.errors import InputError, SuraeError
 COMMANDS = {
     "demo": ("surae.cli.demo", "Fit an embedded virtual subject and write its report."),
     "fit": ("surae.cli.fit", "Estimate a model's parameters from recordings."),
+    "compare": ("surae.cli.compare", "Tell whether recordings ask for compliant tendons."),
     "simulate": ("surae.cli.simulate", "Compute the torque that a model gives for a recording."),
     "validate": ("surae.cli.validate", "Predict other recordings with the parameters of a fit."),
 }

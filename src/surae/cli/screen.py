@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from surae.api import Fit
-from surae.assessment import Prediction, Verdict
+from surae.assessment import Comparison, Prediction, Verdict
 from surae.files import shown
 from surae.report.digits import estimate, percentage, significant
 
@@ -71,6 +71,56 @@ def show_predictions(predictions: Sequence[Prediction], paths: Sequence[str]) ->
         numbers = (percentage(one.vaf), significant(one.rmse, 3), significant(one.bias, 3))
         table.add_row(Text(shown(path)), *numbers)
     _print(_console(), table)
+
+
+def show_comparison(comparison: Comparison) -> None:
+    """Figures of every model, what follows, what weakens it, and the parameters it changes."""
+    out, table = _console(), _table()
+    table.add_column("model", no_wrap=True)
+    for heading in ("free", "VAF [%]", "RMSE [Nm]", "ΔAICc", "nominal", "held-out VAF [%]"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for score in comparison.models:
+        held = score.held_out
+        predicted = "–" if held is None else f"{percentage(held.vaf)} ± {held.spread:.2f}"
+        table.add_row(
+            score.model,
+            str(score.n_free),
+            "–" if score.vaf is None else percentage(score.vaf),
+            "–" if score.rmse is None else significant(score.rmse, 3),
+            *("–" if d is None else f"{d:.1f}" for d in (score.delta, score.delta_plain)),
+            predicted,
+        )
+    _print(out, table)
+    lines = [comparison.conclusion, *comparison.cautions]
+    if comparison.n_effective is not None:
+        lines.append(
+            f"ΔAICc counts the {comparison.n} samples as {comparison.n_effective:.0f} independent "
+            f"ones, as the residual is correlated over time; nominal: as {comparison.n}."
+        )
+    lines.append(f"Held out: {comparison.scheme}")
+    for line in lines:
+        _write("\n".join(textwrap.wrap(line, out.width, subsequent_indent="    ")) + "\n")
+    _show_changes(comparison, out)
+
+
+def _show_changes(comparison: Comparison, out: Console) -> None:
+    """The parameters that the best muscle-tendon model changes by more than their intervals."""
+    if comparison.compliant is None:
+        return
+    model = comparison.compliant.model
+    table = _table()
+    for heading in ("parameter", "rigid", "compliant", "unit", "change", "±"):
+        aligned = "left" if heading in ("parameter", "unit") else "right"
+        table.add_column(heading, justify=aligned, no_wrap=True)  # type: ignore[arg-type]
+    for c in comparison.changes:
+        if c.model == model:
+            percent = "–" if c.percent is None else f"{c.percent:+.1f} %".replace("-", "−")
+            half = f"{abs(100 * c.half_width / c.rigid):.1f} %" if c.rigid else "–"
+            values = (significant(c.rigid, 4), significant(c.compliant, 4))
+            table.add_row(c.parameter, *values, c.unit, percent, half)
+    if table.row_count:
+        show_line(f"\nParameters that {model} changes by more than their 95 % intervals:")
+        _print(out, table)
 
 
 def show_line(text: str) -> None:

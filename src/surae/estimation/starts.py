@@ -18,6 +18,8 @@ from surae.units import FloatArray
 _STALL, _STALL_THINNED = 0.1, 1.0
 #: Thinned data keep at least this rate [Hz], enough for a robot's motion, and so many samples.
 _THIN_RATE, _THIN_SAMPLES = 60.0, 500
+#: Relaxation times [s] that are tried, with this factor, unless the one found is within `_APART`.
+_RELAXATIONS, _RELAXATION_FACTOR, _APART = (0.3, 5.0), 0.4, 4.0
 
 
 class FromStart(Protocol):
@@ -75,13 +77,37 @@ def _first_look(problem: FitProblem) -> FromStart | None:
         before = from_parent(initial[shared], scan=scan)
         x = initial.copy()
         x[shared] = before.x
-        limit = 1 if before.outcome is Outcome.INTERRUPTED else 200
-        found = minimise(
-            rows, x, thin.lower, thin.upper, move=move, stall=stall, max_iterations=limit
-        )
-        return replace(found, outcome=before.outcome) if limit == 1 else found
+        if before.outcome is Outcome.INTERRUPTED:
+            here = minimise(rows, x, thin.lower, thin.upper, max_iterations=1)
+            return replace(here, outcome=Outcome.INTERRUPTED)
+        best = minimise(rows, x, thin.lower, thin.upper, move=move, stall=stall)
+        for other in _other_relaxations(thin, best.x):
+            if best.outcome is Outcome.INTERRUPTED:
+                break
+            tried = minimise(rows, other, thin.lower, thin.upper, move=move, stall=stall)
+            if tried.sse < best.sse or tried.outcome is Outcome.INTERRUPTED:
+                best = replace(min(tried, best, key=lambda m: m.sse), outcome=tried.outcome)
+        return best
 
     return minimum
+
+
+def _other_relaxations(problem: FitProblem, x: FloatArray) -> list[FloatArray]:
+    """The point `x` with its relaxation moved to where another valley may be.
+
+    A fast relaxation looks like the damping of a compliant tendon, and a slow one like stiffness:
+    the sum of squares has a valley at each, and which of them a start falls into says little.
+    """
+    if "tau_rel" not in problem.free or "k_rel" not in problem.free:
+        return []
+    tau, gain = problem.free.index("tau_rel"), problem.free.index("k_rel")
+    points = []
+    for value in _RELAXATIONS:
+        if not 1 / _APART < value / x[tau] < _APART:
+            point = x.copy()
+            point[tau], point[gain] = value, _RELAXATION_FACTOR
+            points.append(np.clip(point, problem.lower, problem.upper))
+    return points
 
 
 def _parent(problem: FitProblem) -> FitProblem | None:

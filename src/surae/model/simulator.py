@@ -100,7 +100,7 @@ def check_finite_torque(torque: FloatArray, inputs: ModelInputs) -> None:
     if wrong.size:
         first = int(wrong[0])
         raise ComputationError(
-            f"{inputs.where}: the model overflows with these parameters, its torque is not finite "
-            f"from {sample(first)} ({inputs.time[first]:.6g} s) on; check their units and that of "
+            f"{inputs.where}: the model overflows with these parameters, its torque is not finite, "
+            f"first at {sample(first)} ({inputs.time[first]:.6g} s); check their units and that of "
             "the EMG"
         )

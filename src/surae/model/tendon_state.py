@@ -52,8 +52,8 @@ class TendonState:
     Attributes
     ----------
     muscle_length, muscle_velocity : ndarray
-        Length x [m] and lengthening velocity x' [m/s] of the muscle. The start is an equilibrium
-        without active force, from rest: the first velocity is zero.
+        Length x [m] and lengthening velocity x' [m/s] of the muscle. The implicit integrator
+        starts at rest, in equilibrium without active force: its first velocity is zero.
     tendon_length, elongation, tendon_velocity : ndarray
         Length lt and elongation lt − lt0 of the tendon [m], negative where it is slack, and
         lengthening velocity lmt' − x' [m/s].

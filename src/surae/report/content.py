@@ -65,6 +65,8 @@ class Content:
         The parameters by verdict.
     caution : str
         What to know before reading the parameter table; empty where there is nothing.
+    priors : bool
+        Whether any parameter has one.
     recordings, groups, correlation, starts, settings, sources, versions
         The sections.
     agreeing : int
@@ -81,6 +83,7 @@ class Content:
     key: tuple[KeyFigure, ...]
     glance: tuple[Glance, ...]
     caution: str
+    priors: bool
     recordings: tuple[RecordingSection, ...]
     groups: tuple[ParameterGroup, ...]
     correlation: CorrelationSection
@@ -113,10 +116,10 @@ def make_content(
     created : datetime
         When the report is made.
     """
-    torque = np.concatenate([one.measured for one in traces])
+    torque = np.concatenate([one.measured[one.counted] for one in traces])
     rms = float(np.sqrt(np.mean(torque**2)))
     factor = widening(whiteness)
-    groups = parameter_groups(assessment)
+    groups = parameter_groups(assessment, result.problem.priors)
     return Content(
         title=result.problem.spec.title,
         names=tuple(one.name for one in assessment.recordings),
@@ -128,6 +131,7 @@ def make_content(
         key=_key(result, assessment, rms, factor),
         glance=_glance(groups),
         caution=caution(result, whiteness),
+        priors=bool(result.problem.priors),
         recordings=tuple(
             recording_section(*each)
             for each in zip(assessment.recordings, traces, whiteness, strict=True)

@@ -94,5 +94,7 @@ def _power(shift: int) -> str:
 
 def signed(value: float, decimals: int) -> str:
     """A number with so many decimals, zero without a sign."""
+    if not math.isfinite(value):
+        return NONE
     text = f"{value:.{decimals}f}"
     return text.lstrip("-") if float(text) == 0 else text.replace("-", "−")

@@ -11,7 +11,14 @@ from surae.assessment import Assessment
 from surae.estimation import FitResult
 from surae.report.content import make_content
 from surae.report.correlations import CorrelationSection
-from surae.report.figures import correlation_figure, png, residual_figure, svg, torque_figure
+from surae.report.figures import (
+    correlation_figure,
+    png,
+    residual_figure,
+    svg,
+    tendon_figure,
+    torque_figure,
+)
 from surae.report.traces import traces_of
 from surae.report.whiteness import whiteness
 
@@ -22,7 +29,7 @@ def render(
     """The page; see `surae.report.build`."""
     traces = traces_of(result)
     white = tuple(
-        whiteness(one.residual, inputs.rate_hz)
+        whiteness(one.residual[one.counted], inputs.rate_hz)
         for one, inputs in zip(traces, result.problem.inputs, strict=True)
     )
     content = make_content(result, assessment, traces, white, versions=versions, created=created)
@@ -38,8 +45,12 @@ def render(
         content=content,
         torque=[_image(png(torque_figure(one)), "png") for one in traces],
         residual=[
-            _image(png(residual_figure(one.time, one.residual, w)), "png")
+            _image(png(residual_figure(one.time, one.residual, w, one.left_out)), "png")
             for one, w in zip(traces, white, strict=True)
+        ],
+        tendon=[
+            None if one.tendon is None else _image(png(tendon_figure(one, one.tendon), 150), "png")
+            for one in traces
         ],
         correlation=_heat_map(content.correlation),
     )

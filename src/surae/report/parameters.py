@@ -1,10 +1,13 @@
 """The parameter table: every number as text, and where in its bounds an estimate lies."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from surae.assessment import Assessment, ParameterEstimate, Verdict
+from surae.estimation import Prior
 from surae.report.digits import NONE, estimate, short
+from surae.report.priors import prior_note, prior_span
 
 #: Titles of the groups of parameters.
 _GROUPS = {
@@ -33,6 +36,8 @@ class Bar:
         Ends of the interval, cut off at the bounds; None without an interval.
     beyond_low, beyond_high : bool
         Whether the interval was cut off at that end.
+    prior : tuple of float, or None
+        Lower end, median and upper end of the prior, cut off at the bounds.
     alt : str
         The bar in words.
     """
@@ -42,6 +47,7 @@ class Bar:
     high: float | None
     beyond_low: bool
     beyond_high: bool
+    prior: tuple[float, float, float] | None
     alt: str
 
 
@@ -53,6 +59,8 @@ class ParameterRow:
     ----------
     name, meaning, unit, value, interval, sem, bounds, verdict, verdict_text, note : str
         The cells; a dash where there is no number.
+    prior : str
+        The prior in words; empty without one.
     determined : bool
         False when the torque leaves the value open, which then says nothing.
     bar : Bar or None
@@ -69,6 +77,7 @@ class ParameterRow:
     verdict: str
     verdict_text: str
     note: str
+    prior: str
     determined: bool
     bar: Bar | None
 
@@ -81,15 +90,17 @@ class ParameterGroup:
     rows: tuple[ParameterRow, ...]
 
 
-def parameter_groups(assessment: Assessment) -> tuple[ParameterGroup, ...]:
+def parameter_groups(
+    assessment: Assessment, priors: Mapping[str, Prior]
+) -> tuple[ParameterGroup, ...]:
     """All parameters of a fit, by the part of the torque they act on."""
     rows: dict[str, list[ParameterRow]] = {}
     for p in assessment.parameters.values():
-        rows.setdefault(p.group, []).append(_row(p))
+        rows.setdefault(p.group, []).append(_row(p, priors.get(p.name)))
     return tuple(ParameterGroup(_GROUPS.get(g, g), tuple(some)) for g, some in rows.items())
 
 
-def _row(p: ParameterEstimate) -> ParameterRow:
+def _row(p: ParameterEstimate, prior: Prior | None) -> ParameterRow:
     written = estimate(p.value, p.sem, p.ci95) if p.free else None
     return ParameterRow(
         name=p.name,
@@ -102,19 +113,25 @@ def _row(p: ParameterEstimate) -> ParameterRow:
         verdict=str(p.verdict),
         verdict_text=_VERDICTS[p.verdict],
         note=p.note,
+        prior=prior_note(prior, p.value, p.sem) if prior else "",
         determined=p.verdict is not Verdict.WEAK or p.ci95 is not None,
-        bar=_bar(p) if p.free and math.isfinite(p.value) else None,
+        bar=_bar(p, prior) if p.free and math.isfinite(p.value) else None,
     )
 
 
-def _bar(p: ParameterEstimate) -> Bar:
+def _bar(p: ParameterEstimate, prior: Prior | None) -> Bar:
     def place(value: float) -> float:
         return min(max((value - p.lower) / (p.upper - p.lower), 0.0), 1.0)
 
     value = place(p.value)
     alt = f"at {100 * value:.0f} % of the way from the lower to the upper bound"
+    known = None
+    if prior is not None:
+        low, median, high = map(place, prior_span(prior))
+        known = low, median, high
+        alt += f", prior from {100 * low:.0f} to {100 * high:.0f} %"
     if p.ci95 is None:
-        return Bar(value, None, None, False, False, f"{alt}, no interval")
+        return Bar(value, None, None, False, False, known, f"{alt}, no interval")
     low, high = p.ci95
     return Bar(
         value,
@@ -122,5 +139,6 @@ def _bar(p: ParameterEstimate) -> Bar:
         place(high),
         low < p.lower,
         high > p.upper,
+        known,
         f"{alt}, interval from {100 * place(low):.0f} to {100 * place(high):.0f} %",
     )

@@ -6,6 +6,8 @@ from surae.assessment import Assessment
 from surae.estimation import FitResult
 from surae.model import adapted
 from surae.report.digits import short, significant
+from surae.report.left_out import left_out_text
+from surae.report.priors import prior_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,11 +20,12 @@ class Setting:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A recording, the files it was read from (path, SHA-256), and what was done to its signals."""
+    """A recording, its files (path, SHA-256), which samples count, and what was done to it."""
 
     recording: str
     files: tuple[tuple[str, str], ...]
     samples: str
+    left_out: str
     steps: tuple[str, ...]
 
 
@@ -38,6 +41,7 @@ def settings(result: FitResult, assessment: Assessment) -> tuple[Setting, ...]:
         Setting("Model options", options),
         Setting("Fixed parameters", _fixed(result, assessment)),
         Setting("Bounds", _bounds(result)),
+        Setting("Priors", _priors(result, assessment)),
         Setting("Samples and estimated parameters", f"{problem.n} and {len(problem.free)}"),
         Setting("Starts", _starts(result)),
         Setting("Wall time of the fit", f"{significant(result.seconds, 2)} s"),
@@ -51,6 +55,7 @@ def sources(result: FitResult) -> tuple[Source, ...]:
             recording=one.name,
             files=tuple((file.path, file.sha256) for file in one.files),
             samples=f"{one.n} at {short(one.rate_hz)} Hz",
+            left_out=left_out_text(one.time, one.weight),
             steps=one.steps,
         )
         for one in result.problem.inputs
@@ -75,6 +80,15 @@ def _fixed(result: FitResult, assessment: Assessment) -> str:
             why = "" if p.name in problem.spec.free else " (not freed in this model)"
         unit = "" if p.unit == "-" else f" {p.unit}"
         texts.append(f"{p.name} = {short(p.value)}{unit}{why}")
+    return ", ".join(texts) or "none"
+
+
+def _priors(result: FitResult, assessment: Assessment) -> str:
+    texts = [
+        f"{name} = {prior_text(prior, unit if unit != '-' else '')}"
+        for name, prior in result.problem.priors.items()
+        for unit in [assessment.parameters[name].unit]
+    ]
     return ", ".join(texts) or "none"
 
 

@@ -5,21 +5,27 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.assessment import RecordingQuality
+from surae.recording.samples import sample
 from surae.report.digits import percentage, short, signed, significant
+from surae.report.left_out import left_out_text
 from surae.report.provenance import Setting
+from surae.report.tendons import GROUPS, TendonRow, tendon_rows
 from surae.report.traces import Traces
 from surae.report.whiteness import Whiteness
 
 
 @dataclass(frozen=True, slots=True)
 class RecordingSection:
-    """One recording: its facts, and what its figures show in words."""
+    """One recording: its facts, what is wrong with it, and what its figures show in words."""
 
     name: str
     facts: tuple[Setting, ...]
+    warnings: tuple[str, ...]
     torque_alt: str
     residual_alt: str
     residual_text: str
+    tendon_alt: str
+    tendon: tuple[TendonRow, ...]
 
 
 def recording_section(
@@ -31,7 +37,7 @@ def recording_section(
     degrees = f"{signed(np.degrees(low), 0)} … {signed(np.degrees(high), 0)}°"
     least, most = float(traces.measured.min()), float(traces.measured.max())
     duration = quality.n / quality.rate_hz
-    facts = (
+    facts: tuple[Setting, ...] = (
         Setting("VAF", f"{percentage(quality.vaf)} %"),
         Setting("RMSE", f"{significant(quality.rmse, 3)} Nm"),
         Setting("Mean residual", f"{significant(quality.bias, 2)} Nm"),
@@ -40,6 +46,9 @@ def recording_section(
         Setting("Duration", f"{short(round(duration, 2))} s"),
         Setting("Samples", f"{quality.n} at {short(quality.rate_hz)} Hz"),
     )
+    if left_out := left_out_text(traces.time, traces.weight):
+        facts += (Setting("Left out of the fit", left_out),)
+    tendon = tendon_rows(traces)
     shares = ", ".join(
         f"{name} {signed(float(part.min()), 1)} to {signed(float(part.max()), 1)} Nm"
         for name, part in (
@@ -64,6 +73,7 @@ def recording_section(
     return RecordingSection(
         name=quality.name,
         facts=facts,
+        warnings=_warnings(traces),
         torque_alt=(
             f"Four panels against {short(round(duration, 2))} s of time: EMG of four muscles; "
             f"ankle angle from {span.replace('…', 'to')}; measured and modelled torque, VAF "
@@ -75,4 +85,33 @@ def recording_section(
             f"white-noise band after {significant(white.fall_s, 2)} s; its histogram."
         ),
         residual_text=text,
+        tendon_alt=(
+            "Muscle length and velocity in optimal lengths, tendon elongation and tendon force "
+            "against time, and force against elongation of the fitted tendon, for both groups. "
+            f"{' '.join(row.text for row in tendon)}"
+        ),
+        tendon=tendon,
     )
+
+
+def _warnings(traces: Traces) -> tuple[str, ...]:
+    """Where the model has no finite number."""
+    texts = []
+    if traces.tendon is not None:
+        for name, first in zip(GROUPS, traces.tendon.unsolved, strict=True):
+            if first is not None:
+                texts.append(
+                    f"{name}: the balance of forces could not be solved at {_at(traces, first)}; "
+                    "from there on there is no length, force or torque."
+                )
+    wrong = np.flatnonzero(~np.isfinite(traces.modelled))
+    if wrong.size and not texts:
+        texts.append(
+            "With these parameters the model overflows: its torque is not finite, first at "
+            f"{_at(traces, int(wrong[0]))}."
+        )
+    return tuple(texts)
+
+
+def _at(traces: Traces, index: int) -> str:
+    return f"{sample(index)} ({short(round(float(traces.time[index]), 3))} s)"

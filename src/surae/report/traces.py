@@ -4,10 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from surae.estimation import FitResult
+from surae.model import TendonState
 from surae.model.simulator import TorqueParts
 from surae.recording import read_only
+from surae.report.left_out import left_out_spans
 from surae.units import FloatArray
 
 
@@ -31,6 +34,12 @@ class Traces:
         Torque [Nm].
     parts : TorqueParts
         Parts of the modelled torque [Nm].
+    tendon : TendonState or None
+        What muscles and tendons do; None where tendons are rigid.
+    optimal : tuple of float
+        Optimal lengths of triceps surae and tibialis anterior [m].
+    weight : ndarray or None
+        What each sample counts in the fit.
     """
 
     time: FloatArray
@@ -41,6 +50,19 @@ class Traces:
     measured: FloatArray
     modelled: FloatArray
     parts: TorqueParts
+    tendon: TendonState | None
+    optimal: tuple[float, float]
+    weight: FloatArray | None
+
+    @property
+    def counted(self) -> npt.NDArray[np.bool_]:
+        """Which samples count in the fit."""
+        return np.ones(len(self.time), dtype=bool) if self.weight is None else self.weight > 0
+
+    @property
+    def left_out(self) -> tuple[tuple[int, int], ...]:
+        """First and last sample of every stretch that the fit left out."""
+        return left_out_spans(self.weight)
 
     @property
     def residual(self) -> FloatArray:
@@ -52,6 +74,7 @@ def traces_of(result: FitResult) -> tuple[Traces, ...]:
     """The traces of every recording of a fit."""
     problem = result.problem
     vector = np.array([result.values[name] for name in problem.spec.names])
+    tied = [(one, problem.spec.simulator(one, problem.options)) for one in problem.inputs]
     return tuple(
         Traces(
             time=one.time,
@@ -61,8 +84,11 @@ def traces_of(result: FitResult) -> tuple[Traces, ...]:
             angle=one.angle,
             measured=one.torque,
             modelled=read_only(one.torque - residual),
-            parts=problem.spec.simulator(one, problem.options).parts(vector),
+            parts=simulator.parts(vector),
+            tendon=simulator.tendon(vector),
+            optimal=(result.values["l0_tri"], result.values["l0_tib"]),
+            weight=one.weight,
         )
-        for one, residual in zip(problem.inputs, result.residuals, strict=True)
+        for (one, simulator), residual in zip(tied, result.residuals, strict=True)
         if one.torque is not None
     )

@@ -3,6 +3,7 @@
 from surae.report.figures.correlation import correlation_figure
 from surae.report.figures.residual import residual_figure
 from surae.report.figures.style import png, svg
+from surae.report.figures.tendon import tendon_figure
 from surae.report.figures.torque import torque_figure
 
-__all__ = ["correlation_figure", "png", "residual_figure", "svg", "torque_figure"]
+__all__ = ["correlation_figure", "png", "residual_figure", "svg", "tendon_figure", "torque_figure"]

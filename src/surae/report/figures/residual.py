@@ -1,14 +1,32 @@
 """What the model leaves over: in time, its autocorrelation and its distribution."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.figure import Figure
 
-from surae.report.figures.style import BLUE, GREY, INK, MUTED, RED, dress, legend, new_figure, trace
+from surae.report.figures.style import (
+    BLUE,
+    GREY,
+    INK,
+    MUTED,
+    RED,
+    dress,
+    legend,
+    new_figure,
+    shade_left_out,
+    trace,
+)
 from surae.report.whiteness import Whiteness
 from surae.units import FloatArray
 
 
-def residual_figure(time: FloatArray, residual: FloatArray, whiteness: Whiteness) -> Figure:
+def residual_figure(
+    time: FloatArray,
+    residual: FloatArray,
+    whiteness: Whiteness,
+    left_out: Sequence[tuple[int, int]] = (),
+) -> Figure:
     """Residual against time, its autocorrelation with the white-noise band, and its histogram.
 
     Parameters
@@ -17,6 +35,8 @@ def residual_figure(time: FloatArray, residual: FloatArray, whiteness: Whiteness
         Time [s] and measured minus modelled torque [Nm].
     whiteness : Whiteness
         Its autocorrelation.
+    left_out : sequence of (int, int)
+        First and last sample of every stretch that the fit left out; the histogram is without them.
     """
     figure = new_figure(4.6)
     grid = figure.add_gridspec(2, 2, width_ratios=[1.4, 1.0], wspace=0.08)
@@ -26,6 +46,9 @@ def residual_figure(time: FloatArray, residual: FloatArray, whiteness: Whiteness
     axes.axhline(0.0, color=MUTED, linewidth=0.7)
     trace(axes, time, residual, color=INK, linewidth=0.7)
     axes.set_xlim(float(time[0]), float(time[-1]))
+    if left_out:
+        shade_left_out(axes, time, left_out)
+        legend(axes, 1)
 
     axes = figure.add_subplot(grid[1, 0])
     dress(axes, "Autocorrelation [-]", "Lag [s]")
@@ -45,8 +68,13 @@ def residual_figure(time: FloatArray, residual: FloatArray, whiteness: Whiteness
 
     axes = figure.add_subplot(grid[1, 1])
     dress(axes, "Density [1/Nm]", "Residual [Nm]")
-    spread = float(residual.std())
-    if spread > 0:
+    counted = np.ones(len(residual), dtype=bool)
+    for first, last in left_out:
+        counted[first : last + 1] = False
+    residual = residual[counted]
+    with np.errstate(over="ignore", invalid="ignore"):
+        spread = float(residual.std())
+    if 0 < spread < np.inf:
         density, edges = np.histogram(residual, bins=50, density=True)
         axes.stairs(density, edges, fill=True, color=GREY)
         x = np.linspace(edges[0], edges[-1], 200)

@@ -2,7 +2,7 @@
 
 import io
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -68,6 +68,17 @@ def trace(
     """Draw a signal against time; a long one is thinned so that its peaks stay."""
     plot: Callable[..., object] = axes.plot
     plot(*min_max(time, values), label=label or "_", solid_joinstyle="round", **line)
+
+
+def shade_left_out(axes: Axes, time: FloatArray, spans: Sequence[tuple[int, int]]) -> None:
+    """Hatch the stretches, each from a first to a last sample, that a fit left out."""
+    half = 0.5 * float(time[1] - time[0])
+    for number, (first, last) in enumerate(spans):
+        axes.axvspan(
+            float(time[first]) - half, float(time[last]) + half, facecolor="none",
+            edgecolor=GREY, hatch="////", linewidth=0, zorder=0.5,
+            label="_" if number else "left out",
+        )  # fmt: skip
 
 
 def png(figure: Figure, dpi: int = DPI) -> bytes:

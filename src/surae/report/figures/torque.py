@@ -16,6 +16,7 @@ from surae.report.figures.style import (
     heading,
     legend,
     new_figure,
+    shade_left_out,
     trace,
 )
 from surae.report.traces import Traces
@@ -89,7 +90,8 @@ def _torque(axes: Axes, traces: Traces) -> None:
     # A wide pale line below a thin dark one: where they part is visible without any hue.
     trace(axes, traces.time, traces.measured, label="measured", color=GREY, linewidth=3.0)
     trace(axes, traces.time, traces.modelled, label="modelled", color=BLUE, linewidth=1.0)
-    legend(axes, 2)
+    shade_left_out(axes, traces.time, traces.left_out)
+    legend(axes, 3)
 
 
 def _parts(axes: Axes, traces: Traces) -> None:
