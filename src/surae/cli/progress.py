@@ -3,14 +3,14 @@
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
-_COMPILING = "Compiling the model, once for this installation: about half a minute …"
+_COMPILING = "Compiling the model, once for this installation: some ten seconds …"
 
 
 class Work:
@@ -62,22 +62,7 @@ def work() -> Iterator[Work]:
 @contextmanager
 def compilation_notice() -> Iterator[None]:
     """Say why the first run is slow, when and only when the model really is compiled."""
-    from numba.core import event
+    from surae.model.jit import on_compilation
 
-    class Notice(event.Listener):
-        """Writes its line at the first of the compilations."""
-
-        def __init__(self) -> None:
-            self.written = False
-
-        def on_start(self, event: Any) -> None:
-            del event
-            if not self.written:
-                click.echo(_COMPILING, err=True)
-            self.written = True
-
-        def on_end(self, event: Any) -> None:
-            del event
-
-    with event.install_listener("numba:compile", Notice()):
+    with on_compilation(lambda: click.echo(_COMPILING, err=True)):
         yield

@@ -10,7 +10,8 @@ import os
 import platform
 import stat
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -65,9 +66,28 @@ def _private_folder() -> Path:
     return folder
 
 
-def is_warm() -> bool:
-    """Whether compiled kernels are there, so that nothing has to be compiled first."""
-    return any(cache_folder().rglob("*.nbi"))
+@contextmanager
+def on_compilation(notice: Callable[[], None]) -> Iterator[None]:
+    """Call `notice` once, when and only when a kernel has to be compiled."""
+    from numba.core import event
+
+    class Listener(event.Listener):
+        """Passes on the first compilation."""
+
+        def __init__(self) -> None:
+            self.told = False
+
+        def on_start(self, event: Any) -> None:
+            del event
+            if not self.told:
+                self.told = True
+                notice()
+
+        def on_end(self, event: Any) -> None:
+            del event
+
+    with event.install_listener("numba:compile", Listener()):
+        yield
 
 
 def jit(function: F) -> F:
