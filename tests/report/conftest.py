@@ -74,6 +74,11 @@ def make_trial() -> Callable[..., ModelInputs]:
 
 
 @pytest.fixture(scope="session")
+def make_fitted() -> Callable[[FitResult], Case]:
+    return make_case
+
+
+@pytest.fixture(scope="session")
 def plain() -> Case:
     """One recording, all parameters free, white noise."""
     return make_case(fit_problem(make_problem([trial()]), starts=3))

@@ -5,6 +5,8 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from surae.assessment.assess import assess
 from surae.assessment.changes import changes
 from surae.assessment.comparison import Comparison, Finding, ModelScore
@@ -189,7 +191,7 @@ def _fit_all(
 
 
 def _fit(work: _Work, part: Fold | None, starts: int, seed: int) -> None:
-    """One fit; raises KeyboardInterrupt where it was stopped, instead of keeping the best so far."""
+    """One fit; raises KeyboardInterrupt where it was stopped before its minimum."""
     if part is None or work.found is None:
         found = fit_problem(work.problem, starts=starts, seed=seed)
         _refuse_interrupted(found, starts)
@@ -206,7 +208,8 @@ def _refuse_interrupted(found: FitResult, starts: int) -> None:
 
 
 def _sum_of_squares(values: FloatArray) -> float:
-    total = float(values @ values)
+    with np.errstate(over="ignore", invalid="ignore"):
+        total = float(values @ values)
     return total if math.isfinite(total) else math.inf
 
 

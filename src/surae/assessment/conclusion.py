@@ -31,15 +31,18 @@ def conclude(scores: Sequence[ModelScore]) -> tuple[Finding | None, str]:
     Returns
     -------
     tuple of (Finding or None, str)
-        None where the rigid model, or every compliant one, has no figures.
+        None where the fit of the rigid model, or of every compliant one, failed.
     """
     rigid, best = best_of(scores, rigid=True), best_of(scores, rigid=False)
     if rigid is None or best is None or rigid.aicc is None or best.aicc is None:
-        bare = "the rigid" if rigid is None else "every muscle-tendon"
-        return None, (
-            f"No conclusion: the fit of {bare} model failed, or the data hold too few independent "
-            "samples for its parameters."
-        )
+        fitted = {s.rigid for s in scores if s.status != "failed"}
+        if fitted == {True, False}:
+            return Finding.OPEN, (
+                "The data cannot tell: they hold too few independent samples for the parameters of "
+                "the models; give longer or more recordings."
+            )
+        bare = "every muscle-tendon" if True in fitted else "the rigid"
+        return None, f"No conclusion: the fit of {bare} model failed."
     compliant = [s.aicc for s in scores if not s.rigid and s.aicc is not None]
     lower = rigid.aicc - best.aicc
     seen = max(compliant) - rigid.aicc > DECISIVE

@@ -30,11 +30,15 @@ def command(output: str) -> int:
     from surae.cli.fit import finish
     from surae.cli.progress import compilation_notice, work
     from surae.cli.screen import show_line
-    from surae.protocol import Protocol, generate
+    from surae.protocol import Protocol, generate, named_device
     from surae.studies import virtual_subject, virtual_trial
 
     subject = virtual_subject(seed=1)
-    protocol = Protocol(profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5)
+    # The protocol that the thesis chose, on the device it was chosen for.
+    achilles = named_device("achilles")
+    protocol = Protocol(
+        profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5, device=achilles
+    )
     with work() as progress, compilation_notice():
         progress.describe("simulating a trial")
         trial = virtual_trial(subject, generate(protocol))
