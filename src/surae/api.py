@@ -412,7 +412,8 @@ def validate(
                 f"{one.where}: its EMG is in {one.emg_unit!r}, that of the fit in "
                 f"{problem.inputs[0].emg_unit!r}; the weights do not carry over"
             )
-    estimated = [m for i, m in enumerate(MUSCLES, start=1) if f"g{i}" in problem.free]
+    weights = zip(MUSCLES, problem.spec.weights, strict=True)
+    estimated = [muscle for muscle, weight in weights if weight in problem.free]
     for one in inputs:
         for muscle in one.missing_emg:
             if muscle in estimated:

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from surae import api, estimation
-from surae.cli.options import assignments, number, ranges, whole_number
+from surae.cli.options import assignments, number, pairs, whole_number
 from surae.errors import InputError
 from surae.model.registry import MODELS
 
@@ -65,7 +65,7 @@ def test_a_wrong_option(run, files, options, says) -> None:
 
 def test_texts_of_values() -> None:
     assert assignments("--fixed", [" m = 2 ", "beta=1e0"]) == {"m": 2.0, "beta": 1.0}
-    assert ranges("--bound", ["m = 1 : 4"]) == {"m": (1.0, 4.0)}
+    assert pairs("--bound", ["m = 1 : 4"], form="lower:upper", example="m=1:4") == {"m": (1.0, 4.0)}
     assert number("x", "-1.5e-3") == -0.0015
     assert whole_number("--seed", None, least=0) is None
     assert whole_number("--seed", "0", least=0) == 0

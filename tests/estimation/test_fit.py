@@ -359,3 +359,11 @@ def test_samples_of_no_weight_do_not_matter(noisy):
     robust = fit_problem(make_problem([replace(noisy, torque=spoilt, weight=weight)]), starts=1)
     assert robust.values == pytest.approx(plain.values, rel=1e-9)
     assert robust.sse == pytest.approx(plain.sse, rel=1e-9)
+
+
+def test_interrupted_before_the_priors(noisy, monkeypatch):
+    interrupting(monkeypatch, 4)
+    result = fit_problem(make_problem([noisy], priors={"tau_rel": (3.0, 0.2)}), starts=3)
+    assert result.status == "failed"
+    assert result.message.endswith("before the priors")
+    assert dict(result.problem.priors)

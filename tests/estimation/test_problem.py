@@ -281,3 +281,11 @@ def test_weights_scale_residual_and_jacobian(noisy):
 )
 def test_priors_that_are_refused(clean, priors, words):
     assert words in refused([clean], priors=priors)
+
+
+@pytest.mark.parametrize("weight", [-1.0, np.nan, np.inf])
+def test_weights_that_are_refused(clean, weight):
+    weights = np.ones(clean.n)
+    weights[3] = weight
+    assert "weight must hold" in refused([replace(clean, weight=weights)])
+    assert "weight must hold" in refused([replace(clean, weight=np.ones(3))])

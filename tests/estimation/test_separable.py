@@ -8,8 +8,11 @@ from scipy.optimize import lsq_linear
 
 from surae.estimation import make_problem
 from surae.estimation.problem import Residuals
-from surae.estimation.separable import LINEAR, SCANNED, SLACK, scan_lengths, solve_linear
+from surae.estimation.separable import scan_lengths, solve_linear
+from surae.model import get_model
 
+MUSCLE = get_model("muscle")
+LINEAR, SLACK, SCANNED = MUSCLE.linear, MUSCLE.slack, MUSCLE.scanned
 SEVEN = (*LINEAR, *SLACK)
 
 

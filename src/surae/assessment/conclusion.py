@@ -35,14 +35,7 @@ def conclude(scores: Sequence[ModelScore]) -> tuple[Finding | None, str]:
     """
     rigid, best = best_of(scores, rigid=True), best_of(scores, rigid=False)
     if rigid is None or best is None or rigid.aicc is None or best.aicc is None:
-        fitted = {s.rigid for s in scores if s.status != "failed"}
-        if fitted == {True, False}:
-            return Finding.OPEN, (
-                "The data cannot tell: they hold too few independent samples for the parameters of "
-                "the models; give longer or more recordings."
-            )
-        bare = "every muscle-tendon" if True in fitted else "the rigid"
-        return None, f"No conclusion: the fit of {bare} model failed."
+        return _without_figures(scores)
     compliant = [s.aicc for s in scores if not s.rigid and s.aicc is not None]
     lower = rigid.aicc - best.aicc
     seen = max(compliant) - rigid.aicc > DECISIVE
@@ -67,6 +60,18 @@ def conclude(scores: Sequence[ModelScore]) -> tuple[Finding | None, str]:
             "torque here. Larger forces or a model with a fixed tendon (muscle-tendon) may tell."
         )
     return Finding.OPEN, f"The data cannot tell: {figures}; that is not enough, or contradictory."
+
+
+def _without_figures(scores: Sequence[ModelScore]) -> tuple[Finding | None, str]:
+    """What is said where no model of one kind has an AICc."""
+    fitted = {s.rigid for s in scores if s.status != "failed"}
+    if fitted == {True, False}:
+        return Finding.OPEN, (
+            "The data cannot tell: they hold too few independent samples for the parameters of the "
+            "models; give longer or more recordings."
+        )
+    bare = "every muscle-tendon" if True in fitted else "the rigid"
+    return None, f"No conclusion: the fit of {bare} model failed."
 
 
 def cautions(scores: Sequence[ModelScore]) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from surae.cli.options import (
     given,
     model_options,
     names,
-    ranges,
+    pairs,
     refuse_fixed,
     whole_number,
 )
@@ -32,6 +32,8 @@ _MOST_STARTS = 10_000
 @click.option("--free", multiple=True, metavar="NAME", help="Estimate one that is fixed.")
 @click.option("--start", multiple=True, metavar="NAME=VALUE", help="Start somewhere else.")
 @click.option("--bound", multiple=True, metavar="NAME=LOW:HIGH", help="Other bounds.")
+@click.option("--prior", multiple=True, metavar="NAME=MEDIAN:SPREAD",
+              help="Known beforehand: SPREAD is the relative standard deviation.")  # fmt: skip
 @click.option("--starts", metavar="N", help="Number of starts.  [default: 8]")
 @click.option("--seed", metavar="N", help="Of the random starts.  [default: 0]")
 @click.option("--output", metavar="FIT.json", help="Write the fit.")
@@ -45,6 +47,7 @@ def command(
     free: tuple[str, ...],
     start: tuple[str, ...],
     bound: tuple[str, ...],
+    prior: tuple[str, ...],
     starts: str | None,
     seed: str | None,
     output: str | None,
@@ -57,7 +60,9 @@ def command(
     Ctrl-C stops the search: the best fit so far is shown and written.
     """
     held = assignments("--fixed", fixed)
-    begin, limits = assignments("--start", start), ranges("--bound", bound)
+    begin = assignments("--start", start)
+    limits = pairs("--bound", bound, form="lower:upper", example="m=1:4")
+    known = pairs("--prior", prior, form="median:spread", example="tau_rel=3:0.3")
     refuse_fixed("--start", tuple(begin), tuple(held))
     refuse_fixed("--bound", tuple(limits), tuple(held))
     freed, chosen = names("--free", free), given(options)
@@ -89,6 +94,7 @@ def command(
                 free=freed,
                 start=begin,
                 bounds=limits,
+                priors=known,
                 starts=count or STARTS,
                 seed=number,
                 progress=progress.starts,

@@ -19,7 +19,7 @@ _MODEL_OPTIONS = (
     click.option("--x-ref-tib", metavar="M", help="Virtual work: tibialis at 0 rad."),
 )
 #: Every model by name; written out, since help must not import what knows them.
-MODEL_NAMES = "muscle, muscle-tendon, muscle-tendon-strain or muscle-tendon-toe"
+MODEL_NAMES = "muscle, muscle-2010, muscle-tendon, muscle-tendon-strain or muscle-tendon-toe"
 _NUMBERS = ("theta_foot", "vmax_factor", "x_ref_tri", "x_ref_tib")
 
 
@@ -63,23 +63,34 @@ def assignments(option: str, texts: Sequence[str]) -> dict[str, float]:
     return values
 
 
-def ranges(option: str, texts: Sequence[str]) -> dict[str, tuple[float, float]]:
-    """Bounds by name from ``name=lower:upper`` texts.
+def pairs(
+    option: str, texts: Sequence[str], *, form: str, example: str
+) -> dict[str, tuple[float, float]]:
+    """Two numbers by name from ``name=first:second`` texts.
+
+    Parameters
+    ----------
+    option : str
+        Its name, for messages.
+    texts : sequence of str
+        What was given.
+    form, example : str
+        How it is to be written, e.g. ``"lower:upper"`` and ``"m=1:4"``.
 
     Raises
     ------
     InputError
         A text has another form, or a name comes twice.
     """
-    bounds: dict[str, tuple[float, float]] = {}
+    found: dict[str, tuple[float, float]] = {}
     for text in texts:
-        name, _, limits = (part.strip() for part in text.partition("="))
-        low, colon, high = (part.strip() for part in limits.partition(":"))
-        if not (name and low and colon and high):
-            raise InputError(f"{option} {text}: write name=lower:upper, e.g. {option} m=1:4")
-        _refuse_second(option, name, bounds)
-        bounds[name] = (number(f"{option} {text}", low), number(f"{option} {text}", high))
-    return bounds
+        name, _, numbers = (part.strip() for part in text.partition("="))
+        first, colon, second = (part.strip() for part in numbers.partition(":"))
+        if not (name and first and colon and second):
+            raise InputError(f"{option} {text}: write name={form}, e.g. {option} {example}")
+        _refuse_second(option, name, found)
+        found[name] = (number(f"{option} {text}", first), number(f"{option} {text}", second))
+    return found
 
 
 def names(option: str, texts: Sequence[str]) -> tuple[str, ...]:

@@ -30,7 +30,7 @@ def command(
     chosen = given(options)
 
     from surae.model import ModelOptions, get_model
-    from surae.recording import columns, read, write_csv
+    from surae.recording import MUSCLES, columns, read, write_csv
     from surae.signals import prepare
 
     measured = read(recording)
@@ -55,7 +55,8 @@ def command(
             f"{shown(recording)}: its EMG is in {inputs.emg_unit!r}, that of {shown(parameters)} "
             f"in {source.emg_unit!r}; the weights do not carry over"
         )
-    silent = [muscle for muscle in inputs.missing_emg if source.values[_weight(muscle)]]
+    weights = dict(zip(MUSCLES, spec.weights, strict=True))
+    silent = [muscle for muscle in inputs.missing_emg if source.values[weights[muscle]]]
     if silent:
         click.echo(
             f"surae: {shown(recording)}: no EMG of {', '.join(silent)}; taken as silent", err=True
@@ -72,9 +73,3 @@ def command(
     # The model takes the EMG as an envelope, whatever the file said of it.
     write_csv(output, table, ["emg: envelope", f"torque simulated with model {spec.name}"])
     show_line(f"simulated: {shown(output)}")
-
-
-def _weight(muscle: str) -> str:
-    from surae.recording import MUSCLES
-
-    return f"g{MUSCLES.index(muscle) + 1}"

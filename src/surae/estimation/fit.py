@@ -51,7 +51,12 @@ def fit_problem(
     if starts < 1:
         raise InputError(f"starts is {starts}; give at least 1")
     begin = time.perf_counter()
-    noise = _noise(problem) if problem.priors else 0.0
+    noise = 0.0
+    if problem.priors:  # they are weighed against the noise that a fit without them leaves
+        plain = fit_problem(replace(problem, priors={}), starts=1, seed=seed)
+        if plain.starts[-1].outcome == Outcome.INTERRUPTED:
+            return replace(plain, problem=problem, message=f"{plain.message}, before the priors")
+        noise = float(np.sqrt(plain.sse / (problem.n - len(problem.free))))
     residuals = Residuals(problem, noise)
     minimum = from_start(problem, residuals)
     minima: list[Minimum] = []
@@ -73,12 +78,6 @@ def fit_problem(
                 )
                 minima.append(replace(here, outcome=Outcome.INTERRUPTED))
     return _result(problem, residuals, initials, minima, seed, time.perf_counter() - begin)
-
-
-def _noise(problem: FitProblem) -> float:
-    """Standard deviation of the residual [Nm] that priors are weighed against: without them."""
-    plain = fit_problem(replace(problem, priors={}), starts=1)
-    return float(np.sqrt(plain.sse / (problem.n - len(problem.free))))
 
 
 def _initials(problem: FitProblem, starts: int, seed: int) -> list[FloatArray]:

@@ -130,6 +130,7 @@ def make_problem(
         raise InputError("nothing to fit: give at least one recording")
     for one in inputs:
         check_estimable(one)
+        _check_weight(one)
         _check_prescribed(one, spec)
     fixed, start, bounds = dict(fixed or {}), dict(start or {}), dict(bounds or {})
     prescribed = _agreed_fixed(inputs, fixed) | fixed
@@ -159,7 +160,10 @@ def make_problem(
                 f"start of {name} is {start[name]:g}, outside its bounds {low:g} … {high:g}; "
                 "start between them, or give other bounds"
             )
-    _check_emg(inputs, prescribed)
+    _check_emg(inputs, prescribed, spec)
+    for name in priors or {}:
+        if name in table and table[name].signed:
+            raise InputError(f"prior of {name}: it is on a logarithm, and {name} may be negative")
     known = {name: _checked_prior(name, pair, names) for name, pair in (priors or {}).items()}
     samples = sum(one.counted for one in inputs)
     if samples <= len(names):
@@ -238,11 +242,23 @@ def _checked_prior(name: str, pair: object, free: Sequence[str]) -> Prior:
     return Prior(float(median), float(spread))
 
 
-def _check_emg(inputs: Sequence[ModelInputs], fixed: Mapping[str, float]) -> None:
+def _check_weight(one: ModelInputs) -> None:
+    weight = one.weight
+    if weight is not None and (
+        weight.shape != (one.n,) or not np.isfinite(weight).all() or weight.min() < 0
+    ):
+        raise InputError(
+            f"{one.name}: weight must hold {one.n} finite numbers of zero or more, one a sample"
+        )
+    if one.counted == 0:
+        raise InputError(f"{one.name}: every sample has weight 0; leave the recording out instead")
+
+
+def _check_emg(inputs: Sequence[ModelInputs], fixed: Mapping[str, float], spec: ModelSpec) -> None:
     """A muscle without EMG needs its weight fixed: its column is all zeros."""
     for one in inputs:
         for muscle in one.missing_emg:
-            weight = f"g{MUSCLES.index(muscle) + 1}"
+            weight = spec.weights[MUSCLES.index(muscle)]
             if weight not in fixed:
                 raise InputError(
                     f"{one.where}: no EMG of muscle {muscle!r}, so its weight {weight} cannot be "

@@ -3,6 +3,7 @@
 Given k, tau_rel, k_rel, l0, f0 and beta, the torque of model 1.0 is linear in m, g1 … g4 and in
 exp(−k·x0) of each muscle group: seven of the fifteen. A start needs the other eight only, and
 the long valleys in which weights trade with filter and lengths are gone (Golub and Pereyra 1973).
+Which parameters these are, each model's `ModelSpec` says.
 """
 
 import numpy as np
@@ -12,11 +13,6 @@ from surae.estimation.least_squares import Rows, column_norms, compress, sum_of_
 from surae.estimation.problem import FitProblem
 from surae.units import FloatArray
 
-LINEAR = ("m", "g1", "g2", "g3", "g4")
-#: Slack length and stiffness of each group: passive force is linear in exp(−k·x0).
-SLACK = {"x0_tri": "k_tri", "x0_tib": "k_tib"}
-#: Optimal lengths: the only parameters along which the projected problem has several valleys.
-SCANNED = ("l0_tri", "l0_tib")
 _SCAN_POINTS = 5
 #: Relative ridge that keeps the linear problem solvable when a channel is silent.
 _RIDGE = 1e-10
@@ -28,7 +24,7 @@ def solve_linear(problem: FitProblem, rows: Rows, x: FloatArray) -> tuple[FloatA
     Parameters
     ----------
     problem : FitProblem
-        A problem of model 1.0.
+        A problem of a model whose `ModelSpec` says what is linear.
     rows : callable
         Its Jacobian rows and residual.
     x : ndarray, shape (p,)
@@ -43,9 +39,9 @@ def solve_linear(problem: FitProblem, rows: Rows, x: FloatArray) -> tuple[FloatA
         Sum of squared residuals there, known without another evaluation; infinite where the
         model gives no finite numbers.
     """
-    names = problem.free
-    linear = [j for j, name in enumerate(names) if name in LINEAR or name in SLACK]
-    slack = {i: SLACK[names[j]] for i, j in enumerate(linear) if names[j] in SLACK}
+    names, spec = problem.free, problem.spec
+    linear = [j for j, name in enumerate(names) if name in spec.linear or name in spec.slack]
+    slack = {i: spec.slack[names[j]] for i, j in enumerate(linear) if names[j] in spec.slack}
     # From the greatest slack length on, passive torque only grows: at a small one it may be so
     # large that nothing else is left in the digits of the residual.
     base = x.copy()
@@ -56,7 +52,7 @@ def solve_linear(problem: FitProblem, rows: Rows, x: FloatArray) -> tuple[FloatA
         return x, np.inf
     if not linear:
         return x, sum_of_squares(basis[-1])
-    values = dict(zip(problem.spec.names, problem.values(x), strict=True))
+    values = dict(zip(spec.names, problem.values(x), strict=True))
     low, high = (problem.lower - base)[linear], (problem.upper - base)[linear]
     for i, k_name in slack.items():
         # The unknown is the factor s = exp(−k·(x0' − x0)) on the passive torque, which is −J/k;
@@ -91,7 +87,7 @@ def scan_lengths(problem: FitProblem, rows: Rows, x: FloatArray) -> FloatArray:
         `x` with its linear parameters solved and its optimal lengths replaced where that helps.
     """
     best, lowest = solve_linear(problem, rows, x)
-    for name in SCANNED:
+    for name in problem.spec.scanned:
         if name not in problem.free:
             continue
         j, base = problem.free.index(name), best

@@ -26,6 +26,8 @@ class Parameter:
         Bounds of a fit.
     positive : bool
         Whether any use of the model needs a value above zero; otherwise zero is allowed too.
+    signed : bool
+        Whether values below zero have a meaning as well.
     """
 
     name: str
@@ -36,6 +38,7 @@ class Parameter:
     lower: float
     upper: float
     positive: bool = True
+    signed: bool = False
 
 
 _P = Parameter
@@ -56,6 +59,33 @@ MUSCLE_PARAMETERS: tuple[Parameter, ...] = (
     _P("l0_tib", "m", "optimal length, tibialis anterior", "active", 0.080, 0.040, 0.130),
     _P("f0", "Hz", "cut-off frequency of the activation filter", "active", 2.5, 0.3, 15.0),
     _P("beta", "-", "relative damping of the activation filter", "active", 1.0, 0.2, 4.0),
+)
+
+_M, _K_TRI, _X0_TRI = (MUSCLE_PARAMETERS[i] for i in (0, 1, 3))
+#: The ten parameters of the model of 2010 (thesis Table 1, left), in the order of the thesis.
+MUSCLE_2010_PARAMETERS: tuple[Parameter, ...] = (
+    _M,
+    _K_TRI,
+    replace(_X0_TRI, meaning="length shift, triceps surae"),
+    _P("e1", "N/V", "IEMG weight, tibialis anterior", "active", 1e6, 0.0, 2e7, positive=False),
+    _P(
+        "e2", "N/V", "IEMG weight, gastrocnemius lateralis", "active", 1e6, 0.0, 2e7, positive=False
+    ),
+    _P("e3", "N/V", "IEMG weight, soleus", "active", 1e6, 0.0, 2e7, positive=False),
+    _P("e4", "N/V", "IEMG weight, gastrocnemius medialis", "active", 1e6, 0.0, 2e7, positive=False),
+    _P("f", "Hz", "cut-off frequency of the activation filter", "active", 2.5, 0.3, 15.0),
+    _P("b_tri", "N·s/m", "viscosity, triceps surae", "passive", 500.0, 0.0, 2e4, positive=False),
+    _P(
+        "F0",
+        "N",
+        "force shift, triceps surae",
+        "passive",
+        0.0,
+        -500.0,
+        500.0,
+        positive=False,
+        signed=True,
+    ),
 )
 
 #: The tendons (thesis Table 2), after the fifteen; slack lengths matter to no torque and are
@@ -119,6 +149,7 @@ def adapted(
             changes[name] = {"unit": "-", "start": start, "lower": lower, "upper": upper}
     if emg_unit == "1":
         start, lower, upper = _NORMALISED_WEIGHT
-        for name in ("g1", "g2", "g3", "g4"):
-            changes[name] = {"unit": "N", "start": start, "lower": lower, "upper": upper}
+        for p in parameters:
+            if p.unit == "N/V":
+                changes[p.name] = {"unit": "N", "start": start, "lower": lower, "upper": upper}
     return {p.name: replace(p, **changes.get(p.name, {})) for p in parameters}  # type: ignore[arg-type]

@@ -1,17 +1,26 @@
 """The models by name: adding one is one file with a simulator and one line here."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from numbers import Real
 
 import numpy as np
 
 from surae.errors import InputError
 from surae.model.options import ModelOptions
-from surae.model.parameters import MUSCLE_PARAMETERS, TENDON_PARAMETERS, Parameter, adapted
+from surae.model.parameters import (
+    MUSCLE_2010_PARAMETERS,
+    MUSCLE_PARAMETERS,
+    TENDON_PARAMETERS,
+    Parameter,
+    adapted,
+)
 from surae.model.simulator import Simulator
 from surae.signals import ModelInputs
 from surae.units import FloatArray
+
+_WEIGHTS = ("g1", "g2", "g3", "g4")
+_WEIGHTS_2010 = ("e1", "e2", "e3", "e4")
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +42,14 @@ class ModelSpec:
     parent : str or None
         The simpler model, of the same parameters and fewer, from whose solution a fit of this one
         starts; None for a model whose start is solved for its linear parameters.
+    weights : tuple of str
+        The weights of the EMG of TA, GL, SOL and GM.
+    linear : tuple of str
+        Parameters in which the torque is linear, given those in none of these three.
+    slack : mapping of str to str
+        Slack lengths x0 by whose exp(−k·x0) it is linear too, each with its stiffness k.
+    scanned : tuple of str
+        Those along which the sum of squares, its linear parameters solved, has several valleys.
     """
 
     name: str
@@ -41,6 +58,10 @@ class ModelSpec:
     free: tuple[str, ...]
     simulator: Callable[[ModelInputs, ModelOptions], Simulator]
     parent: str | None = None
+    weights: tuple[str, ...] = _WEIGHTS
+    linear: tuple[str, ...] = ()
+    slack: Mapping[str, str] = field(default_factory=dict)
+    scanned: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -83,7 +104,7 @@ def check_value(parameter: Parameter, value: float, spec: ModelSpec) -> None:
     number = isinstance(untyped, Real) and not isinstance(untyped, bool)
     if not number or not np.isfinite(value):
         raise InputError(f"{spec.name}: {parameter.name} is {value!r}; give a finite number")
-    if value < 0 or (parameter.positive and value == 0):
+    if not parameter.signed and (value < 0 or (parameter.positive and value == 0)):
         rule = "above zero" if parameter.positive else "zero or more"
         unit = "" if parameter.unit == "-" else f" {parameter.unit}"
         raise InputError(f"{spec.name}: {parameter.name} is {value:g}{unit}; it must be {rule}")
@@ -93,6 +114,12 @@ def _muscle(inputs: ModelInputs, options: ModelOptions) -> Simulator:
     from surae.model.muscle import MuscleSimulator  # numba, only when it is used
 
     return MuscleSimulator(inputs, options)
+
+
+def _muscle_2010(inputs: ModelInputs, options: ModelOptions) -> Simulator:
+    from surae.model.muscle_2010 import Muscle2010Simulator
+
+    return Muscle2010Simulator(inputs, options)
 
 
 def _muscle_tendon(inputs: ModelInputs, options: ModelOptions) -> Simulator:
@@ -107,7 +134,26 @@ _WITH_TENDON = MUSCLE_PARAMETERS + TENDON_PARAMETERS
 MODELS: dict[str, ModelSpec] = {
     spec.name: spec
     for spec in (
-        ModelSpec("muscle", "muscle model [1.0]", MUSCLE_PARAMETERS, _FIFTEEN, _muscle),
+        ModelSpec(
+            "muscle",
+            "muscle model [1.0]",
+            MUSCLE_PARAMETERS,
+            _FIFTEEN,
+            _muscle,
+            linear=("m", *_WEIGHTS),
+            slack={"x0_tri": "k_tri", "x0_tib": "k_tib"},
+            scanned=("l0_tri", "l0_tib"),
+        ),
+        ModelSpec(
+            "muscle-2010",
+            "muscle model of 2010, reconstructed",
+            MUSCLE_2010_PARAMETERS,
+            tuple(p.name for p in MUSCLE_2010_PARAMETERS),
+            _muscle_2010,
+            weights=_WEIGHTS_2010,
+            linear=("m", *_WEIGHTS_2010, "b_tri", "F0"),
+            slack={"x0_tri": "k_tri"},
+        ),
         ModelSpec(
             "muscle-tendon",
             "muscle-tendon model [2.0]",
