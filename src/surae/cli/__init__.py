@@ -25,6 +25,7 @@ COMMANDS = {
     "fit": ("surae.cli.fit", "Estimate a model's parameters from recordings."),
     "compare": ("surae.cli.compare", "Tell whether recordings ask for compliant tendons."),
     "simulate": ("surae.cli.simulate", "Compute the torque that a model gives for a recording."),
+    "protocol": ("surae.cli.protocol", "Make a measurement protocol for a device."),
     "validate": ("surae.cli.validate", "Predict other recordings with the parameters of a fit."),
 }
 

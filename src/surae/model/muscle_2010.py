@@ -30,10 +30,7 @@ from surae.errors import InputError
 from surae.model import limb
 from surae.model.geometry import length_tib, length_tri, paths
 from surae.model.options import ModelOptions
-from surae.model.rigid_2010 import K, M, X0, contraction_gain, torque_2010
-from surae.model.rigid_2010 import B as B_TRI
-from surae.model.rigid_2010 import E as WEIGHTS
-from surae.model.rigid_2010 import SHIFT as F0
+from surae.model.rigid_2010 import F0, X0, B, E, K, M, contraction_gain, torque_2010
 from surae.model.simulator import TorqueParts
 from surae.signals import ModelInputs
 from surae.signals.filters import HIGHEST_CUTOFF, butterworth
@@ -86,10 +83,10 @@ class Muscle2010Simulator:
     def parts(self, values: FloatArray) -> TorqueParts:
         """The torque split into its parts; the tibialis has no tissue of its own."""
         elastic = np.exp(values[K] * (self._length - values[X0]))
-        active = self._run(values)[1][WEIGHTS : WEIGHTS + 4]
-        active *= values[WEIGHTS : WEIGHTS + 4, None]
+        active = self._run(values)[1][E : E + 4]
+        active *= values[E : E + 4, None]
         return TorqueParts(
-            tissue_tri=self._arm * (elastic + values[B_TRI] * self._speed + values[F0]),
+            tissue_tri=self._arm * (elastic + values[B] * self._speed + values[F0]),
             tissue_tib=np.zeros_like(elastic),
             neural_tri=active[1:].sum(axis=0),
             neural_tib=active[0],

@@ -61,31 +61,19 @@ MUSCLE_PARAMETERS: tuple[Parameter, ...] = (
     _P("beta", "-", "relative damping of the activation filter", "active", 1.0, 0.2, 4.0),
 )
 
-_M, _K_TRI, _X0_TRI = (MUSCLE_PARAMETERS[i] for i in (0, 1, 3))
+_BY_NAME = {p.name: p for p in MUSCLE_PARAMETERS}
 #: The ten parameters of the model of 2010 (thesis Table 1, left), in the order of the thesis.
 MUSCLE_2010_PARAMETERS: tuple[Parameter, ...] = (
-    _M,
-    _K_TRI,
-    replace(_X0_TRI, meaning="length shift, triceps surae"),
-    _P("e1", "N/V", "IEMG weight, tibialis anterior", "active", 1e6, 0.0, 2e7, positive=False),
-    _P(
-        "e2", "N/V", "IEMG weight, gastrocnemius lateralis", "active", 1e6, 0.0, 2e7, positive=False
-    ),
-    _P("e3", "N/V", "IEMG weight, soleus", "active", 1e6, 0.0, 2e7, positive=False),
-    _P("e4", "N/V", "IEMG weight, gastrocnemius medialis", "active", 1e6, 0.0, 2e7, positive=False),
-    _P("f", "Hz", "cut-off frequency of the activation filter", "active", 2.5, 0.3, 15.0),
+    _BY_NAME["m"],
+    _BY_NAME["k_tri"],
+    replace(_BY_NAME["x0_tri"], meaning="length shift, triceps surae"),
+    replace(_BY_NAME["g1"], name="e1", meaning="IEMG weight, tibialis anterior"),
+    replace(_BY_NAME["g2"], name="e2", meaning="IEMG weight, gastrocnemius lateralis"),
+    replace(_BY_NAME["g3"], name="e3", meaning="IEMG weight, soleus"),
+    replace(_BY_NAME["g4"], name="e4", meaning="IEMG weight, gastrocnemius medialis"),
+    replace(_BY_NAME["f0"], name="f"),
     _P("b_tri", "N·s/m", "viscosity, triceps surae", "passive", 500.0, 0.0, 2e4, positive=False),
-    _P(
-        "F0",
-        "N",
-        "force shift, triceps surae",
-        "passive",
-        0.0,
-        -500.0,
-        500.0,
-        positive=False,
-        signed=True,
-    ),
+    _P("F0", "N", "force shift, triceps surae", "passive", 0.0, -500.0, 500.0, False, True),
 )
 
 #: The tendons (thesis Table 2), after the fifteen; slack lengths matter to no torque and are

@@ -12,7 +12,7 @@ from surae.model.passive import elastic_force
 from surae.units import FloatArray
 
 # Positions in the parameter vector.
-M, K, X0, E, F, B, SHIFT = 0, 1, 2, 3, 7, 8, 9
+M, K, X0, E, F, B, F0 = 0, 1, 2, 3, 7, 8, 9
 N_2010 = 10
 
 
@@ -84,21 +84,21 @@ def torque_2010(
         J[X0, i] = -p[K] * elastic
         J[F, i] = 0.0
         J[B, i] = arm[i] * speed[i]
-        J[SHIFT, i] = arm[i]
-        torque[i] = p[M] * J[M, i] + elastic + p[B] * J[B, i] + p[SHIFT] * J[SHIFT, i]
+        J[F0, i] = arm[i]
+        torque[i] = p[M] * J[M, i] + elastic + p[B] * J[B, i] + p[F0] * J[F0, i]
 
-    s, d, _ = filter_step(p[F], 1.0, dt)  # critically damped
+    s, s_f, _ = filter_step(p[F], 1.0, dt)  # critically damped
     for c in range(4):
         # the channel's active state of weight 1 with its rate, and their derivatives by f
-        y0 = y1 = f0 = f1 = before = 0.0
+        y0 = y1 = d0 = d1 = before = 0.0
         for i in range(n):
             now = iemg[c, i]
             if i > 0:
-                f0, f1 = (
-                    s[0, 0] * f0 + s[0, 1] * f1
-                    + d[0, 0] * y0 + d[0, 1] * y1 + d[0, 2] * before + d[0, 3] * now,
-                    s[1, 0] * f0 + s[1, 1] * f1
-                    + d[1, 0] * y0 + d[1, 1] * y1 + d[1, 2] * before + d[1, 3] * now,
+                d0, d1 = (
+                    s[0, 0] * d0 + s[0, 1] * d1
+                    + s_f[0, 0] * y0 + s_f[0, 1] * y1 + s_f[0, 2] * before + s_f[0, 3] * now,
+                    s[1, 0] * d0 + s[1, 1] * d1
+                    + s_f[1, 0] * y0 + s_f[1, 1] * y1 + s_f[1, 2] * before + s_f[1, 3] * now,
                 )  # fmt: skip
                 y0, y1 = (
                     s[0, 0] * y0 + s[0, 1] * y1 + s[0, 2] * before + s[0, 3] * now,
@@ -106,6 +106,6 @@ def torque_2010(
                 )
             before = now
             J[E + c, i] = gains[c, i] * y0
-            J[F, i] += p[E + c] * gains[c, i] * f0
+            J[F, i] += p[E + c] * gains[c, i] * d0
             torque[i] += p[E + c] * J[E + c, i]
     return torque, J

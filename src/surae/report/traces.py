@@ -37,7 +37,7 @@ class Traces:
     tendon : TendonState or None
         What muscles and tendons do; None where tendons are rigid.
     optimal : tuple of float
-        Optimal lengths of triceps surae and tibialis anterior [m].
+        Optimal lengths of triceps surae and tibialis anterior [m]; NaN where the model has none.
     weight : ndarray or None
         What each sample counts in the fit.
     """
@@ -86,7 +86,7 @@ def traces_of(result: FitResult) -> tuple[Traces, ...]:
             modelled=read_only(one.torque - residual),
             parts=simulator.parts(vector),
             tendon=simulator.tendon(vector),
-            optimal=(result.values["l0_tri"], result.values["l0_tib"]),
+            optimal=(result.values.get("l0_tri", np.nan), result.values.get("l0_tib", np.nan)),
             weight=one.weight,
         )
         for (one, simulator), residual in zip(tied, result.residuals, strict=True)

@@ -1,6 +1,7 @@
 """How the estimates depend on one another (thesis Figure 28)."""
 
 from collections.abc import Sequence
+from itertools import pairwise, product
 
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
@@ -35,7 +36,8 @@ def correlation_figure(
     matrix : ndarray, shape (k, k)
         Normalised covariance.
     passive, active : sequence of str
-        Rows and columns of the block that is outlined; each must stand side by side in `names`.
+        Rows and columns of the block that is outlined; of several blocks, where they do not stand
+        side by side in `names`.
     """
     k = len(names)
     side = min(WIDTH, 1.4 + 0.46 * k)
@@ -58,9 +60,7 @@ def correlation_figure(
                 column, row, _written(value, row == column), ha="center", va="center",
                 fontsize=7, color=_ink(value),
             )  # fmt: skip
-    rows = [index for index, name in enumerate(names) if name in passive]
-    columns = [index for index, name in enumerate(names) if name in active]
-    if rows and columns:
+    for rows, columns in product(_runs(names, passive), _runs(names, active)):
         axes.add_patch(
             Rectangle(
                 (columns[0] - 0.5, rows[0] - 0.5),
@@ -84,6 +84,12 @@ def correlation_figure(
     bar.ax.tick_params(labelsize=8, length=3)
     bar.outline.set_visible(False)
     return figure
+
+
+def _runs(names: Sequence[str], some: Sequence[str]) -> list[range]:
+    """Where `some` of the names stand side by side: the positions of every run of them."""
+    edges = [-1, *(index for index, name in enumerate(names) if name not in some), len(names)]
+    return [range(a + 1, b) for a, b in pairwise(edges) if b - a > 1]
 
 
 def _ink(value: float) -> str:

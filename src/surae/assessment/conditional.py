@@ -1,0 +1,149 @@
+"""Minima with one parameter held: the points that a profile is made of."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.estimation import FitProblem
+from surae.estimation.box import box_quadratic
+from surae.estimation.curved import curved_move
+from surae.estimation.least_squares import Minimum, Outcome, column_norms, minimise, sum_of_squares
+from surae.estimation.problem import Residuals
+from surae.units import FloatArray
+
+#: A failed step ends the iteration when no more than this many noise variances are to be gained.
+_STALL = 0.01
+#: Relative ridge under which the others' answer to a step is predicted.
+_RIDGE = 1e-8
+#: Evaluations of one minimum at most.
+_MOST = 100
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """The minimum over the other parameters with one parameter at `value`.
+
+    Attributes
+    ----------
+    value : float
+        Of the held parameter.
+    x : ndarray, shape (p,)
+        All free parameters, the held one included.
+    sse : float
+        Sum of squared residuals, weighted and with priors [Nm²].
+    R : ndarray, shape (p, p)
+        Triangular factor of the Jacobian by all of them.
+    converged : bool
+        False where the iteration limit came first.
+    """
+
+    value: float
+    x: FloatArray
+    sse: float
+    R: FloatArray
+    converged: bool
+
+
+class Conditional:
+    """Finds minima of a problem with one of its free parameters held.
+
+    The parameter stays in the problem with equal bounds: the set that is free to move is smaller
+    by one, and the derivative by the held one is there to predict the others' answer to a step.
+
+    Parameters
+    ----------
+    problem : FitProblem
+        The question.
+    name : str
+        The parameter to hold.
+    noise : float
+        Standard deviation of the residual [Nm] that priors are weighed against.
+    stopped : callable, optional
+        Asked before every evaluation; True ends the work with KeyboardInterrupt.
+    """
+
+    def __init__(
+        self,
+        problem: FitProblem,
+        name: str,
+        noise: float = 0.0,
+        stopped: Callable[[], bool] | None = None,
+    ) -> None:
+        self._problem, self._stopped = problem, stopped
+        self._j = problem.free.index(name)
+        self._residuals = Residuals(problem, noise)
+        self._move = curved_move(problem)
+        self._stall = _STALL / problem.n
+        self.evaluations = 0
+
+    def at(self, value: float, near: FloatArray, R: FloatArray | None = None) -> Point | None:
+        """The minimum with the parameter at `value`, from a point nearby.
+
+        Parameters
+        ----------
+        value : float
+            Within the bounds.
+        near : ndarray, shape (p,)
+            Free parameters of the neighbour.
+        R : ndarray, shape (p, p), optional
+            Triangular factor of the Jacobian there; with it the others' change is predicted.
+
+        Returns
+        -------
+        Point or None
+            None where the model gives no finite torque.
+        """
+        lower, upper = self._problem.lower.copy(), self._problem.upper.copy()
+        lower[self._j] = upper[self._j] = value
+        starts = [] if R is None else [self._predicted(value, near, R)]
+        for start in [*starts, near]:
+            found = self._minimise(start, lower, upper)
+            if found is not None:
+                return Point(value, found.x, found.sse, found.R, _settled(found))
+        return None
+
+    def sse(self, x: FloatArray) -> float:
+        """Sum of squared residuals at a point [Nm²]."""
+        return sum_of_squares(self._rows(x)[-1])
+
+    def free(self, near: FloatArray) -> Point | None:
+        """The minimum over all parameters, the held one too, from a point nearby."""
+        found = self._minimise(near, self._problem.lower, self._problem.upper)
+        if found is None:
+            return None
+        return Point(float(found.x[self._j]), found.x, found.sse, found.R, _settled(found))
+
+    def _minimise(self, x: FloatArray, lower: FloatArray, upper: FloatArray) -> Minimum | None:
+        found = minimise(
+            self._rows, x, lower, upper,
+            move=self._move, max_iterations=_MOST, stall=self._stall,
+        )  # fmt: skip
+        self.evaluations += found.iterations
+        if found.outcome is Outcome.INTERRUPTED:
+            raise KeyboardInterrupt
+        return None if found.outcome is Outcome.NOT_FINITE else found
+
+    def _rows(self, x: FloatArray) -> FloatArray:
+        if self._stopped is not None and self._stopped():
+            raise KeyboardInterrupt
+        with np.errstate(over="ignore", invalid="ignore"):
+            return self._residuals.rows(x)
+
+    def _predicted(self, value: float, near: FloatArray, R: FloatArray) -> FloatArray:
+        """Where the linear problem at `near` puts the others, within their bounds."""
+        norms = column_norms(R)
+        scale = np.where(norms > 0, norms, 1.0)
+        A = R / scale
+        low = (self._problem.lower - near) * scale
+        high = (self._problem.upper - near) * scale
+        low[self._j] = high[self._j] = (value - near[self._j]) * scale[self._j]
+        H = A.T @ A + _RIDGE * np.eye(len(near))
+        d = box_quadratic(H, np.zeros(len(near)), low, high)
+        x = np.clip(self._move(near, d / scale), self._problem.lower, self._problem.upper)
+        x[self._j] = value
+        return np.asarray(x)
+
+
+def _settled(found: Minimum) -> bool:
+    return found.outcome is Outcome.CONVERGED

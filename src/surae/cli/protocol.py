@@ -1,0 +1,164 @@
+"""`surae protocol`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from surae.cli.options import number
+from surae.cli.paths import check_outputs
+from surae.errors import InputError
+from surae.files import shown, write_atomic
+
+if TYPE_CHECKING:
+    from surae.protocol import Trajectory
+    from surae.protocol.triceps import TricepsPath
+
+#: Every profile, task and device by name; written out, since help must not import what knows them.
+PROFILE_NAMES = "ramp-and-hold, sine, multiple-holds, multi-sine, multi-sine-holds or scaled-chirp"
+TASK_NAMES = "part-passive|active|passive"
+DEVICE_NAMES = "achilles"
+#: More samples than this, ten minutes at 2 kHz, are a slip of the keyboard.
+_MOST_SAMPLES = 1_200_000
+#: The motion is shaped at this rate at least [Hz], whatever rate is asked for.
+_SHAPED_HZ = 2000.0
+
+
+@click.command("protocol")
+@click.argument("name", metavar="NAME")
+@click.option("--task", default="part-passive", show_default=True, metavar=TASK_NAMES,
+              help="What the subject is asked to do.")  # fmt: skip
+@click.option("--chirp-amplitude", default="0", show_default=True, metavar="A",
+              help="Of the added chirp, in rad.")  # fmt: skip
+@click.option("--chirp-rate", default="0.5", show_default=True, metavar="S",
+              help="Rise of its frequency, in Hz/s.")  # fmt: skip
+@click.option("--range", "range_", default="-0.9:0.6", show_default=True, metavar="LOW:HIGH",
+              help="Full plantarflexion and dorsiflexion of the subject, in rad.")  # fmt: skip
+@click.option("--duration", metavar="S", help="In s.  [default: the profile's own]")
+@click.option("--rate", default="256", show_default=True, metavar="HZ", help="Samples per second.")
+@click.option("--device", metavar=DEVICE_NAMES, help="Adapt the motion to its limits.")
+@click.option("--no-adapt", is_flag=True, help="Refuse what the device cannot follow instead.")
+@click.option("--output", required=True, metavar="P.csv|P.mat", help="Where the protocol goes.")
+@click.option("--figure", metavar="P.png|P.svg", help="Draw it.")
+def command(
+    name: str,
+    task: str,
+    chirp_amplitude: str,
+    chirp_rate: str,
+    range_: str,
+    duration: str | None,
+    rate: str,
+    device: str | None,
+    no_adapt: bool,
+    output: str,
+    figure: str | None,
+) -> None:
+    """Make a measurement protocol: the motion and the effort to ask for.
+
+    NAME is ramp-and-hold, sine, multiple-holds, multi-sine, multi-sine-holds or scaled-chirp.
+    The file holds time_s, angle_rad and the target effort 0…1 of the four muscles, emg_ta … emg_gm.
+    """
+    amplitude = number("--chirp-amplitude", chirp_amplitude)
+    rise = number("--chirp-rate", chirp_rate)
+    span = _span(range_)
+    seconds = None if duration is None else number("--duration", duration)
+    rate_hz = number("--rate", rate)
+    if no_adapt and device is None:
+        raise InputError("--no-adapt has no effect without --device; give one")
+    kind = _suffix("--output", output, ".csv", ".mat")
+    drawn = None if figure is None else _suffix("--figure", figure, ".png", ".svg")
+    check_outputs({"--output": output, "--figure": figure}, [])
+
+    from surae.protocol import Protocol, generate, named_device, write_csv, write_mat
+    from surae.protocol.triceps import triceps_path
+
+    settings = Protocol(
+        profile=name,
+        task=task,
+        chirp_amplitude=amplitude,
+        chirp_rate=rise,
+        range_of_motion=span,
+        duration=seconds,
+        rate_hz=rate_hz,
+        device=None if device is None else named_device(device),
+        adapt=not no_adapt,
+    )
+    longest = _MOST_SAMPLES / max(rate_hz, _SHAPED_HZ)
+    if settings.seconds > longest:
+        raise InputError(
+            f"{settings.seconds:g} s at {rate_hz:g} Hz are too many samples; use at most "
+            f"{longest:g} s at that rate"
+        )
+    trajectory = generate(settings)
+    (write_mat if kind == ".mat" else write_csv)(trajectory, output)
+    if figure is not None:
+        from surae.report.figures import png, svg
+        from surae.report.figures.protocol import protocol_figure
+
+        draw = svg if drawn == ".svg" else png
+        write_atomic(figure, draw(protocol_figure(trajectory)))
+
+    from surae.cli.screen import show_line
+
+    for line in _table(trajectory, triceps_path(trajectory)):
+        show_line(line)
+    show_line(f"protocol: {shown(output)}")
+    if figure is not None:
+        show_line(f"figure: {shown(figure)}")
+
+
+def _span(text: str) -> tuple[float, float]:
+    """The range of motion from LOW:HIGH."""
+    low, colon, high = (part.strip() for part in text.partition(":"))
+    if not (low and colon and high):
+        raise InputError(f"--range {text}: write LOW:HIGH in rad, e.g. --range -0.9:0.6")
+    return number(f"--range {text}", low), number(f"--range {text}", high)
+
+
+def _suffix(option: str, path: str, *allowed: str) -> str:
+    """The kind of file that a path's ending names."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in allowed:
+        raise InputError(
+            f"{option}: {shown(path)} must end in {' or '.join(allowed)}, which says what to write"
+        )
+    return suffix
+
+
+def _table(trajectory: "Trajectory", path: "TricepsPath") -> list[str]:
+    """What the protocol asks for, in a few lines."""
+    from surae.protocol import PROFILES, TASKS
+    from surae.protocol.adaptation import peaks
+
+    settings, adaptation = trajectory.settings, trajectory.adaptation
+    low, high = settings.range_of_motion
+    least, most = float(trajectory.angle.min()), float(trajectory.angle.max())
+    velocity, acceleration = peaks((trajectory.angle, trajectory.velocity, trajectory.acceleration))
+    if adaptation is not None:
+        velocity, acceleration = adaptation.peak_velocity[1], adaptation.peak_acceleration[1]
+    amplitude = settings.chirp_amplitude if adaptation is None else adaptation.chirp_amplitude[1]
+    chirp = f"{amplitude:.3g} rad, 0 to {settings.chirp_rate * settings.seconds:.3g} Hz"
+    slow, fast = float(path.velocity.min()), float(path.velocity.max())
+    lengths, speeds = path.coverage.length_edges, path.coverage.velocity_edges
+    rows = {
+        "motion": PROFILES[settings.profile].description,
+        "effort": TASKS[settings.task].description,
+        "duration": f"{settings.seconds:g} s, {len(trajectory.time)} samples at "
+        f"{settings.rate_hz:g} Hz",
+        "span": f"{least:.3f} to {most:.3f} rad, {100 * (most - least) / (high - low):.3g} % of "
+        "the range of motion",
+        "chirp": chirp if amplitude > 0.0 else "none",
+        "peak velocity": f"{velocity:.3g} rad/s",
+        "peak acceleration": f"{acceleration:.3g} rad/s²",
+        "triceps": f"{path.length.min():.2f} to {path.length.max():.2f} l0, {slow:.2f} to "
+        f"{fast:.2f} l0/s (l0 = {path.l0:g} m, rigid tendon)",
+        "coverage": f"{100 * path.coverage.share:.3g} % of the plane {lengths[0]:g} to "
+        f"{lengths[-1]:g} l0, {speeds[0]:g} to {speeds[-1]:g} l0/s",
+    }
+    if adaptation is not None:
+        steps = adaptation.steps or ("nothing: the device follows it as it is.",)
+        rows["adapted"] = steps[0]
+        rows |= {" " * (k + 1): step for k, step in enumerate(steps[1:])}
+    width = max(len(name) for name in rows)
+    title = f"{settings.profile}, {settings.task}"
+    return [title, "", *(f"{name.strip():<{width}}  {value}" for name, value in rows.items()), ""]
