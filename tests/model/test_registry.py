@@ -58,7 +58,7 @@ def test_every_model_is_consistent(name) -> None:
 def test_starts_are_within_bounds_that_are_physical(name, variant) -> None:
     for p in adapted(MODELS[name].parameters, *VARIANTS[variant]).values():
         assert p.lower < p.start < p.upper, p.name
-        assert p.lower > 0 if p.positive else p.lower >= 0, p.name
+        assert p.lower > 0 if p.positive else p.signed or p.lower >= 0, p.name
 
 
 def test_bounds_contain_the_plausible_values_of_the_specification() -> None:
@@ -86,6 +86,17 @@ def test_adapted_changes_only_what_geometry_and_unit_touch() -> None:
     assert changed == ["k_tri", "k_tib", "x0_tri", "x0_tib", "l0_tri", "l0_tib"]
     both = adapted(MUSCLE_PARAMETERS, ModelOptions(geometry="virtual-work"), "1")
     assert both == {**longer, **{name: normalised[name] for name in ("g1", "g2", "g3", "g4")}}
+
+
+@every_model
+def test_what_a_model_says_of_its_structure_is_among_its_parameters(name) -> None:
+    spec = MODELS[name]
+    roles = [*spec.linear, *spec.slack, *spec.scanned, *spec.slack.values()]
+    assert set(roles) <= set(spec.names)
+    assert len(set(roles)) == len(roles)
+    assert [p.name for p in spec.parameters if p.unit == "N/V"] == list(spec.weights)
+    if spec.parent is None:  # where its linear parameters are solved
+        assert set(spec.weights) < set(spec.linear)
 
 
 def test_vector_is_in_the_order_of_the_model_not_of_the_mapping() -> None:

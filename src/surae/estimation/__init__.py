@@ -1,7 +1,20 @@
 """Parameters from recordings: problem, solver, variable projection, multi-start."""
 
 from surae.estimation.fit import STARTS, fit_problem
+from surae.estimation.losses import LOSSES
+from surae.estimation.outliers import fit_robust
 from surae.estimation.problem import FitProblem, Prior, make_problem
-from surae.estimation.result import FitResult, Start
+from surae.estimation.result import FitResult, Outliers, Start
 
-__all__ = ["STARTS", "FitProblem", "FitResult", "Prior", "Start", "fit_problem", "make_problem"]
+__all__ = [
+    "LOSSES",
+    "STARTS",
+    "FitProblem",
+    "FitResult",
+    "Outliers",
+    "Prior",
+    "Start",
+    "fit_problem",
+    "fit_robust",
+    "make_problem",
+]

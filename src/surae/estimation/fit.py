@@ -19,6 +19,8 @@ from surae.versions import versions
 
 #: Starts of a fit unless told otherwise: the default start and seven random ones.
 STARTS = 8
+#: A sum below this part of the torque's own is an exact fit.
+_EXACT = 1e-12
 #: Called after every start with how many are done, how many there are, and the best sum so far.
 Progress = Callable[[int, int, float], None]
 
@@ -97,8 +99,10 @@ def _result(
     seconds: float,
 ) -> FitResult:
     best = min(minima, key=lambda m: m.sse if np.isfinite(m.sse) else np.inf)
-    # Sums that differ by less than the variance of the noise cannot be told apart by the data.
-    limit = best.sse * (1 + 1 / (problem.n - len(problem.free)))
+    # Sums that differ by less than the variance of the noise cannot be told apart by the data;
+    # on data without noise, all that is left is rounding and how far the iteration went.
+    power = sum(float(np.sum(one.torque**2)) for one in problem.inputs if one.torque is not None)
+    limit = max(best.sse * (1 + 1 / (problem.n - len(problem.free))), _EXACT * power)
     agreeing = sum(m.sse <= limit for m in minima)
     status, message = _status(problem, best, minima, agreeing, len(initials))
     left = residuals.of(best.x)

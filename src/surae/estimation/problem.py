@@ -164,7 +164,7 @@ def make_problem(
     for name in priors or {}:
         if name in table and table[name].signed:
             raise InputError(f"prior of {name}: it is on a logarithm, and {name} may be negative")
-    known = {name: _checked_prior(name, pair, names) for name, pair in (priors or {}).items()}
+    known = {name: checked_prior(name, pair, names) for name, pair in (priors or {}).items()}
     samples = sum(one.counted for one in inputs)
     if samples <= len(names):
         raise InputError(f"{samples} samples cannot determine {len(names)} parameters")
@@ -227,7 +227,14 @@ def _checked_bounds(name: str, pair: object, spec: ModelSpec) -> tuple[float, fl
     return float(low), float(high)
 
 
-def _checked_prior(name: str, pair: object, free: Sequence[str]) -> Prior:
+def checked_prior(name: str, pair: object, free: Sequence[str]) -> Prior:
+    """The prior that a median and a spread make, of one of the free parameters.
+
+    Raises
+    ------
+    InputError
+        The parameter is not free, or the pair is not two numbers above zero.
+    """
     if name not in free:
         raise InputError(
             f"prior of {name}: it is not estimated; free parameters: {', '.join(free)}"

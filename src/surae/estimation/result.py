@@ -31,6 +31,41 @@ class Start:
 
 
 @dataclass(frozen=True, slots=True)
+class Outliers:
+    """How a fit let outliers count less.
+
+    Attributes
+    ----------
+    loss : str
+        Name of the loss.
+    tuning : float
+        Where it leaves the square, in standard deviations.
+    scale : float
+        Standard deviation σ of the noise, from the median of the absolute residual [Nm].
+    weights : tuple of ndarray
+        What the loss lets each sample of each recording count at the solution, in (0, 1].
+    widening : float
+        By how much JᵀWJ overstates the curvature of the loss: the mean of the weights ψ(u)/u over
+        the mean of ψ′. Standard errors made with JᵀWJ are too small by it.
+    rounds : int
+        Rounds until the weights rested.
+    """
+
+    loss: str
+    tuning: float
+    scale: float
+    weights: tuple[FloatArray, ...]
+    widening: float
+    rounds: int
+
+    @property
+    def share(self) -> float:
+        """Part of the samples that count less than half."""
+        count = sum(int((w < 0.5).sum()) for w in self.weights)
+        return count / sum(len(w) for w in self.weights)
+
+
+@dataclass(frozen=True, slots=True)
 class FitResult:
     """The best minimum found.
 
@@ -61,6 +96,8 @@ class FitResult:
         Wall time.
     versions : mapping of str to str
         Versions of surae and of what its numbers depend on.
+    outliers : Outliers or None
+        How outliers were let count less; None for least squares.
     """
 
     problem: FitProblem
@@ -75,6 +112,7 @@ class FitResult:
     seed: int
     seconds: float
     versions: Mapping[str, str]
+    outliers: Outliers | None = None
 
     @property
     def at_bound(self) -> tuple[str, ...]:

@@ -1,90 +1,35 @@
-"""Virtual subjects and their trials: known parameters, simulated torque, noise of the thesis."""
-
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+"""Trials of virtual subjects: known parameters, simulated torque, noise of the thesis and more."""
 
 import numpy as np
 
 from surae.errors import InputError
-from surae.model import ModelOptions, get_model
+from surae.model import ModelOptions
 from surae.protocol import Trajectory
-from surae.recording import read_only
+from surae.recording import Recording, read_only
 from surae.signals import ModelInputs
+from surae.studies.disturbances import (
+    EMG_LOWEST_RATE,
+    coloured_noise,
+    mixed_envelopes,
+    mixing,
+    raw_emg,
+)
+from surae.studies.imperfections import Imperfections
+from surae.studies.leg import EMG_FULL, EMG_REST, simulate_leg
+from surae.studies.populations import POPULATIONS, VirtualSubject, stream, virtual_subject
 from surae.units import FloatArray
 
-#: EMG envelope at full effort and at rest [V]; the thesis's figures reach 6e-4 V.
-EMG_FULL = 6e-4
-EMG_REST = 1e-6
+__all__ = [
+    "EMG_FULL",
+    "EMG_REST",
+    "POPULATIONS",
+    "VirtualSubject",
+    "virtual_recording",
+    "virtual_subject",
+    "virtual_trial",
+]
 
-#: Ranges from which a subject's parameters are drawn, uniformly and independently.
-#: Passive torque of the triceps at 10° dorsiflexion: 6.2 ± 3.6 Nm healthy, 9.5 ± 4.8 Nm spastic
-#: (Chung 2004); active torque up to about 80 Nm; patients have less mass, stiffer muscles, shorter
-#: slack and optimal lengths (thesis 2.5.4).
-POPULATIONS: dict[str, dict[str, tuple[float, float]]] = {
-    "healthy": {
-        "m": (1.5, 2.7),
-        "k_tri": (170.0, 230.0),
-        "k_tib": (90.0, 130.0),
-        "x0_tri": (0.016, 0.018),
-        "x0_tib": (0.062, 0.067),
-        "tau_rel": (1.0, 6.0),
-        "k_rel": (0.2, 0.6),
-        "g1": (4e5, 8e5),
-        "g2": (6e5, 1.2e6),
-        "g3": (9e5, 1.7e6),
-        "g4": (7e5, 1.3e6),
-        "l0_tri": (0.040, 0.050),
-        "l0_tib": (0.070, 0.090),
-        "f0": (1.6, 2.4),
-        "beta": (0.8, 1.2),
-    },
-}
-POPULATIONS["patient"] = POPULATIONS["healthy"] | {
-    "m": (1.25, 2.0),
-    "k_tri": (190.0, 235.0),
-    "k_tib": (120.0, 160.0),
-    "x0_tri": (0.0145, 0.0165),
-    "x0_tib": (0.058, 0.062),
-    "l0_tri": (0.034, 0.042),
-    "l0_tib": (0.060, 0.075),
-}
-
-
-@dataclass(frozen=True, slots=True)
-class VirtualSubject:
-    """A subject whose parameters are known.
-
-    Attributes
-    ----------
-    population : str
-        A name of `POPULATIONS`.
-    seed : int
-        The same population and seed always give the same subject.
-    parameters : mapping of str to float
-        The fifteen parameters of the muscle model.
-    """
-
-    population: str
-    seed: int
-    parameters: Mapping[str, float]
-
-
-def virtual_subject(seed: int, population: str = "healthy") -> VirtualSubject:
-    """Draw a subject.
-
-    Raises
-    ------
-    InputError
-        The population is not known.
-    """
-    if population not in POPULATIONS:
-        known = ", ".join(POPULATIONS)
-        raise InputError(f"unknown population {population!r}; known populations: {known}")
-    rng = np.random.default_rng([seed, list(POPULATIONS).index(population)])
-    ranges = POPULATIONS[population]
-    return VirtualSubject(
-        population, seed, {name: float(rng.uniform(*limits)) for name, limits in ranges.items()}
-    )
+_IDEAL = Imperfections()
 
 
 def virtual_trial(
@@ -95,6 +40,7 @@ def virtual_trial(
     options: ModelOptions | None = None,
     noise: float = 0.05,
     seed: int = 0,
+    imperfections: Imperfections = _IDEAL,
 ) -> ModelInputs:
     """Simulate a trial of a subject and add the thesis's noise (2.5.3).
 
@@ -115,6 +61,8 @@ def virtual_trial(
         Standard deviation of the noise as a part of each signal's mean magnitude.
     seed : int
         Seed of the noise, beside the subject's own.
+    imperfections : Imperfections
+        What else is not ideal; by default nothing.
 
     Returns
     -------
@@ -122,32 +70,95 @@ def virtual_trial(
         Ready to fit, used as it is.
     """
     options = options or ModelOptions()
-    spec = get_model(model)
-    emg = EMG_REST + (EMG_FULL - EMG_REST) * trajectory.effort
-    clean = ModelInputs(
-        name=f"virtual subject {subject.seed} ({subject.population}), "
-        f"{trajectory.settings.profile}, {trajectory.settings.task}",
+    leg = simulate_leg(subject, trajectory, model, options, imperfections, seed)
+    emg = mixed_envelopes(leg.envelopes, imperfections.crosstalk)
+    rng = np.random.default_rng([subject.seed, seed])
+    return ModelInputs(
+        name=_name(subject, trajectory),
         rate_hz=trajectory.settings.rate_hz,
         time=trajectory.time,
         angle=trajectory.angle,
         velocity=trajectory.velocity,
         acceleration=trajectory.acceleration,
-        emg=read_only(emg),
-        emg_unit="V",
-        torque=None,
-        prepared=True,
-    )
-    values = spec.vector(subject.parameters, options)
-    torque = spec.simulator(clean, options).torque(values)
-    rng = np.random.default_rng([subject.seed, seed])
-    return replace(
-        clean,
         emg=read_only(_noisy(emg, noise, rng)),
-        torque=read_only(_noisy(torque, noise, rng)),
+        emg_unit="V",
+        torque=read_only(
+            _noisy(leg.torque, noise, rng) + _torque_noise(subject, trajectory, imperfections, seed)
+        ),
+        prepared=True,
         steps=(
             f"Simulated with model {model!r}; white noise of {100 * noise:g} % of each signal's "
             "mean magnitude added to EMG and torque.",
+            *imperfections.steps,
         ),
+    )
+
+
+def virtual_recording(
+    subject: VirtualSubject,
+    trajectory: Trajectory,
+    *,
+    model: str = "muscle",
+    options: ModelOptions | None = None,
+    seed: int = 0,
+    imperfections: Imperfections = _IDEAL,
+) -> Recording:
+    """A trial of a subject as it would be recorded, with raw EMG, for the whole chain of signals.
+
+    Angle, torque and raw EMG (`surae.studies.disturbances.raw_emg`) at the trajectory's rate, for
+    example 2048 Hz. On average, the default preparation gives back the EMG envelopes that drove
+    the torque, so that its weights are the subject's; being rectified noise, they fluctuate.
+
+    Parameters
+    ----------
+    subject, trajectory, model, options, imperfections
+        As in `virtual_trial`; the trajectory at `EMG_LOWEST_RATE` or more.
+    seed : int
+        Seed of everything random in the trial, beside the subject's own.
+
+    Raises
+    ------
+    InputError
+        The trajectory is sampled too slowly for raw EMG.
+    """
+    rate_hz = trajectory.settings.rate_hz
+    if rate_hz < EMG_LOWEST_RATE:
+        raise InputError(
+            f"raw EMG at {rate_hz:g} Hz is too slow; generate the trajectory at "
+            f"{EMG_LOWEST_RATE:g} Hz or more, for example 2048 Hz"
+        )
+    options = options or ModelOptions()
+    leg = simulate_leg(subject, trajectory, model, options, imperfections, seed)
+    emg = raw_emg(leg.envelopes, rate_hz, stream(subject, "raw EMG", seed))
+    return Recording.from_arrays(
+        trajectory.time,
+        trajectory.angle,
+        leg.torque + _torque_noise(subject, trajectory, imperfections, seed),
+        emg @ mixing(imperfections.crosstalk).T,
+        name=_name(subject, trajectory),
+        emg_kind="raw",
+    )
+
+
+def _name(subject: VirtualSubject, trajectory: Trajectory) -> str:
+    settings = trajectory.settings
+    return (
+        f"virtual subject {subject.seed} ({subject.population}), {settings.profile}, "
+        f"{settings.task}"
+    )
+
+
+def _torque_noise(
+    subject: VirtualSubject, trajectory: Trajectory, imperfections: Imperfections, trial: int
+) -> FloatArray | float:
+    if imperfections.torque_noise == 0.0:
+        return 0.0
+    return coloured_noise(
+        len(trajectory.time),
+        trajectory.settings.rate_hz,
+        imperfections.torque_noise,
+        imperfections.torque_noise_time,
+        stream(subject, "torque", trial),
     )
 
 

@@ -60,7 +60,6 @@ def protocol_figure(trajectory: Trajectory, *, l0_tri: float = L0_TRI) -> Figure
     active = trajectory.effort[:, _HEADS].max(axis=1) > _ACTIVE
     whole, close = figure.add_subplot(grid[6, 0]), figure.add_subplot(grid[6, 1])
     _plane(whole, path, active)
-    heading(whole, f"Triceps surae, l0 = {1e3 * path.l0:g} mm")
     _thesis_axes(whole, path)
     _plane(close, path, active)
     heading(close, "Close up")
@@ -136,6 +135,8 @@ def _plane(axes: Axes, path: TricepsPath, active: np.typing.NDArray[np.bool_]) -
 
 def _thesis_axes(axes: Axes, path: TricepsPath) -> None:
     """The limits of Figures 3 and 38, wider where the motion goes beyond, and the share visited."""
+    share = 100 * path.coverage.share
+    heading(axes, f"Triceps surae, l0 = {1e3 * path.l0:g} mm: {share:.2g} % visited")
     covered = path.coverage
     for edges, values, limit in (
         (covered.length_edges, path.length, axes.set_xlim),
@@ -143,7 +144,5 @@ def _thesis_axes(axes: Axes, path: TricepsPath) -> None:
     ):
         low, high = min(edges[0], 1.05 * values.min()), max(edges[-1], 1.05 * values.max())
         limit(float(low), float(high))
-    axes.text(
-        0.985, 0.97, f"{100 * covered.share:.2g} % of the plane visited",
-        transform=axes.transAxes, ha="right", va="top", fontsize=8, color=INK,
-    )  # fmt: skip
+    for border in covered.velocity_edges[[0, -1]]:
+        axes.axhline(border, color=OCHRE, linewidth=1.0, linestyle=(0, (1, 1.5)))

@@ -1,0 +1,201 @@
+"""Fits in which outliers count less: least squares, weighted anew until the weights rest."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from surae.estimation.fit import STARTS, Progress, fit_problem
+from surae.estimation.interrupt import postponed_interrupt
+from surae.estimation.least_squares import Outcome, minimise
+from surae.estimation.losses import Loss, named_loss, spread
+from surae.estimation.problem import FitProblem, Residuals
+from surae.estimation.result import FitResult, Outliers
+from surae.recording import read_only
+from surae.signals import ModelInputs
+from surae.units import FloatArray
+
+#: The weights rest when none has changed by more than this; so many rounds are tried.
+_RESTS, _ROUNDS = 1e-3, 100
+#: An outlier keeps this weight: it no longer matters to the estimates, and VAF still counts it.
+_LEAST = 1e-6
+#: The scale is at least this part of the torque's root mean square: data without noise have none.
+_SMALLEST = 1e-9
+#: A minimum that is better than where the weights came from asks for weights of its own; so often.
+_PASSES = 3
+#: The slope of ψ counts as at least this: with less, most of the data are outliers.
+_SLOPE = 0.1
+
+
+def fit_robust(
+    problem: FitProblem,
+    loss: str = "huber",
+    *,
+    starts: int = STARTS,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> FitResult:
+    """Fit with a loss that grows less than the square of the residual.
+
+    The minimum of Σ σ²ρ(e/σ) is found by iteratively reweighted least squares: weights
+    w = ψ(u)/u of the residual u = e/σ, a least-squares step with them, and again until they rest;
+    σ is 1.4826 times the median of |e| over all samples that count. Tukey's loss, which has
+    several minima, starts from Huber's solution and keeps its σ. All starts are then tried with
+    these weights, and should one find a better minimum, the weights are made anew from there.
+
+    Parameters
+    ----------
+    problem : FitProblem
+        The question. Its own weights multiply those of the loss.
+    loss : {"huber", "soft-l1", "tukey"}
+        See `LOSSES`.
+    starts, seed, progress
+        As in `fit_problem`.
+
+    Returns
+    -------
+    FitResult
+        Its problem holds the weights at the solution, the loss's multiplied with the problem's own;
+        `outliers` tells them apart. What is derived from it takes them as fixed.
+
+    References
+    ----------
+    Huber and Ronchetti, Robust Statistics (2009), chapter 7; Holland and Welsch, Robust regression
+    using iteratively reweighted least-squares, Commun. Stat. A6 (1977).
+    """
+    chosen, begin = named_loss(loss), time.perf_counter()
+    first = fit_problem(problem, starts=1, seed=seed)
+    if first.status == "failed":
+        return first
+    x = np.array([first.values[name] for name in problem.free])
+    for _ in range(_PASSES):
+        x, sse, outliers = _settled(problem, x, chosen)
+        if outliers is None:
+            stopped = replace(first.starts[-1], outcome=str(Outcome.INTERRUPTED))
+            return replace(
+                first,
+                status="failed",
+                message="stopped by the user before the weights of the outliers were found; "
+                "these are the least squares",
+                starts=(*first.starts[:-1], stopped),
+            )
+        weighted = replace(
+            problem, inputs=_with(problem.inputs, outliers.weights), base=problem.values(x)
+        )
+        found = fit_problem(weighted, starts=starts, seed=seed, progress=progress)
+        if found.status == "failed" or found.sse >= sse * (1 - 1 / (problem.n - len(x))):
+            break
+        x = np.array([found.values[name] for name in problem.free])
+    settled = outliers.rounds < _ROUNDS
+    return replace(
+        found,
+        status=found.status if settled else "failed",
+        message=found.message
+        if settled
+        else f"the weights of the {loss} loss did not rest in {_ROUNDS} rounds: try another loss, "
+        "or leave the outliers out",
+        outliers=outliers,
+        seconds=time.perf_counter() - begin,
+    )
+
+
+def _settled(
+    problem: FitProblem, x: FloatArray, loss: Loss
+) -> tuple[FloatArray, float, Outliers | None]:
+    """Parameters, weighted sum and weights at which the weights rest; None where interrupted."""
+    residuals = Residuals(problem, 1.0)
+    stages = [loss] if loss.name != "tukey" else [named_loss("huber"), loss]
+    scale, rounds = None, 0
+    with threadpool_limits(limits=1, user_api="blas"), postponed_interrupt():
+        for stage in stages:
+            held = scale if stage is not stages[0] else None
+            weights = None
+            for rounds in range(1, _ROUNDS + 1):
+                try:
+                    errors = [
+                        _standardised(one, e)
+                        for one, e in zip(problem.inputs, residuals.of(x), strict=True)
+                    ]
+                except KeyboardInterrupt:
+                    return x, np.inf, None
+                scale = held or _scale(problem, errors)
+                new = [
+                    np.maximum(stage.weight(e / (scale * stage.tuning)), _LEAST) for e in errors
+                ]
+                change = 1.0 if weights is None else _largest_change(weights, new)
+                if change <= _RESTS:
+                    break
+                weights = new
+                x, sse, outcome = _step(problem, residuals, x, weights, scale)
+                if outcome is Outcome.INTERRUPTED:
+                    return x, np.inf, None
+    if scale is None or weights is None:  # there is at least one stage and one round
+        return x, np.inf, None
+    counted = np.concatenate([e[_counts(o)] for o, e in zip(problem.inputs, errors, strict=True)])
+    kept = np.concatenate([w[_counts(o)] for o, w in zip(problem.inputs, weights, strict=True)])
+    slope = float(stage.slope(counted / (scale * stage.tuning)).mean())
+    return (
+        x,
+        sse,
+        Outliers(
+            loss=loss.name,
+            tuning=loss.tuning,
+            scale=scale,
+            weights=tuple(read_only(w) for w in weights),
+            widening=float(kept.mean()) / max(slope, _SLOPE),
+            rounds=rounds,
+        ),
+    )
+
+
+def _step(
+    problem: FitProblem,
+    residuals: Residuals,
+    x: FloatArray,
+    weights: Sequence[FloatArray],
+    scale: float,
+) -> tuple[FloatArray, float, Outcome]:
+    """The least squares with these weights: parameters, weighted sum of the data, why it ended."""
+    root = np.sqrt(np.concatenate(weights))
+    n = len(root)
+
+    def rows(at: FloatArray) -> FloatArray:
+        found = residuals.rows(at)
+        found[:, :n] *= root
+        found[:, n:] *= scale  # priors are weighed against the noise
+        return found
+
+    best = minimise(rows, x, problem.lower, problem.upper, stall=0.1 / problem.n)
+    data = best.residual[:n]
+    return best.x, float(data @ data), best.outcome
+
+
+def _with(
+    inputs: Sequence[ModelInputs], weights: Sequence[FloatArray]
+) -> tuple[ModelInputs, ...]:
+    return tuple(
+        replace(one, weight=read_only(w if one.weight is None else one.weight * w))
+        for one, w in zip(inputs, weights, strict=True)
+    )
+
+
+def _counts(one: ModelInputs) -> FloatArray:
+    return np.ones(one.n, dtype=bool) if one.weight is None else np.asarray(one.weight > 0)
+
+
+def _standardised(one: ModelInputs, residual: FloatArray) -> FloatArray:
+    """The residual, where a weight says how precise a sample is times its root."""
+    return residual if one.weight is None or one.emphasised else residual * np.sqrt(one.weight)
+
+
+def _scale(problem: FitProblem, errors: Sequence[FloatArray]) -> float:
+    counted = [e[_counts(one)] for one, e in zip(problem.inputs, errors, strict=True)]
+    torque = np.concatenate([one.torque for one in problem.inputs if one.torque is not None])
+    least = _SMALLEST * float(np.sqrt(np.mean(torque**2)))
+    return max(spread(np.concatenate(counted)), least)
+
+
+def _largest_change(before: Sequence[FloatArray], after: Sequence[FloatArray]) -> float:
+    return max(float(np.abs(b - a).max()) for b, a in zip(before, after, strict=True))

@@ -1,0 +1,150 @@
+"""What to measure, or to fix, when a parameter is not known well enough: data, one line each."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class TradeOff:
+    """Parameters whose effects on the torque resemble one another, and what tells them apart.
+
+    Attributes
+    ----------
+    names : frozenset of str
+        Parameters that resemble one another, or, with `beside`, those of another group.
+    because : str
+        Why, as the rest of a sentence that begins with the parameters.
+    advice : str
+        What to do, as an imperative.
+    beside : frozenset of str
+        The other group; empty where `names` is the only one.
+    """
+
+    names: frozenset[str]
+    because: str
+    advice: str
+    beside: frozenset[str] = frozenset()
+
+    def holds(self, one: str, other: str) -> bool:
+        """Whether this is about the two parameters."""
+        beside = self.beside or self.names
+        return (one in self.names and other in beside) or (other in self.names and one in beside)
+
+
+#: What tells more of each parameter, of every model.
+PARAMETER_ADVICE: dict[str, str] = {
+    "m": "move faster, with a chirp of more acceleration, or weigh foot and footplate and fix it",
+    "k_tri": "stretch the relaxed triceps further: more dorsiflexion",
+    "x0_tri": "stretch the relaxed triceps further: more dorsiflexion",
+    "k_tib": "stretch the relaxed tibialis further: more plantarflexion",
+    "x0_tib": "stretch the relaxed tibialis further: more plantarflexion",
+    "tau_rel": "hold the stretched angle longer, with a passive part in the trial",
+    "k_rel": "hold the stretched angle longer, with a passive part in the trial",
+    "b_tri": "stretch the relaxed triceps faster, and at several speeds",
+    "F0": "add a passive part with the triceps slack: plantarflexion at rest",
+    "g1": "more effort of the tibialis",
+    "g2": "more effort of the gastrocnemius lateralis",
+    "g3": "more effort of the soleus",
+    "g4": "more effort of the gastrocnemius medialis",
+    "e1": "more effort of the tibialis",
+    "e2": "more effort of the gastrocnemius lateralis",
+    "e3": "more effort of the soleus",
+    "e4": "more effort of the gastrocnemius medialis",
+    "l0_tri": "use more of the range of motion while the triceps is active",
+    "l0_tib": "use more of the range of motion while the tibialis is active",
+    "f0": "faster bursts of effort",
+    "beta": "faster bursts of effort, or fix it at 1, critical damping",
+    "f": "faster bursts of effort",
+    "dlt_tri": "higher forces of the triceps, past the toe of its tendon, or fix it",
+    "pt_tri": "higher forces of the triceps, past the toe of its tendon, or fix it",
+    "kt_tri": "higher forces of the triceps, past the toe of its tendon, or fix it",
+    "fmax_tri": "fix it, and let the strain factor vary instead",
+    "dlt_tib": "higher forces of the tibialis, past the toe of its tendon, or fix it",
+    "pt_tib": "higher forces of the tibialis, past the toe of its tendon, or fix it",
+    "kt_tib": "higher forces of the tibialis, past the toe of its tendon, or fix it",
+    "fmax_tib": "fix it, and let the strain factor vary instead",
+}
+
+#: The best known ones; the first that holds a parameter and one it trades off with is told.
+TRADE_OFFS: tuple[TradeOff, ...] = (
+    TradeOff(
+        frozenset({"k_tri", "x0_tri"}),
+        "both set how high the passive torque of the triceps is",
+        "stretch the relaxed triceps further (more dorsiflexion), which shows its curve, or fix "
+        "one of the two",
+    ),
+    TradeOff(
+        frozenset({"k_tib", "x0_tib"}),
+        "both set how high the passive torque of the tibialis is",
+        "stretch the relaxed tibialis further (more plantarflexion), which shows its curve, or fix "
+        "one of the two",
+    ),
+    TradeOff(
+        frozenset({"tau_rel", "k_rel"}),
+        "a strong slow relaxation begins like a weak fast one",
+        "hold longer than the relaxation lasts, with a passive part in the trial",
+    ),
+    TradeOff(
+        frozenset({"f0", "beta"}),
+        "both delay the force behind the EMG",
+        "faster bursts of effort, or fix beta at 1, critical damping",
+    ),
+    TradeOff(
+        frozenset({"g2", "g3", "g4"}),
+        "the heads of the triceps are active together",
+        "let the heads vary apart (knee bent and straight, other efforts), or fix the ratio of two",
+    ),
+    TradeOff(
+        frozenset({"e2", "e3", "e4"}),
+        "the heads of the triceps are active together",
+        "let the heads vary apart (knee bent and straight, other efforts), or fix the ratio of two",
+    ),
+    TradeOff(
+        frozenset({"dlt_tri", "pt_tri", "kt_tri", "fmax_tri"}),
+        "in the toe they bend one curve alike",
+        "higher forces of the triceps, past the toe of its tendon, or fix all but one",
+    ),
+    TradeOff(
+        frozenset({"dlt_tib", "pt_tib", "kt_tib", "fmax_tib"}),
+        "in the toe they bend one curve alike",
+        "higher forces of the tibialis, past the toe of its tendon, or fix all but one",
+    ),
+    TradeOff(
+        frozenset({"l0_tri"}),
+        "off the optimal length the same activation gives less force",
+        "use more of the range of motion while the triceps is active",
+        beside=frozenset({"g2", "g3", "g4"}),
+    ),
+    TradeOff(
+        frozenset({"l0_tib"}),
+        "off the optimal length the same activation gives less force",
+        "use more of the range of motion while the tibialis is active",
+        beside=frozenset({"g1"}),
+    ),
+    TradeOff(
+        frozenset({"tau_rel", "k_rel"}),
+        "relaxation lowers the torque that stiffness and slack length set",
+        "hold longer at several angles, with a passive part in the trial",
+        beside=frozenset({"k_tri", "x0_tri", "k_tib", "x0_tib"}),
+    ),
+    TradeOff(
+        frozenset({"dlt_tri", "pt_tri", "kt_tri", "fmax_tri"}),
+        "a tendon that gives way lets the muscle shorten and its tissue slacken",
+        "a passive part with long holds, apart from the active one, or fix the tendon",
+        beside=frozenset({"l0_tri", "k_tri", "x0_tri", "tau_rel", "k_rel", "g2", "g3", "g4"}),
+    ),
+    TradeOff(
+        frozenset({"dlt_tib", "pt_tib", "kt_tib", "fmax_tib"}),
+        "a tendon that gives way lets the muscle shorten and its tissue slacken",
+        "a passive part with more plantarflexion, apart from the active one, or fix the tendon",
+        beside=frozenset({"l0_tib", "k_tib", "x0_tib", "g1"}),
+    ),
+)
+
+
+def trade_off(name: str, partners: tuple[str, ...]) -> TradeOff | None:
+    """The known reason why a parameter trades off with one of its partners, strongest first."""
+    for partner in partners:
+        for known in TRADE_OFFS:
+            if known.holds(name, partner):
+                return known
+    return None

@@ -1,0 +1,227 @@
+"""A virtual leg on the device: what its muscles do, and the torque that the device feels."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from surae.model import ModelOptions, get_model
+from surae.model.geometry import arm_tri, paths
+from surae.protocol import Trajectory
+from surae.recording import MUSCLES, read_only
+from surae.signals import ModelInputs
+from surae.studies.disturbances import wandering
+from surae.studies.imperfections import Imperfections
+from surae.studies.populations import VirtualSubject, stream
+from surae.units import FloatArray
+
+#: EMG envelope at full effort and at rest [V]; the thesis's figures reach 6e-4 V.
+EMG_FULL = 6e-4
+EMG_REST = 1e-6
+
+#: From the ankle to where the foot is strapped to the plate [m], as `ARM_LIMB` of equation (6).
+STRAP = 0.15
+#: Moment arm of the gastrocnemius at the knee [m]: 12 to 20 mm (Spoor and van Leeuwen 1992,
+#: *J. Biomech.* 25).
+KNEE_ARM = 0.016
+#: The gastrocnemius's part of the passive force of the triceps; no source, half is assumed.
+KNEE_TISSUE = 0.5
+#: Seconds between the independent values of the knee's angle, and of the gains of the effort.
+KNEE_PERIOD = 2.0
+EFFORT_PERIOD = 1.0
+
+_HEADS = [MUSCLES.index(muscle) for muscle in ("gl", "sol", "gm")]
+_NOT_GASTROCNEMIUS = [MUSCLES.index(muscle) for muscle in ("ta", "sol")]
+
+#: Angle, velocity and acceleration [rad, rad/s, rad/s²].
+Motion = tuple[FloatArray, FloatArray, FloatArray]
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """A trial without the noise of its sensors.
+
+    Attributes
+    ----------
+    envelopes : ndarray, shape (n, 4)
+        EMG envelopes of the muscles, not of the electrodes [V].
+    torque : ndarray, shape (n,)
+        On the device [Nm].
+    """
+
+    envelopes: FloatArray
+    torque: FloatArray
+
+
+def simulate_leg(
+    subject: VirtualSubject,
+    trajectory: Trajectory,
+    model: str,
+    options: ModelOptions,
+    imperfections: Imperfections,
+    trial: int,
+) -> Leg:
+    """Effort, reflex, motion of ankle and knee, and the torque that the model makes of them.
+
+    Parameters
+    ----------
+    subject : VirtualSubject
+        Whose leg it is.
+    trajectory : Trajectory
+        Motion of the device and target effort.
+    model, options : str, ModelOptions
+        Model that stands for the truth.
+    imperfections : Imperfections
+        Of which the sensors' are not used here.
+    trial : int
+        Seed of the trial.
+    """
+    spec = get_model(model)
+    plate = (trajectory.angle, trajectory.velocity, trajectory.acceleration)
+    ankle, turn = misaligned(plate, imperfections.axis_forward, imperfections.axis_up)
+    done = effort(subject, trajectory, imperfections, trial)
+    if imperfections.reflex_gain > 0.0:
+        triceps, _ = paths(ankle[0], ankle[1], options)
+        stretch = triceps.speed / subject.parameters["l0_tri"]
+        done = done.copy()
+        done[:, _HEADS] += reflex(trajectory.time, stretch, imperfections)[:, None]
+    envelopes = EMG_REST + (EMG_FULL - EMG_REST) * done
+    inputs = ModelInputs(
+        name=f"virtual subject {subject.seed} ({subject.population}), "
+        f"{trajectory.settings.profile}, {trajectory.settings.task}",
+        rate_hz=trajectory.settings.rate_hz,
+        time=trajectory.time,
+        angle=read_only(ankle[0]),
+        velocity=read_only(ankle[1]),
+        acceleration=read_only(ankle[2]),
+        emg=read_only(envelopes),
+        emg_unit="V",
+        torque=None,
+        prepared=True,
+    )
+    values = spec.vector(subject.truth(model, options), options)
+    torque = spec.simulator(inputs, options).torque(values)
+    if imperfections.knee_motion > 0.0:
+        knee = wandering(inputs.time, KNEE_PERIOD, 1, stream(subject, "knee", trial))[:, 0]
+        torque = torque + knee_torque(
+            inputs, model, options, values, imperfections.knee_motion * knee
+        )
+    return Leg(envelopes, torque if turn is None else turn * torque)
+
+
+def effort(
+    subject: VirtualSubject, trajectory: Trajectory, imperfections: Imperfections, trial: int
+) -> FloatArray:
+    """What the subject does of what it is asked for, shape (n, 4): the target times a gain."""
+    variation = imperfections.effort_variation
+    if variation == 0.0:
+        return trajectory.effort
+    # Log-normal of mean 1 and this coefficient of variation.
+    spread = np.sqrt(np.log1p(variation**2))
+    values = wandering(
+        trajectory.time, EFFORT_PERIOD, len(MUSCLES), stream(subject, "effort", trial)
+    )
+    gain: FloatArray = np.exp(spread * values - 0.5 * spread**2)
+    return trajectory.effort * gain
+
+
+def reflex(time: FloatArray, stretch: FloatArray, imperfections: Imperfections) -> FloatArray:
+    """Effort of the stretch reflex: stretch velocity, delayed, above a threshold, limited.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        [s].
+    stretch : ndarray, shape (n,)
+        Lengthening velocity of the triceps with a rigid tendon [l0/s]; zero before the trial.
+    imperfections : Imperfections
+        Gain, delay, threshold and limit.
+    """
+    delayed = np.interp(time - imperfections.reflex_delay, time, stretch, left=0.0)
+    above = np.maximum(delayed - imperfections.reflex_threshold, 0.0)
+    return np.minimum(imperfections.reflex_gain * above, imperfections.reflex_limit)
+
+
+def misaligned(plate: Motion, forward: float, up: float) -> tuple[Motion, FloatArray | None]:
+    """Motion of an ankle whose axis is not the device's, and the factor from its torque.
+
+    The foot is pinned at the ankle and strapped to the plate at R = `STRAP` from the device's axis,
+    where it may slide along the sole. With the ankle at a = (forward, up), the foot points to the
+    strap: θ_ankle(θ) = ∠(R·(cos θ, sin θ) − a) − ∠((R, 0) − a). By virtual work the device feels
+    the ankle's torque times dθ_ankle/dθ; foot and plate count as turning together.
+
+    Parameters
+    ----------
+    plate : Motion
+        Of the device, which is what is measured; arrays of shape (n,).
+    forward, up : float
+        Position of the ankle's axis [m].
+
+    Returns
+    -------
+    motion : Motion
+        Of the ankle; `plate` itself where both are zero.
+    factor : ndarray, shape (n,), or None
+        dθ_ankle/dθ; None where both are zero.
+    """
+    if forward == up == 0.0:
+        return plate, None
+    angle, velocity, acceleration = plate
+    along = forward * np.cos(angle) + up * np.sin(angle)
+    across = up * np.cos(angle) - forward * np.sin(angle)
+    away = forward**2 + up**2
+    distance = STRAP**2 + away - 2.0 * STRAP * along
+    turned = np.arctan2(STRAP * np.sin(angle) - up, STRAP * np.cos(angle) - forward)
+    factor = STRAP * (STRAP - along) / distance
+    bend = STRAP * across * (STRAP**2 - away) / distance**2
+    ankle = (
+        turned - np.arctan2(-up, STRAP - forward),
+        factor * velocity,
+        factor * acceleration + bend * velocity**2,
+    )
+    return ankle, factor
+
+
+def knee_torque(
+    inputs: ModelInputs, model: str, options: ModelOptions, values: FloatArray, flexion: FloatArray
+) -> FloatArray:
+    """What knee flexion changes of the ankle torque, through the gastrocnemius.
+
+    Flexion by φ pays out φ·`KNEE_ARM` of the gastrocnemius, as much as plantarflexion by
+    φ·`KNEE_ARM`/r(θ) would. So the force that a leg with an active gastrocnemius alone (and
+    `KNEE_TISSUE` of the passive force) has at that angle takes the place of the force at θ; the
+    moment arm at the ankle stays that of θ. Exact for rigid tendons; with compliant ones the heads
+    count as having tendons of their own.
+
+    Parameters
+    ----------
+    inputs : ModelInputs
+        Motion of the ankle and EMG envelopes of the muscles.
+    model, options : str, ModelOptions
+        The model.
+    values : ndarray
+        Its parameters.
+    flexion : ndarray, shape (n,)
+        Of the knee [rad], from where it was meant to be.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Torque to add [Nm]; zero where the knee does not flex.
+    """
+    emg = np.array(inputs.emg)
+    emg[:, _NOT_GASTROCNEMIUS] = 0.0
+    alone = replace(inputs, emg=read_only(emg))
+    arm = arm_tri(inputs.angle)
+    slack = -flexion * KNEE_ARM / arm
+    shifted = replace(
+        alone,
+        angle=read_only(inputs.angle + slack),
+        velocity=read_only(inputs.velocity + np.gradient(slack, 1.0 / inputs.rate_hz)),
+    )
+
+    def force(of: ModelInputs) -> FloatArray:
+        parts = get_model(model).simulator(of, options).parts(values)
+        pulled: FloatArray = (parts.neural_tri + KNEE_TISSUE * parts.tissue_tri) / arm_tri(of.angle)
+        return pulled
+
+    return arm * (force(shifted) - force(alone))

@@ -1,0 +1,156 @@
+"""`surae protocol`: the file, the table, the figure, and one clear line for every wrong use."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.io import loadmat
+
+from surae.cli.protocol import DEVICE_NAMES, PROFILE_NAMES, TASK_NAMES
+from surae.protocol import DEVICES, PROFILES, TASKS, Protocol, generate, named_device
+
+from .conftest import refused
+from .test_startup import COMPUTING, imported
+
+HEADER = ["time_s", "angle_rad", "emg_ta", "emg_gl", "emg_sol", "emg_gm"]
+
+
+def table(path: Path) -> np.ndarray:
+    header, *rows = csv.reader(path.read_text(encoding="utf-8").splitlines())
+    assert header == HEADER
+    return np.array(rows, dtype=float)
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_every_protocol_is_that_of_the_library(run, tmp_path, name) -> None:
+    done = run("protocol", name, "--output", "p.csv")
+    assert (done.code, done.err) == (0, "")
+    made = generate(Protocol(profile=name))
+    expected = np.column_stack([made.time, made.angle, made.effort])
+    np.testing.assert_allclose(table(tmp_path / "p.csv"), expected, rtol=1e-11, atol=1e-12)
+    assert "protocol: p.csv" in done.out
+    assert f"{len(made.time)} samples at 256 Hz" in done.out
+    assert "-0.900 to 0.600 rad, 100 % of the range of motion" in done.out
+
+
+def test_all_settings_reach_the_protocol(run, tmp_path) -> None:
+    done = run(
+        "protocol", "multi-sine-holds", "--task", "active", "--chirp-amplitude", "0.1",
+        "--chirp-rate", "0.3", "--range", "-0.7:0.4", "--duration", "20", "--rate", "128",
+        "--device", "achilles", "--output", "p.csv",
+    )  # fmt: skip
+    assert done.code == 0
+    made = generate(
+        Protocol(
+            profile="multi-sine-holds",
+            task="active",
+            chirp_amplitude=0.1,
+            chirp_rate=0.3,
+            range_of_motion=(-0.7, 0.4),
+            duration=20.0,
+            rate_hz=128.0,
+            device=named_device("achilles"),
+        )
+    )
+    expected = np.column_stack([made.time, made.angle, made.effort])
+    np.testing.assert_allclose(table(tmp_path / "p.csv"), expected, rtol=1e-11, atol=1e-12)
+
+
+def test_the_table_tells_what_was_adapted_and_covered(run) -> None:
+    done = run(
+        "protocol", "multiple-holds", "--chirp-amplitude", "0.2", "--device", "achilles",
+        "--output", "p.csv",
+    )  # fmt: skip
+    lines = done.out.splitlines()
+    assert lines[0] == "multiple-holds, part-passive"
+    said = {line[:19].strip(): line[19:] for line in lines[2:] if line}
+    assert said["duration"] == "35 s, 8961 samples at 256 Hz"
+    assert said["chirp"] == "0.1 rad, 0 to 17.5 Hz"
+    assert said["peak velocity"] == "1.5 rad/s"
+    assert said["triceps"].endswith("l0/s (l0 = 0.045 m, rigid tendon)")
+    assert said["coverage"].endswith("% of the plane 0.3 to 1.2 l0, -5 to 5 l0/s")
+    assert said["adapted"] == "Chirp lowered from 0.2 to 0.1 rad for achilles."
+    assert "the peak velocity falls from 22 to 1.5 rad/s." in done.out
+
+
+def test_what_needs_no_adaptation_says_so(run) -> None:
+    done = run("protocol", "sine", "--device", "achilles", "--output", "p.csv")
+    assert "nothing: the device follows it as it is." in done.out
+    assert "chirp              none" in done.out
+    assert "adapted" not in run("protocol", "sine", "--output", "p.csv").out
+
+
+def test_a_matlab_file(run, tmp_path) -> None:
+    assert run("protocol", "sine", "--output", "p.mat").code == 0
+    assert run("protocol", "sine", "--output", "p.csv").code == 0
+    found = loadmat(tmp_path / "p.mat")
+    columns = np.hstack([found[name] for name in HEADER])
+    np.testing.assert_allclose(columns, table(tmp_path / "p.csv"), rtol=1e-11, atol=1e-12)
+
+
+@pytest.mark.parametrize(("name", "begins"), [("p.png", b"\x89PNG"), ("p.SVG", b"<?xml")])
+def test_a_figure(run, tmp_path, name, begins) -> None:
+    done = run("protocol", "sine", "--output", "p.csv", "--figure", name)
+    assert done.code == 0
+    assert done.out.endswith(f"protocol: p.csv\nfigure: {name}\n")
+    assert (tmp_path / name).read_bytes().startswith(begins)
+
+
+def test_no_adapt_refuses_what_the_device_cannot_follow(run, tmp_path) -> None:
+    done = run(
+        "protocol", "sine", "--chirp-amplitude", "0.2", "--device", "achilles", "--no-adapt",
+        "--output", "p.csv",
+    )  # fmt: skip
+    refused(done, "achilles", "rad/s", "smaller or slower chirp")
+    assert not (tmp_path / "p.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["zz"], "'zz' is not known; use one of: ramp-and-hold, sine"),
+        (["sine", "--task", "zz"], "'zz' is not known; use one of: part-passive, active"),
+        (["sine", "--device", "zz"], "'zz' is not known; use one of: achilles"),
+        (["sine", "--range", "0.6"], "--range 0.6: write LOW:HIGH in rad"),
+        (["sine", "--range", "0.6:-0.9"], "must be below dorsiflexion"),
+        (["sine", "--range", "a:b"], "'a' is not a number"),
+        (["sine", "--chirp-amplitude", "0,2"], "write 0.2"),
+        (["sine", "--chirp-amplitude", "2"], "less than half the range of motion"),
+        (["sine", "--chirp-amplitude", "0.1", "--chirp-rate", "-1"], "use more than 0"),
+        (["sine", "--chirp-amplitude", "nan"], "chirp amplitude nan"),
+        (["sine", "--duration", "5"], "use a longer duration"),
+        (["sine", "--duration", "inf"], "duration inf"),
+        (["sine", "--duration", "1e9"], "too many samples; use at most 600 s"),
+        (["sine", "--rate", "0"], "rate 0 Hz"),
+        (["sine", "--rate", "1e9"], "too many samples"),
+        (["sine", "--no-adapt"], "--no-adapt has no effect without --device"),
+        (["sine", "--output", "p.txt"], "p.txt must end in .csv or .mat"),
+        (["sine", "--figure", "p.pdf"], "p.pdf must end in .png or .svg"),
+        (["sine", "--figure", "none/p.png"], "there is no folder"),
+    ],
+)
+def test_wrong_use(run, tmp_path, arguments, says) -> None:
+    given = arguments if "--output" in arguments else [*arguments, "--output", "p.csv"]
+    refused(run("protocol", *given), says)
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_the_output_is_required(run) -> None:
+    refused(run("protocol", "sine"), "--output")
+
+
+def test_the_help_names_what_there_is() -> None:
+    assert PROFILE_NAMES.replace(" or ", ", ").split(", ") == [*PROFILES]
+    assert TASK_NAMES.split("|") == [*TASKS]
+    assert DEVICE_NAMES.split("|") == [*DEVICES]
+
+
+def test_help_imports_nothing_that_computes() -> None:
+    assert imported("protocol", "--help") & (COMPUTING | {"numpy", "rich"}) == set()
+    assert imported("protocol", "sine", "--output", "p.txt") & COMPUTING == set()
+
+
+def test_without_a_figure_no_figure_library_is_imported(tmp_path) -> None:
+    arguments = ("protocol", "sine", "--output", "p.csv")
+    assert "matplotlib" not in imported(*arguments, folder=tmp_path)

@@ -1,0 +1,177 @@
+"""Imperfections as settings: none by default, each with draws of its own."""
+
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+from surae.errors import InputError
+from surae.protocol import Protocol, generate
+from surae.studies import (
+    POPULATIONS,
+    Imperfections,
+    realistic_imperfections,
+    virtual_recording,
+    virtual_subject,
+    virtual_trial,
+)
+from surae.studies.populations import stream
+
+SUBJECT = virtual_subject(4)
+SIZES = {
+    "torque_noise": 0.7,
+    "crosstalk": 0.08,
+    "axis_forward": 0.01,
+    "axis_up": -0.01,
+    "knee_motion": 0.05,
+    "effort_variation": 0.2,
+    "reflex_gain": 0.3,
+}
+
+
+@pytest.fixture(scope="module")
+def trajectory():
+    return generate(Protocol(profile="multiple-holds", rate_hz=64.0))
+
+
+def trial(trajectory, seed=0, noise=0.0, **sizes):
+    return virtual_trial(
+        SUBJECT, trajectory, noise=noise, seed=seed, imperfections=Imperfections(**sizes)
+    )
+
+
+def test_every_size_is_zero_by_default():
+    others = {f.name for f in fields(Imperfections)} - SIZES.keys()
+    assert others == {
+        "torque_noise_time", "reflex_delay", "reflex_threshold", "reflex_limit",
+    }  # fmt: skip
+    assert all(getattr(Imperfections(), name) == 0.0 for name in SIZES)
+    assert Imperfections().steps == ()
+
+
+def test_the_kind_of_a_disturbance_of_no_size_has_no_effect(trajectory):
+    ideal = trial(trajectory)
+    found = trial(
+        trajectory, torque_noise_time=1.0, reflex_delay=0.1, reflex_threshold=0.0, reflex_limit=1.0
+    )
+    np.testing.assert_array_equal(found.torque, ideal.torque)
+    np.testing.assert_array_equal(found.emg, ideal.emg)
+
+
+@pytest.mark.parametrize("name", SIZES)
+def test_each_changes_what_it_should_and_is_told(trajectory, name):
+    ideal, found = trial(trajectory), trial(trajectory, **{name: SIZES[name]})
+    torque, emg = np.abs(found.torque - ideal.torque).max(), np.abs(found.emg - ideal.emg).max()
+    assert (torque > 0.05) == (name != "crosstalk")
+    assert (emg > 1e-6) == (name in ("crosstalk", "effort_variation", "reflex_gain"))
+    np.testing.assert_array_equal(found.angle, ideal.angle)
+    assert len(found.steps) == 2
+    assert not found.torque.flags.writeable
+    assert not found.emg.flags.writeable
+    almost = trial(trajectory, **{name: 1e-9 * SIZES[name]})  # none is the limit of a little
+    np.testing.assert_allclose(almost.torque, ideal.torque, atol=1e-5)
+    np.testing.assert_allclose(almost.emg, ideal.emg, atol=1e-12)
+
+
+@pytest.mark.parametrize("other", ["knee_motion", "effort_variation", "reflex_gain", "axis_up"])
+def test_one_does_not_move_the_draws_of_another(trajectory, other):
+    size = {other: SIZES[other]}
+    noise = trial(trajectory, torque_noise=0.7).torque - trial(trajectory).torque
+    beside = trial(trajectory, torque_noise=0.7, **size).torque - trial(trajectory, **size).torque
+    assert noise.std() > 0.5
+    np.testing.assert_allclose(beside, noise, atol=1e-10)
+    if other != "effort_variation":  # gains show in the EMG of a muscle without a reflex
+        gains = trial(trajectory, effort_variation=0.2).emg[:, 0]
+        again = trial(trajectory, effort_variation=0.2, torque_noise=0.7, **size).emg[:, 0]
+        np.testing.assert_array_equal(again, gains)
+
+
+def test_the_noise_of_the_thesis_has_draws_of_its_own(trajectory):
+    plain = trial(trajectory, noise=0.05).torque - trial(trajectory).torque
+    disturbed = trial(trajectory, noise=0.05, torque_noise=1.0).torque
+    added = disturbed - trial(trajectory, torque_noise=1.0).torque
+    np.testing.assert_allclose(added, plain, atol=1e-10)
+
+
+@pytest.mark.parametrize("name", ["torque_noise", "knee_motion", "effort_variation"])
+def test_seeds_are_those_of_subject_and_trial(trajectory, name):
+    settings = Imperfections(**{name: SIZES[name]})
+
+    def torque(seed, number, population="healthy"):
+        subject = virtual_subject(seed, population)
+        ideal = virtual_trial(subject, trajectory, noise=0.0)
+        found = virtual_trial(subject, trajectory, noise=0.0, seed=number, imperfections=settings)
+        return found.torque - ideal.torque
+
+    first = torque(4, 0)
+    np.testing.assert_array_equal(torque(4, 0), first)
+    for other in (torque(4, 1), torque(0, 4), torque(4, 0, "patient")):
+        assert abs(np.corrcoef(first, other)[0, 1]) < 0.5
+        assert np.abs(first - other).max() > 0.05
+
+
+def test_streams_are_independent():
+    healthy, patient = virtual_subject(5), virtual_subject(5, "patient")
+    first = [
+        stream(subject, purpose, number).standard_normal()
+        for subject in (healthy, virtual_subject(0), patient)
+        for purpose in ("torque", "knee")
+        for number in (None, 0, 5)
+    ]
+    assert len(set(first)) == len(first)
+    assert stream(healthy, "torque", 1).random() == stream(healthy, "torque", 1).random()
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "says"),
+    [
+        ("torque_noise", -1.0, "use 0 or more"),
+        ("torque_noise", float("nan"), "use 0 or more"),
+        ("crosstalk", 1.0, "use 0 or more and below 1"),
+        ("axis_up", -0.05, "use above -0.05 and below 0.05"),
+        ("axis_forward", 0.06, "use above -0.05 and below 0.05"),
+        ("knee_motion", 2.0, "use 0 or more and below 0.5"),
+        ("reflex_delay", float("inf"), "use 0 or more"),
+        ("effort_variation", -0.1, "use 0 or more"),
+        ("effort_variation", "0.1", "give a number"),
+    ],
+)
+def test_senseless_values_are_refused(name, value, says):
+    with pytest.raises(InputError, match=rf"^imperfections: {name} is .*; {says}$"):
+        Imperfections(**{name: value})
+
+
+def test_realistic_imperfections_are_drawn_once_for_a_subject():
+    for population in POPULATIONS:
+        drawn = [realistic_imperfections(virtual_subject(seed, population)) for seed in range(200)]
+        assert drawn[7] == realistic_imperfections(virtual_subject(7, population))
+        assert len({one.crosstalk for one in drawn}) == 200
+        assert all(0.03 <= one.crosstalk <= 0.10 for one in drawn)
+        assert max(abs(one.axis_up) for one in drawn) <= 0.015
+        axis = np.array([(one.axis_forward, one.axis_up) for one in drawn])
+        assert axis.std(axis=0) == pytest.approx([0.006, 0.006], rel=0.15)
+        assert abs(np.corrcoef(axis.T)[0, 1]) < 0.2
+        assert all((one.reflex_gain > 0.0) == (population == "patient") for one in drawn)
+
+
+def test_all_of_them_go_together_with_tendons(trajectory):
+    subject = virtual_subject(3, "patient", tendons=True)
+    found = virtual_trial(
+        subject, trajectory, model="muscle-tendon-toe",
+        imperfections=realistic_imperfections(subject),
+    )  # fmt: skip
+    assert np.isfinite(found.torque).all()
+    assert len(found.steps) == 8
+
+
+def test_a_recording_has_them_too():
+    fast = generate(Protocol(profile="ramp-and-hold", rate_hz=1024.0))
+    ideal = virtual_recording(SUBJECT, fast)
+    for name, size in SIZES.items():
+        found = virtual_recording(SUBJECT, fast, imperfections=Imperfections(**{name: size}))
+        torque = found.channels["torque"].values - ideal.channels["torque"].values
+        emg = found.channels["emg_sol"].values - ideal.channels["emg_sol"].values
+        assert (np.abs(torque).max() > 0.05) == (name != "crosstalk")
+        assert (np.abs(emg).max() > 1e-6) == (
+            name in ("crosstalk", "effort_variation", "reflex_gain")
+        )
