@@ -12,29 +12,43 @@ from surae.errors import ComputationError, InputError, SuraeError
 if TYPE_CHECKING:
     from surae.api import (
         Fit,
+        bootstrap,
         compare,
+        emg_bias,
         fit,
+        leave_one_out,
         load,
+        posterior,
+        profile,
         simulate,
         simulate_parts,
         simulate_tendon,
         validate,
     )
-    from surae.assessment import Comparison
+    from surae.assessment import Baseline, Comparison
+    from surae.model.anthropometry import foot_mass
     from surae.recording import Recording, read, write_csv
-    from surae.signals import ModelInputs, Preparation
+    from surae.signals import ModelInputs, Preparation, Weighting
     from surae.signals.prepare import prepare
 
 _HOMES = {
+    "Baseline": "surae.assessment",
     "Comparison": "surae.assessment",
     "Fit": "surae.api",
     "ModelInputs": "surae.signals",
     "Preparation": "surae.signals",
     "Recording": "surae.recording",
+    "Weighting": "surae.signals",
+    "bootstrap": "surae.api",
     "compare": "surae.api",
+    "emg_bias": "surae.api",
     "fit": "surae.api",
+    "foot_mass": "surae.model.anthropometry",
+    "leave_one_out": "surae.api",
     "load": "surae.api",
+    "posterior": "surae.api",
     "prepare": "surae.signals",
+    "profile": "surae.api",
     "read": "surae.recording",
     "simulate": "surae.api",
     "simulate_parts": "surae.api",
@@ -44,6 +58,7 @@ _HOMES = {
 }
 
 __all__ = [
+    "Baseline",
     "Comparison",
     "ComputationError",
     "Fit",
@@ -52,11 +67,18 @@ __all__ = [
     "Preparation",
     "Recording",
     "SuraeError",
+    "Weighting",
     "__version__",
+    "bootstrap",
     "compare",
+    "emg_bias",
     "fit",
+    "foot_mass",
+    "leave_one_out",
     "load",
+    "posterior",
     "prepare",
+    "profile",
     "read",
     "simulate",
     "simulate_parts",

@@ -7,13 +7,27 @@ from typing import Any, Literal, overload
 import numpy as np
 
 from surae.assessment.assess import Assessment, ParameterEstimate, assess
+from surae.assessment.baseline_json import load_baseline
+from surae.assessment.bootstrap import REPLICATES, Bootstrap
+from surae.assessment.bootstrap import Told as BootstrapTold
+from surae.assessment.bootstrap import bootstrap as bootstrap_fit
+from surae.assessment.chains import Told as ChainsTold
 from surae.assessment.compare import COMPARED, FEW_STARTS, Told, compare_models
 from surae.assessment.comparison import Comparison
-from surae.assessment.fit_json import load_fit, save_fit
+from surae.assessment.emg_bias import PAIRS, EmgBias
+from surae.assessment.emg_bias import emg_bias as emg_bias_of
+from surae.assessment.fit_json import load_saved, save_fit
+from surae.assessment.leave_one_out import LeaveOneOut
+from surae.assessment.leave_one_out import Told as LeaveOneOutTold
+from surae.assessment.leave_one_out import leave_one_out as leave_one_out_of
+from surae.assessment.posterior import CHAINS, DRAWS, TUNE, Posterior, sample
+from surae.assessment.profiles import Profiles, profiles
+from surae.assessment.profiles import Told as ProfileTold
+from surae.assessment.snsem import Baseline, check_baseline
 from surae.assessment.uncertainty import Covariance
-from surae.assessment.validation import Prediction, predict
+from surae.assessment.validation import Prediction, predict_others
 from surae.errors import InputError
-from surae.estimation import STARTS, FitResult, fit_problem, make_problem
+from surae.estimation import STARTS, FitResult, fit_problem, fit_robust, make_problem
 from surae.estimation.fit import Progress
 from surae.files import PathLike
 from surae.model import (
@@ -26,12 +40,14 @@ from surae.model import (
     check_finite_torque,
     get_model,
 )
-from surae.recording import MUSCLES, Recording, read
-from surae.signals import ModelInputs, prepare
+from surae.recording import Recording, read
+from surae.signals import ModelInputs, Weighting, prepare, weighted
 from surae.units import FloatArray
 
 #: A recording in any form: read, prepared, or the path of its file.
 AnyRecording = Recording | ModelInputs | PathLike
+#: Median and spread of a parameter's prior by name.
+Priors = Mapping[str, tuple[float, float]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +89,16 @@ class Fit:
     def vaf(self) -> float:
         """Variance accounted for over all recordings, equation (31) [%]."""
         return self.assessment.vaf
+
+    @property
+    def vaf_weighted(self) -> float | None:
+        """VAF with the samples counted as the fit did; None where all count alike [%]."""
+        return self.assessment.vaf_weighted
+
+    @property
+    def snsem(self) -> Mapping[str, float | None]:
+        """Standard errors over those of simulations; empty without a baseline."""
+        return self.assessment.snsem
 
     @property
     def correlation(self) -> FloatArray:
@@ -138,14 +164,29 @@ class Fit:
         """Write FIT.json; `load` reads it back without loss."""
         save_fit(path, self.result, self.assessment)
 
-    def report(self, path: PathLike) -> None:
-        """Write the report, one self-contained HTML file."""
+    def report(self, path: PathLike, *, validation: Sequence[Prediction] = ()) -> None:
+        """Write the report, one self-contained HTML file.
+
+        Parameters
+        ----------
+        path : path
+            Where to.
+        validation : sequence of Prediction, optional
+            Predictions of other recordings to show, as `validate` makes them.
+        """
         from datetime import datetime
 
         from surae.report import write_report
 
         now = datetime.now().astimezone()
-        write_report(path, self.result, self.assessment, versions=self.result.versions, created=now)
+        write_report(
+            path,
+            self.result,
+            self.assessment,
+            versions=self.result.versions,
+            created=now,
+            predictions=validation,
+        )
 
 
 def fit(
@@ -156,7 +197,10 @@ def fit(
     free: Sequence[str] = (),
     start: Mapping[str, float] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
-    priors: Mapping[str, tuple[float, float]] | None = None,
+    priors: Priors | str | tuple[str, Priors] | None = None,
+    weights: Weighting | Sequence[Weighting] | None = None,
+    loss: str | None = None,
+    baseline: Baseline | PathLike | None = None,
     prepared: bool = False,
     starts: int = STARTS,
     seed: int = 0,
@@ -179,9 +223,17 @@ def fit(
         Where the first start begins, instead of the defaults.
     bounds : mapping of str to (float, float), optional
         Bounds instead of the defaults.
-    priors : mapping of str to (float, float), optional
+    priors : mapping of str to (float, float), str, or both as a pair, optional
         What is known of a parameter beforehand: its median, and the standard deviation of its
         logarithm (about its relative standard deviation), e.g. ``{"dlt_tib": (0.04, 0.2)}``.
+        ``"healthy"`` or ``"patient"``: defaults of a population, for the parameters that have one;
+        ``("healthy", {"tau_rel": (2.0, 0.5)})``: such defaults but for those given.
+    weights : Weighting, or sequence of Weighting, optional
+        What samples count, for all recordings or one for each, e.g. ``Weighting(peaks=9)``.
+    loss : {"huber", "soft-l1", "tukey"}, optional
+        Let outliers count less than their square; see `surae.estimation.fit_robust`.
+    baseline : Baseline or path, optional
+        Simulations to compare the standard errors with (snSEM, thesis 2.7).
     prepared : bool
         The signals are filtered and at the model's rate already: use them as they are.
     starts : int
@@ -203,18 +255,29 @@ def fit(
     InputError
         Something given is unknown, contradictory or unusable.
     """
+    inputs: Sequence[ModelInputs] = [_inputs(one, prepared) for one in _several(recordings)]
+    population, known = priors if isinstance(priors, tuple) else (None, priors)
+    if isinstance(known, str):
+        population, known = known, None
     problem = make_problem(
-        [_inputs(one, prepared) for one in _several(recordings)],
+        inputs if weights is None else weighted(inputs, weights),
         model,
         fixed=fixed,
         free=free,
         start=start,
         bounds=bounds,
-        priors=priors,
+        priors=known,
+        population=population,
         options=ModelOptions.of(**options),
     )
-    result = fit_problem(problem, starts=starts, seed=seed, progress=progress)
-    return Fit(result, assess(result))
+    compared = baseline if isinstance(baseline, Baseline | None) else load_baseline(baseline)
+    if compared is not None:
+        check_baseline(compared, problem)
+    if loss is None:
+        result = fit_problem(problem, starts=starts, seed=seed, progress=progress)
+    else:
+        result = fit_robust(problem, loss, starts=starts, seed=seed, progress=progress)
+    return Fit(result, assess(result, compared))
 
 
 def compare(
@@ -273,6 +336,202 @@ def compare(
     )
 
 
+def profile(
+    fitted: Fit,
+    names: str | Sequence[str] | None = None,
+    *,
+    variance_inflation: float | Mapping[str, float] = 1.0,
+    workers: int | None = None,
+    progress: ProfileTold | None = None,
+) -> Profiles:
+    """Profile likelihood: intervals that need not be symmetric, nor end where the data set no end.
+
+    Parameters
+    ----------
+    fitted : Fit
+        The fit.
+    names : str or sequence of str, optional
+        Parameters that it estimated; all of them by default.
+    variance_inflation : float or mapping of str to float
+        Divides Δχ², of all or of each parameter, for residuals that are correlated over time; see
+        `surae.assessment.profile.profile`.
+    workers : int, optional
+        Profiles at a time; by default one for each processor. The numbers do not depend on it.
+    progress : callable, optional
+        Called after every profile with (parameter, profiles done, all profiles).
+
+    Returns
+    -------
+    Profiles
+        Ctrl-C keeps the profiles that are complete; `missing` names the others.
+
+    Raises
+    ------
+    InputError
+        A parameter is unknown, fixed or given twice, or the fit has nothing to profile.
+    """
+    return profiles(
+        fitted.result,
+        [names] if isinstance(names, str) else names,
+        variance_inflation=variance_inflation,
+        workers=workers,
+        progress=progress,
+    )
+
+
+def posterior(
+    fitted: Fit,
+    *,
+    draws: int = DRAWS,
+    tune: int = TUNE,
+    chains: int = CHAINS,
+    seed: int = 0,
+    priors: Mapping[str, tuple[float, float]] | None = None,
+    variance_inflation: float = 1.0,
+    cores: int | None = None,
+    progress: ChainsTold | None = None,
+) -> Posterior:
+    """Draws from the posterior: what recordings and prior knowledge say together.
+
+    Needs the extra: ``pip install "surae[bayes]"``.
+
+    Parameters
+    ----------
+    fitted : Fit
+        The fit.
+    draws, tune : int
+        Draws of each chain that are kept, and that tune the sampler before.
+    chains : int
+        Number of chains.
+    seed : int
+        The same seed gives the same draws on any number of cores.
+    priors : mapping of str to (median, spread), optional
+        Priors in place of the fit's own, which stand in place of
+        `surae.assessment.population.POPULATION`.
+    variance_inflation : float
+        Divides the weight of the data, for residuals that are correlated over time; see
+        `surae.assessment.posterior.sample`.
+    cores : int, optional
+        Chains at a time; by default one for each processor.
+    progress : callable, optional
+        Called now and then with (iterations done, all iterations).
+
+    Returns
+    -------
+    Posterior
+        Ctrl-C keeps what is drawn; `message` says so.
+
+    Raises
+    ------
+    InputError
+        The sampler is not installed, a setting or prior is impossible, or the fit has no residual
+        to draw from.
+    """
+    return sample(
+        fitted.result,
+        draws=draws,
+        tune=tune,
+        chains=chains,
+        seed=seed,
+        priors=priors,
+        variance_inflation=variance_inflation,
+        cores=cores,
+        progress=progress,
+    )
+
+
+def bootstrap(
+    fitted: Fit,
+    *,
+    replicates: int = REPLICATES,
+    seed: int = 0,
+    block_s: float | None = None,
+    workers: int | None = None,
+    store: PathLike | None = None,
+    progress: BootstrapTold | None = None,
+) -> Bootstrap:
+    """Percentile intervals from fits to random blocks of the residual; no formula is trusted.
+
+    Parameters
+    ----------
+    fitted : Fit
+        The fit.
+    replicates : int
+        Fits to make.
+    seed : int
+        Of the random blocks; the numbers depend on nothing else.
+    block_s : float, optional
+        Length of the blocks [s]; by default from the residual's autocorrelation.
+    workers : int, optional
+        Fits at a time; by default one for each processor.
+    store : path, optional
+        File that replicates are added to as they come, and from which a bootstrap goes on.
+    progress : callable, optional
+        Called after every replicate with (done, all).
+
+    Returns
+    -------
+    Bootstrap
+        Ctrl-C keeps the replicates that are complete; `missing` counts the others.
+
+    Raises
+    ------
+    InputError
+        A number is out of range, or the file is of another bootstrap.
+    """
+    return bootstrap_fit(
+        fitted.result,
+        replicates=replicates,
+        seed=seed,
+        block_s=block_s,
+        workers=workers,
+        store=store,
+        progress=progress,
+    )
+
+
+def emg_bias(
+    fitted: Fit,
+    *,
+    level: float | None = None,
+    pairs: int = PAIRS,
+    seed: int = 0,
+    workers: int | None = None,
+    progress: BootstrapTold | None = None,
+) -> EmgBias:
+    """How far noise of the EMG has shifted each parameter, by simulation and extrapolation.
+
+    Parameters
+    ----------
+    fitted : Fit
+        The fit.
+    level : float, optional
+        Standard deviation of white EMG noise as a part of each channel's mean; by default the
+        noise is that of the EMG's quiet part.
+    pairs : int
+        Pairs of noise realisations, 8 fits each.
+    seed : int
+        Of the random noise; the numbers depend on nothing else.
+    workers : int, optional
+        Fits at a time; by default one for each processor.
+    progress : callable, optional
+        Called after every pair with (done, all).
+
+    Returns
+    -------
+    EmgBias
+        Ctrl-C keeps the pairs that are complete; `missing` counts the others.
+
+    Raises
+    ------
+    InputError
+        A number is out of range, or an EMG is too short to have a quiet part.
+    """
+    return emg_bias_of(
+        fitted.result, level=level, pairs=pairs, seed=seed, workers=workers, progress=progress
+    )
+
+
 def load(path: PathLike) -> Fit:
     """Read a fit that was saved; equal to the one saved.
 
@@ -281,8 +540,8 @@ def load(path: PathLike) -> Fit:
     InputError
         The file is missing, damaged, or of a newer surae.
     """
-    result = load_fit(path)
-    return Fit(result, assess(result))
+    result, baseline = load_saved(path)
+    return Fit(result, assess(result, baseline))
 
 
 @overload
@@ -385,7 +644,11 @@ def simulate_tendon(
 
 
 def validate(
-    fitted: Fit, recordings: Sequence[AnyRecording], *, prepared: bool | None = None
+    fitted: Fit,
+    recordings: Sequence[AnyRecording],
+    *,
+    prepared: bool | None = None,
+    weights: Weighting | Sequence[Weighting] | None = None,
 ) -> tuple[Prediction, ...]:
     """Predict recordings with the parameters of a fit to others (thesis 2.7).
 
@@ -397,6 +660,8 @@ def validate(
         With their measured torque.
     prepared : bool, optional
         Whether their signals are used as they are; by default as they were in the fit.
+    weights : Weighting, or sequence of Weighting, optional
+        Its windows of weight 0 are left out of the figures.
 
     Returns
     -------
@@ -406,22 +671,44 @@ def validate(
     problem = fitted.result.problem
     as_they_are = problem.inputs[0].prepared if prepared is None else prepared
     inputs = [_inputs(one, as_they_are) for one in recordings]
-    for one in inputs:
-        if one.emg_unit != problem.inputs[0].emg_unit:
-            raise InputError(
-                f"{one.where}: its EMG is in {one.emg_unit!r}, that of the fit in "
-                f"{problem.inputs[0].emg_unit!r}; the weights do not carry over"
-            )
-    weights = zip(MUSCLES, problem.spec.weights, strict=True)
-    estimated = [muscle for muscle, weight in weights if weight in problem.free]
-    for one in inputs:
-        for muscle in one.missing_emg:
-            if muscle in estimated:
-                raise InputError(
-                    f"{one.where}: no EMG of muscle {muscle!r}, whose weight the fit estimated; "
-                    f"add the channel emg_{muscle}"
-                )
-    return predict(problem.spec, problem.options, fitted.values, inputs)
+    return predict_others(fitted.result, inputs if weights is None else weighted(inputs, weights))
+
+
+def leave_one_out(
+    recordings: Sequence[AnyRecording],
+    model: str = "muscle",
+    *,
+    prepared: bool = False,
+    weights: Weighting | Sequence[Weighting] | None = None,
+    progress: LeaveOneOutTold | None = None,
+    **settings: Any,
+) -> LeaveOneOut:
+    """Predict every recording with the parameters of a fit of all the others (thesis 2.7).
+
+    Parameters
+    ----------
+    recordings : sequence of Recording, ModelInputs or path
+        At least two recordings of one leg; they may be of different protocols.
+    model : str
+        Name of the model.
+    prepared : bool
+        The signals are filtered and at the model's rate already: use them as they are.
+    weights : Weighting, or sequence of Weighting, optional
+        What samples count in the fits; those of weight 0 are in no prediction's figures either.
+    progress : callable, optional
+        Called before every fit with (the recording left out, fits done, all fits).
+    **settings
+        Other keywords of `fit`: ``fixed``, ``priors``, ``loss``, ``starts``, model options, …
+
+    Returns
+    -------
+    LeaveOneOut
+        A prediction and a fit for each recording, and the figures of all predictions together.
+    """
+    inputs: Sequence[ModelInputs] = [_inputs(one, prepared) for one in recordings]
+    if weights is not None:
+        inputs = weighted(inputs, weights)
+    return leave_one_out_of(inputs, lambda some: fit(some, model, **settings).result, progress)
 
 
 def _quietly() -> np.errstate:

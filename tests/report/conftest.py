@@ -85,6 +85,18 @@ def plain() -> Case:
 
 
 @pytest.fixture(scope="session")
+def coloured() -> Case:
+    """One recording whose noise is correlated over a fifth of a second."""
+    white = np.random.default_rng(3).standard_normal(1000)
+    noise = np.zeros(1000)
+    for i in range(1, 1000):
+        noise[i] = 0.95 * noise[i - 1] + 0.1 * white[i]
+    clean = trial(noise=0.0)
+    noisy = replace(clean, torque=read_only(clean.torque + noise))
+    return make_case(fit_problem(make_problem([noisy]), starts=1))
+
+
+@pytest.fixture(scope="session")
 def joint() -> Case:
     """Two recordings with hostile names, one parameter fixed, one stopped at a bound."""
     files = (SourceFile(f"{HOSTILE}.csv", "cd" * 32),)

@@ -4,23 +4,16 @@ from datetime import datetime
 import numpy as np
 import pytest
 
-from surae.assessment import assess
 from surae.report.content import make_content
-from surae.report.digits import estimate, percentage, significant
+from surae.report.digits import estimate, percentage, significant, standard_error
 from surae.report.traces import traces_of
-from surae.report.whiteness import whiteness
-from surae.report.wording import closeness, remain_identified
+from surae.report.wording import closeness
 
 
-def content_of(case, result=None, residual=None):
+def content_of(case, result=None):
     result = result or case.result
-    traces = traces_of(result)
-    white = tuple(
-        whiteness(one.residual if residual is None else residual, inputs.rate_hz)
-        for one, inputs in zip(traces, result.problem.inputs, strict=True)
-    )
     return make_content(
-        result, case.assessment, traces, white, versions={"surae": "1.2.3"},
+        result, case.assessment, traces_of(result), versions={"surae": "1.2.3"},
         created=datetime(2026, 1, 5, 14, 3),
     )  # fmt: skip
 
@@ -40,6 +33,7 @@ def test_the_numbers_are_those_of_the_assessment(plain, content):
     for name, p in plain.assessment.parameters.items():
         row = rows[name]
         assert (row.value, row.sem, row.interval) == estimate(p.value, p.sem, p.ci95)
+        assert row.sem_robust == standard_error(p.sem_robust)
         assert (row.verdict, row.note) == (p.verdict, p.note)
         assert row.bar.value == pytest.approx((p.value - p.lower) / (p.upper - p.lower))
         assert row.bar.low <= row.bar.value <= row.bar.high
@@ -73,19 +67,22 @@ def test_every_start_is_listed(plain, content):
 
 def test_white_residuals_are_not_called_coloured(content):
     assert content.caution == ""
-    assert "look like white noise" in " ".join(content.summary)
+    assert "passes for white noise" in " ".join(content.summary)
 
 
-def test_coloured_residuals_are_said_to_narrow_the_intervals(plain):
-    slow = np.cumsum(np.random.default_rng(3).standard_normal(1000))
-    found = whiteness(slow, 100.0)
-    content = content_of(plain, residual=slow)
+def test_coloured_residuals_widen_the_intervals_and_say_so(coloured):
+    content, found = content_of(coloured), coloured.assessment.whiteness[0]
     text = " ".join(content.summary)
     assert f"correlate by {significant(found.lag1, 2)}" in text
     assert f"{significant(found.fall_s, 2)} s to fall" in text
-    assert "too narrow" in text
-    assert "not white" in content.caution
-    assert "too narrow" in content.recordings[0].residual_text
+    assert "too small by a factor of" in text
+    assert "robust SEM, because the residual is correlated" in content.caution
+    assert "correlated over time" in content.recordings[0].residual_text
+    assert content.interval == "robust"
+    for name, row in rows_of(content).items():
+        p = coloured.assessment.parameters[name]
+        assert row.interval == estimate(p.value, p.sem_robust, p.ci95).interval
+        assert (row.sem, row.sem_robust) == (standard_error(p.sem), standard_error(p.sem_robust))
 
 
 def test_fixed_and_bounded_parameters_say_why(joint):
@@ -146,11 +143,3 @@ def test_a_moderate_fit_is_called_moderate(plain):
     ]  # fmt: skip
     poor = replace(plain, assessment=replace(plain.assessment, vaf=70.0))
     assert "should not be read as properties of the muscles" in content_of(poor).summary[0]
-
-
-def test_the_widened_intervals_are_counted(plain):
-    parameters = assess(plain.result).parameters.values()
-    half = {p.name: (p.ci95[1] - p.value) / abs(p.value) for p in parameters}
-    for factor in (1.0, 2.5, 40.0):
-        expected = sum(factor * part <= 0.1 for part in half.values())
-        assert remain_identified(plain.assessment, factor) == expected

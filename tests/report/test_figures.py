@@ -3,9 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from surae.assessment import whiteness
 from surae.report.figures import correlation_figure, png, residual_figure, svg, torque_figure
 from surae.report.traces import traces_of
-from surae.report.whiteness import whiteness
 
 
 @pytest.fixture(scope="module")
@@ -78,6 +78,16 @@ def test_the_heat_map_has_values_names_signs_and_the_block():
     (frame,) = [p for p in axes.patches if type(p).__name__ == "Rectangle"]
     assert (frame.get_xy(), frame.get_width(), frame.get_height()) == ((1.5, 0.5), 1, 1)
     assert figure.axes[1].get_ylabel() == "Correlation [-]"
+
+
+def test_the_heat_map_outlines_a_block_in_as_many_pieces_as_it_has():
+    names = ["m", "k_tri", "x0_tri", "e1", "e2", "f", "b_tri", "F0"]
+    figure = correlation_figure(
+        names, np.eye(8), ["k_tri", "x0_tri", "b_tri", "F0"], ["e1", "e2", "f"]
+    )
+    frames = [p for p in figure.axes[0].patches if type(p).__name__ == "Rectangle"]
+    found = [(p.get_xy(), p.get_width(), p.get_height()) for p in frames]
+    assert found == [((2.5, 0.5), 3, 2), ((2.5, 5.5), 3, 2)]
 
 
 def test_equal_figures_give_equal_bytes():

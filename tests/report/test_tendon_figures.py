@@ -126,7 +126,7 @@ def test_samples_without_a_solution_are_named_and_drawn_up_to_there(elastic):
     residual = result.residuals[0].copy()
     residual[400:] = np.nan
     broken = replace(result, problem=problem, residuals=(residual,), status="failed")
-    (section,) = content_of(elastic, broken, np.zeros(1000)).recordings
+    (section,) = content_of(elastic, broken).recordings
     assert len(section.warnings) == 2
     assert section.warnings[0].startswith("Triceps surae: the balance of forces could not be")
     assert "at sample 401 (4 s)" in section.warnings[0]

@@ -1,17 +1,30 @@
 """From a fit to what it is worth: goodness, intervals, correlations and verdicts."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
 
 import numpy as np
 
-from surae.assessment.quality import rmse, vaf
+from surae.assessment.quality import rmse, vaf, weighted_vaf
+from surae.assessment.robust import RobustCovariance, robust_covariance
+from surae.assessment.snsem import Baseline, check_baseline, snsem
 from surae.assessment.uncertainty import Covariance, covariance, half_width, ipde
 from surae.assessment.verdict import Verdict, judge_interval, judge_singular
+from surae.assessment.whiteness import LEVEL, Whiteness
 from surae.estimation import FitResult
 from surae.model import adapted
 from surae.signals import ModelInputs
 from surae.units import FloatArray
+
+_NO_VARIANCE = "no estimate has a variance"
+
+
+class Interval(StrEnum):
+    """Which standard error an interval is made of."""
+
+    THESIS = "thesis"
+    ROBUST = "robust"
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,9 +38,14 @@ class ParameterEstimate:
     value : float
         Estimate, or the value it was fixed at.
     sem : float or None
-        Standard error, equation (34); None where there is none, and `note` says why.
+        Standard error, equation (34), which takes the residual for white noise; None where there
+        is none, and `note` says why.
+    sem_robust : float or None
+        Standard error under noise that is correlated as the residual says.
     ci95 : tuple of float, or None
-        95 % interval.
+        95 % interval, from the standard error that `interval` names.
+    interval : Interval or None
+        Which standard error `ci95` and `verdict` rest on; None without one.
     lower, upper : float
         Bounds of the fit.
     free, at_bound : bool
@@ -44,7 +62,9 @@ class ParameterEstimate:
     group: str
     value: float
     sem: float | None
+    sem_robust: float | None
     ci95: tuple[float, float] | None
+    interval: Interval | None
     lower: float
     upper: float
     free: bool
@@ -52,10 +72,18 @@ class ParameterEstimate:
     verdict: Verdict
     note: str
 
+    @property
+    def trusted_sem(self) -> float | None:
+        """The standard error that `ci95` is made of."""
+        return self.sem_robust if self.interval is Interval.ROBUST else self.sem
+
 
 @dataclass(frozen=True, slots=True)
 class RecordingQuality:
-    """How well one recording is followed where its samples count: VAF [%], RMSE, bias [Nm]."""
+    """How well one recording is followed where its samples count: VAF [%], RMSE, bias [Nm].
+
+    `vaf_weighted` counts the samples as the fit did; None where all that count count alike.
+    """
 
     name: str
     path: str | None
@@ -65,6 +93,7 @@ class RecordingQuality:
     vaf: float
     rmse: float
     bias: float
+    vaf_weighted: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,42 +104,75 @@ class Assessment:
     ----------
     vaf, rmse : float
         Of all recordings together [%, Nm]; NaN where the model gave no finite torque.
+    vaf_weighted : float or None
+        VAF with the samples counted as the fit did, 1 − Σwe²/ΣwT² [%]; None where all that count
+        count alike.
     parameters : mapping of str to ParameterEstimate
         All parameters of the model, in its order.
     covariance : Covariance
-        Of the estimates that have one.
+        Of the estimates that have one, equation (33): for white residuals.
+    robust : RobustCovariance or None
+        Of the same estimates, for residuals that are correlated over time.
+    whiteness : tuple of Whiteness
+        Autocorrelation of each recording's residual, and the test of it.
+    interval : Interval
+        Which of the two the intervals and verdicts rest on.
+    interval_note : str
+        Why, in a plain sentence.
     ipde : float or None
         Equation (35); None, with `ipde_note` saying why, when fewer than two have a variance.
     ipde_note : str
         Which parameters it leaves out, or why there is none; empty when it has them all.
     recordings : tuple of RecordingQuality
         One for each recording.
+    baseline : Baseline or None
+        Simulations that the standard errors are compared with.
+    snsem : mapping of str to (float or None)
+        Standard error over that of the simulations (thesis 2.7); empty without a baseline.
     """
 
     vaf: float
     rmse: float
+    vaf_weighted: float | None
     parameters: Mapping[str, ParameterEstimate]
     covariance: Covariance
+    robust: RobustCovariance | None
+    whiteness: tuple[Whiteness, ...]
+    interval: Interval
+    interval_note: str
     ipde: float | None
     ipde_note: str
     recordings: tuple[RecordingQuality, ...]
+    baseline: Baseline | None = None
+    snsem: Mapping[str, float | None] = field(default_factory=dict)
 
 
-def assess(result: FitResult) -> Assessment:
+def assess(result: FitResult, baseline: Baseline | None = None) -> Assessment:
     """Judge a fit.
 
     Parameters
     ----------
     result : FitResult
         What was found.
+    baseline : Baseline, optional
+        Simulations to compare the standard errors with.
 
     Returns
     -------
     Assessment
         Goodness of fit, intervals, correlations and verdicts.
+
+    Raises
+    ------
+    InputError
+        The baseline is of another model.
     """
     problem = result.problem
+    if baseline is not None:
+        check_baseline(baseline, problem)
     estimated = covariance(result.R, problem.free, result.sse, problem.n, result.at_bound)
+    robust, white = robust_covariance(result, estimated)
+    interval, why = _believed(result, white) if robust else (Interval.THESIS, _NO_VARIANCE)
     pairs = [_counted(*pair) for pair in zip(problem.inputs, result.residuals, strict=True)]
     recordings = tuple(
         RecordingQuality(
@@ -122,35 +184,69 @@ def assess(result: FitResult) -> Assessment:
             vaf=vaf(torque, residual),
             rmse=rmse(residual),
             bias=float(residual.mean()),
+            vaf_weighted=weighted_vaf([(torque, residual, weight)]),
         )
-        for one, (torque, residual) in zip(problem.inputs, pairs, strict=True)
+        for one, (torque, residual, weight) in zip(problem.inputs, pairs, strict=True)
     )
     left_out = [name for name in problem.free if name not in estimated.names]
     several = len(estimated.names) > 1
     note = f"without {', '.join(left_out)}" if left_out else ""
     if not several:
         note = "fewer than two parameters have a variance"
-    residuals = np.concatenate([residual for _, residual in pairs])
+    residuals = np.concatenate([residual for _, residual, _ in pairs])
+    parameters = _parameters(result, estimated, robust, interval)
+    errors = {p.name: p.sem for p in parameters.values() if p.free}
     return Assessment(
-        vaf=vaf(np.concatenate([torque for torque, _ in pairs]), residuals),
+        vaf=vaf(np.concatenate([torque for torque, _, _ in pairs]), residuals),
         rmse=rmse(residuals),
-        parameters=_parameters(result, estimated),
+        vaf_weighted=weighted_vaf(pairs),
+        parameters=parameters,
         covariance=estimated,
+        robust=robust,
+        whiteness=white,
+        interval=interval,
+        interval_note=why,
         ipde=ipde(estimated.correlation) if several else None,
         ipde_note=note,
         recordings=recordings,
+        baseline=baseline,
+        snsem={} if baseline is None else snsem(baseline, errors, problem.inputs[0].emg_unit),
     )
 
 
-def _counted(one: ModelInputs, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Measured torque and residual where samples count."""
+def _believed(result: FitResult, white: Sequence[Whiteness]) -> tuple[Interval, str]:
+    """Which standard errors to believe, and why: the thesis's only where all residuals are white.
+
+    The level of the test is shared among the recordings (Bonferroni).
+    """
+    if result.outliers is not None:
+        return Interval.ROBUST, "outliers count less than their square"
+    if any(one.emphasised for one in result.problem.inputs):
+        return Interval.ROBUST, "some samples count more than others"
+    least = min(one.p_value for one in white)
+    text = "p < 0.001" if least < 1e-3 else f"p = {least:.2g}"
+    if len(white) > 1:
+        text += f", the least of {len(white)} recordings"
+    if least >= LEVEL / len(white):
+        return Interval.THESIS, f"the residual passes for white noise ({text})"
+    return Interval.ROBUST, f"the residual is correlated over time ({text})"
+
+
+def _counted(one: ModelInputs, residual: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Measured torque, residual and weight where samples count."""
     torque = one.torque if one.torque is not None else np.full(one.n, np.nan)
     if one.weight is None:
-        return torque, residual
-    return torque[one.weight > 0], residual[one.weight > 0]
+        return torque, residual, np.ones(one.n)
+    counted = one.weight > 0
+    return torque[counted], residual[counted], one.weight[counted]
 
 
-def _parameters(result: FitResult, estimated: Covariance) -> dict[str, ParameterEstimate]:
+def _parameters(
+    result: FitResult,
+    estimated: Covariance,
+    robust: RobustCovariance | None,
+    interval: Interval,
+) -> dict[str, ParameterEstimate]:
     problem = result.problem
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
     bounds = dict(
@@ -163,7 +259,7 @@ def _parameters(result: FitResult, estimated: Covariance) -> dict[str, Parameter
     for name, p in table.items():
         value = result.values[name]
         lower, upper = bounds.get(name, (p.lower, p.upper))
-        sem = ci95 = None
+        sem = sem_robust = ci95 = None
         if name not in problem.free:
             verdict, note = Verdict.FIXED, "fixed, not estimated"
         elif name in at_bound:
@@ -178,6 +274,11 @@ def _parameters(result: FitResult, estimated: Covariance) -> dict[str, Parameter
         elif name in variances:
             sem = float(np.sqrt(variances[name]))
             half = half_width(sem, estimated.dof)
+            if robust is not None:
+                j = robust.names.index(name)
+                sem_robust = float(np.sqrt(robust.matrix[j, j]))
+                if interval is Interval.ROBUST:
+                    half = half_width(sem_robust, float(robust.dof[j]))
             ci95 = (value - half, value + half)
             verdict, note = judge_interval(name, value, half, estimated)
         elif not np.isfinite(estimated.sigma2):
@@ -185,7 +286,8 @@ def _parameters(result: FitResult, estimated: Covariance) -> dict[str, Parameter
         else:
             verdict, note = Verdict.WEAK, judge_singular(name, estimated.directions)
         parameters[name] = ParameterEstimate(
-            name, p.unit, p.meaning, p.group, value, sem, ci95, lower, upper,
-            name in problem.free, name in at_bound, verdict, note,
+            name, p.unit, p.meaning, p.group, value, sem, sem_robust, ci95,
+            interval if ci95 else None, lower, upper, name in problem.free, name in at_bound,
+            verdict, note,
         )  # fmt: skip
     return parameters

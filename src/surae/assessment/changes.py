@@ -7,9 +7,7 @@ from surae.assessment.assess import Assessment
 from surae.assessment.comparison import Change, ModelScore, best_of
 
 
-def changes(
-    scores: Sequence[ModelScore], worth: Mapping[str, Assessment], widening: float
-) -> tuple[Change, ...]:
+def changes(scores: Sequence[ModelScore], worth: Mapping[str, Assessment]) -> tuple[Change, ...]:
     """Parameters that leave their 95 % intervals when the tendons are no longer rigid.
 
     Parameters
@@ -18,8 +16,6 @@ def changes(
         The models.
     worth : mapping of str to Assessment
         The models' fits to all data, by model.
-    widening : float
-        Factor on the intervals, which take the residual for white.
 
     Returns
     -------
@@ -33,19 +29,19 @@ def changes(
         change
         for score in scores
         if not score.rigid and score.aicc is not None
-        for change in _changed(score.model, worth[rigid.model], worth[score.model], widening)
+        for change in _changed(score.model, worth[rigid.model], worth[score.model])
     ]
     return tuple(sorted(found, key=lambda c: -math.inf if c.percent is None else -abs(c.percent)))
 
 
-def _changed(model: str, rigid: Assessment, compliant: Assessment, widening: float) -> list[Change]:
+def _changed(model: str, rigid: Assessment, compliant: Assessment) -> list[Change]:
     found = []
     for name, before in rigid.parameters.items():
         after = compliant.parameters.get(name)
         if after is None or not (before.free and after.free):
             continue
         widths = [(p.ci95[1] - p.ci95[0]) / 2 for p in (before, after) if p.ci95 is not None]
-        half = widening * max(widths, default=math.inf)
+        half = max(widths, default=math.inf)
         change = after.value - before.value
         if abs(change) > half:
             percent = 100 * change / before.value if before.value else None

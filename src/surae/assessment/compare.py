@@ -129,7 +129,6 @@ def compare_models(
         changes=changes(
             scores,
             {work.name: assess(work.found) for work in done if work.found is not None},
-            1.0 if n_effective is None else math.sqrt(n / n_effective),
         ),
         missing=missing,
         recordings=tuple(one.where for one in inputs),

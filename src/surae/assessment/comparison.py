@@ -90,8 +90,7 @@ class Change:
     percent : float or None
         Change from the rigid model's estimate [%]; None where that is zero.
     half_width : float
-        Half the width of the wider of the two 95 % intervals, made as much wider as the residual's
-        autocorrelation asks for; the change exceeds it.
+        Half the width of the wider of the two 95 % intervals; the change exceeds it.
     """
 
     model: str

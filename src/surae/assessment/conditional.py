@@ -96,16 +96,26 @@ class Conditional:
         """
         lower, upper = self._problem.lower.copy(), self._problem.upper.copy()
         lower[self._j] = upper[self._j] = value
-        starts = [] if R is None else [self._predicted(value, near, R)]
-        for start in [*starts, near]:
+        plain = near.copy()
+        plain[self._j] = value
+        starts = [plain]
+        if R is not None:
+            starts.append(self._predicted(value, near, R))
+            starts.sort(key=self.sse)  # a prediction can leave a narrow valley
+        best: Minimum | None = None
+        for start in starts:
             found = self._minimise(start, lower, upper)
-            if found is not None:
-                return Point(value, found.x, found.sse, found.R, _settled(found))
-        return None
+            if found is not None and (best is None or found.sse < best.sse):
+                best = found
+            if best is not None and best.outcome is Outcome.CONVERGED:
+                break
+        return None if best is None else Point(value, best.x, best.sse, best.R, _settled(best))
 
     def sse(self, x: FloatArray) -> float:
-        """Sum of squared residuals at a point [Nm²]."""
-        return sum_of_squares(self._rows(x)[-1])
+        """Sum of squared residuals at a point [Nm²]; infinite where there is no finite torque."""
+        self.evaluations += 1
+        sse = sum_of_squares(self._rows(x)[-1])
+        return sse if np.isfinite(sse) else np.inf
 
     def free(self, near: FloatArray) -> Point | None:
         """The minimum over all parameters, the held one too, from a point nearby."""
@@ -137,6 +147,7 @@ class Conditional:
         A = R / scale
         low = (self._problem.lower - near) * scale
         high = (self._problem.upper - near) * scale
+        low[high <= 0] = high[low >= 0] = 0.0  # what lies at a bound stays there
         low[self._j] = high[self._j] = (value - near[self._j]) * scale[self._j]
         H = A.T @ A + _RIDGE * np.eye(len(near))
         d = box_quadratic(H, np.zeros(len(near)), low, high)

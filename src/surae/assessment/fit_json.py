@@ -11,6 +11,8 @@ import numpy as np
 from surae._version import __version__
 from surae.assessment.arrays import decode, encode
 from surae.assessment.assess import Assessment, ParameterEstimate
+from surae.assessment.outliers_json import outliers_as_dict, read_outliers
+from surae.assessment.snsem import Baseline, baseline_as_dict, read_baseline
 from surae.errors import InputError
 from surae.estimation import FitProblem, FitResult, Prior, Start
 from surae.files import PathLike, read_bytes, shown, write_atomic
@@ -35,7 +37,19 @@ def save_fit(path: PathLike, result: FitResult, assessment: Assessment) -> None:
 
 
 def load_fit(path: PathLike) -> FitResult:
+    """Read the fit that `save_fit` wrote, as `load_saved` does, without its baseline."""
+    return load_saved(path)[0]
+
+
+def load_saved(path: PathLike) -> tuple[FitResult, Baseline | None]:
     """Read the fit that `save_fit` wrote; equal to the one saved, to the last bit.
+
+    Returns
+    -------
+    FitResult
+        The fit.
+    Baseline or None
+        The simulations that its standard errors were compared with.
 
     Raises
     ------
@@ -45,7 +59,9 @@ def load_fit(path: PathLike) -> FitResult:
     data = read_json(path)
     check_version(data, path)
     try:
-        return _result(data)
+        compared = data.get("snsem")
+        baseline = None if compared is None else read_baseline(compared["baseline"])
+        return _result(data), baseline
     except InputError as error:
         raise InputError(f"{shown(path)}: {error}") from None
     except KeyError as error:
@@ -176,6 +192,7 @@ def as_dict(result: FitResult, assessment: Assessment) -> dict[str, Any]:
         "status": result.status,
         "message": result.message,
         "vaf": _number(assessment.vaf),
+        "vaf_weighted": _optional(assessment.vaf_weighted),
         "rmse_Nm": _number(assessment.rmse),
         "parameters": {p.name: _parameter(p) for p in assessment.parameters.values()},
         "correlation": {
@@ -183,6 +200,8 @@ def as_dict(result: FitResult, assessment: Assessment) -> dict[str, Any]:
             "matrix": assessment.covariance.correlation.tolist(),
             "inseparable": [list(names) for names in assessment.covariance.directions],
         },
+        "interval": str(assessment.interval),
+        "interval_note": assessment.interval_note,
         "ipde": assessment.ipde,
         "ipde_note": assessment.ipde_note,
         "recordings": [
@@ -193,11 +212,24 @@ def as_dict(result: FitResult, assessment: Assessment) -> dict[str, Any]:
                 "n": quality.n,
                 "rate_hz": quality.rate_hz,
                 "vaf": _number(quality.vaf),
+                "vaf_weighted": _optional(quality.vaf_weighted),
                 "rmse_Nm": _number(quality.rmse),
                 "bias_Nm": _number(quality.bias),
+                "residual": {
+                    "lag1": _number(white.lag1),
+                    "ljung_box": _number(white.statistic),
+                    "lags": white.lags,
+                    "p_value": _number(white.p_value),
+                },
             }
-            for quality in assessment.recordings
+            for quality, white in zip(assessment.recordings, assessment.whiteness, strict=True)
         ],
+        "snsem": None
+        if assessment.baseline is None
+        else {
+            "values": dict(assessment.snsem),
+            "baseline": baseline_as_dict(assessment.baseline),
+        },
         "seed": result.seed,
         "starts": {
             "n": len(result.starts),
@@ -220,6 +252,7 @@ def as_dict(result: FitResult, assessment: Assessment) -> dict[str, Any]:
             name: {"median": prior.median, "spread": prior.spread}
             for name, prior in problem.priors.items()
         },
+        "outliers": outliers_as_dict(result.outliers),
         "sse": _number(result.sse),
         "R": encode(result.R),
         "traces": [
@@ -234,7 +267,9 @@ def _parameter(p: ParameterEstimate) -> dict[str, Any]:
         "value": p.value,
         "unit": p.unit,
         "sem": p.sem,
+        "sem_robust": p.sem_robust,
         "ci95": None if p.ci95 is None else list(p.ci95),
+        "interval": None if p.interval is None else str(p.interval),
         "lower": p.lower,
         "upper": p.upper,
         "free": p.free,
@@ -247,6 +282,10 @@ def _parameter(p: ParameterEstimate) -> dict[str, Any]:
 def _number(value: float) -> float | None:
     """A number that is not finite has no place in JSON."""
     return value if math.isfinite(value) else None
+
+
+def _optional(value: float | None) -> float | None:
+    return None if value is None else _number(value)
 
 
 def _trace(one: ModelInputs, residual: Any) -> dict[str, Any]:
@@ -265,6 +304,7 @@ def _trace(one: ModelInputs, residual: Any) -> dict[str, Any]:
         "emg": encode(one.emg),
         "torque": encode(torque),
         "weight": None if one.weight is None else encode(one.weight),
+        "emphasised": one.emphasised,
         "residual": encode(residual),
     }
 
@@ -281,6 +321,7 @@ def _inputs(trace: Mapping[str, Any]) -> ModelInputs:
         steps=tuple(map(str, trace["steps"])),
         prepared=bool(trace["prepared"]),
         weight=None if trace["weight"] is None else decode(trace["weight"], (n,)),
+        emphasised=bool(trace.get("emphasised", False)),
         fixed={str(name): _real(value) for name, value in trace["fixed"].items()},
         files=tuple(SourceFile(str(f["path"]), str(f["sha256"])) for f in trace["files"]),
         **{name: decode(trace[name], (n,)) for name in _SERIES},
@@ -350,6 +391,7 @@ def _result(data: Mapping[str, Any]) -> FitResult:
         seed=int(data["seed"]),
         seconds=_real(data["seconds"]),
         versions={str(name): str(version) for name, version in data["versions"].items()},
+        outliers=read_outliers(data.get("outliers"), [one.n for one in problem.inputs]),
     )
 
 

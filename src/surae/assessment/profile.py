@@ -16,6 +16,7 @@ import numpy as np
 from surae.assessment.profile_search import Search
 from surae.errors import InputError
 from surae.estimation import FitProblem, FitResult, fit_problem
+from surae.estimation.least_squares import Outcome
 from surae.model import adapted
 from surae.recording import read_only
 from surae.units import FloatArray
@@ -45,6 +46,8 @@ class Profile:
         The other free parameters.
     path : ndarray, shape (k, len(others))
         Their values along the profile.
+    variance_inflation : float
+        What the variance of the noise was multiplied by.
     threshold : float
         Δχ² at the ends of the 95 % interval.
     interval : tuple of (float or None)
@@ -70,6 +73,7 @@ class Profile:
     chi2: FloatArray
     others: tuple[str, ...]
     path: FloatArray
+    variance_inflation: float
     threshold: float
     interval: tuple[float | None, float | None]
     reasons: tuple[str, str]
@@ -157,6 +161,7 @@ def profile(
         chi2=read_only((sse - sse.min()) / found.unit),
         others=tuple(problem.free[i] for i in others),
         path=read_only(np.array([point.x[others] for point in found.points])),
+        variance_inflation=float(variance_inflation),
         threshold=found.threshold,
         interval=(low, high),
         reasons=(why_low, why_high),
@@ -193,6 +198,8 @@ def prior_noise(problem: FitProblem) -> float:
     if not problem.priors:
         return 0.0
     plain = fit_problem(replace(problem, priors={}), starts=1)
+    if plain.starts[-1].outcome == Outcome.INTERRUPTED:
+        raise KeyboardInterrupt
     return float(np.sqrt(plain.sse / (problem.n - len(problem.free))))
 
 

@@ -1,10 +1,13 @@
 """The work on one profile: out from the minimum, back again, and to the ends of the interval."""
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 
+from surae.assessment.collinearity import unexplained
 from surae.assessment.conditional import Conditional, Point
+from surae.errors import ComputationError
 from surae.estimation import FitResult
 from surae.units import FloatArray
 
@@ -15,10 +18,10 @@ _STEPS, _BEYOND = 4, 1.2
 _GROWTH, _TOO_FAR = 3.0, 2.0
 #: Repetitions of one step, and points of one side, at most.
 _RETRIES, _MOST = 8, 40
+#: Part of the first step below which the search for the last finite torque ends.
+_LEAST = 1e-2
 #: First step as a part of the distance between the bounds where the covariance gives none.
 _FIRST = 0.01
-#: Part of a parameter's information that is rounding once the others have taken theirs.
-_SINGULAR = 1e-10
 #: Accuracy of Δχ² at an end of the interval, as a part of the threshold.
 _ACCURATE = 2e-3
 #: Part of the threshold up to which a whole side is called flat.
@@ -75,6 +78,7 @@ class Search:
         self.lower: Point | None = None
         self.lower_by = 0.0
         self._aim = float(np.sqrt(self.threshold))
+        self._lowest = np.inf
         self.points, below = self._walk_out()
         self._come_back(below)
         self._lower_minimum()
@@ -104,9 +108,10 @@ class Search:
         self._fit_sse = self._minima.sse(x)
         centre = self._minima.at(float(x[self._j]), x)
         if centre is None:
-            raise ArithmeticError("no finite torque at the fit")
+            raise ComputationError("the model gives no finite torque at the fit: fit again")
         self._lowest = centre.sse
         below, above = self._walk(centre, -1), self._walk(centre, +1)
+        self._spent = {True: len(below) == _MOST, False: len(above) == _MOST}
         return [*below[::-1], centre, *above], len(below)
 
     def _walk(self, centre: Point, sign: int) -> list[Point]:
@@ -115,6 +120,7 @@ class Search:
         width = self._high - self._low
         rise = self._aim / _STEPS
         step = _FIRST * width if self.sem is None else min(rise * self.sem, width / 8)
+        least = _LEAST * step
         points: list[Point] = []
         here, retries = centre, 0
         while abs(bound - here.value) > 1e-9 * width and len(points) < _MOST:
@@ -122,6 +128,8 @@ class Search:
             step = min(step, room)
             value = bound if step > 0.999 * room else here.value + sign * step
             there = self._at(value, here)
+            if there is None and step <= least:
+                break
             risen = np.inf if there is None else self._z(there) - self._z(here)
             if risen > _TOO_FAR * rise and retries < _RETRIES:
                 step *= float(np.clip(rise / risen, 1 / _GROWTH**2, 1 / _TOO_FAR))
@@ -141,7 +149,7 @@ class Search:
         last = len(self.points) - 1
         for order in (range(last + 1), range(last, -1, -1)):
             improved = False
-            for before, i in zip(order, order[1:], strict=False):
+            for before, i in pairwise(order):
                 inwards = abs(i - centre) < abs(before - centre)
                 if not (inwards or improved):
                     break
@@ -193,7 +201,8 @@ class Search:
         side, bound = ("lower", self._low) if below else ("upper", self._high)
         width, rise = self._high - self._low, self._z(last) ** 2
         if abs(last.value - bound) > 1e-6 * width:
-            return f"Δχ² is {rise:.2g} at {last.value:g}; beyond it no finite torque was found"
+            why = f"{_MOST} points" if self._spent[below] else "no finite torque beyond"
+            return f"Δχ² is {rise:.2g} at {last.value:g}, where the search ended: {why}"
         if abs(self._result.values[self._name] - bound) <= 1e-6 * width:
             return f"the estimate lies at its {side} bound {bound:g}"
         if rise <= _FLAT * self.threshold:
@@ -208,11 +217,5 @@ def _sem(R: FloatArray, j: int, kept: list[int], variance: float) -> float | Non
     """Standard error of a parameter, those at a bound taken as known; None where there is none."""
     if j not in kept:
         return None
-    column, rest = R[:, j], R[:, [i for i in kept if i != j]]
-    norms = np.linalg.norm(rest, axis=0)
-    rest = rest[:, norms > 0] / norms[norms > 0]
-    left = column - rest @ np.linalg.lstsq(rest, column, rcond=None)[0]
-    information = float(left @ left)
-    if information <= _SINGULAR * float(column @ column):
-        return None
-    return float(np.sqrt(variance / information))
+    information = unexplained(R, j, [i for i in kept if i != j])
+    return float(np.sqrt(variance / information)) if information > 0 else None

@@ -1,5 +1,7 @@
 """How well a modelled torque follows the measured one."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from surae.units import FloatArray
@@ -24,6 +26,27 @@ def vaf(measured: FloatArray, residual: FloatArray) -> float:
     with np.errstate(over="ignore", invalid="ignore"):
         missed = residual @ residual
     return float(100.0 * (1.0 - missed / (measured @ measured))) if np.isfinite(missed) else np.nan
+
+
+def weighted_vaf(parts: Sequence[tuple[FloatArray, FloatArray, FloatArray]]) -> float | None:
+    """Variance accounted for with samples that count unequally: (1 − Σwe²/ΣwT²)·100 %.
+
+    Parameters
+    ----------
+    parts : sequence of (measured, residual, weight), each of shape (n,)
+        Of each recording, where its weight is above zero.
+
+    Returns
+    -------
+    float or None
+        None where all samples count alike; NaN as `vaf`.
+    """
+    weights = np.concatenate([weight for _, _, weight in parts])
+    if np.all(weights == weights[0]):
+        return None
+    roots = np.sqrt(weights)
+    measured = roots * np.concatenate([torque for torque, _, _ in parts])
+    return vaf(measured, roots * np.concatenate([residual for _, residual, _ in parts]))
 
 
 def rmse(residual: FloatArray) -> float:

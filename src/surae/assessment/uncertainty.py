@@ -70,27 +70,59 @@ def covariance(
         Parameters that take part in a singular direction have no variance and are left out; none
         has one where the model gave no finite numbers.
     """
-    kept = [j for j, name in enumerate(names) if name not in held]
-    dof = n - len(kept)
+    dof = n - sum(name not in held for name in names)
     sigma2 = sse / dof
-    if not kept or not (np.isfinite(sse) and np.isfinite(R).all()):
+    if not np.isfinite(sse):
         return Covariance((), np.empty((0, 0)), (), sigma2, dof)
+    found = inverse_root(R, names, held)
+    rows = found.matrix[found.known]
+    return Covariance(
+        tuple(names[found.kept[j]] for j in found.known),
+        np.asarray(sigma2 * (rows @ rows.T)),
+        tuple(tuple(names[found.kept[j]] for j in group) for group in found.groups),
+        sigma2,
+        dof,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class InverseRoot:
+    """A root C of the inverse information, (JᵀJ)⁻¹ = C·Cᵀ; the columns of J·C are orthonormal.
+
+    Attributes
+    ----------
+    kept : tuple of int
+        Parameters that are not held.
+    matrix : ndarray, shape (k, r)
+        C, one row for each of them; r of the k directions are not singular.
+    groups : tuple of tuple of int
+        Rows that a singular direction ties together.
+    """
+
+    kept: tuple[int, ...]
+    matrix: FloatArray
+    groups: tuple[tuple[int, ...], ...]
+
+    @property
+    def known(self) -> list[int]:
+        """Rows that no singular direction takes part in."""
+        tied = {j for group in self.groups for j in group}
+        return [j for j in range(len(self.matrix)) if j not in tied]
+
+
+def inverse_root(R: FloatArray, names: Sequence[str], held: Sequence[str] = ()) -> InverseRoot:
+    """Root of the inverse of RᵀR for the parameters that are not held; see `covariance`."""
+    kept = tuple(j for j, name in enumerate(names) if name not in held)
+    if not kept or not np.isfinite(R).all():
+        return InverseRoot(kept, np.empty((0, 0)), ())
     A = R[:, kept]
     norms = np.linalg.norm(A, axis=0)
     scale = np.where(norms > 0, norms, 1.0)
     _, s, Vt = np.linalg.svd(A / scale)
     singular = s <= _SINGULAR * s[0]
     groups = _inseparable(Vt[singular])
-    V = Vt[~singular].T / s[~singular]
-    full = sigma2 * (V @ V.T) / np.outer(scale, scale)
-    known = np.setdiff1d(np.arange(len(kept)), [j for group in groups for j in group])
-    return Covariance(
-        tuple(names[kept[j]] for j in known),
-        np.asarray(full[np.ix_(known, known)]),
-        tuple(tuple(names[kept[j]] for j in group) for group in groups),
-        sigma2,
-        dof,
-    )
+    C = Vt[~singular].T / s[~singular] / scale[:, None]
+    return InverseRoot(kept, np.asarray(C), tuple(map(tuple, groups)))
 
 
 def _inseparable(directions: FloatArray) -> list[list[int]]:
@@ -130,7 +162,7 @@ def ipde(correlation: FloatArray) -> float:
     return float(np.sqrt(np.sum(upper**2)))
 
 
-def half_width(sem: float, dof: int) -> float:
+def half_width(sem: float, dof: float) -> float:
     """Half the width of a 95 % interval: Student's t times the standard error."""
     from scipy.special import stdtrit
 

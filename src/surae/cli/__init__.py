@@ -24,8 +24,14 @@ COMMANDS = {
     "demo": ("surae.cli.demo", "Fit an embedded virtual subject and write its report."),
     "fit": ("surae.cli.fit", "Estimate a model's parameters from recordings."),
     "compare": ("surae.cli.compare", "Tell whether recordings ask for compliant tendons."),
+    "profile": ("surae.cli.profile", "Find intervals that follow the model's own curves."),
+    "posterior": ("surae.cli.posterior", "Draw parameters from data and prior knowledge."),
+    "bootstrap": ("surae.cli.bootstrap", "Find intervals by fitting again and again."),
+    "emg-bias": ("surae.cli.emg_bias", "Find how far EMG noise has shifted the parameters."),
     "simulate": ("surae.cli.simulate", "Compute the torque that a model gives for a recording."),
     "protocol": ("surae.cli.protocol", "Make a measurement protocol for a device."),
+    "study": ("surae.cli.study", "Fit thousands of virtual trials over crossed factors."),
+    "baseline": ("surae.cli.baseline", "Simulate the standard errors to compare a fit's with."),
     "validate": ("surae.cli.validate", "Predict other recordings with the parameters of a fit."),
 }
 

@@ -16,7 +16,8 @@ _MOST_STARTS = 10_000
 @click.command("compare")
 @click.argument("recordings", metavar="REC…", nargs=-1, required=True)
 @click.option("--models", metavar="M,M…",
-              help=f"Of {MODEL_NAMES}, with commas.  [default: all but muscle-2010]")  # fmt: skip
+              help=f"Which, with commas, of {MODEL_NAMES}.  "
+              "[default: all but muscle-2010]")  # fmt: skip
 @click.option("--prepared", is_flag=True, help="Use the signals as they are, without filters.")
 @click.option("--fixed", multiple=True, metavar="NAME=VALUE", help="Do not estimate a parameter.")
 @click.option("--starts", metavar="N", help="Number of starts of each model.  [default: 3]")

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from surae.cli.fitting import fit_options, taken
 from surae.cli.options import (
     MODEL_NAMES,
     assignments,
@@ -36,8 +37,10 @@ _MOST_STARTS = 10_000
               help="Known beforehand: SPREAD is the relative standard deviation.")  # fmt: skip
 @click.option("--starts", metavar="N", help="Number of starts.  [default: 8]")
 @click.option("--seed", metavar="N", help="Of the random starts.  [default: 0]")
+@click.option("--baseline", metavar="B.json", help="Compare SEM with simulations (snSEM).")
 @click.option("--output", metavar="FIT.json", help="Write the fit.")
 @click.option("--report", metavar="REPORT.html", help="Write the report.")
+@fit_options
 @model_options
 def command(
     recordings: tuple[str, ...],
@@ -50,6 +53,7 @@ def command(
     prior: tuple[str, ...],
     starts: str | None,
     seed: str | None,
+    baseline: str | None,
     output: str | None,
     report: str | None,
     **options: Any,
@@ -65,6 +69,7 @@ def command(
     known = pairs("--prior", prior, form="median:spread", example="tau_rel=3:0.3")
     refuse_fixed("--start", tuple(begin), tuple(held))
     refuse_fixed("--bound", tuple(limits), tuple(held))
+    settings = taken(options, tuple(held))
     freed, chosen = names("--free", free), given(options)
     count = whole_number("--starts", starts, least=1, most=_MOST_STARTS)
     number = whole_number("--seed", seed, least=0) or 0
@@ -81,20 +86,25 @@ def command(
             inputs.append(prepare(read(path), prepared=prepared))
         check_outputs(
             {"--output": output, "--report": report},
-            (file.path for one in inputs for file in one.files),
-        )
+            [*([] if baseline is None else [baseline]),
+             *(file.path for one in inputs for file in one.files)],
+        )  # fmt: skip
+        prescribed = settings.prescribed(inputs)
         from surae.api import fit  # numba: only when the input is in order
         from surae.estimation import STARTS
 
         with compilation_notice():
             found = fit(
-                inputs,
+                prescribed,
                 model,
                 fixed=held,
                 free=freed,
                 start=begin,
                 bounds=limits,
-                priors=known,
+                priors=settings.priors(known),
+                weights=settings.weighting,
+                loss=settings.loss,
+                baseline=baseline,
                 starts=count or STARTS,
                 seed=number,
                 progress=progress.starts,

@@ -19,7 +19,7 @@ _MODEL_OPTIONS = (
     click.option("--x-ref-tib", metavar="M", help="Virtual work: tibialis at 0 rad."),
 )
 #: Every model by name; written out, since help must not import what knows them.
-MODEL_NAMES = "muscle, muscle-2010, muscle-tendon, muscle-tendon-strain or muscle-tendon-toe"
+MODEL_NAMES = "muscle, muscle-tendon, muscle-tendon-strain, muscle-tendon-toe or muscle-2010"
 _NUMBERS = ("theta_foot", "vmax_factor", "x_ref_tri", "x_ref_tib")
 
 

@@ -1,6 +1,7 @@
 """What a user sees while something takes time: a bar on a terminal, a notice anywhere; stderr."""
 
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -18,6 +19,7 @@ class Work:
 
     def __init__(self, bar: "Progress | None" = None, task: "TaskID | None" = None) -> None:
         self._bar, self._task = bar, task
+        self._first: tuple[int, float] | None = None
 
     def describe(self, what: str) -> None:
         """Say what is being done."""
@@ -31,6 +33,19 @@ class Work:
         if self._bar is not None and self._task is not None:
             what = f"fitting: start {min(done + 1, total)} of {total}"
             self._bar.update(self._task, completed=done, total=total, description=what)
+
+    def fits(self, done: int, total: int) -> None:
+        """Say how many fits of a study are kept, and how fast they come."""
+        if self._bar is not None and self._task is not None:
+            now = time.monotonic()
+            before, began = self._first = self._first or (done, now)
+            rate = f", {(done - before) / (now - began):.1f} a second" if done > before else ""
+            self._bar.update(
+                self._task,
+                completed=done - before,
+                total=total - before,
+                description=f"fits: {done:,} of {total:,}{rate}",
+            )
 
 
 @contextmanager

@@ -11,9 +11,10 @@ from rich.table import Table
 from rich.text import Text
 
 from surae.api import Fit
-from surae.assessment import Comparison, Prediction, Verdict
+from surae.assessment import Comparison, Pooled, Prediction, Verdict
 from surae.files import shown
 from surae.report.digits import estimate, percentage, significant
+from surae.report.emphasis import MANY
 
 _STYLES = {
     Verdict.IDENTIFIED: "green",
@@ -36,41 +37,79 @@ def show_fit(fit: Fit) -> None:
     table.add_column("95 % interval", justify="right", no_wrap=out.width >= _NARROW)
     table.add_column("unit", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
+    if fit.snsem:
+        table.add_column("snSEM", justify="right", no_wrap=True)
     if out.width >= _WIDE:
         table.add_column("meaning", no_wrap=True)
     for p in fit.parameters.values():
-        text = estimate(p.value, p.sem, p.ci95)
+        text = estimate(p.value, p.trusted_sem, p.ci95)
         verdict = Text(str(p.verdict), _STYLES[p.verdict])
         meaning = [p.meaning] if out.width >= _WIDE else []
-        table.add_row(p.name, text.value, text.interval, p.unit, verdict, *meaning)
+        ratio = fit.snsem.get(p.name)
+        against = ["–" if ratio is None else significant(ratio, 3)] if fit.snsem else []
+        table.add_row(p.name, text.value, text.interval, p.unit, verdict, *against, *meaning)
     show_line(fit.result.problem.spec.title)
     _print(out, table)
     for line in _notes(fit, out.width):
         show_line(line)
     for quality in fit.assessment.recordings:
         show_line(
-            f"{quality.name}: VAF {percentage(quality.vaf)} %, "
+            f"{quality.name}: VAF {percentage(quality.vaf)} %{_weighted(quality.vaf_weighted)}, "
             f"RMSE {significant(quality.rmse, 3)} Nm, "
             f"{quality.n} samples at {quality.rate_hz:g} Hz"
         )
     if len(fit.assessment.recordings) > 1:
-        show_line(f"all together: VAF {percentage(fit.vaf)} %")
+        show_line(f"all together: VAF {percentage(fit.vaf)} %{_weighted(fit.vaf_weighted)}")
+    for line in _told(fit):
+        show_line(line)
     ipde = "none" if fit.ipde is None else f"{fit.ipde:.2f}"
     note = f" ({fit.assessment.ipde_note})" if fit.assessment.ipde_note else ""
     show_line(f"IPDE {ipde}{note}")
+    if fit.covariance.names:
+        which = "robust standard errors" if fit.assessment.interval == "robust" else "equation (34)"
+        show_line(f"intervals: {which}, as {fit.assessment.interval_note}")
     show_line(f"{fit.status}: {fit.message} ({fit.result.seconds:.2f} s)")
 
 
-def show_predictions(predictions: Sequence[Prediction], paths: Sequence[str]) -> None:
-    """How well recordings are predicted, each under the path it was given by."""
+def _weighted(vaf: float | None) -> str:
+    """The VAF with samples counted as in the fit, where that is another."""
+    return "" if vaf is None else f" (weighted {percentage(vaf)} %)"
+
+
+def _told(fit: Fit) -> list[str]:
+    """What the fit was told beside its recordings: weights, the foot's mass, priors, the loss."""
+    result = fit.result
+    steps = (step for one in result.problem.inputs for step in one.steps)
+    lines = [step for step in dict.fromkeys(steps) if step.startswith(("Weights: ", "Mass m "))]
+    if result.problem.priors:
+        lines.append(f"Priors on {', '.join(result.problem.priors)}.")
+    if result.outliers is not None:
+        lines.append(
+            f"Loss {result.outliers.loss}: {significant(100 * result.outliers.share, 2)} % of the "
+            f"samples count less than half; noise {significant(result.outliers.scale, 3)} Nm."
+        )
+        if result.outliers.share > MANY:
+            lines.append("So many are no stray artefacts: the model leaves something out.")
+    return lines
+
+
+def show_predictions(
+    predictions: Sequence[Prediction], paths: Sequence[str], together: Pooled | None = None
+) -> None:
+    """How well recordings are predicted, each under the path it was given by, and all together."""
     table = _table()
     table.add_column("recording", overflow="fold")
     for heading in ("VAF [%]", "RMSE [Nm]", "bias [Nm]"):
         table.add_column(heading, justify="right", no_wrap=True)
     for path, one in zip(paths, predictions, strict=True):
-        numbers = (percentage(one.vaf), significant(one.rmse, 3), significant(one.bias, 3))
-        table.add_row(Text(shown(path)), *numbers)
+        table.add_row(Text(shown(path)), *_figures(one))
+    if together is not None:
+        table.add_row("all together", *_figures(together))
     _print(_console(), table)
+
+
+def _figures(one: Prediction | Pooled) -> tuple[str, str, str]:
+    return percentage(one.vaf), significant(one.rmse, 3), significant(one.bias, 3)
 
 
 def show_comparison(comparison: Comparison) -> None:
@@ -121,6 +160,17 @@ def _show_changes(comparison: Comparison, out: Console) -> None:
     if table.row_count:
         show_line(f"\nParameters that {model} changes by more than their 95 % intervals:")
         _print(out, table)
+
+
+def show_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """A table of numbers between what they are of, on the left, and their unit, on the right."""
+    table = _table()
+    for place, heading in enumerate(headings):
+        outer = place in (0, len(headings) - 1)
+        table.add_column(heading, justify="left" if outer else "right", no_wrap=True)
+    for row in rows:
+        table.add_row(*row)
+    _print(_console(), table)
 
 
 def show_line(text: str) -> None:

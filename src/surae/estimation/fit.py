@@ -31,6 +31,7 @@ def fit_problem(
     starts: int = STARTS,
     seed: int = 0,
     progress: Progress | None = None,
+    noise: float | None = None,
 ) -> FitResult:
     """Find the parameters that bring the modelled torque closest to the measured one.
 
@@ -44,6 +45,9 @@ def fit_problem(
         Seed of the random starts.
     progress : callable, optional
         Called after every start.
+    noise : float, optional
+        Standard deviation of the torque's noise [Nm], against which priors are weighed; by default
+        what a fit without priors leaves.
 
     Returns
     -------
@@ -53,13 +57,12 @@ def fit_problem(
     if starts < 1:
         raise InputError(f"starts is {starts}; give at least 1")
     begin = time.perf_counter()
-    noise = 0.0
-    if problem.priors:  # they are weighed against the noise that a fit without them leaves
+    if noise is None and problem.priors:
         plain = fit_problem(replace(problem, priors={}), starts=1, seed=seed)
         if plain.starts[-1].outcome == Outcome.INTERRUPTED:
             return replace(plain, problem=problem, message=f"{plain.message}, before the priors")
         noise = float(np.sqrt(plain.sse / (problem.n - len(problem.free))))
-    residuals = Residuals(problem, noise)
+    residuals = Residuals(problem, noise or 0.0)
     minimum = from_start(problem, residuals)
     minima: list[Minimum] = []
     initials = _initials(problem, starts, seed)

@@ -2,9 +2,10 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 from threadpoolctl import threadpool_limits
 
 from surae.estimation.fit import STARTS, Progress, fit_problem
@@ -71,8 +72,8 @@ def fit_robust(
         return first
     x = np.array([first.values[name] for name in problem.free])
     for _ in range(_PASSES):
-        x, sse, outliers = _settled(problem, x, chosen)
-        if outliers is None:
+        resting = _settled(problem, x, chosen)
+        if resting is None:
             stopped = replace(first.starts[-1], outcome=str(Outcome.INTERRUPTED))
             return replace(
                 first,
@@ -81,10 +82,13 @@ def fit_robust(
                 "these are the least squares",
                 starts=(*first.starts[:-1], stopped),
             )
+        x, sse, outliers = resting
         weighted = replace(
             problem, inputs=_with(problem.inputs, outliers.weights), base=problem.values(x)
         )
-        found = fit_problem(weighted, starts=starts, seed=seed, progress=progress)
+        found = fit_problem(
+            weighted, starts=starts, seed=seed, progress=progress, noise=outliers.scale
+        )
         if found.status == "failed" or found.sse >= sse * (1 - 1 / (problem.n - len(x))):
             break
         x = np.array([found.values[name] for name in problem.free])
@@ -101,52 +105,73 @@ def fit_robust(
     )
 
 
+@dataclass(frozen=True, slots=True)
+class _Round:
+    """One round: parameters, weighted sum of squares, and what they came from."""
+
+    x: FloatArray
+    sse: float
+    errors: list[FloatArray]
+    weights: list[FloatArray]
+    scale: float
+    number: int
+
+
 def _settled(
     problem: FitProblem, x: FloatArray, loss: Loss
-) -> tuple[FloatArray, float, Outliers | None]:
+) -> tuple[FloatArray, float, Outliers] | None:
     """Parameters, weighted sum and weights at which the weights rest; None where interrupted."""
     residuals = Residuals(problem, 1.0)
-    stages = [loss] if loss.name != "tukey" else [named_loss("huber"), loss]
-    scale, rounds = None, 0
     with threadpool_limits(limits=1, user_api="blas"), postponed_interrupt():
-        for stage in stages:
-            held = scale if stage is not stages[0] else None
-            weights = None
-            for rounds in range(1, _ROUNDS + 1):
-                try:
-                    errors = [
-                        _standardised(one, e)
-                        for one, e in zip(problem.inputs, residuals.of(x), strict=True)
-                    ]
-                except KeyboardInterrupt:
-                    return x, np.inf, None
-                scale = held or _scale(problem, errors)
-                new = [
-                    np.maximum(stage.weight(e / (scale * stage.tuning)), _LEAST) for e in errors
-                ]
-                change = 1.0 if weights is None else _largest_change(weights, new)
-                if change <= _RESTS:
-                    break
-                weights = new
-                x, sse, outcome = _step(problem, residuals, x, weights, scale)
-                if outcome is Outcome.INTERRUPTED:
-                    return x, np.inf, None
-    if scale is None or weights is None:  # there is at least one stage and one round
-        return x, np.inf, None
-    counted = np.concatenate([e[_counts(o)] for o, e in zip(problem.inputs, errors, strict=True)])
-    kept = np.concatenate([w[_counts(o)] for o, w in zip(problem.inputs, weights, strict=True)])
-    slope = float(stage.slope(counted / (scale * stage.tuning)).mean())
-    return (
-        x,
-        sse,
-        Outliers(
-            loss=loss.name,
-            tuning=loss.tuning,
-            scale=scale,
-            weights=tuple(read_only(w) for w in weights),
-            widening=float(kept.mean()) / max(slope, _SLOPE),
-            rounds=rounds,
-        ),
+        try:
+            if loss.name == "tukey":
+                before = _iterated(problem, residuals, x, named_loss("huber"))
+                last = _iterated(problem, residuals, before.x, loss, before.scale)
+            else:
+                last = _iterated(problem, residuals, x, loss)
+        except KeyboardInterrupt:
+            return None
+    return last.x, last.sse, _outliers(problem, last, loss)
+
+
+def _iterated(
+    problem: FitProblem,
+    residuals: Residuals,
+    x: FloatArray,
+    loss: Loss,
+    held: float | None = None,
+) -> _Round:
+    """Rounds of least squares until the weights rest, or there have been too many.
+
+    `held` is the scale, where it is known. The weights are those that the parameters were found
+    with.
+    """
+    last = _Round(x, np.inf, [], [], 0.0, 0)
+    for number in range(1, _ROUNDS + 1):
+        errors = [
+            _standardised(one, e) for one, e in zip(problem.inputs, residuals.of(x), strict=True)
+        ]
+        scale = held or _scale(problem, errors)
+        weights = [np.maximum(loss.weight(e / (scale * loss.tuning)), _LEAST) for e in errors]
+        if last.weights and _largest_change(last.weights, weights) <= _RESTS:
+            return replace(last, errors=errors)
+        x, sse = _step(problem, residuals, x, weights, scale)
+        last = _Round(x, sse, errors, weights, scale, number)
+    return last
+
+
+def _outliers(problem: FitProblem, last: _Round, loss: Loss) -> Outliers:
+    masks = [_counts(one) for one in problem.inputs]
+    errors = np.concatenate([e[mask] for e, mask in zip(last.errors, masks, strict=True)])
+    kept = np.concatenate([w[mask] for w, mask in zip(last.weights, masks, strict=True)])
+    slope = float(loss.slope(errors / (last.scale * loss.tuning)).mean())
+    return Outliers(
+        loss=loss.name,
+        tuning=loss.tuning,
+        scale=last.scale,
+        weights=tuple(read_only(w) for w in last.weights),
+        widening=float(kept.mean()) / max(slope, _SLOPE),
+        rounds=last.number,
     )
 
 
@@ -156,8 +181,8 @@ def _step(
     x: FloatArray,
     weights: Sequence[FloatArray],
     scale: float,
-) -> tuple[FloatArray, float, Outcome]:
-    """The least squares with these weights: parameters, weighted sum of the data, why it ended."""
+) -> tuple[FloatArray, float]:
+    """The least squares with these weights: parameters, and the weighted sum of the data."""
     root = np.sqrt(np.concatenate(weights))
     n = len(root)
 
@@ -169,20 +194,20 @@ def _step(
 
     best = minimise(rows, x, problem.lower, problem.upper, stall=0.1 / problem.n)
     data = best.residual[:n]
-    return best.x, float(data @ data), best.outcome
+    if best.outcome is Outcome.INTERRUPTED:
+        raise KeyboardInterrupt
+    return best.x, float(data @ data)
 
 
-def _with(
-    inputs: Sequence[ModelInputs], weights: Sequence[FloatArray]
-) -> tuple[ModelInputs, ...]:
+def _with(inputs: Sequence[ModelInputs], weights: Sequence[FloatArray]) -> tuple[ModelInputs, ...]:
     return tuple(
         replace(one, weight=read_only(w if one.weight is None else one.weight * w))
         for one, w in zip(inputs, weights, strict=True)
     )
 
 
-def _counts(one: ModelInputs) -> FloatArray:
-    return np.ones(one.n, dtype=bool) if one.weight is None else np.asarray(one.weight > 0)
+def _counts(one: ModelInputs) -> npt.NDArray[np.bool_]:
+    return np.ones(one.n, dtype=bool) if one.weight is None else one.weight > 0
 
 
 def _standardised(one: ModelInputs, residual: FloatArray) -> FloatArray:

@@ -7,6 +7,7 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.estimation.interrupt import checkpoint
+from surae.estimation.population import population_priors
 from surae.model import ModelOptions, ModelSpec, adapted, check_names, check_value, get_model
 from surae.model.simulator import Simulator
 from surae.recording import MUSCLES
@@ -96,6 +97,7 @@ def make_problem(
     start: Mapping[str, float] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     priors: Mapping[str, tuple[float, float]] | None = None,
+    population: str | None = None,
     options: ModelOptions | None = None,
 ) -> FitProblem:
     """Check everything that was asked for and make a problem of it.
@@ -117,6 +119,8 @@ def make_problem(
         Bounds instead of the defaults.
     priors : mapping of str to (median, spread), optional
         What is known of free parameters beforehand; see `Prior`.
+    population : str, optional
+        Defaults for the priors of the other free parameters; see `population_priors`.
     options : ModelOptions, optional
         The model's switches.
 
@@ -164,7 +168,9 @@ def make_problem(
     for name in priors or {}:
         if name in table and table[name].signed:
             raise InputError(f"prior of {name}: it is on a logarithm, and {name} may be negative")
-    known = {name: checked_prior(name, pair, names) for name, pair in (priors or {}).items()}
+    defaults = {} if population is None else population_priors(population, options)
+    believed = {name: pair for name, pair in defaults.items() if name in names} | dict(priors or {})
+    known = {name: checked_prior(name, pair, names) for name, pair in believed.items()}
     samples = sum(one.counted for one in inputs)
     if samples <= len(names):
         raise InputError(f"{samples} samples cannot determine {len(names)} parameters")

@@ -1,9 +1,9 @@
 """Reports of fits: one HTML file to read, print and keep."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 
-from surae.assessment import Assessment
+from surae.assessment import Assessment, Prediction
 from surae.estimation import FitResult
 from surae.files import PathLike, write_atomic
 
@@ -11,7 +11,12 @@ __all__ = ["build", "write_report"]
 
 
 def build(
-    result: FitResult, assessment: Assessment, *, versions: Mapping[str, str], created: datetime
+    result: FitResult,
+    assessment: Assessment,
+    *,
+    versions: Mapping[str, str],
+    created: datetime,
+    predictions: Sequence[Prediction] = (),
 ) -> str:
     """The report of a fit as one HTML page, which needs no script and no other file.
 
@@ -25,6 +30,8 @@ def build(
         Names and versions of the programs that made the fit.
     created : datetime
         When the report is made; the same arguments give the same page.
+    predictions : sequence of Prediction
+        Of other recordings, with the parameters of the fit.
 
     Returns
     -------
@@ -33,7 +40,7 @@ def build(
     """
     from surae.report.html import render  # matplotlib and Jinja, only when a report is made
 
-    return render(result, assessment, versions=versions, created=created)
+    return render(result, assessment, versions=versions, created=created, predictions=predictions)
 
 
 def write_report(
@@ -43,6 +50,7 @@ def write_report(
     *,
     versions: Mapping[str, str],
     created: datetime,
+    predictions: Sequence[Prediction] = (),
 ) -> None:
     """Write the report of a fit to `path`; see `build`.
 
@@ -51,4 +59,5 @@ def write_report(
     InputError
         The file cannot be written.
     """
-    write_atomic(path, build(result, assessment, versions=versions, created=created))
+    page = build(result, assessment, versions=versions, created=created, predictions=predictions)
+    write_atomic(path, page)

@@ -1,22 +1,24 @@
 """What a report says, as plain data: strings and numbers, ready for any page."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
 
-from surae.assessment import Assessment, Verdict
+from surae.assessment import Assessment, Interval, Prediction, Verdict
 from surae.estimation import FitResult
 from surae.report.correlations import CorrelationSection, correlation_section
 from surae.report.digits import NONE, percentage, significant
+from surae.report.identifiability import IdentifiabilitySection, identifiability_section
 from surae.report.parameters import ParameterGroup, parameter_groups
+from surae.report.predictions import PredictionSection, prediction_section
 from surae.report.provenance import Setting, Source, settings, sources
 from surae.report.recordings import RecordingSection, recording_section
+from surae.report.snsem import SnsemSection, snsem_section
 from surae.report.starts import StartRow, start_rows
 from surae.report.traces import Traces
-from surae.report.whiteness import Whiteness
-from surae.report.wording import caution, closeness, remain_identified, summary, widening
+from surae.report.wording import caution, closeness, summary
 
 _STATUS = {
     "converged": "converged",
@@ -63,12 +65,18 @@ class Content:
         The few numbers to see first.
     glance : tuple of Glance
         The parameters by verdict.
+    interval : str
+        Which standard errors the intervals are made of, ``"thesis"`` or ``"robust"``.
     caution : str
         What to know before reading the parameter table; empty where there is nothing.
     priors : bool
         Whether any parameter has one.
-    recordings, groups, correlation, starts, settings, sources, versions
+    recordings, groups, correlation, identifiability, starts, settings, sources, versions
         The sections.
+    predictions, snsem
+        The sections on other recordings and on simulations; None without any.
+    weighted_first : bool
+        Whether the first start was the solution that the weights of outliers came from.
     agreeing : int
         Starts that reached the best minimum.
     """
@@ -82,26 +90,31 @@ class Content:
     summary: tuple[str, ...]
     key: tuple[KeyFigure, ...]
     glance: tuple[Glance, ...]
+    interval: str
     caution: str
     priors: bool
     recordings: tuple[RecordingSection, ...]
     groups: tuple[ParameterGroup, ...]
     correlation: CorrelationSection
+    identifiability: IdentifiabilitySection
     starts: tuple[StartRow, ...]
     agreeing: int
     settings: tuple[Setting, ...]
     sources: tuple[Source, ...]
     versions: tuple[Setting, ...]
+    predictions: PredictionSection | None
+    snsem: SnsemSection | None
+    weighted_first: bool
 
 
 def make_content(
     result: FitResult,
     assessment: Assessment,
     traces: tuple[Traces, ...],
-    whiteness: tuple[Whiteness, ...],
     *,
     versions: Mapping[str, str],
     created: datetime,
+    predictions: Sequence[Prediction] = (),
 ) -> Content:
     """Put a fit and its assessment into words.
 
@@ -109,16 +122,17 @@ def make_content(
     ----------
     result, assessment : FitResult, Assessment
         The fit and what it is worth.
-    traces, whiteness : tuple of Traces, tuple of Whiteness
-        Signals of each recording and the autocorrelation of its residual.
+    traces : tuple of Traces
+        Signals of each recording.
     versions : mapping of str to str
         Of the programs that made the fit.
     created : datetime
         When the report is made.
+    predictions : sequence of Prediction
+        Of other recordings, with the parameters of the fit.
     """
     torque = np.concatenate([one.measured[one.counted] for one in traces])
     rms = float(np.sqrt(np.mean(torque**2)))
-    factor = widening(whiteness)
     groups = parameter_groups(assessment, result.problem.priors)
     return Content(
         title=result.problem.spec.title,
@@ -127,36 +141,37 @@ def make_content(
         status=result.status,
         status_text=_STATUS.get(result.status, result.status),
         message=result.message,
-        summary=summary(result, assessment, whiteness, rms),
-        key=_key(result, assessment, rms, factor),
+        summary=summary(result, assessment, rms),
+        key=_key(result, assessment, rms),
         glance=_glance(groups),
-        caution=caution(result, whiteness),
+        interval=str(assessment.interval),
+        caution=caution(result, assessment),
         priors=bool(result.problem.priors),
         recordings=tuple(
             recording_section(*each)
-            for each in zip(assessment.recordings, traces, whiteness, strict=True)
+            for each in zip(assessment.recordings, traces, assessment.whiteness, strict=True)
         ),
         groups=groups,
         correlation=correlation_section(assessment),
+        identifiability=identifiability_section(result, assessment),
         starts=start_rows(result),
         agreeing=result.agreeing,
         settings=settings(result, assessment),
         sources=sources(result),
         versions=tuple(Setting(name, version) for name, version in versions.items()),
+        predictions=prediction_section(assessment, predictions),
+        snsem=snsem_section(assessment),
+        weighted_first=result.outliers is not None,
     )
 
 
-def _key(
-    result: FitResult, assessment: Assessment, rms: float, factor: float | None
-) -> tuple[KeyFigure, ...]:
+def _key(result: FitResult, assessment: Assessment, rms: float) -> tuple[KeyFigure, ...]:
     parameters = assessment.parameters.values()
     free = sum(p.free for p in parameters)
     identified = sum(p.verdict is Verdict.IDENTIFIED for p in parameters)
-    widened = ""
     failed = result.status == "failed"
-    if factor is not None and identified and not failed:
-        left = remain_identified(assessment, factor)
-        widened = f"{left} with intervals widened {significant(factor, 2)}×"
+    robust = assessment.interval is Interval.ROBUST and not failed
+    coloured = not all(one.white for one in assessment.whiteness)
     return (
         KeyFigure(
             "Variance accounted for",
@@ -168,7 +183,13 @@ def _key(
             f"{significant(assessment.rmse, 3)} Nm",
             f"torque itself {significant(rms, 3)} Nm",
         ),
-        KeyFigure("Parameters identified", NONE if failed else f"{identified} of {free}", widened),
+        KeyFigure(
+            "Parameters identified",
+            NONE if failed else f"{identified} of {free}",
+            ("correlation of the residual allowed for" if coloured else "robust standard errors")
+            if robust
+            else "",
+        ),
         KeyFigure(
             "Starts that agree",
             f"{result.agreeing} of {len(result.starts)}",

@@ -35,9 +35,16 @@ def estimate(value: float, sem: float | None, ci95: tuple[float, float] | None) 
     interval = f"{low} … {high}"
     return Estimate(
         digits(value) + _power(shift),
-        significant(float(f"{sem:.1e}"), 2),
+        standard_error(sem),
         f"({interval}){_power(shift)}" if shift else interval,
     )
+
+
+def standard_error(sem: float | None) -> str:
+    """A standard error with two digits, or a dash."""
+    if sem is None or not math.isfinite(sem) or sem <= 0:
+        return NONE
+    return significant(float(f"{sem:.1e}"), 2)
 
 
 def _rounded(value: float) -> str:
@@ -98,3 +105,10 @@ def signed(value: float, decimals: int) -> str:
         return NONE
     text = f"{value:.{decimals}f}"
     return text.lstrip("-") if float(text) == 0 else text.replace("-", "−")
+
+
+def chance(p_value: float) -> str:
+    """A probability of a test, ``"p = 0.031"`` or ``"p < 0.001"``."""
+    if not math.isfinite(p_value):
+        return f"p = {NONE}"
+    return "p < 0.001" if p_value < 1e-3 else f"p = {p_value:.2g}"

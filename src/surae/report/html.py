@@ -1,38 +1,41 @@
 """A report as one HTML file that asks nothing of the outside."""
 
 import base64
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from surae.assessment import Assessment
+from surae.assessment import Assessment, Prediction
 from surae.estimation import FitResult
 from surae.report.content import make_content
 from surae.report.correlations import CorrelationSection
 from surae.report.figures import (
     correlation_figure,
     png,
+    prediction_figure,
     residual_figure,
     svg,
     tendon_figure,
     torque_figure,
 )
 from surae.report.traces import traces_of
-from surae.report.whiteness import whiteness
 
 
 def render(
-    result: FitResult, assessment: Assessment, *, versions: Mapping[str, str], created: datetime
+    result: FitResult,
+    assessment: Assessment,
+    *,
+    versions: Mapping[str, str],
+    created: datetime,
+    predictions: Sequence[Prediction] = (),
 ) -> str:
     """The page; see `surae.report.build`."""
     traces = traces_of(result)
-    white = tuple(
-        whiteness(one.residual[one.counted], inputs.rate_hz)
-        for one, inputs in zip(traces, result.problem.inputs, strict=True)
+    content = make_content(
+        result, assessment, traces, versions=versions, created=created, predictions=predictions
     )
-    content = make_content(result, assessment, traces, white, versions=versions, created=created)
     # Names come from files and are untrusted: everything is escaped.
     environment = Environment(
         loader=PackageLoader("surae.report"),
@@ -46,13 +49,14 @@ def render(
         torque=[_image(png(torque_figure(one)), "png") for one in traces],
         residual=[
             _image(png(residual_figure(one.time, one.residual, w, one.left_out)), "png")
-            for one, w in zip(traces, white, strict=True)
+            for one, w in zip(traces, assessment.whiteness, strict=True)
         ],
         tendon=[
             None if one.tendon is None else _image(png(tendon_figure(one, one.tendon), 150), "png")
             for one in traces
         ],
         correlation=_heat_map(content.correlation),
+        predictions=[_image(png(prediction_figure(one)), "png") for one in predictions],
     )
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.estimation import Prior
-from surae.report.digits import NONE, estimate, short
+from surae.report.digits import NONE, estimate, short, standard_error
 from surae.report.priors import prior_note, prior_span
 
 #: Titles of the groups of parameters.
@@ -57,7 +57,7 @@ class ParameterRow:
 
     Attributes
     ----------
-    name, meaning, unit, value, interval, sem, bounds, verdict, verdict_text, note : str
+    name, meaning, unit, value, interval, sem, sem_robust, bounds, verdict, verdict_text, note : str
         The cells; a dash where there is no number.
     prior : str
         The prior in words; empty without one.
@@ -73,6 +73,7 @@ class ParameterRow:
     value: str
     interval: str
     sem: str
+    sem_robust: str
     bounds: str
     verdict: str
     verdict_text: str
@@ -101,19 +102,20 @@ def parameter_groups(
 
 
 def _row(p: ParameterEstimate, prior: Prior | None) -> ParameterRow:
-    written = estimate(p.value, p.sem, p.ci95) if p.free else None
+    written = estimate(p.value, p.trusted_sem, p.ci95) if p.free else None
     return ParameterRow(
         name=p.name,
         meaning=p.meaning,
         unit="" if p.unit == "-" else p.unit,
         value=written.value if written else short(p.value),
         interval=written.interval if written else NONE,
-        sem=written.sem if written else NONE,
+        sem=standard_error(p.sem),
+        sem_robust=standard_error(p.sem_robust),
         bounds=f"{short(p.lower)} … {short(p.upper)}" if p.free else NONE,
         verdict=str(p.verdict),
         verdict_text=_VERDICTS[p.verdict],
         note=p.note,
-        prior=prior_note(prior, p.value, p.sem) if prior else "",
+        prior=prior_note(prior, p.value, p.trusted_sem) if prior else "",
         determined=p.verdict is not Verdict.WEAK or p.ci95 is not None,
         bar=_bar(p, prior) if p.free and math.isfinite(p.value) else None,
     )

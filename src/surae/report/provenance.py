@@ -4,8 +4,10 @@ from dataclasses import dataclass
 
 from surae.assessment import Assessment
 from surae.estimation import FitResult
+from surae.estimation.population import population_of
 from surae.model import adapted
 from surae.report.digits import short, significant
+from surae.report.emphasis import loss_text
 from surae.report.left_out import left_out_text
 from surae.report.priors import prior_text
 
@@ -42,6 +44,7 @@ def settings(result: FitResult, assessment: Assessment) -> tuple[Setting, ...]:
         Setting("Fixed parameters", _fixed(result, assessment)),
         Setting("Bounds", _bounds(result)),
         Setting("Priors", _priors(result, assessment)),
+        Setting("Loss", loss_text(result)),
         Setting("Samples and estimated parameters", f"{problem.n} and {len(problem.free)}"),
         Setting("Starts", _starts(result)),
         Setting("Wall time of the fit", f"{significant(result.seconds, 2)} s"),
@@ -89,6 +92,11 @@ def _priors(result: FitResult, assessment: Assessment) -> str:
         for name, prior in result.problem.priors.items()
         for unit in [assessment.parameters[name].unit]
     ]
+    pairs = {name: (prior.median, prior.spread) for name, prior in result.problem.priors.items()}
+    defaults = population_of(pairs, result.problem.options)
+    if defaults:
+        texts[-1] += f" (defaults of the {next(iter(defaults.values()))} population"
+        texts[-1] += ")" if len(defaults) == len(pairs) else f": {', '.join(defaults)})"
     return ", ".join(texts) or "none"
 
 

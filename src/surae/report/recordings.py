@@ -4,14 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.assessment import RecordingQuality
+from surae.assessment import RecordingQuality, Whiteness
 from surae.recording.samples import sample
-from surae.report.digits import percentage, short, signed, significant
+from surae.report.digits import chance, percentage, short, signed, significant
 from surae.report.left_out import left_out_text
 from surae.report.provenance import Setting
 from surae.report.tendons import GROUPS, TendonRow, tendon_rows
 from surae.report.traces import Traces
-from surae.report.whiteness import Whiteness
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +45,8 @@ def recording_section(
         Setting("Duration", f"{short(round(duration, 2))} s"),
         Setting("Samples", f"{quality.n} at {short(quality.rate_hz)} Hz"),
     )
+    if quality.vaf_weighted is not None:
+        facts += (Setting("VAF, weighted as in the fit", f"{percentage(quality.vaf_weighted)} %"),)
     if left_out := left_out_text(traces.time, traces.weight):
         facts += (Setting("Left out of the fit", left_out),)
     tendon = tendon_rows(traces)
@@ -62,14 +63,14 @@ def recording_section(
         f"Lag-1 autocorrelation {significant(white.lag1, 2)}; white noise would stay within "
         f"±{significant(white.band, 2)}. "
     )
-    if white.coloured:
-        text += (
-            f"It takes {significant(white.fall_s, 2)} s to fall within that band: the residual is "
-            "not white, and the intervals are too narrow by a factor of about "
-            f"{significant(white.widening, 2)} (rough guide)."
-        )
+    test = f"Ljung–Box test over {white.lags} lags: {chance(white.p_value)}"
+    if white.white:
+        text += f"{test}: the residual passes for white noise."
     else:
-        text += "The residual does not make the intervals too narrow."
+        text += (
+            f"It takes {significant(white.fall_s, 2)} s to fall within that band. {test}: the "
+            "residual is correlated over time."
+        )
     return RecordingSection(
         name=quality.name,
         facts=facts,

@@ -1,12 +1,10 @@
 """The plain-language summary: what a clinician may take from a fit, and what not."""
 
-from collections.abc import Sequence
-
-from surae.assessment import Assessment, ParameterEstimate, Verdict
+from surae.assessment import Assessment, Interval, ParameterEstimate, Verdict
 from surae.assessment.verdict import IDENTIFIED
 from surae.estimation import FitResult
 from surae.report.digits import percentage, significant
-from surae.report.whiteness import Whiteness
+from surae.report.emphasis import emphasis_text
 
 #: Lower limit of a VAF [%] and how such a model follows the torque.
 _CLOSENESS = (
@@ -26,17 +24,13 @@ FAILED = (
 )
 
 
-def summary(
-    result: FitResult, assessment: Assessment, whiteness: Sequence[Whiteness], rms: float
-) -> tuple[str, ...]:
+def summary(result: FitResult, assessment: Assessment, rms: float) -> tuple[str, ...]:
     """The summary, one paragraph an entry.
 
     Parameters
     ----------
     result, assessment : FitResult, Assessment
         The fit and what it is worth.
-    whiteness : sequence of Whiteness
-        Of the residual of each recording.
     rms : float
         Root mean square of the measured torque of all recordings [Nm].
     """
@@ -45,7 +39,8 @@ def summary(
     texts = [
         _following(result, assessment, rms),
         _counted(assessment),
-        _intervals(assessment, whiteness),
+        emphasis_text(result, assessment),
+        _intervals(assessment),
     ]
     if len(result.starts) > 1 and result.agreeing == 1:
         texts.append(
@@ -55,29 +50,15 @@ def summary(
     return tuple(text for text in texts if text)
 
 
-def widening(whiteness: Sequence[Whiteness]) -> float | None:
-    """Rough factor by which the intervals are too narrow; None where they are not."""
-    return max((w.widening for w in whiteness if w.coloured), default=None)
-
-
-def caution(result: FitResult, whiteness: Sequence[Whiteness]) -> str:
+def caution(result: FitResult, assessment: Assessment) -> str:
     """What to know before reading the parameter table; empty where there is nothing."""
     if result.status == "failed":
         return FAILED
-    factor = widening(whiteness)
-    if factor is None:
+    if assessment.interval is Interval.THESIS:
         return ""
     return (
-        f"The residuals are not white: read SEM and intervals as about {significant(factor, 2)} "
-        "times as wide, and the verdicts accordingly."
-    )
-
-
-def remain_identified(assessment: Assessment, factor: float) -> int:
-    """How many parameters would still be identified with intervals `factor` times as wide."""
-    return sum(
-        p.ci95 is not None and factor * (p.ci95[1] - p.value) <= IDENTIFIED * abs(p.value)
-        for p in _of(assessment, Verdict.IDENTIFIED)
+        f"Intervals and verdicts rest on the robust SEM, because {assessment.interval_note}; the "
+        f"SEM of equation (34) is {_ratio(assessment)}."
     )
 
 
@@ -138,31 +119,42 @@ def _counted(assessment: Assessment) -> str:
     return text
 
 
-def _intervals(assessment: Assessment, whiteness: Sequence[Whiteness]) -> str:
-    """Whether the intervals can be trusted."""
+def _intervals(assessment: Assessment) -> str:
+    """What the intervals allow for."""
     if not any(p.ci95 for p in assessment.parameters.values()):
         return ""
-    factor = widening(whiteness)
-    if factor is None:
+    if assessment.interval is Interval.THESIS:
         return (
-            "The residuals look like white noise, as the intervals assume. The intervals do not "
-            "cover errors of the model itself."
+            f"The intervals are those of white noise, equation (34): {assessment.interval_note}. "
+            "They do not cover errors of the model itself."
         )
-    worst = max(whiteness, key=lambda w: w.widening)
-    text = (
+    if all(one.white for one in assessment.whiteness):
+        return (
+            f"The intervals and verdicts rest on the robust SEM, because "
+            f"{assessment.interval_note}. They do not cover errors of the model itself."
+        )
+    worst = max(assessment.whiteness, key=lambda w: w.statistic)
+    return (
         "The residuals are not white noise: neighbouring samples correlate by "
         f"{significant(worst.lag1, 2)}, and it takes {significant(worst.fall_s, 2)} s to fall to "
-        "the level of white noise. The model leaves something out, and the intervals and verdicts, "
-        f"which assume white noise, are too narrow: by a factor of about {significant(factor, 2)}, "
-        "as a rough guide."
+        "the level of white noise. The intervals and verdicts allow for that; the standard errors "
+        f"of equation (34), which assume white noise, are {_ratio(assessment)}. What correlates "
+        "may be something that the model leaves out; that may also shift the values, which no "
+        "interval covers."
     )
-    identified = len(_of(assessment, Verdict.IDENTIFIED))
-    if identified:
-        text += (
-            f" With intervals so much wider, {remain_identified(assessment, factor) or 'none'} of "
-            f"the {identified} would still count as identified."
-        )
-    return text
+
+
+def _ratio(assessment: Assessment) -> str:
+    """How the standard errors of equation (34) compare with the robust ones."""
+    ratios = sorted(
+        p.sem_robust / p.sem for p in assessment.parameters.values() if p.sem and p.sem_robust
+    )
+    if not ratios:
+        return "not to be had"
+    middle = ratios[len(ratios) // 2]
+    if middle >= 1:
+        return f"too small by a factor of {significant(middle, 2)} (median of the parameters)"
+    return f"too large by a factor of {significant(1 / middle, 2)} (median of the parameters)"
 
 
 def _of(assessment: Assessment, verdict: Verdict) -> list[ParameterEstimate]:

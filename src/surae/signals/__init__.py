@@ -5,5 +5,15 @@ from surae.signals.inputs import ModelInputs
 from surae.signals.prepare import prepare
 from surae.signals.settings import Preparation
 from surae.signals.thinning import thinned, thinning_factor
+from surae.signals.weighting import Weighting, weighted
 
-__all__ = ["ModelInputs", "Preparation", "check_estimable", "prepare", "thinned", "thinning_factor"]
+__all__ = [
+    "ModelInputs",
+    "Preparation",
+    "Weighting",
+    "check_estimable",
+    "prepare",
+    "thinned",
+    "thinning_factor",
+    "weighted",
+]

@@ -39,6 +39,9 @@ class ModelInputs:
         Whether the signals were used as they came, without filters or resampling.
     weight : ndarray, shape (n,), or None
         What each sample counts in a fit, 0 to leave it out; None: all the same.
+    emphasised : bool
+        What unequal weights mean: how much a sample matters (True, as `Weighting` makes them), or
+        how precise it is, noise having the inverse of the weight as its variance.
     fixed : mapping of str to float
         Parameter values that the recording prescribes.
     files : tuple of SourceFile
@@ -58,6 +61,7 @@ class ModelInputs:
     steps: tuple[str, ...] = ()
     prepared: bool = False
     weight: FloatArray | None = None
+    emphasised: bool = False
     fixed: Mapping[str, float] = field(default_factory=dict)
     files: tuple[SourceFile, ...] = ()
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.assessment import Verdict, assess
-from surae.assessment.uncertainty import half_width
 from surae.estimation import STARTS, fit_problem, make_problem
 from surae.protocol import Protocol, generate
 from surae.studies.virtual import virtual_subject, virtual_trial
@@ -99,13 +98,12 @@ def recover(
     trial = virtual_trial(subject, generate(protocol), model=model, noise=noise)
     result = fit_problem(make_problem([trial], model), starts=starts)
     assessment = assess(result)
-    dof = assessment.covariance.dof
     estimates = []
     for name, truth in subject.parameters.items():
         p = assessment.parameters[name]
-        covered = None if p.sem is None else abs(p.value - truth) <= half_width(p.sem, dof)
+        covered = None if p.ci95 is None else p.ci95[0] <= truth <= p.ci95[1]
         identified = p.verdict is Verdict.IDENTIFIED
-        estimates.append(Estimate(name, truth, p.value, p.sem, identified, covered))
+        estimates.append(Estimate(name, truth, p.value, p.trusted_sem, identified, covered))
     return Recovery(seed, assessment.vaf, result.status, result.agreeing, tuple(estimates))
 
 

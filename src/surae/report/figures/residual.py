@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
+from surae.assessment import Whiteness
 from surae.report.figures.style import (
     BLUE,
     GREY,
@@ -17,7 +18,6 @@ from surae.report.figures.style import (
     shade_left_out,
     trace,
 )
-from surae.report.whiteness import Whiteness
 from surae.units import FloatArray
 
 

@@ -1,0 +1,42 @@
+"""A baseline for snSEM as a file."""
+
+import json
+
+from surae.assessment.fit_json import check_version, read_json
+from surae.assessment.snsem import Baseline, baseline_as_dict, read_baseline
+from surae.errors import InputError
+from surae.files import PathLike, shown, write_atomic
+
+
+def save_baseline(path: PathLike, baseline: Baseline) -> None:
+    """Write a baseline; `load_baseline` reads it back.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    write_atomic(path, json.dumps(baseline_as_dict(baseline), indent=1, allow_nan=False) + "\n")
+
+
+def load_baseline(path: PathLike) -> Baseline:
+    """Read a baseline.
+
+    Raises
+    ------
+    InputError
+        The file is missing, or is not a baseline.
+    """
+    data = read_json(path)
+    check_version(data, path)
+    try:
+        return read_baseline(data)
+    except KeyError as error:
+        raise InputError(
+            f"{shown(path)}: not a baseline, {error} is missing; give a file that "
+            "`surae baseline` wrote"
+        ) from None
+    except (TypeError, ValueError, AttributeError) as error:
+        raise InputError(f"{shown(path)}: a damaged baseline ({error})") from None
+    except InputError as error:
+        raise InputError(f"{shown(path)}: {error}") from None

@@ -1,0 +1,99 @@
+"""Combinations of parameters that the torque tells least, in numbers and in words."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.units import FloatArray
+
+#: A parameter takes part in a direction when its relative change is this part of the largest, or
+#: when its effect on the torque is this part of the largest and its change not a trifle.
+_CHANGED, _EFFECT, _TRIFLE = 0.3, 0.25, 0.03
+#: Parameters that are named at most.
+_MOST = 5
+#: Part of its largest contribution up to which a direction's torque counts as cancelled.
+_CANCELLED = 0.5
+#: Singular value, as a part of the largest, below which there is only rounding.
+SINGULAR = 1e-10
+
+
+@dataclass(frozen=True, slots=True)
+class Direction:
+    """A combination of parameters, an eigenvector of the scaled information matrix.
+
+    Attributes
+    ----------
+    eigenvalue : float
+        Information along it; parameters are measured in their own values, torque in standard
+        deviations of the noise.
+    uncertainty : float or None
+        1/√eigenvalue: relative standard error along it; None where there is no information.
+    changes : mapping of str to float
+        Its parameters, the most changed first, and their relative change along it, of length
+        1 over all parameters.
+    words : str
+        The same as a sentence.
+    """
+
+    eigenvalue: float
+    uncertainty: float | None
+    changes: Mapping[str, float]
+    words: str
+
+
+def directions(
+    names: tuple[str, ...], R: FloatArray, length: FloatArray, sigma: float
+) -> tuple[Direction, ...]:
+    """Eigenvectors of the scaled information matrix RᵀR/σ², the weakest first.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Parameters of the columns.
+    R : ndarray, shape (k, k)
+        Triangular factor of the sensitivities, each parameter in units of its own value [Nm].
+    length : ndarray, shape (k,)
+        Lengths of its columns.
+    sigma : float
+        Standard deviation of the noise [Nm].
+    """
+    _, s, Vt = np.linalg.svd(R)
+    made = []
+    for value, v in zip(s[::-1], Vt[::-1], strict=True):
+        effect = np.abs(v) * length
+        greatest = float(effect.max())
+        singular = value <= SINGULAR * s[0]
+        opposed = bool(value <= _CANCELLED * greatest)
+        parts = _parts(np.abs(v), effect)
+        signed = v if v[parts[0]] >= 0 else -v
+        made.append(
+            Direction(
+                eigenvalue=0.0 if singular else float(value / sigma) ** 2 if sigma else np.inf,
+                uncertainty=None if singular else sigma / float(value),
+                changes={names[i]: float(signed[i]) for i in parts},
+                words=_words([(names[i], float(signed[i])) for i in parts], opposed, singular),
+            )
+        )
+    return tuple(made)
+
+
+def _parts(change: FloatArray, effect: FloatArray) -> list[int]:
+    """Parameters that make up a direction, those of the largest relative change first."""
+    changed = change >= _CHANGED * change.max()
+    felt = (effect >= _EFFECT * effect.max()) & (change >= _TRIFLE * change.max())
+    order = np.argsort(-change, kind="stable").tolist()
+    return [i for i in order if changed[i] or (felt[i] and effect[i] > 0)][:_MOST]
+
+
+def _words(parts: list[tuple[str, float]], opposed: bool, singular: bool) -> str:
+    moved = [f"{name} {'up' if change >= 0 else 'down'}" for name, change in parts]
+    what = moved[0] if len(moved) == 1 else f"{moved[0]} with {listed(moved[1:])}"
+    if singular:
+        return f"{what}: the same torque"
+    return f"{what}: {'nearly the same torque' if opposed else 'changes the torque'}"
+
+
+def listed(texts: Sequence[str]) -> str:
+    """Texts with commas and, before the last, "and"."""
+    return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} and {texts[-1]}"

@@ -1,0 +1,92 @@
+"""Noise that is correlated over time: an autoregressive model of it, and its spectrum."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from surae.units import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseModel:
+    """Stationary noise e[t] = Σ φ[k]·e[t − k] + white noise.
+
+    Attributes
+    ----------
+    coefficients : ndarray, shape (q,)
+        φ, from lag 1 on; none for white noise.
+    variance : float
+        Of the white noise that drives it.
+    autocovariance : ndarray, shape (m,)
+        What the model was made of, m > q.
+    samples : float
+        How many samples that came from.
+    """
+
+    coefficients: FloatArray
+    variance: float
+    autocovariance: FloatArray
+    samples: float
+
+    @property
+    def order(self) -> int:
+        """Number q of coefficients."""
+        return len(self.coefficients)
+
+    def transfer(self, size: int) -> npt.NDArray[np.complex128]:
+        """1 − Σ φ[k]·exp(−iωk) at the frequencies of a real FFT of `size`."""
+        return np.asarray(np.fft.rfft(np.concatenate([[1.0], -self.coefficients]), size))
+
+    def spectrum(self, size: int) -> FloatArray:
+        """Spectral density at the frequencies of a real FFT of `size`; its mean is the variance."""
+        return np.asarray(self.variance / np.abs(self.transfer(size)) ** 2, dtype=np.float64)
+
+    def draw(self, n: int, rng: np.random.Generator) -> FloatArray:
+        """A realisation, shape (n,), by filtering white noise in the frequency domain."""
+        from scipy.fft import next_fast_len
+
+        size = next_fast_len(2 * n, real=True)
+        white = np.fft.rfft(rng.standard_normal(size))
+        return np.asarray(np.fft.irfft(white * np.sqrt(self.spectrum(size)), size)[:n])
+
+    def uncertainty(self) -> FloatArray:
+        """Covariance of the coefficients, shape (q, q), for a long series: σ²Γ⁻¹/n."""
+        from scipy.linalg import toeplitz
+
+        if not self.order:
+            return np.empty((0, 0))
+        gamma = toeplitz(self.autocovariance[: self.order])
+        return np.asarray(self.variance / self.samples * np.linalg.pinv(gamma, hermitian=True))
+
+
+def autoregressive(autocovariance: FloatArray, samples: float) -> NoiseModel:
+    """The autoregressive model of the order that Akaike's criterion prefers.
+
+    Parameters
+    ----------
+    autocovariance : ndarray, shape (m,)
+        At lags 0 … m − 1, the largest order that is tried.
+    samples : float
+        Number of samples it was estimated from.
+
+    Notes
+    -----
+    The Yule–Walker equations are solved for all orders by the recursion of Levinson and Durbin;
+    it ends where the autocovariance stops being one.
+    """
+    coefficients, variance = np.zeros(0), float(autocovariance[0])
+    best, lowest = (coefficients, variance), samples * np.log(variance) if variance > 0 else 0.0
+    for order in range(1, len(autocovariance)):
+        if not variance > 0:
+            break
+        past = autocovariance[order - 1 : 0 : -1]
+        reflection = float(autocovariance[order] - coefficients @ past) / variance
+        if not abs(reflection) < 1:
+            break
+        coefficients = np.append(coefficients - reflection * coefficients[::-1], reflection)
+        variance *= 1 - reflection * reflection
+        criterion = samples * np.log(variance) + 2 * order
+        if criterion < lowest:
+            best, lowest = (coefficients, variance), criterion
+    return NoiseModel(best[0], best[1], autocovariance, samples)

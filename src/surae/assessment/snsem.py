@@ -1,0 +1,111 @@
+"""Standard errors against those of simulated trials: the thesis's snSEM (2.7)."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from surae._version import __version__
+from surae.errors import InputError
+from surae.estimation import FitProblem
+from surae.model import ModelOptions, check_names, get_model
+
+
+@dataclass(frozen=True, slots=True)
+class Baseline:
+    """Mean standard errors of simulated trials, whose parameters were found correctly.
+
+    Attributes
+    ----------
+    model : str
+        Name of the model.
+    options : ModelOptions
+        Its switches.
+    sem : mapping of str to float
+        Mean standard error, equation (34), by parameter, in its unit; EMG in volts.
+    about : str
+        What was simulated, in a plain phrase.
+    """
+
+    model: str
+    options: ModelOptions
+    sem: Mapping[str, float]
+    about: str
+
+
+def check_baseline(baseline: Baseline, problem: FitProblem) -> None:
+    """Refuse to compare a fit with the simulations of another model.
+
+    Raises
+    ------
+    InputError
+        Model or options differ.
+    """
+    if baseline.model != problem.spec.name:
+        raise InputError(
+            f"the baseline is of model {baseline.model!r}, the fit of {problem.spec.name!r}; make "
+            "one with the model of the fit"
+        )
+    if baseline.options != problem.options:
+        raise InputError("the baseline was simulated with other model options; make another one")
+
+
+def snsem(
+    baseline: Baseline, standard_errors: Mapping[str, float | None], emg_unit: str = "V"
+) -> dict[str, float | None]:
+    """SEM over the simulations' mean SEM.
+
+    Below 1 a parameter has had more influence on the torque than in the simulations, above 1 less.
+
+    Parameters
+    ----------
+    baseline : Baseline
+        Of the simulations.
+    standard_errors : mapping of str to (float or None)
+        Standard error by free parameter, equation (34).
+    emg_unit : {"V", "1"}
+        Of the fit's EMG; the weights of a normalised envelope have another unit than the baseline.
+
+    Returns
+    -------
+    dict of str to (float or None)
+        Of the parameters that are in both; None where the fit has no standard error.
+    """
+    spec = get_model(baseline.model)
+    skipped = spec.weights if emg_unit != "V" else ()
+    return {
+        name: None if sem is None else sem / baseline.sem[name]
+        for name, sem in standard_errors.items()
+        if name in baseline.sem and name not in skipped
+    }
+
+
+def baseline_as_dict(baseline: Baseline) -> dict[str, Any]:
+    """Plain data, in the shape of the file."""
+    return {
+        "surae": __version__,
+        "model": baseline.model,
+        "options": baseline.options.as_dict(),
+        "about": baseline.about,
+        "sem": dict(baseline.sem),
+    }
+
+
+def read_baseline(data: Mapping[str, Any]) -> Baseline:
+    """The baseline that `baseline_as_dict` made plain data of.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError, AttributeError, InputError
+        It is damaged.
+    """
+    spec = get_model(data["model"])
+    sem = {}
+    for name, value in data["sem"].items():
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise ValueError(f"the SEM of {name} is not a number")
+        if not 0 < value < math.inf:
+            raise ValueError(f"the SEM of {name} is {value!r}, not above zero")
+        sem[str(name)] = float(value)
+    check_names(sem, spec)
+    return Baseline(spec.name, ModelOptions.of(**data["options"]), sem, str(data["about"]))

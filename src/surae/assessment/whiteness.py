@@ -1,0 +1,159 @@
+"""Whether a residual is white noise, which equation (34) takes for granted."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from surae.units import FloatArray
+
+#: Probability with which the test calls white noise coloured.
+LEVEL = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class Whiteness:
+    """The autocorrelation of a residual, and the test of whether it is more than chance.
+
+    Attributes
+    ----------
+    rate_hz : float
+        Sampling rate [Hz].
+    correlation : ndarray, shape (k + 1,)
+        Autocorrelation from lag 0 about zero, not about the mean, as many lags as are worth
+        showing; NaN where the residual is not finite.
+    band : float
+        Half-width of the band that holds 95 % of the values if the residual is white, 1.96/√n.
+    fall_s : float
+        Time after which the autocorrelation is within the band for the first time [s].
+    lags : int
+        Lags that are tested.
+    statistic, p_value : float
+        Of Ljung and Box: how likely white noise is at least as correlated over the tested lags.
+    """
+
+    rate_hz: float
+    correlation: FloatArray
+    band: float
+    fall_s: float
+    lags: int
+    statistic: float
+    p_value: float
+
+    @property
+    def lag1(self) -> float:
+        """Autocorrelation of neighbouring samples."""
+        return float(self.correlation[1])
+
+    @property
+    def white(self) -> bool:
+        """Whether white noise is often as correlated as this."""
+        return self.p_value >= LEVEL
+
+
+def whiteness(
+    residual: FloatArray,
+    rate_hz: float,
+    counted: npt.NDArray[np.bool_] | None = None,
+    absorbed: FloatArray | None = None,
+) -> Whiteness:
+    """Describe the autocorrelation of a residual, and test it.
+
+    The test is that of Ljung and Box (1978), Σ (ρ − E ρ)²/var ρ over the lags up to 10·log₁₀ n,
+    against χ². Estimated parameters take correlation out of a residual; under white noise they take
+    out a known amount, E ρ, which matters as soon as there are many of them.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Residual [Nm], n at least 2.
+    rate_hz : float
+        Sampling rate [Hz].
+    counted : ndarray of bool, shape (n,), optional
+        Samples that count; the others are gaps, across which time goes on.
+    absorbed : ndarray, shape (most_lags(n) + 1,), optional
+        Sum of the autocovariances, at each lag, of an orthonormal basis of what the parameters
+        can do; without it they are taken to have none.
+    """
+    n = len(residual)
+    mask = np.ones(n, dtype=bool) if counted is None else counted
+    samples = max(int(np.count_nonzero(mask)), 1)
+    band = 1.96 / math.sqrt(samples)
+    sums, pairs = autocovariance(residual, mask, n - 1)
+    if not np.isfinite(sums[0]):
+        nothing = np.full(2, np.nan)
+        return Whiteness(rate_hz, nothing, band, math.nan, 0, math.nan, math.nan)
+    lags = most_lags(n)
+    if sums[0] <= 0.0:
+        none = np.concatenate([[1.0], np.zeros(min(40, n - 1))])
+        return Whiteness(rate_hz, none, band, 1 / rate_hz, lags, 0.0, 1.0)
+    rho = sums / sums[0]
+    share = np.arange(n, 0, -1) / n
+    shown_rho = np.divide(rho * share * samples, pairs, out=np.zeros(n), where=pairs > 0)
+    within = np.flatnonzero(np.abs(shown_rho) <= band)
+    fall = int(within[0]) if len(within) else n - 1
+    shown = min(max(3 * fall, 40), n - 1)
+    expected = np.zeros(lags + 1)
+    if absorbed is not None:
+        expected = -absorbed[: lags + 1] / max(samples - absorbed[0], 1.0)
+    tested = slice(1, lags + 1)
+    weight = samples * (samples + 2) / np.maximum(pairs[tested], 1.0)
+    used = pairs[tested] > 0
+    statistic = float(np.sum((weight * (rho[tested] - expected[1:]) ** 2)[used]))
+    return Whiteness(
+        rate_hz, shown_rho[: shown + 1], band, fall / rate_hz, lags, statistic,
+        _exceeded(statistic, int(np.count_nonzero(used))),
+    )  # fmt: skip
+
+
+def most_lags(n: int) -> int:
+    """Lags that n samples tell something about: 10·log₁₀ n, at most a tenth of them, at least 1."""
+    return max(min(int(10 * math.log10(n)), n // 10), 1)
+
+
+def autocovariance(
+    residual: FloatArray, counted: npt.NDArray[np.bool_], lags: int
+) -> tuple[FloatArray, FloatArray]:
+    """Sums of products about zero, and the pairs in each, at lags 0 … `lags`.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Signal; samples that do not count may hold anything.
+    counted : ndarray of bool, shape (n,)
+        Samples that count.
+    lags : int
+        Largest lag, below n.
+
+    Returns
+    -------
+    sums, pairs : ndarray, shape (lags + 1,)
+        Sums are NaN where the signal is not finite.
+    """
+    n = len(residual)
+    kept = np.where(counted, residual, 0.0)
+    largest = float(np.abs(kept).max())
+    pairs = np.arange(n, n - lags - 1, -1.0)
+    if not counted.all():
+        pairs = np.rint(_correlated(counted.astype(float), lags))
+    if not math.isfinite(largest):
+        return np.full(lags + 1, np.nan), pairs
+    with np.errstate(over="ignore", invalid="ignore"):
+        sums = _correlated(kept / (largest or 1.0), lags) * largest * largest  # no square overflows
+    return (sums if np.isfinite(sums).all() else np.full(lags + 1, np.nan)), pairs
+
+
+def _correlated(signal: FloatArray, lags: int) -> FloatArray:
+    from scipy.fft import next_fast_len
+
+    size = next_fast_len(len(signal) + lags, real=True)
+    spectrum = np.fft.rfft(signal, size)
+    return np.asarray(np.fft.irfft(np.abs(spectrum) ** 2, size)[: lags + 1], dtype=np.float64)
+
+
+def _exceeded(statistic: float, lags: int) -> float:
+    """Probability that χ² of so many degrees of freedom is larger."""
+    from scipy.special import chdtrc
+
+    return float(chdtrc(lags, statistic)) if lags else 1.0

@@ -1,0 +1,161 @@
+"""`surae study`: run, status, export."""
+
+from collections.abc import Mapping
+
+import click
+
+from surae.cli.options import whole_number
+from surae.cli.paths import check_outputs
+from surae.errors import InputError
+from surae.files import shown
+
+#: More workers than this on one computer are a slip of the keyboard.
+_MOST_WORKERS = 1000
+#: Reasons of failures that `status` lists.
+_REASONS = 5
+
+
+@click.group("study")
+def command() -> None:
+    """Fit virtual trials over crossed factors: parameters known, thousands of fits, resumable."""
+
+
+@command.command("run", short_help="Run a study, or go on with it.")
+@click.argument("study", metavar="STUDY.toml")
+@click.option("--store", required=True, metavar="S.db", help="Keeps every finished fit.")
+@click.option("--workers", metavar="N", help="Fits at a time.  [default: one for each core]")
+@click.option(
+    "--engine", metavar="processes|threads", help="What the workers are.  [default: processes]"
+)
+@click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster to run on instead.")
+@click.option("--retry", is_flag=True, help="Try again what gave no fit in an earlier run.")
+def run_command(
+    study: str, store: str, workers: str | None, engine: str | None, dask: str | None, retry: bool
+) -> int:
+    """Run a study, or go on with it: what the store holds is not computed again.
+
+    STUDY.toml gives factors, each a value or a list of values; all combinations are fitted. The
+    run may be stopped in any way and at any time: run it again and it goes on.
+    """
+    count = whole_number("--workers", workers, least=1, most=_MOST_WORKERS)
+    if dask is not None and (count is not None or engine is not None):
+        raise InputError("--dask brings workers of its own; give it without --workers or --engine")
+    if engine not in (None, "processes", "threads"):
+        raise InputError(f"--engine {engine}: use processes or threads")
+    check_outputs({"--store": store}, [study])
+
+    from surae.studies.study import read_study
+
+    asked = read_study(study)
+
+    from surae.cli.progress import compilation_notice, work
+    from surae.cli.screen import show_line
+    from surae.studies.engines import Engine
+    from surae.studies.run import run
+    from surae.studies.store import Store
+
+    chosen = (
+        Engine("dask", address=dask)
+        if dask is not None
+        else Engine(engine or "processes", count or _cores())
+    )
+    with Store(store, write=True) as kept:
+        try:
+            with work() as progress, compilation_notice():
+                progress.describe(f"planning {asked.size:,} fits")
+                done = run(asked, kept, engine=chosen, progress=progress.fits, retry=retry)
+        except KeyboardInterrupt:
+            try:
+                now = kept.status()
+            except InputError:  # it was still planning
+                raise KeyboardInterrupt from None
+            click.echo(
+                f"surae: stopped by the user; {now.done:,} of {now.fits:,} fits are kept: run the "
+                "same command to go on",
+                err=True,
+            )
+            return 130
+        reasons = kept.status().reasons
+    rate = f", {done.computed / done.seconds:.1f} a second" if done.computed else ""
+    show_line(
+        f"{asked.name}: {_counted(done.fits, done.rows)}, all there; "
+        f"{done.computed:,} computed now in {done.seconds:.1f} s{rate}"
+    )
+    _show_reasons(reasons)
+    show_line(f"table: surae study export {shown(store)} --output TABLE.csv")
+    return 0
+
+
+@command.command("status", short_help="Tell how far it is, also while it runs.")
+@click.argument("store", metavar="S.db")
+def status_command(store: str) -> None:
+    """Tell how far a study is, also while it runs."""
+    from surae.cli.screen import show_line
+    from surae.studies.store import Store
+
+    with Store(store) as kept:
+        now = kept.status()
+    part = f" ({100 * now.done / now.fits:.0f} %)" if now.fits else ""
+    show_line(f"{now.name}: {now.done:,} of {_counted(now.fits, now.rows)} done{part}")
+    if now.running is not None:
+        here = now.running
+        rate = here.added / here.seconds if here.seconds > 0 else 0.0
+        left = f", about {_span((now.fits - now.done) / rate)} left" if rate else ""
+        show_line(
+            f"running for {_span(here.seconds)} (process {here.process} on {here.host}): "
+            f"{rate:.1f} fits a second{left}"
+        )
+    elif now.last:
+        show_line(f"last run: {now.last}")
+    _show_reasons(now.reasons)
+
+
+@command.command("export", short_help="Write its table.")
+@click.argument("store", metavar="S.db")
+@click.option("--output", required=True, metavar="TABLE.csv", help="Or TABLE.parquet.")
+def export_command(store: str, output: str) -> None:
+    """Write the table of a study: a row for each combination, as far as they are there."""
+    check_outputs({"--output": output}, [store, f"{store}-wal", f"{store}-shm", f"{store}.lock"])
+    from surae.cli.screen import show_line
+    from surae.studies.store import Store
+    from surae.studies.table import export
+
+    with Store(store) as kept:
+        rows, all_rows = export(kept, output), kept.status().rows
+    show_line(f"table: {shown(output)}, {rows:,} rows")
+    if rows < all_rows:
+        click.echo(
+            f"surae: {all_rows - rows:,} of {all_rows:,} rows are left out: they are not done yet",
+            err=True,
+        )
+
+
+def _counted(fits: int, rows: int) -> str:
+    """Number of fits, and of the rows where they are more."""
+    same = f" (for {rows:,} combinations)" if rows != fits else ""
+    return f"{fits:,} fits{same}"
+
+
+def _show_reasons(reasons: Mapping[str, int]) -> None:
+    """The most frequent reasons of failures."""
+    from surae.cli.screen import show_line
+
+    if not reasons:
+        return
+    show_line(f"{sum(reasons.values()):,} failed:")
+    for text, number in list(reasons.items())[:_REASONS]:
+        show_line(f"  {number:,} × {text}")
+    if len(reasons) > _REASONS:
+        show_line(f"  … and {len(reasons) - _REASONS:,} other reasons")
+
+
+def _span(seconds: float) -> str:
+    """A time in h:mm:ss."""
+    whole = round(seconds)
+    return f"{whole // 3600}:{whole % 3600 // 60:02d}:{whole % 60:02d}"
+
+
+def _cores() -> int:
+    from joblib import cpu_count
+
+    return int(cpu_count())

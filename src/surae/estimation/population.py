@@ -1,0 +1,122 @@
+"""What is known of the parameters before a measurement: priors of a population, with sources.
+
+A prior is a Gaussian on the logarithm: two thirds of the population are believed to lie between
+median/exp(spread) and median·exp(spread). Medians lie in the middle of the ranges from which
+virtual subjects are drawn. Spreads are at least as wide as those ranges, and wider where people are
+known to differ more, since a default must not decide what the data should.
+
+The EMG weights have no default: they depend on electrodes and skin as much as on the muscle. The
+length parameters and stiffnesses hold for equation (9) as printed, not for virtual work.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from surae.errors import InputError
+from surae.model import ModelOptions
+from surae.model.tendon import SLACK_TIB, SLACK_TRI
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """A parameter's prior, and where it comes from."""
+
+    median: float
+    spread: float
+    source: str
+
+
+_CHUNG = (
+    "triceps passive torque at 10° dorsiflexion, 6.2 ± 3.6 Nm healthy, 9.5 ± 4.8 Nm spastic "
+    "(Chung et al. 2004, Muscle Nerve 29), through equations (8) and (9)"
+)
+_WARD = (
+    "middle of equation (9)'s range; fibre lengths of legs differ by about 20 % in the triceps and "
+    "11 % in the tibialis anterior (Ward et al. 2009, Clin. Orthop. Relat. Res. 467)"
+)
+_SHORTER = "shorter than in health (van de Poll 2015, 2.5.4); spread as in health"
+_ASSUMED = "assumed, around the thesis's starting values (van de Poll 2015); no measurement known"
+_FILTER = "about 2 Hz, near critical damping (van de Poll 2015, Table 1); spread assumed"
+_TOE = "Table 2 (van de Poll 2015), after Thelen 2003; spread assumed"
+
+#: By population and parameter; SI units as in the parameter tables, ε0 in metres.
+KNOWN: dict[str, dict[str, Known]] = {
+    "healthy": {
+        "m": Known(2.0, 0.30, "foot 1.45 % of 50 … 100 kg (Winter 2009), footplate about 1 kg"),
+        "k_tri": Known(198.0, 0.20, _CHUNG),
+        "k_tib": Known(108.0, 0.30, _ASSUMED),
+        "x0_tri": Known(0.0170, 0.12, _CHUNG),
+        "x0_tib": Known(0.0645, 0.12, _ASSUMED),
+        "tau_rel": Known(2.45, 0.90, _ASSUMED),
+        "k_rel": Known(0.346, 0.55, _ASSUMED),
+        "l0_tri": Known(0.0447, 0.20, _WARD),
+        "l0_tib": Known(0.0794, 0.15, _WARD),
+        "f0": Known(1.96, 0.25, _FILTER),
+        "beta": Known(0.98, 0.25, _FILTER),
+        "dlt_tri": Known(0.0374, 0.45, "430 ± 200 N/mm (Peltonen et al. 2010, J. Exp. Biol. 213)"),
+        "dlt_tib": Known(
+            0.0120, 0.45, "161 N/mm (Maganaris and Paul 1999, J. Physiol. 521); spread assumed"
+        ),
+        "pt_tri": Known(0.283, 0.35, _TOE),
+        "pt_tib": Known(0.283, 0.35, _TOE),
+    },
+}
+KNOWN["patient"] = KNOWN["healthy"] | {
+    "m": Known(1.58, 0.30, "less than in health (van de Poll 2015, 2.5.4)"),
+    "k_tri": Known(211.0, 0.20, _CHUNG),
+    "k_tib": Known(139.0, 0.30, _ASSUMED),
+    "x0_tri": Known(0.0155, 0.12, _CHUNG),
+    "x0_tib": Known(0.0600, 0.12, _ASSUMED),
+    "l0_tri": Known(0.0378, 0.20, _SHORTER),
+    "l0_tib": Known(0.0671, 0.15, _SHORTER),
+    "dlt_tri": Known(
+        0.0561, 0.45, "42 % less stiff than in health (Zhao et al. 2015, J. Appl. Physiol. 118)"
+    ),
+}
+
+#: Those that hold for equation (9) as printed only.
+_PRINTED_GEOMETRY = ("k_tri", "k_tib", "x0_tri", "x0_tib", "l0_tri", "l0_tib")
+#: Slack length that turns ε0 in metres into a strain.
+_SLACK = {"dlt_tri": SLACK_TRI, "dlt_tib": SLACK_TIB}
+
+
+def population_priors(
+    population: str, options: ModelOptions | None = None
+) -> dict[str, tuple[float, float]]:
+    """Median and spread of every parameter that has a prior under these options, by name.
+
+    Parameters
+    ----------
+    population : str
+        A name of `KNOWN`.
+    options : ModelOptions, optional
+        Virtual work leaves out lengths and stiffnesses; ε0 is a strain where it is to be read so.
+
+    Raises
+    ------
+    InputError
+        The population is not known.
+    """
+    options = options or ModelOptions()
+    if population not in KNOWN:
+        known = ", ".join(KNOWN)
+        raise InputError(f"no priors of population {population!r}; known populations: {known}")
+    strain = options.tendon_strain == "slack-length"
+    return {
+        name: (prior.median / (_SLACK.get(name, 1.0) if strain else 1.0), prior.spread)
+        for name, prior in KNOWN[population].items()
+        if options.geometry == "thesis" or name not in _PRINTED_GEOMETRY
+    }
+
+
+def population_of(
+    priors: Mapping[str, tuple[float, float]], options: ModelOptions
+) -> dict[str, str]:
+    """The population whose default each prior is, by parameter; of those that are a default."""
+    found: dict[str, str] = {}
+    for population in KNOWN:
+        known = population_priors(population, options)
+        same = {name: population for name, pair in priors.items() if known.get(name) == pair}
+        if len(same) > len(found):  # the populations share some: the one that explains most
+            found = same
+    return found

@@ -1,0 +1,189 @@
+"""A posterior: every parameter's draws beside the covariance's Gaussian, and bent pairs."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from surae.assessment.posterior import Marginal, Posterior
+from surae.report.digits import significant
+from surae.report.figures.style import (
+    BLUE,
+    GREY,
+    INK,
+    MUTED,
+    OCHRE,
+    RED,
+    WIDTH,
+    dress,
+    heading,
+    new_figure,
+)
+from surae.units import FloatArray
+
+#: Panels side by side, and heights of a marginal's and of a pair's row [inch].
+_COLUMNS, _ROW, _PAIR_ROW = 3, 1.75, 2.5
+#: Pairs drawn, and the correlation from which one is worth it.
+_PAIRS, _CORRELATED = 3, 0.3
+#: Correlation from which two decimals would make it perfect.
+_NEARLY = 0.995
+#: Bars of a histogram, points of a curve, and points of a cloud.
+_BARS, _POINTS, _CLOUD = 40, 200, 1500
+#: What an axis leaves out at either end, of the draws.
+_BEYOND = 0.002
+#: Half the width of a Gaussian's 95 % interval, in standard deviations, and of an ellipse that
+#: holds 95 % of its two coordinates.
+_HALF, _ELLIPSE = 1.96, 2.448
+
+
+def posterior_figure(
+    posterior: Posterior,
+    profiles: Mapping[str, tuple[float | None, float | None]] | None = None,
+) -> Figure:
+    """One panel for each parameter, then the most correlated pairs.
+
+    Parameters
+    ----------
+    posterior : Posterior
+        The draws.
+    profiles : mapping of str to (low, high), optional
+        Profile intervals by parameter, an open end None.
+
+    Returns
+    -------
+    Figure
+        Histogram of the draws (grey), the Gaussian of the covariance (dark line), the prior
+        (dotted) where it reaches in, the credible interval (bar below), the profile's (thin bar
+        with caps); clouds of draws with the Gaussian's 95 % ellipse.
+    """
+    names, pairs = posterior.names, _pairs(posterior)
+    columns = min(_COLUMNS, max(len(names), len(pairs)))
+    rows = -(-len(names) // columns)
+    heights = [_ROW] * rows + ([_PAIR_ROW] if pairs else [])
+    figure = new_figure(sum(heights) + 0.4)
+    figure.set_figwidth(WIDTH if columns == _COLUMNS else 0.45 * WIDTH * columns)
+    grid = figure.add_gridspec(len(heights), columns, height_ratios=heights)
+    handles: dict[str, Artist] = {}
+    for number, one in enumerate(posterior.marginals.values()):
+        axes = figure.add_subplot(grid[divmod(number, columns)])
+        _marginal(axes, one, posterior.of(one.name), (profiles or {}).get(one.name),
+                  leftmost=number % columns == 0)  # fmt: skip
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            handles.setdefault(label, handle)
+    for column, pair in enumerate(pairs):
+        _pair(figure.add_subplot(grid[rows, column]), posterior, *pair)
+    figure.legend(
+        list(handles.values()), list(handles), loc="outside upper right", ncols=len(handles),
+        frameon=False, fontsize=8, labelcolor=INK, handlelength=2.4, columnspacing=1.4,
+    )  # fmt: skip
+    return figure
+
+
+def _marginal(
+    axes: Axes,
+    one: Marginal,
+    draws: FloatArray,
+    profile: tuple[float | None, float | None] | None,
+    *,
+    leftmost: bool,
+) -> None:
+    dress(axes, "Density" if leftmost else "", f"[{one.unit}]", grid=False)
+    heading(axes, one.name)
+    axes.set_title(" … ".join(significant(end, 4) for end in one.ci95), loc="right", fontsize=8,
+                   color=MUTED)  # fmt: skip
+    low, high = np.quantile(draws, [_BEYOND, 1 - _BEYOND]).tolist()
+    closed = [end for end in profile or () if end is not None]
+    shared = [low, high, *closed, *(one.from_covariance or ())]
+    room = 0.5 * (high - low)
+    left, right = max(min(shared), low - room), min(max(shared), high + room)
+    axes.set_xlim(left - 0.03 * (right - left), right + 0.03 * (right - left))
+    density, _, _ = axes.hist(
+        draws, bins=_BARS, range=(low, high), density=True, color=GREY, alpha=0.75, linewidth=0,
+        label="posterior",
+    )  # fmt: skip
+    top = float(np.max(density))
+    x = np.linspace(*axes.get_xlim(), _POINTS)
+    if one.from_covariance is not None:
+        sem = (one.from_covariance[1] - one.from_covariance[0]) / (2 * _HALF)
+        curve = np.exp(-(((x - one.value) / sem) ** 2) / 2) / (sem * np.sqrt(2 * np.pi))
+        axes.plot(x, curve, color=BLUE, linewidth=1.3, linestyle=(0, (5, 1.5)),
+                  label="covariance")  # fmt: skip
+        top = max(top, float(curve.max()))
+    axes.plot(x, _prior(one, x), color=OCHRE, linewidth=1.4, linestyle=(0, (1, 1.4)),
+              label="prior")  # fmt: skip
+    axes.plot(one.ci95, [-0.08 * top] * 2, color=INK, linewidth=3.2, solid_capstyle="butt",
+              label="95 % credible")  # fmt: skip
+    if profile is not None:
+        edges = axes.get_xlim()
+        ends = [edge if end is None else end for end, edge in zip(profile, edges, strict=True)]
+        axes.plot(ends, [-0.2 * top] * 2, color=RED, linewidth=1.2, marker="|", markersize=6,
+                  label="95 % profile")  # fmt: skip
+    axes.set_ylim((-0.28 if profile is not None else -0.15) * top, 1.08 * top)
+    axes.set_yticks([])
+    axes.spines["left"].set_visible(False)
+    axes.locator_params(axis="x", nbins=4)
+    axes.ticklabel_format(axis="x", style="sci", scilimits=(-4, 5), useMathText=True)
+    axes.xaxis.get_offset_text().set_fontsize(8)
+
+
+def _prior(one: Marginal, x: FloatArray) -> FloatArray:
+    """Density of a prior, per unit of the parameter."""
+    prior = one.prior
+    if not prior.log:
+        away, width = (x - prior.median) / prior.spread, np.full_like(x, prior.spread)
+    else:
+        positive = np.maximum(x, 1e-12 * prior.median)
+        away, width = np.log(positive / prior.median) / prior.spread, prior.spread * positive
+    density: FloatArray = np.exp(-(away**2) / 2) / (width * np.sqrt(2 * np.pi))
+    return density
+
+
+def _pairs(posterior: Posterior) -> list[tuple[int, int]]:
+    """The most correlated pairs of parameters, no parameter in two of them."""
+    matrix = np.abs(np.triu(posterior.correlation, 1))
+    found: list[tuple[int, int]] = []
+    while len(found) < _PAIRS and matrix.max() >= _CORRELATED:
+        i, j = (int(k) for k in np.unravel_index(int(np.argmax(matrix)), matrix.shape))
+        found.append((i, j))
+        for k in (i, j):
+            matrix[k, :] = matrix[:, k] = 0.0
+    return found
+
+
+def _pair(axes: Axes, posterior: Posterior, i: int, j: int) -> None:
+    a, b = (posterior.marginals[posterior.names[k]] for k in (i, j))
+    dress(axes, f"{b.name} [{b.unit}]", f"{a.name} [{a.unit}]")
+    correlation = float(posterior.correlation[i, j])
+    decimals = 2 if abs(correlation) < _NEARLY else 3
+    heading(axes, f"correlation {correlation:+.{decimals}f}".replace("-", "−"))
+    x, y = posterior.of(a.name), posterior.of(b.name)
+    step = max(1, len(x) // _CLOUD)
+    axes.plot(x[::step], y[::step], color=MUTED, marker=".", markersize=2.2, linestyle="none",
+              markeredgewidth=0, alpha=0.6, rasterized=True)  # fmt: skip
+    axes.plot(a.value, b.value, color=INK, marker="D", markersize=4.5, linestyle="none", zorder=4)
+    _ellipse(axes, posterior, (a, b))
+    for values, limit in ((x, axes.set_xlim), (y, axes.set_ylim)):
+        low, high = np.quantile(values, [_BEYOND, 1 - _BEYOND]).tolist()
+        limit(low - 0.08 * (high - low), high + 0.08 * (high - low))
+    for name in ("x", "y"):
+        axes.locator_params(axis=name, nbins=4)
+        axes.ticklabel_format(axis=name, style="sci", scilimits=(-4, 5), useMathText=True)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.get_offset_text().set_fontsize(8)
+
+
+def _ellipse(axes: Axes, posterior: Posterior, pair: Sequence[Marginal]) -> None:
+    """The covariance's ellipse that holds 95 %; nothing where one of the two has no variance."""
+    estimated = posterior.covariance
+    if any(one.name not in estimated.names for one in pair):
+        return
+    chosen = [estimated.names.index(one.name) for one in pair]
+    first, second = np.linalg.cholesky(estimated.matrix[np.ix_(chosen, chosen)])
+    angle = np.linspace(0, 2 * np.pi, _POINTS)
+    circle = _ELLIPSE * np.array([np.cos(angle), np.sin(angle)])
+    axes.plot(
+        pair[0].value + first @ circle, pair[1].value + second @ circle,
+        color=BLUE, linewidth=1.3, linestyle=(0, (5, 1.5)),
+    )  # fmt: skip

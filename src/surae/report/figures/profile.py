@@ -1,0 +1,137 @@
+"""Profiles: Δχ² against each parameter, beside the parabola of the covariance."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from surae.assessment.profile import Profile
+from surae.report.digits import significant
+from surae.report.figures.style import (
+    BLUE,
+    GREY,
+    INK,
+    MUTED,
+    OCHRE,
+    WIDTH,
+    dress,
+    heading,
+    new_figure,
+)
+from surae.units import FloatArray
+
+#: Panels side by side, height of a row [inch], and width of a single panel [inch].
+_COLUMNS, _ROW, _SINGLE = 3, 2.35, 5.2
+#: Top of the axis, in thresholds.
+_TOP = 1.6
+#: Points of a curve.
+_POINTS = 400
+#: How far an axis goes beyond the profile to show the covariance's interval, in profile widths.
+_ROOM = 0.6
+
+
+def profile_figure(profiles: Sequence[Profile]) -> Figure:
+    """One panel for each parameter.
+
+    Parameters
+    ----------
+    profiles : sequence of Profile
+        At least one.
+
+    Returns
+    -------
+    Figure
+        Δχ² of the profile (thin, dark, with its points) and of the covariance (wide, pale,
+        dashed), the threshold of 95 %, and the interval shaded; an arrow marks an open end.
+    """
+    columns = min(_COLUMNS, len(profiles))
+    rows = -(-len(profiles) // columns)
+    figure = new_figure(_ROW * rows + (1.4 if columns == 1 else 0.5))
+    if columns == 1:
+        figure.set_figwidth(_SINGLE)
+    elif columns < _COLUMNS:
+        figure.set_figwidth(0.85 * WIDTH)
+    panels = figure.subplots(rows, columns, squeeze=False).ravel()
+    for number, (axes, one) in enumerate(zip(panels, profiles, strict=False)):
+        _panel(axes, one, leftmost=number % columns == 0)
+    for axes in panels[len(profiles) :]:
+        axes.set_visible(False)
+    handles: dict[str, Artist] = {}
+    for axes in panels[: len(profiles)]:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            handles.setdefault(label, handle)
+    figure.legend(
+        list(handles.values()), list(handles), loc="outside upper right", ncols=len(handles),
+        frameon=False, fontsize=8, labelcolor=INK, handlelength=3.0, columnspacing=1.6,
+    )  # fmt: skip
+    return figure
+
+
+def _panel(axes: Axes, one: Profile, *, leftmost: bool) -> None:
+    dress(axes, "Δχ² [-]" if leftmost else "", f"{one.name} [{one.unit}]")
+    heading(axes, one.name)
+    axes.set_title(_interval(one), loc="right", fontsize=8, color=MUTED)
+    top = _TOP * one.threshold
+    left, right = _limits(one)
+    low, high = (end if end is not None else edge
+                 for end, edge in zip(one.interval, one.values[[0, -1]], strict=True))  # fmt: skip
+    axes.axvspan(low, high, color=GREY, alpha=0.22, linewidth=0, label="95 % interval")
+    axes.axhline(one.threshold, color=OCHRE, linewidth=1.3, linestyle=(0, (1, 1.4)),
+                 label=f"threshold {one.threshold:.2f}")  # fmt: skip
+    if one.sem is not None:
+        grid = np.linspace(left, right, _POINTS)
+        axes.plot(grid, ((grid - one.value) / one.sem) ** 2, color=GREY, linewidth=2.8,
+                  linestyle=(0, (3, 1.2)), label="covariance")  # fmt: skip
+    axes.plot(*_curve(one), color=BLUE, linewidth=1.2, zorder=3)
+    axes.plot(one.values, one.chi2, color=BLUE, marker="o", markersize=3.2, linestyle="none",
+              zorder=3)  # fmt: skip
+    axes.plot([], [], color=BLUE, linewidth=1.2, marker="o", markersize=3.2, label="profile")
+    axes.plot(one.value, 0.0, color=INK, marker="D", markersize=5, linestyle="none", zorder=4,
+              clip_on=False, label="estimate")  # fmt: skip
+    for end, edge, sign in zip(one.interval, one.values[[0, -1]], (-1, 1), strict=True):
+        if end is None:
+            _arrow(axes, float(edge), sign, top)
+    axes.set_xlim(left, right)
+    axes.set_ylim(0.0, top)
+    axes.locator_params(axis="x", nbins=5)
+    axes.ticklabel_format(axis="x", style="sci", scilimits=(-4, 5), useMathText=True)
+    axes.xaxis.get_offset_text().set_fontsize(8)
+
+
+def _limits(one: Profile) -> tuple[float, float]:
+    """Ends of the axis: the profile, and the covariance's interval as far as there is room."""
+    low, high = float(one.values[0]), float(one.values[-1])
+    room = _ROOM * (high - low)
+    left, right = low, high
+    if one.from_covariance is not None:
+        left = max(min(low, one.from_covariance[0]), low - room)
+        right = min(max(high, one.from_covariance[1]), high + room)
+    margin = 0.03 * (right - left)
+    return left - margin, right + margin
+
+
+def _curve(one: Profile) -> tuple[FloatArray, FloatArray]:
+    """The profile between its points: √Δχ², with the sign of the side, is nearly straight."""
+    side = np.sign(one.values - one.values[int(np.argmin(one.chi2))])
+    grid = np.union1d(np.linspace(one.values[0], one.values[-1], _POINTS), one.values)
+    return grid, np.interp(grid, one.values, side * np.sqrt(one.chi2)) ** 2
+
+
+def _arrow(axes: Axes, edge: float, sign: int, top: float) -> None:
+    """An open end: the interval goes on beyond what was tried."""
+    axes.annotate(
+        "open", xy=(edge, 0.5 * top), xytext=(-34 * sign, 0), textcoords="offset points",
+        ha="center", va="center", fontsize=8, color=INK,
+        arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.2}, zorder=5,
+    )  # fmt: skip
+
+
+def _interval(one: Profile) -> str:
+    """The interval with as many digits as tell its ends apart."""
+    width = float(one.values[-1] - one.values[0])
+    digits = 3 + max(0, math.floor(math.log10(max(abs(one.value) / width, 1.0))))
+    low, high = ("open" if end is None else significant(end, digits) for end in one.interval)
+    return f"{low} … {high}"

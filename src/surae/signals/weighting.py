@@ -1,0 +1,188 @@
+"""What each sample counts in a fit: stretches of time, and peaks more than rest."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from surae.errors import InputError
+from surae.recording import MUSCLES, read_only
+from surae.signals.inputs import ModelInputs
+from surae.units import FloatArray
+
+#: Activity is averaged over this time [s], so that a weight does not follow the torque's noise: it
+#: would pull the estimates to one side.
+_SMOOTH_S = 0.25
+#: Percentile of the activity that counts as a full peak; an artefact above it counts no more.
+_PEAK = 95.0
+ACTIVITIES = ("torque", "emg")
+
+
+@dataclass(frozen=True, slots=True)
+class Weighting:
+    """What the samples of a recording count, for `weighted`; the parts multiply.
+
+    Attributes
+    ----------
+    windows : tuple of (float, float, float)
+        Start and end [s, of the recording's own time axis, both included; ∞ is allowed] and what
+        the samples between them count: 0 leaves them out, 2 counts them twice. Where windows
+        overlap their weights multiply.
+    peaks : float
+        A sample at full activity counts 1 + `peaks` times as much as one at rest; 0: all alike.
+    activity : {"torque", "emg"}
+        What a peak is one of: the size of the measured torque, or the mean of the EMG envelopes.
+    """
+
+    windows: tuple[tuple[float, float, float], ...] = ()
+    peaks: float = 0.0
+    activity: str = "torque"
+
+    def __post_init__(self) -> None:
+        """Refuse what has no meaning."""
+        if self.activity not in ACTIVITIES:
+            raise InputError(f"activity is {self.activity!r}; give {' or '.join(ACTIVITIES)}")
+        if not (_number(self.peaks) and 0 <= self.peaks < math.inf):
+            raise InputError(f"peaks is {self.peaks!r}; give a finite number of zero or more")
+        for window in self.windows:
+            if not (
+                isinstance(window, Sequence) and len(window) == 3 and all(map(_number, window))
+            ):
+                raise InputError(f"window {window!r}: give a start, an end [s] and a weight")
+            start, end, weight = window
+            if not start <= end:
+                raise InputError(f"window {_span(start, end)}: its end must follow its start")
+            if not 0 <= weight < math.inf:
+                raise InputError(
+                    f"window {_span(start, end)}: its weight is {weight:g}; give a finite number "
+                    "of zero or more"
+                )
+
+
+def weighted(
+    inputs: Sequence[ModelInputs], weighting: Weighting | Sequence[Weighting]
+) -> tuple[ModelInputs, ...]:
+    """Recordings with weights; those they have already are multiplied.
+
+    The weight of activity is (1 + peaks·a)/mean, where a goes from 0 at rest to 1 at a peak: the
+    activity, averaged over 0.25 s, over its own 95th percentile, at most 1. With mean 1 a
+    recording keeps its share among others.
+
+    Parameters
+    ----------
+    inputs : sequence of ModelInputs
+        Prepared recordings.
+    weighting : Weighting, or sequence of Weighting
+        For all recordings, or one for each.
+
+    Raises
+    ------
+    InputError
+        A window holds no sample of any recording it is for, or leaves none to count.
+    """
+    shared = isinstance(weighting, Weighting)
+    each = [weighting] * len(inputs) if isinstance(weighting, Weighting) else list(weighting)
+    if len(each) != len(inputs):
+        raise InputError(f"{len(each)} weightings for {len(inputs)} recordings; give one for each")
+    used: set[int] = set()
+    found = []
+    for one, how in zip(inputs, each, strict=True):
+        made, touched = _weighted(one, how)
+        used |= touched
+        missed = set() if shared else set(range(len(how.windows))) - touched
+        for number in sorted(missed):
+            raise InputError(_outside(how.windows[number], [one]))
+        found.append(made)
+    if isinstance(weighting, Weighting):
+        for number, window in enumerate(weighting.windows):
+            if number not in used:
+                raise InputError(_outside(window, inputs))
+    return tuple(found)
+
+
+def _weighted(one: ModelInputs, how: Weighting) -> tuple[ModelInputs, set[int]]:
+    """One recording with weights, and the windows that hold a sample of it."""
+    weight = np.ones(one.n) if one.weight is None else one.weight.copy()
+    touched, steps = set(), []
+    for number, (start, end, factor) in enumerate(how.windows):
+        within = (one.time >= start) & (one.time <= end)
+        if not within.any():
+            continue
+        touched.add(number)
+        weight[within] *= factor
+        told = "left out of the fit" if factor == 0 else f"counts {factor:g} times"
+        steps.append(f"Weights: {_span(start, end)} {told}.")
+    if not weight.any():
+        raise InputError(f"{one.where}: the windows leave no sample to count; leave out less")
+    if how.peaks > 0:
+        factors = 1.0 + how.peaks * activity(one, how.activity, weight > 0)
+        weight *= factors / factors[weight > 0].mean()
+        steps.append(
+            f"Weights: a peak of the {'EMG' if how.activity == 'emg' else 'torque'} counts "
+            f"{1 + how.peaks:g} times as much as rest."
+        )
+    if not steps:
+        return one, touched
+    counted = weight[weight > 0]
+    alike = bool(np.all(counted == counted[0]))
+    made = replace(
+        one,
+        weight=read_only(weight),
+        emphasised=one.emphasised or not alike,
+        steps=(*one.steps, *steps),
+    )
+    return made, touched
+
+
+def activity(
+    one: ModelInputs, kind: str, counted: npt.NDArray[np.bool_] | None = None
+) -> FloatArray:
+    """How active a recording is over time, from 0 at rest to 1 at a peak, shape (n,).
+
+    Parameters
+    ----------
+    one : ModelInputs
+        The recording.
+    kind : {"torque", "emg"}
+        The size of the torque, or the mean of the EMG envelopes, each over its own peak.
+    counted : ndarray of bool, shape (n,), optional
+        Samples that tell how high a peak is.
+    """
+    mask = np.ones(one.n, dtype=bool) if counted is None else counted
+    if kind == "torque":
+        if one.torque is None:
+            raise InputError(f"{one.where}: there is no torque whose peaks could count")
+        return _scaled(np.abs(one.torque), one.rate_hz, mask)
+    recorded = [c for c, muscle in enumerate(MUSCLES) if muscle not in one.missing_emg]
+    if not recorded:
+        raise InputError(f"{one.where}: there is no EMG whose peaks could count")
+    levels = [_scaled(np.abs(one.emg[:, c]), one.rate_hz, mask) for c in recorded]
+    return _scaled(np.mean(levels, axis=0), one.rate_hz, mask)
+
+
+def _scaled(level: FloatArray, rate_hz: float, mask: npt.NDArray[np.bool_]) -> FloatArray:
+    """A level averaged over `_SMOOTH_S`, over its own peak, at most 1."""
+    width = min(2 * int(_SMOOTH_S * rate_hz / 2) + 1, 2 * ((len(level) - 1) // 2) + 1)
+    window = np.ones(width)
+    smooth = np.convolve(level, window, "same") / np.convolve(np.ones(len(level)), window, "same")
+    peak = float(np.percentile(smooth[mask], _PEAK))
+    if not peak > 0:
+        return np.zeros(len(level))
+    return np.asarray(np.minimum(smooth / peak, 1.0), dtype=np.float64)
+
+
+def _outside(window: tuple[float, float, float], inputs: Sequence[ModelInputs]) -> str:
+    spans = ", ".join(f"{one.where}: {one.time[0]:g} … {one.time[-1]:g} s" for one in inputs)
+    return f"window {_span(window[0], window[1])} holds no sample ({spans})"
+
+
+def _span(start: float, end: float) -> str:
+    first = "the begin" if start == -math.inf else f"{start:g}"
+    return f"{first} … {'the end' if end == math.inf else f'{end:g} s'}"
+
+
+def _number(value: object) -> bool:
+    real = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+    return real and not math.isnan(value)  # type: ignore[arg-type]

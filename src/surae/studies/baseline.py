@@ -1,0 +1,115 @@
+"""Mean standard errors of simulated trials, with which those of a measurement are compared."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from surae.assessment.snsem import Baseline
+from surae.assessment.uncertainty import covariance
+from surae.errors import ComputationError, InputError
+from surae.estimation import fit_problem, make_problem
+from surae.model import ModelOptions, get_model
+from surae.protocol import Protocol, generate
+from surae.studies.virtual import virtual_subject, virtual_trial
+
+#: Called after every subject with (done, all).
+Progress = Callable[[int, int], None]
+
+
+def simulated_baseline(
+    protocol: Protocol,
+    model: str = "muscle",
+    n: int = 10,
+    seed: int = 0,
+    *,
+    population: str = "healthy",
+    noise: float = 0.05,
+    options: ModelOptions | None = None,
+    progress: Progress | None = None,
+) -> dict[str, float]:
+    """Mean standard error of every free parameter over virtual subjects, by name.
+
+    Each subject does the protocol once, simulated with the model that is fitted. The fit starts
+    from the true parameters: the baseline is of fits that found them, as the thesis's was (2.7).
+
+    Parameters
+    ----------
+    protocol : Protocol
+        What the measured subject did too.
+    model : str
+        Name of the model.
+    n : int
+        Number of subjects.
+    seed : int
+        The subjects are those of the seeds `seed` … `seed` + n − 1.
+    population : str
+        Where they come from.
+    noise : float
+        Of EMG and torque, a part of each signal's mean magnitude.
+    options : ModelOptions, optional
+        The model's switches.
+    progress : callable, optional
+        Called after every subject.
+
+    Returns
+    -------
+    dict of str to float
+        Mean SEM, equation (34), in the parameter's unit; a parameter that no fit could tell, or
+        that ended at a bound in all of them, is left out.
+
+    Raises
+    ------
+    InputError
+        Something given is unknown or no number of subjects.
+    ComputationError
+        No parameter of any subject has a standard error.
+    """
+    if n < 1:
+        raise InputError(f"{n} subjects; give at least 1")
+    options, trajectory = options or ModelOptions(), generate(protocol)
+    found: dict[str, list[float]] = {}
+    for number in range(n):
+        subject = virtual_subject(seed + number, population)
+        trial = virtual_trial(subject, trajectory, model=model, options=options, noise=noise)
+        truth = subject.truth(model, options)
+        result = fit_problem(make_problem([trial], model, start=truth, options=options), starts=1)
+        problem = result.problem
+        if result.status != "failed":
+            known = covariance(result.R, problem.free, result.sse, problem.n, result.at_bound)
+            for name, variance in zip(known.names, np.diag(known.matrix).tolist(), strict=True):
+                found.setdefault(name, []).append(float(np.sqrt(variance)))
+        if progress is not None:
+            progress(number + 1, n)
+    if not found:
+        raise ComputationError("no simulated fit gave a standard error; use another protocol")
+    names = [name for name in get_model(model).names if name in found]
+    return {name: float(np.mean(found[name])) for name in names}
+
+
+def make_baseline(
+    protocol: Protocol,
+    model: str = "muscle",
+    n: int = 10,
+    seed: int = 0,
+    *,
+    population: str = "healthy",
+    noise: float = 0.05,
+    options: ModelOptions | None = None,
+    progress: Progress | None = None,
+) -> Baseline:
+    """The mean standard errors with what they are of; see `simulated_baseline`."""
+    options = options or ModelOptions()
+    sem = simulated_baseline(
+        protocol, model, n, seed,
+        population=population, noise=noise, options=options, progress=progress,
+    )  # fmt: skip
+    chirp = ""
+    if protocol.chirp_amplitude:
+        chirp = f", chirp {protocol.chirp_amplitude:g} rad at {protocol.chirp_rate:g} Hz/s"
+    device = f" on the {protocol.device.name}" if protocol.device else ""
+    about = (
+        f"{n} {population} virtual subject{'' if n == 1 else 's'} from seed {seed}, "
+        f"{protocol.profile}{chirp}{device}, {protocol.task}, {protocol.seconds:g} s at "
+        f"{protocol.rate_hz:g} Hz, noise {100 * noise:g} %"
+    )
+    return Baseline(model, options, sem, about)

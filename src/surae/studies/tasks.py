@@ -1,0 +1,197 @@
+"""The fits of a study: tasks of plain settings, and a pure function from one to its outcome."""
+
+import hashlib
+import json
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+from surae.protocol import TASKS, Protocol, Trajectory, generate
+from surae.protocol.effort import effort
+from surae.recording import read_only
+from surae.studies.program import fingerprint
+from surae.studies.study import OPTIONS, Study, Value, motion
+
+#: Motions that a worker keeps, of 0.3 MB each.
+_MOTIONS = 64
+#: Seeds of subjects: unlike for every seed of a study and number of a subject.
+_SUBJECTS = 1_000_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Task:
+    """One fit, by everything that its numbers depend on.
+
+    Attributes
+    ----------
+    protocol, task, chirp_amplitude, rate_hz
+        The motion and the effort; see `surae.protocol.Protocol`.
+    chirp_rate : float or None
+        None without a chirp, where it is irrelevant.
+    population : str
+        Population of the virtual subject.
+    subject : int
+        Number of the subject, from 1.
+    noise : float
+        Noise of EMG and torque, a fraction of each signal's mean magnitude.
+    repeat : int
+        Number of the noise's realisation, from 1; without noise all are the same.
+    seed : int
+        Seed of the study: of its subjects and of the fit's random starts.
+    starts : int
+        Starts of the fit.
+    model : str
+        The model that simulates and is fitted.
+    options : tuple of (str, str or float)
+        Its options that the study gives.
+    """
+
+    protocol: str
+    task: str
+    chirp_amplitude: float
+    chirp_rate: float | None
+    rate_hz: float
+    population: str
+    subject: int
+    noise: float
+    repeat: int
+    seed: int
+    starts: int
+    model: str
+    options: tuple[tuple[str, Value], ...]
+
+    @property
+    def key(self) -> str:
+        """Hash of the settings and of the program that computes them."""
+        text = json.dumps([fingerprint(), asdict(self)], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """One estimated parameter: value, standard error (None where there is none) and truth."""
+
+    name: str
+    value: float | None
+    sem: float | None
+    true: float
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What became of a task.
+
+    Attributes
+    ----------
+    status : {"converged", "at-bounds", "failed"}
+        As of a fit; "failed" too where there was none.
+    message : str
+        What happened, in a sentence or two.
+    vaf, ipde : float or None
+        As of an assessment; None where there is none.
+    estimates : tuple of Estimate
+        The estimated parameters; none where there was no fit.
+    seconds : float
+        Time that it took.
+    """
+
+    status: str
+    message: str
+    vaf: float | None = None
+    ipde: float | None = None
+    estimates: tuple[Estimate, ...] = ()
+    seconds: float = 0.0
+
+
+def planned(study: Study) -> Iterator[tuple[dict[str, Value], Task]]:
+    """Every combination of a study's factors with its task, in the order of the table.
+
+    Combinations that differ in nothing that matters share a task.
+    """
+    for combination in study.combinations():
+        yield combination, _task(combination)
+
+
+def _task(combination: dict[str, Any]) -> Task:
+    options = tuple((name, combination[name]) for name in OPTIONS if name in combination)
+    rest = {name: value for name, value in combination.items() if name not in OPTIONS}
+    if rest["chirp_amplitude"] == 0.0:
+        rest["chirp_rate"] = None
+    if rest["noise"] == 0.0:
+        rest["repeat"] = 1
+    return Task(**rest, options=options)
+
+
+def run_task(task: Task) -> Outcome:
+    """Simulate the task's trial, fit it and judge the fit.
+
+    The same task gives the same bits anywhere, but for `seconds`. Whatever goes wrong is an
+    outcome with a reason; only the user's Ctrl-C is raised.
+    """
+    begin = time.perf_counter()
+    try:
+        outcome = _fit(task)
+    except Exception as error:
+        if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
+            raise KeyboardInterrupt from None  # compiled code makes it a SystemError
+        outcome = Outcome("failed", " ".join(f"{type(error).__name__}: {error}".split()))
+    return replace(outcome, seconds=time.perf_counter() - begin)
+
+
+def _fit(task: Task) -> Outcome:
+    from surae.assessment import assess
+    from surae.estimation import fit_problem, make_problem
+    from surae.model import ModelOptions, get_model
+    from surae.studies.virtual import virtual_subject, virtual_trial
+
+    options, spec = ModelOptions.of(**dict(task.options)), get_model(task.model)
+    drawn = virtual_subject(_SUBJECTS * task.seed + task.subject, task.population, tendons=True)
+    # A tendon of the subject's own only where it is estimated: what is fixed is fixed rightly.
+    own = {name: value for name, value in drawn.tendons.items() if name in spec.free}
+    subject = replace(drawn, tendons=own)
+    trial = virtual_trial(
+        subject,
+        _trajectory(task),
+        model=task.model,
+        options=options,
+        noise=task.noise,
+        seed=task.repeat,
+    )
+    problem = make_problem([trial], task.model, options=options)
+    result = fit_problem(problem, starts=task.starts, seed=task.seed)
+    if result.starts[-1].outcome == "interrupted":
+        raise KeyboardInterrupt
+    assessment = assess(result)
+    truth = subject.truth(task.model, options)
+    return Outcome(
+        result.status,
+        result.message,
+        _finite(assessment.vaf),
+        _finite(assessment.ipde),
+        tuple(
+            Estimate(name, _finite(p.value), _finite(p.sem), truth[name])
+            for name, p in assessment.parameters.items()
+            if p.free
+        ),
+    )
+
+
+def _finite(value: float | None) -> float | None:
+    """A number, or None where there is none."""
+    return None if value is None or not math.isfinite(value) else float(value)
+
+
+def _trajectory(task: Task) -> Trajectory:
+    """The motion, shared by all tasks that have it, with the task's own effort."""
+    settings = motion(asdict(task))
+    still = _motion(replace(settings, task="passive"))
+    asked = effort(still.time, TASKS[settings.task])
+    return replace(still, settings=settings, effort=read_only(asked))
+
+
+@lru_cache(_MOTIONS)
+def _motion(settings: Protocol) -> Trajectory:
+    return generate(settings)

@@ -1,0 +1,66 @@
+"""Autoregressive noise against its definition."""
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from surae.assessment.noise import NoiseModel, autoregressive
+from surae.assessment.whiteness import autocovariance
+
+PHI = np.array([1.6, -0.7])
+
+
+def series(n, seed=0, phi=PHI):
+    drive = np.random.default_rng(seed).standard_normal(n + 1000)
+    return lfilter([1], np.concatenate([[1], -phi]), drive)[1000:]
+
+
+def model_of(signal, order=20):
+    sums, _ = autocovariance(signal, np.ones(len(signal), dtype=bool), order)
+    return autoregressive(sums / len(signal), len(signal))
+
+
+def test_a_second_order_process_is_found():
+    found = model_of(series(200_000))
+    assert found.order >= 2
+    np.testing.assert_allclose(found.coefficients[:2], PHI, atol=0.02)
+    assert np.all(np.abs(found.coefficients[2:]) < 0.02)
+    assert found.variance == pytest.approx(1.0, rel=0.02)
+
+
+def test_white_noise_mostly_has_no_coefficients():
+    orders = [model_of(np.random.default_rng(i).standard_normal(500), 10).order for i in range(200)]
+    assert np.mean(np.array(orders) == 0) > 0.6
+
+
+def test_the_spectrum_is_that_of_its_autocovariance():
+    found = model_of(series(5000))
+    gamma = np.fft.irfft(found.spectrum(4096), 4096)
+    # Yule–Walker: the model's autocovariance is the one it was made of, up to its order.
+    np.testing.assert_allclose(
+        gamma[: found.order + 1], found.autocovariance[: found.order + 1], rtol=1e-6
+    )
+
+
+def test_a_drawn_series_has_the_autocovariance():
+    found = model_of(series(5000))
+    rng = np.random.default_rng(3)
+    drawn = np.array([found.draw(2000, rng) for _ in range(200)])
+    for lag in (0, 1, 5):
+        product = np.mean(drawn[:, : 2000 - lag] * drawn[:, lag:])
+        assert product == pytest.approx(found.autocovariance[lag], rel=0.05, abs=0.2)
+
+
+def test_the_doubt_about_the_coefficients_is_honest():
+    found = [model_of(series(2000, seed), 2) for seed in range(300)]
+    assert all(one.order == 2 for one in found)
+    spread = np.cov(np.array([one.coefficients for one in found]).T)
+    np.testing.assert_allclose(spread, found[0].uncertainty(), rtol=0.35)
+
+
+@pytest.mark.parametrize("gamma", [[0.0, 0.0], [1.0, 1.0, 1.0], [1.0, 2.0, 0.5], [1.0]])
+def test_what_is_no_autocovariance_does_not_break_it(gamma):
+    found = autoregressive(np.array(gamma), 100.0)
+    assert isinstance(found, NoiseModel)
+    assert np.isfinite(found.spectrum(64)).all()
+    assert found.uncertainty().shape == (found.order, found.order)

@@ -1,0 +1,127 @@
+"""Posteriors that are known otherwise, and those of whole fits."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from surae.assessment.agreement import AGREES, agreements
+from surae.assessment.posterior import sample
+from surae.assessment.profiles import profiles
+from surae.errors import InputError
+from surae.estimation import fit_problem, make_problem
+from surae.estimation.problem import Residuals
+from surae.studies import virtual_trial
+
+pytestmark = pytest.mark.usefixtures("sampler")
+FEW = {"draws": 250, "tune": 150, "chains": 2}
+
+
+@pytest.fixture(scope="module")
+def one(noisy, subject):
+    """A fit of f0 alone, all else known."""
+    fixed = {name: value for name, value in subject.parameters.items() if name != "f0"}
+    return fit_problem(make_problem([noisy], fixed=fixed), starts=1)
+
+
+def quantiles(grid, log_density):
+    """2.5, 50 and 97.5 % quantiles of a density on a grid."""
+    density = np.exp(log_density - log_density.max())
+    total = np.cumsum(density) / density.sum()
+    return np.interp([0.025, 0.5, 0.975], total, grid)
+
+
+@pytest.mark.parametrize("prior", [None, (2.4, 0.002)])
+def test_one_parameter_has_the_posterior_of_a_quadrature(one, prior):
+    known = {} if prior is None else {"f0": prior}
+    found = sample(one, draws=1000, tune=200, priors=known)
+    assert found.status == "converged", found.message
+    residuals, estimate = Residuals(one.problem), one.values["f0"]
+    grid = np.linspace(0.98 * estimate, 1.08 * estimate, 1201)
+    sse = np.array([np.sum(residuals.data_rows(np.array([x]))[-1] ** 2) for x in grid])
+    median, spread = prior or (2.0, 0.5)
+    logarithm = -one.problem.n / 2 * np.log(sse) - (np.log(grid / median) / spread) ** 2 / 2
+    expected = quantiles(grid, logarithm - np.log(grid))  # per Hz: log-normal
+    width = expected[2] - expected[0]
+    marginal = found["f0"]
+    error = 4 * width / np.sqrt(marginal.convergence.ess_tail)
+    assert marginal.median == pytest.approx(expected[1], abs=error)
+    assert marginal.ci95 == pytest.approx((expected[0], expected[2]), abs=error)
+    assert (marginal.prior_part > 0.7) == marginal.of_prior == (prior is not None)
+
+
+def test_inflated_noise_widens_posterior_and_covariance_alike(one):
+    plain, wide = sample(one, **FEW), sample(one, variance_inflation=9.0, **FEW)
+    for way in (lambda m: m.ci95, lambda m: m.from_covariance):
+        (a, b), (c, d) = way(plain["f0"]), way(wide["f0"])
+        assert (d - c) / (b - a) == pytest.approx(3.0, rel=0.15)
+    assert wide.covariance.matrix == pytest.approx(9.0 * plain.covariance.matrix)
+
+
+def test_a_whole_fit_in_a_few_draws_is_the_same_on_any_number_of_cores(fitted, tmp_path):
+    first = sample(fitted, cores=1, **FEW)
+    again = sample(fitted, cores=2, **FEW)
+    assert np.array_equal(first.draws, again.draws)
+    assert first.draws.shape == (2, 250, 15)
+    assert first.names == fitted.problem.free
+    for name in ("m", "k_tri", "l0_tri", "g2", "beta"):
+        marginal = first[name]
+        low, high = marginal.from_covariance
+        assert abs(marginal.median - marginal.value) < 0.2 * (high - low)
+        assert (marginal.ci95[1] - marginal.ci95[0]) / (high - low) == pytest.approx(1.0, abs=0.25)
+    assert first.correlation.shape == (15, 15)
+    assert first.of("f0").shape == (500,)
+    assert set(first.versions) >= {"nutpie", "arviz_stats", "surae"}
+    assert not first.draws.flags.writeable
+
+    path = tmp_path / "posterior.json"
+    first.save(path)
+    saved = json.loads(path.read_text(encoding="utf-8"))
+    assert saved["samples"]["f0"] == first.draws[..., 13].tolist()
+    assert saved["parameters"]["f0"]["ci95"] == list(first["f0"].ci95)
+    assert saved["parameters"]["f0"]["prior"]["origin"] == "population"
+
+
+def test_what_has_no_posterior(one):
+    with pytest.raises(InputError, match="no residual"):
+        sample(replace(one, sse=0.0))
+    with pytest.raises(InputError, match="without a finite torque"):
+        sample(replace(one, sse=np.inf))
+    with pytest.raises(InputError, match="variance inflation is 0"):
+        sample(one, variance_inflation=0)
+    with pytest.raises(InputError, match="not estimated"):
+        sample(one, priors={"m": (2.0, 0.1)})
+
+
+@pytest.mark.slow
+def test_where_the_model_is_nearly_linear_all_three_intervals_agree(fitted):
+    found = sample(fitted)
+    assert found.status == "converged", found.message
+    profiled = profiles(fitted)
+    compared = agreements(found)
+    for name, one in compared.items():
+        half = (one.credible[1] - one.credible[0]) / 2
+        off = np.abs(np.subtract(profiled[name].interval, one.credible)).max() / half
+        if name in ("k_tib", "x0_tib"):  # the passive tibialis: bent, and its prior has a say
+            assert 0.3 < found[name].prior_part < 0.6
+        else:
+            assert off < AGREES, name
+            assert one.off_covariance < AGREES, name
+
+
+@pytest.mark.slow
+def test_strain_and_toe_force_of_the_tibialis_do_not_part(subject, trajectory):
+    trial = virtual_trial(subject, trajectory, model="muscle-tendon", noise=0.05)
+    tibialis = ("k_tib", "x0_tib", "g1", "l0_tib", "m")
+    fixed = {name: v for name, v in subject.parameters.items() if name not in tibialis}
+    problem = make_problem([trial], "muscle-tendon", free=["dlt_tib", "pt_tib"], fixed=fixed)
+    found = sample(fit_problem(problem, starts=2))
+    assert found.status == "converged", found.message
+    toe = found["pt_tib"]
+    assert toe.of_prior
+    assert toe.ci95[0] > 0.1  # where the covariance's interval reaches to zero
+    assert toe.from_covariance[0] < 0.02
+    assert agreements(found)["pt_tib"].off_covariance > 2 * AGREES
+    assert agreements(found)["m"].off_covariance < AGREES
+    assert found["dlt_tib"].ci95[0] < 0.04 < found["dlt_tib"].ci95[1]

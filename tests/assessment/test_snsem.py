@@ -1,0 +1,80 @@
+"""Standard errors against those of simulations."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from surae.assessment import Baseline, assess
+from surae.assessment.baseline_json import load_baseline, save_baseline
+from surae.assessment.fit_json import load_saved, save_fit
+from surae.assessment.snsem import snsem
+from surae.errors import InputError
+from surae.model import ModelOptions
+
+BASELINE = Baseline("muscle", ModelOptions(), {"m": 0.001, "g1": 1e4, "f0": 0.02}, "3 subjects")
+
+
+def test_the_ratio_is_that_of_the_thesis(fitted) -> None:
+    assessment = assess(fitted, BASELINE)
+    assert set(assessment.snsem) == {"m", "g1", "f0"}
+    for name, ratio in assessment.snsem.items():
+        assert ratio == pytest.approx(assessment.parameters[name].sem / BASELINE.sem[name])
+    assert assess(fitted).snsem == {}
+
+
+def test_where_there_is_no_standard_error_there_is_no_ratio() -> None:
+    assert snsem(BASELINE, {"m": None, "f0": 0.04, "beta": 0.1}) == {
+        "m": None,
+        "f0": pytest.approx(2.0),
+    }
+
+
+def test_weights_of_a_normalised_envelope_have_another_unit() -> None:
+    assert set(snsem(BASELINE, {"m": 0.002, "g1": 10.0}, "1")) == {"m"}
+
+
+def test_a_baseline_of_another_model(fitted) -> None:
+    with pytest.raises(InputError, match="of model 'muscle-2010', the fit of 'muscle'"):
+        assess(fitted, replace(BASELINE, model="muscle-2010"))
+    with pytest.raises(InputError, match="other model options"):
+        assess(fitted, replace(BASELINE, options=ModelOptions(vmax_factor=10.0)))
+
+
+def test_a_baseline_survives_its_file_and_that_of_the_fit(fitted, tmp_path) -> None:
+    save_baseline(tmp_path / "b.json", BASELINE)
+    assert load_baseline(tmp_path / "b.json") == BASELINE
+    save_fit(tmp_path / "f.json", fitted, assess(fitted, BASELINE))
+    content = json.loads((tmp_path / "f.json").read_text(encoding="utf-8"))
+    assert content["snsem"]["values"] == dict(assess(fitted, BASELINE).snsem)
+    _, baseline = load_saved(tmp_path / "f.json")
+    assert baseline == BASELINE
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"model": "bone"}, "unknown model 'bone'"),
+        ({"sem": {"q": 1.0}}, "no parameter 'q'"),
+        ({"sem": {"m": 0.0}}, "not above zero"),
+        ({"sem": {"m": "small"}}, "not a number"),
+        ({"sem": 3}, "damaged baseline"),
+        ({"options": {"geometry": "flat"}}, "geometry"),
+        ({"surae": "99.0"}, "newer than this one"),
+    ],
+)
+def test_damaged_baselines(change, says, tmp_path) -> None:
+    path = tmp_path / "b.json"
+    save_baseline(path, BASELINE)
+    content = json.loads(path.read_text(encoding="utf-8")) | change
+    path.write_text(json.dumps(content), encoding="utf-8")
+    with pytest.raises(InputError, match=says) as caught:
+        load_baseline(path)
+    assert str(caught.value).count("b.json") == 1
+
+
+def test_a_file_that_is_none(fitted, tmp_path) -> None:
+    path = tmp_path / "b.json"
+    path.write_text("{}", encoding="utf-8")
+    with pytest.raises(InputError, match="not a baseline, 'model' is missing"):
+        load_baseline(path)

@@ -1,0 +1,99 @@
+"""Predictions of other recordings, one by one and each from all the others."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from surae.assessment.leave_one_out import leave_one_out
+from surae.assessment.quality import rmse, vaf
+from surae.assessment.validation import pooled, predict_others
+from surae.errors import InputError
+from surae.estimation import fit_problem, make_problem
+from surae.protocol import Protocol, generate
+from surae.studies import virtual_trial
+
+
+@pytest.fixture(scope="module")
+def others(subject, trajectory):
+    """A repetition of the fitted trial, and another protocol."""
+    passive = generate(Protocol(profile="ramp-and-hold", rate_hz=125.0))
+    return virtual_trial(subject, trajectory, seed=1), virtual_trial(subject, passive)
+
+
+def test_parameters_predict_a_repetition_and_another_protocol(fitted, others) -> None:
+    again, ramp = predict_others(fitted, others)
+    assert again.vaf > 99.8
+    assert ramp.vaf > 99.5
+    for one, inputs in zip((again, ramp), others, strict=True):
+        residual = inputs.torque - one.torque
+        assert one.vaf == pytest.approx(vaf(inputs.torque, residual))
+        assert one.rmse == pytest.approx(rmse(residual))
+        assert one.bias == pytest.approx(residual.mean())
+        np.testing.assert_array_equal(one.time, inputs.time)
+        np.testing.assert_array_equal(one.measured, inputs.torque)
+
+
+def test_pooled_figures_are_those_of_one_long_recording(fitted, others) -> None:
+    found = predict_others(fitted, others)
+    measured = np.concatenate([one.torque for one in others])
+    residual = measured - np.concatenate([one.torque for one in found])
+    together = pooled(found)
+    assert together.vaf == pytest.approx(vaf(measured, residual))
+    assert together.rmse == pytest.approx(rmse(residual))
+    assert together.bias == pytest.approx(residual.mean())
+
+
+def test_samples_left_out_are_in_no_figure(fitted, others) -> None:
+    spoilt = others[0].torque.copy()
+    spoilt[100:200] += 1000.0
+    weight = np.ones(others[0].n)
+    weight[100:200] = 0.0
+    bad = replace(others[0], torque=spoilt)
+    (all_of_it,) = predict_others(fitted, [bad])
+    (without,) = predict_others(fitted, [replace(bad, weight=weight)])
+    assert all_of_it.vaf < 90
+    assert without.vaf > 99.8
+    assert pooled([without]).vaf == without.vaf
+    assert len(without.torque) == bad.n
+
+
+def test_what_does_not_carry_over(fitted, others) -> None:
+    with pytest.raises(InputError, match="the weights do not carry over"):
+        predict_others(fitted, [replace(others[0], emg_unit="1")])
+    with pytest.raises(InputError, match="no EMG of muscle 'sol', whose weight the fit estimated"):
+        predict_others(fitted, [replace(others[0], missing_emg=("sol",))])
+
+
+def test_every_recording_is_predicted_from_all_the_others(noisy, others) -> None:
+    seen, told = [], []
+
+    def fit(some):
+        seen.append([id(one) for one in some])
+        return fit_problem(make_problem(some), starts=1)
+
+    found = leave_one_out(
+        [noisy, *others], fit, lambda name, done, total: told.append((name, done, total))
+    )
+    assert seen == [
+        [id(others[0]), id(others[1])], [id(noisy), id(others[1])], [id(noisy), id(others[0])]
+    ]  # fmt: skip
+    assert told == [(noisy.name, 0, 3), (others[0].name, 1, 3), (others[1].name, 2, 3)]
+    assert [one.name for one in found.predictions] == [noisy.name, *(o.name for o in others)]
+    assert min(one.vaf for one in found.predictions) > 99.5
+    assert found.pooled == pooled(found.predictions)
+    for left_out in found.recordings:
+        assert left_out.fit.problem.n == sum(len(x) for x in left_out.fit.residuals)
+
+
+def test_one_recording_cannot_be_left_out(noisy) -> None:
+    with pytest.raises(InputError, match="needs at least two"):
+        leave_one_out([noisy], lambda some: fit_problem(make_problem(some)))
+
+
+def test_ctrl_c_stops_leaving_out(noisy, others, fitted) -> None:
+    stopped = replace(
+        fitted, starts=(*fitted.starts[:-1], replace(fitted.starts[-1], outcome="interrupted"))
+    )
+    with pytest.raises(KeyboardInterrupt):
+        leave_one_out([noisy, *others], lambda _: stopped)

@@ -1,0 +1,136 @@
+"""Weights, losses, default priors, body mass and baselines on the command line."""
+
+import json
+
+import pytest
+
+import surae
+
+from .conftest import refused
+
+
+def fitted(files, name="out.json"):
+    return json.loads((files / name).read_text(encoding="utf-8"))
+
+
+QUICK = ("--prepared", "--starts", "1", "--output", "out.json")
+
+
+def test_windows_peaks_and_loss_are_those_of_the_api(run, files) -> None:
+    done = run(
+        "fit", "trial.csv", *QUICK, "--exclude", "30:", "--exclude", ":1", "--weight", "3:4:2",
+        "--weight-peaks", "4", "--peaks-of", "emg", "--robust",
+    )  # fmt: skip
+    assert done.code == 0, done
+    assert "Weights: 30 … the end left out of the fit." in done.out
+    assert "Weights: a peak of the EMG counts 5 times as much as rest." in done.out
+    assert "Loss huber: " in done.out
+    assert "(weighted " in done.out
+    windows = ((30.0, float("inf"), 0.0), (float("-inf"), 1.0, 0.0), (3.0, 4.0, 2.0))
+    found = surae.fit(
+        files / "trial.csv",
+        prepared=True,
+        starts=1,
+        weights=surae.Weighting(windows, peaks=4.0, activity="emg"),
+        loss="huber",
+    )
+    content = fitted(files)
+    assert content["vaf_weighted"] == found.vaf_weighted
+    assert content["outliers"]["loss"] == "huber"
+    for name, p in content["parameters"].items():
+        assert p["value"] == found.values[name], name
+
+
+def test_priors_of_a_population_and_given_ones(run, files) -> None:
+    options = ("--priors", "patient", "--prior", "f0=2:0.1")
+    done = run("fit", "trial.csv", *QUICK, *options)
+    assert done.code == 0, done
+    assert "Priors on m, k_tri" in done.out
+    priors = fitted(files)["priors"]
+    assert priors["f0"] == {"median": 2.0, "spread": 0.1}
+    assert priors["l0_tri"] == {"median": 0.0378, "spread": 0.2}
+    found = surae.fit(
+        files / "trial.csv", prepared=True, starts=1, priors=("patient", {"f0": (2.0, 0.1)})
+    )
+    assert found.values["m"] == fitted(files)["parameters"]["m"]["value"]
+    alone = surae.fit(files / "trial.csv", prepared=True, starts=1, priors="patient")
+    assert alone.result.problem.priors["f0"].median == 1.96
+
+
+def test_body_mass_fixes_m_and_says_so(run, files) -> None:
+    options = ("--body-mass", "70", "--footplate-mass", "1.2", "--foot-share", "de-leva-male")
+    done = run("fit", "trial.csv", *QUICK, *options)
+    assert done.code == 0, done
+    m = fitted(files)["parameters"]["m"]
+    assert m["value"] == surae.foot_mass(70.0, 1.2, table="de-leva-male")
+    assert not m["free"]
+    assert "Mass m fixed at 2.159 kg: 1.37 % of 70 kg body mass (de Leva 1996, men)" in done.out
+
+
+def test_a_baseline_from_the_command_to_the_screen_and_the_file(run, files) -> None:
+    done = run(
+        "baseline", "multiple-holds", "--subjects", "1", "--rate", "64", "--chirp-rate", "0.1",
+        "--output", "b.json",
+    )  # fmt: skip
+    assert done.code == 0, done
+    assert "Mean SEM of 1 healthy virtual subject from seed 0, multiple-holds" in done.out
+    sem = fitted(files, "b.json")["sem"]
+    done = run("fit", "trial.csv", *QUICK, "--baseline", "b.json", "--report", "r.html")
+    assert "snSEM" in done.out
+    content = fitted(files)
+    ratio = content["parameters"]["f0"]["sem"] / sem["f0"]
+    assert content["snsem"]["values"]["f0"] == pytest.approx(ratio)
+    assert surae.load(files / "out.json").snsem["f0"] == pytest.approx(ratio)
+    page = (files / "r.html").read_text(encoding="utf-8")
+    assert "Standard errors against simulations" in page
+    refused(
+        run("fit", "trial.csv", "--prepared", "--model", "muscle-2010", "--baseline", "b.json"),
+        "'muscle-2010'",
+    )
+    gone = run("fit", "trial.csv", "--prepared", "--baseline", "gone.json")
+    refused(gone, "gone.json", "no such file")
+    itself = run("fit", "trial.csv", "--prepared", "--baseline", "b.json", "--output", "b.json")
+    refused(itself, "is read by this command")
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (("--exclude", "3"), ("--exclude 3", "start:end")),
+        (("--exclude", ":"), ("start:end",)),
+        (("--exclude", "a:b"), ("'a' is not a number",)),
+        (("--exclude", "5:4"), ("its end must follow",)),
+        (("--exclude", "900:901"), ("holds no sample", "trial.csv")),
+        (("--weight", "3:4"), ("start:end:weight",)),
+        (("--weight", "3:4:-1"), ("weight is -1",)),
+        (("--weight-peaks", "-2"), ("zero or more",)),
+        (("--weight-peaks", "high"), ("--weight-peaks", "not a number")),
+        (("--weight-peaks", "2", "--peaks-of", "angle"), ("torque or emg",)),
+        (("--peaks-of", "emg"), ("--weight-peaks",)),
+        (("--loss", "cauchy"), ("unknown loss 'cauchy'", "huber, soft-l1, tukey")),
+        (("--robust", "--loss", "tukey"), ("--robust means --loss huber",)),
+        (("--priors", "athletes"), ("'athletes'", "healthy, patient")),
+        (("--body-mass", "70000"), ("whole body",)),
+        (("--body-mass", "70", "--fixed", "m=2"), ("fixes m",)),
+        (("--footplate-mass", "1"), ("without --body-mass",)),
+        (("--foot-share", "winter"), ("without --body-mass",)),
+        (("--body-mass", "70", "--foot-share", "dempster"), ("unknown table 'dempster'",)),
+    ],
+)
+def test_wrong_use_is_one_clear_line(options, says, run, files) -> None:
+    refused(run("fit", "trial.csv", "--prepared", *options), *says)
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (("wobble",), ("wobble",)),
+        (("sine", "--noise", "0"), ("--noise 0",)),
+        (("sine", "--subjects", "0"), ("--subjects 0",)),
+        (("sine", "--model", "bone"), ("unknown model 'bone'",)),
+        (("sine", "--population", "athletes"), ("athletes",)),
+    ],
+)
+def test_wrong_baselines(options, says, run, files) -> None:
+    refused(run("baseline", *options, "--output", "b.json"), *says)
+    assert not (files / "b.json").exists()

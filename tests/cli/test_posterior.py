@@ -1,0 +1,74 @@
+import importlib.util
+import json
+
+import pytest
+
+import surae
+
+from .conftest import refused
+
+FEW = ("--draws", 60, "--tune", 80, "--chains", 2)
+
+
+def test_the_posterior_beside_covariance_and_profile(run, files, sampler) -> None:
+    assert run("profile", "fit.json", "m", "f0", "--output", "profile.json").code == 0
+    done = run("posterior", "fit.json", *FEW, "--seed", 3, "--profile", "profile.json",
+               "--output", "posterior.json", "--figure", "posterior.svg")  # fmt: skip
+    content = json.loads((files / "posterior.json").read_text(encoding="utf-8"))
+    assert (done.code, bool(done.err)) == (
+        (0, False) if content["status"] == "converged" else (1, True)
+    )
+    lines = done.out.splitlines()
+    assert "95 % credible" in lines[0]
+    assert "95 % profile" in lines[0]
+    assert lines[1].split()[0] == "m"
+    assert "—" in next(line for line in lines if line.startswith("k_tri"))  # not profiled
+    assert f"{content['status']}: {content['message']}" in done.out
+    assert "posterior: posterior.json" in done.out
+    assert (files / "posterior.svg").read_bytes().startswith(b"<?xml")
+
+    again = surae.posterior(surae.load(files / "fit.json"), draws=60, tune=80, chains=2, seed=3)
+    assert content["samples"]["f0"] == again.draws[..., again.names.index("f0")].tolist()
+    assert again["f0"].ci95 == tuple(content["parameters"]["f0"]["ci95"])
+
+
+def test_too_few_draws_are_not_believed(run, files, sampler) -> None:
+    done = run("posterior", "fit.json", "--draws", 10, "--tune", 20, "--chains", 2)
+    assert done.code == 1
+    assert done.err.startswith("surae: not converged: ")
+    assert "95 % profile" not in done.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--draws", "1"], "--draws 1: give a whole number, 10"),
+        (["--chains", "1"], "--chains 1"),
+        (["--variance-inflation", "0"], "--variance-inflation 0: give a number above zero"),
+        (["--variance-inflation", "x"], "not a number"),
+        (["--prior", "f0=2"], "name=median:spread"),
+        (["--prior", "nope=2:1"], "not estimated"),
+        (["--figure", "p.txt"], "must end in .png or .svg"),
+        (["--output", "fit.json"], "is read by this command"),
+        (["--profile", "true.json"], "not a whole PROFILE.json"),
+        (["--profile", "none.json"], "no such file"),
+    ],
+)
+def test_wrong_use(run, files, sampler, arguments, says) -> None:
+    refused(run("posterior", "fit.json", *arguments), says)
+
+
+def test_profiles_of_another_fit(run, files, sampler) -> None:
+    one = {"value": 2.5, "interval": [2.0, None], "variance_inflation": 1.0}
+    content = {"model": "muscle", "profiles": {"m": one}}
+    (files / "p.json").write_text(json.dumps(content), encoding="utf-8")
+    refused(run("posterior", "fit.json", "--profile", "p.json"), "p.json", "another fit")
+
+
+def test_without_the_extra(run, files, monkeypatch) -> None:
+    found = importlib.util.find_spec
+    monkeypatch.setattr(
+        importlib.util, "find_spec", lambda name, *a: None if name == "nutpie" else found(name, *a)
+    )
+    done = run("posterior", "fit.json")
+    refused(done, 'the posterior needs nutpie, which is not installed: pip install "surae[bayes]"')

@@ -1,0 +1,88 @@
+import json
+
+import pytest
+
+import surae
+
+from .conftest import refused
+
+
+def test_profiles_are_shown_written_and_drawn(run, files) -> None:
+    done = run("profile", "fit.json", "m", "beta", "--output", "p.json", "--figure", "p.png")
+    assert (done.code, done.err) == (0, "")
+    fit = surae.load(files / "fit.json")
+    expected = surae.profile(fit, ["m", "beta"], workers=1)
+    content = json.loads((files / "p.json").read_text(encoding="utf-8"))
+    assert list(content["profiles"]) == ["m", "beta"]
+    for name, kept in content["profiles"].items():
+        assert kept["interval"] == list(expected[name].interval)
+        assert kept["delta_chi2"] == expected[name].chi2.tolist()
+        low, high = kept["interval"]
+        assert low < fit.values[name] < high
+    assert (files / "p.png").read_bytes().startswith(b"\x89PNG")
+    lines = done.out.splitlines()
+    assert lines[0].split("  ")[0] == "parameter"
+    assert [line.split()[0] for line in lines[1:3]] == ["m", "beta"]
+    assert lines[1].endswith("closed")
+    assert lines[-2:] == ["profiles: p.json", "figure: p.png"]
+
+
+def test_an_svg(run, files) -> None:
+    assert run("profile", "fit.json", "m", "--figure", "p.svg").code == 0
+    assert b"<svg" in (files / "p.svg").read_bytes()[:500]
+
+
+def test_without_names_all_that_were_estimated(run, files) -> None:
+    found = surae.fit(
+        files / "trial.csv",
+        prepared=True,
+        starts=1,
+        fixed={k: v for k, v in surae.load(files / "fit.json").values.items() if k not in "m g1"},
+        bounds={"m": (1.2, 1.3)},
+    )
+    found.save(files / "two.json")
+    done = run("profile", "two.json", "--workers", "1")
+    assert done.code == 0
+    assert [line.split()[0] for line in done.out.splitlines()[1:3]] == ["m", "g1"]
+    assert "m: open" in done.out  # it lies at its bound
+    assert " open … " in done.out or "… open" in done.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["none.json"], "none.json"),
+        (["fit.json", "nonsense"], "no parameter 'nonsense'; this fit estimated: m, k_tri"),
+        (["fit.json", "m", "m"], "m is given twice"),
+        (["fit.json", "--workers", "0"], "--workers 0"),
+        (["fit.json", "--figure", "p.pdf"], "must end in .png or .svg"),
+        (["fit.json", "--output", "fit.json"], "--output"),
+        (["fit.json", "--output", "p.png", "--figure", "p.png"], "--figure"),
+        (["trial.csv"], "trial.csv"),
+    ],
+)
+def test_wrong_use_is_one_line(run, files, arguments, message) -> None:
+    refused(run("profile", *arguments), message)
+
+
+def test_ctrl_c_keeps_what_is_complete(run, files, monkeypatch) -> None:
+    from surae import api
+
+    def interrupted(fit, names, *, workers, progress):
+        def pressed(name: str, done: int, total: int) -> None:
+            progress(name, done, total)
+            raise KeyboardInterrupt
+
+        return real(fit, names, workers=workers, progress=pressed)
+
+    real = api.profile
+    monkeypatch.setattr(api, "profile", interrupted)
+    done = run("profile", "fit.json", "m", "g1", "beta", "--workers", "1", "--output", "p.json")
+    assert done.code == 130
+    assert done.err == (
+        "surae: stopped by the user; complete profiles are shown and written; not done: g1, beta\n"
+    )
+    content = json.loads((files / "p.json").read_text(encoding="utf-8"))
+    assert list(content["profiles"]) == ["m"]
+    assert content["missing"] == ["g1", "beta"]
+    assert done.out.splitlines()[1].startswith("m ")

@@ -1,0 +1,110 @@
+"""Default priors: consistent with the virtual populations, and a help where data are weak."""
+
+import numpy as np
+import pytest
+
+from surae.assessment import assess
+from surae.errors import InputError
+from surae.estimation import Prior, fit_problem, make_problem
+from surae.estimation.population import KNOWN, population_of, population_priors
+from surae.model import ModelOptions, get_model
+from surae.model.parameters import MUSCLE_PARAMETERS, TENDON_PARAMETERS
+from surae.protocol import Protocol, generate
+from surae.studies import POPULATIONS, virtual_subject, virtual_trial
+from surae.studies.populations import TENDONS
+
+
+@pytest.mark.parametrize("population", POPULATIONS)
+def test_priors_lie_in_the_middle_of_the_virtual_population_and_are_as_wide(population):
+    ranges = POPULATIONS[population] | TENDONS[population]
+    for name, known in KNOWN[population].items():
+        low, high = ranges[name]
+        assert known.median == pytest.approx(np.sqrt(low * high), rel=0.02), name
+        assert known.spread >= 0.98 * np.log(high / low) / 2, name
+        assert len(known.source) > 20
+
+
+@pytest.mark.parametrize("population", KNOWN)
+def test_every_parameter_but_the_weights_has_a_prior_within_its_bounds(population):
+    table = {p.name: p for p in (*MUSCLE_PARAMETERS, *TENDON_PARAMETERS)}
+    known = population_priors(population)
+    assert set(known) >= {p.name for p in MUSCLE_PARAMETERS if not p.name.startswith("g")}
+    assert not {"g1", "g2", "g3", "g4", "e1", "e2", "e3", "e4"} & set(known)
+    for name, (median, _) in known.items():
+        assert table[name].lower < median < table[name].upper, name
+
+
+def test_populations_have_the_same_parameters():
+    assert len({frozenset(known) for known in KNOWN.values()}) == 1
+    assert set(KNOWN) == set(POPULATIONS)
+
+
+def test_priors_follow_the_model_options():
+    virtual = population_priors("healthy", ModelOptions(geometry="virtual-work"))
+    assert not {"k_tri", "x0_tib", "l0_tri"} & set(virtual)
+    assert {"m", "tau_rel", "f0"} <= set(virtual)
+    strain = population_priors("healthy", ModelOptions(tendon_strain="slack-length"))
+    assert strain["dlt_tri"][0] == pytest.approx(0.0374 / 0.415)
+    assert strain["dlt_tri"][1] == population_priors("healthy")["dlt_tri"][1]
+
+
+@pytest.mark.parametrize("model", ["muscle", "muscle-tendon-toe", "muscle-2010"])
+def test_only_free_parameters_get_one_and_given_ones_go_first(noisy, model):
+    problem = make_problem(
+        [noisy], model, population="patient", fixed={"m": 2.0}, priors={"k_tri": (180.0, 0.1)}
+    )
+    assert problem.priors["k_tri"] == Prior(180.0, 0.1)
+    free = set(get_model(model).free) - {"m"}
+    assert set(problem.priors) == free & set(KNOWN["patient"])
+    assert problem.priors["x0_tri"] == Prior(0.0155, 0.12)
+
+
+def test_defaults_are_told_from_what_was_given():
+    options = ModelOptions()
+    known = population_priors("patient")
+    assert set(population_of(known, options).values()) == {"patient"}
+    assert population_of({"m": known["m"], "k_tri": (1.0, 1.0)}, options) == {"m": "patient"}
+    assert population_of({"k_tri": (1.0, 1.0)}, options) == {}
+
+
+def test_a_population_unknown(noisy):
+    with pytest.raises(InputError, match="'athletes'; known populations: healthy, patient"):
+        make_problem([noisy], population="athletes")
+
+
+def test_priors_help_where_the_data_are_weak():
+    """Three seconds say little of a relaxation that takes seconds."""
+    motion = generate(
+        Protocol(
+            profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5, rate_hz=64.0,
+            duration=3.0, task="active",
+        )
+    )  # fmt: skip
+    plain, informed, errors = [], [], []
+    for seed in range(1, 9):
+        subject = virtual_subject(seed)
+        trial = virtual_trial(subject, motion)
+        for population, found in ((None, plain), ("healthy", informed)):
+            result = fit_problem(make_problem([trial], population=population), starts=2)
+            values = result.values
+            found.append(np.log(values["tau_rel"] / subject.parameters["tau_rel"]))
+            if population:
+                errors.append(assess(result).parameters["tau_rel"].sem)
+    wrong, better = (np.sqrt(np.mean(np.square(found))) for found in (plain, informed))
+    assert wrong > 0.8  # a factor of two and more
+    assert better < 0.5 * wrong
+    assert None not in errors  # and no estimate at a bound
+
+
+def test_priors_hardly_matter_where_the_data_are_rich(noisy):
+    plain = assess(fit_problem(make_problem([noisy]), starts=1)).parameters
+    informed = assess(fit_problem(make_problem([noisy], population="healthy"), starts=1)).parameters
+    known = population_priors("healthy")
+    # The data know these ten times as well as the prior does; others may still pull them along.
+    rich = [
+        p for p in plain.values() if p.name in known and p.sem < 0.1 * known[p.name][1] * p.value
+    ]
+    assert len(rich) >= 7
+    for p in rich:
+        assert informed[p.name].value == pytest.approx(p.value, abs=0.6 * p.sem), p.name
+    assert informed["k_tib"].sem < 0.9 * plain["k_tib"].sem  # which they know no better

@@ -1,0 +1,147 @@
+"""Weights, losses, default priors, simulations and predictions: the report says what was used."""
+
+from dataclasses import replace
+from datetime import datetime
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from surae.assessment import Baseline, assess
+from surae.assessment.validation import predict_others
+from surae.estimation import fit_problem, fit_robust, make_problem
+from surae.model import ModelOptions
+from surae.recording import read_only
+from surae.report import build
+from surae.report.figures import prediction_figure
+from surae.report.predictions import prediction_section
+from surae.signals import Weighting, weighted
+
+from .test_content import content_of
+
+CREATED = datetime(2026, 1, 5, 14, 3)
+
+
+def texts(case):
+    content = content_of(case)
+    return {one.label: one.value for one in content.settings}, " ".join(content.summary)
+
+
+def judged(result):
+    """A fit and what it is worth, without its page."""
+    return SimpleNamespace(result=result, assessment=assess(result))
+
+
+@pytest.fixture(scope="module")
+def struck(make_trial):
+    """A trial with a burst of 300 Nm over a tenth of a second."""
+    inputs = make_trial()
+    torque = inputs.torque.copy()
+    torque[400:410] -= 300.0
+    return replace(inputs, torque=read_only(torque))
+
+
+@pytest.fixture(scope="module")
+def spared(struck, make_fitted):
+    return make_fitted(fit_robust(make_problem([struck]), starts=1))
+
+
+def test_a_loss_is_told_with_what_it_spared(spared, plain):
+    settings, summary = texts(spared)
+    assert settings["Loss"].startswith("huber, from 1.345 standard deviations of 0.")
+    assert "weights at rest after" in settings["Loss"]
+    assert "Outliers were let count less (huber loss)" in summary
+    assert "With the samples counted as in the fit, the VAF is" in summary
+    assert "no stray artefacts" not in summary
+    assert "Only the solution with the weights of the outliers was tried" in spared.page
+    facts = {one.label for one in content_of(spared).recordings[0].facts}
+    assert "VAF, weighted as in the fit" in facts
+    without, summary = texts(plain)
+    assert without["Loss"] == "squares"
+    assert "Outliers" not in summary
+    assert "samples" not in summary
+
+
+def test_many_outliers_are_said_to_be_none(make_trial):
+    inputs = make_trial()
+    missed = 60.0 * (inputs.time % 1.0 < 0.08)
+    result = fit_robust(make_problem([replace(inputs, torque=inputs.torque + missed)]), starts=1)
+    assert result.outliers.share == pytest.approx(0.08, abs=0.02)
+    assert "So many are no stray artefacts" in texts(judged(result))[1]
+
+
+def test_weights_are_told(make_trial, make_fitted):
+    inputs = weighted([make_trial()], Weighting(windows=((1.0, 2.0, 0.0),), peaks=4.0))
+    case = make_fitted(fit_problem(make_problem(inputs), starts=1))
+    assert "told to follow some samples more closely" in texts(case)[1]
+    assert "Weights: 1 … 2 s left out of the fit." in case.page
+    assert "counts 5 times as much as rest" in case.page
+    assert "because some samples count more than others" in case.page
+
+
+def test_default_priors_are_told_from_given_ones(make_trial):
+    problem = make_problem([make_trial()], population="healthy")
+    settings, _ = texts(judged(fit_problem(problem, starts=1)))
+    assert settings["Priors"].endswith("(defaults of the healthy population)")
+    problem = make_problem([make_trial()], population="healthy", priors={"m": (2.2, 0.1)})
+    settings, _ = texts(judged(fit_problem(problem, starts=1)))
+    assert "(defaults of the healthy population: k_tri, " in settings["Priors"]
+
+
+@pytest.fixture(scope="module")
+def predictions(plain, make_trial):
+    weight = np.ones(1000)
+    weight[100:200] = 0.0
+    other = make_trial(seed=7)
+    shifted = replace(other, name="<b>shifted</b>", torque=read_only(other.torque + 30.0))
+    return predict_others(plain.result, [replace(other, weight=weight), shifted])
+
+
+@pytest.fixture(scope="module")
+def page(plain, predictions):
+    """A report with a baseline and predictions."""
+    baseline = Baseline("muscle", ModelOptions(), {"m": 0.001, "f0": 0.02}, "<4> subjects")
+    assessment = assess(plain.result, baseline)
+    return build(plain.result, assessment, versions={}, created=CREATED, predictions=predictions)
+
+
+def section_of(page, name):
+    return page.split(f'id="{name}"')[1].split("</section>")[0]
+
+
+def test_the_snsem_of_every_parameter_that_has_one(plain, page):
+    section = section_of(page, "snsem")
+    assert "Standard errors against simulations" in section
+    assert "&lt;4&gt; subjects" in section
+    assert section.count("<tr>") == 3
+    assert "Standard errors against simulations" not in plain.page
+
+
+def test_predictions_have_a_section_a_table_and_a_figure_each(plain, page):
+    section = section_of(page, "predictions")
+    assert "Predicting other recordings" in section
+    assert section.count("<tr>") == 4  # heading, two recordings, together
+    assert section.count("data:image/png") == 2
+    assert "<b>shifted</b>" not in section
+    assert "&lt;b&gt;shifted&lt;/b&gt;" in section
+    assert "carry over only in part" in section
+    assert "Predicting other recordings" not in plain.page
+
+
+def test_a_good_prediction_is_not_warned_of(plain, predictions):
+    section = prediction_section(plain.assessment, predictions[:1])
+    assert "carry over only in part" not in section.text
+    assert [row.name for row in section.rows] == ["trial 1"]
+    assert prediction_section(plain.assessment, []) is None
+
+
+def test_the_figure_shows_both_torques_and_their_difference(predictions):
+    above, below = prediction_figure(predictions[0]).axes
+    measured, predicted = above.get_lines()
+    np.testing.assert_array_equal(measured.get_ydata(), predictions[0].measured)
+    np.testing.assert_array_equal(predicted.get_ydata(), predictions[0].torque)
+    (difference,) = below.get_lines()
+    np.testing.assert_allclose(
+        difference.get_ydata(), predictions[0].measured - predictions[0].torque
+    )
+    assert [p for p in above.patches if p.get_hatch()]
