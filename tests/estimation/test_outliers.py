@@ -155,6 +155,24 @@ def test_ctrl_c_leaves_the_least_squares(noisy, monkeypatch):
     assert result.outliers is None
 
 
+def test_weights_that_do_not_rest_are_a_failure(struck, monkeypatch):
+    monkeypatch.setattr("surae.estimation.outliers._ROUNDS", 2)
+    result = fit_robust(make_problem([struck[0]]), starts=1)
+    assert result.status == "failed"
+    assert "did not rest in 2 rounds" in result.message
+
+
+def test_a_search_that_loses_the_minimum_is_a_failure(struck, monkeypatch):
+    def worse(problem, **given):
+        found = fit_problem(problem, **given)
+        return replace(found, sse=1.1 * found.sse)
+
+    monkeypatch.setattr("surae.estimation.outliers.fit_problem", worse)
+    result = fit_robust(make_problem([struck[0]]), starts=1)
+    assert result.status == "failed"
+    assert "no start came back" in result.message
+
+
 @pytest.mark.parametrize("name", LOSSES)
 def test_a_loss_is_a_square_at_0_and_its_slope_the_derivative(name):
     loss = LOSSES[name]

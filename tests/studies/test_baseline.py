@@ -47,6 +47,11 @@ def test_options_go_along() -> None:
     assert make_baseline(PROTOCOL, n=1, options=options).options == options
 
 
+def test_subjects_have_tendons_of_their_own_where_the_model_frees_them() -> None:
+    found = simulated_baseline(PROTOCOL, "muscle-tendon-strain", n=1)
+    assert 0 < found["dlt_tri"] < 0.01
+
+
 def test_no_subjects() -> None:
     with pytest.raises(InputError, match="0 subjects"):
         simulated_baseline(PROTOCOL, n=0)

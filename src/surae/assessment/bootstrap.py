@@ -142,9 +142,10 @@ def bootstrap(
 
     Blocks are circular, of one length for each recording; the residual's mean is removed, and it is
     widened by √(n/(n − p)) for what the fit took of it. Where samples are weighted, and not for
-    emphasis, the blocks are of the weighted residual; samples left out get none. A prior is an observation too: its median
-    is drawn anew. Every replicate starts from the fit, and has its own stream of random numbers:
-    the same seed gives the same numbers, whatever the workers or interruptions.
+    emphasis, the blocks are of the weighted residual; samples left out get none. A prior is an
+    observation too: its median is drawn anew. Every replicate starts from the fit, and has its own
+    stream of random numbers: the same seed gives the same numbers, whatever the workers or
+    interruptions.
 
     Parameters
     ----------
@@ -172,7 +173,7 @@ def bootstrap(
     Raises
     ------
     InputError
-        A number is out of range, the fit has nothing to bootstrap, or the file is of another one.
+        A number is out of range, the fit has no bootstrap, or the file is of another one.
     """
     begin = time.perf_counter()
     problem = result.problem

@@ -17,6 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
+from threadpoolctl import threadpool_limits
 
 from surae.assessment.noise import NoiseModel, autoregressive
 from surae.assessment.uncertainty import Covariance, InverseRoot, inverse_root
@@ -84,25 +85,27 @@ def robust_covariance(
             whiteness(residual, one.rate_hz, None if one.weight is None else one.weight > 0)
             for one, residual in zip(problem.inputs, result.residuals, strict=True)
         )
-    root = inverse_root(result.R, problem.free, result.at_bound)
-    x = np.array([result.values[name] for name in problem.free])
-    rows = Residuals(problem).data_rows(x)
-    edges = pairwise(np.cumsum([0, *(one.n for one in problem.inputs)]).tolist())
-    seen = [
-        _Seen(
-            -rows[-1, begin:end],
-            np.ones(one.n, dtype=bool) if one.weight is None else one.weight > 0,
-            root.matrix.T @ rows[list(root.kept), begin:end],
-            gain,
+    # Threads only slow down products of this size, and change the last bits.
+    with threadpool_limits(limits=1, user_api="blas"):
+        root = inverse_root(result.R, problem.free, result.at_bound)
+        x = np.array([result.values[name] for name in problem.free])
+        rows = Residuals(problem).data_rows(x)
+        edges = pairwise(np.cumsum([0, *(one.n for one in problem.inputs)]).tolist())
+        seen = [
+            _Seen(
+                -rows[-1, begin:end],
+                np.ones(one.n, dtype=bool) if one.weight is None else one.weight > 0,
+                root.matrix.T @ rows[list(root.kept), begin:end],
+                gain,
+            )
+            for one, (begin, end), gain in zip(problem.inputs, edges, _gains(result), strict=True)
+        ]
+        white = tuple(
+            whiteness(one.residual, inputs.rate_hz, one.counted, one.absorbed)
+            for one, inputs in zip(seen, problem.inputs, strict=True)
         )
-        for one, (begin, end), gain in zip(problem.inputs, edges, _gains(result), strict=True)
-    ]
-    white = tuple(
-        whiteness(one.residual, inputs.rate_hz, one.counted, one.absorbed)
-        for one, inputs in zip(seen, problem.inputs, strict=True)
-    )
-    models = _noise_models(seen)
-    return _covariance(root, seen, models, estimated, result.outliers), white
+        models = _noise_models(seen)
+        return _covariance(root, seen, models, estimated, result.outliers), white
 
 
 def _gains(result: FitResult) -> list[FloatArray | None]:

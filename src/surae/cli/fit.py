@@ -35,9 +35,9 @@ _MOST_STARTS = 10_000
 @click.option("--bound", multiple=True, metavar="NAME=LOW:HIGH", help="Other bounds.")
 @click.option("--prior", multiple=True, metavar="NAME=MEDIAN:SPREAD",
               help="Known beforehand: SPREAD is the relative standard deviation.")  # fmt: skip
+@click.option("--baseline", metavar="B.json", help="Compare SEM with simulations (snSEM).")
 @click.option("--starts", metavar="N", help="Number of starts.  [default: 8]")
 @click.option("--seed", metavar="N", help="Of the random starts.  [default: 0]")
-@click.option("--baseline", metavar="B.json", help="Compare SEM with simulations (snSEM).")
 @click.option("--output", metavar="FIT.json", help="Write the fit.")
 @click.option("--report", metavar="REPORT.html", help="Write the report.")
 @fit_options

@@ -92,14 +92,23 @@ def fit_robust(
         if found.status == "failed" or found.sse >= sse * (1 - 1 / (problem.n - len(x))):
             break
         x = np.array([found.values[name] for name in problem.free])
-    settled = outliers.rounds < _ROUNDS
+    status, message = found.status, found.message
+    if outliers.rounds >= _ROUNDS:
+        status = "failed"
+        message = (
+            f"the weights of the {loss} loss did not rest in {_ROUNDS} rounds: try another loss, "
+            "or leave the outliers out"
+        )
+    elif status != "failed" and found.sse > sse * (1 + 1 / (problem.n - len(x))):
+        status = "failed"
+        message = (
+            "no start came back to the minimum that the weights of the outliers belong to: "
+            "give more starts"
+        )
     return replace(
         found,
-        status=found.status if settled else "failed",
-        message=found.message
-        if settled
-        else f"the weights of the {loss} loss did not rest in {_ROUNDS} rounds: try another loss, "
-        "or leave the outliers out",
+        status=status,
+        message=message,
         outliers=outliers,
         seconds=time.perf_counter() - begin,
     )

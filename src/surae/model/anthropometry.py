@@ -1,7 +1,8 @@
 """The mass of the foot from that of the body, so that a fit need not find it.
 
 The thesis found the mass at its bounds in most subjects and proposes to take it out of the free
-parameters (4.5): slow motion tells little about it.
+parameters (4.5): slow motion tells little about it. Fast motion, such as the chirp of its
+protocols, tells it better than any table does, and a wrong mass then spoils the others.
 """
 
 from collections.abc import Sequence

@@ -67,9 +67,11 @@ def simulated_baseline(
     if n < 1:
         raise InputError(f"{n} subjects; give at least 1")
     options, trajectory = options or ModelOptions(), generate(protocol)
+    spec = get_model(model)
+    tendons = any(p.group == "tendon" and p.name in spec.free for p in spec.parameters)
     found: dict[str, list[float]] = {}
     for number in range(n):
-        subject = virtual_subject(seed + number, population)
+        subject = virtual_subject(seed + number, population, tendons=tendons)
         trial = virtual_trial(subject, trajectory, model=model, options=options, noise=noise)
         truth = subject.truth(model, options)
         result = fit_problem(make_problem([trial], model, start=truth, options=options), starts=1)
@@ -82,8 +84,7 @@ def simulated_baseline(
             progress(number + 1, n)
     if not found:
         raise ComputationError("no simulated fit gave a standard error; use another protocol")
-    names = [name for name in get_model(model).names if name in found]
-    return {name: float(np.mean(found[name])) for name in names}
+    return {name: float(np.mean(found[name])) for name in spec.names if name in found}
 
 
 def make_baseline(
