@@ -1,10 +1,13 @@
-"""What every test shares: where the reference and measured data are, or why a test is skipped."""
+"""What every test shares: virtual trials; where the data are, or why a test is skipped."""
 
 import importlib.util
 import os
 from pathlib import Path
 
 import pytest
+
+from surae.protocol import Protocol, generate
+from surae.studies import virtual_subject, virtual_trial
 
 SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"
 
@@ -25,3 +28,27 @@ def sampler() -> None:
         pytest.fail(f"not installed: {', '.join(missing)}")
     if missing:
         pytest.skip(f"POSTERIOR NOT TESTED, not installed: {', '.join(missing)} (extra bayes)")
+
+
+@pytest.fixture(scope="session")
+def trajectory():
+    return generate(
+        Protocol(profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5, rate_hz=125.0)
+    )
+
+
+@pytest.fixture(scope="session")
+def subject():
+    return virtual_subject(1)
+
+
+@pytest.fixture(scope="session")
+def clean(subject, trajectory):
+    """A trial without noise."""
+    return virtual_trial(subject, trajectory, noise=0.0)
+
+
+@pytest.fixture(scope="session")
+def noisy(subject, trajectory):
+    """A trial with the thesis's noise."""
+    return virtual_trial(subject, trajectory, noise=0.05)

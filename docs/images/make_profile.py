@@ -16,5 +16,5 @@ protocol = Protocol(profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.
 trial = virtual_trial(virtual_subject(seed=1), generate(protocol), model="muscle-tendon")
 fit = surae.fit(trial, "muscle-tendon", free=("dlt_tib", "pt_tib"), starts=2)
 found = surae.profile(fit, ("m", "dlt_tib", "pt_tib"))
-picture = png(profile_figure(tuple(found.profiles.values())))
+picture = png(profile_figure(tuple(found.profiles.values()), found.noise))
 (Path(__file__).parent / "profile.png").write_bytes(picture)

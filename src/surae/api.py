@@ -17,6 +17,7 @@ from surae.assessment.comparison import Comparison
 from surae.assessment.emg_bias import PAIRS, EmgBias
 from surae.assessment.emg_bias import emg_bias as emg_bias_of
 from surae.assessment.fit_json import load_saved, save_fit
+from surae.assessment.inflation import variance_inflation as inflation_of
 from surae.assessment.leave_one_out import LeaveOneOut
 from surae.assessment.leave_one_out import Told as LeaveOneOutTold
 from surae.assessment.leave_one_out import leave_one_out as leave_one_out_of
@@ -340,7 +341,7 @@ def profile(
     fitted: Fit,
     names: str | Sequence[str] | None = None,
     *,
-    variance_inflation: float | Mapping[str, float] = 1.0,
+    variance_inflation: float | Mapping[str, float] | None = None,
     workers: int | None = None,
     progress: ProfileTold | None = None,
 ) -> Profiles:
@@ -352,9 +353,10 @@ def profile(
         The fit.
     names : str or sequence of str, optional
         Parameters that it estimated; all of them by default.
-    variance_inflation : float or mapping of str to float
-        Divides Δχ², of all or of each parameter, for residuals that are correlated over time; see
-        `surae.assessment.profile.profile`.
+    variance_inflation : float or mapping of str to float, optional
+        Divides Δχ², of all or of each parameter. By default what the assessment asks for: each
+        parameter's own (sem_robust/sem)² where its interval is robust, as for a residual that is
+        correlated over time, and 1 otherwise; see `surae.assessment.inflation`.
     workers : int, optional
         Profiles at a time; by default one for each processor. The numbers do not depend on it.
     progress : callable, optional
@@ -370,10 +372,18 @@ def profile(
     InputError
         A parameter is unknown, fixed or given twice, or the fit has nothing to profile.
     """
+    wanted = fitted.result.problem.free if names is None else names
+    wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
+    reason = "given"
+    if variance_inflation is None:
+        found = inflation_of(fitted.assessment)
+        reason = found.reason
+        variance_inflation = {n: factor for n, factor in found.factors.items() if n in wanted}
     return profiles(
         fitted.result,
-        [names] if isinstance(names, str) else names,
+        wanted,
         variance_inflation=variance_inflation,
+        inflation_reason=reason,
         workers=workers,
         progress=progress,
     )
@@ -387,7 +397,7 @@ def posterior(
     chains: int = CHAINS,
     seed: int = 0,
     priors: Mapping[str, tuple[float, float]] | None = None,
-    variance_inflation: float = 1.0,
+    variance_inflation: float | None = None,
     cores: int | None = None,
     progress: ChainsTold | None = None,
 ) -> Posterior:
@@ -406,11 +416,14 @@ def posterior(
     seed : int
         The same seed gives the same draws on any number of cores.
     priors : mapping of str to (median, spread), optional
-        Priors in place of the fit's own, which stand in place of
-        `surae.assessment.population.POPULATION`.
-    variance_inflation : float
-        Divides the weight of the data, for residuals that are correlated over time; see
-        `surae.assessment.posterior.sample`.
+        Priors in place of the fit's own, which stand in place of the wide defaults of
+        `surae.estimation.population`.
+    variance_inflation : float, optional
+        Divides the weight of the data. By default what the assessment asks for: the median over
+        the parameters of (sem_robust/sem)² where intervals are robust, as for a residual that is
+        correlated over time, and 1 otherwise; see `surae.assessment.inflation`. One number, since
+        the likelihood has one noise: parameters for which the correlation matters more than for
+        most get too narrow an interval, which their profile or `ci95` does not.
     cores : int, optional
         Chains at a time; by default one for each processor.
     progress : callable, optional
@@ -427,6 +440,13 @@ def posterior(
         The sampler is not installed, a setting or prior is impossible, or the fit has no residual
         to draw from.
     """
+    reason = "given"
+    if variance_inflation is None:
+        found = inflation_of(fitted.assessment)
+        variance_inflation = found.common
+        reason = found.reason
+        if found.common != 1.0:
+            reason = f"{reason}; the median over the parameters"
     return sample(
         fitted.result,
         draws=draws,
@@ -435,6 +455,7 @@ def posterior(
         seed=seed,
         priors=priors,
         variance_inflation=variance_inflation,
+        inflation_reason=reason,
         cores=cores,
         progress=progress,
     )

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from surae.assessment.population import Belief
+from surae.assessment.beliefs import Belief
 from surae.errors import InputError
 from surae.estimation import FitProblem, FitResult
 from surae.estimation.least_squares import minimise, sum_of_squares

@@ -14,8 +14,9 @@ import numpy as np
 
 from surae.assessment.chains import Told, require_sampler, run_chains
 from surae.assessment.diagnostics import Convergence, convergence, verdict
+from surae.assessment.inflation import described
 from surae.assessment.log_posterior import make_target
-from surae.assessment.population import Belief, beliefs
+from surae.assessment.beliefs import Belief, beliefs
 from surae.assessment.uncertainty import Covariance, covariance, half_width
 from surae.errors import InputError
 from surae.estimation import FitResult
@@ -41,7 +42,7 @@ class Marginal:
     name, unit : str
         The parameter.
     value : float
-        Estimate of the fit, which knows nothing of the priors of the table.
+        Estimate of the fit, which knows nothing of the wide defaults.
     median : float
         Median of the draws.
     ci95 : tuple of float
@@ -98,6 +99,8 @@ class Posterior:
         Of the model and its Jacobian, without those of the tuning.
     variance_inflation : float
         By how much the variance of the noise counts more than that of white noise would.
+    inflation_reason : str
+        Why.
     seed, tune : int
         Of the sampler.
     seconds : float
@@ -118,6 +121,7 @@ class Posterior:
     divergences: int
     evaluations: int
     variance_inflation: float
+    inflation_reason: str
     seed: int
     tune: int
     seconds: float
@@ -132,6 +136,11 @@ class Posterior:
         """Correlation of the draws, shape (p, p)."""
         flat = self.draws.reshape(-1, len(self.names))
         return np.atleast_2d(np.corrcoef(flat, rowvar=False))
+
+    @property
+    def noise(self) -> str:
+        """What the noise was taken for, in a line."""
+        return described({"all": self.variance_inflation}, self.inflation_reason)
 
     def of(self, name: str) -> FloatArray:
         """All draws of one parameter, chain after chain."""
@@ -148,6 +157,7 @@ class Posterior:
             "correlation": {"names": list(self.names), "matrix": self.correlation.tolist()},
             "divergences": self.divergences,
             "variance_inflation": self.variance_inflation,
+            "variance_inflation_reason": self.inflation_reason,
             "chains": self.draws.shape[0],
             "draws": self.draws.shape[1],
             "tune": self.tune,
@@ -178,6 +188,7 @@ def sample(
     seed: int = 0,
     priors: Mapping[str, tuple[float, float]] | None = None,
     variance_inflation: float = 1.0,
+    inflation_reason: str = "",
     cores: int | None = None,
     progress: Told | None = None,
 ) -> Posterior:
@@ -195,12 +206,15 @@ def sample(
     seed : int
         The same seed gives the same draws on any number of cores.
     priors : mapping of str to (median, spread), optional
-        Priors in place of the fit's own, which stand in place of `population.POPULATION`.
+        Priors in place of the fit's own, which stand in place of the wide defaults; see
+        `surae.assessment.beliefs.beliefs`.
     variance_inflation : float
         By how much the variance of the noise counts more than that of white noise would. The
         likelihood takes the noise for white; a residual that is correlated over time holds fewer
         independent samples than it has. n/n_effective is a rough value, the ratio of the squared
         standard errors with and without the correlation one for a parameter.
+    inflation_reason : str
+        Why, for the reader.
     cores : int, optional
         Chains at a time; by default one for each processor.
     progress : callable, optional
@@ -263,6 +277,7 @@ def sample(
         divergences=found.diverging,
         evaluations=found.evaluations,
         variance_inflation=float(variance_inflation),
+        inflation_reason=inflation_reason,
         seed=seed,
         tune=tune,
         seconds=found.seconds,

@@ -10,6 +10,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from surae.assessment.inflation import described
 from surae.assessment.profile import Profile, check_profiled, prior_noise, profile
 from surae.errors import InputError
 from surae.estimation import FitResult
@@ -33,6 +34,8 @@ class Profiles:
         By parameter, in the order asked for.
     missing : tuple of str
         Parameters whose profile the user stopped.
+    inflation_reason : str
+        Why the variance of the noise was multiplied by each profile's `variance_inflation`.
     seconds : float
         Wall time.
     versions : mapping of str to str
@@ -42,11 +45,18 @@ class Profiles:
     model: str
     profiles: Mapping[str, Profile]
     missing: tuple[str, ...]
+    inflation_reason: str
     seconds: float
     versions: Mapping[str, str]
 
     def __getitem__(self, name: str) -> Profile:
         return self.profiles[name]
+
+    @property
+    def noise(self) -> str:
+        """What the noise was taken for, in a line; empty without a profile."""
+        factors = {name: one.variance_inflation for name, one in self.profiles.items()}
+        return described(factors, self.inflation_reason) if factors else ""
 
     def as_dict(self) -> dict[str, Any]:
         """The profiles as plain data, as they are saved."""
@@ -55,6 +65,7 @@ class Profiles:
             "model": self.model,
             "profiles": {name: _plain(one) for name, one in self.profiles.items()},
             "missing": list(self.missing),
+            "variance_inflation_reason": self.inflation_reason,
             "seconds": self.seconds,
             "versions": dict(self.versions),
         }
@@ -76,6 +87,7 @@ def profiles(
     names: Sequence[str] | None = None,
     *,
     variance_inflation: float | Mapping[str, float] = 1.0,
+    inflation_reason: str = "",
     workers: int | None = None,
     progress: Told | None = None,
 ) -> Profiles:
@@ -89,6 +101,8 @@ def profiles(
         Parameters that it estimated; all of them by default.
     variance_inflation : float or mapping of str to float
         Divides Δχ², see `profile`; by parameter, 1 for those left out, or the same for all.
+    inflation_reason : str
+        Why, for the reader.
     workers : int, optional
         Threads; by default one for each processor. The numbers do not depend on it.
     progress : callable, optional
@@ -161,6 +175,7 @@ def profiles(
         model=result.problem.spec.name,
         profiles={name: found[name] for name in wanted if name in found},
         missing=tuple(name for name in wanted if name not in found),
+        inflation_reason=inflation_reason,
         seconds=time.perf_counter() - begin,
         versions=versions(),
     )

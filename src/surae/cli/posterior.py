@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from surae.cli.options import number, pairs, whole_number
+from surae.cli.options import factor, pairs, whole_number
 from surae.cli.paths import check_outputs
 from surae.errors import InputError
 from surae.files import shown, write_atomic
@@ -30,10 +30,10 @@ _SAME = 0.05
 @click.option("--seed", metavar="N", help="Of the draws.  [default: 0]")
 @click.option("--cores", metavar="N", help="Chains at a time.  [default: all processors]")
 @click.option("--prior", multiple=True, metavar="NAME=MEDIAN:SPREAD",
-              help="Known beforehand, instead of the table's.")  # fmt: skip
+              help="Known beforehand, instead of the defaults.")  # fmt: skip
 @click.option("--variance-inflation", metavar="F",
-              help="Noise counts F times, where the residual is correlated.  "
-              "[default: 1]")  # fmt: skip
+              help="Factor on the variance of the noise.  [default: what the residual's "
+              "correlation asks for]")  # fmt: skip
 @click.option("--profile", "profiled", metavar="PROFILE.json", help="Show its intervals beside.")
 @click.option("--output", metavar="POSTERIOR.json", help="Write the posterior with its draws.")
 @click.option("--figure", metavar="POSTERIOR.png|svg", help="Draw it.")
@@ -64,12 +64,7 @@ def command(
         "cores": whole_number("--cores", cores, least=1, most=_MOST_CORES),
     }
     given = {name: value for name, value in numbers.items() if value is not None}
-    inflation = 1.0
-    if variance_inflation is not None:
-        where = f"--variance-inflation {variance_inflation}"
-        inflation = number(where, variance_inflation)
-        if not 0 < inflation < float("inf"):
-            raise InputError(f"{where}: give a number above zero")
+    inflation = factor("--variance-inflation", variance_inflation)
     kind = "" if figure is None else Path(figure).suffix.lower()
     if figure is not None and kind not in (".png", ".svg"):
         raise InputError(f"--figure: {shown(figure)} must end in .png or .svg")
@@ -186,11 +181,12 @@ def _notes(found: "Posterior", compared: "dict[str, Agreement]") -> list[str]:
     ]
     if other:
         lines.append(
-            "the profiles count the noise more or less than the posterior does "
-            f"(--variance-inflation) for: {', '.join(other)}"
+            "the profiles count the noise more or less than the posterior does (the same "
+            f"--variance-inflation makes them alike) for: {', '.join(other)}"
         )
     prior = [name for name, one in found.marginals.items() if one.of_prior]
     if prior:
         lines.append(f"mostly from the prior, the recordings add little: {', '.join(prior)}")
+    lines.append(found.noise)
     lines.append(f"{found.status}: {found.message} ({found.seconds:.1f} s)")
     return lines

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from surae.cli.options import whole_number
+from surae.cli.options import factor, whole_number
 from surae.cli.paths import check_outputs
 from surae.errors import InputError
 from surae.files import shown, write_atomic
@@ -21,12 +21,16 @@ _MOST_WORKERS = 1000
 @click.argument("fitted", metavar="FIT.json")
 @click.argument("names", metavar="[NAME…]", nargs=-1)
 @click.option("--workers", metavar="N", help="Profiles at a time.  [default: all processors]")
+@click.option("--variance-inflation", metavar="F",
+              help="Factor on the variance of the noise.  [default: each parameter's own, what the "
+              "residual's correlation asks for]")  # fmt: skip
 @click.option("--output", metavar="PROFILE.json", help="Write the profiles.")
 @click.option("--figure", metavar="PROFILE.png|svg", help="Draw them.")
 def command(
     fitted: str,
     names: tuple[str, ...],
     workers: str | None,
+    variance_inflation: str | None,
     output: str | None,
     figure: str | None,
 ) -> int:
@@ -37,6 +41,7 @@ def command(
     parameter that was estimated. Ctrl-C keeps the profiles that are complete.
     """
     count = whole_number("--workers", workers, least=1, most=_MOST_WORKERS)
+    inflation = factor("--variance-inflation", variance_inflation)
     kind = "" if figure is None else Path(figure).suffix.lower()
     if figure is not None and kind not in (".png", ".svg"):
         raise InputError(f"--figure: {shown(figure)} must end in .png or .svg")
@@ -52,7 +57,9 @@ def command(
         def told(name: str, done: int, total: int) -> None:
             progress.describe(f"profiles: {done} of {total} done, {name} last")
 
-        found = profile(fit, names or None, workers=count, progress=told)
+        found = profile(
+            fit, names or None, variance_inflation=inflation, workers=count, progress=told
+        )
 
     from surae.cli.screen import show_line
 
@@ -63,7 +70,7 @@ def command(
         from surae.report.figures import png, svg
         from surae.report.figures.profile import profile_figure
 
-        picture = profile_figure(tuple(found.profiles.values()))
+        picture = profile_figure(tuple(found.profiles.values()), found.noise)
         write_atomic(figure, svg(picture) if kind == ".svg" else png(picture))
     for line in _table(found):
         show_line(line)
@@ -111,4 +118,6 @@ def _table(found: "Profiles") -> list[str]:
         for one in found.profiles.values()
         if one.status != "closed" or one.message != "both ends found"
     ]
+    if found.noise:
+        notes.append(found.noise)
     return [*lines, "", *notes, f"{len(found.profiles)} profiles in {found.seconds:.1f} s"]

@@ -5,8 +5,13 @@ median/exp(spread) and median·exp(spread). Medians lie in the middle of the ran
 virtual subjects are drawn. Spreads are at least as wide as those ranges, and wider where people are
 known to differ more, since a default must not decide what the data should.
 
-The EMG weights have no default: they depend on electrodes and skin as much as on the muscle. The
-length parameters and stiffnesses hold for equation (9) as printed, not for virtual work.
+A fit that is told the population takes its priors from `KNOWN`. The EMG weights have none there:
+they depend on electrodes and skin as much as on the muscle. The length parameters and stiffnesses
+hold for equation (9) as printed, not for virtual work.
+
+A posterior, which has no bounds, needs a prior of every parameter and is told no population. It
+takes that of health with its spread `WIDENED`, so that patients lie within it and it reaches about
+as far as a fit's bounds, and where health has no entry one of `WIDE` or `WIDE_VIRTUAL_WORK`.
 """
 
 from collections.abc import Mapping
@@ -28,7 +33,7 @@ class Known:
 
 _CHUNG = (
     "triceps passive torque at 10° dorsiflexion, 6.2 ± 3.6 Nm healthy, 9.5 ± 4.8 Nm spastic "
-    "(Chung et al. 2004, Muscle Nerve 29), through equations (8) and (9)"
+    "(Chung et al. 2004, Arch. Phys. Med. Rehabil. 85), through equations (8) and (9)"
 )
 _WARD = (
     "middle of equation (9)'s range; fibre lengths of legs differ by about 20 % in the triceps and "
@@ -74,6 +79,39 @@ KNOWN["patient"] = KNOWN["healthy"] | {
     ),
 }
 
+#: By how much the spread of health is widened for a leg of which nothing is known.
+WIDENED = 1.5
+
+_ELECTRODES = "up to about 80 Nm at envelopes of 6·10⁻⁴ V (van de Poll 2015, Figures 9, 18 to 20)"
+_TABLE = "Table 2 (van de Poll 2015); spread assumed"
+_TRAVEL = "for the muscles' larger travel by virtual work; spread assumed, no measurement known"
+#: Of a leg of which nothing is known, for parameters that health has no entry for.
+WIDE: dict[str, Known] = {
+    "g1": Known(6e5, 1.0, _ELECTRODES),
+    "g2": Known(1e6, 1.0, _ELECTRODES),
+    "g3": Known(1e6, 1.0, _ELECTRODES),
+    "g4": Known(1e6, 1.0, _ELECTRODES),
+    "kt_tri": Known(4.0, 0.4, _TABLE),
+    "kt_tib": Known(4.0, 0.4, _TABLE),
+    "fmax_tri": Known(8e3, 0.3, _TABLE),
+    "fmax_tib": Known(1.4e3, 0.3, _TABLE),
+    "b_tri": Known(500.0, 1.5, "assumed, around the start of the model of 2010; none known"),
+}
+WIDE |= {f"e{number}": WIDE[f"g{number}"] for number in (1, 2, 3, 4)}
+#: Those that take the EMG as it is.
+_WEIGHTS = ("g1", "g2", "g3", "g4", "e1", "e2", "e3", "e4")
+#: Instead of what holds for equation (9) as printed.
+WIDE_VIRTUAL_WORK: dict[str, Known] = {
+    "k_tri": Known(60.0, 0.6, _TRAVEL),
+    "k_tib": Known(70.0, 0.6, _TRAVEL),
+    "x0_tri": Known(0.030, 0.6, _TRAVEL),
+    "x0_tib": Known(0.075, 0.6, _TRAVEL),
+    "l0_tri": Known(0.080, 0.4, _TRAVEL),
+    "l0_tib": Known(0.105, 0.4, _TRAVEL),
+}
+#: An EMG weight where the envelope is normalised: the force [N] at its full effort.
+WIDE_NORMALISED = Known(1e3, 1.0, "assumed, a muscle's force at full effort; no measurement known")
+
 #: Those that hold for equation (9) as printed only.
 _PRINTED_GEOMETRY = ("k_tri", "k_tib", "x0_tri", "x0_tib", "l0_tri", "l0_tib")
 #: Slack length that turns ε0 in metres into a strain.
@@ -107,6 +145,30 @@ def population_priors(
         for name, prior in KNOWN[population].items()
         if options.geometry == "thesis" or name not in _PRINTED_GEOMETRY
     }
+
+
+def wide_priors(
+    options: ModelOptions | None = None, emg_unit: str = "V"
+) -> dict[str, tuple[float, float]]:
+    """Median and spread of every parameter that is above zero, of a leg nothing is known of.
+
+    Parameters
+    ----------
+    options : ModelOptions, optional
+        Virtual work has other lengths and stiffnesses; ε0 is a strain where it is to be read so.
+    emg_unit : {"V", "1"}
+        Weights of a normalised envelope are forces.
+    """
+    options = options or ModelOptions()
+    health = population_priors("healthy", options)
+    found = {name: (median, WIDENED * spread) for name, (median, spread) in health.items()}
+    found["f"] = found["f0"]  # the model of 2010 calls it so
+    own = dict(WIDE)
+    if options.geometry == "virtual-work":
+        own |= WIDE_VIRTUAL_WORK
+    if emg_unit == "1":
+        own |= dict.fromkeys(_WEIGHTS, WIDE_NORMALISED)
+    return found | {name: (one.median, one.spread) for name, one in own.items()}
 
 
 def population_of(

@@ -6,6 +6,7 @@ from surae.assessment import Assessment, Verdict
 from surae.assessment.collinearity import COLLINEAR
 from surae.assessment.directions import Direction
 from surae.assessment.identifiability import Identified, identifiability
+from surae.assessment.inflation import described, variance_inflation
 from surae.assessment.verdict import IDENTIFIED
 from surae.estimation import FitResult
 from surae.report.digits import NONE, significant
@@ -63,7 +64,8 @@ class IdentifiabilitySection:
 
 def identifiability_section(result: FitResult, assessment: Assessment) -> IdentifiabilitySection:
     """Describe weak combinations and what each parameter needs; verdicts are the assessment's."""
-    found = identifiability(result)
+    inflation = variance_inflation(assessment)
+    found = identifiability(result, variance_inflation=inflation.common)
     if not found.parameters:
         return IdentifiabilitySection("The model gives no finite torque here.", (), (), ())
     weak = [one for one in found.directions if one.uncertainty is None or one.uncertainty > _WEAK]
@@ -82,11 +84,19 @@ def identifiability_section(result: FitResult, assessment: Assessment) -> Identi
             f"Condition number of the scaled information matrix: {condition}. Collinearity index "
             f"of all parameters that are not at a bound: {gamma}; sets from {COLLINEAR:g} on are "
             "hardly told apart."
-        ),
+        )
+        + _noise(inflation.common, inflation.reason),
         directions=tuple(_direction(one) for one in shown),
         sets=tuple(sets),
         rows=tuple(_row(one, assessment) for one in ranked),
     )
+
+
+def _noise(factor: float, reason: str) -> str:
+    """Why the standard errors of this section are wider than those of white noise."""
+    if factor == 1.0:
+        return ""
+    return f" Standard errors here: {described({'all': factor}, reason)}."
 
 
 def _direction(one: Direction) -> DirectionRow:

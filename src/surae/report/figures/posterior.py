@@ -18,6 +18,7 @@ from surae.report.figures.style import (
     RED,
     WIDTH,
     dress,
+    footnote,
     heading,
     new_figure,
 )
@@ -56,7 +57,8 @@ def posterior_figure(
     Figure
         Histogram of the draws (grey), the Gaussian of the covariance (dark line), the prior
         (dotted) where it reaches in, the credible interval (bar below), the profile's (thin bar
-        with caps); clouds of draws with the Gaussian's 95 % ellipse.
+        with caps); clouds of draws with the Gaussian's 95 % ellipse; below, what the noise was
+        taken for.
     """
     names, pairs = posterior.names, _pairs(posterior)
     columns = min(_COLUMNS, max(len(names), len(pairs)))
@@ -78,6 +80,7 @@ def posterior_figure(
         list(handles.values()), list(handles), loc="outside upper right", ncols=len(handles),
         frameon=False, fontsize=8, labelcolor=INK, handlelength=2.4, columnspacing=1.4,
     )  # fmt: skip
+    footnote(figure, posterior.noise)
     return figure
 
 

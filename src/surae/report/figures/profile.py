@@ -18,6 +18,7 @@ from surae.report.figures.style import (
     OCHRE,
     WIDTH,
     dress,
+    footnote,
     heading,
     new_figure,
 )
@@ -33,13 +34,15 @@ _POINTS = 400
 _ROOM = 0.6
 
 
-def profile_figure(profiles: Sequence[Profile]) -> Figure:
+def profile_figure(profiles: Sequence[Profile], caption: str = "") -> Figure:
     """One panel for each parameter.
 
     Parameters
     ----------
     profiles : sequence of Profile
         At least one.
+    caption : str
+        What the noise was taken for, below the panels; see `Profiles.noise`.
 
     Returns
     -------
@@ -67,6 +70,7 @@ def profile_figure(profiles: Sequence[Profile]) -> Figure:
         list(handles.values()), list(handles), loc="outside upper right", ncols=len(handles),
         frameon=False, fontsize=8, labelcolor=INK, handlelength=3.0, columnspacing=1.6,
     )  # fmt: skip
+    footnote(figure, caption)
     return figure
 
 

@@ -3,6 +3,7 @@
 import io
 import re
 from collections.abc import Callable, Sequence
+from textwrap import wrap
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -19,6 +20,8 @@ INK, MUTED, GRID = "#1b1f24", "#57606a", "#e3e6ea"
 #: Dark, mid and light enough to be told apart without their hues.
 BLUE, RED, OCHRE, GREY = "#1f4e8c", "#a8321f", "#b8860b", "#a3abb5"
 
+#: Letters of a footnote in an inch.
+_LETTERS = 14
 _COLOURS = 256
 _RANDOM_ID = re.compile(r'id="([a-z]+[0-9a-f]{10})"')
 
@@ -45,6 +48,13 @@ def dress(axes: Axes, ylabel: str, xlabel: str = "", *, grid: bool = True) -> No
 def heading(axes: Axes, text: str) -> None:
     """A small bold title at the left, which leaves room for a legend."""
     axes.set_title(text, loc="left", fontsize=9, color=INK, weight="bold")
+
+
+def footnote(figure: Figure, text: str) -> None:
+    """A quiet line below all panels, broken where the figure is too narrow for it."""
+    if text:
+        lines = wrap(text, int(_LETTERS * figure.get_figwidth()))
+        figure.supxlabel("\n".join(lines), fontsize=8, color=MUTED)
 
 
 def legend(axes: Axes, columns: int) -> None:

@@ -1,0 +1,74 @@
+"""What is known of every free parameter before a posterior is drawn, in place of bounds.
+
+A prior is a Gaussian on a parameter's logarithm; on the parameter itself where it may be negative.
+Given ones come first, then those of the fit, then the wide defaults of
+`surae.estimation.population`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from surae.errors import InputError
+from surae.estimation import FitProblem
+from surae.estimation.population import wide_priors
+from surae.estimation.problem import checked_prior
+from surae.model import adapted
+
+
+@dataclass(frozen=True, slots=True)
+class Belief:
+    """What is known of one parameter beforehand.
+
+    Attributes
+    ----------
+    median, spread : float
+        Median, and standard deviation of the logarithm; of the parameter itself, in its unit,
+        where it may be negative.
+    log : bool
+        Whether it is on the logarithm.
+    origin : {"population", "fit", "given"}
+        Whether it is a default, was a prior of the fit, or was given for the posterior.
+    """
+
+    median: float
+    spread: float
+    log: bool
+    origin: str
+
+
+def beliefs(
+    problem: FitProblem, given: Mapping[str, tuple[float, float]] | None = None
+) -> dict[str, Belief]:
+    """The prior of every free parameter: given now, else the fit's, else the wide default.
+
+    Parameters
+    ----------
+    problem : FitProblem
+        The question; its options and EMG unit say what a parameter means.
+    given : mapping of str to (median, spread), optional
+        Priors that take the place of others.
+
+    Raises
+    ------
+    InputError
+        One given is of an unknown or fixed parameter, or not of two numbers above zero.
+    """
+    table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
+    wide = wide_priors(problem.options, problem.inputs[0].emg_unit)
+    found = {}
+    for name in problem.free:
+        p = table[name]
+        if p.signed:
+            # Its bounds as two standard deviations to either side.
+            found[name] = Belief((p.lower + p.upper) / 2, (p.upper - p.lower) / 4, False,
+                                 "population")  # fmt: skip
+        else:
+            found[name] = Belief(*wide[name], True, "population")
+    for name, prior in problem.priors.items():
+        found[name] = Belief(prior.median, prior.spread, True, "fit")
+    for name, pair in (given or {}).items():
+        prior = checked_prior(name, pair, problem.free)
+        if table[name].signed:
+            raise InputError(f"prior of {name}: it is on a logarithm, and {name} may be negative")
+        found[name] = Belief(prior.median, prior.spread, True, "given")
+    return found
