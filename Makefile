@@ -10,10 +10,10 @@ demo: $(READY)          ## fit the embedded virtual subject, write demo/report.h
 	@$(BIN)/surae demo --output demo
 
 test: $(READY)          ## the fast suite
-	$(BIN)/pytest
+	$(BIN)/pytest -n 2
 
 test-all: $(READY)      ## everything, recovery and statistics too
-	$(BIN)/pytest -m ""
+	$(BIN)/pytest -n 2 -m ""
 
 check: $(READY)         ## style and types
 	$(BIN)/ruff check .

@@ -61,6 +61,7 @@ def short(clean, subject):
     return replace(inputs, torque=read_only(torque))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["peaks", "window", "huber"])
 def test_standard_errors_of_weighted_fits_are_the_spread_of_the_estimates(kind, short, subject):
     """Weights that say what matters, not what is precise: J'WJ alone would be wrong."""

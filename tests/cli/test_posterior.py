@@ -24,6 +24,9 @@ def test_the_posterior_beside_covariance_and_profile(run, files, sampler) -> Non
     assert lines[1].split()[0] == "m"
     assert "—" in next(line for line in lines if line.startswith("k_tri"))  # not profiled
     assert f"{content['status']}: {content['message']}" in done.out
+    noise = surae.load(files / "fit.json").assessment.interval_note
+    assert f"variance of the noise ×1: {noise}" in lines
+    assert content["variance_inflation_reason"] == noise
     assert "posterior: posterior.json" in done.out
     assert (files / "posterior.svg").read_bytes().startswith(b"<?xml")
 

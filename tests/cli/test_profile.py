@@ -1,5 +1,6 @@
 import json
 
+import numpy as np
 import pytest
 
 import surae
@@ -24,7 +25,40 @@ def test_profiles_are_shown_written_and_drawn(run, files) -> None:
     assert lines[0].split("  ")[0] == "parameter"
     assert [line.split()[0] for line in lines[1:3]] == ["m", "beta"]
     assert lines[1].endswith("closed")
+    noise = f"variance of the noise ×1: {fit.assessment.interval_note}"
+    assert noise in lines
+    assert content["variance_inflation_reason"] == fit.assessment.interval_note
     assert lines[-2:] == ["profiles: p.json", "figure: p.png"]
+
+
+def test_the_noise_is_what_the_residual_is_or_what_is_given(run, files) -> None:
+    drifting = files / "drifting.csv"
+    header, *rows = (files / "trial.csv").read_text(encoding="utf-8").splitlines()
+    column, drift = header.split(",").index("torque_Nm"), 0.0
+    noise, lines = np.random.default_rng(2), [header]
+    for row in rows:
+        cells, drift = row.split(","), 0.95 * drift + 0.1 * noise.standard_normal()
+        cells[column] = repr(float(cells[column]) + drift)
+        lines.append(",".join(cells))
+    drifting.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    start = surae.load(files / "fit.json").values
+    fit = surae.fit(drifting, prepared=True, starts=1, start=start)
+    fit.save(files / "drifting.json")
+    assert fit.assessment.interval == "robust"
+
+    done = run("profile", "drifting.json", "m", "g1", "--output", "p.json")
+    assert "variance of the noise ×" in done.out
+    assert ", by parameter: the residual is correlated over time (p" in done.out
+    content = json.loads((files / "p.json").read_text(encoding="utf-8"))
+    for name, one in content["profiles"].items():
+        p = fit.parameters[name]
+        assert one["variance_inflation"] == pytest.approx((p.sem_robust / p.sem) ** 2)
+        assert one["sem"] == pytest.approx(p.sem_robust, rel=1e-3)
+
+    done = run("profile", "drifting.json", "m", "--variance-inflation", "2", "--output", "p.json")
+    assert "variance of the noise ×2: given" in done.out
+    content = json.loads((files / "p.json").read_text(encoding="utf-8"))
+    assert content["profiles"]["m"]["variance_inflation"] == 2.0
 
 
 def test_an_svg(run, files) -> None:
@@ -55,6 +89,7 @@ def test_without_names_all_that_were_estimated(run, files) -> None:
         (["fit.json", "nonsense"], "no parameter 'nonsense'; this fit estimated: m, k_tri"),
         (["fit.json", "m", "m"], "m is given twice"),
         (["fit.json", "--workers", "0"], "--workers 0"),
+        (["fit.json", "--variance-inflation", "0"], "--variance-inflation 0: give a number above"),
         (["fit.json", "--figure", "p.pdf"], "must end in .png or .svg"),
         (["fit.json", "--output", "fit.json"], "--output"),
         (["fit.json", "--output", "p.png", "--figure", "p.png"], "--figure"),
@@ -68,12 +103,12 @@ def test_wrong_use_is_one_line(run, files, arguments, message) -> None:
 def test_ctrl_c_keeps_what_is_complete(run, files, monkeypatch) -> None:
     from surae import api
 
-    def interrupted(fit, names, *, workers, progress):
+    def interrupted(fit, names, *, progress, **options):
         def pressed(name: str, done: int, total: int) -> None:
             progress(name, done, total)
             raise KeyboardInterrupt
 
-        return real(fit, names, workers=workers, progress=pressed)
+        return real(fit, names, progress=pressed, **options)
 
     real = api.profile
     monkeypatch.setattr(api, "profile", interrupted)

@@ -6,7 +6,13 @@ import pytest
 from surae.assessment import assess
 from surae.errors import InputError
 from surae.estimation import Prior, fit_problem, make_problem
-from surae.estimation.population import KNOWN, population_of, population_priors
+from surae.estimation.population import (
+    KNOWN,
+    WIDENED,
+    population_of,
+    population_priors,
+    wide_priors,
+)
 from surae.model import ModelOptions, get_model
 from surae.model.parameters import MUSCLE_PARAMETERS, TENDON_PARAMETERS
 from surae.protocol import Protocol, generate
@@ -46,6 +52,24 @@ def test_priors_follow_the_model_options():
     strain = population_priors("healthy", ModelOptions(tendon_strain="slack-length"))
     assert strain["dlt_tri"][0] == pytest.approx(0.0374 / 0.415)
     assert strain["dlt_tri"][1] == population_priors("healthy")["dlt_tri"][1]
+
+
+@pytest.mark.parametrize("strain", ["thesis", "slack-length"])
+def test_the_wide_ones_are_those_of_health_but_wider_and_hold_for_patients(strain):
+    options = ModelOptions(tendon_strain=strain)
+    wide = wide_priors(options)
+    for name, (median, spread) in population_priors("healthy", options).items():
+        assert wide[name] == (median, WIDENED * spread)
+    for name, (median, _) in population_priors("patient", options).items():
+        assert abs(np.log(median / wide[name][0])) < wide[name][1], name
+
+
+def test_the_wide_ones_follow_the_geometry_and_the_emg():
+    virtual = wide_priors(ModelOptions(geometry="virtual-work"), "1")
+    assert set(virtual) == set(wide_priors())
+    differ = {name for name, pair in wide_priors().items() if virtual[name] != pair}
+    weights = {f"{kind}{number}" for kind in "ge" for number in (1, 2, 3, 4)}
+    assert differ == weights | {"k_tri", "k_tib", "x0_tri", "x0_tib", "l0_tri", "l0_tib"}
 
 
 @pytest.mark.parametrize("model", ["muscle", "muscle-tendon-toe", "muscle-2010"])

@@ -29,6 +29,7 @@ def test_a_panel_for_each_parameter_and_the_correlated_pairs(posterior):
     assert drawn[:4] == ["tau_rel", "k_rel", "f0", "beta"]
     assert all(title.startswith("correlation") for title in drawn[4:])
     assert len(drawn) > 4
+    assert figure.get_supxlabel() == posterior.noise == "variance of the noise ×1"
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == ["posterior", "covariance", "prior", "95 % credible", "95 % profile"]
     assert png(figure).startswith(b"\x89PNG")

@@ -56,6 +56,13 @@ def test_an_open_end_is_marked_and_the_rest_goes_on_without_a_parabola():
     assert "covariance" not in axes.get_legend_handles_labels()[1]
 
 
+def test_the_caption_says_what_the_noise_was_taken_for():
+    noise = "variance of the noise ×4: the residual is correlated over time (p < 0.001)"
+    figure = profile_figure([made()], noise)
+    assert figure.get_supxlabel().replace("\n", " ") == noise
+    assert profile_figure([made()]).get_supxlabel() == ""
+
+
 def test_the_same_bytes_twice():
     one = [made("dlt_tib", "m")]
     assert png(profile_figure(one), 60) == png(profile_figure(one), 60)

@@ -12,11 +12,11 @@ from typing import Any, Literal
 
 import numpy as np
 
+from surae.assessment.beliefs import Belief, beliefs
 from surae.assessment.chains import Told, require_sampler, run_chains
 from surae.assessment.diagnostics import Convergence, convergence, verdict
 from surae.assessment.inflation import described
 from surae.assessment.log_posterior import make_target
-from surae.assessment.beliefs import Belief, beliefs
 from surae.assessment.uncertainty import Covariance, covariance, half_width
 from surae.errors import InputError
 from surae.estimation import FitResult

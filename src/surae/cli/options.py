@@ -155,6 +155,22 @@ def number(where: str, text: str) -> float:
     return value
 
 
+def factor(option: str, text: str | None) -> float | None:
+    """A number above zero from an option; None where it is not given.
+
+    Raises
+    ------
+    InputError
+        It is no such number.
+    """
+    if text is None:
+        return None
+    value = number(f"{option} {text}", text)
+    if not 0 < value < float("inf"):
+        raise InputError(f"{option} {text}: give a number above zero")
+    return value
+
+
 def _decimal_comma(text: str) -> bool:
     whole, comma, rest = text.partition(",")
     return bool(comma) and rest.isdecimal() and whole.lstrip("-+").isdecimal()

@@ -4,31 +4,29 @@ import os
 import sys
 import textwrap
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from surae.api import Fit
-from surae.assessment import Comparison, Pooled, Prediction, Verdict
 from surae.files import shown
 from surae.report.digits import estimate, percentage, significant
-from surae.report.emphasis import MANY
 
-_STYLES = {
-    Verdict.IDENTIFIED: "green",
-    Verdict.WEAK: "yellow",
-    Verdict.AT_BOUND: "red",
-    Verdict.FIXED: "dim",
-}
+if TYPE_CHECKING:  # a line is shown without the libraries that compute
+    from surae.api import Fit
+    from surae.assessment import Comparison, Pooled, Prediction
+
+#: Style of a verdict, by its text.
+_STYLES = {"identified": "green", "weak": "yellow", "at-bound": "red", "fixed": "dim"}
 #: Width where stdout is no terminal and COLUMNS is not set.
 _WIDTH = 120
 #: Widths from which the interval stays on one line, and from which meanings have room.
 _NARROW, _WIDE = 72, 116
 
 
-def show_fit(fit: Fit) -> None:
+def show_fit(fit: "Fit") -> None:
     """Parameters with intervals and verdicts, what to do, and how well the torque is followed."""
     out = _console()
     table = _table()
@@ -76,8 +74,10 @@ def _weighted(vaf: float | None) -> str:
     return "" if vaf is None else f" (weighted {percentage(vaf)} %)"
 
 
-def _told(fit: Fit) -> list[str]:
+def _told(fit: "Fit") -> list[str]:
     """What the fit was told beside its recordings: weights, the foot's mass, priors, the loss."""
+    from surae.report.emphasis import MANY
+
     result = fit.result
     steps = (step for one in result.problem.inputs for step in one.steps)
     lines = [step for step in dict.fromkeys(steps) if step.startswith(("Weights: ", "Mass m "))]
@@ -94,7 +94,7 @@ def _told(fit: Fit) -> list[str]:
 
 
 def show_predictions(
-    predictions: Sequence[Prediction], paths: Sequence[str], together: Pooled | None = None
+    predictions: "Sequence[Prediction]", paths: Sequence[str], together: "Pooled | None" = None
 ) -> None:
     """How well recordings are predicted, each under the path it was given by, and all together."""
     table = _table()
@@ -108,11 +108,11 @@ def show_predictions(
     _print(_console(), table)
 
 
-def _figures(one: Prediction | Pooled) -> tuple[str, str, str]:
+def _figures(one: "Prediction | Pooled") -> tuple[str, str, str]:
     return percentage(one.vaf), significant(one.rmse, 3), significant(one.bias, 3)
 
 
-def show_comparison(comparison: Comparison) -> None:
+def show_comparison(comparison: "Comparison") -> None:
     """Figures of every model, what follows, what weakens it, and the parameters it changes."""
     out, table = _console(), _table()
     table.add_column("model", no_wrap=True)
@@ -142,7 +142,7 @@ def show_comparison(comparison: Comparison) -> None:
     _show_changes(comparison, out)
 
 
-def _show_changes(comparison: Comparison, out: Console) -> None:
+def _show_changes(comparison: "Comparison", out: Console) -> None:
     """The parameters that the best muscle-tendon model changes by more than their intervals."""
     if comparison.compliant is None:
         return
@@ -178,11 +178,11 @@ def show_line(text: str) -> None:
     _write(text + "\n")
 
 
-def _notes(fit: Fit, width: int) -> list[str]:
+def _notes(fit: "Fit", width: int) -> list[str]:
     """Why parameters are not identified and what to do, one line for each reason."""
     reasons: dict[str, list[str]] = {}
     for p in fit.parameters.values():
-        if p.verdict in (Verdict.WEAK, Verdict.AT_BOUND):
+        if p.verdict in ("weak", "at-bound"):
             reasons.setdefault(p.note, []).append(p.name)
     lines = []
     for note, names in reasons.items():

@@ -1,13 +1,18 @@
 """`surae study`: run, status, export."""
 
 from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from surae.cli.options import whole_number
 from surae.cli.paths import check_outputs
 from surae.errors import InputError
-from surae.files import shown
+from surae.files import shown, write_atomic
+
+if TYPE_CHECKING:
+    from surae.studies.store import Store
 
 #: More workers than this on one computer are a slip of the keyboard.
 _MOST_WORKERS = 1000
@@ -113,21 +118,54 @@ def status_command(store: str) -> None:
 @command.command("export", short_help="Write its table.")
 @click.argument("store", metavar="S.db")
 @click.option("--output", required=True, metavar="TABLE.csv", help="Or TABLE.parquet.")
-def export_command(store: str, output: str) -> None:
-    """Write the table of a study: a row for each combination, as far as they are there."""
-    check_outputs({"--output": output}, [store, f"{store}-wal", f"{store}-shm", f"{store}.lock"])
+@click.option("--figure", metavar="F.png|svg", help="Draw it.")
+@click.option(
+    "--x", metavar="FACTOR", help="Factor to draw it against.  [default: the one that varies most]"
+)
+def export_command(store: str, output: str, figure: str | None, x: str | None) -> None:
+    """Write the table of a study: a row for each combination, as far as they are there.
+
+    The figure shows standard errors, IPDE and VAF against one factor, means over the others.
+    """
+    kind = Path(figure or "").suffix.lower()
+    if figure is not None and kind not in (".png", ".svg"):
+        raise InputError(f"--figure: {shown(figure)} must end in .png or .svg")
+    if x is not None and figure is None:
+        raise InputError("--x has no effect without --figure; give one")
+    read = [store, f"{store}-wal", f"{store}-shm", f"{store}.lock"]
+    check_outputs({"--output": output, "--figure": figure}, read)
     from surae.cli.screen import show_line
     from surae.studies.store import Store
     from surae.studies.table import export
 
     with Store(store) as kept:
+        drawn = _drawn(kept, kind, x) if figure is not None else b""
         rows, all_rows = export(kept, output), kept.status().rows
+    if figure is not None:
+        write_atomic(figure, drawn)
     show_line(f"table: {shown(output)}, {rows:,} rows")
+    if figure is not None:
+        show_line(f"figure: {shown(figure)}")
     if rows < all_rows:
         click.echo(
             f"surae: {all_rows - rows:,} of {all_rows:,} rows are left out: they are not done yet",
             err=True,
         )
+
+
+def _drawn(kept: "Store", kind: str, x: str | None) -> bytes:
+    """The figure of what is there."""
+    from surae.report.study import study_curves
+    from surae.studies.study import parse_study
+    from surae.studies.table import table
+
+    study = parse_study(kept.text())
+    curves = study_curves(table(kept), tuple(study.factors), x)
+
+    from surae.report.figures import png, svg
+    from surae.report.figures.study import study_figure
+
+    return (svg if kind == ".svg" else png)(study_figure(curves, f"{study.name}:"))
 
 
 def _counted(fits: int, rows: int) -> str:

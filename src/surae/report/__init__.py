@@ -2,21 +2,24 @@
 
 from collections.abc import Mapping, Sequence
 from datetime import datetime
+from typing import TYPE_CHECKING
 
-from surae.assessment import Assessment, Prediction
-from surae.estimation import FitResult
 from surae.files import PathLike, write_atomic
+
+if TYPE_CHECKING:  # modules of this package are also used where nothing is computed
+    from surae.assessment import Assessment, Prediction
+    from surae.estimation import FitResult
 
 __all__ = ["build", "write_report"]
 
 
 def build(
-    result: FitResult,
-    assessment: Assessment,
+    result: "FitResult",
+    assessment: "Assessment",
     *,
     versions: Mapping[str, str],
     created: datetime,
-    predictions: Sequence[Prediction] = (),
+    predictions: "Sequence[Prediction]" = (),
 ) -> str:
     """The report of a fit as one HTML page, which needs no script and no other file.
 
@@ -45,12 +48,12 @@ def build(
 
 def write_report(
     path: PathLike,
-    result: FitResult,
-    assessment: Assessment,
+    result: "FitResult",
+    assessment: "Assessment",
     *,
     versions: Mapping[str, str],
     created: datetime,
-    predictions: Sequence[Prediction] = (),
+    predictions: "Sequence[Prediction]" = (),
 ) -> None:
     """Write the report of a fit to `path`; see `build`.
 

@@ -26,7 +26,6 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.model import ModelOptions, get_model
-from surae.model.tendon import SLACK_TIB, SLACK_TRI
 
 Ranges = dict[str, tuple[float, float]]
 
@@ -74,9 +73,6 @@ TENDONS: dict[str, Ranges] = {
 }
 TENDONS["patient"] = TENDONS["healthy"] | {"dlt_tri": (0.045, 0.070)}
 
-#: Slack length that turns ε0 in metres into a strain.
-_SLACK = {"dlt_tri": SLACK_TRI, "dlt_tib": SLACK_TIB}
-
 
 @dataclass(frozen=True, slots=True)
 class VirtualSubject:
@@ -105,10 +101,12 @@ class VirtualSubject:
         A tendon of the subject's own is left out of a model without tendons; ε0 is a strain where
         `options.tendon_strain` is ``"slack-length"``.
         """
-        known = get_model(model).names
+        from surae.model.tendon import SLACK_TIB, SLACK_TRI  # imports the compiler
+
+        known, slack = get_model(model).names, {"dlt_tri": SLACK_TRI, "dlt_tib": SLACK_TIB}
         strain = (options or ModelOptions()).tendon_strain == "slack-length"
         own = {
-            name: value / _SLACK[name] if strain and name in _SLACK else value
+            name: value / slack[name] if strain and name in slack else value
             for name, value in self.tendons.items()
             if name in known
         }

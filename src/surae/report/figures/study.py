@@ -1,0 +1,171 @@
+"""A study against one factor: standard errors, correlation and goodness, a row for each model."""
+
+from collections.abc import Sequence
+from textwrap import wrap
+from typing import Any, Literal
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from surae.report.figures.style import (
+    BLUE,
+    GREY,
+    INK,
+    MUTED,
+    OCHRE,
+    RED,
+    dress,
+    footnote,
+    heading,
+    new_figure,
+)
+from surae.report.study import Curve, ModelCurves, StudyCurves
+from surae.units import FloatArray
+
+#: Height of a row of panels, and of legends and footnote together [inch].
+_ROW, _AROUND = 2.9, 1.5
+#: A colour and a dash each, a marker for every round: told apart without colours too.
+_LINES = ((BLUE, "-"), (RED, (0, (4, 1.5))), (OCHRE, (0, (1, 1.2))), (MUTED, (0, (5, 1, 1, 1))))
+_MARKERS = "os^DvPX*"
+#: A logarithmic axis shows more from this ratio of largest to smallest mean.
+_WIDE = 8.0
+#: Names of parameters in a line of the legend.
+_COLUMNS = 8
+#: Letters of a line below the panels.
+_LETTERS = 118
+_UNITS = {"chirp_amplitude": "rad", "chirp_rate": "Hz/s", "rate_hz": "Hz", "noise": "-"}
+
+
+def study_figure(curves: StudyCurves, caption: str = "") -> Figure:
+    """Standard errors, IPDE and VAF against a factor.
+
+    Parameters
+    ----------
+    curves : StudyCurves
+        See `surae.report.study.study_curves`.
+    caption : str
+        Begins the footnote, which the notes of the curves end.
+
+    Returns
+    -------
+    Figure
+        A row for each model: standard errors by parameter, IPDE [%] and VAF [%] by protocol with
+        their spread as a band.
+    """
+    figure = new_figure(_ROW * len(curves.models) + _AROUND)
+    grid = figure.subplots(
+        len(curves.models), 3, squeeze=False, sharex=True, width_ratios=(1.7, 1, 1)
+    )
+    names = dict.fromkeys(curve.label for one in curves.models for curve in one.sem)
+    styles = {name: _style(number) for number, name in enumerate(names)}
+    for number, (panels, one) in enumerate(zip(grid, curves.models, strict=True)):
+        _row(panels, one, curves, styles, lowest=number == len(curves.models) - 1)
+    _legend(figure, [panels[0] for panels in grid], "outside upper center", _COLUMNS)
+    text = " ".join([caption, *curves.notes]).strip()
+    if not _legend(figure, [panels[1] for panels in grid], "outside lower center", 4, text):
+        footnote(figure, text)
+    return figure
+
+
+def _row(
+    panels: Sequence[Axes],
+    one: ModelCurves,
+    curves: StudyCurves,
+    styles: dict[str, dict[str, Any]],
+    *,
+    lowest: bool,
+) -> None:
+    unit = _UNITS.get(curves.x, "-") if curves.numeric else ""
+    label = f"{curves.x} [{unit}]" if unit else curves.x
+    texts = ("SEM / its mean [-]", "IPDE [%]", "VAF [%]")
+    for axes, text in zip(panels, texts, strict=True):
+        dress(axes, text, label if lowest else "")
+        _ticks(axes, curves)
+    sem, ipde, vaf = panels
+    heading(sem, one.model)
+    at = _positions(curves)
+    for curve in one.sem:
+        sem.plot(at, curve.mean, label=curve.label, **styles[curve.label])
+    _scale(sem, one.sem)
+    for axes, found in ((ipde, one.ipde), (vaf, one.vaf)):
+        for number, curve in enumerate(found):
+            _with_spread(axes, at, curve, number, curves.numeric)
+        axes.ticklabel_format(axis="y", useOffset=False)
+
+
+def _style(number: int) -> dict[str, Any]:
+    """Look of the line of this number."""
+    colour, dash = _LINES[number % len(_LINES)]
+    turn = number // len(_LINES)
+    return {
+        "color": colour, "linestyle": dash, "linewidth": 1.1,
+        "marker": _MARKERS[turn % len(_MARKERS)], "markersize": 4.2,
+        "markerfacecolor": colour if turn % 2 == 0 else "white",
+    }  # fmt: skip
+
+
+def _with_spread(
+    axes: Axes, at: FloatArray, curve: Curve, number: int,
+    numeric: bool,
+) -> None:  # fmt: skip
+    """A line in its band; where the axis has no numbers, points with bars."""
+    style = _style(number) | {"marker": _MARKERS[number % len(_MARKERS)]}
+    if numeric:
+        axes.fill_between(at, curve.low, curve.high, color=style["color"], alpha=0.16, linewidth=0)
+    else:
+        style |= {"linestyle": "none"}
+        axes.vlines(at, curve.low, curve.high, color=GREY, linewidth=2.2)
+    axes.plot(at, curve.mean, label=curve.label or "_", **style)
+
+
+def _positions(curves: StudyCurves) -> FloatArray:
+    if curves.numeric:
+        return np.array([float(value) for value in curves.values])
+    return np.arange(float(len(curves.values)))
+
+
+def _ticks(axes: Axes, curves: StudyCurves) -> None:
+    """The factor's own names, or its numbers."""
+    if curves.numeric:
+        axes.locator_params(axis="x", nbins=6)
+        return
+    axes.set_xticks(_positions(curves), [str(value) for value in curves.values])
+    for label in axes.get_xticklabels():
+        label.set(rotation=35, horizontalalignment="right", rotation_mode="anchor")
+    axes.margins(x=0.15)
+
+
+def _scale(axes: Axes, found: tuple[Curve, ...]) -> None:
+    """Logarithmic where the means differ much; the mean over the study is marked."""
+    axes.axhline(1.0, color=GREY, linewidth=0.8, zorder=1)
+    means = [value for curve in found for value in curve.mean if value > 0.0]
+    if means and max(means) > _WIDE * min(means):
+        axes.set_yscale("log")
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def _legend(
+    figure: Figure,
+    panels: list[Axes],
+    where: Literal["outside upper center", "outside lower center"],
+    columns: int,
+    title: str = "",
+) -> bool:
+    """What the lines of panels are, under a title; whether there is any."""
+    handles: dict[str, Artist] = {}
+    for axes in panels:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            handles.setdefault(label, handle)
+    if handles:
+        legend = figure.legend(
+            list(handles.values()), list(handles), loc=where, ncols=min(columns, len(handles)),
+            frameon=False, fontsize=8, labelcolor=INK, handlelength=3.4, columnspacing=1.3,
+            title="\n".join(wrap(title, _LETTERS)) or None, title_fontsize=8,
+        )  # fmt: skip
+        legend.get_title().set(color=MUTED, multialignment="center")
+    return bool(handles)
