@@ -18,6 +18,7 @@ import pytest
 from surae.studies.study import FACTORS
 
 from .conftest import refused
+from .test_startup import COMPUTING, imported
 
 #: Sixty fits of a hundredth of a second.
 STUDY = """
@@ -148,6 +149,35 @@ def test_an_unfinished_study_is_exported_as_far_as_it_is(run, study) -> None:
     done = run("study", "export", "s.db", "--output", "table.csv")
     assert (done.code, done.out) == (0, "table: table.csv, 70 rows\n")
     assert done.err == "surae: 2 of 72 rows are left out: they are not done yet\n"
+
+
+def test_a_figure_is_drawn_beside_the_table(run, study) -> None:
+    run("study", "run", "study.toml", "--store", "s.db", "--engine", "threads")
+    done = run("study", "export", "s.db", "--output", "t.csv", "--figure", "f.png")
+    assert (done.code, done.err) == (0, "")
+    assert done.out == "table: t.csv, 72 rows\nfigure: f.png\n"
+    assert (study / "f.png").read_bytes().startswith(b"\x89PNG")
+    export = ("study", "export", "s.db", "--output", "u.csv")
+    done = run(*export, "--figure", "f.svg", "--x", "chirp_rate")
+    assert done.code == 0
+    assert b"<svg" in (study / "f.svg").read_bytes()
+    refused(run(*export, "--figure", "f.pdf"), "--figure: f.pdf must end in .png or .svg")
+    refused(run(*export, "--x", "noise"), "--x has no effect without --figure")
+    refused(
+        run(*export, "--figure", "u.csv.png", "--x", "noise"), "'noise' is no factor that varies"
+    )
+    refused(run(*export, "--figure", "s.db"), "--figure: s.db must end in")
+    file = sqlite3.connect(study / "s.db")
+    file.execute("UPDATE outcome SET status = 'failed', vaf = NULL")
+    file.commit()
+    file.close()
+    refused(run(*export, "--figure", "none.png"), "nothing to draw: 72 rows are done and none has")
+    assert not (study / "none.png").exists()
+
+
+def test_status_imports_no_library_that_computes(run, study) -> None:
+    run("study", "run", "study.toml", "--store", "s.db", "--engine", "threads")
+    assert imported("study", "status", "s.db", folder=study) & COMPUTING == set()
 
 
 def until_some(folder: Path, process: "subprocess.Popen[str]", least: int) -> int:

@@ -113,3 +113,10 @@ def test_every_default_is_one_that_a_file_could_give() -> None:
     for factor in FACTORS.values():
         for value in factor.default:
             assert factor.read(value) == value
+
+
+def test_a_model_that_virtual_subjects_have_no_truth_for_is_refused(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text('name = "old"\nmodel = "muscle-2010"\nprotocol = "sine"\n')
+    with pytest.raises(InputError, match="muscle-2010"):
+        read_study(path)

@@ -10,11 +10,11 @@ from importlib.metadata import version
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from surae.assessment.log_posterior import Density
 from surae.errors import InputError
 from surae.recording import read_only
+from surae.threads import one_blas_thread
 from surae.units import FloatArray
 
 #: Called now and then with how many iterations of all chains are done, and how many there are.
@@ -139,7 +139,7 @@ def run_chains(
         make_initial_point_fn=work.initial,
     )
     # Threads only slow down products of this size, and change the last bits.
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_blas_thread():
         sampler = nutpie.sample(
             model,
             draws=draws,

@@ -8,14 +8,13 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import Any
 
-from threadpoolctl import threadpool_limits
-
 from surae.assessment.inflation import described
 from surae.assessment.profile import Profile, check_profiled, prior_noise, profile
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.estimation.interrupt import postponed_interrupt
 from surae.files import PathLike, write_atomic
+from surae.threads import one_blas_thread
 from surae.versions import versions
 
 #: Called after every profile with its parameter, how many are done, and how many there are.
@@ -156,7 +155,7 @@ def profiles(
     # are not, and the main thread, which only waits, tells them to stop.
     patience = postponed_interrupt() if threads == 1 else nullcontext()
     outputs: Iterable[Profile | None] = ()
-    with threadpool_limits(limits=1, user_api="blas"), patience:
+    with one_blas_thread(), patience:
         try:
             noise = prior_noise(result.problem)
             pool = Parallel(n_jobs=threads, backend="threading", return_as="generator_unordered")

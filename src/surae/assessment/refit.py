@@ -5,14 +5,13 @@ from collections.abc import Callable, Iterable
 from contextlib import nullcontext
 from typing import TypeVar
 
-from threadpoolctl import threadpool_limits
-
 from surae.errors import InputError
 from surae.estimation import FitProblem
 from surae.estimation.curved import curved_move
 from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.least_squares import Outcome, minimise
 from surae.estimation.problem import Residuals
+from surae.threads import one_blas_thread
 from surae.units import FloatArray
 
 Item = TypeVar("Item")
@@ -90,7 +89,7 @@ def in_threads(
     # A single worker is the main thread, where Ctrl-C must not come within compiled code; several
     # are not, and the main thread, which only waits, tells them to stop.
     patience = postponed_interrupt() if threads == 1 else nullcontext()
-    with threadpool_limits(limits=1, user_api="blas"), patience:
+    with one_blas_thread(), patience:
         try:
             pool = Parallel(n_jobs=threads, backend="threading", return_as="generator_unordered")
             for found in pool(delayed(one)(item) for item in items):

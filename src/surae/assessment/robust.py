@@ -17,13 +17,13 @@ from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
-from threadpoolctl import threadpool_limits
 
 from surae.assessment.noise import NoiseModel, autoregressive
 from surae.assessment.uncertainty import Covariance, InverseRoot, inverse_root
 from surae.assessment.whiteness import Whiteness, autocovariance, most_lags, whiteness
 from surae.estimation import FitResult, Outliers
 from surae.estimation.problem import Residuals
+from surae.threads import one_blas_thread
 from surae.units import FloatArray
 
 #: Rounds of the noise model and what the fit took of it; ends when the variance rests.
@@ -85,8 +85,7 @@ def robust_covariance(
             whiteness(residual, one.rate_hz, None if one.weight is None else one.weight > 0)
             for one, residual in zip(problem.inputs, result.residuals, strict=True)
         )
-    # Threads only slow down products of this size, and change the last bits.
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_blas_thread():
         root = inverse_root(result.R, problem.free, result.at_bound)
         x = np.array([result.values[name] for name in problem.free])
         rows = Residuals(problem).data_rows(x)
@@ -177,6 +176,9 @@ class _Seen:
 
         From E êêᵀ = (1 − H)Σ(1 − H), with H = QQᵀ and QᵀΣQ = `meat` over all recordings.
         """
+        white = model.variance * np.eye(len(meat))
+        if not model.order and self.fitted is self.transformed and np.allclose(meat, white):
+            return model.variance * self.absorbed  # QᵀΣQ = σ²: what is lost of white noise is H
         spread = model.variance * self.transformed
         if model.order:
             full = np.fft.irfft(self.transformed * model.spectrum(self.size), self.size)

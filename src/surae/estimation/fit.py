@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from surae.errors import InputError
 from surae.estimation.interrupt import postponed_interrupt
@@ -14,6 +13,7 @@ from surae.estimation.problem import FitProblem, Residuals
 from surae.estimation.result import FitResult, Start, is_at_bound
 from surae.estimation.starts import from_start
 from surae.recording import read_only
+from surae.threads import one_blas_thread
 from surae.units import FloatArray
 from surae.versions import versions
 
@@ -66,8 +66,7 @@ def fit_problem(
     minimum = from_start(problem, residuals)
     minima: list[Minimum] = []
     initials = _initials(problem, starts, seed)
-    # Threads only slow down products of this size, and change the last bits.
-    with threadpool_limits(limits=1, user_api="blas"), postponed_interrupt():
+    with one_blas_thread(), postponed_interrupt():
         try:
             for number, initial in enumerate(initials):
                 # The first start is where the user, or the literature, expects the lengths.

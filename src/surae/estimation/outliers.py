@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
-from threadpoolctl import threadpool_limits
 
 from surae.estimation.fit import STARTS, Progress, fit_problem
 from surae.estimation.interrupt import postponed_interrupt
@@ -16,6 +15,7 @@ from surae.estimation.problem import FitProblem, Residuals
 from surae.estimation.result import FitResult, Outliers
 from surae.recording import read_only
 from surae.signals import ModelInputs
+from surae.threads import one_blas_thread
 from surae.units import FloatArray
 
 #: The weights rest when none has changed by more than this; so many rounds are tried.
@@ -131,7 +131,7 @@ def _settled(
 ) -> tuple[FloatArray, float, Outliers] | None:
     """Parameters, weighted sum and weights at which the weights rest; None where interrupted."""
     residuals = Residuals(problem, 1.0)
-    with threadpool_limits(limits=1, user_api="blas"), postponed_interrupt():
+    with one_blas_thread(), postponed_interrupt():
         try:
             if loss.name == "tukey":
                 before = _iterated(problem, residuals, x, named_loss("huber"))

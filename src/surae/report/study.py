@@ -58,8 +58,6 @@ class StudyCurves:
         Its values, in order: numbers, or texts where it has no numbers.
     models : tuple of ModelCurves
         One for each model.
-    fits : int
-        Rows drawn.
     notes : tuple of str
         What is left out and what the numbers are, in sentences.
     """
@@ -67,7 +65,6 @@ class StudyCurves:
     x: str
     values: tuple[Value, ...]
     models: tuple[ModelCurves, ...]
-    fits: int
     notes: tuple[str, ...]
 
     @property
@@ -114,18 +111,18 @@ def study_curves(rows: Iterable[Row], factors: Sequence[str], x: str | None = No
     alone = x == "protocol"
     same = "the model's fits" if alone else "the fits of its model and protocol"
     notes = [
-        f"{len(fits):,} fits; means over what else varies, ± 1 standard deviation.",
+        f"{len(fits):,} rows; means over what else varies, ± 1 standard deviation.",
         f"SEM of each parameter relative to its mean over {same}.",
     ]
     if failed:
-        notes.append(f"Failed fits left out: {failed:,}.")
+        notes.append(f"Rows of failed fits, left out: {failed:,}.")
     if unmoved:
-        notes.append(f"Fits without chirp left out: {unmoved:,}.")
+        notes.append(f"Rows without chirp, left out: {unmoved:,}.")
     curves = tuple(
         _model_curves(str(model), [row for row in fits if row["model"] == model], x, values)
         for model in models
     )
-    return StudyCurves(x, values, curves, len(fits), tuple(notes))
+    return StudyCurves(x, values, curves, tuple(notes))
 
 
 def _factor(varying: Mapping[str, tuple[Value, ...]], asked: str | None) -> str:

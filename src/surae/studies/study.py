@@ -18,6 +18,11 @@ MOST_FITS = 1_000_000
 #: A settings file is small; a larger one is some other file.
 _MOST_BYTES = 1_000_000
 
+#: Models whose parameters a virtual subject has: it is their truth.
+_SIMULATED = tuple(
+    name for name, spec in MODELS.items() if set(POPULATIONS["healthy"]) <= set(spec.names)
+)
+
 Value = str | float | int
 
 
@@ -118,7 +123,7 @@ FACTORS: dict[str, Factor] = {
     "rate_hz": Factor(_real("a rate above 0 Hz", 1e-9), (125.0,)),
     "seed": Factor(_whole(0, 999_999_999), (1,)),
     "starts": Factor(_whole(1, 10_000), (2,)),
-    "model": Factor(_one_of(MODELS), ("muscle",)),
+    "model": Factor(_one_of(_SIMULATED), ("muscle",)),
 }
 #: Model options may be factors too; left out, they are no columns of the table.
 OPTIONS: dict[str, Factor] = {
