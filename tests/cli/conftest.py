@@ -10,8 +10,11 @@ import numpy as np
 import pytest
 
 from surae.cli import main
+from surae.estimation import fit_problem, make_problem
+from surae.model import MODELS
 from surae.protocol import Protocol, generate
 from surae.recording import write_csv
+from surae.signals import thinned
 from surae.studies import virtual_subject, virtual_trial
 
 
@@ -24,6 +27,14 @@ class Done(NamedTuple):
 
 
 Run = Callable[..., Done]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def compiled(clean) -> None:
+    """Compile every model beforehand: only then is stderr what the command itself says."""
+    short = thinned(clean, 8)
+    for model in MODELS:
+        fit_problem(make_problem([short], model), starts=2)
 
 
 @pytest.fixture
