@@ -14,7 +14,6 @@ from surae.estimation import fit_problem, make_problem
 from surae.model import MODELS
 from surae.protocol import Protocol, generate
 from surae.recording import write_csv
-from surae.signals import thinned
 from surae.studies import virtual_subject, virtual_trial
 
 
@@ -30,11 +29,11 @@ Run = Callable[..., Done]
 
 
 @pytest.fixture(scope="session", autouse=True)
-def compiled(clean) -> None:
+def compiled() -> None:
     """Compile every model beforehand: only then is stderr what the command itself says."""
-    short = thinned(clean, 8)
+    trial = virtual_trial(virtual_subject(1), generate(Protocol(profile="sine", rate_hz=20.0)))
     for model in MODELS:
-        fit_problem(make_problem([short], model), starts=2)
+        fit_problem(make_problem([trial], model), starts=2)
 
 
 @pytest.fixture
