@@ -1,4 +1,4 @@
-"""The public functions: what the command line, the web and Python code all call."""
+"""The public functions: what the command line and Python code all call."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

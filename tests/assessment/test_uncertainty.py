@@ -65,6 +65,13 @@ def test_correlation():
     np.testing.assert_allclose(covariance(scaled, NAMES[:5], 1.0, 60).correlation, r, atol=1e-9)
 
 
+def test_correlation_where_no_residual_is_left():
+    _, R = regression()
+    exact = covariance(R, NAMES[:5], 0.0, 60)
+    assert not exact.matrix.any()
+    np.testing.assert_array_equal(exact.correlation, covariance(R, NAMES[:5], 1.0, 60).correlation)
+
+
 def test_held_parameters_are_taken_as_known():
     J, R = regression()
     found = covariance(R, NAMES[:5], 3.0, 60, held=("b", "e"))

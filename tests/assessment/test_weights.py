@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from surae.assessment import Interval, assess
-from surae.assessment.fit_json import load_fit, save_fit
+from surae.assessment.fit_json import load_saved, save_fit
 from surae.assessment.quality import vaf, weighted_vaf
 from surae.errors import InputError
 from surae.estimation import fit_problem, fit_robust, make_problem
@@ -108,7 +108,7 @@ def test_a_robust_weighted_fit_survives_its_file(robust_fit, tmp_path) -> None:
     assert content["recordings"][0]["vaf_weighted"] == assessment.vaf_weighted
     assert content["outliers"]["loss"] == "tukey"
     assert content["outliers"]["scale_Nm"] == robust_fit.outliers.scale
-    loaded = load_fit(tmp_path / "fit.json")
+    loaded = load_saved(tmp_path / "fit.json")[0]
     assert loaded.problem.inputs[0].emphasised
     np.testing.assert_array_equal(loaded.outliers.weights[0], robust_fit.outliers.weights[0])
     again = assess(loaded)
@@ -133,7 +133,7 @@ def test_damaged_outliers(change, says, robust_fit, tmp_path) -> None:
     content["outliers"] |= change
     path.write_text(json.dumps(content), encoding="utf-8")
     with pytest.raises(InputError, match=says):
-        load_fit(path)
+        load_saved(path)[0]
 
 
 def test_an_older_file_has_neither(fitted, tmp_path) -> None:
@@ -144,6 +144,6 @@ def test_an_older_file_has_neither(fitted, tmp_path) -> None:
         assert content.pop(name) is None
     del content["traces"][0]["emphasised"]
     path.write_text(json.dumps(content), encoding="utf-8")
-    loaded = load_fit(path)
+    loaded = load_saved(path)[0]
     assert loaded.outliers is None
     assert not loaded.problem.inputs[0].emphasised

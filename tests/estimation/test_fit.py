@@ -10,6 +10,7 @@ from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.estimation.problem import Residuals
 from surae.estimation.result import is_at_bound
+from surae.signals.thinning import thinning_factor
 from surae.studies import virtual_subject, virtual_trial
 
 
@@ -359,6 +360,18 @@ def test_samples_of_no_weight_do_not_matter(noisy):
     robust = fit_problem(make_problem([replace(noisy, torque=spoilt, weight=weight)]), starts=1)
     assert robust.values == pytest.approx(plain.values, rel=1e-9)
     assert robust.sse == pytest.approx(plain.sse, rel=1e-9)
+
+
+def test_weights_between_the_samples_that_thinning_keeps(trajectory, subject):
+    trial = virtual_trial(subject, trajectory, model="muscle-tendon", noise=0.0)
+    factor = thinning_factor(trial, 60.0, 500)
+    assert factor > 1
+    weight = np.ones(trial.n)
+    weight[factor // 2 :: factor] = 0.0
+    others = {name: subject.parameters[name] for name in subject.parameters if name != "f0"}
+    problem = make_problem([replace(trial, weight=weight)], "muscle-tendon", fixed=others)
+    result = fit_problem(problem, starts=1)
+    assert result.values["f0"] == pytest.approx(subject.parameters["f0"], rel=1e-4)
 
 
 def test_interrupted_before_the_priors(noisy, monkeypatch):

@@ -25,7 +25,7 @@ def test_lengths_of_the_thesis_by_hand() -> None:
 
 
 def test_triceps_travel_of_the_thesis_is_the_measured_one() -> None:
-    # model.md: fibre-length data change by 32 % over −15° … +30°
+    # Fibre-length data change by 32 % over −15° … +30°
     ends = length_tri(np.radians([-15.0, 30.0]), THESIS)[0]
     assert (ends[1] - ends[0]) / length_tri(np.zeros(1), THESIS)[0][0] == pytest.approx(
         0.36, abs=0.05

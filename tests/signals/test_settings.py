@@ -13,19 +13,19 @@ def test_defaults_are_the_thesis_reading() -> None:
 
 
 def test_mapping_overrides_only_what_it_names() -> None:
-    settings = Preparation.from_mapping({"rate_hz": 125, "emg_lowpass_hz": 3.0})
+    settings = Preparation().updated({"rate_hz": 125, "emg_lowpass_hz": 3.0})
     assert settings == Preparation(rate_hz=125, emg_lowpass_hz=3.0)
     assert settings.updated({"rate_hz": 100}) == Preparation(rate_hz=100, emg_lowpass_hz=3.0)
 
 
 @pytest.mark.parametrize("name", ["emg_highpass_hz", "emg_lowpass_hz", "bessel_hz"])
 def test_false_switches_a_filter_off(name: str) -> None:
-    assert getattr(Preparation.from_mapping({name: False}), name) is None
+    assert getattr(Preparation().updated({name: False}), name) is None
 
 
 def test_unknown_setting_lists_the_known_ones() -> None:
     with pytest.raises(InputError, match=r"'cutoff' is not known; use one of: rate_hz, .*bessel"):
-        Preparation.from_mapping({"cutoff": 3})
+        Preparation().updated({"cutoff": 3})
 
 
 @pytest.mark.parametrize(
@@ -48,5 +48,5 @@ def test_unknown_setting_lists_the_known_ones() -> None:
 )
 def test_value_that_is_not_allowed(name: str, value: object) -> None:
     with pytest.raises(InputError, match=f"prepare: {name} is {value!r}; use a ") as error:
-        Preparation.from_mapping({name: value})
+        Preparation().updated({name: value})
     assert "\n" not in str(error.value)

@@ -36,11 +36,6 @@ def save_fit(path: PathLike, result: FitResult, assessment: Assessment) -> None:
     write_atomic(path, json.dumps(as_dict(result, assessment), indent=1, allow_nan=False) + "\n")
 
 
-def load_fit(path: PathLike) -> FitResult:
-    """Read the fit that `save_fit` wrote, as `load_saved` does, without its baseline."""
-    return load_saved(path)[0]
-
-
 def load_saved(path: PathLike) -> tuple[FitResult, Baseline | None]:
     """Read the fit that `save_fit` wrote; equal to the one saved, to the last bit.
 

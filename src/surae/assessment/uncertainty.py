@@ -24,6 +24,8 @@ class Covariance:
         Parameters with a variance.
     matrix : ndarray, shape (k, k)
         Covariance, equation (33), in the products of their units.
+    correlation : ndarray, shape (k, k)
+        Normalised covariance, ones on the diagonal; also where nothing is left of the residual.
     directions : tuple of tuple of str
         Sets of parameters that trade off without changing the torque; a set of one has no
         influence at all.
@@ -35,21 +37,16 @@ class Covariance:
 
     names: tuple[str, ...]
     matrix: FloatArray
+    correlation: FloatArray
     directions: tuple[tuple[str, ...], ...]
     sigma2: float
     dof: int
-
-    @property
-    def correlation(self) -> FloatArray:
-        """Normalised covariance, shape (k, k), ones on the diagonal."""
-        sem = np.sqrt(np.diag(self.matrix))
-        return np.asarray(self.matrix / np.outer(sem, sem), dtype=np.float64)
 
 
 def covariance(
     R: FloatArray, names: Sequence[str], sse: float, n: int, held: Sequence[str] = ()
 ) -> Covariance:
-    """Covariance σ²(JᵀJ)⁻¹, equation (33) read as `model.md` resolves it.
+    """Covariance σ²(JᵀJ)⁻¹, equation (33) as decision 1 reads it.
 
     Parameters
     ----------
@@ -73,12 +70,15 @@ def covariance(
     dof = n - sum(name not in held for name in names)
     sigma2 = sse / dof
     if not np.isfinite(sse):
-        return Covariance((), np.empty((0, 0)), (), sigma2, dof)
+        return Covariance((), np.empty((0, 0)), np.empty((0, 0)), (), sigma2, dof)
     found = inverse_root(R, names, held)
     rows = found.matrix[found.known]
+    inverse = rows @ rows.T
+    norms = np.sqrt(np.diag(inverse))
     return Covariance(
         tuple(names[found.kept[j]] for j in found.known),
-        np.asarray(sigma2 * (rows @ rows.T)),
+        np.asarray(sigma2 * inverse),
+        np.asarray(inverse / np.outer(norms, norms)),
         tuple(tuple(names[found.kept[j]] for j in group) for group in found.groups),
         sigma2,
         dof,

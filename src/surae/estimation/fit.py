@@ -74,7 +74,7 @@ def fit_problem(
                 if minima[-1].outcome is Outcome.INTERRUPTED:
                     break
                 if progress is not None:
-                    progress(len(minima), starts, min(m.sse for m in minima))
+                    progress(len(minima), starts, min(map(_finite_sum, minima)))
         except KeyboardInterrupt:
             if len(minima) == number:  # and not while the caller was told of a whole start
                 here = minimise(
@@ -82,6 +82,11 @@ def fit_problem(
                 )
                 minima.append(replace(here, outcome=Outcome.INTERRUPTED))
     return _result(problem, residuals, initials, minima, seed, time.perf_counter() - begin)
+
+
+def _finite_sum(minimum: Minimum) -> float:
+    """Its sum of squares, infinite where there is none."""
+    return minimum.sse if np.isfinite(minimum.sse) else np.inf
 
 
 def _initials(problem: FitProblem, starts: int, seed: int) -> list[FloatArray]:
@@ -100,11 +105,14 @@ def _result(
     seed: int,
     seconds: float,
 ) -> FitResult:
-    best = min(minima, key=lambda m: m.sse if np.isfinite(m.sse) else np.inf)
+    best = min(minima, key=_finite_sum)
     # Sums that differ by less than the variance of the noise cannot be told apart by the data;
     # on data without noise, all that is left is rounding and how far the iteration went.
     power = sum(float(np.sum(one.torque**2)) for one in problem.inputs if one.torque is not None)
     limit = max(best.sse * (1 + 1 / (problem.n - len(problem.free))), _EXACT * power)
+    # Of points that agree, one where the iteration came to rest is the better one.
+    rested = [m for m in minima if m.sse <= limit and m.outcome is Outcome.CONVERGED]
+    best = min(rested, key=_finite_sum, default=best)
     agreeing = sum(m.sse <= limit for m in minima)
     status, message = _status(problem, best, minima, agreeing, len(initials))
     left = residuals.of(best.x)

@@ -125,7 +125,8 @@ def minimise(
     ftol, xtol, gtol : float
         Converged when the undamped step is predicted to lower the sum by less than `ftol` of
         itself, or a step changes no parameter by more than `xtol` of its size, or the cosine
-        between residual and every column that is free to move is at most `gtol`.
+        between residual and every column that is free to move is at most `gtol`; or at rest, when
+        many evaluations together (`_PATIENCE`) have gained next to nothing.
     stall : float, optional
         Takes the place of `ftol` after a step that did not improve on the best point. The torque
         has kinks, where tissue goes slack (11), and closer to the minimum than a small part of the
@@ -176,7 +177,7 @@ def minimise(
             count += 1
             sse = sum_of_squares(trial[-1]) if np.isfinite(trial).all() else np.inf
             failed = not sse < best.sse
-            if sse < milestone * (1 - _WORTHWHILE * stall):
+            if sse < milestone * (1 - min(_WORTHWHILE * stall, 0.5)):
                 milestone, since = sse, 0
             since += 1
             predicted = _gain(H, g, d)

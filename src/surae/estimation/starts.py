@@ -14,7 +14,7 @@ from surae.signals import thinned, thinning_factor
 from surae.units import FloatArray
 
 #: A failed step ends the iteration when no more than this many noise variances are to be gained:
-#: estimates within a tenth of a standard error of the minimum. On thinned data less will do.
+#: estimates within a third (√0.1) of a standard error of the minimum. On thinned data less will do.
 _STALL, _STALL_THINNED = 0.1, 1.0
 #: Thinned data keep at least this rate [Hz], enough for a robot's motion, and so many samples.
 _THIN_RATE, _THIN_SAMPLES = 60.0, 500
@@ -65,6 +65,8 @@ def _first_look(problem: FitProblem) -> FromStart | None:
         inputs=tuple(thinned(one, by) for one, by in zip(problem.inputs, factors, strict=True)),
         priors={},  # a first look needs none
     )
+    if thin.n <= len(problem.free):  # few samples have a weight, and fewer were kept
+        thin = replace(problem, priors={})
     parent = _parent(thin)
     if parent is None:
         return None

@@ -60,17 +60,6 @@ class Preparation:
         for setting in fields(self):
             _check(setting.name, getattr(self, setting.name))
 
-    @classmethod
-    def from_mapping(cls, mapping: Mapping[str, Any]) -> "Preparation":
-        """Defaults with the settings of `mapping`, e.g. the ``[prepare]`` table of a TOML file.
-
-        Raises
-        ------
-        InputError
-            A setting is not known or its value is not allowed.
-        """
-        return cls().updated(mapping)
-
     def updated(self, mapping: Mapping[str, Any]) -> "Preparation":
         """These settings with those of `mapping` in their place.
 
