@@ -61,4 +61,9 @@ def judge_singular(name: str, directions: Sequence[Sequence[str]]) -> str:
 
 
 def _percent(part: float) -> str:
-    return f"{100 * part:.2g} %" if part < 1 else f"{100 * part:.0f} %"
+    """A part in percent to two digits, or as many as tell it from the threshold of a verdict."""
+    if part >= 1:
+        return f"{100 * part:.0f} %"
+    text = f"{100 * part:.2g} %"
+    same = text == f"{100 * IDENTIFIED:.2g} %"
+    return f"{100 * part:.4g} %" if same and part != IDENTIFIED else text
