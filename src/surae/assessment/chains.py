@@ -218,15 +218,23 @@ class _Work:
 
 def _attend(sampler: Any, work: _Work, progress: Told | None, total: int) -> tuple[Any, bool]:
     """Wait for the sampler; its trace, and whether it came to its end."""
+    trace = None
     try:
         while True:
             try:
-                return sampler.wait(timeout=_PERIOD), True
+                trace = sampler.wait(timeout=_PERIOD)
             except TimeoutError:
-                if work.error is not None:
-                    raise work.error from None
-                if progress is not None:
-                    progress(min(work.done, total), total)
+                trace = None
+            except RuntimeError:
+                # Nothing is finite once a density has failed, and the sampler may see that first.
+                if work.error is None:
+                    raise
+            if work.error is not None:
+                raise work.error from None
+            if trace is not None:
+                return trace, True
+            if progress is not None:
+                progress(min(work.done, total), total)
     except KeyboardInterrupt:
         with warnings.catch_warnings():  # of chains that have not begun
             warnings.simplefilter("ignore", UserWarning)
