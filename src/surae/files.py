@@ -1,12 +1,13 @@
 """Files at the border: bounded reads of regular files, atomic writes, checksums."""
 
 import hashlib
+import json
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from surae.errors import InputError
 
@@ -104,6 +105,11 @@ def write_atomic(path: PathLike, data: bytes | str) -> None:
     """Write `data` (text as UTF-8) to `path`, all of it or nothing; see `atomic_file`."""
     with atomic_file(path) as handle:
         handle.write(data.encode() if isinstance(data, str) else data)
+
+
+def write_json(path: PathLike, data: Mapping[str, Any]) -> None:
+    """Write plain data as indented JSON, all of it or nothing; only finite numbers are allowed."""
+    write_atomic(path, json.dumps(data, indent=1, allow_nan=False, ensure_ascii=False) + "\n")
 
 
 def require_writable(path: PathLike) -> None:

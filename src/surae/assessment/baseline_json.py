@@ -1,11 +1,9 @@
 """A baseline for snSEM as a file."""
 
-import json
-
 from surae.assessment.fit_json import check_version, read_json
 from surae.assessment.snsem import Baseline, baseline_as_dict, read_baseline
 from surae.errors import InputError
-from surae.files import PathLike, shown, write_atomic
+from surae.files import PathLike, shown, write_json
 
 
 def save_baseline(path: PathLike, baseline: Baseline) -> None:
@@ -16,7 +14,7 @@ def save_baseline(path: PathLike, baseline: Baseline) -> None:
     InputError
         The file cannot be written.
     """
-    write_atomic(path, json.dumps(baseline_as_dict(baseline), indent=1, allow_nan=False) + "\n")
+    write_json(path, baseline_as_dict(baseline))
 
 
 def load_baseline(path: PathLike) -> Baseline:

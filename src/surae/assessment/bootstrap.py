@@ -16,7 +16,7 @@ from surae.assessment.refit import in_threads, refit
 from surae.assessment.replicates import ReplicateFile
 from surae.errors import InputError
 from surae.estimation import FitResult, Prior
-from surae.files import PathLike, write_atomic
+from surae.files import PathLike, write_json
 from surae.model import adapted
 from surae.recording import read_only
 from surae.signals import ModelInputs
@@ -124,8 +124,7 @@ class Bootstrap:
         InputError
             The file cannot be written.
         """
-        text = json.dumps(self.as_dict(), indent=1, allow_nan=False, ensure_ascii=False)
-        write_atomic(path, text + "\n")
+        write_json(path, self.as_dict())
 
 
 def bootstrap(

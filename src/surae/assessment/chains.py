@@ -138,7 +138,6 @@ def run_chains(
         ["z"],
         make_initial_point_fn=work.initial,
     )
-    # Threads only slow down products of this size, and change the last bits.
     with one_blas_thread():
         sampler = nutpie.sample(
             model,

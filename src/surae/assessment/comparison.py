@@ -1,12 +1,11 @@
 """Rigid or elastic: what a comparison of models on the same data found, as plain data."""
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 
 from surae.assessment.held_out import HeldOut
-from surae.files import PathLike, write_atomic
+from surae.files import PathLike, write_json
 
 
 class Finding(StrEnum):
@@ -185,5 +184,4 @@ class Comparison:
         InputError
             The file cannot be written.
         """
-        text = json.dumps(self.as_dict(), indent=1, allow_nan=False, ensure_ascii=False)
-        write_atomic(path, text + "\n")
+        write_json(path, self.as_dict())

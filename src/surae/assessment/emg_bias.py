@@ -5,7 +5,6 @@ recording, and no standard error shows it. SIMEX (Cook and Stefanski 1994) adds 
 the same kind, watches the estimates move, and extrapolates back to where there is none.
 """
 
-import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -19,7 +18,7 @@ from surae.assessment.refit import in_threads, refit
 from surae.assessment.whiteness import autocovariance
 from surae.errors import InputError
 from surae.estimation import FitResult
-from surae.files import PathLike, write_atomic
+from surae.files import PathLike, write_json
 from surae.model import adapted
 from surae.recording import MUSCLES, read_only
 from surae.signals import ModelInputs
@@ -127,8 +126,7 @@ class EmgBias:
         InputError
             The file cannot be written.
         """
-        text = json.dumps(self.as_dict(), indent=1, allow_nan=False, ensure_ascii=False)
-        write_atomic(path, text + "\n")
+        write_json(path, self.as_dict())
 
 
 def emg_bias(

@@ -15,7 +15,7 @@ from surae.assessment.outliers_json import outliers_as_dict, read_outliers
 from surae.assessment.snsem import Baseline, baseline_as_dict, read_baseline
 from surae.errors import InputError
 from surae.estimation import FitProblem, FitResult, Prior, Start
-from surae.files import PathLike, read_bytes, shown, write_atomic
+from surae.files import PathLike, read_bytes, shown, write_json
 from surae.model import ModelOptions, check_value, get_model
 from surae.recording import SourceFile
 from surae.signals import ModelInputs
@@ -33,7 +33,7 @@ def save_fit(path: PathLike, result: FitResult, assessment: Assessment) -> None:
     InputError
         The file cannot be written.
     """
-    write_atomic(path, json.dumps(as_dict(result, assessment), indent=1, allow_nan=False) + "\n")
+    write_json(path, as_dict(result, assessment))
 
 
 def load_saved(path: PathLike) -> tuple[FitResult, Baseline | None]:

@@ -1,6 +1,5 @@
 """Profiles of several parameters of one fit, side by side, and as a file."""
 
-import json
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -13,7 +12,7 @@ from surae.assessment.profile import Profile, check_profiled, prior_noise, profi
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.estimation.interrupt import postponed_interrupt
-from surae.files import PathLike, write_atomic
+from surae.files import PathLike, write_json
 from surae.threads import one_blas_thread
 from surae.versions import versions
 
@@ -77,8 +76,7 @@ class Profiles:
         InputError
             The file cannot be written.
         """
-        text = json.dumps(self.as_dict(), indent=1, allow_nan=False, ensure_ascii=False)
-        write_atomic(path, text + "\n")
+        write_json(path, self.as_dict())
 
 
 def profiles(

@@ -1,13 +1,12 @@
 """`surae demo`."""
 
-import json
 from pathlib import Path
 
 import click
 
 from surae.cli.paths import check_outputs
 from surae.errors import InputError
-from surae.files import shown, write_atomic
+from surae.files import shown, write_json
 
 
 @click.command("demo")
@@ -43,7 +42,7 @@ def command(output: str) -> int:
         progress.describe("simulating a trial")
         trial = virtual_trial(subject, generate(protocol))
         found = fit(trial, progress=progress.starts)
-    write_atomic(true, json.dumps({"parameters": dict(subject.parameters)}, indent=1) + "\n")
+    write_json(true, {"parameters": dict(subject.parameters)})
     code = finish(found, fitted, report)
     intervals = {p.name: p.ci95 for p in found.parameters.values() if p.ci95 is not None}
     inside = sum(low <= subject.parameters[p] <= high for p, (low, high) in intervals.items())

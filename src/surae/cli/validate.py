@@ -1,6 +1,5 @@
 """`surae validate`."""
 
-import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +16,7 @@ from surae.cli.options import (
 )
 from surae.cli.paths import check_outputs, refuse_repeated
 from surae.errors import InputError
-from surae.files import shown, write_atomic
+from surae.files import shown, write_json
 
 if TYPE_CHECKING:
     from surae.assessment import Pooled, Prediction
@@ -161,4 +160,4 @@ def _figures(one: "Prediction | Pooled") -> dict[str, Any]:
 
 
 def _write(path: str, content: dict[str, Any]) -> None:
-    write_atomic(path, json.dumps(content, indent=1, allow_nan=False) + "\n")
+    write_json(path, content)
