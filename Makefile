@@ -4,15 +4,15 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: demo test test-all check bench lock clean
+.PHONY: demo test test-all check bench lock browser clean
 
 demo: $(READY)          ## fit the embedded virtual subject, write demo/report.html
 	@$(BIN)/surae demo --output demo
 
-test: $(READY)          ## the fast suite
+test: $(READY) browser  ## the fast suite
 	$(BIN)/pytest -n 2
 
-test-all: $(READY)      ## everything, recovery and statistics too
+test-all: $(READY) browser  ## everything, recovery and statistics too
 	$(BIN)/pytest -n 2 -m ""
 
 check: $(READY)         ## style and types
@@ -27,6 +27,9 @@ lock: $(READY)          ## renew requirements.lock from pyproject.toml
 	$(BIN)/python -m pip install --quiet uv
 	$(BIN)/uv pip compile pyproject.toml --extra dev --universal --generate-hashes \
 	    --no-header --no-annotate --quiet --upgrade --output-file requirements.lock
+
+browser:                ## what the workbench's tests drive; installed in CI, else only looked for
+	@.ci/browser
 
 clean:                  ## remove what the other targets made
 	rm -rf $(VENV) demo .pytest_cache .mypy_cache .ruff_cache .hypothesis .benchmarks
