@@ -4,7 +4,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: demo test test-all check bench lock browser clean
+.PHONY: demo test test-all check bench docs lock browser clean
 
 demo: $(READY)          ## fit the embedded virtual subject, write demo/report.html
 	@$(BIN)/surae demo --output demo
@@ -22,6 +22,10 @@ check: $(READY)         ## style and types
 
 bench: $(READY)         ## speed against the plain SciPy baseline
 	$(BIN)/pytest benchmarks --benchmark-columns=median,iqr,rounds --benchmark-sort=name
+
+docs: $(READY)          ## the documentation site, in docs/_build/html
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+	@echo "The site is docs/_build/html/index.html"
 
 lock: $(READY)          ## renew requirements.lock from pyproject.toml
 	$(BIN)/python -m pip install --quiet uv

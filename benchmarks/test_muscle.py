@@ -9,7 +9,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 from threadpoolctl import threadpool_limits
 
 from surae.assessment import assess
-from surae.assessment.uncertainty import covariance
+from surae.assessment.uncertainty.covariance import covariance
 from surae.estimation import FitProblem, fit_problem
 from surae.estimation.problem import simulators
 

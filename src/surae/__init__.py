@@ -18,6 +18,7 @@ if TYPE_CHECKING:
         fit,
         leave_one_out,
         load,
+        normalise,
         posterior,
         profile,
         simulate,
@@ -27,14 +28,29 @@ if TYPE_CHECKING:
     )
     from surae.assessment import Baseline, Comparison
     from surae.model.anthropometry import foot_mass
-    from surae.recording import Recording, read, write_csv
-    from surae.signals import ModelInputs, Preparation, Weighting
+    from surae.recording import (
+        Inspection,
+        Recording,
+        inspect,
+        read,
+        write_bids,
+        write_csv,
+        write_sto,
+    )
+    from surae.signals import (
+        EmgReference,
+        ModelInputs,
+        Preparation,
+        Weighting,
+    )
     from surae.signals.prepare import prepare
 
 _HOMES = {
     "Baseline": "surae.assessment",
     "Comparison": "surae.assessment",
+    "EmgReference": "surae.signals",
     "Fit": "surae.api",
+    "Inspection": "surae.recording",
     "ModelInputs": "surae.signals",
     "Preparation": "surae.signals",
     "Recording": "surae.recording",
@@ -44,8 +60,10 @@ _HOMES = {
     "emg_bias": "surae.api",
     "fit": "surae.api",
     "foot_mass": "surae.model.anthropometry",
+    "inspect": "surae.recording",
     "leave_one_out": "surae.api",
     "load": "surae.api",
+    "normalise": "surae.api",
     "posterior": "surae.api",
     "prepare": "surae.signals",
     "profile": "surae.api",
@@ -54,15 +72,19 @@ _HOMES = {
     "simulate_parts": "surae.api",
     "simulate_tendon": "surae.api",
     "validate": "surae.api",
+    "write_bids": "surae.recording",
     "write_csv": "surae.recording",
+    "write_sto": "surae.recording",
 }
 
 __all__ = [
     "Baseline",
     "Comparison",
     "ComputationError",
+    "EmgReference",
     "Fit",
     "InputError",
+    "Inspection",
     "ModelInputs",
     "Preparation",
     "Recording",
@@ -74,8 +96,10 @@ __all__ = [
     "emg_bias",
     "fit",
     "foot_mass",
+    "inspect",
     "leave_one_out",
     "load",
+    "normalise",
     "posterior",
     "prepare",
     "profile",
@@ -84,7 +108,9 @@ __all__ = [
     "simulate_parts",
     "simulate_tendon",
     "validate",
+    "write_bids",
     "write_csv",
+    "write_sto",
 ]
 
 

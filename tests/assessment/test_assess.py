@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from surae.assessment import Verdict, assess, predict
-from surae.assessment.uncertainty import half_width
+from surae.assessment.uncertainty.covariance import half_width
 from surae.assessment.verdict import IDENTIFIED, judge_interval
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem

@@ -9,8 +9,8 @@ from scipy.signal import lfilter
 
 import surae
 from surae.assessment import assess
-from surae.assessment.blocks import block_length, draw_blocks
-from surae.assessment.bootstrap import bootstrap
+from surae.assessment.resampling.blocks import block_length, draw_blocks
+from surae.assessment.resampling.bootstrap import bootstrap
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.recording import read_only

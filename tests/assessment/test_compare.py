@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from surae.assessment import Finding
-from surae.assessment.compare import COMPARED, compare_models
-from surae.assessment.held_out import prediction_error
+from surae.assessment.comparison.compare import COMPARED, compare_models
+from surae.assessment.comparison.held_out import prediction_error
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.model import ModelOptions
@@ -217,7 +217,7 @@ def test_stopped_within_a_fit(monkeypatch) -> None:
         last = replace(found.starts[-1], outcome="interrupted")
         return replace(found, status="failed", starts=(*found.starts[:-1], last))
 
-    monkeypatch.setattr("surae.assessment.compare.fit_problem", stopped)
+    monkeypatch.setattr("surae.assessment.comparison.compare.fit_problem", stopped)
     found = compare_models([trial("muscle")], ["muscle", "muscle-tendon"], starts=1)
     assert len(calls) == 3
     assert len(found.missing) == 8
@@ -228,7 +228,7 @@ def test_a_prediction_that_overflows(monkeypatch) -> None:
         error = prediction_error(found, fold)
         return error if found.problem.spec.name == "muscle" else np.full_like(error, 1e200)
 
-    monkeypatch.setattr("surae.assessment.compare.prediction_error", far)
+    monkeypatch.setattr("surae.assessment.comparison.compare.prediction_error", far)
     found = compare_models(
         [trial("muscle-tendon")], ["muscle", "muscle-tendon"], options=OPTIONS, starts=1
     )

@@ -3,9 +3,9 @@ from dataclasses import replace
 import pytest
 
 from surae.assessment import Finding
-from surae.assessment.comparison import ModelScore
-from surae.assessment.conclusion import cautions, conclude
-from surae.assessment.held_out import HeldOut
+from surae.assessment.comparison.conclusion import cautions, conclude
+from surae.assessment.comparison.finding import ModelScore
+from surae.assessment.comparison.held_out import HeldOut
 
 
 def score(model: str, aicc: float | None, gain: float = 0.0, error: float = 0.1) -> ModelScore:

@@ -13,8 +13,8 @@ import pytest
 
 import surae
 from surae.assessment import assess
-from surae.assessment.arrays import decode, encode
-from surae.assessment.fit_json import FORMAT, as_dict, load_saved, read_parameters, save_fit
+from surae.assessment.saved.arrays import decode, encode
+from surae.assessment.saved.fit_json import FORMAT, as_dict, load_saved, read_parameters, save_fit
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.protocol import Protocol, generate

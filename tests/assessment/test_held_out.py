@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from surae.assessment.held_out import BLOCKS, GUARD_S, folds, held_out, prediction_error, without
+from surae.assessment.comparison.held_out import (
+    BLOCKS,
+    GUARD_S,
+    folds,
+    held_out,
+    prediction_error,
+    without,
+)
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 

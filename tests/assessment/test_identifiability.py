@@ -7,8 +7,13 @@ import pytest
 from toys import linear, toy_fit
 
 from surae.assessment import assess
-from surae.assessment.collinearity import COLLINEAR, collinear_sets, index, unexplained
-from surae.assessment.identifiability import Cause, identifiability
+from surae.assessment.identifiability.collinearity import (
+    COLLINEAR,
+    collinear_sets,
+    index,
+    unexplained,
+)
+from surae.assessment.identifiability.identified import Cause, identifiability
 from surae.estimation import fit_problem, make_problem
 from surae.estimation.problem import Residuals
 from surae.protocol import Protocol, generate

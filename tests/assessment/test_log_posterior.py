@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.assessment.beliefs import Belief, beliefs
-from surae.assessment.log_posterior import make_target
+from surae.assessment.posterior.beliefs import Belief, beliefs
+from surae.assessment.posterior.density import make_target
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.model import MODELS, ModelOptions, adapted

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.assessment.agreement import AGREES, agreements
-from surae.assessment.posterior import sample
-from surae.assessment.profiles import profiles
+from surae.assessment.likelihood.profiles import profiles
+from surae.assessment.posterior.agreement import AGREES, agreements
+from surae.assessment.posterior.sample import sample
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.estimation.problem import Residuals

@@ -8,8 +8,8 @@ from scipy.optimize import brentq
 from scipy.stats import t as student
 from toys import linear, toy_fit, toy_problem
 
-from surae.assessment.conditional import Conditional
-from surae.assessment.profile import profile
+from surae.assessment.likelihood.conditional import Conditional
+from surae.assessment.likelihood.profile import profile
 from surae.errors import InputError
 from surae.estimation import Prior, fit_problem, make_problem
 from surae.estimation.least_squares import compress

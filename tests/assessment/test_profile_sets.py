@@ -9,8 +9,8 @@ import time
 import numpy as np
 import pytest
 
-from surae.assessment.profile import profile
-from surae.assessment.profiles import profiles
+from surae.assessment.likelihood.profile import profile
+from surae.assessment.likelihood.profiles import profiles
 from surae.errors import InputError
 
 NAMES = ("m", "f0", "l0_tib", "g1")

@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 
 from surae.assessment import Baseline, assess
-from surae.assessment.baseline_json import load_baseline, save_baseline
-from surae.assessment.fit_json import load_saved, save_fit
-from surae.assessment.snsem import snsem
+from surae.assessment.saved.baseline_json import load_baseline, save_baseline
+from surae.assessment.saved.fit_json import load_saved, save_fit
+from surae.assessment.uncertainty.snsem import snsem
 from surae.errors import InputError
 from surae.model import ModelOptions
 

@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from surae.assessment import ipde
-from surae.assessment.uncertainty import covariance, half_width
+from surae.assessment.uncertainty.covariance import covariance, half_width
 
 NAMES = tuple("abcdef")
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.assessment.leave_one_out import leave_one_out
-from surae.assessment.quality import rmse, vaf
-from surae.assessment.validation import pooled, predict_others
+from surae.assessment.residual.quality import rmse, vaf
+from surae.assessment.validation.leave_one_out import leave_one_out
+from surae.assessment.validation.prediction import pooled, predict_others
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.protocol import Protocol, generate

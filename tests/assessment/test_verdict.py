@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surae.assessment.uncertainty import Covariance
+from surae.assessment.uncertainty.covariance import Covariance
 from surae.assessment.verdict import Verdict, judge_interval
 
 

@@ -45,7 +45,7 @@ def test_what_is_shown(run, files) -> None:
 
 
 def test_stopped_by_the_user(run, files, monkeypatch) -> None:
-    real = surae.assessment.compare.fit_problem
+    real = surae.assessment.comparison.compare.fit_problem
     calls = []
 
     def stopped(*arguments, **options):
@@ -54,7 +54,7 @@ def test_stopped_by_the_user(run, files, monkeypatch) -> None:
             raise KeyboardInterrupt
         return real(*arguments, **options)
 
-    monkeypatch.setattr("surae.assessment.compare.fit_problem", stopped)
+    monkeypatch.setattr("surae.assessment.comparison.compare.fit_problem", stopped)
     done = run("compare", "trial.csv", *FAST, "--models", "muscle,muscle-tendon", "--output", "c")
     assert done.code == 130
     assert "what is complete is shown and written" in done.err
@@ -69,9 +69,9 @@ def test_stopped_by_the_user(run, files, monkeypatch) -> None:
 
 
 def test_a_comparison_that_failed(run, files, monkeypatch) -> None:
-    real = surae.assessment.compare.fit_problem
+    real = surae.assessment.comparison.compare.fit_problem
     monkeypatch.setattr(
-        "surae.assessment.compare.fit_problem",
+        "surae.assessment.comparison.compare.fit_problem",
         lambda problem, **options: replace(real(problem, **options), status="failed"),
     )
     done = run("compare", "trial.csv", *FAST, "--models", "muscle,muscle-tendon", "--output", "c")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from surae.assessment.uncertainty import covariance
+from surae.assessment.uncertainty.covariance import covariance
 from surae.estimation.least_squares import Outcome, minimise
 
 FOLDER = Path(__file__).parent / "nist"

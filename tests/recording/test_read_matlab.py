@@ -107,9 +107,3 @@ def test_measured_dynamometer(shared):
     assert np.rad2deg(recording.channels["angle"].values.max()) == pytest.approx(19.83642578125)
     with pytest.raises(InputError, match=r"TOML mapping.*'Angle'.*'EMG_TA'"):
         read(shared / "dynamometer" / "Pas_10.mat")
-
-
-def test_other_devices_are_refused_kindly(shared):
-    for path in sorted((shared / "devices").glob("*.c3d")):
-        with pytest.raises(InputError, match="binary, in no format that is read here"):
-            read(path)

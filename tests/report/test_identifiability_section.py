@@ -5,7 +5,7 @@ from datetime import datetime
 import pytest
 
 from surae.assessment import assess
-from surae.assessment.identifiability import identifiability
+from surae.assessment.identifiability.identified import identifiability
 from surae.estimation import fit_problem, make_problem
 from surae.protocol import Protocol, generate
 from surae.report import build

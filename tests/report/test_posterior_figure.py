@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.assessment.agreement import agreements
-from surae.assessment.posterior import sample
+from surae.assessment.posterior.agreement import agreements
+from surae.assessment.posterior.sample import sample
 from surae.estimation import fit_problem, make_problem
 from surae.report.figures import png, svg
 from surae.report.figures.posterior import posterior_figure

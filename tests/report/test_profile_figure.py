@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surae.assessment.profile import Profile
+from surae.assessment.likelihood.profile import Profile
 from surae.report.figures import png, svg
 from surae.report.figures.profile import profile_figure
 

@@ -25,6 +25,7 @@ SIZES = {
     "axis_up": -0.01,
     "knee_motion": 0.05,
     "effort_variation": 0.2,
+    "unmeasured": 0.15,
     "reflex_gain": 0.3,
 }
 
@@ -73,7 +74,9 @@ def test_each_changes_what_it_should_and_is_told(trajectory, name):
     np.testing.assert_allclose(almost.emg, ideal.emg, atol=1e-12)
 
 
-@pytest.mark.parametrize("other", ["knee_motion", "effort_variation", "reflex_gain", "axis_up"])
+@pytest.mark.parametrize(
+    "other", ["knee_motion", "effort_variation", "unmeasured", "reflex_gain", "axis_up"]
+)
 def test_one_does_not_move_the_draws_of_another(trajectory, other):
     size = {other: SIZES[other]}
     noise = trial(trajectory, torque_noise=0.7).torque - trial(trajectory).torque
@@ -133,6 +136,7 @@ def test_streams_are_independent():
         ("knee_motion", 2.0, "use 0 or more and below 0.5"),
         ("reflex_delay", float("inf"), "use 0 or more"),
         ("effort_variation", -0.1, "use 0 or more"),
+        ("unmeasured", 1.0, "use 0 or more and below 1"),
         ("effort_variation", "0.1", "give a number"),
     ],
 )

@@ -9,7 +9,16 @@ from surae.model import ModelOptions, get_model
 from surae.model.geometry import arm_tri, paths
 from surae.protocol import Protocol, generate
 from surae.studies import Imperfections, virtual_subject, virtual_trial
-from surae.studies.leg import KNEE_ARM, KNEE_TISSUE, effort, knee_torque, misaligned, reflex
+from surae.studies.leg import (
+    KNEE_ARM,
+    KNEE_TISSUE,
+    UNMEASURED_VARIATION,
+    drive,
+    effort,
+    knee_torque,
+    misaligned,
+    reflex,
+)
 
 SUBJECT = virtual_subject(2)
 OPTIONS = ModelOptions()
@@ -162,3 +171,23 @@ def test_effort_differs_between_repetitions_and_is_seen_in_emg(trajectory, ideal
     spec = get_model("muscle")
     torque = spec.simulator(one, OPTIONS).torque(spec.vector(SUBJECT.parameters, OPTIONS))
     np.testing.assert_allclose(one.torque, torque, atol=1e-9)
+
+
+def test_muscles_without_electrodes_add_their_share_on_average(trajectory):
+    settings = Imperfections(unmeasured=0.2)
+    envelopes = 6e-4 * trajectory.effort + 1e-6
+    shares = np.stack(
+        [
+            drive(virtual_subject(seed), trajectory, envelopes, settings, trial) / envelopes - 1.0
+            for seed in range(30)
+            for trial in range(3)
+        ]
+    )
+    assert shares.mean() == pytest.approx(0.2, abs=0.005)
+    assert shares.std() == pytest.approx(0.2 * UNMEASURED_VARIATION, rel=0.05)
+    wander = shares[:, ::50, 0] - 0.2  # each subject's and each trial's own
+    assert np.abs(np.corrcoef(wander) - np.eye(len(wander))).mean() < 0.25
+    # The three heads have the same helpers, the tibialis others.
+    np.testing.assert_allclose(shares[:, :, 1], shares[:, :, 3])
+    assert abs(np.corrcoef(shares[:, :, 0].ravel(), shares[:, :, 1].ravel())[0, 1]) < 0.1
+    assert drive(SUBJECT, trajectory, envelopes, Imperfections(), 0) is envelopes

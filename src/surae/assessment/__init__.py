@@ -7,14 +7,14 @@ from surae.assessment.assess import (
     RecordingQuality,
     assess,
 )
-from surae.assessment.comparison import Comparison, Finding
-from surae.assessment.quality import autocorrelation, rmse, vaf
-from surae.assessment.robust import RobustCovariance
-from surae.assessment.snsem import Baseline
-from surae.assessment.uncertainty import Covariance, ipde
-from surae.assessment.validation import Pooled, Prediction, pooled, predict
+from surae.assessment.comparison.finding import Comparison, Finding
+from surae.assessment.residual.quality import autocorrelation, rmse, vaf
+from surae.assessment.residual.whiteness import Whiteness, whiteness
+from surae.assessment.uncertainty.covariance import Covariance, ipde
+from surae.assessment.uncertainty.robust import RobustCovariance
+from surae.assessment.uncertainty.snsem import Baseline
+from surae.assessment.validation.prediction import Pooled, Prediction, pooled, predict
 from surae.assessment.verdict import Verdict
-from surae.assessment.whiteness import Whiteness, whiteness
 
 __all__ = [
     "Assessment",

@@ -6,12 +6,12 @@ from enum import StrEnum
 
 import numpy as np
 
-from surae.assessment.quality import rmse, vaf, weighted_vaf
-from surae.assessment.robust import RobustCovariance, robust_covariance
-from surae.assessment.snsem import Baseline, check_baseline, snsem
-from surae.assessment.uncertainty import Covariance, covariance, half_width, ipde
+from surae.assessment.residual.quality import rmse, vaf, weighted_vaf
+from surae.assessment.residual.whiteness import LEVEL, Whiteness
+from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width, ipde
+from surae.assessment.uncertainty.robust import RobustCovariance, robust_covariance
+from surae.assessment.uncertainty.snsem import Baseline, check_baseline, snsem
 from surae.assessment.verdict import Verdict, judge_interval, judge_singular
-from surae.assessment.whiteness import LEVEL, Whiteness
 from surae.estimation import FitResult
 from surae.model import adapted
 from surae.signals import ModelInputs

@@ -4,7 +4,7 @@ A profile and a posterior take the residual for white noise, as equation (33) do
 assessment does not believe that, the variance of the noise is multiplied by the square of the
 robust standard error over the thesis's, so that a parabola has the robust one's width. What a loss
 for outliers asks for is part of it: the robust standard error has the curvature of the loss and its
-scale (`surae.assessment.robust`).
+scale (`surae.assessment.uncertainty.robust`).
 """
 
 from collections.abc import Mapping

@@ -5,7 +5,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from surae.assessment.uncertainty import Covariance
+from surae.assessment.uncertainty.covariance import Covariance
 
 #: Half-width of the 95 % interval, as a part of the value, up to which a parameter is identified.
 IDENTIFIED = 0.10

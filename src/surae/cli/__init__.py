@@ -22,6 +22,8 @@ from surae.errors import InputError, SuraeError
 #: Command → module and its one-line help.
 COMMANDS = {
     "demo": ("surae.cli.demo", "Fit an embedded virtual subject and write its report."),
+    "inspect": ("surae.cli.inspect", "List a file's channels and guess which signal each is."),
+    "convert": ("surae.cli.convert", "Write a recording in another format."),
     "fit": ("surae.cli.fit", "Estimate a model's parameters from recordings."),
     "compare": ("surae.cli.compare", "Tell whether recordings ask for compliant tendons."),
     "profile": ("surae.cli.profile", "Find intervals that follow the model's own curves."),
@@ -31,7 +33,12 @@ COMMANDS = {
     "simulate": ("surae.cli.simulate", "Compute the torque that a model gives for a recording."),
     "protocol": ("surae.cli.protocol", "Make a measurement protocol for a device."),
     "study": ("surae.cli.study", "Fit thousands of virtual trials over crossed factors."),
+    "reproduce": ("surae.cli.reproduce", "Compute the thesis's results again, claim by claim."),
     "baseline": ("surae.cli.baseline", "Simulate the standard errors to compare a fit's with."),
+    "serve": ("surae.web.command", "Open the workbench in the browser."),
+    "cite": ("surae.cli.cite", "Print the papers behind a fit's methods."),
+    "completion": ("surae.cli.completion", "Print a shell's completion of surae."),
+    "doctor": ("surae.cli.doctor", "Say what is installed, and test that it works."),
     "validate": ("surae.cli.validate", "Predict other recordings with the parameters of a fit."),
 }
 

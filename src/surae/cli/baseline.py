@@ -76,7 +76,7 @@ def command(
         device=None if device is None else named_device(device),
     )
 
-    from surae.assessment.baseline_json import save_baseline
+    from surae.assessment.saved.baseline_json import save_baseline
     from surae.cli.progress import compilation_notice, work
     from surae.cli.screen import show_line
     from surae.report.digits import standard_error

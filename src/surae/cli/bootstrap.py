@@ -9,7 +9,7 @@ from surae.cli.paths import check_outputs
 from surae.files import shown
 
 if TYPE_CHECKING:
-    from surae.assessment.bootstrap import Bootstrap
+    from surae.assessment.resampling.bootstrap import Bootstrap
 
 #: More replicates and threads than these are slips of the keyboard.
 _MOST, _MOST_WORKERS = 1_000_000, 1000
@@ -44,7 +44,7 @@ def command(
     check_outputs({"--output": output, "replicates": store}, [fitted])
 
     from surae.api import bootstrap, load  # numba: only when the command is in order
-    from surae.assessment.bootstrap import REPLICATES
+    from surae.assessment.resampling.bootstrap import REPLICATES
     from surae.cli.progress import compilation_notice, work
 
     fit = load(fitted)

@@ -58,7 +58,7 @@ def command(
             inputs.append(prepare(read(path), prepared=prepared))
         check_outputs({"--output": output}, (file.path for one in inputs for file in one.files))
         from surae.api import compare  # numba: only when the input is in order
-        from surae.assessment.compare import COMPARED, FEW_STARTS
+        from surae.assessment.comparison.compare import COMPARED, FEW_STARTS
 
         def told(what: str, done: int, total: int) -> None:
             progress.describe(f"fit {done + 1} of {total}: {what}")

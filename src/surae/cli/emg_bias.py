@@ -10,7 +10,7 @@ from surae.files import shown
 
 if TYPE_CHECKING:
     from surae.api import Fit
-    from surae.assessment.emg_bias import EmgBias
+    from surae.assessment.resampling.emg_bias import EmgBias
 
 #: More pairs and threads than these are slips of the keyboard.
 _MOST, _MOST_WORKERS = 100_000, 1000
@@ -44,7 +44,7 @@ def command(
     check_outputs({"--output": output}, [fitted])
 
     from surae.api import emg_bias, load  # numba: only when the command is in order
-    from surae.assessment.emg_bias import PAIRS
+    from surae.assessment.resampling.emg_bias import PAIRS
     from surae.cli.progress import compilation_notice, work
 
     fit = load(fitted)

@@ -30,7 +30,9 @@ _MOST_STARTS = 10_000
 @click.option("--model", default="muscle", show_default=True, metavar="M", help=f"{MODEL_NAMES}.")
 @click.option("--prepared", is_flag=True, help="Use the signals as they are, without filters.")
 @click.option("--fixed", multiple=True, metavar="NAME=VALUE", help="Do not estimate a parameter.")
-@click.option("--free", multiple=True, metavar="NAME", help="Estimate one that is fixed.")
+@click.option("--free", multiple=True, metavar="NAME",
+              help="Estimate one that is fixed; emd: a delay of the EMG; reflex: all of a stretch "
+              "reflex.")  # fmt: skip
 @click.option("--start", multiple=True, metavar="NAME=VALUE", help="Start somewhere else.")
 @click.option("--bound", multiple=True, metavar="NAME=LOW:HIGH", help="Other bounds.")
 @click.option("--prior", multiple=True, metavar="NAME=MEDIAN:SPREAD",
@@ -86,10 +88,10 @@ def command(
             inputs.append(prepare(read(path), prepared=prepared))
         check_outputs(
             {"--output": output, "--report": report},
-            [*([] if baseline is None else [baseline]),
+            [*([] if baseline is None else [baseline]), *settings.mvc,
              *(file.path for one in inputs for file in one.files)],
         )  # fmt: skip
-        prescribed = settings.prescribed(inputs)
+        prescribed = settings.prescribed(inputs, prepared)
         from surae.api import fit  # numba: only when the input is in order
         from surae.estimation import STARTS
 

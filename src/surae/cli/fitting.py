@@ -18,6 +18,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 #: Written out, since help must not import what knows them.
 LOSS_NAMES = "huber|soft-l1|tukey"
 POPULATION_NAMES = "healthy|patient"
+NORMALISE_NAMES = "session|mvc"
 TABLE_NAMES = "winter|de-leva-female|de-leva-male"
 
 _OPTIONS = (
@@ -32,6 +33,10 @@ _OPTIONS = (
     click.option("--loss", metavar=LOSS_NAMES, help="How outliers count.  [default: squares]"),
     click.option("--priors", "population", metavar=POPULATION_NAMES,
                  help="What is known of a population beforehand; --prior goes before it."),
+    click.option("--normalise", metavar=NORMALISE_NAMES,
+                 help="Divide EMG by the largest of all recordings, or of --mvc; g come out in N."),
+    click.option("--mvc", multiple=True, metavar="FILE",
+                 help="A maximum voluntary contraction; may be given several times."),
     click.option("--body-mass", metavar="KG", help="Fix m: the foot is 1.45 % of it (Winter)."),
     click.option("--footplate-mass", metavar="KG", help="To add to the foot's.  [default: 0]"),
     click.option("--foot-share", metavar=TABLE_NAMES,
@@ -58,15 +63,29 @@ class FitSettings:
         Names.
     mass : (float, float, str) or None
         Body mass [kg], footplate mass [kg] and the table that says what part is foot.
+    normalise : str or None
+        What EMG is divided by.
+    mvc : tuple of str
+        Files of maximum voluntary contractions.
     """
 
     weighting: "Weighting | None"
     loss: str | None
     population: str | None
     mass: tuple[float, float, str] | None
+    normalise: str | None = None
+    mvc: tuple[str, ...] = ()
 
-    def prescribed(self, inputs: Sequence["ModelInputs"]) -> Sequence["ModelInputs"]:
-        """The recordings with the mass of the foot fixed, where it was given."""
+    def prescribed(
+        self, inputs: Sequence["ModelInputs"], prepared: bool = False
+    ) -> Sequence["ModelInputs"]:
+        """The recordings with EMG normalised and the mass of the foot fixed, where asked for."""
+        if self.normalise is not None:
+            from surae.recording import read
+            from surae.signals import normalise, prepare
+
+            contractions = [prepare(read(path), prepared=prepared) for path in self.mvc]
+            inputs = normalise(inputs, self.normalise, mvc=contractions)
         if self.mass is None:
             return inputs
         from surae.model.anthropometry import with_foot_mass
@@ -107,6 +126,7 @@ def taken(options: dict[str, Any], fixed: Sequence[str] = ()) -> FitSettings:
         "huber" if robust else loss,
         options.pop("population"),
         _mass(options, fixed),
+        *_normalisation(options),
     )
 
 
@@ -134,6 +154,17 @@ def _mass(options: dict[str, Any], fixed: Sequence[str]) -> tuple[float, float, 
     kilograms = number("--body-mass", body)
     carried = 0.0 if plate is None else number("--footplate-mass", plate)
     return kilograms, carried, table or "winter"
+
+
+def _normalisation(options: dict[str, Any]) -> tuple[str | None, tuple[str, ...]]:
+    kind, mvc = options.pop("normalise"), options.pop("mvc")
+    if mvc and kind != "mvc":
+        raise InputError("--mvc has no effect without --normalise mvc; give both")
+    if kind not in (None, *NORMALISE_NAMES.split("|")):
+        raise InputError(f"--normalise {kind}: use one of: {NORMALISE_NAMES.replace('|', ', ')}")
+    if kind == "mvc" and not mvc:
+        raise InputError("--normalise mvc needs a maximum contraction: give --mvc FILE")
+    return kind, mvc
 
 
 def _window(text: str) -> tuple[float, float, float]:

@@ -12,8 +12,8 @@ from surae.errors import InputError
 from surae.files import shown, write_atomic
 
 if TYPE_CHECKING:
-    from surae.assessment.agreement import Agreement
-    from surae.assessment.posterior import Posterior
+    from surae.assessment.posterior.agreement import Agreement
+    from surae.assessment.posterior.sample import Posterior
 
 #: More of anything than this is a slip of the keyboard.
 _MOST_DRAWS, _MOST_CHAINS, _MOST_CORES = 1_000_000, 100, 1000
@@ -72,7 +72,7 @@ def command(
     check_outputs({"--output": output, "--figure": figure}, read)
 
     from surae.api import load, posterior  # numba: only when the command is in order
-    from surae.assessment.agreement import agreements, read_profile_intervals
+    from surae.assessment.posterior.agreement import agreements, read_profile_intervals
     from surae.cli.progress import compilation_notice, work
 
     fit = load(fitted)
@@ -156,7 +156,7 @@ def _table(found: "Posterior", compared: "dict[str, Agreement]") -> list[str]:
 
 def _notes(found: "Posterior", compared: "dict[str, Agreement]") -> list[str]:
     """Where intervals part, what rests on priors, and whether the draws can be believed."""
-    from surae.assessment.agreement import AGREES
+    from surae.assessment.posterior.agreement import AGREES
 
     lines = []
     for what, off in (

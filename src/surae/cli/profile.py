@@ -11,7 +11,7 @@ from surae.errors import InputError
 from surae.files import shown, write_atomic
 
 if TYPE_CHECKING:
-    from surae.assessment.profiles import Profiles
+    from surae.assessment.likelihood.profiles import Profiles
 
 #: More threads than this are a slip of the keyboard.
 _MOST_WORKERS = 1000

@@ -20,6 +20,7 @@ class Work:
     def __init__(self, bar: "Progress | None" = None, task: "TaskID | None" = None) -> None:
         self._bar, self._task = bar, task
         self._first: tuple[int, float] | None = None
+        self._named = ""
 
     def describe(self, what: str) -> None:
         """Say what is being done."""
@@ -45,6 +46,20 @@ class Work:
                 completed=done - before,
                 total=total - before,
                 description=f"fits: {done:,} of {total:,}{rate}",
+            )
+
+    def parts(self, what: str, done: int, total: int) -> None:
+        """Say how many parts of something named are there; each name has its own estimate."""
+        if self._bar is not None and self._task is not None:
+            if what != self._named:
+                self._named, self._first = what, (done, time.monotonic())
+                self._bar.reset(self._task)
+            before = self._first[0] if self._first else 0
+            self._bar.update(
+                self._task,
+                completed=done - before,
+                total=total - before,
+                description=f"{what}: {done:,} of {total:,}",
             )
 
 

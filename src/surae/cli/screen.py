@@ -19,7 +19,12 @@ if TYPE_CHECKING:  # a line is shown without the libraries that compute
     from surae.assessment import Comparison, Pooled, Prediction
 
 #: Style of a verdict, by its text.
-_STYLES = {"identified": "green", "weak": "yellow", "at-bound": "red", "fixed": "dim"}
+_STYLES = {
+    "identified": "green", "weak": "yellow", "at-bound": "red", "fixed": "dim",
+    "holds": "green", "differs": "red", "cannot be checked": "yellow",
+}  # fmt: skip
+#: How steps begin that are shown: what the user asked for, not what every fit does.
+_TOLD = ("Weights: ", "Mass m ", "EMG normalised: ")
 #: Width where stdout is no terminal and COLUMNS is not set.
 _WIDTH = 120
 #: Widths from which the interval stays on one line, and from which meanings have room.
@@ -80,7 +85,7 @@ def _told(fit: "Fit") -> list[str]:
 
     result = fit.result
     steps = (step for one in result.problem.inputs for step in one.steps)
-    lines = [step for step in dict.fromkeys(steps) if step.startswith(("Weights: ", "Mass m "))]
+    lines = [step for step in dict.fromkeys(steps) if step.startswith(_TOLD)]
     if result.problem.priors:
         lines.append(f"Priors on {', '.join(result.problem.priors)}.")
     if result.outliers is not None:
@@ -170,6 +175,17 @@ def show_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
         table.add_column(heading, justify="left" if outer else "right", no_wrap=True)
     for row in rows:
         table.add_row(*row)
+    _print(_console(), table)
+
+
+def show_verdicts(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """A table of texts, folded to the width, the last one a verdict that is never folded."""
+    table = _table()
+    for heading in headings[:-1]:
+        table.add_column(heading, overflow="fold")
+    table.add_column(headings[-1], no_wrap=True)
+    for row in rows:
+        table.add_row(*(Text(cell) for cell in row[:-1]), Text(row[-1], _STYLES.get(row[-1], "")))
     _print(_console(), table)
 
 

@@ -24,12 +24,13 @@ def command(
     """Compute the torque that a model gives for the angle and EMG of a recording.
 
     The signals are used as they are. OUT.csv holds them with torque_Nm, the modelled torque, and
-    its parts; muscle-tendon models add lengths, velocities and forces of muscles and tendons. A
+    its parts; muscle-tendon models add lengths, velocities and forces of muscles and tendons.
+    P.json may hold emd, a delay of the EMG, and reflex_tri, reflex_tib, reflex_delay, a reflex. A
     FIT.json also says the model and its options, unless they are given here.
     """
     chosen = given(options)
 
-    from surae.model import ModelOptions, get_model
+    from surae.model import ModelOptions, get_model, with_drives
     from surae.recording import MUSCLES, columns, read, write_csv
     from surae.signals import prepare
 
@@ -38,12 +39,12 @@ def command(
     check_outputs({"--output": output}, [parameters, *(file.path for file in measured.files)])
 
     from surae.api import simulate_parts  # numba: only when the input is in order
-    from surae.assessment.fit_json import read_parameters
+    from surae.assessment.saved.fit_json import read_parameters
     from surae.cli.progress import compilation_notice
     from surae.cli.screen import show_line
 
     source = read_parameters(parameters)
-    spec = get_model(model or source.model or "muscle")
+    spec = with_drives(get_model(model or source.model or "muscle"), source.values)
     settings = dict(source.options) | chosen
     known = ModelOptions.of(**settings)
     try:

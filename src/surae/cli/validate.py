@@ -125,7 +125,7 @@ def _leave_one_out(
 
     with work() as progress, compilation_notice():
         found = leave_one_out(
-            settings.prescribed(inputs),
+            settings.prescribed(inputs, prepared),
             model,
             fixed=held,
             priors=settings.priors(known),

@@ -11,7 +11,7 @@ from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.least_squares import Minimum, Outcome, minimise
 from surae.estimation.problem import FitProblem, Residuals
 from surae.estimation.result import FitResult, Start, is_at_bound
-from surae.estimation.starts import from_start
+from surae.estimation.starts import Follow, from_start
 from surae.recording import read_only
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
@@ -32,6 +32,7 @@ def fit_problem(
     seed: int = 0,
     progress: Progress | None = None,
     noise: float | None = None,
+    follow: Follow | None = None,
 ) -> FitResult:
     """Find the parameters that bring the modelled torque closest to the measured one.
 
@@ -48,6 +49,9 @@ def fit_problem(
     noise : float, optional
         Standard deviation of the torque's noise [Nm], against which priors are weighed; by default
         what a fit without priors leaves.
+    follow : callable, optional
+        Called with every better point on the way: the model, which is a simpler one at first where
+        the problem's has a parent, all its parameters, and the sum of squares.
 
     Returns
     -------
@@ -63,7 +67,7 @@ def fit_problem(
             return replace(plain, problem=problem, message=f"{plain.message}, before the priors")
         noise = float(np.sqrt(plain.sse / (problem.n - len(problem.free))))
     residuals = Residuals(problem, noise or 0.0)
-    minimum = from_start(problem, residuals)
+    minimum = from_start(problem, residuals, follow)
     minima: list[Minimum] = []
     initials = _initials(problem, starts, seed)
     with one_blas_thread(), postponed_interrupt():

@@ -22,6 +22,8 @@ _ENOUGH = 1e-4
 _RIDGE = 1e-12
 #: How a point moves along a step; beyond first order it is free to follow the problem's curves.
 Move = Callable[[FloatArray, FloatArray], FloatArray]
+#: Told of every better point: its parameters and its sum of squares.
+Better = Callable[[FloatArray, float], None]
 #: A function of the parameters that returns the (p + 1, n) rows of the Jacobian and, last, the
 #: residual. It may be overwritten.
 Rows = Callable[[FloatArray], FloatArray]
@@ -101,6 +103,7 @@ def minimise(
     xtol: float = 1e-10,
     gtol: float = 1e-10,
     stall: float | None = None,
+    better: Better | None = None,
 ) -> Minimum:
     """Minimise the sum of squared residuals within bounds.
 
@@ -131,6 +134,8 @@ def minimise(
         Takes the place of `ftol` after a step that did not improve on the best point. The torque
         has kinks, where tissue goes slack (11), and closer to the minimum than a small part of the
         noise the quadratic prediction does not hold: more steps would only chase kinks.
+    better : callable, optional
+        Called with every point that is better than all before it.
 
     Returns
     -------
@@ -187,6 +192,8 @@ def minimise(
                 here = _Point.of(x, trial)
                 if here.sse < best.sse:
                     best = here
+                    if better is not None:
+                        better(best.x, best.sse)
                 recent.append(here.sse)
                 damping = max(damping * np.clip(1 - (2 * monotone - 1) ** 3, 0.1, 10.0), 1e-15)
                 growth = 2.0

@@ -13,6 +13,7 @@ from surae.estimation.least_squares import Outcome, minimise
 from surae.estimation.losses import Loss, named_loss, spread
 from surae.estimation.problem import FitProblem, Residuals
 from surae.estimation.result import FitResult, Outliers
+from surae.estimation.starts import Follow
 from surae.recording import read_only
 from surae.signals import ModelInputs
 from surae.threads import one_blas_thread
@@ -37,6 +38,7 @@ def fit_robust(
     starts: int = STARTS,
     seed: int = 0,
     progress: Progress | None = None,
+    follow: Follow | None = None,
 ) -> FitResult:
     """Fit with a loss that grows less than the square of the residual.
 
@@ -52,7 +54,7 @@ def fit_robust(
         The question. Its own weights multiply those of the loss.
     loss : {"huber", "soft-l1", "tukey"}
         See `LOSSES`.
-    starts, seed, progress
+    starts, seed, progress, follow
         As in `fit_problem`.
 
     Returns
@@ -67,7 +69,7 @@ def fit_robust(
     using iteratively reweighted least-squares, Commun. Stat. A6 (1977).
     """
     chosen, begin = named_loss(loss), time.perf_counter()
-    first = fit_problem(problem, starts=1, seed=seed)
+    first = fit_problem(problem, starts=1, seed=seed, follow=follow)
     if first.status == "failed":
         return first
     x = np.array([first.values[name] for name in problem.free])
@@ -87,7 +89,12 @@ def fit_robust(
             problem, inputs=_with(problem.inputs, outliers.weights), base=problem.values(x)
         )
         found = fit_problem(
-            weighted, starts=starts, seed=seed, progress=progress, noise=outliers.scale
+            weighted,
+            starts=starts,
+            seed=seed,
+            progress=progress,
+            noise=outliers.scale,
+            follow=follow,
         )
         if found.status == "failed" or found.sse >= sse * (1 - 1 / (problem.n - len(x))):
             break

@@ -95,6 +95,10 @@ WIDE: dict[str, Known] = {
     "kt_tib": Known(4.0, 0.4, _TABLE),
     "fmax_tri": Known(8e3, 0.3, _TABLE),
     "fmax_tib": Known(1.4e3, 0.3, _TABLE),
+    "emd": Known(0.03, 0.7, "20 to 100 ms with the surface EMG (Cavanagh and Komi 1979); assumed"),
+    "reflex_tri": Known(2e3, 1.5, "assumed: some Nm at a stretch of 3 rad/s; none known"),
+    "reflex_tib": Known(2e3, 1.5, "assumed: some Nm at a stretch of 3 rad/s; none known"),
+    "reflex_delay": Known(0.05, 0.4, "short latency 40 ms and the muscle's own delay; assumed"),
     "b_tri": Known(500.0, 1.5, "assumed, around the start of the model of 2010; none known"),
 }
 WIDE |= {f"e{number}": WIDE[f"g{number}"] for number in (1, 2, 3, 4)}

@@ -1,6 +1,6 @@
 """The question a fit answers: which model and recordings, what is free, within which bounds."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,7 +8,16 @@ import numpy as np
 from surae.errors import InputError
 from surae.estimation.interrupt import checkpoint
 from surae.estimation.population import population_priors
-from surae.model import ModelOptions, ModelSpec, adapted, check_names, check_value, get_model
+from surae.model import (
+    ModelOptions,
+    ModelSpec,
+    adapted,
+    check_names,
+    check_value,
+    get_model,
+    with_drives,
+)
+from surae.model.parameters import DRIVES
 from surae.model.simulator import Simulator
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs
@@ -112,7 +121,8 @@ def make_problem(
         Parameters that are not estimated. They override what a recording prescribes, and may lie
         outside the bounds of a fit as long as they are physical.
     free : sequence of str, optional
-        Parameters to estimate beside those that the model frees by itself.
+        Parameters to estimate beside those that the model frees by itself. ``"reflex"`` stands for
+        all parameters of the reflex that are not fixed.
     start : mapping of str to float, optional
         Where to start instead of the defaults.
     bounds : mapping of str to (lower, upper), optional
@@ -129,14 +139,17 @@ def make_problem(
     InputError
         Something asked for is unknown, contradictory or impossible.
     """
-    spec, options = get_model(model), options or ModelOptions()
+    options = options or ModelOptions()
+    fixed, start, bounds = dict(fixed or {}), dict(start or {}), dict(bounds or {})
+    held = {*fixed, *(name for one in inputs for name in one.fixed)}
+    free = _spelled_out(free, held)
+    spec = with_drives(get_model(model), {*held, *start, *bounds, *(priors or {}), *free})
     if not inputs:
         raise InputError("nothing to fit: give at least one recording")
     for one in inputs:
         check_estimable(one)
         _check_weight(one)
         _check_prescribed(one, spec)
-    fixed, start, bounds = dict(fixed or {}), dict(start or {}), dict(bounds or {})
     prescribed = _agreed_fixed(inputs, fixed) | fixed
     for names in (prescribed, start, bounds, tuple(free)):
         check_names(names, spec)
@@ -156,6 +169,7 @@ def make_problem(
     )
     if not names:
         raise InputError("every parameter is fixed: nothing to estimate; free at least one")
+    _check_reflex(names, base)
     limits = {name: (p.lower, p.upper) for name, p in table.items()}
     limits |= {name: _checked_bounds(name, pair, spec) for name, pair in bounds.items()}
     for name, (low, high) in limits.items():
@@ -184,6 +198,27 @@ def make_problem(
         upper=np.array([limits[name][1] for name in names], dtype=float),
         priors=known,
     )
+
+
+def _spelled_out(free: Sequence[str], fixed: Collection[str]) -> tuple[str, ...]:
+    """The names to free, a drive's name replaced by its parameters that are not fixed."""
+    names: list[str] = []
+    for name in free:
+        group = DRIVES.get(name, ())
+        if name in group:
+            group = ()
+        names += [one for one in group if one not in fixed] or [name]
+    return tuple(names)
+
+
+def _check_reflex(free: Sequence[str], values: Mapping[str, float]) -> None:
+    """A reflex that is off has no delay to estimate."""
+    gains = DRIVES["reflex"][:2]
+    if "reflex_delay" in free and not any(name in free or values[name] for name in gains):
+        raise InputError(
+            f"reflex_delay is free, but the reflex is off: free {' or '.join(gains)} too, or all "
+            "with 'reflex'"
+        )
 
 
 def _check_prescribed(one: ModelInputs, spec: ModelSpec) -> None:
@@ -218,6 +253,14 @@ def _agreed_unit(inputs: Sequence[ModelInputs]) -> str:
             "some recordings have EMG in V and some normalised: their weights cannot be shared; "
             "fit them apart"
         )
+    references = [one.emg_reference for one in inputs]
+    for one, reference in zip(inputs, references, strict=True):
+        if reference != references[0]:
+            raise InputError(
+                f"{one.where}: its EMG was divided by another reference than that of "
+                f"{inputs[0].where}: their weights cannot be shared; normalise all recordings of "
+                "a session together, never each by itself"
+            )
     return units.pop()
 
 

@@ -1,15 +1,16 @@
 """From one start to its minimum: what each model solves before all parameters move together."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 
 from surae.estimation.curved import curved_move
-from surae.estimation.least_squares import Minimum, Outcome, minimise
+from surae.estimation.least_squares import Better, Minimum, Outcome, minimise
 from surae.estimation.problem import FitProblem, Residuals
 from surae.estimation.separable import scan_lengths, solve_linear
-from surae.model import get_model
+from surae.model import ModelSpec, get_model, with_drives
 from surae.signals import thinned, thinning_factor
 from surae.units import FloatArray
 
@@ -20,6 +21,8 @@ _STALL, _STALL_THINNED = 0.1, 1.0
 _THIN_RATE, _THIN_SAMPLES = 60.0, 500
 #: Relaxation times [s] that are tried, with this factor, unless the one found is within `_APART`.
 _RELAXATIONS, _RELAXATION_FACTOR, _APART = (0.3, 5.0), 0.4, 4.0
+#: Told of every better point: the model, all its parameters, and the sum of squares.
+Follow = Callable[[ModelSpec, FloatArray, float], None]
 
 
 class FromStart(Protocol):
@@ -30,7 +33,9 @@ class FromStart(Protocol):
         ...
 
 
-def from_start(problem: FitProblem, residuals: Residuals) -> FromStart:
+def from_start(
+    problem: FitProblem, residuals: Residuals, follow: Follow | None = None
+) -> FromStart:
     """How a start of this problem finds its minimum.
 
     A model of rigid tendons solves its linear parameters first. A model with a parent takes the
@@ -38,7 +43,7 @@ def from_start(problem: FitProblem, residuals: Residuals) -> FromStart:
     a few percent, so each lies in the valley of the next and costs a fraction of it.
     """
     move, stall = curved_move(problem), _STALL / problem.n
-    first = _first_look(problem)
+    first, better = _first_look(problem, follow), _better(problem, follow)
 
     def minimum(initial: FloatArray, *, scan: bool) -> Minimum:
         rows = residuals.rows
@@ -52,12 +57,25 @@ def from_start(problem: FitProblem, residuals: Residuals) -> FromStart:
             x = scan_lengths(problem, residuals.data_rows, initial)
         else:
             x, _ = solve_linear(problem, residuals.data_rows, initial)
-        return minimise(rows, x, problem.lower, problem.upper, move=move, stall=stall)
+        return minimise(
+            rows, x, problem.lower, problem.upper, move=move, stall=stall, better=better
+        )
 
     return minimum
 
 
-def _first_look(problem: FitProblem) -> FromStart | None:
+def _better(problem: FitProblem, follow: Follow | None) -> Better | None:
+    """What an iteration tells of its points, so that one can follow it; None: nobody does."""
+    if follow is None:
+        return None
+
+    def better(x: FloatArray, sse: float) -> None:
+        follow(problem.spec, problem.values(x), sse)
+
+    return better
+
+
+def _first_look(problem: FitProblem, follow: Follow | None = None) -> FromStart | None:
     """The minimum of a model with a parent on thinned data; None for a model without."""
     factors = [thinning_factor(one, _THIN_RATE, _THIN_SAMPLES) for one in problem.inputs]
     thin = replace(
@@ -71,9 +89,10 @@ def _first_look(problem: FitProblem) -> FromStart | None:
     if parent is None:
         return None
     shared = [problem.free.index(name) for name in parent.free]
-    from_parent = from_start(parent, Residuals(parent))
+    from_parent = from_start(parent, Residuals(parent), follow)
     rows = Residuals(thin).rows
     move, stall = curved_move(thin), _STALL_THINNED / thin.n
+    better = _better(thin, follow)
 
     def minimum(initial: FloatArray, *, scan: bool) -> Minimum:
         before = from_parent(initial[shared], scan=scan)
@@ -82,7 +101,7 @@ def _first_look(problem: FitProblem) -> FromStart | None:
         if before.outcome is Outcome.INTERRUPTED:
             here = minimise(rows, x, thin.lower, thin.upper, max_iterations=1)
             return replace(here, outcome=Outcome.INTERRUPTED)
-        best = minimise(rows, x, thin.lower, thin.upper, move=move, stall=stall)
+        best = minimise(rows, x, thin.lower, thin.upper, move=move, stall=stall, better=better)
         for other in _other_relaxations(thin, best.x):
             if best.outcome is Outcome.INTERRUPTED:
                 break
@@ -116,7 +135,7 @@ def _parent(problem: FitProblem) -> FitProblem | None:
     """The same problem with the parent model; None without one, or with nothing free in it."""
     if problem.spec.parent is None:
         return None
-    spec = get_model(problem.spec.parent)
+    spec = with_drives(get_model(problem.spec.parent), problem.spec.drives)
     shared = [name in spec.names for name in problem.free]
     if not any(shared):
         return None

@@ -2,7 +2,14 @@
 
 from surae.model.options import ModelOptions
 from surae.model.parameters import Parameter, adapted
-from surae.model.registry import MODELS, ModelSpec, check_names, check_value, get_model
+from surae.model.registry import (
+    MODELS,
+    ModelSpec,
+    check_names,
+    check_value,
+    get_model,
+    with_drives,
+)
 from surae.model.simulator import Simulator, TorqueParts, check_finite_torque
 from surae.model.tendon_state import TendonLaw, TendonState
 
@@ -20,4 +27,5 @@ __all__ = [
     "check_names",
     "check_value",
     "get_model",
+    "with_drives",
 ]

@@ -64,6 +64,20 @@ PARAMETER_ADVICE: dict[str, str] = {
     "fmax_tib": "fix it, and let the strain factor vary instead",
 }
 
+#: The same of the optional drives.
+DRIVE_ADVICE: dict[str, str] = {
+    "emd": "faster bursts of effort, or fix it at a measured delay",
+    "reflex_tri": "faster stretches of the relaxed triceps, at several speeds",
+    "reflex_tib": "faster stretches of the relaxed tibialis, at several speeds",
+    "reflex_delay": "faster and shorter stretches at rest, held for half a second after each",
+}
+
+
+def advice_on(name: str) -> str | None:
+    """What tells more of a parameter, as an imperative; None where nothing is known."""
+    return PARAMETER_ADVICE.get(name) or DRIVE_ADVICE.get(name)
+
+
 #: The best known ones; the first that holds a parameter and one it trades off with is told.
 TRADE_OFFS: tuple[TradeOff, ...] = (
     TradeOff(
@@ -140,11 +154,44 @@ TRADE_OFFS: tuple[TradeOff, ...] = (
     ),
 )
 
+#: The same of the optional drives.
+DRIVE_TRADE_OFFS: tuple[TradeOff, ...] = (
+    TradeOff(
+        frozenset({"emd"}),
+        "a slower filter delays the force behind the EMG as a pure delay does",
+        "faster bursts of effort, or fix the delay or beta (1, critical damping)",
+        beside=frozenset({"f0", "beta", "f"}),
+    ),
+    TradeOff(
+        frozenset({"reflex_delay"}),
+        "a slower filter delays the force behind a stretch as the reflex's delay does",
+        "an active part with fast bursts of effort, which shows the filter, or fix the delay",
+        beside=frozenset({"f0", "beta", "f"}),
+    ),
+    TradeOff(
+        frozenset({"reflex_tri", "reflex_tib", "reflex_delay"}),
+        "the reflexes of both muscles answer the same movement",
+        "fast stretches of either muscle with rest between them, or fix one gain at 0",
+    ),
+    TradeOff(
+        frozenset({"reflex_tri", "reflex_tib"}),
+        "tissue that relaxes resists a fast stretch too",
+        "stretches over the same range at several speeds, slow ones included",
+        beside=frozenset({"k_tri", "x0_tri", "k_tib", "x0_tib", "tau_rel", "k_rel", "b_tri", "F0"}),
+    ),
+    TradeOff(
+        frozenset({"reflex_tri", "reflex_tib"}),
+        "EMG that the reflex makes drives the force a second time",
+        "fix the gain at 0 where the EMG holds the reflex, or leave it to trials without effort",
+        beside=frozenset({"g1", "g2", "g3", "g4", "e1", "e2", "e3", "e4"}),
+    ),
+)
+
 
 def trade_off(name: str, partners: tuple[str, ...]) -> TradeOff | None:
     """The known reason why a parameter trades off with one of its partners, strongest first."""
     for partner in partners:
-        for known in TRADE_OFFS:
+        for known in (*TRADE_OFFS, *DRIVE_TRADE_OFFS):
             if known.holds(name, partner):
                 return known
     return None

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from surae.model.balance import solve
 from surae.model.jit import jit
 from surae.model.rigid import BETA, F0, K_REL, L0, TAU, X0, G, K, M
-from surae.model.stages import ALPHA, BY_BETA, BY_F0, CHANNEL, GAMMA, staged_activation
+from surae.model.stages import ALPHA, BY_BETA, BY_F0, CHANNEL, GAMMA
 from surae.model.tendon import tendon_curve, tendon_partials, tendon_shape
 from surae.units import FloatArray
 
@@ -37,15 +37,17 @@ _RHO = (1.0 - GAMMA) / GAMMA
 
 def compliant_torque(
     p: FloatArray, slots: IntArray, limb: FloatArray, arms: FloatArray, lengths: FloatArray,
-    staged: FloatArray, emg: FloatArray, strain_lengths: FloatArray, factor: float, dt: float,
+    staged: FloatArray, alphas: FloatArray, by_drive: FloatArray, strain_lengths: FloatArray,
+    factor: float, dt: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray, IntArray]:  # fmt: skip
     """Reaction torque, equation (1) with (2) to (21), (25), (26), (29), (30), and derivatives.
 
     Parameters
     ----------
-    p : ndarray, shape (23,)
-        The muscle's fifteen parameters, then ε0, F̄toe, ktoe and Fmax of triceps and tibialis.
-    slots : ndarray of int, shape (23,)
+    p : ndarray, shape (23 + D,)
+        The muscle's fifteen parameters, then ε0, F̄toe, ktoe and Fmax of triceps and tibialis, then
+        those of D drives.
+    slots : ndarray of int, shape (23 + D,)
         Row of the jacobian that belongs to each parameter; −1 where it is not wanted.
     limb : ndarray, shape (n,)
         Inertial and gravitational torque of 1 kg [Nm/kg].
@@ -53,8 +55,11 @@ def compliant_torque(
         Signed moment arms and muscle lengths on a rigid tendon, lmt − lt0 [m], triceps first.
     staged : ndarray, shape (2, n)
         `lengths` at the first stage of the step that ends at each sample [m].
-    emg : ndarray, shape (4, n)
-        EMG envelopes TA, GL, SOL, GM [V].
+    alphas : ndarray, shape (10, n, 2)
+        Active states at both stages of every step with their derivatives, which may be zero where
+        no jacobian is wanted; see `surae.model.stages.staged_activation`.
+    by_drive : ndarray, shape (2, D, n, 2)
+        Derivatives of both groups' active states by the parameters of the drives.
     strain_lengths : ndarray, shape (2,)
         What ε0 is multiplied by to be an elongation in metres: 1, or the slack length.
     factor : float
@@ -76,7 +81,6 @@ def compliant_torque(
         none; torque and states are NaN from there on.
     """
     wanted = int(slots.max()) + 1
-    alphas = staged_activation(emg, p[G : G + 4], p[F0], p[BETA], dt, wanted > 0)
     jacobian = np.zeros((wanted, len(limb)))
     if slots[M] >= 0:
         jacobian[slots[M]] = limb
@@ -85,7 +89,7 @@ def compliant_torque(
     for muscle in range(2):
         unsolved[muscle] = _simulate(
             muscle, p, slots, arms[muscle], lengths[muscle], staged[muscle], alphas,
-            float(strain_lengths[muscle]), factor, dt, jacobian, states[muscle],
+            by_drive[muscle], float(strain_lengths[muscle]), factor, dt, jacobian, states[muscle],
         )  # fmt: skip
     torque = p[M] * limb + arms[0] * states[0, FORCE] + arms[1] * states[1, FORCE]
     return torque, jacobian, states, unsolved
@@ -97,11 +101,11 @@ def _places(muscle: int, slots: IntArray) -> tuple[IntArray, IntArray]:
 
     Parameters that are not wanted share the last place, which nobody reads.
     """
-    rows = np.empty(N_COMPLIANT, np.int64)
-    place = np.full(N_COMPLIANT, -1)
+    rows = np.empty(len(slots), np.int64)
+    place = np.full(len(slots), -1)
     size = 0
-    for j in range(1, N_COMPLIANT):
-        if j in (TAU, K_REL, F0, BETA):
+    for j in range(1, len(slots)):
+        if j in (TAU, K_REL, F0, BETA) or j >= N_COMPLIANT:
             touches = True
         elif G <= j < G + 4:
             touches = (j == G) == (muscle == 1)
@@ -112,7 +116,7 @@ def _places(muscle: int, slots: IntArray) -> tuple[IntArray, IntArray]:
             rows[size] = slots[j]
             place[j] = size
             size += 1
-    for j in range(N_COMPLIANT):
+    for j in range(len(slots)):
         if place[j] < 0:
             place[j] = size
     return rows[:size], place
@@ -121,8 +125,8 @@ def _places(muscle: int, slots: IntArray) -> tuple[IntArray, IntArray]:
 @jit
 def _simulate(
     muscle: int, p: FloatArray, slots: IntArray, arms: FloatArray, lengths: FloatArray,
-    staged: FloatArray, alphas: FloatArray, strain_length: float, factor: float, dt: float,
-    jacobian: FloatArray, states: FloatArray,
+    staged: FloatArray, alphas: FloatArray, by_drive: FloatArray, strain_length: float,
+    factor: float, dt: float, jacobian: FloatArray, states: FloatArray,
 ) -> int:  # fmt: skip
     """One muscle group: fills its states, adds to the jacobian; its first unsolved sample or −1."""
     k, x0, l0, tau, k_rel = p[K + muscle], p[X0 + muscle], p[L0 + muscle], p[TAU], p[K_REL]
@@ -213,6 +217,8 @@ def _simulate(
             driven[i_beta] = alphas[BY_BETA + muscle, i, stage]
             for channel in range(first, last):
                 driven[place[G + channel]] = alphas[CHANNEL + channel, i, stage]
+            for drive in range(len(by_drive)):
+                driven[place[N_COMPLIANT + drive]] = by_drive[drive, i, stage]
 
             share = 1.0 / G_e
             by_start, by_held = alpha * fl * fv_v * per_h * share, taut * keep * share

@@ -24,8 +24,8 @@ from surae.model.compliant import (
 from surae.model.contraction import FECC, MVSH, MVSHL, force_length
 from surae.model.jit import jit
 from surae.model.passive import elastic_force, relaxation_step
-from surae.model.rigid import BETA, F0, K_REL, L0, TAU, X0, G, K
-from surae.model.stages import ALPHA, staged_activation
+from surae.model.rigid import K_REL, L0, TAU, X0, K
+from surae.model.stages import ALPHA
 from surae.model.tendon import tendon_curve, tendon_force
 from surae.units import FloatArray
 
@@ -63,7 +63,7 @@ def speed_of(factor: float, vmax: float) -> float:
 
 
 def explicit_states(
-    p: FloatArray, lengths: FloatArray, emg: FloatArray, strain_lengths: FloatArray,
+    p: FloatArray, lengths: FloatArray, alphas: FloatArray, strain_lengths: FloatArray,
     factor: float, dt: float,
 ) -> tuple[FloatArray, IntArray]:  # fmt: skip
     """States of both muscle groups as the thesis integrates them.
@@ -76,8 +76,8 @@ def explicit_states(
         The muscle's fifteen parameters, then ε0, F̄toe, ktoe and Fmax of triceps and tibialis.
     lengths : ndarray, shape (2, n)
         Muscle lengths on a rigid tendon, lmt − lt0 [m], triceps first.
-    emg : ndarray, shape (4, n)
-        EMG envelopes TA, GL, SOL, GM [V].
+    alphas : ndarray, shape (10, n, 2)
+        Active states; see `surae.model.stages.staged_activation`.
     strain_lengths : ndarray, shape (2,)
         What ε0 is multiplied by to be an elongation in metres: 1, or the slack length.
     factor : float
@@ -90,7 +90,6 @@ def explicit_states(
     states, unsolved
         As from `surae.model.compliant.compliant_torque`; only the start is ever solved for.
     """
-    alphas = staged_activation(emg, p[G : G + 4], p[F0], p[BETA], dt, False)
     states = np.full((2, 5, lengths.shape[1]), np.nan)
     unsolved = np.full(2, -1)
     for muscle in range(2):

@@ -19,13 +19,14 @@ from surae.model.compliant import (
     IntArray,
     compliant_torque,
 )
+from surae.model.drives import DrivenActivation, Drives
 from surae.model.explicit import explicit_states
 from surae.model.geometry import paths
 from surae.model.options import ModelOptions
-from surae.model.parameters import MUSCLE_PARAMETERS, TENDON_PARAMETERS
-from surae.model.rigid import M
+from surae.model.parameters import DRIVE_PARAMETERS, MUSCLE_PARAMETERS, TENDON_PARAMETERS
+from surae.model.rigid import BETA, F0, G, M
 from surae.model.simulator import TorqueParts
-from surae.model.stages import GAMMA
+from surae.model.stages import ALPHA, GAMMA, staged_activation
 from surae.model.tendon import SLACK_TIB, SLACK_TRI, tendon_curve
 from surae.model.tendon_state import TendonLaw, TendonState
 from surae.recording import read_only
@@ -35,6 +36,8 @@ from surae.units import FloatArray
 #: Relative step of the central differences that the explicit scheme's derivatives are made of.
 DIFFERENCE = 1e-6
 _STARTS = np.array([p.start for p in MUSCLE_PARAMETERS + TENDON_PARAMETERS])
+#: What such a step is relative to where a drive is off: a part of its range.
+_DRIVE_SCALES = {p.name: 0.1 * p.upper for p in DRIVE_PARAMETERS}
 
 
 class MuscleTendonSimulator:
@@ -45,7 +48,9 @@ class MuscleTendonSimulator:
     `TendonState.unsolved`), the torque is NaN from there on.
     """
 
-    def __init__(self, inputs: ModelInputs, options: ModelOptions) -> None:
+    def __init__(
+        self, inputs: ModelInputs, options: ModelOptions, drives: Sequence[str] = ()
+    ) -> None:
         tri, tib = paths(inputs.angle, inputs.velocity, options)
         self._inertia = limb.inertia_torque(inputs.acceleration)
         self._gravity = limb.gravity_torque(inputs.angle, options.theta_foot)
@@ -60,6 +65,12 @@ class MuscleTendonSimulator:
         self._slack = np.array([SLACK_TRI, SLACK_TIB])
         in_metres = options.tendon_strain == "thesis"
         self._strain_lengths = np.ones(2) if in_metres else self._slack
+        lags = (1.0 - GAMMA) * self._dt, 0.0
+        self._names = tuple(drives)
+        self._drives = (
+            Drives(self._emg, self._speeds, self._dt, drives, lags) if self._names else None
+        )
+        self._undriven = np.zeros((2, 0, inputs.n, 2))
 
     def torque(self, values: FloatArray) -> FloatArray:
         """Modelled torque [Nm], shape (n,)."""
@@ -77,6 +88,9 @@ class MuscleTendonSimulator:
         states = self._states(values)
         tissue = states[:, TISSUE]
         tissue, neural = self._arms * tissue, self._arms * (states[:, FORCE] - tissue)
+        reflex = self._reflex_share(values)
+        if reflex is not None:
+            reflex *= neural
         return TorqueParts(
             tissue_tri=tissue[0],
             tissue_tib=tissue[1],
@@ -84,6 +98,8 @@ class MuscleTendonSimulator:
             neural_tib=neural[1],
             inertial=values[M] * self._inertia,
             gravitational=values[M] * self._gravity,
+            reflex_tri=None if reflex is None else reflex[0],
+            reflex_tib=None if reflex is None else reflex[1],
         )
 
     def tendon(self, values: FloatArray) -> TendonState:
@@ -106,14 +122,38 @@ class MuscleTendonSimulator:
     def _run(
         self, values: FloatArray, columns: Sequence[int]
     ) -> tuple[FloatArray, FloatArray, FloatArray, IntArray]:
-        slots = np.full(N_COMPLIANT, -1)
+        slots = np.full(N_COMPLIANT + len(self._names), -1)
         slots[list(columns)] = np.arange(len(columns))
         # A copy: for a read-only or strided array numba would compile every kernel once more.
         p = np.array(values, dtype=np.float64)
+        alphas, by_drive = self._activation(p, len(columns) > 0)
         return compliant_torque(
-            p, slots, self._limb, self._arms, self._lengths, self._staged, self._emg,
+            p, slots, self._limb, self._arms, self._lengths, self._staged, alphas, by_drive,
             self._strain_lengths, self._factor, self._dt,
         )  # fmt: skip
+
+    def _activation(self, p: FloatArray, derivatives: bool) -> tuple[FloatArray, FloatArray]:
+        """Active states at the stages with their derivatives, and those by the drives."""
+        if self._drives is not None:
+            driven = self._driven(self._drives, p)
+            return driven.signals, driven.by_drive
+        weights = p[G : G + 4]
+        alphas = staged_activation(self._emg, weights, p[F0], p[BETA], self._dt, derivatives)
+        return alphas, self._undriven
+
+    def _driven(self, drives: Drives, p: FloatArray) -> DrivenActivation:
+        return drives.activation(p[N_COMPLIANT:], p[G : G + 4], float(p[F0]), float(p[BETA]))
+
+    def _reflex_share(self, values: FloatArray) -> FloatArray | None:
+        """The reflex's part of both active states, shape (2, n); None without a reflex."""
+        driven = None if self._drives is None else self._driven(self._drives, values)
+        if driven is None or driven.reflex is None:
+            return None
+        alpha = driven.signals[ALPHA : ALPHA + 2, :, 1]
+        share: FloatArray = np.divide(
+            driven.reflex[..., 1], alpha, out=np.zeros_like(alpha), where=alpha > 0.0
+        )
+        return share
 
     def _states(self, values: FloatArray) -> FloatArray:
         return self._run(values, ())[2]
@@ -142,26 +182,32 @@ class ThesisSimulator(MuscleTendonSimulator):
     ) -> tuple[FloatArray, FloatArray]:
         """Modelled torque, shape (n,), and its derivatives, one row for each of `columns`."""
         jacobian = np.empty((len(columns), len(self._limb)))
+        scales = [*_STARTS, *(_DRIVE_SCALES[name] for name in self._names)]
         for row, j in zip(jacobian, columns, strict=True):
-            step = DIFFERENCE * (abs(values[j]) or _STARTS[j])
+            step = DIFFERENCE * (abs(values[j]) or scales[j])
             below, above = np.array(values), np.array(values)
             below[j] -= step
             above[j] += step
+            if j >= N_COMPLIANT:  # nothing comes before it is caused
+                below[j] = max(below[j], 0.0)
             row[:] = (self.torque(above) - self.torque(below)) / (above[j] - below[j])
         return self.torque(values), jacobian
 
     def _states(self, values: FloatArray) -> FloatArray:
         p = np.array(values, dtype=np.float64)
+        alphas, _ = self._activation(p, False)
         return explicit_states(
-            p, self._lengths, self._emg, self._strain_lengths, self._factor, self._dt
+            p, self._lengths, alphas, self._strain_lengths, self._factor, self._dt
         )[0]
 
 
-def muscle_tendon_simulator(inputs: ModelInputs, options: ModelOptions) -> MuscleTendonSimulator:
-    """The simulator whose integrator `options` name."""
+def muscle_tendon_simulator(
+    inputs: ModelInputs, options: ModelOptions, drives: Sequence[str] = ()
+) -> MuscleTendonSimulator:
+    """The simulator whose integrator `options` name, with the drives of these parameters."""
     if options.integrator == "explicit-euler":
-        return ThesisSimulator(inputs, options)
-    return MuscleTendonSimulator(inputs, options)
+        return ThesisSimulator(inputs, options, drives)
+    return MuscleTendonSimulator(inputs, options, drives)
 
 
 def _first_not_finite(states: FloatArray) -> int | None:

@@ -97,6 +97,20 @@ TENDON_PARAMETERS: tuple[Parameter, ...] = (
     ),
 )
 
+#: What may drive the muscles beside EMG as it is; off at these starts, and no part of a model that
+#: is not asked for it (`surae.model.registry.with_drives`).
+DRIVE_PARAMETERS: tuple[Parameter, ...] = (
+    _P("emd", "s", "electromechanical delay of the EMG", "active", 0.0, 0.0, 0.2, positive=False),
+    _P("reflex_tri", "N·s/m", "reflex gain, triceps surae", "active", 0.0, 0.0, 1e5, False),
+    _P("reflex_tib", "N·s/m", "reflex gain, tibialis anterior", "active", 0.0, 0.0, 1e5, False),
+    _P("reflex_delay", "s", "delay of the reflex", "active", 0.05, 0.02, 0.15, positive=False),
+)
+#: Drives by the name under which all their parameters are freed.
+DRIVES: dict[str, tuple[str, ...]] = {
+    "emd": ("emd",),
+    "reflex": ("reflex_tri", "reflex_tib", "reflex_delay"),
+}
+
 #: Start and bounds that differ in the virtual-work geometry, whose muscles travel about 2.8 times
 #: (triceps) and 1.5 times (tibialis) as far per radian.
 _VIRTUAL_WORK = {

@@ -1,7 +1,7 @@
 """The models by name: adding one is one file with a simulator and one line here."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from numbers import Real
 
 import numpy as np
@@ -9,6 +9,8 @@ import numpy as np
 from surae.errors import InputError
 from surae.model.options import ModelOptions
 from surae.model.parameters import (
+    DRIVE_PARAMETERS,
+    DRIVES,
     MUSCLE_2010_PARAMETERS,
     MUSCLE_PARAMETERS,
     TENDON_PARAMETERS,
@@ -19,8 +21,14 @@ from surae.model.simulator import Simulator
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 
+#: Ties a model to a recording.
+Tie = Callable[[ModelInputs, ModelOptions], Simulator]
+#: The same for a model with drives, of which the names of the parameters are given.
+TieDriven = Callable[[ModelInputs, ModelOptions, tuple[str, ...]], Simulator]
+
 _WEIGHTS = ("g1", "g2", "g3", "g4")
 _WEIGHTS_2010 = ("e1", "e2", "e3", "e4")
+_GAINS = ("reflex_tri", "reflex_tib")
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,18 +58,24 @@ class ModelSpec:
         Slack lengths x0 by whose exp(−k·x0) it is linear too, each with its stiffness k.
     scanned : tuple of str
         Those along which the sum of squares, its linear parameters solved, has several valleys.
+    driven : callable or None
+        Ties the model with drives to a recording, see `with_drives`; None where it takes none.
+    drives : tuple of str
+        Parameters of its optional drives, the last of `parameters`; empty without.
     """
 
     name: str
     title: str
     parameters: tuple[Parameter, ...]
     free: tuple[str, ...]
-    simulator: Callable[[ModelInputs, ModelOptions], Simulator]
+    simulator: Tie
     parent: str | None = None
     weights: tuple[str, ...] = _WEIGHTS
     linear: tuple[str, ...] = ()
     slack: Mapping[str, str] = field(default_factory=dict)
     scanned: tuple[str, ...] = ()
+    driven: TieDriven | None = None
+    drives: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -88,6 +102,55 @@ class ModelSpec:
                 check_value(p, given[p.name], self)
         table = adapted(self.parameters, options)
         return np.array([float(given.get(name, p.start)) for name, p in table.items()])
+
+
+@dataclass(frozen=True, slots=True)
+class _Driven:
+    """Ties a model with drives; plain data, so that specs compare and travel to workers."""
+
+    tie: TieDriven
+    drives: tuple[str, ...]
+
+    def __call__(self, inputs: ModelInputs, options: ModelOptions) -> Simulator:
+        return self.tie(inputs, options, self.drives)
+
+
+def with_drives(spec: ModelSpec, names: Iterable[str]) -> ModelSpec:
+    """The model with every optional drive of which `names` mentions a parameter.
+
+    A drive brings all its parameters (`DRIVES`), after the model's own, none of them freed.
+
+    Parameters
+    ----------
+    spec : ModelSpec
+        The model.
+    names : iterable of str
+        Of parameters, whatever they are.
+
+    Returns
+    -------
+    ModelSpec
+        `spec` itself where nothing is to be added: a model without drives costs what it did.
+    """
+    if spec.driven is None:
+        return spec
+    mentioned = {*names, *spec.drives}
+    wanted = {p for group in DRIVES.values() if mentioned.intersection(group) for p in group}
+    added = tuple(p for p in DRIVE_PARAMETERS if p.name in wanted)
+    drives = tuple(p.name for p in added)
+    if drives == spec.drives:
+        return spec
+    own = tuple(p for p in spec.parameters if p.name not in spec.drives)
+    linear = tuple(name for name in spec.linear if name not in spec.drives)
+    if linear:  # for the torque is linear in whatever the filter's input is linear in
+        linear += tuple(name for name in drives if name in _GAINS)
+    return replace(
+        spec,
+        parameters=own + added,
+        simulator=_Driven(spec.driven, drives),
+        linear=linear,
+        drives=drives,
+    )
 
 
 def check_names(names: Mapping[str, object] | tuple[str, ...], spec: ModelSpec) -> None:
@@ -128,6 +191,28 @@ def _muscle_tendon(inputs: ModelInputs, options: ModelOptions) -> Simulator:
     return muscle_tendon_simulator(inputs, options)
 
 
+def _driven_muscle(
+    inputs: ModelInputs, options: ModelOptions, drives: tuple[str, ...]
+) -> Simulator:
+    from surae.model.driven import driven_muscle
+
+    return driven_muscle(inputs, options, drives)
+
+
+def _driven_2010(inputs: ModelInputs, options: ModelOptions, drives: tuple[str, ...]) -> Simulator:
+    from surae.model.driven import driven_muscle_2010
+
+    return driven_muscle_2010(inputs, options, drives)
+
+
+def _driven_tendon(
+    inputs: ModelInputs, options: ModelOptions, drives: tuple[str, ...]
+) -> Simulator:
+    from surae.model.muscle_tendon import muscle_tendon_simulator
+
+    return muscle_tendon_simulator(inputs, options, drives)
+
+
 _FIFTEEN = tuple(p.name for p in MUSCLE_PARAMETERS)
 _WITH_TENDON = MUSCLE_PARAMETERS + TENDON_PARAMETERS
 
@@ -143,6 +228,7 @@ MODELS: dict[str, ModelSpec] = {
             linear=("m", *_WEIGHTS),
             slack={"x0_tri": "k_tri", "x0_tib": "k_tib"},
             scanned=("l0_tri", "l0_tib"),
+            driven=_driven_muscle,
         ),
         ModelSpec(
             "muscle-2010",
@@ -153,6 +239,7 @@ MODELS: dict[str, ModelSpec] = {
             weights=_WEIGHTS_2010,
             linear=("m", *_WEIGHTS_2010, "b_tri", "F0"),
             slack={"x0_tri": "k_tri"},
+            driven=_driven_2010,
         ),
         ModelSpec(
             "muscle-tendon",
@@ -161,6 +248,7 @@ MODELS: dict[str, ModelSpec] = {
             _FIFTEEN,
             _muscle_tendon,
             "muscle",
+            driven=_driven_tendon,
         ),
         ModelSpec(
             "muscle-tendon-strain",
@@ -169,6 +257,7 @@ MODELS: dict[str, ModelSpec] = {
             (*_FIFTEEN, "dlt_tri", "dlt_tib"),
             _muscle_tendon,
             "muscle",
+            driven=_driven_tendon,
         ),
         ModelSpec(
             "muscle-tendon-toe",
@@ -177,6 +266,7 @@ MODELS: dict[str, ModelSpec] = {
             (*_FIFTEEN, "pt_tri", "pt_tib"),
             _muscle_tendon,
             "muscle",
+            driven=_driven_tendon,
         ),
     )
 }

@@ -17,6 +17,8 @@ from surae.units import FloatArray
 class TorqueParts:
     """A modelled torque split into its parts, each of shape (n,) in Nm; they add up to `total`.
 
+    What the reflex makes of the neural parts is no further part of the sum.
+
     Attributes
     ----------
     tissue_tri, tissue_tib : ndarray
@@ -25,6 +27,8 @@ class TorqueParts:
         Active contraction of the two groups, signed as in equation (1).
     inertial, gravitational : ndarray
         Foot and footplate.
+    reflex_tri, reflex_tib : ndarray or None
+        Of `neural_tri` and `neural_tib`, what the reflex drives; None from a model without one.
     """
 
     tissue_tri: FloatArray
@@ -33,6 +37,8 @@ class TorqueParts:
     neural_tib: FloatArray
     inertial: FloatArray
     gravitational: FloatArray
+    reflex_tri: FloatArray | None = None
+    reflex_tib: FloatArray | None = None
 
     @property
     def tissue(self) -> FloatArray:
@@ -45,13 +51,20 @@ class TorqueParts:
         return self.neural_tri + self.neural_tib
 
     @property
+    def reflex(self) -> FloatArray | None:
+        """What the reflex drives of both muscle groups [Nm]; None from a model without one."""
+        if self.reflex_tri is None or self.reflex_tib is None:
+            return None
+        return self.reflex_tri + self.reflex_tib
+
+    @property
     def total(self) -> FloatArray:
         """The whole torque [Nm], equation (1)."""
         return self.tissue + self.neural + self.inertial + self.gravitational
 
     def columns(self) -> Mapping[str, FloatArray]:
-        """The parts under the names they have in files, sums of both groups first."""
-        return {
+        """The parts under the names they have in files, sums of both groups first, reflex last."""
+        columns = {
             "tissue_Nm": self.tissue,
             "neural_Nm": self.neural,
             "inertial_Nm": self.inertial,
@@ -61,6 +74,12 @@ class TorqueParts:
             "neural_tri_Nm": self.neural_tri,
             "neural_tib_Nm": self.neural_tib,
         }
+        reflex = {
+            "reflex_Nm": self.reflex,
+            "reflex_tri_Nm": self.reflex_tri,
+            "reflex_tib_Nm": self.reflex_tib,
+        }
+        return columns | {name: one for name, one in reflex.items() if one is not None}
 
 
 class Simulator(Protocol):

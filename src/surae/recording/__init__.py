@@ -1,17 +1,31 @@
 """Files to recordings: readers, units and signs, provenance."""
 
+from surae.recording.bids import write_bids
+from surae.recording.hdf5 import write_hdf5
+from surae.recording.inspected import InspectedChannel, Inspection
+from surae.recording.inspection import inspect
+from surae.recording.mapping_text import mapping_text, write_mapping
 from surae.recording.reading import read
 from surae.recording.recording import MUSCLES, ROLES, Channel, Recording, SourceFile, read_only
+from surae.recording.sto import write_sto
 from surae.recording.writing import columns, write_csv
 
 __all__ = [
     "MUSCLES",
     "ROLES",
     "Channel",
+    "InspectedChannel",
+    "Inspection",
     "Recording",
     "SourceFile",
     "columns",
+    "inspect",
+    "mapping_text",
     "read",
     "read_only",
+    "write_bids",
     "write_csv",
+    "write_hdf5",
+    "write_mapping",
+    "write_sto",
 ]

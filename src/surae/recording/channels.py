@@ -7,10 +7,10 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.recording.naming import plain
-from surae.recording.recording import Channel, read_only
+from surae.recording.recording import Channel, freeze
 from surae.recording.samples import check_finite, check_samples
 from surae.recording.table import Column, Table
-from surae.units import FACTORS, SI, kind, to_si
+from surae.units import FACTORS, SI, FloatArray, kind, to_si
 
 #: Other spellings of units in files' headers, in small letters.
 _SPELLINGS = {
@@ -25,6 +25,10 @@ _SPELLINGS = {
     "n*m": "Nm",
     "volt": "V",
     "volts": "V",
+    "millivolt": "mV",
+    "millivolts": "mV",
+    "microvolt": "uV",
+    "microvolts": "uV",
 }
 
 
@@ -108,13 +112,30 @@ def channel(role: str, column: Column, scaling: Scaling, table: Table) -> Channe
         position=column.position,
     )
     factor = to_si(role, scaling.unit, f"{table.file}: {shown}")
-    with np.errstate(over="ignore", invalid="ignore"):
-        values = scaling.sign * (scaling.scale * column.values + scaling.offset) * factor
-    check_finite(values, where=table.file, name=f"{shown} scaled to SI", position=column.position)
+    values = _scaled(column.values, scaling, factor)
+    if values is not column.values:
+        name = f"{shown} scaled to SI"
+        check_finite(values, where=table.file, name=name, position=column.position)
+    remark = f"; {text}" if (text := table.remarks.get(column.name)) else ""
     return Channel(
         role=role,
         time=column.time,
-        values=read_only(values),
+        values=freeze(values),
         unit="1" if scaling.unit == "1" else SI[kind(role)],
-        source=f"{Path(table.file).name}: {column.name} {scaling.describe()}",
+        source=f"{Path(table.file).name}: {column.name} {scaling.describe()}{remark}",
     )
+
+
+def _scaled(raw: FloatArray, scaling: Scaling, factor: float) -> FloatArray:
+    """The values in SI; the same array where nothing changes, at most one copy where it does."""
+    values = raw
+    with np.errstate(over="ignore", invalid="ignore"):
+        if scaling.scale != 1:
+            values = values * scaling.scale
+        if scaling.offset != 0:
+            values = np.add(values, scaling.offset, out=None if values is raw else values)
+        if scaling.sign * factor != 1:
+            values = np.multiply(
+                values, scaling.sign * factor, out=None if values is raw else values
+            )
+    return values

@@ -2,7 +2,17 @@
 
 from typing import Protocol
 
-from surae.recording import delimited, matlab, opensim
+from surae.recording import (
+    c3d,
+    delimited,
+    edf,
+    hdf5,
+    matlab,
+    opensim,
+    poly5,
+    trigno,
+    xdf,
+)
 from surae.recording.source import Source
 from surae.recording.table import Table
 
@@ -20,7 +30,17 @@ class Format(Protocol):
 
 
 #: In the order in which they are asked; CSV takes what no other claims.
-FORMATS: tuple[Format, ...] = (opensim, matlab, delimited)
+FORMATS: tuple[Format, ...] = (
+    hdf5,
+    matlab,
+    poly5,
+    edf,
+    xdf,
+    c3d,
+    opensim,
+    trigno,
+    delimited,
+)
 
 
 def open_table(source: Source) -> Table:

@@ -1,134 +1,241 @@
-"""MATLAB 7.3 files of Spike2 channels: HDF5 groups with ``values``, ``interval``, ``start``."""
+"""MATLAB files of any version from 5 on: which variables are signals, and when they were sampled.
 
-import io
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+Three ways in which a file says it, tried for every structure and for the file as a whole:
+
+- a structure with ``values`` and ``interval``, as Spike2 exports a channel (``start``, ``units``;
+  where its values are whole numbers, they are the converter's counts and ``scale`` and ``offset``
+  apply);
+- vectors beside a vector ``time``, ``times``, ``t``, ``time_s`` or ``time_ms`` of the same length;
+- vectors beside a number ``fs``, ``rate``, ``rate_hz``, ``sampling_rate`` or ``sample_rate`` [Hz].
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from surae.errors import InputError
-from surae.recording.recording import read_only
+from surae.recording import matlab5, matlab73
+from surae.recording.recording import freeze, read_only
 from surae.recording.samples import sample
 from surae.recording.source import Source
-from surae.recording.table import Column, Table
+from surae.recording.table import Column, Sampling, Table
+from surae.recording.timing import instants
 from surae.units import FloatArray
 
-_HDF5 = b"\x89HDF\r\n\x1a\n"
-_OLDER = b"MATLAB 5.0 MAT-file"
-#: MATLAB puts its own header of this many bytes before HDF5's.
-_USER_BLOCK = 512
-#: Samples in a channel; compressed data may claim any number.
-_MOST = 2**28
-#: What h5py raises on bytes that aren't what they claim to be.
-_DAMAGE = (
-    ArithmeticError,
-    AttributeError,
-    LookupError,
-    MemoryError,
-    OSError,
-    RuntimeError,
-    TypeError,
-    ValueError,
+#: Names of a vector of times and its factor to seconds, in small letters.
+_TIMES = {"time": 1.0, "times": 1.0, "t": 1.0, "time_s": 1.0, "time_ms": 1e-3}
+#: Names of a sampling rate [Hz], in small letters.
+_RATES = (
+    "fs",
+    "rate",
+    "rate_hz",
+    "sampling_rate",
+    "sample_rate",
+    "samplerate",
+    "samplingrate",
+    "samplingfrequency",
 )
+_UNITS = ("units", "unit")
+_LONGEST_UNIT = 100
+#: Structures within structures.
+_DEEPEST = 4
+#: Columns of a matrix that are taken as signals of their own.
+_MOST_COLUMNS = 512
+
+
+@dataclass(frozen=True, slots=True)
+class _Signal:
+    """A vector of the file and its time axis."""
+
+    values: Callable[[], FloatArray]
+    time: Callable[[], FloatArray]
+    sampling: Sampling
+    time_name: str = "time"
+    unit: str = ""
+    remark: str = ""
 
 
 def recognises(source: Source) -> bool:
-    """Whether it begins as HDF5, a MATLAB 7.3 file or an older MATLAB file does."""
-    return (
-        source.data.startswith((_HDF5, _OLDER))
-        or source.data[_USER_BLOCK : _USER_BLOCK + len(_HDF5)] == _HDF5
-    )
+    """Whether it begins as a MATLAB 5 file does, or as HDF5 with or without MATLAB's header."""
+    return source.data.startswith(matlab5.MAGIC) or matlab73.recognises(source)
 
 
 def open_table(source: Source) -> Table:
-    """List the channels of a Spike2 export.
+    """List the signals.
 
     Raises
     ------
     InputError
-        It is a MATLAB file of an older version, is damaged, or holds no channels.
+        The file is damaged, or holds no vectors with times or a rate.
     """
-    if source.data.startswith(_OLDER):
-        raise InputError(
-            f"{source.shown}: this MATLAB format (version 7 or older) is not read; save it with "
-            "MATLAB's -v7.3 option, or as CSV"
-        )
-    with _opened(source) as file:
-        groups = {name: file[name] for name in file if _is_channel(file, name)}
-        units = {name: _text(group["units"]) for name, group in groups.items() if "units" in group}
-        names = tuple(groups)
-    if not names:
+    older = source.data.startswith(matlab5.MAGIC)
+    variables = matlab5.read_variables(source) if older else matlab73.read_variables(source)
+    signals = dict(_signals(variables, "", source, 0))
+    if not signals:
         raise InputError(
             f"{source.shown}: no channels: expected structures with values and interval, as "
-            "Spike2 exports them"
+            "Spike2 exports them, or vectors beside a vector 'time' or a sampling rate 'fs'"
         )
 
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
-        with _opened(source) as file:
-            return {name: _column(file[name], name, source) for name in wanted}
+        return {
+            name: Column(
+                name,
+                signals[name].time(),
+                signals[name].values(),
+                signals[name].time_name,
+                sample,
+            )
+            for name in wanted
+        }
 
     return Table(
         file=source.shown,
         format="MATLAB",
-        names=names,
+        names=tuple(signals),
         time_name="time",
         load=load,
-        units={name: unit for name, unit in units.items() if unit},
+        units={name: one.unit for name, one in signals.items() if one.unit},
+        sampling={name: one.sampling for name, one in signals.items()},
+        remarks={name: one.remark for name, one in signals.items() if one.remark},
     )
 
 
-@contextmanager
-def _opened(source: Source) -> Iterator[Any]:
-    """The HDF5 file in the source's bytes; whatever is wrong with it is one InputError."""
-    import h5py
+def _signals(
+    variables: Mapping[str, Any], prefix: str, source: Source, depth: int
+) -> Iterator[tuple[str, _Signal]]:
+    """The signals among some variables, with their names."""
+    times = {
+        name: value
+        for name, value in variables.items()
+        if name.casefold() in _TIMES and len(shape := _shape(value)) == 1 and shape[0] > 1
+    }
+    rate = _rate(variables, f"{source.shown}: {prefix}", needed=not times)
+    for name, value in variables.items():
+        full = prefix + name
+        if isinstance(value, Mapping):
+            if "values" in value and "interval" in value:
+                yield full, _spike2(value, f"{source.shown}: column {full!r}")
+            elif depth < _DEEPEST:
+                yield from _signals(value, f"{full}.", source, depth + 1)
+        elif isinstance(value, list):
+            each = [one for one in value if isinstance(one, Mapping)]
+            for index, one in enumerate(each if depth < _DEEPEST else [], start=1):
+                yield from _signals({f"({index})": one}, full, source, depth + 1)
+        elif name not in times and (shape := _shape(value)):
+            for label, part, n in _vectors(full, value, shape):
+                matching = [one for one in times if _shape(times[one]) == (n,)]
+                if matching:
+                    yield label, _timed(part, matching[0], times[matching[0]], n, prefix)
+                elif rate is not None and n > 1:
+                    yield label, _rated(part, rate, n)
 
-    try:
-        with h5py.File(io.BytesIO(source.data), "r") as file:
-            yield file
-    except InputError:
-        raise
-    except _DAMAGE as error:
-        reason = " ".join(str(error).split())[:120]
-        raise InputError(f"{source.shown}: the file is damaged ({reason})") from None
+
+def _vectors(
+    name: str, value: Any, shape: tuple[int, ...]
+) -> Iterator[tuple[str, Callable[[], FloatArray], int]]:
+    """The vectors of an array: itself, or the columns of a matrix."""
+    if len(shape) == 1:
+        if shape[0] > 1:
+            yield name, lambda: _floats(value), shape[0]
+    elif len(shape) == 2 and shape[1] <= _MOST_COLUMNS:
+        for index in range(shape[1]):
+            yield f"{name}(:,{index + 1})", lambda i=index: _floats(value)[:, i], shape[0]  # type: ignore[misc]
 
 
-def _is_channel(file: Any, name: str) -> bool:
-    """Whether an entry of the file is a channel of its own, not a link to somewhere else."""
-    import h5py
+def _timed(values: Callable[[], FloatArray], name: str, time: Any, n: int, prefix: str) -> _Signal:
+    """A vector beside its times."""
+    factor = _TIMES[name.casefold()]
+    return _Signal(
+        values=lambda: freeze(values()),
+        time=lambda: read_only(_floats(time) * factor),
+        sampling=Sampling(n),
+        time_name=prefix + name,
+        remark="" if "_" in name else f"{prefix}{name} is taken as seconds",
+    )
 
-    if not isinstance(file.get(name, getlink=True), h5py.HardLink):
-        return False
-    group = file[name]
-    return isinstance(group, h5py.Group) and "values" in group and "interval" in group
+
+def _rated(values: Callable[[], FloatArray], rate_hz: float, n: int) -> _Signal:
+    """A vector sampled at a rate."""
+    return _Signal(
+        values=lambda: freeze(values()),
+        time=lambda: instants(0.0, rate_hz, n),
+        sampling=Sampling(n, rate_hz, 0.0),
+    )
 
 
-def _column(group: Any, name: str, source: Source) -> Column:
-    """Times and values of one channel."""
-    where = f"{source.shown}: column {name!r}"
-    values = group["values"]
-    if values.dtype.kind not in "fiu" or values.external or values.is_virtual:
+def _spike2(channel: Mapping[str, Any], where: str) -> _Signal:
+    """A channel as Spike2 exports it."""
+    values = channel["values"]
+    shape = _shape(values)
+    if len(shape) != 1:
         raise InputError(f"{where}: its values are not plain numbers stored in this file")
-    if values.size > _MOST:
-        raise InputError(f"{where}: it has {values.size} samples; at most {_MOST} are read")
-    raw = np.asarray(values[()], dtype=np.float64).ravel()
-    if values.dtype.kind in "iu":
-        # Stored as the converter's counts, not yet in units.
-        raw = raw * _scalar(group, "scale", 1.0) + _scalar(group, "offset", 0.0)
-    start, interval = _scalar(group, "start", 0.0), _scalar(group, "interval", float("nan"))
+    start, interval = _number(channel, "start", 0.0), _number(channel, "interval", float("nan"))
     if not (np.isfinite(start) and np.isfinite(interval) and interval > 0):
         raise InputError(f"{where}: start {start:g} s, interval {interval:g} s: not a time axis")
-    time: FloatArray = start + interval * np.arange(len(raw), dtype=np.float64)
-    return Column(name, read_only(time), read_only(raw), "time", sample)
+    n = shape[0]
+    counts = values.dtype.kind in "iu"
+    scale, offset = _number(channel, "scale", 1.0), _number(channel, "offset", 0.0)
+
+    def scaled() -> FloatArray:
+        raw = _floats(values)
+        # Stored as the converter's counts, not yet in units.
+        return freeze(raw * scale + offset if counts else raw)
+
+    return _Signal(
+        values=scaled,
+        time=lambda: freeze(start + interval * np.arange(n, dtype=np.float64)),
+        sampling=Sampling(n, 1.0 / interval, start),
+        unit=next((text for key in _UNITS if (text := _text(channel.get(key)))), ""),
+        remark=f"counts, scale {scale:g} and offset {offset:g} applied" if counts else "",
+    )
 
 
-def _scalar(group: Any, name: str, default: float) -> float:
+def _rate(variables: Mapping[str, Any], where: str, *, needed: bool) -> float | None:
+    """The sampling rate among some variables [Hz]."""
+    found = {
+        name: _floats(value).item()
+        for name, value in variables.items()
+        if name.casefold() in _RATES and _shape(value) == (1,)
+    }
+    if not found or not needed:
+        return None
+    rates = set(found.values())
+    rate = rates.pop()
+    if rates or not (np.isfinite(rate) and rate > 0):
+        raise InputError(f"{where}{' and '.join(found)}: not a sampling rate")
+    return rate
+
+
+def _shape(value: Any) -> tuple[int, ...]:
+    """Shape of an array of numbers, a row or column of a matrix as a vector; empty for no array."""
+    kind = getattr(getattr(value, "dtype", None), "kind", "")
+    if kind not in ("f", "i", "u"):
+        return ()
+    shape = tuple(int(size) for size in value.shape if size != 1)
+    return shape or (1,)
+
+
+def _floats(value: Any) -> FloatArray:
+    """An array of numbers, its dimensions of one left out."""
+    array = value() if callable(value) else value
+    with np.errstate(invalid="ignore"):
+        plain = np.asarray(array, dtype=np.float64).squeeze()
+    return plain.reshape(1) if plain.ndim == 0 else plain
+
+
+def _number(channel: Mapping[str, Any], name: str, default: float) -> float:
     """A number of a channel, or `default` where it has none of that name."""
-    return float(np.ravel(group[name][()])[0]) if name in group else default
+    value = channel.get(name)
+    return default if value is None or _shape(value) != (1,) else _floats(value).item()
 
 
-def _text(dataset: Any) -> str:
-    """MATLAB's characters as a string."""
-    if "MATLAB_empty" in dataset.attrs or dataset.size > 100 or dataset.dtype.kind not in "iu":
-        return ""
-    return "".join(chr(code) for code in np.ravel(dataset[()]))
+def _text(value: Any) -> str:
+    """A text of a channel, or the letters' numbers as MATLAB stores them; empty for neither."""
+    text = value if isinstance(value, str) else ""
+    shape = _shape(value)
+    if len(shape) == 1 and shape[0] <= _LONGEST_UNIT and value.dtype.kind in "iu":
+        text = "".join(chr(int(code)) for code in _floats(value) if 0 < code < 0xD800)
+    return "".join(letter for letter in text if letter.isprintable()).strip()

@@ -67,10 +67,10 @@ def _no_angle(table: Table) -> str:
         return (
             f"{table.file}: row {table.header}: missing column angle_rad (or angle_deg); columns "
             f"found: {some((table.time_name, *table.names))}; rename them, or describe the file "
-            "in a TOML mapping"
+            "in a TOML mapping, which `surae inspect` begins"
         )
     return (
         f"{table.file}: {table.format} columns don't say which is the angle, the torque, the EMG: "
-        "write a TOML mapping ([channels.angle] with file, column, unit, sign; likewise torque, "
-        f"emg_ta, ...) and read that; columns here: {some(table.names)}"
+        "write a TOML mapping, which `surae inspect FILE --output MAP.toml` begins, and read "
+        f"that; columns here: {some(table.names)}"
     )

@@ -8,6 +8,7 @@ from surae.recording.source import Source
 from surae.recording.table import Column, Table, some
 
 _END = "endheader"
+_EMG = ("raw", "envelope")
 
 #: Units of the rotational columns, by the header's ``inDegrees``.
 _UNITS = {
@@ -31,6 +32,7 @@ def open_table(source: Source) -> Table:
     """
     source.require_text()
     units: Mapping[str, str] = {}
+    notes: dict[str, str] = {}
     lines = enumerate(source.lines(), start=1)
     for number, line in lines:
         if line.strip().casefold() == _END:
@@ -42,6 +44,8 @@ def open_table(source: Source) -> Table:
                     f"{source.shown}: row {number}: inDegrees is {value!r}; use yes or no"
                 )
             units = _UNITS[value.casefold()]
+        elif key == "emg" and value in _EMG:  # a line of our own writer
+            notes["emg"] = value
     header, names = next(
         ((number, _names(line)) for number, line in lines if line.strip()), (0, ())
     )
@@ -62,6 +66,7 @@ def open_table(source: Source) -> Table:
         time_name=time,
         load=load,
         units_of_kind=units,
+        notes=notes,
     )
 
 

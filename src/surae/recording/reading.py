@@ -1,7 +1,7 @@
 """Any supported file to a recording."""
 
 from surae.files import PathLike
-from surae.recording import mapping, opensim
+from surae.recording import hdf5, mapping, opensim
 from surae.recording.formats import open_table
 from surae.recording.named import recording_by_names
 from surae.recording.recording import Recording
@@ -9,7 +9,7 @@ from surae.recording.source import open_source
 
 
 def read(path: PathLike) -> Recording:
-    """Read a recording: our CSV, a TOML mapping, or a data file whose columns have our names.
+    """Read a recording: our CSV or HDF5, a TOML mapping, or a file whose columns have our names.
 
     What the file is shows in its content; its name doesn't matter.
 
@@ -29,6 +29,8 @@ def read(path: PathLike) -> Recording:
         One line that names file, column and row, and says what to do.
     """
     source = open_source(path)
+    if hdf5.recognises(source):
+        return hdf5.read_recording(source)
     if mapping.recognises(source) and not opensim.recognises(source):
         return mapping.read_mapping(source)
     return recording_by_names(open_table(source), source)

@@ -29,9 +29,17 @@ ROLES = (
 
 def read_only(values: Any) -> FloatArray:
     """A float64 copy of `values` that cannot be written to."""
-    array = np.array(values, dtype=np.float64)
+    # A signalling NaN warns where it is cast; the checks of samples find every NaN.
+    with np.errstate(invalid="ignore"):
+        array = np.array(values, dtype=np.float64)
     array.setflags(write=False)
     return array
+
+
+def freeze(values: FloatArray) -> FloatArray:
+    """The same float64 array, made read-only: for one that nobody else holds."""
+    values.setflags(write=False)
+    return values
 
 
 @dataclass(frozen=True, slots=True)

@@ -122,7 +122,7 @@ class Rows:
                 )
             for values, index in zip(columns, wanted, strict=True):
                 try:
-                    values.append(_number(cells[index]))
+                    values.append(as_number(cells[index]))
                 except ValueError as error:
                     raise InputError(
                         f"{self.source.shown}: column {some([self.names[index]])}, row {number}: "
@@ -142,7 +142,7 @@ def split(line: str, delimiter: str | None) -> list[str]:
     return [cell.strip() for cell in cells]
 
 
-def _number(cell: str) -> float:
+def as_number(cell: str) -> float:
     """The number in a cell; Python's own underscores and foreign digits are none."""
     if not cell:
         raise ValueError("the cell is blank")

@@ -64,7 +64,7 @@ class Source:
         if b"\0" in self.data:
             raise InputError(
                 f"{self.shown}: the file is binary, in no format that is read here; supported: "
-                "CSV, TOML mapping, OpenSim .sto/.mot, MATLAB 7.3 (Spike2 export)"
+                "CSV, TOML mapping, our HDF5, MATLAB, C3D, EDF/BDF, Poly5, XDF, Trigno, OpenSim"
             )
         try:
             if not self.data.isascii():

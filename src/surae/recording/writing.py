@@ -22,8 +22,13 @@ def columns(recording: Recording) -> dict[str, FloatArray]:
     """
     named = {"time_s": recording.channels["angle"].time}
     for role, one in recording.channels.items():
-        named[f"{role}_{one.unit.replace('/', '_')}"] = one.values
+        named[column_name(role, one.unit)] = one.values
     return named
+
+
+def column_name(role: str, unit: str) -> str:
+    """Our name of a column with such a signal in this unit: ``"angular_velocity_rad_s"``."""
+    return f"{role}_{unit.replace('/', '_')}"
 
 
 def write_csv(

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 from surae.assessment import Assessment, Verdict
-from surae.assessment.collinearity import COLLINEAR
-from surae.assessment.directions import Direction
-from surae.assessment.identifiability import Identified, identifiability
+from surae.assessment.identifiability.collinearity import COLLINEAR
+from surae.assessment.identifiability.directions import Direction
+from surae.assessment.identifiability.identified import Identified, identifiability
 from surae.assessment.inflation import described, variance_inflation
 from surae.assessment.verdict import IDENTIFIED
 from surae.estimation import FitResult

@@ -1,17 +1,22 @@
 """Recordings to model inputs: filters, resampling, derivatives."""
 
 from surae.signals.estimable import check_estimable
-from surae.signals.inputs import ModelInputs
+from surae.signals.inputs import EmgReference, ModelInputs
+from surae.signals.normalise import emg_reference, normalise, normalised
 from surae.signals.prepare import prepare
 from surae.signals.settings import Preparation
 from surae.signals.thinning import thinned, thinning_factor
 from surae.signals.weighting import Weighting, weighted
 
 __all__ = [
+    "EmgReference",
     "ModelInputs",
     "Preparation",
     "Weighting",
     "check_estimable",
+    "emg_reference",
+    "normalise",
+    "normalised",
     "prepare",
     "thinned",
     "thinning_factor",

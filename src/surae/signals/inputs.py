@@ -3,12 +3,35 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import Literal
 
 import numpy as np
 
 from surae.files import shown
 from surae.recording import SourceFile
 from surae.units import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class EmgReference:
+    """What EMG was divided by: one number for each muscle, the same for all recordings.
+
+    Attributes
+    ----------
+    kind : {"session", "mvc"}
+        The largest envelope of the session, or of maximum voluntary contractions.
+    values : tuple of (float or None)
+        Of TA, GL, SOL, GM [V]; None for a muscle without EMG.
+    files : tuple of SourceFile
+        What the recordings were read from that it was taken of.
+    count : int
+        Number of these recordings.
+    """
+
+    kind: Literal["session", "mvc"]
+    values: tuple[float | None, ...]
+    files: tuple[SourceFile, ...] = ()
+    count: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +69,8 @@ class ModelInputs:
         Parameter values that the recording prescribes.
     files : tuple of SourceFile
         What the recording was read from.
+    emg_reference : EmgReference or None
+        What the EMG was divided by; None for volts, and for EMG that came normalised.
     """
 
     name: str
@@ -64,6 +89,7 @@ class ModelInputs:
     emphasised: bool = False
     fixed: Mapping[str, float] = field(default_factory=dict)
     files: tuple[SourceFile, ...] = ()
+    emg_reference: EmgReference | None = None
 
     def __post_init__(self) -> None:
         """Make the mapping read-only; the arrays are made so by whoever prepares them."""

@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from surae.assessment.snsem import Baseline
-from surae.assessment.uncertainty import covariance
+from surae.assessment.uncertainty.covariance import covariance
+from surae.assessment.uncertainty.snsem import Baseline
 from surae.errors import ComputationError, InputError
 from surae.estimation import fit_problem, make_problem
 from surae.model import ModelOptions, get_model

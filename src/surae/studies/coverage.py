@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surae.assessment import Verdict, assess
-from surae.assessment.uncertainty import half_width
+from surae.assessment.uncertainty.covariance import half_width
 from surae.estimation import fit_problem, make_problem
 from surae.estimation.problem import Residuals
 from surae.recording import read_only

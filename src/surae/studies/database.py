@@ -46,7 +46,9 @@ def lock(path: Path) -> sqlite3.Connection | None:
     SQLite's own exclusive lock on an empty file beside the store: the system lets go of it whatever
     ends the process, and it is the same on every system.
     """
-    held = sqlite3.connect(_beside(path), timeout=1.0, isolation_level=None)
+    held = sqlite3.connect(
+        _beside(path), timeout=1.0, isolation_level=None, check_same_thread=False
+    )
     try:
         held.execute("BEGIN EXCLUSIVE")
     except sqlite3.OperationalError as error:

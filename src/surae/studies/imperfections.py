@@ -10,7 +10,9 @@ from surae.studies.populations import VirtualSubject, stream
 #: Settings that may be negative.
 _SIGNED = ("axis_forward", "axis_up")
 #: Values that a setting must stay below: those that make no sense, or no equation.
-_BELOW = {"axis_forward": 0.05, "axis_up": 0.05, "crosstalk": 1.0, "knee_motion": 0.5}
+_BELOW = {
+    "axis_forward": 0.05, "axis_up": 0.05, "crosstalk": 1.0, "knee_motion": 0.5, "unmeasured": 1.0,
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,6 +44,10 @@ class Imperfections:
     effort_variation : float
         Coefficient of variation of the effort: what each muscle does is the target times a gain of
         mean 1, log-normal, that wanders within seconds and differs from trial to trial.
+    unmeasured : float
+        Torque of muscles without electrodes (deep plantarflexors, toe extensors), as a part of that
+        of the measured muscles that they help. Their activity follows that of their helpers only
+        roughly, see `surae.studies.leg.drive`; it is in the torque and in no EMG.
     reflex_gain : float
         Stretch reflex of the triceps: effort for each l0/s of stretch velocity above
         `reflex_threshold`, `reflex_delay` later [1/(l0/s)]. It drives torque and EMG alike.
@@ -65,6 +71,7 @@ class Imperfections:
     axis_up: float = 0.0
     knee_motion: float = 0.0
     effort_variation: float = 0.0
+    unmeasured: float = 0.0
     reflex_gain: float = 0.0
     reflex_delay: float = 0.042
     reflex_threshold: float = 0.1
@@ -91,6 +98,8 @@ class Imperfections:
         """One plain sentence for each disturbance that is on."""
         said = {
             "effort_variation": f"Effort varies by {100 * self.effort_variation:g} %.",
+            "unmeasured": f"Muscles without electrodes: {100 * self.unmeasured:g} % of the "
+            "activity of the others, following it roughly.",
             "reflex_gain": f"Stretch reflex of the triceps: {self.reflex_gain:g} of full effort "
             f"per l0/s above {self.reflex_threshold:g} l0/s, {1e3 * self.reflex_delay:g} ms later, "
             f"at most {self.reflex_limit:g}.",

@@ -28,6 +28,9 @@ KNEE_TISSUE = 0.5
 #: Seconds between the independent values of the knee's angle, and of the gains of the effort.
 KNEE_PERIOD = 2.0
 EFFORT_PERIOD = 1.0
+#: Coefficient of variation of the activity of muscles without electrodes over that of the muscles
+#: that they help; no source.
+UNMEASURED_VARIATION = 0.5
 
 _HEADS = [MUSCLES.index(muscle) for muscle in ("gl", "sol", "gm")]
 _NOT_GASTROCNEMIUS = [MUSCLES.index(muscle) for muscle in ("ta", "sol")]
@@ -93,7 +96,7 @@ def simulate_leg(
         angle=read_only(ankle[0]),
         velocity=read_only(ankle[1]),
         acceleration=read_only(ankle[2]),
-        emg=read_only(envelopes),
+        emg=read_only(drive(subject, trajectory, envelopes, imperfections, trial)),
         emg_unit="V",
         torque=None,
         prepared=True,
@@ -115,13 +118,39 @@ def effort(
     variation = imperfections.effort_variation
     if variation == 0.0:
         return trajectory.effort
-    # Log-normal of mean 1 and this coefficient of variation.
-    spread = np.sqrt(np.log1p(variation**2))
     values = wandering(
         trajectory.time, EFFORT_PERIOD, len(MUSCLES), stream(subject, "effort", trial)
     )
-    gain: FloatArray = np.exp(spread * values - 0.5 * spread**2)
-    return trajectory.effort * gain
+    return trajectory.effort * _log_normal(values, variation)
+
+
+def drive(
+    subject: VirtualSubject,
+    trajectory: Trajectory,
+    envelopes: FloatArray,
+    imperfections: Imperfections,
+    trial: int,
+) -> FloatArray:
+    """What drives the torque, shape (n, 4) [V]: the envelopes, and the muscles without electrodes.
+
+    Those that help the triceps, and those that help the tibialis, each do a share of its activity
+    that wanders about its mean within seconds, log-normal (`UNMEASURED_VARIATION`).
+    """
+    if imperfections.unmeasured == 0.0:
+        return envelopes
+    values = wandering(trajectory.time, EFFORT_PERIOD, 2, stream(subject, "unmeasured", trial))
+    share = imperfections.unmeasured * _log_normal(values, UNMEASURED_VARIATION)
+    driven = envelopes * (1.0 + share[:, :1])
+    tibialis = MUSCLES.index("ta")
+    driven[:, tibialis] = envelopes[:, tibialis] * (1.0 + share[:, 1])
+    return driven
+
+
+def _log_normal(values: FloatArray, variation: float) -> FloatArray:
+    """Standard normal values as factors of mean 1 with this coefficient of variation."""
+    spread = np.sqrt(np.log1p(variation**2))
+    factors: FloatArray = np.exp(spread * values - 0.5 * spread**2)
+    return factors
 
 
 def reflex(time: FloatArray, stretch: FloatArray, imperfections: Imperfections) -> FloatArray:

@@ -102,6 +102,7 @@ def virtual_recording(
     options: ModelOptions | None = None,
     seed: int = 0,
     imperfections: Imperfections = _IDEAL,
+    raw: bool = True,
 ) -> Recording:
     """A trial of a subject as it would be recorded, with raw EMG, for the whole chain of signals.
 
@@ -115,6 +116,8 @@ def virtual_recording(
         As in `virtual_trial`; the trajectory at `EMG_LOWEST_RATE` or more.
     seed : int
         Seed of everything random in the trial, beside the subject's own.
+    raw : bool
+        Raw EMG; False gives the envelopes themselves, as no electrode does.
 
     Raises
     ------
@@ -129,14 +132,18 @@ def virtual_recording(
         )
     options = options or ModelOptions()
     leg = simulate_leg(subject, trajectory, model, options, imperfections, seed)
-    emg = raw_emg(leg.envelopes, rate_hz, stream(subject, "raw EMG", seed))
+    if raw:
+        emg = raw_emg(leg.envelopes, rate_hz, stream(subject, "raw EMG", seed))
+        emg = emg @ mixing(imperfections.crosstalk).T
+    else:
+        emg = mixed_envelopes(leg.envelopes, imperfections.crosstalk)
     return Recording.from_arrays(
         trajectory.time,
         trajectory.angle,
         leg.torque + _torque_noise(subject, trajectory, imperfections, seed),
-        emg @ mixing(imperfections.crosstalk).T,
+        emg,
         name=_name(subject, trajectory),
-        emg_kind="raw",
+        emg_kind="raw" if raw else "envelope",
     )
 
 

@@ -7,7 +7,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from surae.assessment.posterior import Marginal, Posterior
+from surae.assessment.posterior.sample import Marginal, Posterior
 from surae.report.digits import significant
 from surae.report.figures.style import (
     BLUE,

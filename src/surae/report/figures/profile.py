@@ -8,7 +8,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from surae.assessment.profile import Profile
+from surae.assessment.likelihood.profile import Profile
 from surae.report.digits import significant
 from surae.report.figures.style import (
     BLUE,

@@ -104,6 +104,9 @@ def _parts(axes: Axes, traces: Traces) -> None:
         ("inertial", {"color": INK, "linewidth": 1.0, "linestyle": (0, (1, 1.2))}),
         ("gravitational", {"color": OCHRE, "linewidth": 1.5, "linestyle": (0, (5, 2))}),
     ]
+    if parts.reflex is not None:  # within the neural part, not beside it
+        reflex: dict[str, object] = {"color": INK, "linewidth": 1.2, "linestyle": (0, (4, 1, 1, 1))}
+        styles.append(("reflex", reflex))
     for name, line in styles:
         trace(axes, traces.time, getattr(parts, name), label=name, **line)
-    legend(axes, 4)
+    legend(axes, len(styles))

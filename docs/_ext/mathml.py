@@ -1,0 +1,37 @@
+"""Equations as MathML, which browsers draw by themselves: the site is read offline."""
+
+import re
+
+from docutils import nodes
+from latex2mathml.converter import convert
+from sphinx.application import Sphinx
+from sphinx.writers.html5 import HTML5Translator
+
+
+#: The number that the thesis gives an equation.
+_TAG = re.compile(r"\\tag\{([^}]*)\}")
+
+
+def inline(translator: HTML5Translator, node: nodes.math) -> None:
+    """Write an inline equation."""
+    translator.body.append(convert(node.astext()))
+    raise nodes.SkipNode
+
+
+def block(translator: HTML5Translator, node: nodes.math_block) -> None:
+    """Write a displayed equation, with its number where it has a tag."""
+    source = node.astext()
+    tag = _TAG.search(source)
+    number = tag[1] if tag else None
+    translator.body.append(translator.starttag(node, "div", CLASS="equation"))
+    translator.body.append(convert(_TAG.sub("", source), display="block"))
+    if number is not None:
+        translator.body.append(f'<span class="eqno">({number})</span>')
+    translator.body.append("</div>")
+    raise nodes.SkipNode
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Register the renderer."""
+    app.add_html_math_renderer("mathml", (inline, None), (block, None))
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,33 @@
+"""
+What does a second recording add?
+=================================
+
+Several recordings are one joint fit with shared parameters. A slow passive trial and a fast active
+one determine together what neither does alone.
+"""
+
+import surae
+from surae.protocol import Protocol, generate
+from surae.studies import virtual_subject, virtual_trial
+
+subject = virtual_subject(seed=2)
+passive = virtual_trial(
+    subject, generate(Protocol(profile="ramp-and-hold", task="passive", rate_hz=125.0)), seed=1
+)
+active = virtual_trial(
+    subject, generate(Protocol(profile="multi-sine", task="active", rate_hz=125.0)), seed=2
+)
+
+alone = surae.fit(active, starts=2)
+joint = surae.fit([passive, active], starts=2)
+
+
+def half_width(fit, name: str) -> str:
+    """Half of the 95 % interval, as a part of the value."""
+    p = fit.parameters[name]
+    return f"± {100 * (p.ci95[1] - p.value) / p.value:5.1f} % {p.verdict:10}"
+
+
+print(f"{'':8} active alone          with the passive trial")
+for name in ("k_tri", "k_tib", "x0_tib", "tau_rel", "k_rel", "l0_tri"):
+    print(f"{name:8} {half_width(alone, name)}  {half_width(joint, name)}")

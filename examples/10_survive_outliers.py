@@ -1,0 +1,28 @@
+"""
+What if a few samples are wrong?
+================================
+
+A knock on the manipulator is no property of a muscle. A loss that grows more slowly than the square
+lets such samples count less.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+import surae
+from surae.protocol import Protocol, generate
+from surae.studies import virtual_subject, virtual_trial
+
+subject = virtual_subject(seed=5)
+protocol = Protocol(profile="multiple-holds", chirp_amplitude=0.1, rate_hz=125.0)
+clean = virtual_trial(subject, generate(protocol))
+knocked = np.array(clean.torque)
+knocked[np.random.default_rng(0).choice(len(knocked), 40, replace=False)] += 80.0
+trial = replace(clean, torque=knocked)
+
+for loss in (None, "huber", "tukey"):
+    fit = surae.fit(trial, starts=2, loss=loss)
+    off = {n: abs(fit.values[n] / subject.parameters[n] - 1) for n in ("k_tri", "g1", "l0_tri")}
+    said = ", ".join(f"{name} {100 * value:.1f} % off" for name, value in off.items())
+    print(f"{loss or 'squares':8} {said}")

@@ -1,0 +1,157 @@
+"""A fit as users hold it: what was found, what it is worth, and what follows from it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from surae.api.recordings import AnyRecording, as_in_fit
+from surae.api.simulation import parts_of, tendon_of
+from surae.assessment.assess import Assessment, ParameterEstimate
+from surae.assessment.saved.fit_json import save_fit
+from surae.assessment.uncertainty.covariance import Covariance
+from surae.assessment.validation.prediction import Prediction, predict_others
+from surae.errors import InputError
+from surae.estimation import FitResult
+from surae.files import PathLike
+from surae.model import TendonState, TorqueParts
+from surae.signals import ModelInputs
+from surae.units import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """A fit and what it is worth.
+
+    Attributes
+    ----------
+    result : FitResult
+        What was found: values, residuals, every start.
+    assessment : Assessment
+        What it is worth: intervals, correlations, verdicts.
+    """
+
+    result: FitResult
+    assessment: Assessment
+
+    @property
+    def parameters(self) -> Mapping[str, ParameterEstimate]:
+        """Every parameter of the model by name: value, sem, ci95, verdict and more."""
+        return self.assessment.parameters
+
+    @property
+    def values(self) -> Mapping[str, float]:
+        """Every parameter's value by name, ready for `simulate`."""
+        return self.result.values
+
+    @property
+    def status(self) -> str:
+        """``"converged"``, ``"at-bounds"`` or ``"failed"``."""
+        return self.result.status
+
+    @property
+    def message(self) -> str:
+        """What happened, with advice where it failed."""
+        return self.result.message
+
+    @property
+    def vaf(self) -> float:
+        """Variance accounted for over all recordings, equation (31) [%]."""
+        return self.assessment.vaf
+
+    @property
+    def vaf_weighted(self) -> float | None:
+        """VAF with the samples counted as the fit did; None where all count alike [%]."""
+        return self.assessment.vaf_weighted
+
+    @property
+    def snsem(self) -> Mapping[str, float | None]:
+        """Standard errors over those of simulations; empty without a baseline."""
+        return self.assessment.snsem
+
+    @property
+    def correlation(self) -> FloatArray:
+        """Correlation of the estimates named in `covariance.names`, shape (k, k)."""
+        return self.assessment.covariance.correlation
+
+    @property
+    def covariance(self) -> Covariance:
+        """Names and covariance matrix of the estimates that have one, equation (33)."""
+        return self.assessment.covariance
+
+    @property
+    def ipde(self) -> float | None:
+        """Inter-parameter dependency, equation (35); None where there is none."""
+        return self.assessment.ipde
+
+    def parts(self, recording: int = 0) -> TorqueParts:
+        """The modelled torque of the fit's first, second, … recording, split into its parts.
+
+        Raises
+        ------
+        InputError
+            The fit has no such recording.
+        ComputationError
+            The torque is not finite, as in a fit that failed at its start.
+        """
+        problem = self.result.problem
+        inputs = self._recording(recording)
+        return parts_of(problem.spec, self.values, inputs, problem.options)
+
+    def tendon(self, recording: int = 0) -> TendonState:
+        """What muscles and tendons do in the fit's first, second, … recording.
+
+        Raises
+        ------
+        InputError
+            The fit has no such recording, or its model has rigid tendons.
+        """
+        problem = self.result.problem
+        inputs = self._recording(recording)
+        return tendon_of(problem.spec, self.values, inputs, problem.options)
+
+    def _recording(self, number: int) -> ModelInputs:
+        inputs = self.result.problem.inputs
+        if number not in range(len(inputs)):
+            known = "only 0" if len(inputs) == 1 else f"0 … {len(inputs) - 1}"
+            raise InputError(f"the fit has no recording {number!r}; they are numbered {known}")
+        return inputs[number]
+
+    def predict(self, recording: AnyRecording, *, prepared: bool | None = None) -> Prediction:
+        """Predict the torque of another recording, and how well it does (thesis 2.7).
+
+        Parameters
+        ----------
+        recording : Recording, ModelInputs or path
+            With its measured torque.
+        prepared : bool, optional
+            Whether its signals are used as they are; by default as they were in the fit.
+        """
+        inputs = as_in_fit(self.result.problem.inputs, [recording], prepared)
+        return predict_others(self.result, inputs)[0]
+
+    def save(self, path: PathLike) -> None:
+        """Write FIT.json; `load` reads it back without loss."""
+        save_fit(path, self.result, self.assessment)
+
+    def report(self, path: PathLike, *, validation: Sequence[Prediction] = ()) -> None:
+        """Write the report, one self-contained HTML file.
+
+        Parameters
+        ----------
+        path : path
+            Where to.
+        validation : sequence of Prediction, optional
+            Predictions of other recordings to show, as `validate` makes them.
+        """
+        from datetime import datetime
+
+        from surae.report import write_report
+
+        now = datetime.now().astimezone()
+        write_report(
+            path,
+            self.result,
+            self.assessment,
+            versions=self.result.versions,
+            created=now,
+            predictions=validation,
+        )

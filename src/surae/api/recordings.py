@@ -1,0 +1,75 @@
+"""Recordings as they are given: read, prepared or as files; one or several."""
+
+from collections.abc import Iterable, Sequence
+
+from surae.files import PathLike
+from surae.recording import Recording, read
+from surae.signals import EmgReference, ModelInputs, normalised, prepare
+from surae.signals import normalise as normalise_inputs
+
+#: A recording in any form: read, prepared, or the path of its file.
+AnyRecording = Recording | ModelInputs | PathLike
+
+
+def several(recordings: AnyRecording | Sequence[AnyRecording]) -> Sequence[AnyRecording]:
+    """A sequence of recordings, of one that is given alone too."""
+    one = isinstance(recordings, Recording | ModelInputs | str) or hasattr(recordings, "__fspath__")
+    return [recordings] if one else recordings  # type: ignore[list-item,return-value]
+
+
+def as_inputs(recording: AnyRecording, prepared: bool) -> ModelInputs:
+    """What a model takes; a file is read, and a recording filtered unless it is `prepared`."""
+    if isinstance(recording, ModelInputs):
+        return recording
+    if not isinstance(recording, Recording):
+        recording = read(recording)
+    return prepare(recording, prepared=prepared)
+
+
+def as_in_fit(
+    fitted: Sequence[ModelInputs], recordings: Iterable[AnyRecording], prepared: bool | None
+) -> list[ModelInputs]:
+    """Recordings for a model that was fitted to others: prepared and normalised as those were.
+
+    Whether they are used as they are, `prepared` may say otherwise. The reference of the fit's EMG
+    is used again: one found in these recordings would be of another unit.
+    """
+    as_they_are = fitted[0].prepared if prepared is None else prepared
+    inputs = (as_inputs(one, as_they_are) for one in recordings)
+    return [normalised(one, fitted[0].emg_reference) for one in inputs]
+
+
+def normalise(
+    recordings: AnyRecording | Sequence[AnyRecording],
+    reference: str | EmgReference = "session",
+    *,
+    mvc: AnyRecording | Sequence[AnyRecording] = (),
+    prepared: bool = False,
+) -> tuple[ModelInputs, ...]:
+    """Prepare the recordings of a session, and divide EMG by one number for each muscle.
+
+    Parameters
+    ----------
+    recordings : Recording, ModelInputs, path, or a sequence of them
+        All recordings of the session.
+    reference : {"session", "mvc"} or EmgReference
+        The largest envelope in any of `recordings` or of `mvc`, averaged over 0.25 s; or that of
+        before, as ``fit.result.problem.inputs[0].emg_reference``.
+    mvc : Recording, ModelInputs, path, or a sequence of them
+        Maximum voluntary contractions.
+    prepared : bool
+        The signals are filtered and at the model's rate already: use them as they are.
+
+    Returns
+    -------
+    tuple of ModelInputs
+        For `fit`, `compare`, `leave_one_out`, …; weights g then come out in N.
+
+    Raises
+    ------
+    InputError
+        See `surae.signals.normalise`.
+    """
+    inputs = [as_inputs(one, prepared) for one in several(recordings)]
+    contractions = [as_inputs(one, prepared) for one in several(mvc)]
+    return normalise_inputs(inputs, reference, mvc=contractions)

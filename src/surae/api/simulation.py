@@ -1,0 +1,164 @@
+"""What a model gives for a recording: torque, its parts, its tendons."""
+
+from collections.abc import Mapping
+from typing import Any, Literal, overload
+
+import numpy as np
+
+from surae.api.recordings import AnyRecording, as_inputs
+from surae.errors import InputError
+from surae.model import (
+    MODELS,
+    ModelOptions,
+    ModelSpec,
+    Simulator,
+    TendonState,
+    TorqueParts,
+    check_finite_torque,
+    get_model,
+    with_drives,
+)
+from surae.signals import ModelInputs
+from surae.units import FloatArray
+
+
+@overload
+def simulate(
+    model: str,
+    parameters: Mapping[str, float],
+    recording: AnyRecording,
+    *,
+    jacobian: Literal[False] = False,
+    **options: Any,
+) -> FloatArray: ...
+
+
+@overload
+def simulate(
+    model: str,
+    parameters: Mapping[str, float],
+    recording: AnyRecording,
+    *,
+    jacobian: Literal[True],
+    **options: Any,
+) -> tuple[FloatArray, FloatArray]: ...
+
+
+def simulate(
+    model: str,
+    parameters: Mapping[str, float],
+    recording: AnyRecording,
+    *,
+    jacobian: bool = False,
+    **options: Any,
+) -> FloatArray | tuple[FloatArray, FloatArray]:
+    """Torque that a model gives for the angle and EMG of a recording, used as they are.
+
+    Parameters
+    ----------
+    model : str
+        Name of the model.
+    parameters : mapping of str to float
+        Its parameters; those it does not free by default may be left out. So may those of its
+        drives: `emd`, and `reflex_tri`, `reflex_tib`, `reflex_delay`, off unless given.
+    recording : Recording, ModelInputs or path
+        Angle and EMG on one uniform time axis.
+    jacobian : bool
+        Also return the derivatives of the torque.
+    **options
+        Model options, see `surae.model.ModelOptions`.
+
+    Returns
+    -------
+    torque : ndarray, shape (n,)
+        Modelled torque [Nm].
+    jacobian : ndarray, shape (n, p)
+        Its derivatives by the parameters that the model frees by default, in its order, then by
+        those given of its drives; only with ``jacobian=True``.
+
+    Raises
+    ------
+    InputError
+        Something given is unknown, missing or unusable.
+    ComputationError
+        The torque is not finite; the message names the first such sample.
+    """
+    spec, chosen = with_drives(get_model(model), parameters), ModelOptions.of(**options)
+    inputs = as_inputs(recording, prepared=True)
+    simulator, values = _tied(spec, parameters, inputs, chosen)
+    wanted = (*spec.free, *(name for name in spec.drives if name in parameters))
+    columns = [spec.names.index(name) for name in wanted]
+    with _quietly():
+        if not jacobian:
+            torque = simulator.torque(values)
+            check_finite_torque(torque, inputs)
+            return torque
+        torque, rows = simulator.torque_jacobian(values, columns)
+        check_finite_torque(torque, inputs)
+        return torque, rows.T
+
+
+def simulate_parts(
+    model: str, parameters: Mapping[str, float], recording: AnyRecording, **options: Any
+) -> TorqueParts:
+    """The torque of `simulate`, split into its parts; arguments and errors are the same."""
+    inputs = as_inputs(recording, prepared=True)
+    spec = with_drives(get_model(model), parameters)
+    return parts_of(spec, parameters, inputs, ModelOptions.of(**options))
+
+
+def simulate_tendon(
+    model: str, parameters: Mapping[str, float], recording: AnyRecording, **options: Any
+) -> TendonState:
+    """Lengths, velocities and forces of muscles and tendons over time.
+
+    The arguments are those of `simulate`. Where the model has no finite state, the result says so
+    itself, in `TendonState.unsolved`.
+
+    Raises
+    ------
+    InputError
+        The model's tendons are rigid, or something given is unknown, missing or unusable.
+    """
+    inputs = as_inputs(recording, prepared=True)
+    spec = with_drives(get_model(model), parameters)
+    return tendon_of(spec, parameters, inputs, ModelOptions.of(**options))
+
+
+def _quietly() -> np.errstate:
+    """No warnings of numbers that overflow: a torque that is not finite is refused in words."""
+    return np.errstate(over="ignore", invalid="ignore")
+
+
+def _tied(
+    spec: ModelSpec, given: Mapping[str, float], inputs: ModelInputs, options: ModelOptions
+) -> tuple[Simulator, FloatArray]:
+    """The model tied to a recording, and its parameter vector."""
+    return spec.simulator(inputs, options), spec.vector(given, options)
+
+
+def parts_of(
+    spec: ModelSpec, given: Mapping[str, float], inputs: ModelInputs, options: ModelOptions
+) -> TorqueParts:
+    """The torque of a model for one recording, in parts."""
+    simulator, values = _tied(spec, given, inputs, options)
+    with _quietly():
+        parts = simulator.parts(values)
+        check_finite_torque(parts.total, inputs)
+    return parts
+
+
+def tendon_of(
+    spec: ModelSpec, given: Mapping[str, float], inputs: ModelInputs, options: ModelOptions
+) -> TendonState:
+    """What muscles and tendons of a model do in one recording."""
+    simulator, values = _tied(spec, given, inputs, options)
+    with _quietly():
+        state = simulator.tendon(values)
+    if state is None:
+        others = [m.name for m in MODELS.values() if any(p.group == "tendon" for p in m.parameters)]
+        raise InputError(
+            f"model {spec.name!r} has rigid tendons; models whose tendons give way: "
+            f"{', '.join(others)}"
+        )
+    return state

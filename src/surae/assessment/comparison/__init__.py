@@ -1,0 +1,1 @@
+"""Rigid or elastic: several models on the same data."""

@@ -1,0 +1,99 @@
+"""Whether the data speak for rigid or compliant tendons: the rule, and the sentence."""
+
+from collections.abc import Sequence
+
+from surae.assessment.comparison.finding import Finding, ModelScore, best_of
+
+#: Difference of AICc that decides, and up to which models are as good as each other
+#: (Burnham & Anderson 2002: essentially no support beyond 10, substantial support within 2).
+DECISIVE, EQUAL = 10.0, 2.0
+#: Standard errors by which a held-out VAF must be better: the one-standard-error rule of
+#: cross-validation (Hastie, Tibshirani & Friedman 2009, section 7.10). It asks that the gain is
+#: common to the folds; whether it is real, the AICc has to say.
+BEYOND = 1.0
+#: VAF [%] below which a model's own faults are large enough to be mistaken for a tendon.
+_MODERATE = 95.0
+
+RULE = (
+    "Compliance is supported when the best muscle-tendon model's AICc, with the effective number "
+    f"of samples, is more than {DECISIVE:g} below the rigid model's, and its held-out VAF is "
+    "higher by more than the standard error of that difference over the folds. A rigid tendon "
+    f"suffices when no muscle-tendon model's AICc is more than {EQUAL:g} below the rigid model's, "
+    "the best of them does not predict held-out data better by more than the standard error, and "
+    f"one of them is worse by more than {DECISIVE:g}, so that the data do see the tendon. "
+    "Otherwise the data cannot tell."
+)
+
+
+def conclude(scores: Sequence[ModelScore]) -> tuple[Finding | None, str]:
+    """The finding and its sentence, from complete scores of at least one model of each kind.
+
+    Returns
+    -------
+    tuple of (Finding or None, str)
+        None where the fit of the rigid model, or of every compliant one, failed.
+    """
+    rigid, best = best_of(scores, rigid=True), best_of(scores, rigid=False)
+    if rigid is None or best is None or rigid.aicc is None or best.aicc is None:
+        return _without_figures(scores)
+    compliant = [s.aicc for s in scores if not s.rigid and s.aicc is not None]
+    lower = rigid.aicc - best.aicc
+    seen = max(compliant) - rigid.aicc > DECISIVE
+    if best.held_out is None:
+        return Finding.OPEN, (
+            f"The data cannot tell: {best.model} has an AICc {_difference(lower)} than the rigid "
+            f"model's, but held-out data could not be predicted ({best.held_out_note})."
+        )
+    gain, error = best.held_out.gain, best.held_out.gain_se
+    better = gain > BEYOND * error
+    figures = (
+        f"the best muscle-tendon model, {best.model}, has an AICc {_difference(lower)} than the "
+        f"rigid model's and predicts held-out data {_gain(gain, error)}"
+    )
+    if lower > DECISIVE and better:
+        return Finding.COMPLIANT, f"Compliance is supported: {figures}."
+    if lower <= EQUAL and not better and seen:
+        return Finding.RIGID, f"A rigid tendon suffices: {figures}."
+    if lower <= EQUAL and not better:
+        return Finding.OPEN, (
+            f"The data cannot tell: {figures}; rigid and compliant tendons give nearly the same "
+            "torque here. Larger forces or a model with a fixed tendon (muscle-tendon) may tell."
+        )
+    return Finding.OPEN, f"The data cannot tell: {figures}; that is not enough, or contradictory."
+
+
+def _without_figures(scores: Sequence[ModelScore]) -> tuple[Finding | None, str]:
+    """What is said where no model of one kind has an AICc."""
+    fitted = {s.rigid for s in scores if s.status != "failed"}
+    if fitted == {True, False}:
+        return Finding.OPEN, (
+            "The data cannot tell: they hold too few independent samples for the parameters of the "
+            "models; give longer or more recordings."
+        )
+    bare = "every muscle-tendon" if True in fitted else "the rigid"
+    return None, f"No conclusion: the fit of {bare} model failed."
+
+
+def cautions(scores: Sequence[ModelScore]) -> tuple[str, ...]:
+    """What weakens a conclusion, one sentence each."""
+    said = [f"{s.model}: the fit failed: {s.message}." for s in scores if s.status == "failed"]
+    said += [
+        f"{s.model} is held back by the bounds of {', '.join(s.at_bound)}."
+        for s in scores
+        if s.at_bound and s.status != "failed"
+    ]
+    vafs = [s.vaf for s in scores if s.vaf is not None]
+    if vafs and max(vafs) < _MODERATE:
+        said.append(
+            f"Even the best model accounts for only {max(vafs):.1f} % of the torque: what every "
+            "model lacks may be mistaken for a tendon, or hide one."
+        )
+    return tuple(said)
+
+
+def _difference(lower: float) -> str:
+    return f"{abs(lower):.1f} {'lower' if lower >= 0 else 'higher'}"
+
+
+def _gain(gain: float, error: float) -> str:
+    return f"{'better' if gain >= 0 else 'worse'} by {abs(gain):.2g} ± {error:.2g} % VAF"

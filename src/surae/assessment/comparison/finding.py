@@ -1,0 +1,187 @@
+"""Rigid or elastic: what a comparison of models on the same data found, as plain data."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from enum import StrEnum
+
+from surae.assessment.comparison.held_out import HeldOut
+from surae.files import PathLike, write_json
+
+
+class Finding(StrEnum):
+    """What the data say of the tendons."""
+
+    RIGID = "rigid-suffices"
+    COMPLIANT = "compliance-supported"
+    OPEN = "cannot-tell"
+
+
+@dataclass(frozen=True, slots=True)
+class ModelScore:
+    """One model on the data.
+
+    Attributes
+    ----------
+    model, title : str
+        Its name, and what it is called in tables.
+    rigid : bool
+        Whether it is without tendons.
+    status, message : str
+        Of its fit to all data.
+    at_bound : tuple of str
+        Estimated parameters that lie at a bound.
+    n_free : int
+        Estimated parameters.
+    vaf, rmse : float or None
+        Of its fit to all data [%, Nm]; None where the model gave no finite torque.
+    aicc, aicc_plain : float or None
+        Akaike's criterion with the effective number of samples, and with the nominal one; None
+        where the samples are too few for the parameters, or the fit failed.
+    delta, delta_plain : float or None
+        How much worse than the best of the models.
+    held_out : HeldOut or None
+        Prediction of data it was not fitted to.
+    held_out_note : str
+        Why there is none; else empty.
+    values : mapping of str to float
+        All its parameters, fitted to all data.
+    """
+
+    model: str
+    title: str
+    rigid: bool
+    status: str
+    message: str
+    at_bound: tuple[str, ...]
+    n_free: int
+    vaf: float | None
+    rmse: float | None
+    aicc: float | None
+    aicc_plain: float | None
+    delta: float | None
+    delta_plain: float | None
+    held_out: HeldOut | None
+    held_out_note: str
+    values: Mapping[str, float]
+
+
+def best_of(scores: Sequence[ModelScore], *, rigid: bool) -> ModelScore | None:
+    """The rigid, or compliant, model with the lowest AICc; None where none of them has one."""
+    best: ModelScore | None = None
+    for score in scores:
+        if score.rigid is not rigid or score.aicc is None:
+            continue
+        if best is None or best.aicc is None or score.aicc < best.aicc:
+            best = score
+    return best
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A parameter that a compliant model estimates otherwise than the rigid one.
+
+    Attributes
+    ----------
+    model, parameter, unit : str
+        The compliant model, and the parameter both share.
+    rigid, compliant : float
+        The two estimates.
+    percent : float or None
+        Change from the rigid model's estimate [%]; None where that is zero.
+    half_width : float
+        Half the width of the wider of the two 95 % intervals; the change exceeds it.
+    """
+
+    model: str
+    parameter: str
+    unit: str
+    rigid: float
+    compliant: float
+    percent: float | None
+    half_width: float
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """Models on the same data, and what follows for the tendons.
+
+    Attributes
+    ----------
+    finding : Finding or None
+        None while the comparison is not complete.
+    conclusion : str
+        The finding in one or two plain sentences, with its figures.
+    rule : str
+        How the finding follows from the figures.
+    cautions : tuple of str
+        What weakens it, one sentence each.
+    models : tuple of ModelScore
+        Every model whose fit to all data was completed.
+    changes : tuple of Change
+        Parameters that matter to whoever took the rigid model's, the largest change first.
+    missing : tuple of str
+        What was not done, as the user stopped it.
+    recordings : tuple of str
+        What was fitted.
+    n : int
+        Samples that count.
+    n_effective : float or None
+        Independent samples they are worth, from the residual of the model with the best plain AICc.
+    scheme : str
+        How data were held out.
+    folds : tuple of str
+        What was left out in turn.
+    options : mapping
+        The models' switches.
+    fixed : mapping of str to float
+        Parameters that were not estimated, where a model has them.
+    starts, seed : int
+        Starts of each fit to all data, and the seed of the random ones.
+    seconds : float
+        Wall time.
+    versions : mapping of str to str
+        Versions of surae and of what its numbers depend on.
+    """
+
+    finding: Finding | None
+    conclusion: str
+    rule: str
+    cautions: tuple[str, ...]
+    models: tuple[ModelScore, ...]
+    changes: tuple[Change, ...]
+    missing: tuple[str, ...]
+    recordings: tuple[str, ...]
+    n: int
+    n_effective: float | None
+    scheme: str
+    folds: tuple[str, ...]
+    options: Mapping[str, str | float]
+    fixed: Mapping[str, float]
+    starts: int
+    seed: int
+    seconds: float
+    versions: Mapping[str, str]
+
+    @property
+    def scores(self) -> dict[str, ModelScore]:
+        """The models by name."""
+        return {score.model: score for score in self.models}
+
+    @property
+    def compliant(self) -> ModelScore | None:
+        """The best muscle-tendon model, which the conclusion is about."""
+        return best_of(self.models, rigid=False)
+
+    def as_dict(self) -> dict[str, object]:
+        """The comparison as plain data, as it is saved."""
+        return {"surae": self.versions["surae"], **asdict(self)}
+
+    def save(self, path: PathLike) -> None:
+        """Write the comparison as JSON, all of it or nothing.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written.
+        """
+        write_json(path, self.as_dict())

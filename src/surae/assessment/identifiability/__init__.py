@@ -1,0 +1,1 @@
+"""Which parameters the data tell, and which stand in for one another."""

@@ -1,0 +1,1 @@
+"""Which values of a parameter the data still allow: the profile likelihood."""

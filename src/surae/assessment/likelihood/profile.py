@@ -1,0 +1,226 @@
+"""Profile likelihood: how the best sum of squares grows as one parameter is held elsewhere.
+
+An interval from the covariance is the one of a parabola. The profile asks the model itself: it
+holds the parameter at value after value, minimises over all others, and takes as interval the
+values at which the sum of squares rises by no more than the threshold (Venzon and Moolgavkar 1988;
+Raue et al. 2009). It follows curved valleys, is not symmetric, and has an open end where the data
+set no limit.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from surae.assessment.likelihood.search import Search
+from surae.errors import InputError
+from surae.estimation import FitProblem, FitResult, fit_problem
+from surae.estimation.least_squares import Outcome
+from surae.model import adapted
+from surae.recording import read_only
+from surae.units import FloatArray
+
+Status = Literal["closed", "open", "lower-minimum"]
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """Profile of one parameter.
+
+    Attributes
+    ----------
+    name, unit : str
+        The parameter.
+    value : float
+        Estimate of the fit.
+    sem : float or None
+        Standard error from the covariance, widened as Δχ² is; None where there is none.
+    values : ndarray, shape (k,)
+        Where the parameter was held, ascending.
+    sse : ndarray, shape (k,)
+        Least sum of squares there, weighted and with priors [Nm²].
+    chi2 : ndarray, shape (k,)
+        Δχ²: (sse − lowest)/(σ²·variance_inflation).
+    others : tuple of str
+        The other free parameters.
+    path : ndarray, shape (k, len(others))
+        Their values along the profile.
+    variance_inflation : float
+        What the variance of the noise was multiplied by.
+    threshold : float
+        Δχ² at the ends of the 95 % interval.
+    interval : tuple of (float or None)
+        Lower and upper end; None where that side is open.
+    reasons : tuple of str
+        Why each end is open; empty where it is not.
+    status : {"closed", "open", "lower-minimum"}
+        Whether both ends were found, and whether the profile met a lower minimum than the fit's.
+    message : str
+        What a reader has to know.
+    lower : mapping of str to float, or None
+        Free parameters of the lower minimum.
+    evaluations : int
+        Of the model and its Jacobian.
+    """
+
+    name: str
+    unit: str
+    value: float
+    sem: float | None
+    values: FloatArray
+    sse: FloatArray
+    chi2: FloatArray
+    others: tuple[str, ...]
+    path: FloatArray
+    variance_inflation: float
+    threshold: float
+    interval: tuple[float | None, float | None]
+    reasons: tuple[str, str]
+    status: Status
+    message: str
+    lower: Mapping[str, float] | None
+    evaluations: int
+
+    @property
+    def from_covariance(self) -> tuple[float, float] | None:
+        """The 95 % interval of the covariance, for comparison."""
+        if self.sem is None:
+            return None
+        half = float(np.sqrt(self.threshold)) * self.sem
+        return self.value - half, self.value + half
+
+
+def profile(
+    result: FitResult,
+    name: str,
+    *,
+    variance_inflation: float = 1.0,
+    noise: float | None = None,
+    stopped: Callable[[], bool] | None = None,
+) -> Profile:
+    """Profile one parameter of a fit, from the minimum outwards to both sides.
+
+    Every point starts from its neighbour, first on the way out, then again on the way in, and
+    keeps the lower minimum, so that a valley which only shows from afar is not missed.
+
+    Parameters
+    ----------
+    result : FitResult
+        The fit. Its fixed parameters stay fixed, its bounds and priors hold.
+    name : str
+        A parameter that it estimated.
+    variance_inflation : float
+        By how much the variance of the noise counts more than that of white noise would; divides
+        Δχ². A residual that is correlated over time holds fewer independent samples than it has:
+        n/n_effective is a rough value, the ratio of the squared standard errors with and without
+        the correlation one for this parameter.
+    noise : float, optional
+        Standard deviation [Nm] that priors are weighed against, as `prior_noise` gives it.
+    stopped : callable, optional
+        True ends the work with KeyboardInterrupt.
+
+    Returns
+    -------
+    Profile
+        Its threshold is t²(0.975; n − p), which is F₁ and, for many samples, χ²₁(0.95) = 3.84: σ²
+        is estimated from the residual, and where the model is linear the interval is that of the
+        covariance.
+
+    Raises
+    ------
+    InputError
+        The parameter is unknown or fixed, the inflation is no positive number, or the model gives
+        no finite torque at the fit.
+    """
+    check_profiled(result, name, variance_inflation)
+    problem = result.problem
+    table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
+    found = Search(
+        result,
+        name,
+        variance_inflation=variance_inflation,
+        noise=prior_noise(problem) if noise is None else noise,
+        stopped=stopped,
+    )
+    sse = np.array([point.sse for point in found.points])
+    others = [i for i, one in enumerate(problem.free) if one != name]
+    (low, why_low), (high, why_high) = found.ends
+    status: Status = "open" if low is None or high is None else "closed"
+    lower = None
+    if found.lower is not None:
+        lower = dict(zip(problem.free, found.lower.x.tolist(), strict=True))
+        status = "lower-minimum"
+    return Profile(
+        name=name,
+        unit=table[name].unit,
+        value=result.values[name],
+        sem=found.sem,
+        values=read_only(np.array([point.value for point in found.points])),
+        sse=read_only(sse),
+        chi2=read_only((sse - sse.min()) / found.unit),
+        others=tuple(problem.free[i] for i in others),
+        path=read_only(np.array([point.x[others] for point in found.points])),
+        variance_inflation=float(variance_inflation),
+        threshold=found.threshold,
+        interval=(low, high),
+        reasons=(why_low, why_high),
+        status=status,
+        message=_message(name, found),
+        lower=lower,
+        evaluations=found.evaluations,
+    )
+
+
+def check_profiled(result: FitResult, name: str, variance_inflation: float = 1.0) -> None:
+    """Refuse what has no profile; see `profile`."""
+    problem = result.problem
+    if name not in problem.spec.names:
+        raise InputError(
+            f"model {problem.spec.name!r} has no parameter {name!r}; this fit estimated: "
+            f"{', '.join(problem.free)}"
+        )
+    if name not in problem.free:
+        raise InputError(
+            f"{name} is fixed in this fit and has no profile; fit again with it free, or choose "
+            f"from: {', '.join(problem.free)}"
+        )
+    if not 0 < variance_inflation < np.inf:
+        raise InputError(f"variance inflation is {variance_inflation!r}; give a number above zero")
+    if not (np.isfinite(result.sse) and np.isfinite(result.R).all()):
+        raise InputError("the fit failed without a finite torque: there is nothing to profile")
+    if result.sse == 0:
+        raise InputError("the fit leaves no residual: without noise there is no interval")
+
+
+def prior_noise(problem: FitProblem) -> float:
+    """Standard deviation of the residual [Nm] that priors are weighed against, as in the fit."""
+    if not problem.priors:
+        return 0.0
+    plain = fit_problem(replace(problem, priors={}), starts=1)
+    if plain.starts[-1].outcome == Outcome.INTERRUPTED:
+        raise KeyboardInterrupt
+    return float(np.sqrt(plain.sse / (problem.n - len(problem.free))))
+
+
+def _message(name: str, found: Search) -> str:
+    """What a reader has to know of a profile."""
+    said = []
+    if found.lower is not None:
+        said.append(
+            f"met a lower minimum than the fit's, at {name} = {found.lower.value:g} (Δχ² lower by "
+            f"{found.lower_by:.2g}): fit again from there, or with more starts"
+        )
+    for side, (_, why) in zip(("downwards", "upwards"), found.ends, strict=True):
+        if why:
+            said.append(f"open {side}: {why}")
+    inside = found.inside
+    if inside[-1] - inside[0] + 1 > len(inside):
+        said.append("Δχ² exceeds the threshold between the ends too: the region has parts")
+    astray = sum(not point.converged for point in found.points)
+    if astray:
+        said.append(
+            f"{astray} of {len(found.points)} points met the iteration limit: Δχ² there may be too "
+            "high"
+        )
+    return "; ".join(said) or "both ends found"

@@ -1,0 +1,1 @@
+"""What the data and prior knowledge say together: draws from the posterior."""

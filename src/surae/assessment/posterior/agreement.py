@@ -1,0 +1,123 @@
+"""Credible intervals beside those of the covariance and of profiles: where they part, and how far.
+
+All three agree where the model is linear within the width of the posterior. Where they do not, the
+posterior is skewed or bent, or its prior matters.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from surae.assessment.posterior.sample import Posterior
+from surae.assessment.saved.fit_json import check_version, read_json
+from surae.errors import InputError
+from surae.files import PathLike, shown
+
+#: Ends of intervals agree when they lie within this part of the credible interval's half-width;
+#: with enough draws, chance moves them by less than a third of it.
+AGREES = 0.25
+
+
+@dataclass(frozen=True, slots=True)
+class ProfileInterval:
+    """The 95 % interval of a profile: its ends, None where open, and what it took noise for."""
+
+    ends: tuple[float | None, float | None]
+    variance_inflation: float
+
+
+@dataclass(frozen=True, slots=True)
+class Agreement:
+    """The 95 % intervals of one parameter.
+
+    Attributes
+    ----------
+    name : str
+        The parameter.
+    credible : tuple of float
+        Of the posterior.
+    covariance : tuple of float, or None
+        Of the covariance; None where there is none.
+    profile : ProfileInterval or None
+        Of the profile likelihood; None without one.
+    """
+
+    name: str
+    credible: tuple[float, float]
+    covariance: tuple[float, float] | None
+    profile: ProfileInterval | None
+
+    @property
+    def off_covariance(self) -> float | None:
+        """How far the covariance's ends lie from the credible ones, in its half-widths."""
+        return self._off(self.covariance)
+
+    @property
+    def off_profile(self) -> float | None:
+        """How far the profile's ends lie from the credible ones, in its half-widths.
+
+        An open end lies nowhere; None where both are open.
+        """
+        return self._off(self.profile.ends) if self.profile is not None else None
+
+    def _off(self, other: tuple[float | None, float | None] | None) -> float | None:
+        half = (self.credible[1] - self.credible[0]) / 2
+        ends = zip(self.credible, other or (), strict=False)
+        return max((abs(a - b) / half for a, b in ends if b is not None), default=None)
+
+
+def agreements(
+    posterior: Posterior, profiles: Mapping[str, ProfileInterval] | None = None
+) -> dict[str, Agreement]:
+    """The intervals of every parameter of a posterior, with those of profiles where there are any.
+
+    Parameters
+    ----------
+    posterior : Posterior
+        The draws.
+    profiles : mapping of str to ProfileInterval, optional
+        By parameter, as `read_profile_intervals` gives them.
+    """
+    return {
+        name: Agreement(name, one.ci95, one.from_covariance, (profiles or {}).get(name))
+        for name, one in posterior.marginals.items()
+    }
+
+
+def read_profile_intervals(
+    path: PathLike, values: Mapping[str, float], model: str
+) -> dict[str, ProfileInterval]:
+    """The intervals of a PROFILE.json, which must be of the same fit.
+
+    Parameters
+    ----------
+    path : path
+        What `surae profile --output` wrote.
+    values : mapping of str to float
+        Estimates of the fit.
+    model : str
+        Its model.
+
+    Raises
+    ------
+    InputError
+        The file is missing or damaged, or of another fit.
+    """
+    data = read_json(path)
+    check_version(data, path)
+    found: dict[str, ProfileInterval] = {}
+    try:
+        profiled = data["model"]
+        for name, one in data["profiles"].items():
+            low, high = (None if end is None else float(end) for end in one["interval"])
+            if profiled != model or float(one["value"]) != values.get(name):
+                raise InputError(
+                    f"{shown(path)}: profiles of another fit; profile this one with `surae profile`"
+                )
+            found[name] = ProfileInterval((low, high), float(one["variance_inflation"]))
+    except InputError:
+        raise
+    except (KeyError, TypeError, ValueError, AttributeError):
+        raise InputError(
+            f"{shown(path)}: not a whole PROFILE.json; give one that `surae profile --output` wrote"
+        ) from None
+    return found

@@ -1,0 +1,265 @@
+"""Markov chains by the no-U-turn sampler of nutpie (Hoffman and Gelman 2014; Seyboldt 2024)."""
+
+import importlib.util
+import threading
+import time
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from surae.assessment.posterior.density import Density
+from surae.errors import InputError
+from surae.recording import read_only
+from surae.threads import one_blas_thread
+from surae.units import FloatArray
+
+#: Called now and then with how many iterations of all chains are done, and how many there are.
+Told = Callable[[int, int], None]
+
+#: How often the chains are looked after [s].
+_PERIOD = 0.1
+#: Part of the steps that are to be accepted: the torque has kinks, which long steps jump over.
+_ACCEPTED = 0.9
+#: Fewer draws or chains than these are no posterior.
+_FEWEST_DRAWS, _FEWEST_CHAINS = 10, 2
+#: What the posterior needs beside what surae needs.
+_NEEDED = ("nutpie", "arviz_stats")
+
+
+@dataclass(frozen=True, slots=True)
+class Chains:
+    """What the sampler drew.
+
+    Attributes
+    ----------
+    draws : ndarray, shape (chains, draws, p)
+        Points after the tuning.
+    diverging : int
+        Draws at which the sampler's energy went astray.
+    evaluations : int
+        Of the density in the draws kept.
+    seconds : float
+        Wall time, tuning included.
+    whole : bool
+        False when the user stopped the sampler before its end.
+    versions : mapping of str to str
+        Versions of the sampler's libraries.
+    """
+
+    draws: FloatArray
+    diverging: int
+    evaluations: int
+    seconds: float
+    whole: bool
+    versions: Mapping[str, str]
+
+
+def require_sampler() -> None:
+    """Refuse to begin without the libraries of the extra.
+
+    Raises
+    ------
+    InputError
+        One of them is not installed.
+    """
+    for name in _NEEDED:
+        if importlib.util.find_spec(name) is None:
+            raise InputError(
+                f"the posterior needs {_package(name)}, which is not installed: "
+                'pip install "surae[bayes]"'
+            )
+
+
+def _package(name: str) -> str:
+    return name.replace("_", "-")
+
+
+def run_chains(
+    make_density: Callable[[], Density],
+    dimension: int,
+    *,
+    draws: int,
+    tune: int,
+    chains: int,
+    seed: int,
+    cores: int | None = None,
+    progress: Told | None = None,
+) -> Chains:
+    """Draw from a density that is nearly a standard Gaussian.
+
+    Parameters
+    ----------
+    make_density : callable
+        Gives a density of its own to every thread.
+    dimension : int
+        Number of coordinates.
+    draws, tune : int
+        Draws of each chain that are kept, and that tune the sampler before.
+    chains : int
+        Number of chains, each from a point drawn from the Gaussian.
+    seed : int
+        The same seed gives the same draws on any number of cores.
+    cores : int, optional
+        Chains at a time; by default one for each processor.
+    progress : callable, optional
+        Called now and then.
+
+    Returns
+    -------
+    Chains
+        Ctrl-C keeps what is drawn, when at least two chains have draws to keep.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        The user stopped before that.
+    InputError
+        The sampler is not installed, or a number is too small.
+    """
+    require_sampler()
+    _check(draws=draws, tune=tune, chains=chains, seed=seed, cores=cores)
+    with warnings.catch_warnings():  # nutpie's dependency announces its next version
+        warnings.simplefilter("ignore", FutureWarning)
+        import nutpie
+        from nutpie.compiled_pyfunc import from_pyfunc
+
+    begin = time.perf_counter()
+    work = _Work(make_density, dimension)
+    model = from_pyfunc(
+        dimension,
+        work.make_density,
+        work.make_keeper,
+        [np.dtype(np.float64)],
+        [(dimension,)],
+        ["z"],
+        make_initial_point_fn=work.initial,
+    )
+    with one_blas_thread():
+        sampler = nutpie.sample(
+            model,
+            draws=draws,
+            tune=tune,
+            chains=chains,
+            cores=cores,
+            seed=seed,
+            target_accept=_ACCEPTED,
+            save_warmup=False,
+            progress_bar=False,
+            blocking=False,
+        )
+        trace, whole = _attend(sampler, work, progress, chains * (draws + tune))
+    kept = _kept(trace, whole=whole)
+    statistics = trace.sample_stats
+    part = np.s_[kept[0], : kept[1]]
+    return Chains(
+        draws=read_only(trace.posterior["z"].values[part]),
+        diverging=int(statistics["diverging"].values[part].sum()),
+        evaluations=int(statistics["n_steps"].values[part].sum()),
+        seconds=time.perf_counter() - begin,
+        whole=whole,
+        versions={name: version(_package(name)) for name in _NEEDED},
+    )
+
+
+class _Work:
+    """What nutpie calls, from its own threads: nothing here may raise."""
+
+    def __init__(self, make_density: Callable[[], Density], dimension: int) -> None:
+        self._make, self._dimension = make_density, dimension
+        self._lock = threading.Lock()
+        self.done = 0
+        self.error: BaseException | None = None
+
+    def make_density(self) -> Density:
+        """A density for one thread, which gives no finite number once something has failed."""
+        try:
+            density = self._make()
+        except BaseException as error:
+            self.error = error
+
+        def guarded(z: FloatArray) -> tuple[float, FloatArray]:
+            if self.error is None:
+                try:
+                    return density(z)
+                except BaseException as error:
+                    self.error = error
+            return -np.inf, np.zeros(self._dimension)
+
+        return guarded
+
+    def make_keeper(
+        self, seed1: int, seed2: int, chain: int
+    ) -> Callable[[FloatArray], Mapping[str, FloatArray]]:
+        """What is kept of a point: the point; counts them."""
+        del seed1, seed2, chain
+
+        def keep(z: FloatArray) -> Mapping[str, FloatArray]:
+            with self._lock:
+                self.done += 1
+            return {"z": np.array(z)}
+
+        return keep
+
+    def initial(self, seed: int) -> FloatArray:
+        """A point from the Gaussian, drawn closer to the mode where the density is not finite."""
+        z = np.random.default_rng(seed).standard_normal(self._dimension)
+        density = self.make_density()
+        for _ in range(10):
+            if np.isfinite(density(z)[0]):
+                break
+            z /= 2
+        return z
+
+
+def _attend(sampler: Any, work: _Work, progress: Told | None, total: int) -> tuple[Any, bool]:
+    """Wait for the sampler; its trace, and whether it came to its end."""
+    trace = None
+    try:
+        while True:
+            try:
+                trace = sampler.wait(timeout=_PERIOD)
+            except TimeoutError:
+                trace = None
+            except RuntimeError:
+                # Nothing is finite once a density has failed, and the sampler may see that first.
+                if work.error is None:
+                    raise
+            if work.error is not None:
+                raise work.error from None
+            if trace is not None:
+                return trace, True
+            if progress is not None:
+                progress(min(work.done, total), total)
+    except KeyboardInterrupt:
+        with warnings.catch_warnings():  # of chains that have not begun
+            warnings.simplefilter("ignore", UserWarning)
+            return sampler.abort(), False
+    except BaseException:
+        sampler.cancel()
+        raise
+
+
+def _kept(trace: Any, *, whole: bool) -> tuple[list[int], int]:
+    """Chains and draws to keep of a trace: the rectangle that holds the most draws."""
+    if "z" not in getattr(trace, "posterior", {}):
+        raise KeyboardInterrupt
+    drawn = np.isfinite(trace.posterior["z"].values).all(axis=2).sum(axis=1)
+    if whole:
+        return list(range(len(drawn))), int(drawn.min())
+    lengths = sorted((int(n) for n in drawn), reverse=True)
+    chains, draws = max(enumerate(lengths, 1), key=lambda pair: pair[0] * pair[1])
+    if chains < _FEWEST_CHAINS or draws < _FEWEST_DRAWS:
+        raise KeyboardInterrupt
+    return [i for i, n in enumerate(drawn) if n >= draws], draws
+
+
+def _check(**numbers: int | None) -> None:
+    """Refuse numbers with which there is nothing to draw."""
+    least = {"draws": _FEWEST_DRAWS, "tune": _FEWEST_DRAWS, "chains": _FEWEST_CHAINS, "cores": 1}
+    for name, value in numbers.items():
+        if value is not None and value < least.get(name, 0):
+            raise InputError(f"{name} is {value}; give at least {least.get(name, 0)}")

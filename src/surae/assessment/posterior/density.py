@@ -1,0 +1,155 @@
+"""The posterior's density and gradient, in coordinates in which it is nearly a standard Gaussian.
+
+The noise is Gaussian and white, of unknown variance σ² with Jeffreys' prior 1/σ², which is
+integrated out: the likelihood is (sum of squares)^(−n/2). Where the model is linear and the
+priors are wide, that makes the posterior of a parameter Student's t about the estimate, with the
+standard error of equation (34). Parameters are on logarithmic scale, where their priors are
+Gaussian; one that may be negative stays on its own.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from surae.assessment.posterior.beliefs import Belief
+from surae.errors import InputError
+from surae.estimation import FitProblem, FitResult
+from surae.estimation.least_squares import minimise, sum_of_squares
+from surae.estimation.problem import Residuals
+from surae.recording import read_only
+from surae.units import FloatArray
+
+#: Logarithm of a density, and its gradient; minus infinity where the model has no finite torque,
+#: and where no prior reaches.
+Density = Callable[[FloatArray], tuple[float, FloatArray]]
+
+#: Nothing lies further than so many spreads from its prior; the mode is looked for from within
+#: `_NEAR` of them.
+_FAR, _NEAR = 12.0, 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A posterior: what it is of, and where and how wide it is.
+
+    Attributes
+    ----------
+    problem : FitProblem
+        The question.
+    log : ndarray of bool, shape (p,)
+        Which parameters are on logarithmic scale.
+    centre, spread : ndarray, shape (p,)
+        Mean and standard deviation of the priors, on the scale of each parameter.
+    samples : float
+        Independent samples, n over the variance inflation.
+    mode : ndarray, shape (p,)
+        Where the density is highest, on the scale of each parameter.
+    sse : float
+        Sum of squares there [Nm²].
+    root : ndarray, shape (p, p)
+        Root W of the Laplace approximation's covariance WWᵀ.
+    """
+
+    problem: FitProblem
+    log: npt.NDArray[np.bool_]
+    centre: FloatArray
+    spread: FloatArray
+    samples: float
+    mode: FloatArray
+    sse: float
+    root: FloatArray
+
+    def parameters(self, z: FloatArray) -> FloatArray:
+        """Parameters in their units, shape (…, p), at whitened coordinates of the same shape."""
+        return _natural(self.mode + z @ self.root.T, self.log)
+
+    def density(self) -> Density:
+        """Log-posterior of the whitened coordinates, for use by one thread."""
+        residuals = Residuals(self.problem)
+
+        def log_posterior(z: FloatArray) -> tuple[float, FloatArray]:
+            scaled = self.mode + self.root @ z
+            away = (scaled - self.centre) / self.spread
+            if not np.abs(away).max() <= _FAR:
+                return -np.inf, np.zeros_like(z)
+            x = _natural(scaled, self.log)
+            with np.errstate(all="ignore"):  # what is not finite is refused below
+                rows = residuals.data_rows(x)
+                sse = sum_of_squares(rows[-1])
+                gradient = rows[:-1] @ rows[-1] * np.where(self.log, x, 1.0)
+            if not (0 < sse < np.inf and np.isfinite(gradient).all()):
+                return -np.inf, np.zeros_like(z)
+            value = -0.5 * (self.samples * np.log(sse / self.sse) + away @ away)
+            slope = -self.samples / sse * gradient - away / self.spread
+            return float(value), self.root.T @ slope
+
+        return log_posterior
+
+
+def make_target(
+    result: FitResult, priors: Mapping[str, Belief], variance_inflation: float = 1.0
+) -> Target:
+    """The posterior of a fit's parameters, its mode found from the fit's minimum.
+
+    Parameters
+    ----------
+    result : FitResult
+        The fit.
+    priors : mapping of str to Belief
+        Of every free parameter.
+    variance_inflation : float
+        By how much the variance of the noise counts more than that of white noise would.
+
+    Notes
+    -----
+    The Laplace approximation takes the curvature as JᵀJ·n/sse plus that of the priors, so it has
+    a width in the directions of which the recordings say nothing.
+    """
+    problem = result.problem
+    known = [priors[name] for name in problem.free]
+    log = np.array([one.log for one in known])
+    centre = np.array([np.log(one.median) if one.log else one.median for one in known])
+    spread = np.array([one.spread for one in known])
+    samples = problem.n / variance_inflation
+    residuals, p = Residuals(problem), len(known)
+    weight = np.sqrt(samples / result.sse)
+
+    def rows(scaled: FloatArray) -> FloatArray:
+        x = _natural(scaled, log)
+        with np.errstate(all="ignore"):
+            data = residuals.data_rows(x) * weight
+            data[:-1] *= np.where(log, x, 1.0)[:, None]
+        away = ((scaled - centre) / spread)[None, :]
+        return np.hstack([data, np.vstack([np.diag(1 / spread), away])])
+
+    x = np.array([result.values[name] for name in problem.free])
+    with np.errstate(divide="ignore"):  # a weight may be zero
+        start = np.where(log, np.log(np.where(log, x, 1.0)), x)
+    start = np.clip(start, centre - _NEAR * spread, centre + _NEAR * spread)
+    found = minimise(
+        rows, start, centre - _FAR * spread, centre + _FAR * spread, stall=0.1 / samples
+    )
+    sse = sum_of_squares(found.residual[:-p]) / weight**2
+    if not (np.isfinite(found.R).all() and 0 < sse < np.inf):
+        raise InputError(
+            "the model gives no finite torque where the priors allow: widen those of the "
+            f"parameters that lie far from them, of {', '.join(problem.free)}"
+        )
+    return Target(
+        problem=problem,
+        log=log,
+        centre=read_only(centre),
+        spread=read_only(spread),
+        samples=samples,
+        mode=read_only(found.x),
+        sse=sse,
+        root=read_only(np.linalg.inv(found.R)),
+    )
+
+
+def _natural(scaled: FloatArray, log: npt.NDArray[np.bool_]) -> FloatArray:
+    """Parameters in their units from the scale on which they are sampled."""
+    with np.errstate(over="ignore"):
+        return np.where(log, np.exp(np.where(log, scaled, 0.0)), scaled)

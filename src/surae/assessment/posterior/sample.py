@@ -1,0 +1,318 @@
+"""The posterior of a fit: what the recordings and prior knowledge say together of its parameters.
+
+An interval from the covariance is that of a parabola, a profile follows the valley; the posterior
+weighs the whole of it. It explores the valley of the fit's minimum: another one, far away, is for
+the starts of the fit to find.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from surae.assessment.inflation import described
+from surae.assessment.posterior.beliefs import Belief, beliefs
+from surae.assessment.posterior.chains import Told, require_sampler, run_chains
+from surae.assessment.posterior.density import make_target
+from surae.assessment.posterior.diagnostics import Convergence, convergence, verdict
+from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width
+from surae.errors import InputError
+from surae.estimation import FitResult
+from surae.files import PathLike, write_atomic
+from surae.model import adapted
+from surae.recording import read_only
+from surae.units import FloatArray
+from surae.versions import versions
+
+Status = Literal["converged", "not converged"]
+#: Draws of each chain unless told otherwise: kept, and before them to tune the sampler.
+DRAWS, TUNE, CHAINS = 1000, 300, 4
+#: Width of a posterior, as a part of its prior's, from which the data are said to add little.
+_LITTLE = 0.7
+
+
+@dataclass(frozen=True, slots=True)
+class Marginal:
+    """The posterior of one parameter.
+
+    Attributes
+    ----------
+    name, unit : str
+        The parameter.
+    value : float
+        Estimate of the fit, which knows nothing of the wide defaults.
+    median : float
+        Median of the draws.
+    ci95 : tuple of float
+        95 % credible interval, its ends the 2.5 and 97.5 % quantiles of the draws.
+    from_covariance : tuple of float, or None
+        The 95 % interval of the covariance, widened as the posterior is; None where there is none.
+    prior : Belief
+        What was known beforehand.
+    prior_part : float
+        Width of the posterior as a part of its prior's: near 1 the recordings added nothing.
+    convergence : Convergence
+        Whether its draws can be believed.
+    """
+
+    name: str
+    unit: str
+    value: float
+    median: float
+    ci95: tuple[float, float]
+    from_covariance: tuple[float, float] | None
+    prior: Belief
+    prior_part: float
+    convergence: Convergence
+
+    @property
+    def of_prior(self) -> bool:
+        """Whether the recordings add little to the prior."""
+        return self.prior_part > _LITTLE
+
+
+@dataclass(frozen=True, slots=True)
+class Posterior:
+    """Draws from a posterior and what they say.
+
+    Attributes
+    ----------
+    model : str
+        Name of the model.
+    names : tuple of str
+        The free parameters.
+    draws : ndarray, shape (chains, draws, p)
+        Their values.
+    marginals : mapping of str to Marginal
+        By parameter.
+    covariance : Covariance
+        Of the fit, for comparison, widened by the variance inflation.
+    status : {"converged", "not converged"}
+        Whether the draws can be believed.
+    message : str
+        Why, with advice where they cannot.
+    divergences : int
+        Draws at which the sampler went astray: near them the posterior may be incomplete.
+    evaluations : int
+        Of the model and its Jacobian, without those of the tuning.
+    variance_inflation : float
+        By how much the variance of the noise counts more than that of white noise would.
+    inflation_reason : str
+        Why.
+    seed, tune : int
+        Of the sampler.
+    seconds : float
+        Wall time of the sampler.
+    whole : bool
+        False when the user stopped it before its end.
+    versions : mapping of str to str
+        Versions of surae, of the sampler and of what the numbers depend on.
+    """
+
+    model: str
+    names: tuple[str, ...]
+    draws: FloatArray
+    marginals: Mapping[str, Marginal]
+    covariance: Covariance
+    status: Status
+    message: str
+    divergences: int
+    evaluations: int
+    variance_inflation: float
+    inflation_reason: str
+    seed: int
+    tune: int
+    seconds: float
+    whole: bool
+    versions: Mapping[str, str]
+
+    def __getitem__(self, name: str) -> Marginal:
+        return self.marginals[name]
+
+    @property
+    def correlation(self) -> FloatArray:
+        """Correlation of the draws, shape (p, p)."""
+        flat = self.draws.reshape(-1, len(self.names))
+        return np.atleast_2d(np.corrcoef(flat, rowvar=False))
+
+    @property
+    def noise(self) -> str:
+        """What the noise was taken for, in a line."""
+        return described({"all": self.variance_inflation}, self.inflation_reason)
+
+    def of(self, name: str) -> FloatArray:
+        """All draws of one parameter, chain after chain."""
+        return self.draws[..., self.names.index(name)].ravel()
+
+    def as_dict(self) -> dict[str, Any]:
+        """The posterior as plain data, as it is saved."""
+        return {
+            "surae": self.versions["surae"],
+            "model": self.model,
+            "status": self.status,
+            "message": self.message,
+            "parameters": {name: _plain(one) for name, one in self.marginals.items()},
+            "correlation": {"names": list(self.names), "matrix": self.correlation.tolist()},
+            "divergences": self.divergences,
+            "variance_inflation": self.variance_inflation,
+            "variance_inflation_reason": self.inflation_reason,
+            "chains": self.draws.shape[0],
+            "draws": self.draws.shape[1],
+            "tune": self.tune,
+            "seed": self.seed,
+            "seconds": self.seconds,
+            "versions": dict(self.versions),
+            "samples": {name: self.draws[..., j].tolist() for j, name in enumerate(self.names)},
+        }
+
+    def save(self, path: PathLike) -> None:
+        """Write the posterior as JSON with all its draws, all of it or nothing.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written.
+        """
+        text = json.dumps(self.as_dict(), allow_nan=False, ensure_ascii=False)
+        write_atomic(path, text + "\n")
+
+
+def sample(
+    result: FitResult,
+    *,
+    draws: int = DRAWS,
+    tune: int = TUNE,
+    chains: int = CHAINS,
+    seed: int = 0,
+    priors: Mapping[str, tuple[float, float]] | None = None,
+    variance_inflation: float = 1.0,
+    inflation_reason: str = "",
+    cores: int | None = None,
+    progress: Told | None = None,
+) -> Posterior:
+    """Draw from the posterior of a fit's free parameters.
+
+    Parameters
+    ----------
+    result : FitResult
+        The fit. Its fixed parameters stay fixed, its weights hold; instead of its bounds there
+        are priors.
+    priors : mapping of str to (median, spread), optional
+        Priors in place of the fit's own, which stand in place of the wide defaults; see
+        `surae.assessment.posterior.beliefs.beliefs`.
+    variance_inflation : float
+        By how much the variance of the noise counts more than that of white noise would. The
+        likelihood takes the noise for white; a residual that is correlated over time holds fewer
+        independent samples than it has. n/n_effective is a rough value, the ratio of the squared
+        standard errors with and without the correlation one for a parameter.
+    inflation_reason : str
+        Why, for the reader.
+    draws, tune, chains, seed, cores, progress
+        As of `surae.posterior`, and so are what is returned and the errors.
+    """
+    require_sampler()
+    if not 0 < variance_inflation < np.inf:
+        raise InputError(f"variance inflation is {variance_inflation!r}; give a number above zero")
+    if not (np.isfinite(result.sse) and np.isfinite(result.R).all()):
+        raise InputError("the fit failed without a finite torque: it has no posterior")
+    if result.sse == 0:
+        raise InputError("the fit leaves no residual: without noise there is no posterior")
+    problem = result.problem
+    known = beliefs(problem, priors)
+    target = make_target(result, known, variance_inflation)
+    found = run_chains(
+        target.density,
+        len(problem.free),
+        draws=draws,
+        tune=tune,
+        chains=chains,
+        seed=seed,
+        cores=cores,
+        progress=progress,
+    )
+    values = read_only(target.parameters(found.draws))
+    white = covariance(result.R, problem.free, result.sse, problem.n, result.at_bound)
+    wide = replace(
+        white,
+        matrix=variance_inflation * white.matrix,
+        sigma2=variance_inflation * white.sigma2,
+    )
+    marginals = _marginals(result, values, known, wide)
+    believed, message = verdict(
+        {name: one.convergence for name, one in marginals.items()},
+        found.diverging,
+        values.shape[:2],
+    )
+    if not found.whole:
+        message += "; stopped by the user"
+    return Posterior(
+        model=problem.spec.name,
+        names=problem.free,
+        draws=values,
+        marginals=marginals,
+        covariance=wide,
+        status="converged" if believed else "not converged",
+        message=message,
+        divergences=found.diverging,
+        evaluations=found.evaluations,
+        variance_inflation=float(variance_inflation),
+        inflation_reason=inflation_reason,
+        seed=seed,
+        tune=tune,
+        seconds=found.seconds,
+        whole=found.whole,
+        versions=versions() | dict(found.versions),
+    )
+
+
+def _marginals(
+    result: FitResult,
+    values: FloatArray,
+    known: Mapping[str, Belief],
+    estimated: Covariance,
+) -> dict[str, Marginal]:
+    problem = result.problem
+    table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
+    half = {
+        name: half_width(float(np.sqrt(variance)), estimated.dof)
+        for name, variance in zip(estimated.names, np.diag(estimated.matrix), strict=True)
+    }
+    found = {}
+    for j, name in enumerate(problem.free):
+        drawn, prior, value = values[..., j], known[name], result.values[name]
+        low, median, high = np.quantile(drawn, [0.025, 0.5, 0.975]).tolist()
+        width = np.std(np.log(drawn) if prior.log else drawn)
+        found[name] = Marginal(
+            name=name,
+            unit=table[name].unit,
+            value=value,
+            median=median,
+            ci95=(low, high),
+            from_covariance=(value - half[name], value + half[name]) if name in half else None,
+            prior=prior,
+            prior_part=float(width / prior.spread),
+            convergence=convergence(drawn),
+        )
+    return found
+
+
+def _plain(one: Marginal) -> dict[str, Any]:
+    return {
+        "unit": one.unit,
+        "value": one.value,
+        "median": one.median,
+        "ci95": list(one.ci95),
+        "from_covariance": None if one.from_covariance is None else list(one.from_covariance),
+        "prior": {
+            "median": one.prior.median,
+            "spread": one.prior.spread,
+            "log": one.prior.log,
+            "origin": one.prior.origin,
+        },
+        "prior_part": one.prior_part,
+        "rhat": one.convergence.rhat,
+        "ess_bulk": one.convergence.ess_bulk,
+        "ess_tail": one.convergence.ess_tail,
+    }

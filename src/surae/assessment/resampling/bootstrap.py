@@ -1,0 +1,306 @@
+"""Uncertainty without formulas: fit again and again with blocks of the residual as the noise."""
+
+import hashlib
+import json
+import math
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from surae.assessment.likelihood.profile import prior_noise
+from surae.assessment.resampling.blocks import block_length, draw_blocks
+from surae.assessment.resampling.refit import in_threads, refit
+from surae.assessment.resampling.replicates import ReplicateFile
+from surae.errors import InputError
+from surae.estimation import FitResult, Prior
+from surae.files import PathLike, write_json
+from surae.model import adapted
+from surae.recording import read_only
+from surae.signals import ModelInputs
+from surae.units import FloatArray
+from surae.versions import versions
+
+#: Replicates unless told otherwise: the ends of a 95 % interval are then known to about a tenth
+#: of its half-width.
+REPLICATES = 1000
+#: Fewer replicates than this have no 2.5th percentile.
+_FEWEST = 40
+#: Called after every replicate with how many are done and how many there are.
+Told = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, slots=True)
+class BootstrapEstimate:
+    """One parameter over the replicates.
+
+    Attributes
+    ----------
+    name, unit : str
+        The parameter.
+    value : float
+        Estimate of the fit.
+    sem : float or None
+        Standard deviation of the replicates.
+    ci95 : tuple of float, or None
+        Percentile interval: the 2.5th and 97.5th percentile of the replicates.
+    """
+
+    name: str
+    unit: str
+    value: float
+    sem: float | None
+    ci95: tuple[float, float] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Bootstrap:
+    """A block bootstrap of a fit.
+
+    Attributes
+    ----------
+    model : str
+        Name of the model.
+    parameters : mapping of str to BootstrapEstimate
+        The estimated ones.
+    values : ndarray, shape (replicates, p)
+        Estimates of every replicate that was done, in the order of their numbers; NaN where its
+        fit failed.
+    block_s : tuple of float
+        Length of the blocks of each recording [s].
+    replicates, missing, failed, resumed : int
+        Asked for; not done, as the user stopped it; without a fit; and taken from the file.
+    seed : int
+        Of the random numbers.
+    seconds : float
+        Wall time.
+    versions : mapping of str to str
+        Versions of surae and of what its numbers depend on.
+    """
+
+    model: str
+    parameters: Mapping[str, BootstrapEstimate]
+    values: FloatArray
+    block_s: tuple[float, ...]
+    replicates: int
+    missing: int
+    failed: int
+    resumed: int
+    seed: int
+    seconds: float
+    versions: Mapping[str, str]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The bootstrap as plain data, as it is saved."""
+        return {
+            "surae": self.versions["surae"],
+            "model": self.model,
+            "method": "circular residual blocks, percentile intervals",
+            "block_s": list(self.block_s),
+            "replicates": self.replicates,
+            "missing": self.missing,
+            "failed": self.failed,
+            "seed": self.seed,
+            "parameters": {
+                name: {
+                    "value": p.value,
+                    "unit": p.unit,
+                    "sem": p.sem,
+                    "ci95": None if p.ci95 is None else list(p.ci95),
+                }
+                for name, p in self.parameters.items()
+            },
+            "seconds": self.seconds,
+            "versions": dict(self.versions),
+        }
+
+    def save(self, path: PathLike) -> None:
+        """Write the bootstrap as JSON, all of it or nothing.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written.
+        """
+        write_json(path, self.as_dict())
+
+
+def bootstrap(
+    result: FitResult,
+    *,
+    replicates: int = REPLICATES,
+    seed: int = 0,
+    block_s: float | None = None,
+    workers: int | None = None,
+    store: PathLike | None = None,
+    progress: Told | None = None,
+) -> Bootstrap:
+    """Fit torques made of the modelled one and random blocks of the residual.
+
+    Blocks are circular, of one length for each recording; the residual's mean is removed, and it is
+    widened by √(n/(n − p)) for what the fit took of it. Where samples are weighted, and not for
+    emphasis, the blocks are of the weighted residual; samples left out get none. A prior is an
+    observation too: its median is drawn anew. Every replicate starts from the fit, and has its own
+    stream of random numbers: the same seed gives the same numbers, whatever the workers or
+    interruptions.
+
+    Parameters
+    ----------
+    result : FitResult
+        The fit.
+    block_s : float, optional
+        Length of the blocks [s]; by default from the residual's autocorrelation (`block_length`).
+    store : path, optional
+        File that replicates are added to as they come; those of the same fit, seed and blocks that
+        it already holds are not made again.
+    replicates, seed, workers, progress
+        As of `surae.bootstrap`, and so is what is returned.
+
+    Raises
+    ------
+    InputError
+        A number is out of range, the fit has no bootstrap, or the file is of another one.
+    """
+    begin = time.perf_counter()
+    problem = result.problem
+    if replicates < 1:
+        raise InputError(f"replicates is {replicates}; give at least 1")
+    if seed < 0:
+        raise InputError(f"seed is {seed}; give 0 or more")
+    if result.outliers is not None:
+        raise InputError(
+            "a fit in which outliers count less has no bootstrap: its blocks would carry them to "
+            "samples that count; fit by least squares"
+        )
+    if not np.isfinite(result.sse):
+        raise InputError("the fit has no finite torque to draw residuals from; fit again")
+    pools = [_pool(one, e, result) for one, e in zip(problem.inputs, result.residuals, strict=True)]
+    lengths = [_length(one, pool, block_s) for one, pool in zip(problem.inputs, pools, strict=True)]
+    noise = prior_noise(problem)
+    x = np.clip([result.values[name] for name in problem.free], problem.lower, problem.upper)
+
+    def replicate(number: int) -> tuple[int, list[float] | None]:
+        rng = np.random.default_rng([seed, number])
+        drawn = replace(
+            problem,
+            inputs=tuple(
+                _redrawn(one, e, pool, length, rng)
+                for one, e, pool, length in zip(
+                    problem.inputs, result.residuals, pools, lengths, strict=True
+                )
+            ),
+            priors={
+                name: Prior(prior.median * math.exp(prior.spread * rng.standard_normal()),
+                            prior.spread)
+                for name, prior in problem.priors.items()
+            },
+        )  # fmt: skip
+        found = refit(drawn, x, noise)
+        return number, None if found is None else found.tolist()
+
+    head = {
+        "bootstrap": 1,
+        "fit": _identity(result),
+        "seed": seed,
+        "block": lengths,
+        "parameters": list(problem.free),
+    }
+    with ReplicateFile(store, head) as kept:
+        done = {number: kept.found[number] for number in range(replicates) if number in kept.found}
+        resumed = len(done)
+        left = [number for number in range(replicates) if number not in done]
+
+        def take(made: tuple[int, list[float] | None]) -> None:
+            kept.add(*made)
+            done[made[0]] = made[1]
+            if progress is not None:
+                progress(len(done), replicates)
+
+        in_threads(replicate, left, workers, take)
+    p = len(problem.free)
+    table = np.array(
+        [np.full(p, np.nan) if done[i] is None else done[i] for i in sorted(done)], dtype=float
+    ).reshape(len(done), p)
+    good = table[np.isfinite(table).all(axis=1)]
+    return Bootstrap(
+        model=problem.spec.name,
+        parameters=_estimates(result, good),
+        values=read_only(table),
+        block_s=tuple(b / one.rate_hz for b, one in zip(lengths, problem.inputs, strict=True)),
+        replicates=replicates,
+        missing=replicates - len(done),
+        failed=len(table) - len(good),
+        resumed=resumed,
+        seed=seed,
+        seconds=time.perf_counter() - begin,
+        versions=versions(),
+    )
+
+
+def _estimates(result: FitResult, good: FloatArray) -> dict[str, BootstrapEstimate]:
+    problem = result.problem
+    table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
+    estimates = {}
+    for j, name in enumerate(problem.free):
+        sem = ci95 = None
+        if len(good) >= _FEWEST:
+            sem = float(good[:, j].std(ddof=1))
+            low, high = np.quantile(good[:, j], [0.025, 0.975]).tolist()
+            ci95 = (low, high)
+        estimates[name] = BootstrapEstimate(name, table[name].unit, result.values[name], sem, ci95)
+    return estimates
+
+
+def _pool(one: ModelInputs, residual: FloatArray, result: FitResult) -> FloatArray:
+    """What blocks are drawn from: the weighted residual where samples count."""
+    n, p = result.problem.n, len(result.problem.free)
+    weighted = residual * _roots(one)
+    if one.weight is not None:
+        weighted = weighted[one.weight > 0]
+    return np.asarray((weighted - weighted.mean()) * math.sqrt(n / (n - p)))
+
+
+def _length(one: ModelInputs, pool: FloatArray, block_s: float | None) -> int:
+    if block_s is None:
+        return block_length(pool)
+    longest = len(pool) / one.rate_hz / 2
+    if not 0 < block_s <= longest:
+        raise InputError(
+            f"{one.where}: blocks of {block_s:g} s; give more than 0 and at most half of the "
+            f"recording, {longest:.4g} s"
+        )
+    return max(round(block_s * one.rate_hz), 1)
+
+
+def _redrawn(
+    one: ModelInputs, residual: FloatArray, pool: FloatArray, length: int, rng: np.random.Generator
+) -> ModelInputs:
+    """The recording with another torque: modelled, and blocks of the residual."""
+    assert one.torque is not None
+    torque = one.torque - residual
+    drawn = draw_blocks(pool, length, rng)
+    counted = np.ones(one.n, dtype=bool) if one.weight is None else one.weight > 0
+    torque[counted] += drawn / _roots(one)[counted]
+    return replace(one, torque=read_only(torque))
+
+
+def _roots(one: ModelInputs) -> FloatArray:
+    """What makes the residual stationary: √w, unless weights are there for emphasis."""
+    if one.weight is None or one.emphasised:
+        return np.ones(one.n)
+    return np.asarray(np.sqrt(one.weight))
+
+
+def _identity(result: FitResult) -> str:
+    """A fit's fingerprint: model, options, estimates and residuals to the last bit."""
+    problem = result.problem
+    text = json.dumps(
+        [problem.spec.name, problem.options.as_dict(), dict(result.values), list(problem.free)],
+        sort_keys=True,
+    )
+    digest = hashlib.sha256(text.encode())
+    for residual in result.residuals:
+        digest.update(np.ascontiguousarray(residual, dtype="<f8").tobytes())
+    return digest.hexdigest()

@@ -1,0 +1,1 @@
+"""What a fit leaves over: how much, whether it is white, and how it is correlated."""

@@ -1,0 +1,1 @@
+"""A fit and a baseline as files."""

@@ -1,0 +1,253 @@
+"""Covariance of the estimates when the residual is correlated over time.
+
+Equation (33) takes the torque's noise for white. Here it is a stationary process of its own in each
+recording: an autoregressive model Σ is fitted to the residual, and
+
+    Cov = (JᵀJ)⁻¹·Jᵀ Σ J·(JᵀJ)⁻¹.
+
+The parameters have already fitted part of the noise, most of it at the low frequencies where noise
+is strongest. The residual is therefore (1 − H)·noise, H the projection on the columns of J, and the
+model is that of the noise whose residual would have the autocovariance that was found (the idea is
+Worsley's, for autoregressive noise in brain images: NeuroImage 15, 2002).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from surae.assessment.residual.noise import NoiseModel, autoregressive
+from surae.assessment.residual.whiteness import Whiteness, autocovariance, most_lags, whiteness
+from surae.assessment.uncertainty.covariance import Covariance, InverseRoot, inverse_root
+from surae.estimation import FitResult, Outliers
+from surae.estimation.problem import Residuals
+from surae.threads import one_blas_thread
+from surae.units import FloatArray
+
+#: Rounds of the noise model and what the fit took of it; ends when the variance rests.
+_ROUNDS, _RESTS = 6, 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class RobustCovariance:
+    """Covariance of the estimates under correlated noise.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Parameters, those of `Covariance.names`.
+    matrix : ndarray, shape (k, k)
+        Covariance in the products of their units.
+    dof : ndarray, shape (k,)
+        Degrees of freedom of each variance, for Student's t: 2/Var(ln v̂), as Satterthwaite's, from
+        the uncertainty of the noise model.
+    noise : tuple of NoiseModel
+        Of each recording.
+    """
+
+    names: tuple[str, ...]
+    matrix: FloatArray
+    dof: FloatArray
+    noise: tuple[NoiseModel, ...]
+
+
+def robust_covariance(
+    result: FitResult, estimated: Covariance
+) -> tuple[RobustCovariance | None, tuple[Whiteness, ...]]:
+    """Covariance under correlated noise, and the whiteness of each recording's residual.
+
+    The Jacobian is evaluated once, at the solution. Sample weights are those of noise whose
+    variance is their inverse, unless they are there for emphasis (`ModelInputs.emphasised`): then
+    the noise is what the residual is without them. A loss for outliers enters as its ψ in place of
+    the residual, with the mean of ψ′ as its curvature (Huber and Ronchetti 2009, 7.6). Left-out
+    samples are gaps across which the noise goes on. Parameters at a bound are taken as known. A
+    prior is an observation of its own, with white noise.
+
+    Parameters
+    ----------
+    result : FitResult
+        A fit.
+    estimated : Covariance
+        Its covariance under white noise.
+
+    Returns
+    -------
+    RobustCovariance or None
+        None where no estimate has a variance, or none that is finite.
+    tuple of Whiteness
+        One for each recording.
+    """
+    problem = result.problem
+    if not estimated.names:
+        return None, tuple(
+            whiteness(residual, one.rate_hz, None if one.weight is None else one.weight > 0)
+            for one, residual in zip(problem.inputs, result.residuals, strict=True)
+        )
+    # The parameters of an edited file may be absurd: then numbers overflow.
+    with one_blas_thread(), np.errstate(over="ignore", invalid="ignore"):
+        root = inverse_root(result.R, problem.free, result.at_bound)
+        x = np.array([result.values[name] for name in problem.free])
+        rows = Residuals(problem).data_rows(x)
+        edges = pairwise(np.cumsum([0, *(one.n for one in problem.inputs)]).tolist())
+        seen = [
+            _Seen(
+                -rows[-1, begin:end],
+                np.ones(one.n, dtype=bool) if one.weight is None else one.weight > 0,
+                root.matrix.T @ rows[list(root.kept), begin:end],
+                gain,
+            )
+            for one, (begin, end), gain in zip(problem.inputs, edges, _gains(result), strict=True)
+        ]
+        white = tuple(
+            whiteness(one.residual, inputs.rate_hz, one.counted, one.absorbed)
+            for one, inputs in zip(seen, problem.inputs, strict=True)
+        )
+        models = _noise_models(seen)
+        found = _covariance(root, seen, models, estimated, result.outliers)
+        return found if np.isfinite(found.matrix).all() else None, white
+
+
+def _gains(result: FitResult) -> list[FloatArray | None]:
+    """What turns the weighted residual √W·e into the noise that is stationary, and J along.
+
+    The noise is √W·e/gain and acts on the estimates through √W·J·gain, so that their product, the
+    gradient, stays. None where the weighted residual itself is that noise.
+    """
+    gains: list[FloatArray | None] = []
+    for number, one in enumerate(result.problem.inputs):
+        loss = None if result.outliers is None else result.outliers.weights[number]
+        if one.weight is None or (loss is None and not one.emphasised):
+            gains.append(None)
+            continue
+        of_loss = np.ones(one.n) if loss is None else loss
+        own = one.weight / of_loss if one.emphasised else np.ones(one.n)
+        gains.append(np.where(one.weight > 0, np.sqrt(own / of_loss), 1.0))
+    return gains
+
+
+class _Seen:
+    """One recording: weighted residual, which samples count, and the basis Q = J·C, (r, n).
+
+    Noise acts on the estimates through `transformed`, and what they fit of it follows `fitted`; the
+    two are one, Q, unless there is a gain.
+    """
+
+    def __init__(
+        self,
+        residual: FloatArray,
+        counted: npt.NDArray[np.bool_],
+        basis: FloatArray,
+        gain: FloatArray | None,
+    ) -> None:
+        from scipy.fft import next_fast_len
+
+        n = len(residual)
+        self.counted = counted
+        self.residual = residual if gain is None else residual / gain
+        self.told = basis @ basis.T
+        self.size = next_fast_len(2 * n, real=True)
+        self.lags = most_lags(n)
+        acting = basis if gain is None else basis * gain
+        self.information = acting @ acting.T
+        self.transformed = np.fft.rfft(acting, self.size)
+        self.fitted = self.transformed if gain is None else np.fft.rfft(basis / gain, self.size)
+        # What each frequency of a real FFT counts in a sum over the whole circle.
+        self.twice = np.full(self.transformed.shape[1], 2.0)
+        self.twice[0] = 1.0
+        if self.size % 2 == 0:
+            self.twice[-1] = 1.0
+        power = np.sum((self.transformed * self.fitted.conj()).real, axis=0)
+        self.absorbed = np.fft.irfft(power, self.size)[: self.lags + 1]
+        sums, pairs = autocovariance(self.residual, counted, self.lags)
+        self.samples = float(pairs[0])
+        # Divided by n where nothing is left out, so that it is an autocovariance.
+        count = np.maximum(pairs, 1.0) * n / np.arange(n, n - self.lags - 1, -1.0)
+        self.sums, self.count = sums, count
+
+    def meat(self, model: NoiseModel) -> FloatArray:
+        """QᵀΣQ, shape (r, r)."""
+        if not model.order:
+            return model.variance * self.information
+        density = self.twice * model.spectrum(self.size) / self.size
+        return np.asarray((self.transformed * density @ self.transformed.conj().T).real)
+
+    def lost(self, model: NoiseModel, meat: FloatArray) -> FloatArray:
+        """What the fit takes out of the autocovariance sums of noise of this model.
+
+        From E êêᵀ = (1 − H)Σ(1 − H), with H = QQᵀ and QᵀΣQ = `meat` over all recordings.
+        """
+        white = model.variance * np.eye(len(meat))
+        if not model.order and self.fitted is self.transformed and np.allclose(meat, white):
+            return model.variance * self.absorbed  # QᵀΣQ = σ²: what is lost of white noise is H
+        spread = model.variance * self.transformed
+        if model.order:
+            full = np.fft.irfft(self.transformed * model.spectrum(self.size), self.size)
+            spread = np.fft.rfft(full[:, : len(self.residual)] * self.counted, self.size)
+        cross = 2.0 * spread - meat @ self.fitted
+        both = np.sum((cross * self.fitted.conj()).real, axis=0)
+        return np.asarray(np.fft.irfft(both, self.size)[: self.lags + 1])
+
+
+def _noise_models(seen: Sequence[_Seen]) -> tuple[NoiseModel, ...]:
+    """The noise of every recording, with what the parameters took of it given back."""
+    models = [autoregressive(one.sums / one.count, one.samples) for one in seen]
+    for _ in range(_ROUNDS):
+        meat = sum((one.meat(m) for one, m in zip(seen, models, strict=True)), start=np.zeros(()))
+        sums = [one.sums + one.lost(m, meat) for one, m in zip(seen, models, strict=True)]
+        before = [model.autocovariance[0] for model in models]
+        models = [
+            autoregressive(total / one.count, one.samples)
+            for one, total in zip(seen, sums, strict=True)
+        ]
+        after = [model.autocovariance[0] for model in models]
+        if np.allclose(before, after, rtol=_RESTS, atol=0.0):
+            break
+    return tuple(models)
+
+
+def _covariance(
+    root: InverseRoot,
+    seen: Sequence[_Seen],
+    models: Sequence[NoiseModel],
+    estimated: Covariance,
+    outliers: Outliers | None,
+) -> RobustCovariance:
+    told = sum((one.told for one in seen), start=np.zeros(()))
+    # Without priors the information is the unit matrix: what is missing of it comes from them.
+    prior = np.eye(len(told)) - told
+    C, sigma2 = root.matrix[root.known], estimated.sigma2
+    if outliers is not None:
+        C = np.asarray(np.linalg.solve(told / outliers.widening + prior, C.T).T)
+        sigma2 = outliers.scale**2
+    inner = sigma2 * prior
+    shares, uncertain = [], []
+    for one, model in zip(seen, models, strict=True):
+        inner += one.meat(model)
+        variance, relative = _variance_and_doubt(C @ one.transformed, one, model)
+        shares.append(variance)
+        uncertain.append(relative)
+    matrix = C @ inner @ C.T
+    matrix = (matrix + matrix.T) / 2
+    total = np.where(np.diag(matrix) > 0, np.diag(matrix), 1.0)
+    doubt = sum(((v / total) ** 2 * u for v, u in zip(shares, uncertain, strict=True)),
+                start=np.zeros(len(total)))  # fmt: skip
+    dof = np.minimum(2.0 / np.maximum(doubt, 1e-300), estimated.dof)
+    return RobustCovariance(estimated.names, matrix, dof, tuple(models))
+
+
+def _variance_and_doubt(
+    rows: npt.NDArray[np.complex128], one: _Seen, model: NoiseModel
+) -> tuple[FloatArray, FloatArray]:
+    """Variance of each parameter from one recording's noise, and the variance of its logarithm."""
+    transfer = model.transfer(one.size)
+    power = np.abs(rows) ** 2 * model.spectrum(one.size)
+    variance = (power @ one.twice) / one.size
+    doubt = np.full(len(variance), 2.0 / one.samples)
+    if model.order:
+        # ∂ ln S/∂φ[k] = 2 Re(exp(−iωk)/A), averaged over what each frequency adds.
+        slope = 2.0 * np.fft.irfft(power / transfer.conj(), one.size)[:, 1 : model.order + 1]
+        slope /= np.where(variance > 0, variance, 1.0)[:, None]
+        doubt += np.einsum("ij,jk,ik->i", slope, model.uncertainty(), slope)
+    return variance, doubt

@@ -1,0 +1,1 @@
+"""How well parameters of some recordings predict others."""

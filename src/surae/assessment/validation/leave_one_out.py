@@ -1,0 +1,78 @@
+"""Every recording predicted with the parameters of all the others."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from surae.assessment.validation.prediction import Pooled, Prediction, pooled, predict_others
+from surae.errors import InputError
+from surae.estimation import FitResult
+from surae.signals import ModelInputs
+
+#: Fits some of the recordings.
+Fitter = Callable[[Sequence[ModelInputs]], FitResult]
+#: Called before every fit with (the recording left out, fits done, all fits).
+Told = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """One recording left out: the fit of the others, and how it predicts this one."""
+
+    prediction: Prediction
+    fit: FitResult
+
+
+@dataclass(frozen=True, slots=True)
+class LeaveOneOut:
+    """How well recordings of one leg predict each other.
+
+    Attributes
+    ----------
+    recordings : tuple of LeftOut
+        In the order they were given.
+    pooled : Pooled
+        VAF, RMSE and bias over all predictions together.
+    """
+
+    recordings: tuple[LeftOut, ...]
+    pooled: Pooled
+
+    @property
+    def predictions(self) -> tuple[Prediction, ...]:
+        """The predictions alone."""
+        return tuple(one.prediction for one in self.recordings)
+
+
+def leave_one_out(
+    inputs: Sequence[ModelInputs], fit: Fitter, progress: Told | None = None
+) -> LeaveOneOut:
+    """Predict every recording with a fit of all the others.
+
+    Parameters
+    ----------
+    inputs : sequence of ModelInputs
+        At least two recordings of one leg.
+    fit : callable
+        Makes the fit of the recordings it is given.
+    progress : callable, optional
+        Called before every fit.
+
+    Raises
+    ------
+    InputError
+        There are fewer than two recordings, or one has no torque.
+    KeyboardInterrupt
+        The user stopped a fit: a prediction with its parameters would be worth nothing.
+    """
+    if len(inputs) < 2:
+        raise InputError("leaving one recording out needs at least two; give more")
+    made = []
+    for number, held in enumerate(inputs):
+        if progress is not None:
+            progress(held.name, number, len(inputs))
+        found = fit([*inputs[:number], *inputs[number + 1 :]])
+        if found.starts[-1].outcome == "interrupted":
+            raise KeyboardInterrupt
+        (prediction,) = predict_others(found, [held])
+        made.append(LeftOut(prediction, found))
+    return LeaveOneOut(tuple(made), pooled([one.prediction for one in made]))

@@ -1,0 +1,140 @@
+"""Parameters of some recordings tried on others (thesis 2.7)."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.assessment.residual.quality import rmse, vaf
+from surae.errors import InputError
+from surae.estimation import FitResult
+from surae.model import ModelOptions, ModelSpec, check_finite_torque
+from surae.recording import MUSCLES
+from surae.signals import ModelInputs
+from surae.units import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Prediction:
+    """How well parameters predict a recording they were not fitted to.
+
+    Attributes
+    ----------
+    name : str
+        Name of the recording.
+    path : str or None
+        The file it was read from.
+    vaf : float
+        Variance accounted for, equation (31) [%], as the next two over the samples that count.
+    rmse, bias : float
+        Root mean square and mean of measured minus predicted torque [Nm].
+    torque : ndarray, shape (n,)
+        Predicted torque [Nm].
+    time, measured : ndarray, shape (n,)
+        Time [s] and measured torque [Nm].
+    weight : ndarray, shape (n,), or None
+        Of the samples; those of weight 0 are in no figure. None: all count.
+    """
+
+    name: str
+    path: str | None
+    vaf: float
+    rmse: float
+    bias: float
+    torque: FloatArray
+    time: FloatArray
+    measured: FloatArray
+    weight: FloatArray | None = None
+
+    @property
+    def errors(self) -> tuple[FloatArray, FloatArray]:
+        """Measured torque, and measured minus predicted, of the samples that count."""
+        counted = slice(None) if self.weight is None else self.weight > 0
+        return self.measured[counted], (self.measured - self.torque)[counted]
+
+
+@dataclass(frozen=True, slots=True)
+class Pooled:
+    """Several predictions as if they were one recording: VAF [%], RMSE and bias [Nm]."""
+
+    vaf: float
+    rmse: float
+    bias: float
+
+
+def pooled(predictions: Sequence[Prediction]) -> Pooled:
+    """The figures of several predictions together; a longer recording counts more."""
+    measured = np.concatenate([one.errors[0] for one in predictions])
+    residual = np.concatenate([one.errors[1] for one in predictions])
+    return Pooled(vaf(measured, residual), rmse(residual), float(residual.mean()))
+
+
+def predict_others(found: FitResult, inputs: Sequence[ModelInputs]) -> tuple[Prediction, ...]:
+    """Predict the torque of recordings with the parameters of a fit to others; see `predict`.
+
+    Raises
+    ------
+    InputError
+        The EMG of a recording is in another unit than that of the fit, or lacks a muscle whose
+        weight the fit estimated.
+    """
+    problem = found.problem
+    unit = problem.inputs[0].emg_unit
+    weights = zip(MUSCLES, problem.spec.weights, strict=True)
+    estimated = [muscle for muscle, weight in weights if weight in problem.free]
+    for one in inputs:
+        if one.emg_unit != unit:
+            raise InputError(
+                f"{one.where}: its EMG is in {one.emg_unit!r}, that of the fit in {unit!r}; the "
+                "weights do not carry over"
+            )
+        for muscle in one.missing_emg:
+            if muscle in estimated:
+                raise InputError(
+                    f"{one.where}: no EMG of muscle {muscle!r}, whose weight the fit estimated; "
+                    f"add the channel emg_{muscle}"
+                )
+    return predict(problem.spec, problem.options, found.values, inputs)
+
+
+def predict(
+    spec: ModelSpec,
+    options: ModelOptions,
+    values: Mapping[str, float],
+    inputs: Sequence[ModelInputs],
+) -> tuple[Prediction, ...]:
+    """Predict the torque of recordings with given parameters.
+
+    A sample of weight 0 is predicted, and is in no figure; other weights change nothing.
+
+    Raises
+    ------
+    InputError
+        A recording has no torque to compare with, or none that is not zero.
+    ComputationError
+        The predicted torque is not finite.
+    """
+    vector = spec.vector(values, options)
+    predictions = []
+    for one in inputs:
+        if one.torque is None or not one.torque.any():
+            raise InputError(f"{one.where}: no torque to compare the prediction with")
+        with np.errstate(over="ignore", invalid="ignore"):  # refused below
+            torque = spec.simulator(one, options).torque(vector)
+        check_finite_torque(torque, one)
+        counted = slice(None) if one.weight is None else one.weight > 0
+        residual = (one.torque - torque)[counted]
+        predictions.append(
+            Prediction(
+                one.name,
+                one.files[0].path if one.files else None,
+                vaf(one.torque[counted], residual),
+                rmse(residual),
+                float(residual.mean()),
+                torque,
+                one.time,
+                one.torque,
+                one.weight,
+            )
+        )
+    return tuple(predictions)

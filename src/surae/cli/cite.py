@@ -1,0 +1,29 @@
+"""`surae cite`."""
+
+import click
+
+
+@click.command("cite")
+@click.argument("fitted", metavar="[FIT.json]", required=False)
+@click.option("--bibtex", is_flag=True, help="BibTeX entries instead of lines.")
+def command(fitted: str | None, bibtex: bool) -> None:
+    """Print the papers behind the methods that a fit used.
+
+    Without a fit: what every use of surae stands on.
+    """
+    from surae.cli.screen import show_line
+    from surae.report.references import ALWAYS, cited_by
+
+    cited = ALWAYS
+    if fitted is not None:
+        from surae.api import load
+
+        fit = load(fitted)
+        cited = cited_by(fit.result, fit.assessment)
+    if bibtex:
+        for one in cited:
+            show_line(f"% {one.reason}")
+            show_line(one.reference.bibtex)
+        return
+    for one in cited:
+        show_line(f"{one.reason}: {one.reference.text}")

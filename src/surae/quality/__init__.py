@@ -1,0 +1,18 @@
+"""The quality gate: what is wrong with a recording, before its fit is believed."""
+
+from surae.quality.commanded import Commanded
+from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped, quality_of
+from surae.quality.registry import CHECKS, CODES, Check, check_recording
+
+__all__ = [
+    "CHECKS",
+    "CODES",
+    "SEVERITIES",
+    "Check",
+    "Commanded",
+    "Finding",
+    "Quality",
+    "Skipped",
+    "check_recording",
+    "quality_of",
+]

@@ -1,0 +1,256 @@
+"""What the muscles do: at rest where they should be, active where they should be."""
+
+import numpy as np
+
+from surae.quality.emg import REST_VOLTS
+from surae.quality.finding import Finding, Skipped
+from surae.quality.numeric import BoolArray, runs, smooth
+from surae.quality.reflex import reflex
+from surae.quality.trial import Trial
+from surae.quality.wording import muscle_name
+from surae.recording import MUSCLES
+from surae.units import FloatArray
+
+#: Activity as a part of the largest in the trial that a relaxed muscle stays below, and as a
+#: multiple of its own level of rest.
+RELAXED, ABOVE_REST = 0.06, 4.0
+#: Seconds of activity that make a passive part active.
+ACTIVE_SECONDS = 0.25
+#: A normalised envelope at rest.
+REST_SHARE = 0.03
+#: Highest over lowest level of a muscle whose activity varies; rectified noise alone has 1.6.
+VARIES = 3.0
+#: Share of the asked bursts that may stay out.
+MISSED = 0.3
+#: Stillness after the first effort that is no pause: so long [s], and this share of what is left.
+STILL_SECONDS, STILL_SHARE = 5.0, 0.3
+#: Both sides count as active above this part of their largest activity...
+TOGETHER = 0.25
+#: ...and so for more than this share of the time in which either is.
+CO_CONTRACTION = 0.5
+
+
+def passive_part(trial: Trial) -> tuple[Finding, ...] | Skipped:
+    """Activity in the time that was to be passive."""
+    if trial.effort is None:
+        return Skipped(
+            "passive-not-passive",
+            "No effort task is given or recognised: no time is known passive.",
+        )
+    quiet = _quiet_time(trial)
+    if float(quiet.sum()) < 2.0 * trial.rate_hz:
+        return Skipped("passive-not-passive", "The task has no passive part.")
+    stretched = reflex(trial)
+    found = []
+    for muscle, envelope in trial.slow.items():
+        channel = trial.recording.channels[f"emg_{muscle}"]
+        top = float(np.quantile(envelope, 0.98))
+        rest = float(np.quantile(envelope[quiet], 0.1))
+        active = quiet & (envelope > max(RELAXED * top, ABOVE_REST * rest))
+        if stretched is not None and muscle != "ta":
+            active &= ~stretched.explained
+        # The filter that the level was averaged with is not activity.
+        seconds = float(active.sum()) / trial.rate_hz
+        if seconds < ACTIVE_SECONDS or top < _rest(channel.unit):
+            continue
+        where = np.flatnonzero(active)
+        level = float(envelope[active].max())
+        found.append(
+            Finding(
+                "passive-not-passive",
+                "warning",
+                channel.role,
+                float(trial.time[where[0]]),
+                float(trial.time[where[-1]]),
+                level / top,
+                "1",
+                f"The {muscle_name(muscle)} is active for {seconds:.2g} s of the passive part, up "
+                f"to {100 * level / top:.2g} % of its largest activity.",
+                "Repeat the passive part with the subject relaxed: passive stiffness would be "
+                "overestimated.",
+            )
+        )
+    return tuple(found)
+
+
+def _quiet_time(trial: Trial) -> BoolArray:
+    """Until the first effort that is asked for, less the time a level is averaged over."""
+    assert trial.effort is not None
+    asked = np.flatnonzero(trial.effort.max(axis=1) > 0.0)
+    end = int(asked[0]) if asked.size else len(trial.time)
+    quiet = np.zeros(len(trial.time), dtype=bool)
+    quiet[: max(end - round(0.3 * trial.rate_hz), 0)] = True
+    return quiet
+
+
+def active_part(trial: Trial) -> tuple[Finding, ...] | Skipped:
+    """Muscles that are not active in the time that was to be active."""
+    if not trial.slow:
+        return Skipped("active-not-active", "There is no EMG.")
+    asked = None if trial.commanded is None else trial.commanded.effort
+    if asked is not None and float(np.max(asked)) == 0.0:
+        return Skipped("active-not-active", "No effort was asked for.")
+    idle = {m: _idle(trial, m) for m in trial.slow}
+    if all(idle.values()):
+        top = max(float(np.quantile(e, 0.98)) for e in trial.slow.values())
+        unit = trial.recording.channels[f"emg_{next(iter(trial.slow))}"].unit
+        return (
+            Finding(
+                "active-not-active",
+                "warning",
+                None,
+                trial.start,
+                trial.end,
+                top,
+                unit,
+                "No muscle is active at any time.",
+                "Record efforts in both directions; of a passive trial, fix g1 to g4, l0_tri, "
+                "l0_tib, f0 and beta.",
+            ),
+        )
+    found = []
+    for name, muscles in (("triceps", trial.triceps), ("ta", tuple(m for m in idle if m == "ta"))):
+        if muscles and all(idle[m] for m in muscles):
+            found.append(_side(trial, name, muscles))
+    if found:
+        return tuple(found)
+    return (() if trial.effort is None else _bursts(trial)) or _stopped(trial)
+
+
+def _idle(trial: Trial, muscle: str) -> bool:
+    envelope = trial.slow[muscle]
+    unit = trial.recording.channels[f"emg_{muscle}"].unit
+    top, rest = (float(q) for q in np.quantile(envelope, (0.98, 0.05)))
+    return top < _rest(unit) or top < VARIES * rest
+
+
+def _rest(unit: str) -> float:
+    return REST_VOLTS if unit == "V" else REST_SHARE
+
+
+def _side(trial: Trial, name: str, muscles: tuple[str, ...]) -> Finding:
+    long = "triceps surae" if name == "triceps" else muscle_name("ta")
+    lost = "g2 to g4 and l0_tri" if name == "triceps" else "g1 and l0_tib"
+    top = max(float(np.quantile(trial.slow[m], 0.98)) for m in muscles)
+    return Finding(
+        "active-not-active",
+        "warning",
+        f"emg_{muscles[0]}",
+        trial.start,
+        trial.end,
+        top,
+        trial.recording.channels[f"emg_{muscles[0]}"].unit,
+        f"The {long} is not active at any time.",
+        f"Record efforts in that direction too, or fix {lost}.",
+    )
+
+
+def _bursts(trial: Trial) -> tuple[Finding, ...]:
+    """Bursts that were asked for and did not come."""
+    assert trial.effort is not None
+    missed: list[tuple[int, int]] = []
+    total = 0
+    for muscles in (trial.triceps, tuple(m for m in trial.slow if m == "ta")):
+        if not muscles:
+            continue
+        asked = trial.effort[:, [MUSCLES.index(m) for m in muscles]].mean(axis=1)
+        done = np.mean([_relative(trial.slow[m]) for m in muscles], axis=0)
+        centre = asked > 0.15
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], centre.astype(np.int8), [0]])))
+        for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+            total += 1
+            # Subjects follow what they see with a delay.
+            later = slice(first, min(last + round(0.3 * trial.rate_hz), len(done)))
+            if float(done[later].max()) < 0.25 * float(asked[first:last].max()):
+                missed.append((first, last))
+    if total == 0 or len(missed) <= MISSED * total:
+        return ()
+    first = min(one[0] for one in missed)
+    last = max(one[1] for one in missed) - 1
+    return (
+        Finding(
+            "active-not-active",
+            "warning",
+            None,
+            float(trial.time[first]),
+            float(trial.time[last]),
+            len(missed) / total,
+            "1",
+            f"{len(missed)} of {total} efforts of the task were not made.",
+            "Repeat the trial, or leave that time out with --exclude.",
+        ),
+    )
+
+
+def _stopped(trial: Trial) -> tuple[Finding, ...]:
+    """A long time without any effort, once efforts have begun."""
+    active = np.max([_relative(e) for e in trial.slow.values()], axis=0) > 0.1
+    where = np.flatnonzero(active)
+    if not where.size:
+        return ()
+    begun = int(where[0])
+    still = [*runs(~active[begun:])]
+    first, last = max(still, key=lambda one: one[1] - one[0], default=(0, 0))
+    seconds = (last - first) / trial.rate_hz
+    if seconds < STILL_SECONDS or last - first < STILL_SHARE * (len(active) - begun):
+        return ()
+    return (
+        Finding(
+            "active-not-active",
+            "warning",
+            None,
+            float(trial.time[begun + first]),
+            float(trial.time[begun + last - 1]),
+            seconds,
+            "s",
+            f"No muscle is active for {seconds:.2g} s, once efforts have begun.",
+            "Repeat the trial if efforts were asked for: that time says nothing of active muscles.",
+        ),
+    )
+
+
+def _relative(envelope: FloatArray) -> FloatArray:
+    low, high = (float(q) for q in np.quantile(envelope, (0.05, 0.98)))
+    return (envelope - low) / max(high - low, 1e-300)
+
+
+def co_contraction(trial: Trial) -> tuple[Finding, ...] | Skipped:
+    """Both sides of the ankle active at the same time, nearly throughout."""
+    triceps, ta = trial.group("triceps"), trial.group("ta")
+    if triceps is None or ta is None:
+        return Skipped("co-contraction", "There is no EMG of both sides of the ankle.")
+    if _silent(trial):
+        return ()
+    levels = []
+    for envelope in (triceps, ta):
+        smoothed = smooth(envelope, round(0.3 * trial.rate_hz))
+        levels.append(smoothed / max(float(np.quantile(smoothed, 0.98)), 1e-300))
+    either = np.maximum(*levels) > TOGETHER
+    both = np.minimum(*levels) > TOGETHER
+    share = float(both.sum()) / max(float(either.sum()), 1.0)
+    if share <= CO_CONTRACTION:
+        return ()
+    where = np.flatnonzero(both)
+    return (
+        Finding(
+            "co-contraction",
+            "warning",
+            "emg_ta",
+            float(trial.time[where[0]]),
+            float(trial.time[where[-1]]),
+            share,
+            "1",
+            f"Triceps and tibialis anterior are active together in {100 * share:.0f} % of the time "
+            "in which either is.",
+            "Ask for one direction at a time, and look for crosstalk: together, their weights "
+            "cannot be told apart.",
+        ),
+    )
+
+
+def _silent(trial: Trial) -> bool:
+    """Whether nothing stands out of the EMG at all."""
+    return all(
+        float(np.quantile(e, 0.98)) < _rest(trial.recording.channels[f"emg_{m}"].unit)
+        for m, e in trial.slow.items()
+    )

@@ -1,0 +1,116 @@
+"""The torque of a leg that does nothing at an angle where nothing is stretched."""
+
+import numpy as np
+
+from surae.model.geometry import arm_tib, arm_tri
+from surae.quality.numeric import BoolArray, smooth
+from surae.quality.torque_model import SHORTEST, activation
+from surae.recording import MUSCLES
+from surae.units import FloatArray
+
+#: Stiffness coefficients k of equation (8) that are tried [1/m]: healthy legs have 170 to 230 and
+#: 90 to 130, patients up to 235 and 160.
+_K_TRI = np.arange(120.0, 281.0, 20.0)
+_K_TIB = np.arange(70.0, 191.0, 20.0)
+#: A muscle whose activation is below this part of its largest is at rest.
+_RESTING = 0.03
+#: Rest that is needed [s], and the part of its range that the angle then goes through [rad].
+_SECONDS, _SPAN = 3.0, 0.35
+
+
+def resting(rate: float, envelopes: dict[str, FloatArray], n: int) -> BoolArray:
+    """Samples at which no muscle pulls, nor has just pulled."""
+    quiet = np.ones(n, dtype=bool)
+    for envelope in envelopes.values():
+        active = activation(np.maximum(envelope - np.quantile(envelope, 0.05), 0.0), rate)
+        top = float(np.quantile(active, 0.99))
+        # Where the EMG hardly varies there is no activity to leave out.
+        if top > 2.0 * float(np.quantile(envelope, 0.05)):
+            quiet &= active < _RESTING * top
+    return quiet
+
+
+def baseline(
+    rate: float,
+    angle: FloatArray,
+    torque: FloatArray,
+    envelopes: dict[str, FloatArray],
+) -> float | None:
+    """The constant part of the torque, as it is at θ = 0 [Nm].
+
+    Exponentials of both muscles' lengths and c·cos θ are fitted to the torque at rest; where the
+    leg is never at rest, together with what the EMG explains. c is m·g·la and whatever offset the
+    sensor has: the two cannot be told apart in a leg that only turns about its ankle.
+
+    Returns
+    -------
+    float or None
+        c; None where too little of the range is gone through to tell it from the passive torque.
+    """
+    n = len(angle)
+    quiet = resting(rate, envelopes, n)
+    seconds = float(quiet.sum()) / rate
+    enough = seconds >= _SECONDS and float(np.ptp(angle[quiet])) >= _SPAN
+    if n < SHORTEST * rate:
+        return None
+    if not enough and (len(envelopes) < len(MUSCLES) or float(np.ptp(angle)) < _SPAN):
+        return None
+    stride = max(1, round(rate / 25.0))
+    width = round(0.12 * rate)
+    rows = np.zeros(n, dtype=bool)
+    rows[round(0.2 * rate) :: stride] = True
+    if enough:
+        rows &= quiet
+
+    def coarse(values: FloatArray) -> FloatArray:
+        return smooth(values, width)[rows]
+
+    tri, tib = arm_tri(angle), arm_tib(angle)
+    columns = [coarse(np.exp(k * (0.068 - 1.67 * tri)) * tri) for k in _K_TRI]
+    columns += [coarse(-np.exp(k * (0.046 - 1.56 * tib)) * tib) for k in _K_TIB]
+    columns.append(coarse(np.cos(angle)))
+    if not enough:
+        speed = np.tanh(np.gradient(smooth(angle, width), 1.0 / rate))
+        for name in ("ta", "triceps"):
+            heads = [
+                activation(np.maximum(e - np.quantile(e, 0.05), 0.0), rate)
+                for m, e in envelopes.items()
+                if (m == "ta") == (name == "ta")
+            ]
+            if not heads:
+                continue
+            together = np.mean(heads, axis=0)
+            shapes = (angle, angle**2, speed, speed * angle)
+            columns += [coarse(one) for one in heads]
+            columns += [coarse(together * shape) for shape in shapes]
+    return _constant(np.column_stack(columns), coarse(torque))
+
+
+def _constant(matrix: FloatArray, y: FloatArray) -> float:
+    """The coefficient of the cosine in the best of the fits, one for each pair of stiffnesses."""
+    scale = np.sqrt((matrix**2).sum(axis=0))
+    scale[scale == 0.0] = 1.0
+    gram = (matrix / scale).T @ (matrix / scale)
+    right = (matrix / scale).T @ y
+    first, second = len(_K_TRI), len(_K_TRI) + len(_K_TIB)
+    rest = list(range(second, matrix.shape[1]))
+    best, found = -np.inf, 0.0
+    for i in range(first):
+        for j in range(first, second):
+            chosen = [i, j, *rest]
+            weights = _solved(gram, right, chosen)
+            # A muscle that pushes is left out.
+            pulling = [k for k, w in zip((i, j), weights[:2].tolist(), strict=True) if w > 0.0]
+            if len(pulling) < 2:
+                chosen = [*pulling, *rest]
+                weights = _solved(gram, right, chosen)
+            gain = float(weights @ right[chosen])
+            if gain > best:
+                best, found = gain, float(weights[len(pulling)] / scale[second])
+    return found
+
+
+def _solved(gram: FloatArray, right: FloatArray, chosen: list[int]) -> FloatArray:
+    square = gram[np.ix_(chosen, chosen)] + 1e-9 * np.eye(len(chosen))
+    weights: FloatArray = np.linalg.solve(square, right[chosen])
+    return weights

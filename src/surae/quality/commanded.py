@@ -1,0 +1,186 @@
+"""The motion that a device was to follow: from a file, or recognised in the angle itself.
+
+A trial that follows one of the protocols of `surae.protocol` is ``low + gain·profile(t − delay)
++ A·sin(πst²)``, filtered if it was adapted to a device. Only s and the filter are non-linear; s
+shows as a line in the spectrum over u = t²/2, in which the chirp is a sine.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.protocol import PROFILES
+from surae.protocol.adaptation import low_pass
+from surae.recording import Channel, read_only
+from surae.units import FloatArray
+
+#: Samples [Hz] on which a profile is recognised.
+_RATE = 85.0
+#: Residual of a recognised profile, root mean square over the span. Of virtual trials, the right
+#: profile has 1e-6 to 0.01, with overshoots or steps up to 0.06; a wrong one more than 0.12.
+_RECOGNISED = 0.08
+#: Without a filter, this is already the right profile.
+_EXACT = 1e-3
+#: A chirp whose part of the remaining variance is smaller is none.
+_CHIRP_SHARE = 0.05
+#: Chirps rise faster than this [Hz/s]; what is slower is a misfit of the profile.
+_SLOWEST = 0.08
+
+
+@dataclass(frozen=True, slots=True)
+class Commanded:
+    """A commanded motion, arrays read-only.
+
+    Attributes
+    ----------
+    name : str
+        Where it comes from, for messages.
+    time : ndarray, shape (n,)
+        [s].
+    angle : ndarray, shape (n,)
+        [rad].
+    effort : ndarray, shape (n, 4), or None
+        The effort that was asked for, 0…1, if the file says.
+    given : bool
+        Whether a file gave it; otherwise it was recognised in the angle.
+    """
+
+    name: str
+    time: FloatArray
+    angle: FloatArray
+    effort: FloatArray | None = None
+    given: bool = True
+
+
+def recognised(channel: Channel) -> Commanded | None:
+    """The known protocol that an angle follows, or None.
+
+    Parameters
+    ----------
+    channel : Channel
+        The angle, in any unit and on any zero.
+    """
+    step = max(1, round(channel.rate_hz / _RATE))
+    seconds = channel.time[::step] - channel.time[0]
+    angle = channel.values[::step]
+    span = float(np.ptp(angle))
+    if len(angle) < 200 or span == 0.0:
+        return None
+    candidates = []
+    for profile in PROFILES.values():
+        stretches = {1.0} if seconds[-1] < profile.duration + 0.5 else set()
+        if abs(seconds[-1] - profile.duration) > 0.5:
+            stretches.add(profile.duration / float(channel.time[-1] - channel.time[0]))
+        for stretch in stretches:
+            base = profile.position(seconds * stretch)
+            if float(np.ptp(base)) > 0.1:
+                residual = _left(angle, _columns(base, seconds))[0]
+                candidates.append((float(np.std(residual)), profile.name, base))
+    candidates.sort(key=lambda one: one[0])
+    best = (np.inf, "", angle)
+    for _, name, base in candidates[:2]:
+        spread, fitted = _with_chirp(angle, base, seconds)
+        if spread < best[0]:
+            best = (spread, name, fitted)
+    if best[0] > _RECOGNISED * span:
+        return None
+    return Commanded(
+        name=f"the {best[1]} profile",
+        time=read_only(channel.time[::step]),
+        angle=read_only(best[2]),
+        given=False,
+    )
+
+
+def _with_chirp(
+    angle: FloatArray, base: FloatArray, seconds: FloatArray
+) -> tuple[float, FloatArray]:
+    """Spread of what a profile, its chirp and its filter leave of an angle, and their fit."""
+    span = float(np.ptp(angle))
+    residual, fitted = _left(angle, _columns(base, seconds))
+    chirp = _chirp(residual, seconds)
+    if chirp is not None:
+        residual, fitted = _left(angle, [*_columns(base, seconds), chirp])
+    best = _spread(residual), fitted
+    if best[0] < _EXACT * span:
+        return best
+    filtered = _filtered(angle, base, chirp, seconds)
+    best = min(best, filtered, key=lambda one: one[0])
+    # What the filter did to the profile may have hidden the chirp.
+    alone = filtered if chirp is None else _filtered(angle, base, None, seconds)
+    hidden = _chirp(angle - alone[1], seconds)
+    if best[0] > _EXACT * span and hidden is not None:
+        found = _filtered(angle, base, hidden, seconds)
+        best = min(best, found, key=lambda one: one[0])
+    return best
+
+
+def _filtered(
+    angle: FloatArray, base: FloatArray, chirp: FloatArray | None, seconds: FloatArray
+) -> tuple[float, FloatArray]:
+    """The same for a motion adapted to a device: one low-pass for profile and chirp."""
+    rate = (len(seconds) - 1) / float(seconds[-1])
+    moving = [base] if chirp is None else [base, chirp]
+
+    def at(log_cutoff: float) -> tuple[float, FloatArray, float]:
+        passed = [low_pass(one, float(np.exp(log_cutoff)), rate)[0] for one in moving]
+        residual, fitted = _left(angle, [*_columns(passed[0], seconds), *passed[1:]])
+        return _spread(residual), fitted, log_cutoff
+
+    def spread(one: tuple[float, FloatArray, float]) -> float:
+        return one[0]
+
+    grid = np.log(np.geomspace(0.03, 12.0, 11))
+    best = min((at(float(x)) for x in grid), key=spread)
+    width = float(grid[1] - grid[0])
+    for _ in range(6):
+        width /= 2.0
+        best = min((best, at(best[2] - width), at(best[2] + width)), key=spread)
+    return best[0], best[1]
+
+
+def _columns(base: FloatArray, seconds: FloatArray) -> list[FloatArray]:
+    """Offset, profile, and its slope, which stands for a delay of the device."""
+    return [np.ones_like(base), base, np.gradient(base, seconds)]
+
+
+def _left(angle: FloatArray, columns: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
+    """Residual and fit of a least-squares fit that leaves out the worst tenth of the samples."""
+    matrix = np.column_stack(columns)
+    kept = np.ones(len(angle), dtype=bool)
+    residual = angle
+    fitted = np.zeros_like(angle)
+    for _ in range(2):
+        part = matrix[kept]
+        gram = part.T @ part
+        scale = np.sqrt(np.diag(gram)) + 1e-300
+        solved = np.linalg.lstsq(gram / np.outer(scale, scale), part.T @ angle[kept] / scale, None)
+        fitted = matrix @ (solved[0] / scale)
+        residual = angle - fitted
+        kept = np.abs(residual) <= np.quantile(np.abs(residual), 0.9)
+    return residual, fitted
+
+
+def _spread(residual: FloatArray) -> float:
+    return float(np.sqrt(np.mean(residual**2)))
+
+
+def _chirp(residual: FloatArray, seconds: FloatArray) -> FloatArray | None:
+    """The chirp sin(πst²) of unit amplitude that a residual holds, or None."""
+    u = np.linspace(0.0, 0.5 * float(seconds[-1]) ** 2, 8 * len(seconds))
+    at = np.sqrt(2.0 * u)
+    # A filtered chirp falls as 1/t; times t it is a sine again, if not a whole one.
+    even = np.interp(at, seconds, residual) * at
+    spectrum = np.abs(np.fft.rfft(even, 2 * len(even)))
+    resolution = 1.0 / (2 * len(even) * float(u[1]))
+    lowest = int(np.ceil(_SLOWEST / resolution))
+    top = int(np.argmax(spectrum[lowest:])) + lowest
+    if 2.0 * float(spectrum[top] ** 2) < _CHIRP_SHARE * float(even @ even) * len(even) * 0.5:
+        return None
+    best, found = 0.0, None
+    for shift in np.linspace(-1.0, 1.0, 41):
+        wave = np.sin(2.0 * np.pi * (top + shift) * resolution * 0.5 * seconds**2)
+        alike = abs(float(wave @ (residual * seconds)))
+        if alike > best:
+            best, found = alike, wave
+    return found

@@ -1,0 +1,264 @@
+"""EMG channels one by one: missing, flat, clipped, offset, artefacts."""
+
+import numpy as np
+
+from surae.quality.finding import Finding
+from surae.quality.numeric import equal_runs, runs, smooth
+from surae.quality.trial import Trial
+from surae.quality.wording import muscle_name, weight_of
+from surae.recording import MUSCLES, Channel
+
+#: A muscle that never exceeds this [V] is at rest: maximal efforts give 2e-4 V and more.
+REST_VOLTS = 2e-5
+#: A channel that keeps one value for longer than this [s] has lost its signal.
+DROPOUT = 0.5
+#: A channel whose activity never reaches this part of the strongest channel's is without contact:
+#: muscles of one leg differ by a factor of ten at most.
+SILENT = 0.01
+#: Samples exactly at the largest value that make a plateau. A smooth peak has two at most.
+CLIPPED_SAMPLES = 6
+#: A plateau holds so many times the samples of the next hundredth of the range below it; the
+#: unclipped distribution, which falls outwards, holds fewer than one.
+CLIPPED_EXCESS = 2.0
+#: Offset of raw EMG as a part of its standard deviation; the mean of clean EMG is below 0.01.
+OFFSET = 0.15
+#: Level of an envelope at rest as a part of its highest; clean ones, crosstalk included, stay
+#: below 0.05 and noise of 5 % adds 0.02.
+FLOOR = 0.10
+#: A spike is a sample beyond this many times the level that the EMG exceeds for `_OFTEN` seconds in
+#: all, which artefacts do not. Gaussian EMG in a few bursts reaches 8 times, an envelope 2.6 times.
+SPIKE = {"raw": 10.5, "envelope": 3.5}
+_OFTEN = 0.75
+#: Slow content (below about 15 Hz) of raw EMG as a part of that level. Clean EMG has none below
+#: 20 Hz and leaks 0.3 of it; a moving cable or skin makes more than the EMG itself.
+SLOW_SPIKE = 0.9
+_SLOW_WINDOW = 0.04
+
+
+def missing(trial: Trial) -> tuple[Finding, ...]:
+    """Muscles without an EMG channel."""
+    found = []
+    for muscle in MUSCLES:
+        role, weight = f"emg_{muscle}", weight_of(muscle)
+        if role in trial.recording.channels:
+            continue
+        held = weight in trial.recording.fixed
+        found.append(
+            Finding(
+                "emg-missing",
+                "info" if held else "warning",
+                role,
+                trial.start,
+                trial.end,
+                None,
+                "",
+                f"There is no EMG of the {muscle_name(muscle)}"
+                + (f"; its weight {weight} is fixed." if held else "."),
+                "Read the weights of the other muscles with care: they take over what it does."
+                if held
+                else f"Add the channel, or fix its weight with --fixed {weight}=0.",
+            )
+        )
+    return tuple(found)
+
+
+def flat(trial: Trial) -> tuple[Finding, ...]:
+    """Channels, or parts of them, that are constant or far below the others."""
+    channels = _channels(trial)
+    tops = {m: float(np.quantile(e, 0.98)) for m, e in trial.slow.items()}
+    strongest = max(tops.values(), default=0.0)
+    found: list[Finding] = []
+    for muscle, channel in channels.items():
+        if muscle not in trial.slow:
+            level = float(channel.values[0])
+            found.append(
+                _flat(muscle, channel, 0, len(channel.time) - 1, f"is constant at {level:.3g}")
+            )
+        elif tops[muscle] < SILENT * strongest:
+            found.append(
+                _flat(
+                    muscle,
+                    channel,
+                    0,
+                    len(channel.time) - 1,
+                    f"never exceeds {100 * tops[muscle] / strongest:.2g} % of the strongest "
+                    "muscle's",
+                )
+            )
+        else:
+            found += _dropouts(trial, muscle, channel)
+    return tuple(found)
+
+
+def _dropouts(trial: Trial, muscle: str, channel: Channel) -> list[Finding]:
+    values = channel.values
+    first, length = equal_runs(values)
+    long = length > DROPOUT * channel.rate_hz
+    if trial.emg_kind == "envelope":
+        # An envelope without noise rests at its smallest value, again and again.
+        low, high = float(values.min()), float(values.max())
+        at_rest = values[first] <= low + 0.02 * (high - low)
+        constant = float(length[long & at_rest].sum())
+        repeats = int((long & at_rest).sum()) > 1
+        quiet = float((values <= low + 0.02 * (high - low)).sum())
+        if repeats or constant > 0.8 * quiet:
+            long &= ~at_rest
+        # A plateau at the top is clipped, which is another finding.
+        long &= values[first] < high
+    return [
+        _flat(
+            muscle,
+            channel,
+            int(begin),
+            int(begin + count - 1),
+            f"keeps the value {values[begin]:.3g} for {count / channel.rate_hz:.2g} s",
+        )
+        for begin, count in zip(first[long], length[long], strict=True)
+    ]
+
+
+def _flat(muscle: str, channel: Channel, first: int, last: int, what: str) -> Finding:
+    whole = last - first >= len(channel.time) - 1
+    span = float(channel.time[last] - channel.time[first])
+    return Finding(
+        "emg-flat",
+        "error" if whole else "warning",
+        channel.role,
+        float(channel.time[first]),
+        float(channel.time[last]),
+        span,
+        "s",
+        f"The EMG of the {muscle_name(muscle)} {what}.",
+        f"Check electrode and cable; fix {weight_of(muscle)} at 0 if the muscle was at rest, "
+        "else record again."
+        if whole
+        else "Leave that time out of the fit with --exclude, or record again.",
+    )
+
+
+def clipped(trial: Trial) -> tuple[Finding, ...]:
+    """Channels that end at a plateau, as behind an amplifier at its limit."""
+    found = []
+    for muscle, channel in _channels(trial).items():
+        values = channel.values
+        low, high = float(values.min()), float(values.max())
+        # An envelope rests at its smallest value: only the top can be clipped.
+        ends = (
+            [(high, values)] if trial.emg_kind == "envelope" else [(high, values), (-low, -values)]
+        )
+        for top, oriented in ends:
+            at = oriented >= top - 1e-9 * (high - low)
+            count = int(at.sum())
+            beside = int((oriented >= top - 0.01 * (high - low)).sum()) - count
+            if top <= 0.0 or count < CLIPPED_SAMPLES or count < CLIPPED_EXCESS * beside:
+                continue
+            if count > 0.5 * len(values):
+                continue  # flat, not clipped
+            where = np.flatnonzero(at)
+            share = count / len(values)
+            found.append(
+                Finding(
+                    "emg-clipped",
+                    "warning" if share < 1e-3 else "error",
+                    channel.role,
+                    float(channel.time[where[0]]),
+                    float(channel.time[where[-1]]),
+                    share,
+                    "1",
+                    f"{count} samples of the EMG of the {muscle_name(muscle)} stop at "
+                    f"{values[where[0]]:.3g} {channel.unit}.",
+                    "Lower the amplifier's gain and record again; efforts beyond that level are "
+                    "underestimated.",
+                )
+            )
+            break
+    return tuple(found)
+
+
+def offset(trial: Trial) -> tuple[Finding, ...]:
+    """Raw EMG that is not centred on zero, and envelopes that do not come down to it."""
+    found = []
+    for muscle, channel in _channels(trial).items():
+        if muscle not in trial.slow:
+            continue
+        if trial.emg_kind == "raw":
+            level = float(np.median(channel.values))
+            ratio = abs(level) / float(np.std(channel.values))
+            limit, rest = OFFSET, "is centred on"
+            advice = (
+                "The preparation removes it; check the electrode's contact and that nothing is "
+                "clipped."
+            )
+        else:
+            level = float(np.quantile(trial.slow[muscle], 0.02))
+            top = float(np.quantile(trial.slow[muscle], 0.98))
+            # Where no burst stands out there is no level of rest to speak of.
+            known = top > 2.0 * level and (channel.unit != "V" or top > REST_VOLTS)
+            ratio = level / top if known else 0.0
+            limit, rest = FLOOR, "does not come below"
+            advice = "Subtract the level of a relaxed muscle, or tell the subject to relax."
+        if ratio <= limit:
+            continue
+        found.append(
+            Finding(
+                "emg-offset",
+                "warning",
+                channel.role,
+                float(channel.time[0]),
+                float(channel.time[-1]),
+                level,
+                channel.unit,
+                f"The EMG of the {muscle_name(muscle)} {rest} {level:.3g} {channel.unit} instead "
+                f"of 0 ({100 * ratio:.2g} % of its "
+                + ("standard deviation)." if trial.emg_kind == "raw" else "highest)."),
+                advice,
+            )
+        )
+    return tuple(found)
+
+
+def artefact(trial: Trial) -> tuple[Finding, ...]:
+    """Spikes no muscle makes, and slow swings in raw EMG."""
+    found = []
+    for muscle, channel in _channels(trial).items():
+        if muscle not in trial.slow:
+            continue
+        values = channel.values - float(np.median(channel.values))
+        size = np.abs(values)
+        seconds = float(channel.time[-1] - channel.time[0])
+        usual = float(np.quantile(size, max(0.5, 1.0 - _OFTEN / seconds)))
+        wrong = size > SPIKE[trial.emg_kind] * usual
+        if trial.emg_kind == "raw":
+            width = round(_SLOW_WINDOW * channel.rate_hz)
+            swing = np.abs(smooth(smooth(values, width), width))
+            wrong |= swing > SLOW_SPIKE * usual
+        if not wrong.any():
+            continue
+        # Touching pieces are one artefact.
+        near = smooth(wrong.astype(np.float64), round(0.2 * channel.rate_hz)) > 0.0
+        spans = list(runs(near))
+        where = np.flatnonzero(wrong)
+        worst = int(np.argmax(np.where(wrong, size, 0.0)))
+        found.append(
+            Finding(
+                "emg-artefact",
+                "warning",
+                channel.role,
+                float(channel.time[where[0]]),
+                float(channel.time[where[-1]]),
+                float(size[worst]),
+                channel.unit,
+                f"{len(spans)} "
+                + ("artefact" if len(spans) == 1 else "artefacts")
+                + f" in the EMG of the {muscle_name(muscle)}, the largest of {size[worst]:.3g} "
+                f"{channel.unit} at {channel.time[worst]:.3f} s.",
+                "Fasten cable and electrode; leave that time out with --exclude, or fit with "
+                "--robust.",
+            )
+        )
+    return tuple(found)
+
+
+def _channels(trial: Trial) -> dict[str, Channel]:
+    channels = trial.recording.channels
+    return {m: channels[f"emg_{m}"] for m in MUSCLES if f"emg_{m}" in channels}

@@ -1,0 +1,87 @@
+"""What a check of a recording says, as plain data."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+Severity = Literal["info", "warning", "error"]
+
+#: From the least to the most severe.
+SEVERITIES: tuple[Severity, ...] = ("info", "warning", "error")
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing to know about a recording before its fit is believed.
+
+    Attributes
+    ----------
+    code : str
+        What it is, e.g. ``"emg-flat"``; one of those that `surae.quality.registry.CHECKS` lists.
+    severity : {"info", "warning", "error"}
+        Worth knowing; makes estimates doubtful; makes them wrong.
+    channel : str or None
+        Role of the channel it is about, ``"time"``, or None where it is about the whole trial.
+    start_s, end_s : float
+        Span of time that it is about [s].
+    value : float or None
+        The number that it was judged by, in `unit`; None where there is none.
+    unit : str
+        Empty where there is no value, ``"1"`` for a ratio.
+    message, advice : str
+        One sentence each: what was found, and what to do.
+    """
+
+    code: str
+    severity: Severity
+    channel: str | None
+    start_s: float
+    end_s: float
+    value: float | None
+    unit: str
+    message: str
+    advice: str
+
+
+@dataclass(frozen=True, slots=True)
+class Skipped:
+    """A check that could not be made, and why, in one sentence."""
+
+    check: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Quality:
+    """All findings of one recording, the most severe first, and the checks that were left out."""
+
+    recording: str
+    findings: tuple[Finding, ...]
+    skipped: tuple[Skipped, ...] = ()
+
+    @property
+    def worst(self) -> Severity | None:
+        """Severity of the worst finding; None without findings."""
+        return max((f.severity for f in self.findings), key=SEVERITIES.index, default=None)
+
+    @property
+    def clean(self) -> bool:
+        """Whether nothing worse than information was found."""
+        return self.worst in (None, "info")
+
+    def count(self, severity: Severity) -> int:
+        """Number of findings of one severity."""
+        return sum(finding.severity == severity for finding in self.findings)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, as it is written to files."""
+        return asdict(self)
+
+
+def quality_of(data: Mapping[str, Any]) -> Quality:
+    """The inverse of `Quality.as_dict`."""
+    return Quality(
+        recording=data["recording"],
+        findings=tuple(Finding(**one) for one in data["findings"]),
+        skipped=tuple(Skipped(**one) for one in data["skipped"]),
+    )

@@ -1,0 +1,109 @@
+"""EMG and torque out of step, and one electrode out of step with the others."""
+
+import numpy as np
+
+from surae.quality.finding import Finding, Skipped
+from surae.quality.numeric import correlation, shifted, smooth
+from surae.quality.torque_model import TorqueModel
+from surae.quality.trial import Trial
+from surae.quality.wording import muscle_name
+
+#: Lag of all EMG for the torque [s]. The true activation may be 30 ms faster or slower than the
+#: one assumed; clean virtual trials stay within 60 ms.
+LAG = 0.1
+#: Lag of one electrode for the others [s]; the task asks the heads for bursts up to 0.15 s apart,
+#: at random, which averages to less than 40 ms.
+ELECTRODE = 0.1
+#: Lag of TA for the triceps, both found by the torque [s]; clean virtual trials stay within 0.08 s.
+ONE_SIDE = 0.13
+#: Part of the torque that EMG must explain, and what lags 0.2 s away must leave more.
+_GAINED, _SHARP = 0.3, 0.15
+#: Correlation of an electrode with the others, when in step.
+_ALIKE = 0.6
+
+
+def torque_lag(trial: Trial) -> tuple[Finding, ...] | Skipped:
+    """All EMG late or early for the torque."""
+    model = trial.model
+    if model is None or model.lag is None:
+        return Skipped("emg-torque-lag", "There is no torque or no EMG to compare.")
+    if not _known(model):
+        return Skipped("emg-torque-lag", "The EMG explains too little of the torque to tell.")
+    if abs(model.lag) <= LAG or _one_side(trial) is not None:
+        return ()
+    late = "late" if model.lag > 0.0 else "early"
+    return (
+        Finding(
+            "emg-torque-lag",
+            "error",
+            None,
+            trial.start,
+            trial.end,
+            model.lag,
+            "s",
+            f"The EMG is {1e3 * abs(model.lag):.0f} ms too {late} for the torque.",
+            "Check how the devices are synchronised, and shift the time of one file by that much.",
+        ),
+    )
+
+
+def electrode_lag(trial: Trial) -> tuple[Finding, ...] | Skipped:
+    """One electrode late or early for the others."""
+    heads = trial.triceps
+    found = []
+    side = _one_side(trial)
+    if side is not None:
+        found.append(_finding(trial, *side, "the torque says"))
+    if len(heads) >= 3:
+        lags = {muscle: _lag(trial, muscle) for muscle in heads}
+        known = {m: v for m, v in lags.items() if v is not None}
+        if known:
+            worst = max(known, key=lambda m: abs(known[m]))
+            if abs(known[worst]) > ELECTRODE:
+                found.append(_finding(trial, worst, known[worst], "the other heads are"))
+    elif side is None and (trial.model is None or not trial.model.group_lag):
+        return Skipped("electrode-lag", "There is no other electrode to compare with.")
+    return tuple(found)
+
+
+def _finding(trial: Trial, muscle: str, lag: float, beside: str) -> Finding:
+    return Finding(
+        "electrode-lag",
+        "warning",
+        f"emg_{muscle}",
+        trial.start,
+        trial.end,
+        lag,
+        "s",
+        f"The EMG of the {muscle_name(muscle)} is {1e3 * abs(lag):.0f} ms "
+        f"{'later' if lag > 0.0 else 'earlier'} than {beside}.",
+        "Check the delay of that sensor, a wireless one above all, and shift its channel.",
+    )
+
+
+def _lag(trial: Trial, muscle: str) -> float | None:
+    """By how much a head of the triceps is later than the others [s]."""
+    width = round(0.1 * trial.rate_hz)
+    mine = smooth(trial.fast[muscle], width)
+    others = [trial.fast[m] for m in trial.triceps if m != muscle]
+    together = smooth(np.mean([o / max(float(o.max()), 1e-300) for o in others], axis=0), width)
+    lags = np.arange(-round(0.6 * trial.rate_hz), round(0.6 * trial.rate_hz) + 1, 2)
+    alike = [correlation(shifted(mine, -int(k)), together) for k in lags]
+    best = int(np.argmax(alike))
+    return float(lags[best]) / trial.rate_hz if alike[best] > _ALIKE else None
+
+
+def _one_side(trial: Trial) -> tuple[str, float] | None:
+    """The muscle whose EMG alone is out of step with the torque, and by how much."""
+    model = trial.model
+    if model is None or not _known(model) or len(model.group_lag) < 2:
+        return None
+    ta, triceps = model.group_lag["ta"], model.group_lag["triceps"]
+    # The triceps makes most of the torque: its lag is the better known.
+    if abs(ta - triceps) > ONE_SIDE and abs(triceps) <= LAG and abs(model.part["ta"]) > 1.0:
+        return "ta", ta - triceps
+    return None
+
+
+def _known(model: TorqueModel) -> bool:
+    return model.gained > _GAINED and model.sharpness > _SHARP

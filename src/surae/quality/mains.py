@@ -1,0 +1,83 @@
+"""Mains hum: a line in the EMG's spectrum at 50 or 60 Hz."""
+
+import numpy as np
+
+from surae.quality.finding import Finding, Skipped
+from surae.quality.trial import Trial
+from surae.quality.wording import muscle_name
+from surae.recording import MUSCLES, Channel
+from surae.units import FloatArray
+
+#: Frequencies of mains [Hz].
+MAINS = (50.0, 60.0)
+#: How far from them the line may lie [Hz]: a grid is held within 0.2 Hz.
+_NEAR = 0.25
+#: Neighbourhood that the line is compared with [Hz].
+_AROUND = 6.0
+#: Power of the line over the median of its neighbourhood. Of noise, the largest of some 20
+#: exponentially distributed values is above 30 medians once in 5e7.
+LINE = 30.0
+#: Amplitude of the hum as a part of the EMG's root mean square, below which it does no harm.
+SMALLEST = 0.02
+
+
+def hum(trial: Trial) -> tuple[Finding, ...] | Skipped:
+    """Channels with mains hum."""
+    found = []
+    slow = None
+    for muscle in MUSCLES:
+        channel = trial.recording.channels.get(f"emg_{muscle}")
+        if channel is None or muscle not in trial.slow:
+            continue
+        if channel.rate_hz < 2.2 * MAINS[-1]:
+            slow = channel.rate_hz
+            continue
+        largest = max((line(channel, mains) for mains in MAINS), key=lambda one: one[0])
+        amplitude, frequency = largest
+        # Bursts raise the root mean square but not the harm done at rest.
+        rms = float(np.std(channel.values))
+        if amplitude < SMALLEST * rms or amplitude == 0.0:
+            continue
+        found.append(
+            Finding(
+                "mains-hum",
+                "warning" if amplitude < rms else "error",
+                channel.role,
+                float(channel.time[0]),
+                float(channel.time[-1]),
+                amplitude,
+                channel.unit,
+                f"The EMG of the {muscle_name(muscle)} holds a hum of {frequency:.1f} Hz with an "
+                f"amplitude of {amplitude:.2g} {channel.unit} ({amplitude / rms:.2g} of its "
+                "standard deviation).",
+                "Improve the reference electrode and keep cables from power lines; the high-pass "
+                "does not remove it.",
+            )
+        )
+    if slow is not None and not found:
+        return Skipped("mains-hum", f"EMG at {slow:g} Hz cannot show {MAINS[-1]:g} Hz.")
+    return tuple(found)
+
+
+def line(channel: Channel, mains: float) -> tuple[float, float]:
+    """Amplitude and frequency [Hz] of the line near a mains frequency; amplitude 0 without."""
+    values: FloatArray = channel.values - float(channel.values.mean())
+    n, rate = len(values), channel.rate_hz
+    if n < 2.0 * rate:
+        return 0.0, mains
+    # Only the band around the line is needed: mixing down and averaging is quicker than a long
+    # transform of awkward length.
+    window = np.hanning(n)
+    block = max(1, int(rate / (4.0 * _AROUND)))
+    kept = n // block * block
+    turning = np.exp(-2j * np.pi * mains * np.arange(n) / rate)
+    mixed = (values * window * turning)[:kept].reshape(-1, block).sum(axis=1)
+    power = np.abs(np.fft.fft(mixed)) ** 2
+    frequency = np.fft.fftfreq(len(mixed), block / rate)
+    near, around = np.abs(frequency) <= _NEAR, (np.abs(frequency) <= _AROUND)
+    usual = float(np.median(power[around & (np.abs(frequency) > 2.0 * _NEAR)]))
+    peak = int(np.argmax(np.where(near, power, -1.0)))
+    if power[peak] <= LINE * usual:
+        return 0.0, mains
+    amplitude = 2.0 * float(np.sqrt(power[peak])) / float(window.sum())
+    return amplitude, mains + float(frequency[peak])

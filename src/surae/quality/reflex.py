@@ -1,0 +1,190 @@
+"""Stretch reflexes: EMG of the triceps that follows stretch by 25 to 120 ms."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.quality.finding import Finding, Skipped
+from surae.quality.numeric import BoolArray, correlation, shifted, smooth
+from surae.quality.trial import Trial
+from surae.recording import MUSCLES
+from surae.units import FloatArray
+
+#: Delay of a reflex behind the stretch [s]: short and medium latency responses of the soleus.
+EARLIEST, LATEST = 0.025, 0.12
+#: Correlation of EMG and stretch velocity at such a delay, at rest, that chance does not reach.
+ALIKE = 0.4
+#: Slowest stretch that counts [rad/s]: about 15°/s, the threshold of spastic muscles.
+STRETCH = 0.26
+#: Stretches that must be seen, and the share of them that a burst follows.
+EVENTS, FOLLOWED = 2, 0.6
+#: A burst as a multiple of the level before it.
+BURST = 2.5
+
+
+@dataclass(frozen=True, slots=True)
+class Reflex:
+    """Bursts that follow stretches.
+
+    Attributes
+    ----------
+    delay : float
+        Of the bursts behind the stretch [s].
+    strength : float
+        Correlation with the stretch velocity, or share of the stretches that a burst follows.
+    events : int
+        Stretches that were looked at.
+    explained : ndarray of bool, shape (n,)
+        Times at which the triceps is active because it is stretched.
+    """
+
+    delay: float
+    strength: float
+    events: int
+    explained: BoolArray
+
+
+def reflex(trial: Trial) -> Reflex | None:
+    """The reflex of a trial; None where there is none or nothing to tell it by."""
+    emg = trial.group("triceps", fast=True)
+    if emg is None or trial.rate_hz < 60.0:
+        return None
+    emg = smooth(emg, 3) if trial.emg_kind == "raw" else emg
+    stretch = np.maximum(smooth(trial.velocity, 3), 0.0)
+    if float(stretch.max()) < STRETCH:
+        return None
+    resting = _resting(trial)
+    return _proportional(trial, emg, stretch, resting) or _bursts(trial, emg, stretch, resting)
+
+
+def suspected(trial: Trial) -> tuple[Finding, ...] | Skipped:
+    """EMG of the triceps locked to its stretch."""
+    if not trial.triceps:
+        return Skipped("reflex-suspected", "There is no EMG of the triceps.")
+    if trial.rate_hz < 60.0:
+        return Skipped("reflex-suspected", "The signals are too slow to show 25 ms.")
+    if float(trial.velocity.max()) < STRETCH:
+        return Skipped("reflex-suspected", "No stretch is fast enough.")
+    found = reflex(trial)
+    if found is None:
+        return ()
+    where = np.flatnonzero(found.explained)
+    first, last = (where[0], where[-1]) if where.size else (0, len(trial.time) - 1)
+    return (
+        Finding(
+            "reflex-suspected",
+            "warning",
+            f"emg_{trial.triceps[0]}",
+            float(trial.time[first]),
+            float(trial.time[last]),
+            found.delay,
+            "s",
+            f"The triceps answers stretches {1e3 * found.delay:.0f} ms later "
+            f"({found.events} stretches): probably a reflex.",
+            "Stretch more slowly for passive parameters; with reflexes, activity and stretch are "
+            "not independent.",
+        ),
+    )
+
+
+def _resting(trial: Trial) -> BoolArray:
+    """Times in which the triceps is not asked for, or, where that is not known, hardly active."""
+    slow = trial.group("triceps")
+    assert slow is not None
+    if trial.effort is not None:
+        heads = [MUSCLES.index(m) for m in trial.triceps]
+        asked = trial.effort[:, heads].max(axis=1)
+        near = smooth((asked > 0.0).astype(np.float64), round(0.3 * trial.rate_hz))
+        resting: BoolArray = near == 0.0
+        if float(resting.sum()) > 4.0 * trial.rate_hz:
+            return resting
+    low: BoolArray = slow < max(0.15 * float(np.quantile(slow, 0.98)), float(np.median(slow)))
+    return low
+
+
+def _proportional(
+    trial: Trial, emg: FloatArray, stretch: FloatArray, resting: BoolArray
+) -> Reflex | None:
+    """A reflex whose activity follows the velocity of the stretch."""
+    if float(resting.sum()) < 3.0 * trial.rate_hz:
+        return None
+    mine = emg[resting]
+    crossing = trial.group("ta", fast=True)
+    if crossing is not None:
+        # What the electrodes pick up of the tibialis is no reflex.
+        other = crossing[resting] - float(crossing[resting].mean())
+        power = float(other @ other)
+        if power > 0.0:
+            mine = mine - max(float(other @ mine) / power, 0.0) * other
+    fast = np.maximum(stretch - 0.1, 0.0)
+    lags = np.arange(-round(0.2 * trial.rate_hz), round(0.4 * trial.rate_hz) + 1)
+    alike = np.array([correlation(mine, shifted(fast, int(k))[resting]) for k in lags])
+    best = int(np.argmax(alike))
+    delay = float(lags[best]) / trial.rate_hz
+    if alike[best] < ALIKE or not EARLIEST - 0.006 <= delay <= LATEST + 0.006:
+        return None
+    late = shifted(fast, int(lags[best]))
+    during = resting & (late > STRETCH)
+    quiet = resting & (late == 0.0)
+    if not during.any() or not quiet.any():
+        return None
+    if float(np.mean(emg[during])) < 1.5 * float(np.mean(emg[quiet])):
+        return None
+    return Reflex(delay, float(alike[best]), len(_onsets(trial, stretch)), _answered(trial, late))
+
+
+def _answered(trial: Trial, late: FloatArray) -> BoolArray:
+    """Times in which a stretch, late by the reflex's delay, shows in a level of `SLOW` seconds."""
+    answered: BoolArray = smooth((late > 0.0).astype(np.float64), round(0.3 * trial.rate_hz)) > 0.0
+    return answered
+
+
+def _onsets(trial: Trial, stretch: FloatArray) -> list[int]:
+    """Where stretches that become fast begin."""
+    fast = stretch > STRETCH
+    starts = np.flatnonzero(np.diff(fast.astype(np.int8)) > 0) + 1
+    apart = round(0.25 * trial.rate_hz)
+    kept: list[int] = []
+    for start in starts.tolist():
+        if not kept or start - kept[-1] >= apart:
+            kept.append(start)
+    return kept
+
+
+def _peaks(trial: Trial, stretch: FloatArray) -> list[int]:
+    """Where stretches are fastest."""
+    width = round(0.25 * trial.rate_hz)
+    return [
+        start + int(np.argmax(stretch[start : start + 2 * width]))
+        for start in _onsets(trial, stretch)
+    ]
+
+
+def _bursts(
+    trial: Trial, emg: FloatArray, stretch: FloatArray, resting: BoolArray
+) -> Reflex | None:
+    """A reflex of short bursts, after the onset or the peak of most stretches."""
+    rate = trial.rate_hz
+    before, after = round(0.1 * rate), round(0.3 * rate)
+    for events in (_onsets(trial, stretch), _peaks(trial, stretch)):
+        followed: list[float] = []
+        looked = 0
+        hits: list[int] = []
+        for event in events:
+            if event < before or event + after >= len(emg) or not resting[event]:
+                continue
+            looked += 1
+            rest = float(np.mean(emg[event - before : event + round(0.01 * rate)]))
+            window = slice(event + round(0.02 * rate), event + round((LATEST + 0.03) * rate))
+            answer = emg[window]
+            later = float(np.mean(emg[event + round(0.2 * rate) : event + after]))
+            top = float(answer.max())
+            if top > BURST * max(rest, later) and top > 0.03 * float(np.quantile(emg, 0.99)):
+                followed.append((int(np.argmax(answer)) + window.start - event) / rate)
+                hits.append(event)
+        if looked >= EVENTS and len(followed) >= max(EVENTS, FOLLOWED * looked):
+            answered = np.zeros(len(emg), dtype=bool)
+            for event in hits:
+                answered[event : event + after] = True
+            return Reflex(float(np.median(followed)), len(followed) / looked, looked, answered)
+    return None

@@ -1,0 +1,105 @@
+"""Every check by name, and the one that runs them all."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.quality import activity, emg, lag, mains, position, reflex, timing, torque
+from surae.quality.commanded import Commanded
+from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped
+from surae.quality.trial import Trial, trial_of
+from surae.recording import Recording
+
+#: Samples that signals need for anything but their time to be judged.
+_FEWEST = 32
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """A check: the codes of what it finds, a function, and what it looks for, in a few words."""
+
+    codes: tuple[str, ...]
+    run: Callable[[Trial], tuple[Finding, ...] | Skipped]
+    looks_for: str
+
+
+#: Of the signals.
+CHECKS: tuple[Check, ...] = (
+    Check(("emg-missing",), emg.missing, "muscles without EMG"),
+    Check(("emg-flat",), emg.flat, "EMG that is constant, for a while or throughout"),
+    Check(("emg-clipped",), emg.clipped, "EMG at the amplifier's limit"),
+    Check(("emg-offset",), emg.offset, "EMG that does not rest at zero"),
+    Check(("emg-artefact",), emg.artefact, "spikes and swings of cables and skin"),
+    Check(("mains-hum",), mains.hum, "50 or 60 Hz in the EMG"),
+    Check(("electrode-lag",), lag.electrode_lag, "one electrode later than the others"),
+    Check(("emg-torque-lag",), lag.torque_lag, "EMG and torque out of step"),
+    Check(("torque-limit",), torque.limit, "torque at the device's limit"),
+    Check(("torque-sign",), torque.sign, "torque of the wrong sign"),
+    Check(("torque-offset",), torque.offset, "torque that gravity does not explain"),
+    Check(("angle-units",), position.units, "degrees for radians, or another zero"),
+    Check(("rom-not-covered",), position.range_of_motion, "a small range of motion"),
+    Check(("position-steps",), position.steps, "steps instead of the profile"),
+    Check(("overshoot",), position.overshoot, "angles beside the commanded profile"),
+    Check(("passive-not-passive",), activity.passive_part, "activity while relaxed"),
+    Check(("active-not-active",), activity.active_part, "efforts that were not made"),
+    Check(("co-contraction",), activity.co_contraction, "both sides active throughout"),
+    Check(("reflex-suspected",), reflex.suspected, "bursts that follow stretches"),
+)
+
+#: Of the time axis, which need no signal that can be read.
+TIME_CODES = ("time-gap", "time-jitter", "trial-too-short")
+
+#: Every code that a finding can have.
+CODES: tuple[str, ...] = tuple(code for one in CHECKS for code in one.codes) + TIME_CODES
+
+
+def check_recording(recording: Recording, commanded: Commanded | None = None) -> Quality:
+    """All findings of a recording.
+
+    Parameters
+    ----------
+    recording : Recording
+        As it was measured: checks see faults that preparation would hide.
+    commanded : Commanded, optional
+        The motion that the device was to follow, and the effort that was asked for.
+
+    Returns
+    -------
+    Quality
+        The most severe findings first, then by time.
+    """
+    found = [*timing.time_axes(recording), *timing.too_short(recording)]
+    skipped: list[Skipped] = []
+    reason = _unfit(recording)
+    if reason is None:
+        trial = trial_of(recording, commanded)
+        for one in CHECKS:
+            outcome = one.run(trial)
+            if isinstance(outcome, Skipped):
+                skipped.append(outcome)
+            else:
+                found += outcome
+    else:
+        skipped += [Skipped(code, reason) for one in CHECKS for code in one.codes]
+    return Quality(recording.name, ordered(found), tuple(skipped))
+
+
+def ordered(found: list[Finding]) -> tuple[Finding, ...]:
+    """The most severe first, then by time."""
+    return tuple(sorted(found, key=lambda f: (-SEVERITIES.index(f.severity), f.start_s, f.code)))
+
+
+def _unfit(recording: Recording) -> str | None:
+    """Why the signals cannot be compared; None where they can."""
+    channels = recording.channels
+    if "angle" not in channels:
+        return "There is no angle."
+    start = max(float(c.time[0]) for c in channels.values())
+    end = min(float(c.time[-1]) for c in channels.values())
+    shared = min(
+        int(np.count_nonzero((c.time >= start) & (c.time <= end))) for c in channels.values()
+    )
+    if end <= start or shared < _FEWEST:
+        return "The channels share too few samples."
+    return None

@@ -1,0 +1,160 @@
+"""Time: gaps, jitter, order, and whether the trial is long enough."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.quality.finding import Finding
+from surae.recording import Channel, Recording, read_only
+from surae.signals.timebase import GAP_STEPS, UNIFORM_STEPS, timing
+
+#: Jitter above this part of a step is worth a warning: the signals are then interpolated, which
+#: loses the fastest content, and below it the clock is as good as a logger's.
+JITTER = 0.02
+#: Jitter from here on makes velocities and accelerations wrong.
+BAD_JITTER = 0.25
+#: tau_rel lies between 1 and 10 s; three times its usual 5 s show the relaxation and its end. All
+#: protocols of the thesis last 18 s or more.
+SHORT = 15.0
+#: Below one usual tau_rel nothing of it can be seen.
+TOO_SHORT = 5.0
+
+
+def time_axes(recording: Recording) -> tuple[Finding, ...]:
+    """Gaps and jitter in the time stamps, once for channels that share them."""
+    found: list[Finding] = []
+    seen: list[Channel] = []
+    for channel in recording.channels.values():
+        if any(np.array_equal(channel.time, other.time) for other in seen):
+            continue
+        seen.append(channel)
+        found += axis_findings(channel)
+    return tuple(found)
+
+
+def axis_findings(channel: Channel) -> list[Finding]:
+    """Gaps and jitter of one time axis, which may even go back in time."""
+    time = channel.time
+    steps = np.diff(time)
+    step = float(np.median(steps))
+    if step <= 0.0 or len(time) < 8:
+        return [_disorder(channel, int((steps <= 0.0).sum()), step)]
+    found: list[Finding] = []
+    # A gap is at least one sample that is missing; jitter alone moves a step by less than that
+    # in most samples, so what the usual scatter of steps explains is jitter.
+    scatter = float(np.quantile(np.abs(steps - step), 0.9))
+    longest = max(GAP_STEPS * step, step + 6.0 * scatter)
+    gaps = np.flatnonzero(steps > longest)
+    lost = float((steps[gaps] - step).sum())
+    if gaps.size and _explained(channel):
+        gaps = gaps[:0]  # stamps rounded to whole milliseconds
+    if gaps.size:
+        worst = int(gaps[np.argmax(steps[gaps])])
+        found.append(
+            Finding(
+                "time-gap",
+                "error",
+                _name(channel),
+                float(time[gaps[0]]),
+                float(time[gaps[-1] + 1]),
+                lost,
+                "s",
+                f"{len(gaps)} {'gap' if len(gaps) == 1 else 'gaps'} in time, the longest from "
+                f"{time[worst]:.4f} to {time[worst + 1]:.4f} s where a sample every "
+                f"{1e3 * step:.3g} ms is expected.",
+                "Use a part without a gap, or record again: signals across a gap are not known.",
+            )
+        )
+    back = int((steps <= 0.0).sum())
+    if back:
+        found.append(_disorder(channel, back, step))
+        return found
+    jitter = 0.0
+    if not (not gaps.size and _explained(channel)):
+        jitter = _jitter(time, gaps)
+    if jitter > JITTER * step:
+        found.append(
+            Finding(
+                "time-jitter",
+                "warning" if jitter < BAD_JITTER * step else "error",
+                _name(channel),
+                float(time[0]),
+                float(time[-1]),
+                jitter,
+                "s",
+                f"Time stamps scatter by {1e3 * jitter:.2g} ms about even steps of "
+                f"{1e3 * step:.3g} ms ({100 * jitter / step:.2g} %).",
+                "Take the time from the sample counter of the device, not from the computer's "
+                "clock.",
+            )
+        )
+    return found
+
+
+def _jitter(time: np.ndarray, gaps: np.ndarray) -> float:
+    """Standard deviation of the stamps about even steps, within pieces without a gap [s]."""
+    total, count = 0.0, 0
+    for piece in np.split(time, gaps + 1):
+        if len(piece) < 8:
+            continue
+        index = np.arange(len(piece)) - (len(piece) - 1) / 2
+        slope = float(index @ piece / (index @ index))
+        left = piece - piece.mean() - slope * index
+        total += float((left**2).sum())
+        count += len(piece)
+    return float(np.sqrt(total / count)) if count else 0.0
+
+
+def _explained(channel: Channel) -> bool:
+    """Whether the stamps are even, but perhaps for their rounding."""
+    time = channel.time
+    step = float(time[-1] - time[0]) / (len(time) - 1)
+    if float(np.max(np.abs(time - time[0] - step * np.arange(len(time))))) <= UNIFORM_STEPS * step:
+        return True
+    try:
+        return timing(replace(channel, values=read_only(np.zeros(len(time)))), "").uniform
+    except InputError:
+        return False
+
+
+def _disorder(channel: Channel, back: int, step: float) -> Finding:
+    return Finding(
+        "time-jitter",
+        "error",
+        _name(channel),
+        float(channel.time.min()),
+        float(channel.time.max()),
+        float(back),
+        "1",
+        f"Time does not increase at {back} of {len(channel.time)} samples"
+        + (f", of which one is expected every {1e3 * step:.3g} ms." if step > 0.0 else "."),
+        "Sort out which samples are repeated or swapped; no fit reads such a file.",
+    )
+
+
+def _name(channel: Channel) -> str:
+    return "time" if channel.role in ("angle", "time") else channel.role
+
+
+def too_short(recording: Recording) -> tuple[Finding, ...]:
+    """Trials in which the relaxation of tau_rel cannot show."""
+    start = max(float(c.time[0]) for c in recording.channels.values())
+    end = min(float(c.time[-1]) for c in recording.channels.values())
+    seconds = end - start
+    if seconds >= SHORT:
+        return ()
+    return (
+        Finding(
+            "trial-too-short",
+            "warning" if seconds >= TOO_SHORT else "error",
+            None,
+            start,
+            end,
+            seconds,
+            "s",
+            f"The trial lasts {seconds:.3g} s: too short to see tissue relax with tau_rel, which "
+            "is 1 to 10 s.",
+            f"Record {SHORT:g} s or more with holds, or fix tau_rel and k_rel.",
+        ),
+    )

@@ -1,0 +1,204 @@
+"""A recording as the checks look at it: every signal once, on one coarse time axis."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from surae.protocol.effort import effort, named_task
+from surae.quality.commanded import Commanded, recognised
+from surae.quality.numeric import BoolArray, correlation, smooth
+from surae.quality.torque_model import TorqueModel, torque_model
+from surae.recording import MUSCLES, Channel, Recording
+from surae.units import FloatArray
+
+#: Rate at which signals are compared [Hz]: fine enough for a reflex's 25 ms.
+RATE = 100.0
+#: Raw EMG is freed of all below about 40 Hz, as the preparation's high-pass does, by a moving
+#: average of this length [s], whose first zero lies there.
+_DETREND = 0.025
+#: Where an envelope is judged by its level, it is averaged over this [s]: rectified noise then
+#: varies by some 15 % and a burst of one second is still seen.
+SLOW = 0.2
+#: The most negative of an EMG channel's usual values over the most positive, from the median:
+#: about 1 in raw EMG, below 0.2 in envelopes even with the noise of 5 %.
+_SYMMETRIC = 0.5
+#: EMG faster than this [Hz] is raw, if it says so, even without a negative sample.
+_RAW_RATE = 500.0
+#: An angle beyond this [rad] is in degrees: no ankle turns by 115°.
+IMPOSSIBLE_ANGLE = 2.0
+#: A burst pattern correlated with the EMG by more than this is the task that was shown. Of 400
+#: virtual trials, the right task has 0.75 to 0.99, another one at most 0.45.
+_RECOGNISED = 0.6
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """What the checks share.
+
+    Attributes
+    ----------
+    recording : Recording
+        As it was read; checks of single samples look at its channels.
+    emg_kind : {"raw", "envelope"}
+        What the EMG's values say it is, whatever the recording says.
+    time : ndarray, shape (n,)
+        Uniform axis over the span that all channels share [s].
+    rate_hz : float
+        Its rate: `RATE`, or that of the slowest channel where this is lower.
+    angle, velocity : ndarray, shape (n,)
+        [rad, rad/s], degrees under the name of radians undone.
+    torque : ndarray, shape (n,), or None
+        [Nm].
+    fast, slow : dict of str to ndarray, shape (n,)
+        Envelopes by muscle, averaged over one step and over `SLOW`.
+    commanded : Commanded or None
+        The motion that the device was to follow, given or recognised.
+    effort : ndarray, shape (n, 4), or None
+        The effort that was asked for, given or recognised.
+    model : TorqueModel or None
+        What torque, angle and EMG have to do with each other; None without torque.
+    """
+
+    recording: Recording
+    emg_kind: Literal["raw", "envelope"]
+    time: FloatArray
+    rate_hz: float
+    angle: FloatArray
+    velocity: FloatArray
+    torque: FloatArray | None
+    fast: dict[str, FloatArray]
+    slow: dict[str, FloatArray]
+    commanded: Commanded | None
+    effort: FloatArray | None
+    model: TorqueModel | None
+
+    @property
+    def start(self) -> float:
+        """First instant [s]."""
+        return float(self.time[0])
+
+    @property
+    def end(self) -> float:
+        """Last instant [s]."""
+        return float(self.time[-1])
+
+    @property
+    def triceps(self) -> tuple[str, ...]:
+        """The heads of the triceps surae that have EMG which is not constant."""
+        return tuple(m for m in MUSCLES[1:] if m in self.slow)
+
+    def group(self, name: Literal["triceps", "ta"], *, fast: bool = False) -> FloatArray | None:
+        """Mean envelope of the triceps' heads, or that of TA; None without EMG of it."""
+        source = self.fast if fast else self.slow
+        muscles = self.triceps if name == "triceps" else ("ta",) if "ta" in source else ()
+        if not muscles:
+            return None
+        averaged: FloatArray = np.mean([source[m] for m in muscles], axis=0)
+        return averaged
+
+
+def trial_of(recording: Recording, commanded: Commanded | None = None) -> Trial:
+    """Bring a recording's signals to what the checks compare.
+
+    Parameters
+    ----------
+    recording : Recording
+        Whose channels share a span of time.
+    commanded : Commanded, optional
+        The profile that was commanded; recognised from the angle where it can be if not given.
+    """
+    channels = recording.channels
+    rate = min(RATE, *(c.rate_hz for c in channels.values()))
+    start = max(float(c.time[0]) for c in channels.values())
+    end = min(float(c.time[-1]) for c in channels.values())
+    time = start + np.arange(max(int((end - start) * rate), 1) + 1) / rate
+    kind = emg_kind(recording)
+    angle = _sampled(channels["angle"], time, rate)
+    if float(np.abs(angle).max()) > IMPOSSIBLE_ANGLE:
+        angle = np.deg2rad(angle)
+    torque = _sampled(channels["torque"], time, rate) if "torque" in channels else None
+    fast, slow = {}, {}
+    for muscle in MUSCLES:
+        channel = channels.get(f"emg_{muscle}")
+        if channel is None or float(np.ptp(channel.values)) == 0.0:
+            continue
+        envelope = _envelope(channel, kind)
+        fast[muscle] = _sampled(channel, time, rate, envelope)
+        slow[muscle] = smooth(fast[muscle], round(SLOW * rate))
+    asked = commanded or recognised(channels["angle"])
+    velocity = np.gradient(angle, 1.0 / rate) if len(time) > 2 else np.zeros_like(angle)
+    return Trial(
+        recording=recording,
+        emg_kind=kind,
+        time=time,
+        rate_hz=rate,
+        angle=angle,
+        velocity=velocity,
+        torque=torque,
+        fast=fast,
+        slow=slow,
+        commanded=asked,
+        effort=_asked_effort(time, slow, commanded),
+        model=None if torque is None else torque_model(time, rate, angle, torque, fast),
+    )
+
+
+def emg_kind(recording: Recording) -> Literal["raw", "envelope"]:
+    """Whether the EMG is raw or an envelope, by its values where the recording says raw."""
+    emg = [c for role, c in recording.channels.items() if role.startswith("emg_")]
+    alive = [c for c in emg if float(np.ptp(c.values)) > 0.0]
+    if recording.emg == "envelope" or not alive:
+        return recording.emg
+    ratios = []
+    for channel in alive:
+        low, middle, high = np.quantile(channel.values, (0.001, 0.5, 0.999))
+        ratios.append((middle - low) / (high - middle) if high > middle else 1.0)
+    if float(np.median(ratios)) < _SYMMETRIC:
+        return "envelope"
+    positive = all(float(c.values.min()) >= 0.0 for c in alive)
+    return "envelope" if positive and alive[0].rate_hz < _RAW_RATE else "raw"
+
+
+def _envelope(channel: Channel, kind: Literal["raw", "envelope"]) -> FloatArray:
+    if kind == "envelope":
+        return channel.values
+    values = channel.values - smooth(channel.values, round(_DETREND * channel.rate_hz))
+    return np.abs(values)
+
+
+def _sampled(
+    channel: Channel, time: FloatArray, rate: float, values: FloatArray | None = None
+) -> FloatArray:
+    """A channel (or what was made of it) at the instants of `time`, averaged between them."""
+    values = channel.values if values is None else values
+    averaged = smooth(values, round(channel.rate_hz / rate))
+    return np.interp(time, channel.time, averaged)
+
+
+def _asked_effort(
+    time: FloatArray, slow: dict[str, FloatArray], commanded: Commanded | None
+) -> FloatArray | None:
+    """The effort that was asked for: as given, else the task whose bursts the EMG shows."""
+    if commanded is not None and commanded.effort is not None:
+        columns = [np.interp(time, commanded.time, column) for column in commanded.effort.T]
+        return np.column_stack(columns)
+    since = time - time[0]
+    if not slow or since[-1] < named_task("part-passive").passive_until + 3.0:
+        return None
+    # Both tasks are judged where both ask for effort.
+    late = since > named_task("part-passive").passive_until
+    best, found = _RECOGNISED, None
+    for name in ("part-passive", "active"):
+        asked = effort(since, named_task(name))
+        alike = match(asked, slow, late)
+        if alike > best:
+            best, found = alike, asked
+    return found
+
+
+def match(asked: FloatArray, slow: dict[str, FloatArray], where: BoolArray) -> float:
+    """Mean correlation of the asked effort with the envelopes."""
+    return float(
+        np.mean([correlation(asked[where, MUSCLES.index(m)], e[where]) for m, e in slow.items()])
+    )

@@ -1,0 +1,269 @@
+"""What data files hold, which channel seems to be which signal, and what is left to say."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Literal
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.files import PathLike
+from surae.recording import mapping, opensim
+from surae.recording.channels import stated_unit
+from surae.recording.describe import load_each, sampling_of
+from surae.recording.formats import open_table
+from surae.recording.inspected import InspectedChannel, Inspection
+from surae.recording.looks import look_of, relation
+from surae.recording.recording import ROLES
+from surae.recording.roles import CONFIDENCES, Side, guess_role
+from surae.recording.source import open_source
+from surae.recording.table import Column, Table, some
+
+_SIDES = ("left", "right")
+
+
+def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) -> Inspection:
+    """Describe the channels of data files and guess which signal each is.
+
+    Nothing is settled by a guess: a fit takes it only from the mapping that a user has seen.
+
+    Parameters
+    ----------
+    paths : path, or sequence of paths
+        Data files in any supported format; several may hold the channels of one recording.
+    side : {"left", "right"}, optional
+        The leg, where the files hold both.
+
+    Returns
+    -------
+    Inspection
+
+    Raises
+    ------
+    InputError
+        A file is in no supported format, is a mapping already, or the side is none.
+    """
+    if side is not None and side not in _SIDES:
+        raise InputError(f"side is {side!r}; use one of: {', '.join(_SIDES)}")
+    single = isinstance(paths, str) or hasattr(paths, "__fspath__")
+    every: list[PathLike] = [paths] if single else list(paths)  # type: ignore[list-item,arg-type]
+    if not every:
+        raise InputError("there is no file to inspect")
+    channels: list[InspectedChannel] = []
+    formats: dict[str, str] = {}
+    notes: set[str] = set()
+    raw: dict[int, Column] = {}
+    for path in every:
+        table = _opened(path)
+        formats[str(path)] = table.format
+        if "emg" in table.notes:
+            notes.add(table.notes["emg"])
+        for one, column in _channels(str(path), table):
+            if column is not None and one.guess is not None and one.guess.role is not None:
+                raw[id(one)] = column
+            channels.append(one)
+    leg, rule = _side(channels, side)
+    found, left = _assigned(channels, leg)
+    missing = tuple(r for r in ROLES[:6] if r not in found and r not in left)
+    emg, emg_rule = _emg(found, left, notes)
+    direction = ""
+    if {"angle", "torque"} <= found.keys():
+        angle, torque = found["angle"], found["torque"]
+        direction = relation(raw[id(angle)], raw[id(torque)])
+    inspection = Inspection(
+        channels=tuple(channels),
+        formats=MappingProxyType(formats),
+        roles=MappingProxyType(found),
+        open=MappingProxyType(left),
+        missing=missing,
+        side=leg,
+        side_rule=rule,
+        emg=emg,
+        emg_rule=emg_rule,
+        direction=direction,
+    )
+    return replace(inspection, advice=tuple(_advice(inspection)))
+
+
+def _opened(path: PathLike) -> Table:
+    """A data file's table; a mapping is none."""
+    source = open_source(path)
+    if mapping.recognises(source) and not opensim.recognises(source):
+        raise InputError(
+            f"{source.shown}: this is a TOML mapping already: fit it, or inspect the data files "
+            "that it names"
+        )
+    return open_table(source)
+
+
+def _channels(path: str, table: Table) -> list[tuple[InspectedChannel, Column | None]]:
+    """Every channel of a file, with its samples where they can be read."""
+    loaded = load_each(table, table.names)
+    found: list[tuple[InspectedChannel, Column | None]] = []
+    for name in dict.fromkeys(table.names):
+        unit, column = table.units.get(name), loaded[name]
+        remark = table.remarks.get(name, "")
+        usable = True
+        if table.names.count(name) > 1:
+            remark, usable = f"{table.names.count(name)} columns have this name: rename one", False
+        if isinstance(column, InputError):
+            reason = str(column).removeprefix(f"{table.file}: ")
+            found.append((InspectedChannel(path, name, unit, remark=reason, usable=False), None))
+            continue
+        finite = column.values[np.isfinite(column.values)]
+        if len(finite) < len(column.values):
+            wrong = len(column.values) - len(finite)
+            remark = f"{wrong} samples are no finite numbers{'; ' + remark if remark else ''}"
+        sampling = sampling_of(column.time)
+        guess = guess_role(name, unit) if usable else None
+        role = guess.roles[0] if guess else None
+        if role is not None and unit is None:
+            # A unit that the file states for all signals of a kind.
+            unit = stated_unit(table, role, name)
+        found.append(
+            (
+                InspectedChannel(
+                    file=path,
+                    column=name,
+                    unit=unit,
+                    known_unit=None if role is None else stated_unit(table, role, name),
+                    n=sampling.n,
+                    rate_hz=sampling.rate_hz,
+                    start_s=sampling.start_s,
+                    end_s=float(column.time[-1]) if len(column.time) else None,
+                    low=float(finite.min()) if len(finite) else None,
+                    high=float(finite.max()) if len(finite) else None,
+                    guess=guess,
+                    look=look_of(column) if role and role.startswith("emg_") else None,
+                    remark=remark,
+                    usable=usable and sampling.n > 1,
+                ),
+                column,
+            )
+        )
+    return found
+
+
+def _plain_candidates(channels: Sequence[InspectedChannel], role: str) -> list[InspectedChannel]:
+    """The channels whose name says this role most plainly, vague ones left out."""
+    found = [c for c in channels if c.usable and c.guess is not None and c.guess.role == role]
+    for confidence in CONFIDENCES[:-1]:
+        level = [c for c in found if c.guess is not None and c.guess.confidence == confidence]
+        if level:
+            return level
+    return []
+
+
+def _side(channels: Sequence[InspectedChannel], given: str | None) -> tuple[Side | None, str]:
+    """The leg: as given, else the one side that some role's channels all are of."""
+    if given is not None:
+        return ("left" if given == "left" else "right"), "as given"
+    votes: dict[Side, list[str]] = {}
+    for role in ROLES:
+        sides = {c.guess.side for c in _plain_candidates(channels, role) if c.guess is not None}
+        only = sides.pop() if len(sides) == 1 else None
+        if only is not None:
+            votes.setdefault(only, []).append(role)
+    if len(votes) != 1:
+        return None, ""
+    leg, roles = next(iter(votes.items()))
+    return leg, f"all channels of {', '.join(roles)} are of the {leg} side"
+
+
+def _assigned(
+    channels: Sequence[InspectedChannel], leg: Side | None
+) -> tuple[dict[str, InspectedChannel], dict[str, tuple[InspectedChannel, ...]]]:
+    """The channel of each role, and the roles that are left open with what could be them."""
+    found: dict[str, InspectedChannel] = {}
+    left: dict[str, tuple[InspectedChannel, ...]] = {}
+
+    def fits(one: InspectedChannel) -> bool:
+        said = None if one.guess is None else one.guess.side
+        return leg is None or said in (None, leg)
+
+    for role in ROLES:
+        candidates = [c for c in _plain_candidates(channels, role) if fits(c)]
+        if len(candidates) == 1:
+            found[role] = candidates[0]
+        elif candidates:
+            left[role] = tuple(candidates)
+    for role in ROLES:
+        if role in found or role in left:
+            continue
+        vague = tuple(
+            c
+            for c in channels
+            if c.usable and c.guess is not None and role in c.guess.roles and fits(c)
+        )
+        if vague:
+            left[role] = vague
+    return found, left
+
+
+def _emg(
+    found: Mapping[str, InspectedChannel],
+    left: Mapping[str, Sequence[InspectedChannel]],
+    notes: set[str],
+) -> tuple[Literal["raw", "envelope"] | None, str]:
+    """Whether the EMG is raw or an envelope, and how that is known."""
+    looks = {role: c.look for role, c in found.items() if c.look is not None}
+    if not looks:
+        looks = {c.column: c.look for some in left.values() for c in some if c.look is not None}
+    if not looks:
+        return None, ""
+    if len(notes) == 1:
+        stated = notes.pop()
+        return ("envelope" if stated == "envelope" else "raw"), "as the file states"
+    kinds = {look.kind for look in looks.values()}
+    if len(kinds) == 1 and (only := next(iter(looks.values()))).kind is not None:
+        return only.kind, only.rule
+    told = "; ".join(f"{role}: {look.rule}" for role, look in looks.items())
+    return None, told
+
+
+def _advice(one: Inspection) -> list[str]:
+    """What is missing or open, and what to do about it."""
+    lines = []
+    together: dict[tuple[int, ...], list[str]] = {}
+    for role, candidates in one.open.items():
+        together.setdefault(tuple(map(id, candidates)), []).append(role)
+    for roles in together.values():
+        candidates = one.open[roles[0]]
+        sides = {c.guess.side for c in candidates if c.guess is not None}
+        if sides == {"left", "right"}:
+            todo = "give --side left or --side right, or choose in the mapping"
+        elif len(candidates) == 1:
+            todo = "only a guess: confirm it in the mapping"
+        else:
+            todo = "choose in the mapping"
+        are = "is" if len(roles) == 1 else "are"
+        names = some([c.column for c in candidates])
+        lines.append(f"{', '.join(roles)} {are} open: {names}; {todo}")
+    for role in one.missing:
+        if role == "angle":
+            lines.append("angle is missing: no recording can be read without it; add its file")
+        elif role == "torque":
+            lines.append("torque is missing: nothing can be fitted without it; add its file")
+    silent = [role for role in one.missing if role.startswith("emg_")]
+    if silent:
+        lines.append(
+            f"no channel of {', '.join(silent)}: the mapping fixes their weights at 0, which is "
+            "right only while these muscles are silent"
+        )
+    lines += [
+        f"{role}: the unit of {c.column!r} is not known (the file says {c.unit or 'none'}): see "
+        "the mapping"
+        for role, c in one.roles.items()
+        if c.known_unit is None
+    ]
+    if one.emg is None and one.emg_rule:
+        lines.append(f"whether the EMG is raw is unclear ({one.emg_rule}): write it in the mapping")
+    if "angle" in one.roles or "torque" in one.roles:
+        lines.append(
+            "the directions of angle and torque show in no name: check sign in the mapping "
+            "(dorsiflexion positive; torque positive when the triceps pulls)"
+        )
+    if one.direction:
+        lines.append(one.direction)
+    return lines

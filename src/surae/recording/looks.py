@@ -1,0 +1,119 @@
+"""What samples look like: EMG raw or smoothed, and whether a torque goes with an angle."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from surae.recording.table import Column
+from surae.units import FloatArray
+
+#: An envelope, low-passed at 20 Hz or less, crosses its median at most about so often [1/s].
+_SLOW = 40.0
+#: Raw EMG on a constant offset stays within this part of its median.
+_LIFTED = 0.5
+#: Negative samples by this part of the highest are more than a filter's ringing.
+_NEGATIVE = 0.1
+#: A torque goes with the angle where they correlate at least so much.
+_TOGETHER = 0.9
+#: Volts that no skin electrode measures: such EMG was amplified.
+_AMPLIFIED_V = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """What a signal looks like as an EMG.
+
+    Attributes
+    ----------
+    kind : {"raw", "envelope"} or None
+        None where its samples do not say.
+    rule : str
+        Why.
+    offset : float
+        What to add to take away a constant offset of raw EMG that hides its zero, in the file's
+        unit; 0 where none needs to be taken away.
+    """
+
+    kind: Literal["raw", "envelope"] | None
+    rule: str
+    offset: float = 0.0
+
+
+def look_of(column: Column) -> Look:
+    """Tell raw EMG from an envelope by its samples.
+
+    Raw EMG is as negative as it is positive and crosses its median hundreds of times a second; an
+    envelope is not negative and slow. Fast EMG that stays far above zero is raw on an offset.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _look(column)
+
+
+def _look(column: Column) -> Look:
+    values = column.values[np.isfinite(column.values)]
+    span = float(column.time[-1] - column.time[0]) if len(column.time) > 1 else 0.0
+    if len(values) < 2 or not np.isfinite(span) or span <= 0 or values.min() == values.max():
+        return Look(None, "too few samples, or all the same")
+    low, high, middle = float(values.min()), float(values.max()), float(np.median(values))
+    mean = float(values.mean())
+    crossings = _crossings(values - middle) / span
+    rate = f"crosses its median {crossings:.0f} times a second"
+    if high < 0 or not np.isfinite(mean):
+        return Look(None, "negative throughout" if high < 0 else "too large for any EMG")
+    if low < -_NEGATIVE * high:
+        return Look("raw", f"positive and negative, {rate}")
+    if crossings <= _SLOW:
+        return Look("envelope", f"not negative and slow: {rate}")
+    if low > _LIFTED * middle:
+        offset = -float(f"{mean:.6g}")
+        return Look("raw", f"never near zero, yet fast: {rate}: raw on an offset", offset)
+    return Look(None, f"not negative, yet fast: {rate}: rectified but not smoothed?")
+
+
+def amplified(high: float, low: float, unit_volts: float) -> bool:
+    """Whether an EMG between `low` and `high`, of which 1 is `unit_volts`, left an amplifier."""
+    return max(abs(high), abs(low)) * unit_volts > _AMPLIFIED_V
+
+
+def relation(angle: Column, torque: Column) -> str:
+    """How the torque goes with the angle, one sentence; empty where it does not.
+
+    In a passive movement the reaction torque of a stretched triceps rises with dorsiflexion, so
+    the relation of the raw channels settles which direction one has, given the other's.
+    """
+    a, b = _finite(angle), _finite(torque)
+    if a is None or b is None:
+        return ""
+    begin, end = max(a[0][0], b[0][0]), min(a[0][-1], b[0][-1])
+    if end <= begin:
+        return ""
+    time = np.linspace(begin, end, 2000)
+    x, y = np.interp(time, *a), np.interp(time, *b)
+    if x.min() == x.max() or y.min() == y.max():
+        return ""
+    with np.errstate(over="ignore", invalid="ignore"):
+        r = float(np.corrcoef(x, y)[0, 1])
+    if not abs(r) >= _TOGETHER:
+        return ""
+    way, signs = ("rises", "the same sign") if r > 0 else ("falls", "opposite signs")
+    return (
+        f"{torque.name!r} {way} with {angle.name!r} (r = {r:+.2f}): if this trial is passive, "
+        f"angle and torque need {signs}, as a passive torque rises with dorsiflexion"
+    )
+
+
+def _finite(column: Column) -> tuple[FloatArray, FloatArray] | None:
+    """Times that increase and finite values, None where there are not two."""
+    good = np.isfinite(column.time) & np.isfinite(column.values)
+    time, values = column.time[good], column.values[good]
+    if len(time) < 2 or np.any(np.diff(time) <= 0):
+        return None
+    return time, values
+
+
+def _crossings(values: FloatArray) -> int:
+    """How often a signal changes its sign."""
+    signs = np.sign(values)
+    signs = signs[signs != 0]
+    return int(np.count_nonzero(np.diff(signs)))

@@ -1,0 +1,212 @@
+"""An inspection as a mapping: TOML that a fit takes, with comments on what to check."""
+
+import json
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+from surae.errors import InputError
+from surae.files import PathLike, shown, write_atomic
+from surae.recording.inspected import InspectedChannel, Inspection
+from surae.recording.looks import amplified
+from surae.recording.recording import MUSCLES, ROLES
+from surae.recording.roles import unit_is_volts
+from surae.units import FACTORS, kind
+
+#: An EMG without a unit whose greatest value is one of these was normalised.
+_NORMALISED = (0.05, 2.0)
+
+_SIGN = {
+    "angle": "check: 1 if dorsiflexion is positive in the file, -1 if plantarflexion is",
+    "torque": "check: 1 if it is positive when the triceps pulls, -1 if when the tibialis does",
+    "angular_velocity": "check: as the angle's",
+    "angular_acceleration": "check: as the angle's",
+}
+_OFFSET = {
+    "angle": "added before the sign; 0 must be the foot perpendicular to the shank",
+    "torque": "Nm, added before the sign: takes away a drift of the zero, or the footplate's "
+    "weight beyond what m (at most 3 kg) can hold",
+}
+
+
+def write_mapping(inspection: Inspection, path: PathLike) -> None:
+    """Write `mapping_text` to a file, all of it or nothing."""
+    write_atomic(path, mapping_text(inspection, Path(os.fspath(path)).parent))
+
+
+def mapping_text(inspection: Inspection, folder: PathLike = ".") -> str:
+    """The mapping that an inspection suggests.
+
+    A role with one plainly named channel is written; one that is open is written as comments, to
+    choose from. Signs are written as 1 with a comment on what to check; a unit that neither the
+    file nor its format states is a comment to complete.
+
+    Parameters
+    ----------
+    inspection : Inspection
+        What the files hold.
+    folder : path
+        Where the mapping will be: its file names are relative to it.
+
+    Raises
+    ------
+    InputError
+        A file's name cannot be written as text.
+    """
+    roles, left = inspection.roles, inspection.open
+    lines = [
+        "# Which channel is which signal, as `surae inspect` found it by the channels' names.",
+        "# Lines that say check are yours to confirm. Then: surae fit this file",
+        f"name = {_quoted(_title(inspection))}",
+        *_emg_lines(inspection),
+    ]
+    if inspection.side is not None:
+        lines.append(f"side = {_quoted(inspection.side)}  # {inspection.side_rule}")
+    silent = [role for role in inspection.missing if role.startswith("emg_")]
+    if silent:
+        weights = (f"g{MUSCLES.index(role[4:]) + 1} = 0.0" for role in silent)
+        muscles = ", ".join(role[4:] for role in silent)
+        lines.append(f"# check: no EMG of {muscles}: right only while these muscles are silent")
+        lines.append(f"fixed = {{ {', '.join(weights)} }}")
+    torque = roles.get("torque")
+    if torque is not None and inspection.formats[torque.file] == "OpenSim":
+        lines.append("# check: moments of inverse dynamics hold no inertia and weight of the foot:")
+        lines.append("# then put m = 0.0 into fixed = { … }")
+    for role in ROLES:
+        if role in roles:
+            lines += ["", *_entry(role, roles[role], inspection, folder)]
+        elif role in left:
+            lines += ["", f"# {role} is open: choose one, and take the # away from its lines."]
+            for one in left[role]:
+                lines += _commented(_entry(role, one, inspection, folder))
+        elif role in ("angle", "torque"):
+            lines += ["", f"# {role} is missing: add [channels.{role}] with file, column, unit."]
+    lines += ["", *_unused(inspection)]
+    return "\n".join(lines).rstrip("\n") + "\n"
+
+
+def _title(inspection: Inspection) -> str:
+    """The name of the recording: that of its first file."""
+    return shown(Path(inspection.channels[0].file).stem) if inspection.channels else "recording"
+
+
+def _emg_lines(inspection: Inspection) -> list[str]:
+    if not any(role.startswith("emg_") for role in (*inspection.roles, *inspection.open)):
+        return []
+    if inspection.emg is None:
+        why = inspection.emg_rule or "no EMG was settled"
+        return [f'# emg = "raw"  # state it: raw or envelope ({_line(why)})']
+    return [f"emg = {_quoted(inspection.emg)}  # {inspection.emg_rule}"]
+
+
+def _entry(role: str, one: InspectedChannel, inspection: Inspection, folder: PathLike) -> list[str]:
+    """One channel's table."""
+    why = "" if one.guess is None else f"{one.guess.confidence}: {_line(one.guess.rule)}"
+    lines = [
+        f"[channels.{role}]  # {why}",
+        f"file = {_quoted(_relative(one.file, folder))}",
+        f"column = {_quoted(one.column)}",
+        *_unit_lines(role, one, inspection),
+    ]
+    if role in _SIGN:
+        opensim = role == "torque" and inspection.formats[one.file] == "OpenSim"
+        theirs = "; -1 for OpenSim's own moments, dorsiflexion positive" if opensim else ""
+        lines.append(f"sign = 1  # {_SIGN[role]}{theirs}{_span(role, one)}")
+        if role == "torque" and inspection.direction:
+            lines.append(f"# {_line(inspection.direction)}")
+    if role in _OFFSET:
+        lines.append(f"# offset = 0.0  # {_OFFSET[role]}")
+    if one.look is not None and one.look.offset and inspection.emg == "raw":
+        lines.append(f"offset = {one.look.offset!r}  # check: {one.look.rule}")
+    return lines
+
+
+def _unit_lines(role: str, one: InspectedChannel, inspection: Inspection) -> list[str]:
+    """The unit, where it is known; else what to write."""
+    sort = kind(role)
+    known = ", ".join(FACTORS[sort])
+    if one.known_unit is not None:
+        lines = [f"unit = {_quoted(one.known_unit)}  # as the file states"]
+        if sort == "emg" and one.high is not None and one.low is not None:
+            volts = FACTORS["emg"][one.known_unit]
+            if one.known_unit != "1" and amplified(one.high, one.low, volts):
+                peak = max(abs(one.high), abs(one.low)) * volts
+                lines.append(
+                    f"# scale = 0.001  # check: {peak:.2g} V left an amplifier: 1 / its gain here "
+                    "makes weights g comparable"
+                )
+        return lines
+    said = "the file states none" if one.unit is None else f"the file says {one.unit!r}"
+    if one.unit is None and sort == "torque" and inspection.formats[one.file] == "OpenSim":
+        return ['unit = "Nm"  # check: the file states none; moments of OpenSim are in Nm']
+    if sort == "emg" and one.unit in ("%", "%MVC", "%mvc"):
+        return ['unit = "1"  # check: the file says %', "scale = 0.01"]
+    smooth = one.look is not None and one.look.kind == "envelope"
+    if sort == "emg" and one.unit is None and smooth and _within(one.high):
+        return [
+            f'unit = "1"  # check: the file states none; 0 … {one.high:.3g} is normalised '
+            "(weights g come out in N)"
+        ]
+    scale = ["# scale = 1.0  # from the sensor's volts to that unit"] if unit_is_volts(
+        one.unit
+    ) and sort != "emg" else []  # fmt: skip
+    first = next(iter(FACTORS[sort]))
+    return [f"# unit = {_quoted(first)}  # state it: {known} ({_line(said)})", *scale]
+
+
+def _within(high: float | None) -> bool:
+    return high is not None and _NORMALISED[0] <= high <= _NORMALISED[1]
+
+
+def _span(role: str, one: InspectedChannel) -> str:
+    """The values that it takes, which help to tell its direction."""
+    if one.low is None or one.high is None or role not in ("angle", "torque"):
+        return ""
+    return f"; here {one.low:.4g} … {one.high:.4g} {_line(one.unit or '')}".rstrip()
+
+
+def _unused(inspection: Inspection) -> list[str]:
+    """What is not in the mapping, as comments."""
+    used = {id(one) for one in inspection.roles.values()}
+    used |= {id(one) for several in inspection.open.values() for one in several}
+    rest = [one for one in inspection.channels if id(one) not in used]
+    if not rest:
+        return []
+    lines = ["# Not used:"]
+    for one in rest[:100]:
+        told = ", ".join(_line(text) for text in (one.unit, one.remark) if text)
+        lines.append(f"#   {_line(one.column)}{f' ({told})' if told else ''}")
+    return [*lines, f"#   and {len(rest) - 100} more"] if len(rest) > 100 else lines
+
+
+def _commented(lines: Iterable[str]) -> list[str]:
+    return [f"# {line}" for line in lines]
+
+
+def _relative(file: str, folder: PathLike) -> str:
+    """A file's path as seen from a folder, absolute where they share no folder but the root."""
+    target, base = Path(file).resolve(), Path(folder).resolve()
+    try:
+        shared = Path(os.path.commonpath([target.parent, base]))
+    except ValueError:  # on two drives
+        return target.as_posix()
+    if shared == Path(shared.anchor):
+        return target.as_posix()
+    return Path(os.path.relpath(target, base)).as_posix()
+
+
+def _quoted(text: str) -> str:
+    """A text as TOML's basic string."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise InputError(
+            f"{shown(text)}: its name is no text that TOML can hold; rename it"
+        ) from None
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _line(text: str) -> str:
+    """A text within a comment: one line of characters that TOML allows there."""
+    clean = "".join(c if c.isprintable() else " " for c in text)
+    return " ".join(clean.encode(errors="replace").decode().split())

@@ -1,0 +1,208 @@
+"""TMSi Poly5 2.03 and 2.04: a header, a description of each signal, blocks of samples.
+
+Samples are little-endian words of 16 bits. Two words described as ``(Lo) name`` and ``(Hi) name``
+are one 32-bit float. All signals have one rate. Every block but the last is full; what follows the
+header's count of samples in the last one is left over from earlier.
+"""
+
+import math
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.recording.recording import freeze
+from surae.recording.samples import sample
+from surae.recording.source import Source
+from surae.recording.table import Column, Sampling, Table
+from surae.recording.timing import instants
+from surae.units import FloatArray
+
+_MAGIC = b"POLY SAMPLE FILE"
+#: After the identification of 31 bytes (version 2.03) or 32 (2.04).
+_HEADER = struct.Struct("<H81phhBHi4x14xiHHH64x")
+_SIGNAL = struct.Struct("<41p4x11pffffH62x")
+#: Before the samples of each block: index, time of day, reserved.
+_BLOCK_HEADER = 86
+#: Bytes that are read at a time.
+_PART = 2**18
+_LOW, _HIGH = "(Lo) ", "(Hi) "
+
+
+@dataclass(frozen=True, slots=True)
+class _Signal:
+    """One signal: where its words are and how they become its unit."""
+
+    name: str
+    unit: str
+    word: int
+    floats: bool
+    scale: float
+    offset: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """The file's structure, checked against its size."""
+
+    first: int
+    blocks: int
+    block_words: int
+    words: int
+    n: int
+    rate_hz: float
+
+
+def recognises(source: Source) -> bool:
+    """Whether it begins as Poly5 files do."""
+    return source.data.startswith(_MAGIC)
+
+
+def open_table(source: Source) -> Table:
+    """Read the header.
+
+    Raises
+    ------
+    InputError
+        It is of another version, compressed, damaged or cut short.
+    """
+    layout, signals, remark = _opened(source)
+    by_name = {signal.name: signal for signal in signals}
+    sampling = Sampling(layout.n, layout.rate_hz, 0.0)
+
+    def load(wanted: Sequence[str]) -> Mapping[str, Column]:
+        time = instants(0.0, layout.rate_hz, layout.n)
+        values = _values(source, layout, [by_name[name] for name in wanted])
+        return {name: Column(name, time, values[name], "time", sample) for name in wanted}
+
+    return Table(
+        file=source.shown,
+        format="Poly5",
+        names=tuple(signal.name for signal in signals),
+        time_name="time",
+        load=load,
+        units={signal.name: signal.unit for signal in signals if signal.unit},
+        sampling=dict.fromkeys(by_name, sampling),
+        remarks=dict.fromkeys(by_name, remark) if remark else {},
+    )
+
+
+def _opened(source: Source) -> tuple[_Layout, list[_Signal], str]:
+    """Layout, signals, and what a user should know."""
+    where, data = source.shown, source.data
+    begin = next((b for b in (31, 32) if data[b : b + 2] in (b"\xcb\x00", b"\xcc\x00")), None)
+    if begin is None or len(data) < begin + _HEADER.size:
+        raise InputError(f"{where}: no Poly5 file of version 2.03 or 2.04, or cut short")
+    header = _HEADER.unpack_from(data, begin)
+    rate, stored, words, count, blocks, per_block, size, compressed = (
+        header[i] for i in (2, 3, 5, 6, 7, 8, 9, 10)
+    )
+    if compressed:
+        raise InputError(f"{where}: its samples are delta compressed; export it uncompressed")
+    if rate <= 0 or stored != rate:
+        raise InputError(f"{where}: rate {rate} Hz, stored at {stored} Hz: not a sampling rate")
+    first = begin + _HEADER.size + words * _SIGNAL.size
+    if not words or first > len(data):
+        raise InputError(f"{where}: {words} signals are described; the file is damaged")
+    if size != 2 * words * per_block or not per_block or blocks <= 0:
+        raise InputError(
+            f"{where}: blocks of {size} bytes don't hold {per_block} samples of {words} words; "
+            "the file is damaged"
+        )
+    held = (len(data) - first) // (_BLOCK_HEADER + size)
+    n, remark = blocks * per_block, ""
+    if held < blocks:
+        raise InputError(
+            f"{where}: the file is cut short: it holds {held} of its {blocks} blocks of samples"
+        )
+    if n - per_block < count < n:
+        n = count
+    elif count != n:
+        remark = f"the header counts {count} samples, the blocks hold {n}"
+    if n < 2:
+        raise InputError(f"{where}: it holds fewer than two samples")
+    layout = _Layout(first, blocks, size // 2, words, n, float(rate))
+    described = [
+        _SIGNAL.unpack_from(data, begin + _HEADER.size + index * _SIGNAL.size)
+        for index in range(words)
+    ]
+    return layout, _signals([_description(one) for one in described], where), remark
+
+
+def _description(one: tuple[bytes, bytes, float, float, float, float, int]) -> _Signal:
+    """A signal as described, its word not yet known."""
+    name, unit, unit_low, unit_high, raw_low, raw_high, _ = one
+    scale, offset = _calibration(unit_low, unit_high, raw_low, raw_high)
+    return _Signal(_latin(name), _latin(unit), 0, False, scale, offset)
+
+
+def _signals(words: list[_Signal], where: str) -> list[_Signal]:
+    """The signals behind the words, pairs joined."""
+    found: list[_Signal] = []
+    index = 0
+    while index < len(words):
+        one = words[index]
+        if one.name.startswith(_LOW):
+            name = one.name.removeprefix(_LOW).strip()
+            following = words[index + 1].name if index + 1 < len(words) else ""
+            if following.strip() != _HIGH + name:
+                raise InputError(
+                    f"{where}: {one.name!r} is not followed by its high word; the file is damaged"
+                )
+            found.append(_Signal(name, one.unit, index, True, one.scale, one.offset))
+            index += 2
+        else:
+            found.append(_Signal(one.name, one.unit, index, False, one.scale, one.offset))
+            index += 1
+        scale, offset = found[-1].scale, found[-1].offset
+        if not (math.isfinite(scale) and math.isfinite(offset)):
+            raise InputError(f"{where}: {found[-1].name!r} has no calibration; the file is damaged")
+    return found
+
+
+def _calibration(
+    unit_low: float, unit_high: float, raw_low: float, raw_high: float
+) -> tuple[float, float]:
+    """Scale and offset that bring raw values to the unit; not finite where there are none."""
+    if (unit_low, unit_high) == (raw_low, raw_high):
+        return 1.0, 0.0
+    if not (raw_high - raw_low):
+        return math.nan, math.nan
+    scale = (unit_high - unit_low) / (raw_high - raw_low)
+    return scale, unit_low - scale * raw_low
+
+
+def _values(source: Source, layout: _Layout, wanted: Sequence[_Signal]) -> Mapping[str, FloatArray]:
+    """Signals in their units."""
+    step = _BLOCK_HEADER + 2 * layout.block_words
+    shape = (layout.blocks, layout.block_words // layout.words)
+    found = {signal.name: np.empty(shape) for signal in wanted}
+    views = [
+        np.ndarray(
+            shape=shape,
+            dtype="<f4" if signal.floats else "<i2",
+            buffer=source.data,
+            offset=layout.first + _BLOCK_HEADER + 2 * signal.word,
+            strides=(step, 2 * layout.words),
+        )
+        for signal in wanted
+    ]
+    # All signals of some blocks, while these are in the processor's cache.
+    each = max(_PART // step, 1)
+    with np.errstate(invalid="ignore", over="ignore"):
+        for first in range(0, layout.blocks, each):
+            for signal, view in zip(wanted, views, strict=True):
+                part = found[signal.name][first : first + each]
+                part[:] = view[first : first + each]
+                if (signal.scale, signal.offset) != (1.0, 0.0):
+                    part *= signal.scale
+                    part += signal.offset
+    return {name: freeze(values.reshape(-1)[: layout.n]) for name, values in found.items()}
+
+
+def _latin(text: bytes) -> str:
+    """A name or unit, in one printable line."""
+    plain = text.split(b"\0")[0].decode("latin-1").strip(" ")
+    return "".join(letter if letter.isprintable() else "?" for letter in plain)

@@ -1,0 +1,259 @@
+"""Which signal a channel seems to be, by the words in its name; every guess says its rule.
+
+A name is cut into words at whatever is no letter or digit, and where small letters turn into
+capitals. In this order:
+
+1. Our own names (``torque_Nm``) state role and unit.
+2. Words of another joint (knee, hip, subtalar, …) or of a sensor that measures something else
+   (acceleration, gyroscope, force plate, marker) mean: no role.
+3. ``torque``, ``moment``: the torque. ``velocity``, ``speed``, ``omega``: the angular velocity.
+   ``acceleration`` with ``ankle`` or ``angular``: the angular acceleration. ``angle``,
+   ``position``, ``dorsiflexion``, ``goniometer``: the angle. They are *named* with the word
+   ankle, *likely* without.
+4. Muscles: tibialis anterior, gastrocnemius lateralis and medialis and soleus, in full or as
+   ``tib_ant``, ``lat_gas``, ``med_gas`` (*named*); as ``TA``, ``GL``, ``LG``, ``GM``, ``MG``,
+   ``SOL`` (*likely*, *named* with the word EMG).
+5. ``gas`` without its head, ``tibialis`` without anterior or posterior, EMG without a muscle: no
+   role, but the channels that could be one.
+6. A unit of torque or angle alone: *possible*; never written into a mapping as if it were known.
+
+The words ``r``, ``right``, ``l``, ``left`` say the side. A unit that cannot be the role's (``g``
+for an EMG) rules it out.
+"""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+from surae.recording.naming import NAMES, plain
+from surae.units import FACTORS, kind
+
+Confidence = Literal["stated", "named", "likely", "possible"]
+Side = Literal["left", "right"]
+
+#: From what the file states in our own words to what only a unit suggests.
+CONFIDENCES: tuple[Confidence, ...] = ("stated", "named", "likely", "possible")
+
+_SIDES: dict[str, Side] = {
+    "r": "right", "rt": "right", "right": "right", "rechts": "right", "droite": "right",
+    "l": "left", "lt": "left", "left": "left", "links": "left", "gauche": "left",
+}  # fmt: skip
+
+_ANKLE = {"ankle", "ank", "enkel", "cheville", "talocrural"}
+_OTHER_JOINTS = {
+    "hip", "knee", "pelvis", "lumbar", "subtalar", "mtp", "toe", "toes", "elbow", "wrist",
+    "shoulder", "trunk", "neck", "heup", "knie", "adduction", "abduction", "inversion", "eversion",
+}  # fmt: skip
+_OTHER_SENSORS = {
+    "acc", "accel", "accelerometer", "gyro", "gyroscope", "mag", "imu", "quat", "ecg", "ekg", "eog",
+    "eeg", "force", "grf", "cop", "marker", "trigger", "trig", "sync", "keyboard", "dac", "target",
+    "setpoint", "command", "reference", "temperature", "battery", "status", "saw", "counter",
+}  # fmt: skip
+_TORQUE = {"torque", "moment", "drehmoment", "koppel", "torq", "tor"}
+_VELOCITY = {"velocity", "vel", "speed", "omega", "angvel"}
+_ACCELERATION = {"acceleration", "accel", "acc", "alpha", "angacc"}
+_ANGLE = {
+    "angle", "angles", "ang", "position", "pos", "theta", "goniometer", "gonio", "dorsiflexion",
+    "flexion", "winkel", "hoek", "rotation",
+}  # fmt: skip
+_EMG = {"emg", "semg", "bip", "bipolar", "emgenv", "envelope"}
+
+_LATERAL = {"lat", "lateral", "lateralis"}
+_MEDIAL = {"med", "medial", "medialis"}
+_GASTROCNEMIUS = {"gas", "gast", "gastro", "gastroc", "gastrocs", "gastrocnemius"}
+_TIBIALIS = {"tib", "tibialis", "tibial"}
+_ANTERIOR = {"ant", "anterior"}
+_OTHER_MUSCLES = {
+    "glut", "gluteus", "gmax", "gmed", "glmax", "glmed", "post", "posterior", "peroneus", "per",
+    "rect", "rectus", "rf", "vas", "vl", "vm", "vastus", "bf", "biceps", "semimem", "semiten",
+    "ham", "hamstrings", "add", "edl", "fdl", "fhl",
+}  # fmt: skip
+_WHOLE = {
+    "tibant": "emg_ta", "tibialisanterior": "emg_ta", "tibialisant": "emg_ta",
+    "latgas": "emg_gl", "gaslat": "emg_gl", "gastroclat": "emg_gl", "gastrolat": "emg_gl",
+    "lgas": "emg_gl", "gaslateralis": "emg_gl",
+    "medgas": "emg_gm", "gasmed": "emg_gm", "gastrocmed": "emg_gm", "gastromed": "emg_gm",
+    "mgas": "emg_gm", "gasmedialis": "emg_gm",
+    "soleus": "emg_sol",
+}  # fmt: skip
+_SHORT = {
+    "ta": "emg_ta", "gl": "emg_gl", "lg": "emg_gl", "gm": "emg_gm", "mg": "emg_gm",
+    "sol": "emg_sol",
+}  # fmt: skip
+
+#: Units that show what kind of signal it is, folded.
+_UNIT_KINDS = {
+    **dict.fromkeys(("nm", "n.m", "n·m", "n m", "n*m", "mnm", "nmm", "ntmm"), "torque"),
+    **dict.fromkeys(("deg", "degree", "degrees", "°", "rad", "radian", "radians"), "angle"),
+    **dict.fromkeys(("v", "mv", "uv", "volt", "volts", "1", "%", "%mvc", "a.u.", "au"), "emg"),
+    **dict.fromkeys(("deg/s", "°/s", "rad/s"), "angular_velocity"),
+    **dict.fromkeys(("deg/s2", "deg/s^2", "°/s2", "rad/s2", "rad/s^2"), "angular_acceleration"),
+}
+
+_CAMEL = re.compile(
+    r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])"
+)
+_BETWEEN = re.compile(r"[^0-9A-Za-z]+")
+
+
+@dataclass(frozen=True, slots=True)
+class Guess:
+    """What a channel seems to be.
+
+    Attributes
+    ----------
+    roles : tuple of str
+        The roles that it could have: one, or several where the name leaves it open (gastrocnemius
+        without its head).
+    confidence : {"stated", "named", "likely", "possible"}
+        How plainly the name says it.
+    rule : str
+        The rule that was applied, in plain words.
+    side : {"left", "right"} or None
+        The leg that the name says.
+    """
+
+    roles: tuple[str, ...]
+    confidence: Confidence
+    rule: str
+    side: Side | None = None
+
+    @property
+    def role(self) -> str | None:
+        """The role, None where the name leaves several open."""
+        return self.roles[0] if len(self.roles) == 1 else None
+
+
+def guess_role(name: str, unit: str | None = None) -> Guess | None:
+    """Guess a channel's role from its name and the unit that its file states.
+
+    Parameters
+    ----------
+    name : str
+        The channel's name in its file.
+    unit : str, optional
+        The unit as the file spells it.
+
+    Returns
+    -------
+    Guess or None
+        None: nothing in the name is of the ankle.
+    """
+    if plain(name) in NAMES:
+        role, stated = NAMES[plain(name)]
+        return Guess((role,), "stated", f"{role} in {stated}: a name of surae's own format")
+    words = words_of(name)
+    side = next((_SIDES[word] for word in words if word in _SIDES), None)
+    said = set(words)
+    suggested = unit_kind(unit)
+    for find in (_quantity, _muscle):
+        found = find(said, words)
+        if found is None:
+            continue
+        roles, confidence, why = found
+        if suggested is not None and all(kind(role) != suggested for role in roles):
+            if not (suggested == "emg" and unit_is_volts(unit) and kind(roles[0]) != "emg"):
+                return None
+            why += "; in volts: give the sensor's scale"
+        return Guess(roles, confidence, why, side)
+    if said & (_OTHER_JOINTS | _OTHER_SENSORS | _OTHER_MUSCLES):
+        return None
+    if suggested in ("torque", "angle"):
+        return Guess(
+            (suggested,), "possible", f"only its unit, {unit}, is one of {suggested}", side
+        )
+    return None
+
+
+def words_of(name: str) -> tuple[str, ...]:
+    """The words of a name, in small letters: ``"EMG_TA"``, ``"ankleAngle_r"``."""
+    parts = (part for piece in _BETWEEN.split(plain(name)) for part in _CAMEL.split(piece))
+    return tuple(part.casefold() for part in parts if part)
+
+
+def unit_kind(unit: str | None) -> str | None:
+    """The kind of signal that has this unit, None where it is missing or of none of them."""
+    return None if unit is None else _UNIT_KINDS.get(plain(unit.strip()).casefold(), "other")
+
+
+def unit_is_volts(unit: str | None) -> bool:
+    """Whether a unit is one of voltage, as of a sensor that was not calibrated."""
+    known = {text.casefold() for text in FACTORS["emg"] if text != "1"}
+    return unit is not None and plain(unit.strip()).casefold() in known | {"volt", "volts"}
+
+
+_Found = tuple[tuple[str, ...], Confidence, str]
+
+
+def _quantity(said: set[str], words: tuple[str, ...]) -> _Found | None:
+    """Angle, torque and derivatives of the angle."""
+    ankle = bool(said & _ANKLE)
+    if said & _OTHER_JOINTS or said & _EMG:
+        return None
+    if said & _OTHER_SENSORS - _ACCELERATION:
+        return None
+    tests: tuple[tuple[str, set[str], Callable[[], bool]], ...] = (
+        ("torque", _TORQUE, lambda: True),
+        ("angular_velocity", _VELOCITY, lambda: True),
+        ("angular_acceleration", _ACCELERATION, lambda: ankle or "angular" in said),
+        ("angle", _ANGLE, lambda: True),
+    )
+    for role, vocabulary, allowed in tests:
+        word = next((word for word in words if word in vocabulary), None)
+        if word is None or not allowed():
+            continue
+        if ankle:
+            joint = next(word for word in words if word in _ANKLE)
+            return (role,), "named", f"the words {joint} and {word}"
+        return (role,), "likely", f"the word {word}; no joint is named"
+    if ankle and not said & _OTHER_SENSORS:
+        return ("angle", "torque"), "possible", "the ankle, but not whether angle or torque"
+    return None
+
+
+def _muscle(said: set[str], words: tuple[str, ...]) -> _Found | None:
+    """EMG of one of the four muscles."""
+    if said & (_OTHER_SENSORS | _OTHER_JOINTS):
+        return None
+    found = _in_full(said, words)
+    if found is not None or said & _OTHER_MUSCLES:
+        return found
+    short = next((word for word in words if word in _SHORT), None)
+    if short is not None:
+        rule = f"{short.upper()}, short for {_FULL[_SHORT[short]]}"
+        rule += " (not gluteus?)" if short == "gm" else ""
+        if said & _EMG:
+            return (_SHORT[short],), "named", f"{rule}, with EMG"
+        return (_SHORT[short],), "likely", rule
+    for vocabulary, roles, rule in _VAGUE:
+        if said & vocabulary:
+            return roles, "possible", rule
+    return None
+
+
+def _in_full(said: set[str], words: tuple[str, ...]) -> _Found | None:
+    """A muscle by its name, or by the usual shorthand that can be no other."""
+    for first, second, role, rule in _TWO_WORDS:
+        if said & first and said & second:
+            return (role,), "named", rule
+    whole = next((word for word in words if word in _WHOLE), None)
+    return None if whole is None else ((_WHOLE[whole],), "named", f"the muscle {whole}")
+
+
+_FULL = {
+    "emg_ta": "tibialis anterior",
+    "emg_gl": "gastrocnemius lateralis",
+    "emg_sol": "soleus",
+    "emg_gm": "gastrocnemius medialis",
+}
+_TWO_WORDS = (
+    (_GASTROCNEMIUS, _LATERAL, "emg_gl", "gastrocnemius and lateralis"),
+    (_GASTROCNEMIUS, _MEDIAL, "emg_gm", "gastrocnemius and medialis"),
+    (_TIBIALIS, _ANTERIOR, "emg_ta", "tibialis and anterior"),
+)
+_VAGUE: tuple[tuple[set[str], tuple[str, ...], str], ...] = (
+    (_GASTROCNEMIUS, ("emg_gl", "emg_gm"), "gastrocnemius, but not which head"),
+    (_TIBIALIS, ("emg_ta",), "tibialis, but not whether anterior"),
+    (_EMG, tuple(_FULL), "an EMG, but not of which muscle"),
+)

@@ -1,0 +1,166 @@
+"""Delsys Trigno, as EMGworks exports it to CSV: every signal has a column of times of its own.
+
+Lines ``Label: name Sampling frequency: … Number of points: … Unit: …`` come first, then the names
+(``X[s]`` for times), then the numbers. Slower signals have fewer rows: their cells end blank.
+"""
+
+import csv
+import re
+from array import array
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.recording.recording import freeze
+from surae.recording.rows import as_number, split
+from surae.recording.source import Source
+from surae.recording.table import Column, Table
+
+_TIME = re.compile(r'"?X ?\[s\]"?')
+_LABEL = re.compile(
+    r"Label: (?P<name>.+?) Sampling frequency: \S+ Number of points: (?P<points>\d{1,12}) "
+    r"start: \S+ Unit: (?P<unit>.*?) Domain Unit: (?P<domain>.*)"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class _Signal:
+    """One signal: its column, behind that of its times."""
+
+    name: str
+    column: int
+    unit: str
+    points: int | None
+
+
+def recognises(source: Source) -> bool:
+    """Whether it has Trigno's header, or begins with names of which the first is ``X[s]``."""
+    head = source.head()
+    if head and _LABEL.fullmatch(head[0].strip()):
+        return True
+    first = next((line for line in head if line.strip()), "")
+    return bool(_TIME.match(first))
+
+
+def open_table(source: Source) -> Table:
+    """Read the header.
+
+    Raises
+    ------
+    InputError
+        It is no text, or its columns are not pairs of times and samples.
+    """
+    source.require_text()
+    labels: dict[str, re.Match[str]] = {}
+    header, cells = 0, [""]
+    for row, line in enumerate(source.lines(), start=1):
+        if label := _LABEL.fullmatch(line.strip()):
+            labels.setdefault(label["name"].strip(), label)
+        elif _TIME.match(line.strip()):
+            header = row
+            try:
+                cells = split(line, ",")
+            except csv.Error as error:
+                raise InputError(f"{source.shown}: row {row}: {error}") from None
+            break
+    if not header:
+        raise InputError(f"{source.shown}: no row with the names of columns (X[s], ...)")
+    signals = _signals(cells, labels, f"{source.shown}: row {header}")
+    by_name = {one.name: one for one in reversed(signals)}
+    rows = source.data.count(b"\n") - header
+    remarks = {
+        one.name: f"cut short: the header states {one.points} samples, the file has {rows} rows"
+        for one in signals
+        if one.points is not None and one.points > rows
+    }
+
+    def load(wanted: Sequence[str]) -> Mapping[str, Column]:
+        return _columns(source, header, [by_name[name] for name in wanted])
+
+    return Table(
+        file=source.shown,
+        format="Trigno",
+        names=tuple(one.name for one in signals),
+        time_name=cells[0],
+        load=load,
+        units={one.name: one.unit for one in signals if one.unit},
+        remarks=remarks,
+    )
+
+
+def _signals(
+    cells: Sequence[str], labels: Mapping[str, re.Match[str]], where: str
+) -> list[_Signal]:
+    """The signals that a row of names lists."""
+    while cells and not cells[-1]:
+        cells = cells[:-1]
+    found = []
+    for column, name in enumerate(cells):
+        if _TIME.fullmatch(name) and column % 2 == 0:
+            continue
+        if column % 2 == 0 or not name or _TIME.fullmatch(name):
+            raise InputError(
+                f"{where}: column {column + 1} is {name!r}; expected a column X[s] of times "
+                "before every signal"
+            )
+        label = labels.get(name)
+        if label is not None and label["domain"].strip() != "s":
+            raise InputError(f"{where}: {name!r} is a function of {label['domain']!r}, not of time")
+        found.append(
+            _Signal(
+                name,
+                column,
+                label["unit"].strip() if label else "",
+                int(label["points"]) if label else None,
+            )
+        )
+    if not found or len(cells) % 2:
+        raise InputError(f"{where}: expected pairs of columns, X[s] and a signal")
+    return found
+
+
+def _columns(source: Source, header: int, wanted: Sequence[_Signal]) -> dict[str, Column]:
+    """Times and samples of the wanted signals."""
+    times, values = [array("d") for _ in wanted], [array("d") for _ in wanted]
+    rows: list[list[int]] = [[] for _ in wanted]
+    for row, cells in _rows(source, header):
+        for k, one in enumerate(wanted):
+            pair = cells[one.column - 1 : one.column + 1]
+            if not any(pair):
+                continue
+            where = f"{source.shown}: column {one.name!r}, row {row}"
+            if len(pair) < 2:
+                raise InputError(f"{where}: the sample is missing")
+            if rows[k] and rows[k][-1] != row - 1:
+                raise InputError(f"{where}: samples follow after blank cells")
+            try:
+                at, value = as_number(pair[0]), as_number(pair[1])
+            except ValueError as error:
+                raise InputError(f"{where}: {error}") from None
+            times[k].append(at)
+            values[k].append(value)
+            rows[k] = [rows[k][0] if rows[k] else row, row]
+    found = {}
+    for one, time, signal, span in zip(wanted, times, values, rows, strict=True):
+        first = span[0] if span else header + 1
+        found[one.name] = Column(
+            one.name,
+            freeze(np.array(time, dtype=np.float64)),
+            freeze(np.array(signal, dtype=np.float64)),
+            "X[s]",
+            lambda index, first=first: f"row {first + index}",  # type: ignore[misc]
+        )
+    return found
+
+
+def _rows(source: Source, header: int) -> Iterator[tuple[int, list[str]]]:
+    """Row numbers and cells below the names; a last row that was cut off is left out."""
+    for row, line in enumerate(source.lines(), start=1):
+        if row <= header or not line.strip() or not line.endswith("\n"):
+            continue
+        try:
+            yield row, split(line, ",")
+        except csv.Error as error:
+            raise InputError(f"{source.shown}: row {row}: {error}") from None

@@ -1,0 +1,163 @@
+"""EMG as a part of one reference for each muscle: of a session's largest envelope, or of MVC's.
+
+One number per muscle and session, never one per trial: trials of one leg share the weights g, and
+a trial divided by its own largest EMG would need weights of its own. Dividing by a constant only
+changes the unit of the weights, from N/V to N: what an active muscle pulls at its reference.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.recording import MUSCLES, SourceFile, read_only
+from surae.signals.inputs import EmgReference, ModelInputs
+from surae.units import FloatArray
+
+#: An envelope's peak is that of its average over this time [s], so that no single spike sets it.
+AVERAGED_S = 0.25
+KINDS = ("session", "mvc")
+
+_OF = {"session": "the session's largest envelope", "mvc": "maximum voluntary contractions"}
+
+
+@dataclass(frozen=True, slots=True)
+class _Peak:
+    """The largest averaged envelope of one muscle [V]."""
+
+    value: float
+    where: str
+
+
+def normalise(
+    inputs: Sequence[ModelInputs],
+    reference: str | EmgReference = "session",
+    *,
+    mvc: Sequence[ModelInputs] = (),
+) -> tuple[ModelInputs, ...]:
+    """Divide the EMG of a session's recordings by one number for each muscle.
+
+    Parameters
+    ----------
+    inputs : sequence of ModelInputs
+        All recordings of the session, EMG in volts.
+    reference : {"session", "mvc"} or EmgReference
+        ``"session"``: the largest envelope in any of `inputs`; ``"mvc"``: in any of `mvc`; each
+        averaged over 0.25 s. Or a reference of before, such as that of a fit.
+    mvc : sequence of ModelInputs
+        Recordings of maximum voluntary contractions, prepared as `inputs` are.
+
+    Returns
+    -------
+    tuple of ModelInputs
+        With EMG in parts of the reference, which they carry as `emg_reference`.
+
+    Raises
+    ------
+    InputError
+        EMG is normalised already or silent, a muscle has no reference, or `mvc` does not go with
+        `reference`.
+    """
+    if isinstance(reference, EmgReference):
+        return tuple(normalised(one, reference) for one in inputs)
+    if reference not in KINDS:
+        raise InputError(f"normalise is {reference!r}; use one of: {', '.join(KINDS)}")
+    if reference == "mvc" and not mvc:
+        raise InputError("normalising by MVC needs recordings of maximum contractions; give mvc")
+    if reference == "session" and mvc:
+        raise InputError("recordings of MVC have no effect on session normalisation; use 'mvc'")
+    for one in (*inputs, *mvc):
+        _require_volts(one)
+    found = emg_reference(mvc or inputs, "mvc" if mvc else "session")
+    return tuple(normalised(one, found) for one in inputs)
+
+
+def emg_reference(
+    inputs: Sequence[ModelInputs], kind: Literal["session", "mvc"] = "session"
+) -> EmgReference:
+    """The largest envelope of each muscle in any of the recordings, averaged over 0.25 s.
+
+    Raises
+    ------
+    InputError
+        A muscle's EMG is zero throughout.
+    """
+    values: list[float | None] = []
+    for column, muscle in enumerate(MUSCLES):
+        peaks = [
+            _Peak(_largest(one.emg[:, column], one.rate_hz), one.where)
+            for one in inputs
+            if muscle not in one.missing_emg
+        ]
+        if not peaks:
+            values.append(None)
+            continue
+        best = max(peaks, key=lambda peak: peak.value)
+        if not best.value > 0:
+            raise InputError(f"{best.where}: emg_{muscle} is zero throughout; check its channel")
+        values.append(best.value)
+    files: dict[str, SourceFile] = {f.sha256: f for one in inputs for f in one.files}
+    return EmgReference(kind, tuple(values), tuple(files.values()), len(inputs))
+
+
+def normalised(one: ModelInputs, reference: EmgReference | None) -> ModelInputs:
+    """A recording's EMG in parts of a reference, as the recordings of a fit have it.
+
+    Parameters
+    ----------
+    one : ModelInputs
+        The recording; one that has this reference already is returned as it is.
+    reference : EmgReference or None
+        None: nothing is to be done.
+
+    Raises
+    ------
+    InputError
+        Its EMG was normalised otherwise, or a muscle has no reference.
+    """
+    if reference is None or one.emg_reference == reference:
+        return one
+    _require_volts(one)
+    factors = np.ones(len(MUSCLES))
+    told = []
+    for column, (muscle, value) in enumerate(zip(MUSCLES, reference.values, strict=True)):
+        if muscle in one.missing_emg:
+            continue
+        if value is None:
+            raise InputError(
+                f"{one.where}: emg_{muscle} has no reference: no recording that it was taken from "
+                "has this muscle; add one, or leave the channel out"
+            )
+        factors[column] = value
+        told.append(f"{muscle} {value:.4g} V")
+    count = f"{reference.count} recording{'s' if reference.count != 1 else ''}"
+    step = (
+        f"EMG normalised: divided by {_OF[reference.kind]} (of {count}, averaged over "
+        f"{AVERAGED_S:g} s): {', '.join(told)}."
+    )
+    return replace(
+        one,
+        emg=read_only(one.emg / factors),
+        emg_unit="1",
+        emg_reference=reference,
+        steps=(*one.steps, step),
+    )
+
+
+def _require_volts(one: ModelInputs) -> None:
+    """Refuse EMG that was normalised before."""
+    if one.emg_unit == "V":
+        return
+    raise InputError(
+        f"{one.where}: its EMG is normalised already, by another reference; normalise all "
+        "recordings of a session together, from volts"
+    )
+
+
+def _largest(envelope: FloatArray, rate_hz: float) -> float:
+    """The maximum of an envelope averaged over `AVERAGED_S`, only where the window is full."""
+    width = min(max(round(AVERAGED_S * rate_hz), 1), len(envelope))
+    total = np.cumsum(np.concatenate(([0.0], np.abs(envelope))))
+    return float(np.max(total[width:] - total[:-width])) / width

@@ -1,0 +1,116 @@
+"""The application: routes, errors, security, in the order in which a request meets them."""
+
+import logging
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+from fastapi import FastAPI, Request, Response
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from starlette.exceptions import HTTPException
+from starlette.staticfiles import StaticFiles
+from starlette.types import ASGIApp
+
+from surae._version import __version__
+from surae.errors import InputError, SuraeError
+from surae.web.refusals import RefusedError, one_line
+from surae.web.routes import cohort, draft, fits, pages, protocols, recordings, studies, uploads
+from surae.web.security import Policy, Security
+from surae.web.workbench import Workbench
+
+_log = logging.getLogger("surae.web")
+
+
+def create_app(bench: Workbench, policy: Policy) -> ASGIApp:
+    """The workbench as an ASGI application.
+
+    Parameters
+    ----------
+    bench : Workbench
+        The server's state; it is started and closed with the application.
+    policy : Policy
+        Who may ask.
+    """
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        del app
+        bench.start()
+        try:
+            yield
+        finally:
+            bench.close()
+
+    app = FastAPI(
+        title="surae workbench",
+        version=__version__,
+        description=(
+            "GET /api/session gives a cookie and a token; every request that changes something "
+            "carries the token in the header X-CSRF-Token. Errors are one line."
+        ),
+        openapi_url="/api/openapi.json",
+        docs_url=None,
+        redoc_url=None,
+        lifespan=lifespan,
+        redirect_slashes=False,
+    )
+    app.state.workbench, app.state.policy = bench, policy
+    for module in (draft, uploads, recordings, fits, cohort, protocols, studies, pages):
+        app.include_router(module.router)
+    app.mount("/static", _Static(directory=pages.STATIC, check_dir=False), name="static")
+    app.add_exception_handler(SuraeError, _surae_error)
+    app.add_exception_handler(RequestValidationError, _invalid)
+    app.add_exception_handler(HTTPException, _http_error)
+    app.add_exception_handler(Exception, _unexpected)
+    return Security(app, policy, bench.sessions)
+
+
+class _Static(StaticFiles):
+    """Files that a browser asks again whether it has the newest of."""
+
+    def file_response(self, *arguments: Any, **keywords: Any) -> Response:
+        response = super().file_response(*arguments, **keywords)
+        response.headers["cache-control"] = "no-cache"
+        return response
+
+
+def _answer(request: Request, status: int, text: str, headers: Any = None) -> Response:
+    """An error: JSON to programs, a page to people."""
+    path = request.url.path
+    if path.startswith(("/api/", "/static/")) or request.method != "GET":
+        return JSONResponse({"error": text}, status, headers)
+    session = getattr(request.state, "session", None)
+    return pages.page(request, "error", session, code=status, status=status, error=text)
+
+
+async def _surae_error(request: Request, error: Exception) -> Response:
+    status = error.status if isinstance(error, RefusedError) else 422
+    if isinstance(error, InputError) and not isinstance(error, RefusedError):
+        status = 400
+    return _answer(request, status, one_line(error))
+
+
+async def _invalid(request: Request, error: Exception) -> Response:
+    """What is malformed, where; of the request itself nothing is repeated."""
+    told = []
+    for one in error.errors()[:3] if isinstance(error, RequestValidationError) else []:
+        place = ".".join(str(part) for part in one["loc"][:6] if part != "body")
+        told.append(f"{place[:120]}: {one['msg']}" if place else str(one["msg"]))
+    text = one_line("; ".join(told)) or "the request is malformed"
+    if request.url.path.startswith("/api/") or request.method != "GET":
+        return _answer(request, 422, text.encode("ascii", "replace").decode())
+    return _answer(request, 404, "there is no such page")
+
+
+async def _http_error(request: Request, error: Exception) -> Response:
+    status = error.status_code if isinstance(error, HTTPException) else 500
+    text = {404: "there is no such page", 405: "this address does not take that method"}
+    headers = error.headers if isinstance(error, HTTPException) else None
+    return _answer(request, status, text.get(status, one_line(error)), headers)
+
+
+async def _unexpected(request: Request, error: Exception) -> Response:
+    """A mistake of ours; the log has the traceback, not the request, which may hold names."""
+    _log.error("internal error in %s", request.scope.get("route"), exc_info=error)
+    return _answer(request, 500, "internal error; the server's log tells more")

@@ -1,0 +1,65 @@
+"""`surae serve`."""
+
+import os
+from importlib.util import find_spec
+
+import click
+
+from surae.cli.options import whole_number
+from surae.errors import InputError
+
+_NEEDED = ("fastapi", "uvicorn", "pydantic")
+_MIB = 2**20
+
+
+@click.command("serve")
+@click.argument("project", metavar="[PROJECT]", default="surae-project")
+@click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS",
+              help="Address to listen on; any but this computer's own needs a token.")  # fmt: skip
+@click.option("--port", default="8765", show_default=True, metavar="N", help="0: any free one.")
+@click.option(
+    "--token", metavar="T", help="What a browser must know.  [default: made where needed]"
+)
+@click.option(
+    "--workers", metavar="N", help="Fits at a time.  [default: one for each core but one]"
+)
+@click.option("--max-upload", default="512", show_default=True, metavar="MIB",
+              help="Largest file that is taken.")  # fmt: skip
+@click.option("--open/--no-open", "open_", default=True, help="Show it in the browser.")
+def command(
+    project: str,
+    host: str,
+    port: str,
+    token: str | None,
+    workers: str | None,
+    max_upload: str,
+    open_: bool,
+) -> None:
+    """Open the workbench: a web page on this computer, over the project in a folder.
+
+    PROJECT is a folder, made where it is missing; it can be copied and opened elsewhere. Nothing
+    is asked of the network. Ctrl-C ends it; fits at work can be restarted the next time.
+    """
+    number = whole_number("--port", port, least=0, most=65535) or 0
+    count = whole_number("--workers", workers, least=1, most=256)
+    largest = whole_number("--max-upload", max_upload, least=1, most=4096) or 512
+    if token is not None and len(token) < 8:
+        raise InputError("--token is too short; give at least 8 characters, or leave it away")
+    missing = [name for name in _NEEDED if find_spec(name) is None]
+    if missing:
+        raise InputError(
+            f'the workbench needs {", ".join(missing)}: pip install "surae[web]" installs it'
+        )
+    if not project:
+        raise InputError("the project's folder has no name; give one")
+    from surae.web.server import serve
+
+    serve(
+        project,
+        host=host,
+        port=number,
+        token=token,
+        workers=count or max(1, (os.cpu_count() or 2) - 1),
+        upload_bytes=largest * _MIB,
+        open_browser=open_,
+    )

@@ -1,0 +1,54 @@
+"""Short work in a process of its own: files of users are read where they can do no harm."""
+
+import threading
+from collections.abc import Mapping
+from typing import Any
+
+from surae.web.process import Worker
+from surae.web.refusals import RefusedError
+
+#: Longest that one piece of work may take [s], and the memory that it may use [bytes].
+_SECONDS, _MEMORY = 180.0, 12 * 2**30
+#: Pieces of work at a time.
+_WORKERS = 2
+
+
+class Desk:
+    """A few workers for what a request waits for."""
+
+    def __init__(self) -> None:
+        self._free = [Worker() for _ in range(_WORKERS)]
+        self._all = tuple(self._free)
+        self._changed = threading.Condition()
+        self._closed = False
+
+    def close(self) -> None:
+        """End the processes."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+        for worker in self._all:
+            worker.close()
+
+    def ask(self, do: str, **task: Any) -> Mapping[str, Any]:
+        """Do a task now and wait for it.
+
+        Raises
+        ------
+        RefusedError
+            The task's own line, where it was refused or failed.
+        """
+        with self._changed:
+            self._changed.wait_for(lambda: self._closed or self._free)
+            if self._closed:
+                raise RefusedError(503, "the server is shutting down")
+            worker = self._free.pop()
+        try:
+            end = worker.run({"do": do, "memory": _MEMORY, **task}, None, _SECONDS)
+        finally:
+            with self._changed:
+                self._free.append(worker)
+                self._changed.notify()
+        if end["end"] != "done":
+            raise RefusedError(400 if end["end"] == "refused" else 422, str(end["message"]))
+        return end

@@ -1,0 +1,223 @@
+"""What becomes of finished jobs, and what is shown of fits."""
+
+import json
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.web.database import Thing
+from surae.web.draft import normal
+from surae.web.live import plain
+from surae.web.project import when
+from surae.web.sessions import Session
+
+if TYPE_CHECKING:
+    from surae.api import Fit
+    from surae.web.workbench import Workbench
+
+_PARTS = ("tissue_tri", "tissue_tib", "neural_tri", "neural_tib", "inertial", "gravitational")
+#: Of a FIT.json, what pages do not need: it is long.
+_LONG = ("R", "traces", "outliers")
+
+
+def submit_fit(
+    bench: "Workbench", session: Session, draft: dict[str, Any], name: str | None
+) -> Thing:
+    """Ask for the fit that a draft describes; wrong settings are refused now, not in the job."""
+    recordings = bench.draft_recordings(draft)
+    check_draft(bench, draft)
+    label = f"{draft['model']} · {', '.join(one['name'] for one in recordings)}"
+    task = {"draft": draft, "name": name, "recordings": [one["id"] for one in recordings]}
+    return bench.jobs.submit("fit", (name or label)[:200], session, task, recordings[0]["id"])
+
+
+def submit_comparison(
+    bench: "Workbench", session: Session, draft: dict[str, Any], models: list[str]
+) -> Thing:
+    """Ask whether the draft's recordings need tendons that give way."""
+    recordings = bench.draft_recordings(draft)
+    check_draft(bench, draft)
+    names = ", ".join(one["name"] for one in recordings)
+    task = {"draft": draft, "models": models, "recordings": [one["id"] for one in recordings]}
+    return bench.jobs.submit(
+        "compare", f"compare models · {names}"[:200], session, task, recordings[0]["id"]
+    )
+
+
+def check_draft(bench: "Workbench", draft: Mapping[str, Any]) -> None:
+    """Refuse a draft that no fit can be made of, with the line that the fit would give."""
+    from dataclasses import replace
+
+    from surae.estimation import make_problem
+    from surae.model import ModelOptions
+    from surae.model.anthropometry import with_foot_mass
+    from surae.signals import weighted
+    from surae.web.draft import fit_keywords, weighting
+
+    inputs = [bench.prepared(id_, draft["prepared"]) for id_ in draft["recordings"]]
+    if draft["body_mass"] is not None:
+        inputs = list(with_foot_mass(inputs, draft["body_mass"]))
+    for number, id_ in enumerate(draft["recordings"]):
+        how = weighting(dict(draft), id_)
+        if how is not None:
+            inputs[number] = weighted([inputs[number]], replace(how, peaks=0.0))[0]
+    prescribed = {name: value for one in inputs for name, value in one.fixed.items()}
+    keywords = fit_keywords(dict(draft), prescribed)
+    priors = keywords["priors"]
+    population, known = priors if isinstance(priors, tuple) else (None, priors)
+    make_problem(
+        inputs,
+        keywords["model"],
+        fixed=keywords["fixed"],
+        free=keywords["free"],
+        start=keywords["start"],
+        bounds=keywords["bounds"],
+        priors=known,
+        population=population,
+        options=ModelOptions.of(**draft["options"]),
+    )
+
+
+def keep_fit(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
+    """Add a finished fit to the project."""
+    task, told = job["task"], end["summary"]
+    names = ", ".join(told["names"])
+    data = {
+        **told,
+        "name": task["name"] or f"{told['model']} · {names}"[:200],
+        "recordings": task["recordings"],
+        "settings": task["draft"],
+    }
+    id_ = bench.database.add("fit", data, job["id"])
+    bench.changed("fits")
+    return id_
+
+
+def keep_profile(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
+    """Add finished profiles to those of their fit."""
+    del end
+    id_ = str(job["about"])
+    made = bench.project.path("fits", job["id"], ".profiles.json")
+    found = json.loads(made.read_text(encoding="utf-8"))["profiles"]
+    made.unlink(missing_ok=True)
+    fit = bench.project.need("fit", id_)
+    kept = {**fit.get("profiles", {}), **{name: _profile(one) for name, one in found.items()}}
+    bench.project.change("fit", id_, profiles=kept)
+    bench.changed("fits")
+    return id_
+
+
+def keep_comparison(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
+    """Add a finished comparison to the project."""
+    task = job["task"]
+    data = {
+        "conclusion": end["message"],
+        "recordings": task["recordings"],
+        "models": task["models"],
+    }
+    bench.changed("comparisons")
+    return bench.database.add("comparison", data, job["id"])
+
+
+def keep_study(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
+    """A study keeps itself."""
+    del end
+    bench.changed("studies")
+    return str(job["about"])
+
+
+def _profile(one: Mapping[str, Any]) -> dict[str, Any]:
+    """What a page draws of a profile."""
+    low, high = one["interval"]
+    return {
+        "values": one["grid"],
+        "delta": one["delta_chi2"],
+        "threshold": one["threshold"],
+        "lower": low,
+        "upper": high,
+        "status": one["status"],
+        "note": one["message"],
+        "open": one["open"],
+    }
+
+
+def fit_summary(bench: "Workbench", fit: Thing) -> dict[str, Any]:
+    """A fit in lists."""
+    first = bench.database.get("recording", fit["recordings"][0], deleted=True)
+    keys = ("name", "model", "status", "vaf", "ipde", "seconds", "recordings", "names", "starts",
+            "agreeing")  # fmt: skip
+    return {
+        "id": fit["id"],
+        **{key: fit[key] for key in keys},
+        "created": when(fit["created"]),
+        "subject": None if first is None else first["subject"],
+    }
+
+
+def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
+    """All that is shown of a fit but its curves."""
+    path = bench.project.path("fits", fit["id"], ".json")
+    try:
+        whole = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        raise InputError("the file of this fit is missing or damaged; fit again") from None
+    comparisons = [
+        {"id": one["id"], "created": when(one["created"]), "conclusion": one["conclusion"]}
+        for one in bench.database.all("comparison")
+        if set(one["recordings"]) == set(fit["recordings"])
+    ]
+    steps = [trace["steps"] for trace in whole.get("traces", [])]
+    return {
+        "summary": fit_summary(bench, fit),
+        "fit": {key: value for key, value in whole.items() if key not in _LONG},
+        "steps": steps,
+        "normal": {name: ranges(name) for name in whole["parameters"]},
+        "settings": fit["settings"],
+        "profiles": fit.get("profiles", {}),
+        "comparisons": comparisons,
+    }
+
+
+def ranges(name: str) -> dict[str, list[float] | None]:
+    """Where a parameter lies in health and in patients."""
+    return {population: normal(name, population) for population in ("healthy", "patient")}
+
+
+def fit_traces(
+    fitted: "Fit", number: int, start: float | None, end: float | None, points: int
+) -> dict[str, Any]:
+    """The curves of one recording of a fit, at common instants."""
+    parts = fitted.parts(number)  # refuses a wrong number
+    one = fitted.result.problem.inputs[number]
+    residual = fitted.result.residuals[number]
+    first = 0 if start is None else max(int(np.searchsorted(one.time, start)) - 1, 0)
+    last = one.n if end is None else int(np.searchsorted(one.time, end, "right")) + 1
+    last = min(max(last, first), one.n)
+    shown = slice(first, last, max(-(-(last - first) // points), 1))
+    measured = np.zeros(one.n) if one.torque is None else one.torque
+    return {
+        "name": one.name,
+        "n": one.n,
+        "rate_hz": one.rate_hz,
+        "t": plain(one.time[shown]),
+        "measured": plain(measured[shown]),
+        "modelled": plain((measured - residual)[shown]),
+        "residual": plain(residual[shown]),
+        "angle": plain(one.angle[shown]),
+        "emg": [plain(one.emg[shown, column]) for column in range(one.emg.shape[1])],
+        "emg_unit": one.emg_unit,
+        "parts": {name: plain(getattr(parts, name)[shown]) for name in _PARTS},
+        "weight": None if one.weight is None else plain(one.weight[shown]),
+        "excluded": _excluded(one.time, one.weight),
+    }
+
+
+def _excluded(time: Any, weight: Any) -> list[list[float]]:
+    """Spans that were left out [s]."""
+    if weight is None:
+        return []
+    from surae.report.left_out import left_out_spans
+
+    return [[float(time[a]), float(time[b])] for a, b in left_out_spans(weight)]

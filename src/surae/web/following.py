@@ -1,0 +1,95 @@
+"""A fit as it goes on: parameters and torque at every better point, not too often."""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from surae.model import ModelOptions, ModelSpec, Simulator
+from surae.signals import ModelInputs, thinned, thinning_factor
+from surae.units import FloatArray
+
+#: Tells the server what happens.
+Tell = Callable[[Mapping[str, Any]], None]
+#: News of a fit come at most this often [s].
+_EVERY = 0.1
+#: The torque is shown from signals thinned to this rate [Hz], by so many points.
+_RATE, _SAMPLES, _POINTS = 60.0, 500, 400
+
+
+class Following:
+    """Tells how a fit goes on; made for `follow` and `progress` of `surae.fit`."""
+
+    def __init__(
+        self,
+        inputs: Sequence[ModelInputs],
+        ids: Sequence[str],
+        keywords: Mapping[str, Any],
+        tell: Tell,
+    ) -> None:
+        self._inputs = [thinned(one, thinning_factor(one, _RATE, _SAMPLES)) for one in inputs]
+        self._ids, self._tell = ids, tell
+        known = ModelOptions.__dataclass_fields__
+        self._options = ModelOptions.of(**{k: v for k, v in keywords.items() if k in known})
+        self._starts, self._start, self._iteration = int(keywords["starts"]), 1, 0
+        self._last, self._simulators = 0.0, dict[str, list[Simulator]]()
+        self._best: tuple[ModelSpec, FloatArray, float] | None = None
+
+    def start(self, done: int, starts: int, best: float) -> None:
+        """A start is done."""
+        del best
+        self._start = min(done + 1, starts)
+        if self._best is not None:
+            self._send(*self._best)
+
+    def point(self, spec: ModelSpec, values: FloatArray, sse: float) -> None:
+        """A better point is found."""
+        self._iteration += 1
+        self._best = (spec, values, sse)
+        if time.monotonic() - self._last >= _EVERY:
+            self._send(spec, values, sse)
+
+    def _send(self, spec: ModelSpec, values: FloatArray, sse: float) -> None:
+        if spec.name not in self._simulators:
+            self._simulators[spec.name] = [
+                spec.simulator(one, self._options) for one in self._inputs
+            ]
+        traces, left, whole = [], 0.0, 0.0
+        pairs = zip(self._ids, self._inputs, self._simulators[spec.name], strict=True)
+        for id_, one, simulator in pairs:
+            with np.errstate(all="ignore"):
+                torque = simulator.torque(values)
+            measured = np.zeros(one.n) if one.torque is None else one.torque
+            counts = np.ones(one.n, dtype=bool) if one.weight is None else one.weight > 0
+            left += float(np.sum((measured - torque)[counts] ** 2))
+            whole += float(np.sum(measured[counts] ** 2))
+            step = -(-one.n // _POINTS)
+            traces.append(
+                {
+                    "recording": id_,
+                    "t": _plain(one.time[::step]),
+                    "measured": _plain(measured[::step]),
+                    "modelled": _plain(torque[::step]),
+                }
+            )
+        vaf = 100.0 * (1.0 - left / whole) if whole > 0 and np.isfinite(left) else None
+        self._tell(
+            {
+                "phase": "fitting",
+                "start": self._start,
+                "starts": self._starts,
+                "iteration": self._iteration,
+                "model": spec.name,
+                "vaf": vaf,
+                "sse": sse if np.isfinite(sse) else None,
+                "values": dict(zip(spec.names, _plain(values), strict=True)),
+                "traces": traces,
+            }
+        )
+        self._last = time.monotonic()
+
+
+def _plain(values: FloatArray) -> list[float | None]:
+    """Numbers for JSON, to six digits; None where there is none."""
+    return [float(f"{v:.6g}") if np.isfinite(v) else None for v in values.tolist()]

@@ -1,0 +1,282 @@
+"""Uploaded files to recordings: looked into, mapped by the user, read, kept.
+
+Files lie under names that we made; readers see them under the names their user gave, in a folder
+made for the occasion, so that their messages name what the user knows, and nothing else is in
+reach: a mapping can only name files that were uploaded.
+"""
+
+import os
+import shutil
+import tempfile
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.recording import Recording, read, write_hdf5
+from surae.recording.describe import load_each
+from surae.recording.formats import open_table
+from surae.recording.source import open_source
+from surae.report.decimate import min_max
+from surae.units import FloatArray
+
+#: The description that we write beside the files.
+_MAPPING = "mapping.toml"
+#: Points of a preview.
+_PREVIEW = 200
+
+#: An uploaded file: `id`, `path` and the `name` its user gave.
+Upload = Mapping[str, str]
+
+
+def file_name(name: str, number: int = 0) -> str:
+    """A user's file name without folders or anything that means something to a system."""
+    base = name.replace("\\", "/").rsplit("/", 1)[-1]
+    kept = "".join(c if c.isalnum() or c in " ._-()+" else "_" for c in base).strip(" .")
+    kept = kept[-120:].lstrip(" .") or "file"
+    if kept == _MAPPING:
+        kept = f"given-{kept}"
+    return f"{number}-{kept}" if number else kept
+
+
+@contextmanager
+def _folder(files: Sequence[Upload]) -> Iterator[dict[str, str]]:
+    """The files under their users' names, in the current folder; the names by upload id."""
+    before = Path.cwd()
+    folder = Path(tempfile.mkdtemp(prefix="import-", dir=Path(files[0]["path"]).parent))
+    try:
+        names: dict[str, str] = {}
+        for one in files:
+            name = file_name(one["name"])
+            number = 2
+            while name in names.values():
+                name, number = file_name(one["name"], number), number + 1
+            names[one["id"]] = name
+            try:
+                os.link(one["path"], folder / name)
+            except OSError:  # a file system without links
+                shutil.copyfile(one["path"], folder / name)
+        os.chdir(folder)
+        yield names
+    finally:
+        os.chdir(before)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def inspected(files: Sequence[Upload]) -> dict[str, Any]:
+    """What is in files, and a guess of what each column is; of a mapping, its content."""
+    with _folder(files) as names:
+        first = names[files[0]["id"]]
+        ids = {name: id_ for id_, name in names.items()}
+        source = open_source(first)
+        from surae.recording import mapping, opensim
+
+        if mapping.recognises(source) and not opensim.recognises(source):
+            return _of_mapping(source.data, first, ids)
+        return _of_data(list(names.values()), ids)
+
+
+def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
+    """Columns of data files with the guesses of `surae.recording.inspection`."""
+    from surae.recording.inspection import inspect
+
+    found = inspect(list(names))
+    previews: dict[tuple[str, str], Any] = {}
+    for name in names:
+        table = open_table(open_source(name))
+        for column, loaded in load_each(table, list(dict.fromkeys(table.names))).items():
+            if not isinstance(loaded, InputError):
+                previews[name, column] = _preview(loaded.time, loaded.values)
+    taken = {id(channel): role for role, channel in found.roles.items()}
+    columns = [
+        {
+            "upload": ids[one.file],
+            "name": one.column,
+            "unit": one.known_unit or one.unit,
+            "rate_hz": one.rate_hz,
+            "n": one.n,
+            "role": taken.get(id(one)),
+            "could_be": [] if one.guess is None else list(one.guess.roles),
+            "rule": None if one.guess is None else one.guess.rule,
+            "sign": 1,
+            "low": one.low,
+            "high": one.high,
+            "mean": previews.get((one.file, one.column), {}).get("mean"),
+            "preview": previews.get((one.file, one.column), {"t": [], "v": []}),
+            "usable": one.usable,
+            "remark": one.remark,
+        }
+        for one in found.channels
+    ]
+    silent = [role for role in found.missing if role.startswith("emg_")]
+    channels = {
+        role: {
+            "upload": ids[one.file],
+            "column": one.column,
+            "unit": one.known_unit,
+            "sign": 1,
+            "scale": 1.0,
+            "offset": 0.0 if one.look is None else one.look.offset,
+        }
+        for role, one in found.roles.items()
+    }
+    weights = {"emg_ta": "g1", "emg_gl": "g2", "emg_sol": "g3", "emg_gm": "g4"}
+    return {
+        "format": " + ".join(dict.fromkeys(found.formats.values())),
+        "columns": columns,
+        "mapping": {
+            "name": Path(names[0]).stem,
+            "emg": found.emg or "raw",
+            "side": found.side,
+            "channels": channels,
+            "fixed": {weights[role]: 0.0 for role in silent},
+            "prepare": {},
+        },
+        "notes": list(found.advice),
+        "ready": {"angle", "torque"} <= channels.keys()
+        and not found.open
+        and all(one["unit"] is not None for one in channels.values()),
+    }
+
+
+def _of_mapping(data: bytes, name: str, ids: Mapping[str, str]) -> dict[str, Any]:
+    """A mapping that was uploaded, its files found among the uploads."""
+    try:
+        told = tomllib.loads(data.decode())
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{name}: not valid TOML: {error}") from None
+    channels, missing = {}, []
+    entries = told.get("channels")
+    for role, entry in (entries if isinstance(entries, dict) else {}).items():
+        file = entry.get("file") if isinstance(entry, dict) else None
+        if not isinstance(file, str) or file_name(file) not in ids:
+            missing.append(str(file))
+            continue
+        channels[role] = {
+            "upload": ids[file_name(file)],
+            "column": str(entry.get("column", "")),
+            "unit": entry.get("unit"),
+            "sign": entry.get("sign", 1),
+            "scale": entry.get("scale", 1.0),
+            "offset": entry.get("offset", 0.0),
+        }
+    lacking = ", ".join(dict.fromkeys(missing))
+    return {
+        "format": "TOML mapping",
+        "columns": [],
+        "mapping": {
+            "name": told.get("name") or Path(name).stem,
+            "emg": told.get("emg", "raw"),
+            "side": told.get("side"),
+            "channels": channels,
+            "fixed": told.get("fixed", {}),
+            "prepare": told.get("prepare", {}),
+        },
+        "notes": [f"upload the files it names too: {lacking}"] if missing else [],
+        "ready": bool(channels) and not missing,
+    }
+
+
+def imported(
+    files: Sequence[Upload], mapping: Mapping[str, Any], output: str | None
+) -> dict[str, Any]:
+    """Read what a mapping describes, and keep it as HDF5 where `output` says so."""
+    with _folder(files) as names:
+        Path(_MAPPING).write_text(_toml(mapping, names), encoding="utf-8")
+        recording = read(_MAPPING)
+    recording = replace(recording, files=recording.files[1:])
+    found = findings(recording)
+    if output is not None:
+        write_hdf5(output, recording)
+    channels = list(recording.channels.values())
+    return {
+        "channels": [
+            {
+                "role": one.role,
+                "unit": one.unit,
+                "n": len(one.time),
+                "rate_hz": one.rate_hz,
+                "source": one.source,
+                "low": float(one.values.min()),
+                "high": float(one.values.max()),
+                "mean": float(one.values.mean()),
+                "preview": _preview(one.time, one.values),
+            }
+            for one in channels
+        ],
+        "duration_s": max(float(one.time[-1]) for one in channels)
+        - min(float(one.time[0]) for one in channels),
+        "name": recording.name,
+        "emg": recording.emg,
+        "side": recording.side,
+        "fixed": dict(recording.fixed),
+        "files": [{"name": one.path, "sha256": one.sha256} for one in recording.files],
+        "findings": found,
+    }
+
+
+def findings(recording: Recording) -> list[dict[str, Any]]:
+    """What is questionable about a recording."""
+    from dataclasses import asdict
+
+    from surae.quality import check_recording
+
+    found = [asdict(one) for one in check_recording(recording).findings]
+    return [
+        {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in one.items()}
+        for one in found
+    ]
+
+
+def _toml(mapping: Mapping[str, Any], names: Mapping[str, str]) -> str:
+    """The mapping as the TOML that the readers take."""
+    lines = [f"name = {_text(mapping['name'])}", f"emg = {_text(mapping['emg'])}"]
+    if mapping.get("side") is not None:
+        lines.append(f"side = {_text(mapping['side'])}")
+    for table in ("fixed", "prepare"):
+        if mapping.get(table):
+            lines.append(f"[{table}]")
+            lines += [f"{_text(key)} = {_value(v)}" for key, v in mapping[table].items()]
+    for role, one in mapping["channels"].items():
+        if one["upload"] not in names:
+            raise InputError(f"channels.{role}: its file is not among the uploads; upload it")
+        lines += [
+            f"[channels.{_text(role)}]",
+            f"file = {_text(names[one['upload']])}",
+            f"column = {_text(one['column'])}",
+            f"sign = {int(one['sign'])}",
+            f"scale = {_value(float(one['scale']))}",
+            f"offset = {_value(float(one['offset']))}",
+        ]
+        if one.get("unit") is not None:
+            lines.append(f"unit = {_text(one['unit'])}")
+    return "\n".join(lines) + "\n"
+
+
+def _text(text: str) -> str:
+    """A basic string of TOML."""
+    plain = text.replace("\\", "\\\\").replace('"', '\\"')
+    escaped = (c if c.isprintable() else f"\\U{ord(c):08x}" for c in plain)
+    return '"' + "".join(escaped) + '"'
+
+
+def _value(value: object) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int | float):
+        return repr(value)
+    return _text(str(value))
+
+
+def _preview(time: FloatArray, values: FloatArray) -> dict[str, Any]:
+    """A curve of few points, and its mean."""
+    good = np.isfinite(time) & np.isfinite(values)
+    if not good.any():
+        return {"t": [], "v": [], "mean": None}
+    t, v = min_max(time[good], values[good], _PREVIEW - 2)
+    return {"t": t.tolist(), "v": v.tolist(), "mean": float(values[good].mean())}

@@ -1,0 +1,302 @@
+"""Work that takes time: queued, done by worker processes, followed by browsers, and kept.
+
+A job is a thing of the project from the moment it is asked for. When the server ends, however it
+does, those that were not finished are found at the next start and marked as interrupted.
+"""
+
+import logging
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import Any
+
+from surae.errors import SuraeError
+from surae.web.database import Thing, new_id
+from surae.web.events import Events
+from surae.web.process import Worker
+from surae.web.project import Project, when
+from surae.web.refusals import RefusedError, not_found
+from surae.web.sessions import Session
+
+_log = logging.getLogger("surae.web")
+
+#: Jobs that may wait; more are a script gone wild.
+_WAITING = 500
+ACTIVE = ("queued", "running")
+#: What a job is called when its task has ended so.
+_ENDS = {
+    "done": "done",
+    "refused": "failed",
+    "failed": "failed",
+    "cancelled": "cancelled",
+    "killed": "failed",
+}
+
+#: Keeps what a task has made; the id of the result, None where there is none.
+Finish = Callable[[Thing, Mapping[str, Any]], str | None]
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """A kind of job: the lane that it waits in, and what is done with its result."""
+
+    lane: str
+    finish: Finish
+
+
+@dataclass(slots=True)
+class _Lane:
+    """A queue, and the workers that serve it."""
+
+    waiting: deque[str] = field(default_factory=deque)
+    workers: dict[str, Worker] = field(default_factory=dict)
+
+
+class Jobs:
+    """All jobs of a project.
+
+    Parameters
+    ----------
+    project : Project
+        Where they are kept.
+    events : Events
+        Who hears of them.
+    lanes : mapping of str to int
+        Lanes and the number of jobs that run at a time in each.
+    """
+
+    def __init__(self, project: Project, events: Events, lanes: Mapping[str, int]) -> None:
+        self._project, self._events = project, events
+        self._kinds: dict[str, Kind] = {}
+        self._lanes = {name: _Lane() for name in lanes}
+        self._progress: dict[str, dict[str, Any]] = {}
+        self._cancelled: set[str] = set()
+        self._changed = threading.Condition()
+        self._closed = False
+        self._mark_interrupted()
+        self._threads = [
+            threading.Thread(target=self._serve, args=(name,), name=f"{name}-{i}", daemon=True)
+            for name, count in lanes.items()
+            for i in range(count)
+        ]
+
+    def start(self, kinds: Mapping[str, Kind]) -> None:
+        """Begin to work."""
+        self._kinds = dict(kinds)
+        for thread in self._threads:
+            thread.start()
+
+    def close(self) -> None:
+        """Stop working; what runs is interrupted, what waits stays for the next start to mark."""
+        with self._changed:
+            self._closed = True
+            workers = [w for lane in self._lanes.values() for w in lane.workers.values()]
+            self._changed.notify_all()
+        for worker in workers:
+            worker.close()
+        for thread in self._threads:
+            if thread.is_alive():
+                thread.join(5.0)
+
+    def submit(
+        self, kind: str, label: str, session: Session, task: Mapping[str, Any], about: str | None
+    ) -> Thing:
+        """Ask for a job.
+
+        Parameters
+        ----------
+        kind : str
+            What to do.
+        label : str
+            What lists call it.
+        session : Session
+            Who asks.
+        task : mapping
+            What the worker is given; kept, so that the job can be restarted.
+        about : str or None
+            The thing that it is about.
+        """
+        lane = self._lanes[self._kinds[kind].lane]
+        with self._changed:
+            if self._closed:
+                raise RefusedError(503, "the server is shutting down")
+            if len(lane.waiting) >= _WAITING:
+                raise RefusedError(409, f"{_WAITING} jobs are waiting already; cancel some first")
+            id_ = new_id()
+            self._project.database.add(
+                "job",
+                {
+                    "kind": kind, "label": label, "state": "queued", "session": session.key,
+                    "task": dict(task), "about": about, "message": "", "result": None,
+                    "started": None, "ended": None,
+                },
+                id_,
+            )  # fmt: skip
+            lane.waiting.append(id_)
+            self._changed.notify_all()
+        job = self._project.need("job", id_)
+        self._tell(job)
+        return job
+
+    def cancel(self, id_: str) -> Thing:
+        """Stop a job, as Ctrl-C does: what it has found so far is kept."""
+        job = self._project.need("job", id_)
+        with self._changed:
+            lane = self._lanes[self._kinds[job["kind"]].lane]
+            if id_ in lane.waiting:
+                lane.waiting.remove(id_)
+                self._end(id_, "cancelled", "cancelled before it began", None)
+            elif id_ in lane.workers:
+                self._cancelled.add(id_)
+                lane.workers[id_].interrupt()
+            else:
+                raise RefusedError(409, f"this job has ended already: {job['state']}")
+        return self._project.need("job", id_)
+
+    def restart(self, id_: str, session: Session) -> Thing:
+        """Ask again for what a job that was not done was asked for."""
+        job = self._project.need("job", id_)
+        if job["state"] in (*ACTIVE, "done"):
+            raise RefusedError(409, f"this job is {job['state']}: only others can be restarted")
+        return self.submit(job["kind"], job["label"], session, job["task"], job["about"])
+
+    def of(self, about: str, *, active: bool = True) -> list[Thing]:
+        """Jobs about a thing."""
+        return [
+            job
+            for job in self._project.database.all("job")
+            if job["about"] == about and (job["state"] in ACTIVE or not active)
+        ]
+
+    def shown(self, job: Thing, session: Session | None, *, traces: bool = True) -> dict[str, Any]:
+        """A job as the API shows it."""
+        state, progress = job["state"], self._progress.get(job["id"])
+        if progress is not None and not traces:
+            progress = {key: value for key, value in progress.items() if key != "traces"}
+        started, ended = job["started"], job["ended"]
+        until = ended or (time.time() if state == "running" else None)
+        return {
+            "id": job["id"],
+            "kind": job["kind"],
+            "label": job["label"],
+            "state": state,
+            "position": self._position(job),
+            "created": when(job["created"]),
+            "started": when(started),
+            "ended": when(ended),
+            "seconds": None if started is None or until is None else round(until - started, 3),
+            "message": job["message"],
+            "progress": progress if state == "running" else None,
+            "result": job["result"],
+            "mine": session is not None and job["session"] == session.key,
+        }
+
+    def get(self, id_: str) -> Thing:
+        """A job that has to be there."""
+        job = self._project.database.get("job", id_)
+        if job is None:
+            raise not_found("job")
+        return job
+
+    def processes(self) -> list[int]:
+        """Numbers of the processes at work."""
+        with self._changed:
+            workers = [w for lane in self._lanes.values() for w in lane.workers.values()]
+        return [number for w in workers if (number := w.process) is not None]
+
+    def _position(self, job: Thing) -> int | None:
+        if job["state"] != "queued":
+            return None
+        with self._changed:
+            waiting = self._lanes[self._kinds[job["kind"]].lane].waiting
+            return waiting.index(job["id"]) + 1 if job["id"] in waiting else None
+
+    def _serve(self, name: str) -> None:
+        """What the thread of one worker does."""
+        lane, worker = self._lanes[name], Worker()
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._closed or lane.waiting)
+                if self._closed:
+                    break
+                id_ = lane.waiting.popleft()
+                lane.workers[id_] = worker
+            try:
+                self._run(id_, worker)
+            except Exception as error:  # ours to mend; the others' jobs go on
+                _log.error("internal error in a job", exc_info=error)
+                with suppress(SuraeError):
+                    self._end(id_, "failed", "internal error; the server's log tells more", None)
+            finally:
+                with self._changed:
+                    lane.workers.pop(id_, None)
+                    self._cancelled.discard(id_)
+        worker.close()
+
+    def _run(self, id_: str, worker: Worker) -> None:
+        job = self._project.change("job", id_, state="running", started=time.time())
+        self._tell(job)
+        for other in list(self._lanes[self._kinds[job["kind"]].lane].waiting):
+            waiting = self._project.database.get("job", other)
+            if waiting is not None:
+                self._tell(waiting)
+
+        def heard(message: Mapping[str, Any]) -> None:
+            self._progress[id_] = dict(message)
+            self._events.tell(f"job:{id_}", "progress", dict(message))
+
+        root = str(self._project.folder)  # which may have been copied since it was asked for
+        end = worker.run({**job["task"], "do": job["kind"], "id": id_, "root": root}, heard)
+        if self._closed:
+            return  # marked as interrupted at the next start
+        state, result = _ENDS[end["end"]], None
+        message = str(end.get("message", ""))
+        if end["end"] == "done":
+            try:
+                result = self._kinds[job["kind"]].finish(job, end)
+            except RefusedError as refusal:  # what it was about is gone
+                state, message = "failed", str(refusal)
+            if end.get("interrupted"):
+                state = "cancelled"
+        elif id_ in self._cancelled:
+            state = "cancelled"
+        self._end(id_, state, message, result)
+
+    def _end(self, id_: str, state: str, message: str, result: str | None) -> None:
+        self._progress.pop(id_, None)
+        job = self._project.change(
+            "job", id_, state=state, message=message, result=result, ended=time.time()
+        )
+        self._tell(job)
+        self._events.tell(f"job:{id_}", "end", self._owned(job))
+
+    def _tell(self, job: Thing) -> None:
+        told = self._owned(job)
+        self._events.tell(f"job:{job['id']}", "state", told)
+        if told["progress"] is not None:
+            told = {**told, "progress": {**told["progress"], "traces": []}}
+        self._events.tell("project", "job", told)
+
+    def _owned(self, job: Thing) -> dict[str, Any]:
+        """A job with the session that owns it, for `seen_by`."""
+        return {**self.shown(job, None), "owner": job["session"]}
+
+    @staticmethod
+    def seen_by(session: Session | None, data: Any) -> Any:
+        """What a browser hears of a job: whether it is its own, not whose."""
+        if not isinstance(data, dict) or "owner" not in data:
+            return data
+        told = {key: value for key, value in data.items() if key != "owner"}
+        return {**told, "mine": session is not None and data["owner"] == session.key}
+
+    def _mark_interrupted(self) -> None:
+        """Jobs that the last server left unfinished."""
+        for job in self._project.database.all("job"):
+            if job["state"] in ACTIVE:
+                self._project.change(
+                    "job", job["id"], state="interrupted", ended=time.time(),
+                    message="the server ended meanwhile; restart it",
+                )  # fmt: skip

@@ -1,0 +1,152 @@
+"""The modelled torque under the sliders, at once."""
+
+import threading
+import time
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.model import ModelOptions, Simulator, adapted, check_value
+from surae.signals import ModelInputs, thinned
+from surae.units import FloatArray
+from surae.web.caches import Cache
+from surae.web.draft import Draft, spec_of, values_of
+
+#: Longest signals that a slider simulates at their full rate; longer ones are thinned.
+_RIGID, _COMPLIANT = 400_000, 12_000
+_PARTS = ("tissue_tri", "tissue_tib", "neural_tri", "neural_tib", "inertial", "gravitational")
+
+_simulators: Cache[tuple[ModelInputs, Simulator, threading.Lock]] = Cache(8.0)
+
+
+def live(
+    inputs: ModelInputs,
+    draft: Draft,
+    values: Mapping[str, float],
+    *,
+    points: int,
+    parts: bool,
+    start: float | None,
+    end: float | None,
+    key: object,
+) -> dict[str, Any]:
+    """The torque of a draft's model with some values changed.
+
+    Parameters
+    ----------
+    inputs : ModelInputs
+        The recording, prepared.
+    draft : dict
+        Model, options and all other values.
+    values : mapping of str to float
+        Values by parameter.
+    points : int
+        At most so many instants.
+    parts : bool
+        Whether its parts are asked for.
+    start, end : float or None
+        The part of time that is shown [s].
+    key : hashable
+        Names `inputs`.
+
+    Returns
+    -------
+    dict
+        As the API's live answer.
+
+    Raises
+    ------
+    InputError
+        A parameter is unknown or its value is impossible.
+    """
+    begin = time.perf_counter()
+    spec, options = spec_of(draft), ModelOptions.of(**draft["options"])
+    for name in values:
+        if name not in spec.names:
+            known = ", ".join(spec.names)
+            raise InputError(f"model {spec.name!r} has no parameter {name!r}; it has: {known}")
+    chosen = {**values_of(draft, inputs.emg_unit, inputs.fixed), **values}
+    table = adapted(spec.parameters, options, inputs.emg_unit)
+    for name, p in table.items():
+        check_value(p, chosen[name], spec)
+    vector = np.array([chosen[name] for name in spec.names], dtype=float)
+
+    def tie() -> tuple[ModelInputs, Simulator, threading.Lock]:
+        most = _RIGID if spec.parent is None else _COMPLIANT
+        fewer = thinned(inputs, -(-inputs.n // most)) if inputs.n > most else inputs
+        return fewer, spec.simulator(fewer, options), threading.Lock()
+
+    one, simulator, lock = _simulators.get((key, spec.name, spec.names, options), tie)
+    with lock, np.errstate(all="ignore"):
+        if parts:
+            split = simulator.parts(vector)
+            torque = split.total
+        else:
+            torque = simulator.torque(vector)
+    shown = _shown(one.time, points, start, end)
+    vaf = rmse = None
+    measured = one.torque
+    if measured is not None:
+        counted = _counted(one.time, draft["exclusions"].get(_recording(key), []))
+        error = (measured - torque)[counted]
+        power = float(np.sum(measured[counted] ** 2))
+        left = float(np.sum(error**2))
+        if np.isfinite(left) and power > 0:
+            vaf, rmse = 100.0 * (1.0 - left / power), float(np.sqrt(left / len(error)))
+    return {
+        "t": plain(one.time[shown]),
+        "modelled": plain(torque[shown]),
+        "measured": None if measured is None else plain(measured[shown]),
+        "parts": {name: plain(getattr(split, name)[shown]) for name in _PARTS} if parts else None,
+        "vaf": vaf,
+        "rmse": rmse,
+        "milliseconds": round(1e3 * (time.perf_counter() - begin), 3),
+    }
+
+
+def _recording(key: object) -> str:
+    return str(key[0]) if isinstance(key, tuple) else str(key)
+
+
+def _shown(times: FloatArray, points: int, start: float | None, end: float | None) -> slice:
+    """Which samples are shown: equally spaced ones within the window."""
+    first = 0 if start is None else max(int(np.searchsorted(times, start)) - 1, 0)
+    last = len(times) if end is None else int(np.searchsorted(times, end, "right")) + 1
+    last = min(max(last, first), len(times))
+    return slice(first, last, max(-(-(last - first) // points), 1))
+
+
+def _counted(times: FloatArray, spans: list[list[float]]) -> Any:
+    counted = np.ones(len(times), dtype=bool)
+    for begin, end in spans:
+        counted &= ~((times >= begin) & (times <= end))
+    return counted if counted.any() else np.ones(len(times), dtype=bool)
+
+
+def plain(values: FloatArray) -> list[float | None]:
+    """Numbers for JSON, in single precision, as a screen needs them; None where there is none."""
+    rounded = values.astype(np.float32)
+    if np.isfinite(rounded).all():
+        return [float(f"{v:.7g}") for v in rounded.tolist()]
+    return [float(f"{v:.7g}") if np.isfinite(v) else None for v in rounded.tolist()]
+
+
+def warm() -> None:
+    """Run every model once on a short made-up signal."""
+    from surae.model import MODELS
+
+    n = 64
+    t = np.arange(n) / 128.0
+    zeros = np.zeros(n)
+    inputs = ModelInputs(
+        name="warm", rate_hz=128.0, time=t, angle=0.1 * np.sin(t), velocity=0.1 * np.cos(t),
+        acceleration=zeros, emg=np.full((n, 4), 1e-5), emg_unit="V", torque=zeros,
+    )  # fmt: skip
+    for spec in MODELS.values():
+        options = ModelOptions()
+        vector = np.array([p.start for p in adapted(spec.parameters, options).values()])
+        simulator = spec.simulator(inputs, options)
+        simulator.torque(vector)
+        simulator.parts(vector)

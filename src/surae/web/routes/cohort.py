@@ -1,0 +1,97 @@
+"""All subjects in one table."""
+
+import csv
+import io
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Query, Response
+
+from surae.model import MODELS, get_model
+from surae.web.database import Thing
+from surae.web.fits import ranges
+from surae.web.project import when
+from surae.web.routes.common import ERRORS, Bench, Responses, attachment
+from surae.web.schemas import Model
+from surae.web.workbench import Workbench
+
+router = APIRouter(prefix="/api", responses=ERRORS, tags=["cohort"])
+
+_LABELS = ("subject", "group", "side", "trial", "condition", "model", "status", "vaf", "ipde",
+           "created")  # fmt: skip
+_CSV: Responses = {200: {"content": {"text/csv": {}}}}
+
+Which = Annotated[Literal["latest", "all"], Query()]
+
+
+@router.get("/cohort")
+def get_cohort(bench: Bench, model: Model = "muscle", which: Which = "latest") -> dict[str, Any]:
+    """Parameters over subjects, sides and trials: the latest fit of each, or all."""
+    spec = get_model(model)
+    return {
+        "columns": [
+            {"name": p.name, "unit": p.unit, "meaning": p.meaning} for p in spec.parameters
+        ],
+        "rows": _rows(bench, model, which),
+        "normal": {p.name: ranges(p.name) for p in spec.parameters},
+    }
+
+
+@router.get("/cohort.csv", response_class=Response, responses=_CSV)
+def get_cohort_csv(bench: Bench, model: Model = "muscle", which: Which = "latest") -> Response:
+    """The same table as a file."""
+    names = [p.name for p in MODELS[model].parameters]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    cells = ("", "_sem", "_low", "_high", "_verdict")
+    writer.writerow([*_LABELS, *(name + end for name in names for end in cells)])
+    for row in _rows(bench, model, which):
+        found = [row["parameters"].get(name, {}) for name in names]
+        keys = ("value", "sem", "low", "high", "verdict")
+        writer.writerow(
+            [
+                *(_cell(row[key]) for key in _LABELS),
+                *(_cell(one.get(key)) for one in found for key in keys),
+            ]
+        )
+    headers = attachment(f"cohort-{model}", ".csv")
+    return Response(text.getvalue(), media_type="text/csv", headers=headers)
+
+
+def _cell(value: object) -> str:
+    """A cell; text that a spreadsheet would run as a formula is made harmless."""
+    if value is None:
+        return ""
+    if isinstance(value, float):
+        return repr(value)
+    text = str(value)
+    return f"'{text}" if text[:1] in "=+-@\t\r" and text[:1] else text
+
+
+def _rows(bench: Workbench, model: str, which: str) -> list[dict[str, Any]]:
+    recordings = {one["id"]: one for one in bench.database.all("recording")}
+    subjects = {one["id"]: one for one in bench.database.all("subject")}
+    rows: dict[object, dict[str, Any]] = {}
+    for fit in bench.database.all("fit"):
+        first = recordings.get(fit["recordings"][0])
+        if fit["model"] != model or first is None:
+            continue
+        key = fit["id"] if which == "all" else tuple(fit["recordings"])
+        rows.pop(key, None)
+        rows[key] = _row(fit, first, subjects.get(first["subject"] or ""))
+    return sorted(
+        rows.values(), key=lambda r: (r["subject"], r["side"] or "", r["trial"], r["created"])
+    )
+
+
+def _row(fit: Thing, recording: Thing, subject: Thing | None) -> dict[str, Any]:
+    return {
+        "fit": fit["id"],
+        "subject": "" if subject is None else subject["code"],
+        "subject_id": None if subject is None else subject["id"],
+        "group": "" if subject is None else subject["group"],
+        **{key: recording[key] for key in ("side", "trial", "condition")},
+        "recordings": fit["recordings"],
+        "names": fit["names"],
+        **{key: fit[key] for key in ("model", "status", "vaf", "ipde", "parameters")},
+        "created": when(fit["created"]),
+    }

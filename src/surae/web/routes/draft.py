@@ -1,0 +1,143 @@
+"""The session: its draft, undo and redo, its models, and the torque under the sliders."""
+
+from typing import Any
+
+from fastapi import APIRouter, Request
+
+from surae.errors import InputError
+from surae.model import MODELS
+from surae.model.options import _CHOICES
+from surae.model.parameters import Parameter
+from surae.web.draft import described, empty_draft, normal, parameter_table
+from surae.web.fits import check_draft
+from surae.web.live import live
+from surae.web.refusals import RefusedError, one_line
+from surae.web.routes.common import ERRORS, Bench, Browser
+from surae.web.schemas import DraftPatch, LiveGiven
+
+router = APIRouter(prefix="/api", responses=ERRORS, tags=["session"])
+
+
+@router.get("/session")
+def get_session(request: Request, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Who this browser is to the server, and the token that its requests must carry."""
+    from surae._version import __version__
+    from surae.web.routes.uploads import MOST_UPLOADS
+
+    return {
+        "csrf": browser.csrf,
+        "version": __version__,
+        "project": {"name": bench.project.name},
+        "limits": {
+            "upload_bytes": request.app.state.policy.upload_bytes,
+            "uploads": MOST_UPLOADS,
+        },
+    }
+
+
+@router.get("/draft")
+def get_draft(bench: Bench, browser: Browser) -> dict[str, Any]:
+    """What this browser is working on."""
+    return bench.sessions.state(browser)
+
+
+@router.patch("/draft")
+def patch_draft(given: DraftPatch, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Change some of it, as one step that can be undone."""
+    change = given.change.plain()
+    for id_ in (*change.get("recordings", ()), *change.get("exclusions", ())):
+        if change.get("exclusions", {}).get(id_, True) is not None:
+            bench.project.need("recording", id_)
+    for spans in (change.get("exclusions") or {}).values():
+        for start, end in spans or []:
+            if not start <= end:
+                raise RefusedError(
+                    400, f"window {start:g} … {end:g} s: its end must follow its start"
+                )
+    bench.sessions.change(browser, change, given.label, revision=given.revision, merge=given.merge)
+    return bench.sessions.state(browser)
+
+
+@router.post("/draft/undo")
+def undo(bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Take the last step back."""
+    bench.sessions.undo(browser)
+    return bench.sessions.state(browser)
+
+
+@router.post("/draft/redo")
+def redo(bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Do it again."""
+    bench.sessions.redo(browser)
+    return bench.sessions.state(browser)
+
+
+@router.get("/draft/parameters")
+def get_parameters(bench: Bench, browser: Browser) -> dict[str, Any]:
+    """The parameters of the draft's model, and why it cannot be fitted, where it cannot."""
+    draft = bench.sessions.draft(browser)
+    problem, unit, prescribed = None, "V", dict[str, float]()
+    try:
+        recordings = bench.draft_recordings(draft)
+        inputs = [bench.prepared(one["id"], draft["prepared"]) for one in recordings]
+        unit = inputs[0].emg_unit
+        prescribed = {name: value for one in inputs for name, value in one.fixed.items()}
+        check_draft(bench, draft)
+    except InputError as error:
+        problem = one_line(error)
+    return {
+        "model": draft["model"],
+        "problem": problem,
+        "parameters": parameter_table(draft, unit, prescribed),
+    }
+
+
+@router.get("/models")
+def get_models() -> dict[str, Any]:
+    """The models, their parameters and options."""
+    from surae.model import ModelOptions
+
+    defaults = ModelOptions().as_dict()
+    return {
+        "models": [
+            {
+                "name": spec.name,
+                "title": spec.title,
+                "tendons": any(p.group == "tendon" for p in spec.parameters),
+                "parameters": [_row(p, p.name in spec.free) for p in spec.parameters],
+            }
+            for spec in MODELS.values()
+        ],
+        "options": {name: list(_CHOICES[name]) if name in _CHOICES else value
+                    for name, value in defaults.items()},
+        "losses": ["huber", "soft-l1", "tukey"],
+        "populations": ["healthy", "patient"],
+        "draft": empty_draft(),
+    }  # fmt: skip
+
+
+def _row(p: Parameter, free: bool) -> dict[str, Any]:
+    return {
+        "name": p.name,
+        "unit": p.unit,
+        "meaning": p.meaning,
+        "group": p.group,
+        **described(p, free),
+        "normal": normal(p.name, "healthy"),
+        "patient": normal(p.name, "patient"),
+    }
+
+
+@router.post("/live")
+def post_live(given: LiveGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """The torque that the draft's model gives with these values."""
+    draft = bench.sessions.draft(browser)
+    id_ = given.recording or next(iter(draft["recordings"]), None)
+    if id_ is None:
+        raise RefusedError(400, "no recording is chosen; choose one")
+    inputs = bench.prepared(id_, draft["prepared"])
+    found = live(
+        inputs, draft, given.values, points=given.points, parts=given.parts, start=given.start,
+        end=given.end, key=(id_, draft["prepared"]),
+    )  # fmt: skip
+    return {"recording": id_, **found}

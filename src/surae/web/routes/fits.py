@@ -1,0 +1,356 @@
+"""Jobs and fits: asked for, followed, understood, compared, reported."""
+
+import json
+import tempfile
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Response
+from fastapi.responses import FileResponse, StreamingResponse
+
+from surae.web.database import Thing
+from surae.web.draft import changed, empty_draft
+from surae.web.fits import (
+    fit_detail,
+    fit_summary,
+    fit_traces,
+    ranges,
+    submit_comparison,
+    submit_fit,
+)
+from surae.web.jobs import ACTIVE, Jobs
+from surae.web.live import plain
+from surae.web.project import when
+from surae.web.refusals import RefusedError
+from surae.web.routes.common import ERRORS, Bench, Browser, PathId, Responses, attachment
+from surae.web.routes.recordings import Instant
+from surae.web.schemas import (
+    ComparisonGiven,
+    DraftChange,
+    FitGiven,
+    NameGiven,
+    Points,
+    ProfileGiven,
+    ValidateGiven,
+)
+from surae.web.sessions import Session
+from surae.web.workbench import Workbench
+
+router = APIRouter(prefix="/api", responses=ERRORS, tags=["fits"])
+
+_STREAM: Responses = {200: {"content": {"text/event-stream": {}}}}
+_HTML: Responses = {200: {"content": {"text/html": {}}}}
+_PDF: Responses = {200: {"content": {"application/pdf": {}}}}
+
+
+def _draft(bench: Workbench, browser: Session, given: DraftChange | None) -> dict[str, Any]:
+    if given is None:
+        return bench.sessions.draft(browser)
+    return changed(empty_draft(), given.plain())
+
+
+@router.post("/fits", status_code=202)
+def post_fit(given: FitGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Ask for a fit; the answer is its job."""
+    job = submit_fit(bench, browser, _draft(bench, browser, given.draft), given.name)
+    return bench.jobs.shown(job, browser)
+
+
+@router.get("/jobs")
+def get_jobs(bench: Bench, browser: Browser, active: bool = False) -> dict[str, Any]:
+    """Jobs, the newest first."""
+    found = reversed(bench.database.all("job"))
+    shown = [job for job in found if not active or job["state"] in ACTIVE]
+    return {"jobs": [bench.jobs.shown(job, browser, traces=False) for job in shown[:500]]}
+
+
+@router.get("/jobs/{id}")
+def get_job(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """One of them."""
+    return bench.jobs.shown(bench.jobs.get(id), browser)
+
+
+@router.post("/jobs/{id}/cancel")
+def cancel_job(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Stop it; a fit keeps the best so far."""
+    return bench.jobs.shown(bench.jobs.cancel(id), browser)
+
+
+@router.post("/jobs/{id}/restart", status_code=202)
+def restart_job(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Ask again for what was not done; the answer is a new job."""
+    return bench.jobs.shown(bench.jobs.restart(id, browser), browser)
+
+
+@router.get("/jobs/{id}/events", response_class=StreamingResponse, responses=_STREAM)
+async def job_events(id: PathId, bench: Bench, browser: Browser) -> StreamingResponse:
+    """What happens to it, as server-sent events; how it stands comes first."""
+    from starlette.concurrency import run_in_threadpool
+
+    await run_in_threadpool(bench.jobs.get, id)
+
+    def first() -> list[tuple[str, Any]]:
+        job = bench.jobs.shown(bench.jobs.get(id), browser)
+        told: list[tuple[str, Any]] = [("state", job)]
+        if job["progress"] is not None:
+            told.append(("progress", job["progress"]))
+        if job["state"] not in ACTIVE:
+            told.append(("end", job))
+        return told
+
+    return _events(
+        bench.events.stream((f"job:{id}",), first, "end", lambda data: Jobs.seen_by(browser, data))
+    )
+
+
+@router.get("/events", response_class=StreamingResponse, responses=_STREAM)
+async def all_events(bench: Bench, browser: Browser) -> StreamingResponse:
+    """What happens in the project, as server-sent events."""
+
+    def first() -> list[tuple[str, Any]]:
+        active = [job for job in bench.database.all("job") if job["state"] in ACTIVE]
+        return [("job", bench.jobs.shown(job, browser, traces=False)) for job in active]
+
+    topics = ("project", f"session:{browser.key}")
+    return _events(
+        bench.events.stream(topics, first, view=lambda data: Jobs.seen_by(browser, data))
+    )
+
+
+def _events(stream: AsyncIterator[str]) -> StreamingResponse:
+    headers = {"x-accel-buffering": "no", "cache-control": "no-store"}
+    return StreamingResponse(stream, media_type="text/event-stream", headers=headers)
+
+
+@router.get("/fits")
+def get_fits(
+    bench: Bench,
+    subject: Annotated[str | None, Query(max_length=16)] = None,
+    recording: Annotated[str | None, Query(max_length=16)] = None,
+) -> dict[str, Any]:
+    """Fits, the newest first."""
+    found = [fit_summary(bench, one) for one in reversed(bench.database.all("fit"))]
+    return {
+        "fits": [
+            one
+            for one in found
+            if (subject is None or one["subject"] == subject)
+            and (recording is None or recording in one["recordings"])
+        ]
+    }
+
+
+@router.get("/fits/{id}")
+def get_fit(id: PathId, bench: Bench) -> dict[str, Any]:
+    """All about one but its curves."""
+    return fit_detail(bench, bench.project.need("fit", id))
+
+
+@router.patch("/fits/{id}")
+def patch_fit(id: PathId, given: NameGiven, bench: Bench) -> dict[str, Any]:
+    """Give it another name."""
+    found = bench.project.change("fit", id, name=given.name)
+    bench.changed("fits")
+    return fit_summary(bench, found)
+
+
+@router.delete("/fits/{id}", status_code=204)
+def delete_fit(id: PathId, bench: Bench, browser: Browser) -> Response:
+    """Delete it; undo brings it back."""
+    one = bench.project.need("fit", id)
+    bench.delete(browser, "fit", id, f"delete fit {one['name']}"[:120])
+    return Response(status_code=204)
+
+
+@router.get("/fits/{id}/fit.json", response_class=FileResponse)
+def get_fit_json(id: PathId, bench: Bench) -> FileResponse:
+    """FIT.json, as `surae fit --output` writes it."""
+    one = bench.project.need("fit", id)
+    path = bench.project.path("fits", id, ".json")
+    if not path.is_file():
+        raise RefusedError(404, "the file of this fit is missing; fit again")
+    headers = attachment(one["name"], ".json")
+    return FileResponse(path, media_type="application/json", headers=headers)
+
+
+@router.get("/fits/{id}/traces")
+def get_traces(
+    id: PathId,
+    bench: Bench,
+    recording: Annotated[int, Query(ge=0, le=1000)] = 0,
+    start: Instant = None,
+    end: Instant = None,
+    points: Annotated[Points, Query()] = 2000,
+) -> dict[str, Any]:
+    """Its curves at common instants: measured, modelled, residual, parts."""
+    return fit_traces(bench.fit(id), recording, start, end, points)
+
+
+@router.post("/fits/{id}/profile", status_code=202)
+def post_profile(id: PathId, given: ProfileGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Ask for profiles of its parameters; the answer is their job."""
+    from surae.assessment.likelihood.profile import check_profiled
+
+    fit = bench.project.need("fit", id)
+    result = bench.fit(id).result
+    for name in given.parameters or result.problem.free:
+        check_profiled(result, name)
+    task = {"fit": id, "parameters": given.parameters}
+    label = f"profiles · {fit['name']}"[:200]
+    job = bench.jobs.submit("profile", label, browser, task, id)
+    return bench.jobs.shown(job, browser)
+
+
+@router.post("/fits/{id}/validate")
+def post_validate(id: PathId, given: ValidateGiven, bench: Bench) -> dict[str, Any]:
+    """Predict other recordings with its parameters."""
+    from surae import api
+
+    fitted, found = bench.fit(id), []
+    as_they_are = fitted.result.problem.inputs[0].prepared
+    for other in dict.fromkeys(given.recordings):
+        name = bench.project.need("recording", other)["name"]
+        inputs = bench.prepared(other, as_they_are)
+        (one,) = api.validate(fitted, [inputs])
+        step = max(-(-inputs.n // 2000), 1)
+        measured = inputs.torque if inputs.torque is not None else inputs.time * 0.0
+        found.append(
+            {
+                "recording": other,
+                "name": name,
+                "vaf": one.vaf,
+                "rmse_Nm": one.rmse,
+                "bias_Nm": one.bias,
+                "t": plain(inputs.time[::step]),
+                "measured": plain(measured[::step]),
+                "predicted": plain(one.torque[::step]),
+            }
+        )
+    return {"predictions": found}
+
+
+@router.get("/fits/{id}/report.html", response_class=Response, responses=_HTML)
+def get_report(id: PathId, bench: Bench, inline: bool = False) -> Response:
+    """Its report: one file to keep, or, inline, to be shown within a page."""
+    name, data = _report(bench, id, "html")
+    if not inline:
+        return Response(data, media_type="text/html", headers=attachment(name, ".html"))
+    return Response(data, media_type="text/html", headers=_framed(data.decode()))
+
+
+@router.get("/fits/{id}/report.pdf", response_class=Response, responses=_PDF)
+def get_pdf(id: PathId, bench: Bench) -> Response:
+    """Its report for paper."""
+    name, data = _report(bench, id, "pdf")
+    return Response(data, media_type="application/pdf", headers=attachment(name, ".pdf"))
+
+
+def _report(bench: Workbench, id_: str, kind: str) -> tuple[str, bytes]:
+    one = bench.project.need("fit", id_)
+    with tempfile.TemporaryDirectory(prefix="surae-report-") as folder:
+        output = Path(folder) / f"report.{kind}"
+        fit = str(bench.project.path("fits", id_, ".json"))
+        bench.desk.ask("report", fit=fit, kind=kind, output=str(output))
+        return one["name"], output.read_bytes()
+
+
+def _framed(page: str) -> dict[str, str]:
+    """Headers of a report within a page: its own style by its hash, and nothing that runs."""
+    import base64
+    import hashlib
+    import re
+
+    styles = re.findall(r"<style>(.*?)</style>", page, re.DOTALL)
+    hashes = " ".join(
+        f"'sha256-{base64.b64encode(hashlib.sha256(s.encode()).digest()).decode()}'" for s in styles
+    )
+    policy = (
+        f"default-src 'none'; img-src data:; style-src {hashes or chr(39) + 'none' + chr(39)}; "
+        "base-uri 'none'; form-action 'none'; frame-ancestors 'self'; sandbox"
+    )
+    return {"content-security-policy": policy, "x-frame-options": "SAMEORIGIN"}
+
+
+@router.get("/compare")
+def get_compare(bench: Bench, fits: Annotated[str, Query(max_length=340)]) -> dict[str, Any]:
+    """Several fits side by side, parameter by parameter."""
+    chosen = [bench.project.need("fit", id_) for id_ in dict.fromkeys(fits.split(","))]
+    names: dict[str, None] = {}
+    for one in chosen:
+        names |= dict.fromkeys(one["parameters"])
+    return {
+        "fits": [fit_summary(bench, one) for one in chosen],
+        "parameters": [
+            {
+                "name": name,
+                **_described(name),
+                "estimates": [_estimate(one, name) for one in chosen],
+                "normal": ranges(name),
+            }
+            for name in names
+        ],
+    }
+
+
+def _described(name: str) -> dict[str, str]:
+    from surae.model import MODELS
+
+    known = {p.name: p for spec in MODELS.values() for p in reversed(spec.parameters)}
+    p = known.get(name)
+    return {"unit": "" if p is None else p.unit, "meaning": "" if p is None else p.meaning}
+
+
+def _estimate(fit: Thing, name: str) -> dict[str, Any] | None:
+    one = fit["parameters"].get(name)
+    if one is None:
+        return None
+    ci95 = None if one["low"] is None else [one["low"], one["high"]]
+    return {"value": one["value"], "sem": one["sem"], "ci95": ci95, "verdict": one["verdict"]}
+
+
+@router.post("/comparisons", status_code=202)
+def post_comparison(given: ComparisonGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Ask whether the recordings need tendons that give way; the answer is the job."""
+    from surae.model import MODELS
+
+    models = given.models or ["muscle", "muscle-tendon"]
+    tendons = {name: any(p.group == "tendon" for p in MODELS[name].parameters) for name in models}
+    if len(set(models)) < len(models):
+        raise RefusedError(400, "a model is given twice; give it once")
+    if len(set(tendons.values())) < 2:
+        raise RefusedError(400, "compare at least one model without tendons and one with")
+    draft = _draft(bench, browser, given.draft)
+    job = submit_comparison(bench, browser, draft, list(models))
+    return bench.jobs.shown(job, browser)
+
+
+@router.get("/comparisons")
+def get_comparisons(bench: Bench) -> dict[str, Any]:
+    """Comparisons of models, the newest first."""
+    return {
+        "comparisons": [
+            {
+                "id": one["id"], "created": when(one["created"]),
+                "conclusion": one["conclusion"], "recordings": one["recordings"],
+            }
+            for one in reversed(bench.database.all("comparison"))
+        ]
+    }  # fmt: skip
+
+
+@router.get("/comparisons/{id}")
+def get_comparison(id: PathId, bench: Bench) -> dict[str, Any]:
+    """One of them, as `surae compare --output` writes it."""
+    one = bench.project.need("comparison", id)
+    path = bench.project.path("comparisons", id, ".json")
+    try:
+        found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        raise RefusedError(404, "the file of this comparison is missing; compare again") from None
+    return {
+        "id": id,
+        "created": when(one["created"]),
+        "recording_ids": one["recordings"],
+        **found,
+    }

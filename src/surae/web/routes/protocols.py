@@ -1,0 +1,96 @@
+"""The protocol designer."""
+
+import tempfile
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from fastapi import APIRouter, Response
+
+from surae.protocol import DEVICES, PROFILES, TASKS, generate, write_csv
+from surae.web.database import Thing
+from surae.web.designer import preview, protocol
+from surae.web.project import when
+from surae.web.routes.common import ERRORS, Bench, Browser, PathId, Responses, attachment
+from surae.web.schemas import ProtocolFile, ProtocolGiven, ProtocolPreview, ProtocolSettings
+
+router = APIRouter(prefix="/api/protocols", responses=ERRORS, tags=["protocols"])
+
+_CSV: Responses = {200: {"content": {"text/csv": {}}}}
+
+
+@router.get("/choices")
+def get_choices() -> dict[str, Any]:
+    """The profiles, tasks and devices."""
+    from surae.studies.study import _SIMULATED
+
+    return {
+        "profiles": [
+            {"name": one.name, "duration_s": one.duration, "description": one.description}
+            for one in PROFILES.values()
+        ],
+        "tasks": [{"name": one.name, "description": one.description} for one in TASKS.values()],
+        "devices": [asdict(one) for one in DEVICES.values()],
+        "populations": ["healthy", "patient"],
+        "models": list(_SIMULATED),
+    }
+
+
+@router.post("/preview")
+def post_preview(given: ProtocolPreview) -> dict[str, Any]:
+    """The motion, what it covers, and what it will tell of a typical subject."""
+    return preview(given.settings, given.model, given.population, given.noise)
+
+
+@router.post("/csv", response_class=Response, responses=_CSV)
+def post_csv(given: ProtocolFile) -> Response:
+    """The protocol as the file for a device."""
+    return _file(given.settings, given.settings.profile)
+
+
+@router.get("")
+def get_protocols(bench: Bench) -> dict[str, Any]:
+    """Those that are kept."""
+    return {"protocols": [_shown(one) for one in bench.database.all("protocol")]}
+
+
+@router.post("", status_code=201)
+def post_protocol(given: ProtocolGiven, bench: Bench) -> dict[str, Any]:
+    """Keep one."""
+    protocol(given.settings)
+    id_ = bench.database.add("protocol", given.model_dump(mode="json"))
+    bench.changed("protocols")
+    return _shown(bench.project.need("protocol", id_))
+
+
+@router.delete("/{id}", status_code=204)
+def delete_protocol(id: PathId, bench: Bench, browser: Browser) -> Response:
+    """Delete it; undo brings it back."""
+    one = bench.project.need("protocol", id)
+    bench.delete(browser, "protocol", id, f"delete protocol {one['name']}"[:120])
+    return Response(status_code=204)
+
+
+@router.get("/{id}/protocol.csv", response_class=Response, responses=_CSV)
+def get_csv(id: PathId, bench: Bench) -> Response:
+    """It as the file for a device, as `surae protocol` writes it."""
+    one = bench.project.need("protocol", id)
+    return _file(ProtocolSettings(**one["settings"]), one["name"])
+
+
+def _file(settings: ProtocolSettings, name: str) -> Response:
+    trajectory = generate(protocol(settings))
+    with tempfile.TemporaryDirectory(prefix="surae-protocol-") as folder:
+        path = Path(folder) / "protocol.csv"
+        write_csv(trajectory, path)
+        data = path.read_bytes()
+    return Response(data, media_type="text/csv", headers=attachment(name, ".csv"))
+
+
+def _shown(one: Thing) -> dict[str, Any]:
+    return {
+        "id": one["id"],
+        "name": one["name"],
+        "settings": one["settings"],
+        "created": when(one["created"]),
+    }

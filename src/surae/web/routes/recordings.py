@@ -1,0 +1,228 @@
+"""Subjects and recordings: what they are, how they look, what is wrong with them."""
+
+import json
+import math
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from fastapi import APIRouter, Query, Response
+
+from surae.recording import ROLES
+from surae.web.database import Thing
+from surae.web.project import when
+from surae.web.pyramid import Pyramid, Window
+from surae.web.refusals import RefusedError
+from surae.web.routes.common import ERRORS, Bench, Browser, PathId
+from surae.web.schemas import Points, RecordingPatch, SubjectGiven, SubjectPatch
+from surae.web.workbench import Workbench
+
+router = APIRouter(prefix="/api", responses=ERRORS, tags=["recordings"])
+
+Instant = Annotated[float | None, Query(allow_inf_nan=False, ge=-1e9, le=1e9)]
+
+
+@router.get("/subjects")
+def get_subjects(bench: Bench) -> dict[str, Any]:
+    """All subjects."""
+    recordings = bench.database.all("recording")
+    owners = {one["id"]: one["subject"] for one in recordings}
+    fits = [owners.get(one["recordings"][0]) for one in bench.database.all("fit")]
+    return {
+        "subjects": [
+            _subject(one, sum(r["subject"] == one["id"] for r in recordings), fits.count(one["id"]))
+            for one in bench.database.all("subject")
+        ]
+    }
+
+
+@router.post("/subjects", status_code=201)
+def post_subject(given: SubjectGiven, bench: Bench) -> dict[str, Any]:
+    """Add a subject, under a code that no other has."""
+    with bench.database.transaction():
+        _refuse_code(bench, given.code, None)
+        id_ = bench.database.add("subject", given.model_dump())
+    bench.changed("subjects")
+    return _subject(bench.project.need("subject", id_), 0, 0)
+
+
+@router.patch("/subjects/{id}")
+def patch_subject(id: PathId, given: SubjectPatch, bench: Bench) -> dict[str, Any]:
+    """Change one."""
+    changes = given.model_dump(exclude_unset=True)
+    changes = {k: v for k, v in changes.items() if v is not None or k == "body_mass"}
+    with bench.database.transaction():
+        if "code" in changes:
+            _refuse_code(bench, changes["code"], id)
+        found = bench.project.change("subject", id, **changes)
+    bench.changed("subjects")
+    count = sum(one["subject"] == id for one in bench.database.all("recording"))
+    return _subject(found, count, 0)
+
+
+@router.delete("/subjects/{id}", status_code=204)
+def delete_subject(id: PathId, bench: Bench, browser: Browser) -> Response:
+    """Delete one without recordings; undo brings it back."""
+    one = bench.project.need("subject", id)
+    if any(r["subject"] == id for r in bench.database.all("recording")):
+        raise RefusedError(409, f"subject {one['code']} has recordings; move or delete them first")
+    bench.delete(browser, "subject", id, f"delete subject {one['code']}")
+    return Response(status_code=204)
+
+
+def _refuse_code(bench: Workbench, code: str, own: str | None) -> None:
+    if any(one["code"] == code and one["id"] != own for one in bench.database.all("subject")):
+        raise RefusedError(409, f"there is a subject {code!r} already; give another code")
+
+
+def _subject(one: Thing, recordings: int, fits: int) -> dict[str, Any]:
+    return {
+        "id": one["id"],
+        **{key: one[key] for key in ("code", "group", "notes", "body_mass")},
+        "recordings": recordings,
+        "fits": fits,
+    }
+
+
+@router.get("/recordings")
+def get_recordings(bench: Bench) -> dict[str, Any]:
+    """All recordings."""
+    return {"recordings": [shown_recording(bench, one) for one in bench.database.all("recording")]}
+
+
+@router.get("/recordings/{id}")
+def get_recording(id: PathId, bench: Bench) -> dict[str, Any]:
+    """One of them."""
+    return shown_recording(bench, bench.project.need("recording", id))
+
+
+@router.patch("/recordings/{id}")
+def patch_recording(id: PathId, given: RecordingPatch, bench: Bench) -> dict[str, Any]:
+    """Change its labels; what was measured stays."""
+    changes = given.model_dump(exclude_unset=True)
+    if changes.get("subject") is not None:
+        bench.project.need("subject", changes["subject"])
+    for key in ("trial", "condition"):
+        if key in changes:
+            changes[key] = changes[key] or ""
+    if changes.get("name", "") is None:
+        del changes["name"]
+    found = bench.project.change("recording", id, **changes)
+    bench.changed("recordings")
+    return shown_recording(bench, found)
+
+
+@router.delete("/recordings/{id}", status_code=204)
+def delete_recording(id: PathId, bench: Bench, browser: Browser) -> Response:
+    """Delete it; undo brings it back."""
+    one = bench.project.need("recording", id)
+    bench.delete(browser, "recording", id, f"delete recording {one['name']}"[:120])
+    return Response(status_code=204)
+
+
+def shown_recording(bench: Workbench, one: Thing) -> dict[str, Any]:
+    """A recording as the API shows it."""
+    keys = ("name", "subject", "side", "trial", "condition", "duration_s", "emg", "channels",
+            "files", "mapping", "fixed")  # fmt: skip
+    fits = sum(one["id"] in fit["recordings"] for fit in bench.database.all("fit"))
+    return {
+        "id": one["id"],
+        "created": when(one["created"]),
+        **{key: one[key] for key in keys},
+        "fits": fits,
+    }
+
+
+@router.get("/recordings/{id}/quality")
+def get_quality(id: PathId, bench: Bench) -> dict[str, Any]:
+    """What is questionable about it, where in time, and what to do."""
+    one = bench.project.need("recording", id)
+    if one.get("findings") is None:
+        path = str(bench.project.path("recordings", id, ".h5"))
+        found = bench.desk.ask("quality", path=path)["findings"]
+        one = bench.project.change("recording", id, findings=found)
+    return {"findings": one["findings"]}
+
+
+@router.get(
+    "/recordings/{id}/window",
+    responses={200: {"content": {"application/json": {}, "application/octet-stream": {}}}},
+)
+def get_window(
+    id: PathId,
+    bench: Bench,
+    signals: Annotated[str | None, Query(max_length=300)] = None,
+    start: Instant = None,
+    end: Instant = None,
+    points: Annotated[Points, Query()] = 2000,
+    view: Literal["raw", "prepared"] = "raw",
+    format: Literal["json", "binary"] = "json",
+) -> Response:
+    """A part of its signals, by few enough points that a plot is smooth."""
+    if start is not None and end is not None and start > end:
+        raise RefusedError(400, f"start {start:g} s lies after end {end:g} s; exchange them")
+    channels = _raw(bench, id) if view == "raw" else _prepared(bench, id)
+    names = list(channels) if signals is None else [n for n in signals.split(",") if n]
+    for name in names:
+        if name not in channels:
+            raise RefusedError(400, f"no signal {name[:40]!r}; there are: {', '.join(channels)}")
+    found = {name: channels[name][0].window(start, end, points) for name in dict.fromkeys(names)}
+    units = {name: channels[name][1] for name in found}
+    times = [one.time for one, _ in channels.values()]
+    span = {
+        "start": min(float(t[0]) for t in times) if start is None else start,
+        "end": max(float(t[-1]) for t in times) if end is None else end,
+    }
+    if format == "json":
+        signals_ = [
+            {**_header(name, units[name], w), "t": w.time.tolist(), "v": w.values.tolist()}
+            for name, w in found.items()
+        ]
+        body = json.dumps({**span, "signals": signals_}, allow_nan=False)
+        return Response(body, media_type="application/json")
+    return Response(_binary(span, found, units), media_type="application/octet-stream")
+
+
+def _raw(bench: Workbench, id_: str) -> dict[str, tuple[Pyramid, str]]:
+    curves = bench.curves(id_)
+    return {
+        role: (one, curves.recording.channels[role].unit) for role, one in curves.pyramids.items()
+    }
+
+
+def _prepared(bench: Workbench, id_: str) -> dict[str, tuple[Pyramid, str]]:
+    one = bench.prepared(id_, False)
+    signals = {"angle": (one.angle, "rad")}
+    if one.torque is not None:
+        signals["torque"] = (one.torque, "Nm")
+    for column, role in enumerate(role for role in ROLES if role.startswith("emg_")):
+        if role.removeprefix("emg_") not in one.missing_emg:
+            signals[role] = (np.ascontiguousarray(one.emg[:, column]), one.emg_unit)
+    signals |= {"velocity": (one.velocity, "rad/s"), "acceleration": (one.acceleration, "rad/s2")}
+    return {role: (Pyramid(one.time, values), unit) for role, (values, unit) in signals.items()}
+
+
+def _header(role: str, unit: str, window: Window) -> dict[str, Any]:
+    return {"role": role, "unit": unit, "n": window.n, "reduced": window.reduced}
+
+
+def _binary(span: dict[str, float], found: dict[str, Window], units: dict[str, str]) -> bytes:
+    """A JSON header with its length, then for each signal times (float64) and values (float32)."""
+    parts: list[bytes] = []
+    headers = []
+    at = 0
+    for name, window in found.items():
+        time = window.time.astype("<f8").tobytes()
+        values = window.values.astype("<f4").tobytes()
+        values += b"\0" * (-len(values) % 8)
+        header = _header(name, units[name], window)
+        headers.append({**header, "points": len(window.time), "t_at": at, "v_at": at + len(time)})
+        parts += [time, values]
+        at += len(time) + len(values)
+    # Offsets are counted from the start of the body, so they depend on the header's own length:
+    # it is padded to a length that is known before.
+    size = 8 * math.ceil((len(json.dumps(headers)) + 40 * len(headers) + 200) / 8)
+    for header in headers:
+        header["t_at"] += 4 + 4 + size
+        header["v_at"] += 4 + 4 + size
+    text = json.dumps({**span, "signals": headers}, allow_nan=False).ljust(size + 4)
+    return len(text).to_bytes(4, "little") + text.encode() + b"".join(parts)

@@ -1,0 +1,159 @@
+"""Studies: thousands of fits of virtual trials, started, watched, opened."""
+
+import tempfile
+from itertools import islice
+from pathlib import Path
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Response
+
+from surae.errors import SuraeError
+from surae.studies.store import Store
+from surae.studies.study import Study, parse_study
+from surae.studies.table import columns, export, table
+from surae.web.database import Thing
+from surae.web.project import when
+from surae.web.refusals import RefusedError
+from surae.web.routes.common import ERRORS, Bench, Browser, PathId, Responses, attachment
+from surae.web.schemas import StudyGiven
+from surae.web.sessions import Session
+from surae.web.workbench import Workbench
+
+router = APIRouter(prefix="/api/studies", responses=ERRORS, tags=["studies"])
+
+_CSV: Responses = {200: {"content": {"text/csv": {}}}}
+_SVG: Responses = {200: {"content": {"image/svg+xml": {}}}}
+#: A study of more fits belongs on a cluster, with `surae study run`.
+_MOST_FITS = 100_000
+
+
+@router.get("")
+def get_studies(bench: Bench) -> dict[str, Any]:
+    """All studies."""
+    return {"studies": [_shown(bench, one) for one in bench.database.all("study")]}
+
+
+@router.post("", status_code=201)
+def post_study(given: StudyGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Make one of a STUDY.toml, and start it."""
+    study = parse_study(given.toml)
+    if study.size > _MOST_FITS:
+        raise RefusedError(
+            400, f"{study.size:,} fits; at most {_MOST_FITS:,} here, use `surae study run` for more"
+        )
+    data = {"name": study.name[:200], "toml": given.toml, "rows": study.size}
+    id_ = bench.database.add("study", data)
+    if given.start:
+        _start(bench, browser, bench.project.need("study", id_), study)
+    bench.changed("studies")
+    return _shown(bench, bench.project.need("study", id_))
+
+
+@router.get("/{id}")
+def get_study(id: PathId, bench: Bench) -> dict[str, Any]:
+    """How far it is."""
+    return _shown(bench, bench.project.need("study", id))
+
+
+@router.post("/{id}/start", status_code=202)
+def start_study(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Start it, or go on with it; the answer is its job."""
+    one = bench.project.need("study", id)
+    return _start(bench, browser, one, parse_study(one["toml"]))
+
+
+@router.delete("/{id}", status_code=204)
+def delete_study(id: PathId, bench: Bench, browser: Browser) -> Response:
+    """Delete it; undo brings it back."""
+    one = bench.project.need("study", id)
+    bench.delete(browser, "study", id, f"delete study {one['name']}"[:120])
+    return Response(status_code=204)
+
+
+@router.get("/{id}/table")
+def get_table(
+    id: PathId, bench: Bench, limit: Annotated[int, Query(ge=1, le=5000)] = 500
+) -> dict[str, Any]:
+    """The rows that are there."""
+    one = bench.project.need("study", id)
+    names = columns(parse_study(one["toml"]))
+    path = bench.project.path("studies", id, ".db")
+    if not path.exists():
+        return {"columns": names, "rows": [], "total": 0}
+    with Store(path) as kept:
+        rows = [[row[name] for name in names] for row in islice(table(kept), limit)]
+        total = kept.status().done
+    return {"columns": names, "rows": rows, "total": max(total, len(rows))}
+
+
+@router.get("/{id}/table.csv", response_class=Response, responses=_CSV)
+def get_csv(id: PathId, bench: Bench) -> Response:
+    """The table, as `surae study export` writes it."""
+    one = bench.project.need("study", id)
+    with _kept(bench, id) as kept, tempfile.TemporaryDirectory(prefix="surae-study-") as folder:
+        path = Path(folder) / "table.csv"
+        export(kept, path)
+        data = path.read_bytes()
+    return Response(data, media_type="text/csv", headers=attachment(one["name"], ".csv"))
+
+
+@router.get("/{id}/figure.svg", response_class=Response, responses=_SVG)
+def get_figure(
+    id: PathId, bench: Bench, x: Annotated[str | None, Query(max_length=40)] = None
+) -> Response:
+    """Standard errors, IPDE and VAF against one factor."""
+    from surae.report.figures import svg
+    from surae.report.figures.study import study_figure
+    from surae.report.study import study_curves
+
+    one = bench.project.need("study", id)
+    with _kept(bench, id) as kept:
+        curves = study_curves(table(kept), tuple(parse_study(one["toml"]).factors), x)
+    return Response(svg(study_figure(curves, f"{one['name']}:")), media_type="image/svg+xml")
+
+
+def _kept(bench: Workbench, id_: str) -> Store:
+    path = bench.project.path("studies", id_, ".db")
+    if not path.exists():
+        raise RefusedError(409, "nothing is computed yet; start the study first")
+    return Store(path)
+
+
+def _start(bench: Workbench, browser: Session, one: Thing, study: Study) -> dict[str, Any]:
+    if bench.jobs.of(one["id"]):
+        raise RefusedError(409, "this study is at work already")
+    task = {"study": one["id"], "toml": one["toml"]}
+    job = bench.jobs.submit("study", f"study {study.name}"[:200], browser, task, one["id"])
+    return bench.jobs.shown(job, browser)
+
+
+def _shown(bench: Workbench, one: Thing) -> dict[str, Any]:
+    jobs = bench.jobs.of(one["id"])
+    path = bench.project.path("studies", one["id"], ".db")
+    done, fits, reasons = 0, None, dict[str, int]()
+    if path.exists():
+        try:
+            with Store(path) as kept:
+                status = kept.status()
+            done, fits, reasons = status.done, status.fits, dict(status.reasons)
+        except SuraeError:  # it is just being planned
+            done = 0
+    if jobs:
+        state = str(jobs[0]["state"])
+    elif fits is None:
+        state = "new"
+    else:
+        state = "done" if done >= fits else "stopped"
+    return {
+        "id": one["id"],
+        "name": one["name"],
+        "created": when(one["created"]),
+        "rows": one["rows"],
+        "fits": fits,
+        "done": done,
+        "state": state,
+        "job": jobs[0]["id"] if jobs else None,
+        "reasons": reasons,
+        "factors": {k: list(v) for k, v in parse_study(one["toml"]).factors.items()},
+        "toml": one["toml"],
+    }

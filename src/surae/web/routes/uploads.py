@@ -1,0 +1,192 @@
+"""Files come in: uploaded to the session, looked into, mapped, imported as recordings."""
+
+import hashlib
+import re
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Request, Response
+
+from surae.units import FACTORS, kind
+from surae.web.database import Thing, new_id
+from surae.web.imports import file_name
+from surae.web.project import when
+from surae.web.refusals import RefusedError, not_found
+from surae.web.routes.common import ERRORS, Bench, Browser, PathId
+from surae.web.routes.recordings import shown_recording
+from surae.web.schemas import ImportGiven
+from surae.web.sessions import Session
+from surae.web.workbench import Workbench
+
+router = APIRouter(prefix="/api", responses=ERRORS, tags=["import"])
+
+#: Files that a session may have uploaded at a time.
+MOST_UPLOADS = 64
+_IDS = re.compile(r"^[0-9a-f]{16}(,[0-9a-f]{16}){0,15}$")
+
+
+@router.post(
+    "/uploads",
+    status_code=201,
+    openapi_extra={
+        "requestBody": {
+            "required": True,
+            "content": {
+                "application/octet-stream": {"schema": {"type": "string", "format": "binary"}}
+            },
+        }
+    },
+)
+async def post_upload(
+    request: Request,
+    bench: Bench,
+    browser: Browser,
+    name: Annotated[str, Query(min_length=1, max_length=300)],
+) -> dict[str, Any]:
+    """Take one file, streamed to disk as it comes."""
+    from starlette.concurrency import run_in_threadpool
+
+    mine = await run_in_threadpool(_uploads, bench, browser)
+    if len(mine) >= MOST_UPLOADS:
+        raise RefusedError(409, f"{MOST_UPLOADS} files are uploaded already; delete some first")
+    id_, count, digest = new_id(), 0, hashlib.sha256()
+    folder = await run_in_threadpool(bench.project.uploads, browser.key)
+    path, whole = folder / id_, False
+    try:
+        with path.open("xb") as file:
+            async for chunk in request.stream():
+                count += len(chunk)
+                digest.update(chunk)
+                await run_in_threadpool(file.write, chunk)
+        whole = count > 0
+    finally:
+        if not whole:
+            path.unlink(missing_ok=True)
+    if not whole:
+        raise RefusedError(400, "the file is empty; choose another")
+    data = {
+        "name": file_name(name),
+        "bytes": count,
+        "sha256": digest.hexdigest(),
+        "session": browser.key,
+    }
+    await run_in_threadpool(bench.database.add, "upload", data, id_)
+    return _shown({**data, "id": id_, "created": None})
+
+
+@router.get("/uploads")
+def get_uploads(bench: Bench, browser: Browser) -> dict[str, Any]:
+    """The session's files."""
+    return {"uploads": [_shown(one) for one in _uploads(bench, browser)]}
+
+
+@router.delete("/uploads/{id}", status_code=204)
+def delete_upload(id: PathId, bench: Bench, browser: Browser) -> Response:
+    """Delete one."""
+    one = _upload(bench, browser, id)
+    bench.database.write("DELETE FROM thing WHERE id = ?", one["id"])
+    (bench.project.uploads(browser.key) / one["id"]).unlink(missing_ok=True)
+    return Response(status_code=204)
+
+
+@router.get("/uploads/{id}/inspect")
+def inspect_upload(
+    id: PathId,
+    bench: Bench,
+    browser: Browser,
+    also: Annotated[str | None, Query(max_length=300)] = None,
+) -> dict[str, Any]:
+    """What is in a file, and in others that belong to it, and a guess of what each column is."""
+    if also is not None and not _IDS.match(also):
+        raise RefusedError(400, "also: give ids with commas")
+    one = _upload(bench, browser, id)
+    others = [] if also is None else [_upload(bench, browser, other) for other in also.split(",")]
+    files = _files(bench, browser, [one, *others])
+    found = bench.desk.ask("inspect", files=files)["found"]
+    if not found["columns"]:  # a mapping: what it names may be among all uploads
+        rest = [u for u in _uploads(bench, browser) if u["id"] != one["id"]]
+        found = bench.desk.ask("inspect", files=_files(bench, browser, [one, *rest]))["found"]
+    return {"id": one["id"], "name": one["name"], **found}
+
+
+@router.get("/units")
+def get_units() -> dict[str, Any]:
+    """The roles that a channel can have, and the units of each."""
+    from surae.recording import ROLES
+
+    return {"roles": list(ROLES), "units": {role: list(FACTORS[kind(role)]) for role in ROLES}}
+
+
+@router.post("/imports/preview")
+def preview_import(given: ImportGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """What a mapping makes of the files."""
+    return {**_imported(given, bench, browser, None)}
+
+
+@router.post("/imports", status_code=201)
+def post_import(given: ImportGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Keep what a mapping makes of the files as a recording."""
+    if given.subject is not None:
+        bench.project.need("subject", given.subject)
+    id_ = new_id()
+    found = _imported(given, bench, browser, str(bench.project.path("recordings", id_, ".h5")))
+    data = {
+        "name": found["name"],
+        "subject": given.subject,
+        "side": found["side"],
+        "trial": given.trial or "",
+        "condition": given.condition or "",
+        "duration_s": found["duration_s"],
+        "emg": found["emg"],
+        "fixed": found["fixed"],
+        "channels": [
+            {key: one[key] for key in ("role", "unit", "n", "rate_hz", "source")}
+            for one in found["channels"]
+        ],
+        "files": found["files"],
+        "mapping": given.mapping.model_dump(mode="json"),
+        "findings": found["findings"],
+    }
+    bench.database.add("recording", data, id_)
+    bench.changed("recordings")
+    return shown_recording(bench, bench.project.need("recording", id_))
+
+
+def _imported(
+    given: ImportGiven, bench: Workbench, browser: Session, output: str | None
+) -> dict[str, Any]:
+    mapping = given.mapping.model_dump(mode="json")
+    wanted = dict.fromkeys(one["upload"] for one in mapping["channels"].values())
+    uploads = [_upload(bench, browser, id_) for id_ in wanted]
+    files = _files(bench, browser, uploads)
+    found: dict[str, Any] = bench.desk.ask("load", files=files, mapping=mapping, output=output)[
+        "found"
+    ]
+    return found
+
+
+def _uploads(bench: Workbench, browser: Session) -> list[Thing]:
+    return [one for one in bench.database.all("upload") if one["session"] == browser.key]
+
+
+def _upload(bench: Workbench, browser: Session, id_: str) -> Thing:
+    one = bench.database.get("upload", id_)
+    if one is None or one["session"] != browser.key:
+        raise not_found("upload")
+    return one
+
+
+def _files(bench: Workbench, browser: Session, uploads: list[Thing]) -> list[dict[str, str]]:
+    folder = bench.project.uploads(browser.key)
+    return [
+        {"id": one["id"], "path": str(folder / one["id"]), "name": one["name"]} for one in uploads
+    ]
+
+
+def _shown(one: Thing) -> dict[str, Any]:
+    return {
+        "id": one["id"],
+        "name": one["name"],
+        "bytes": one["bytes"],
+        "sha256": one["sha256"],
+        "created": when(one["created"]),
+    }

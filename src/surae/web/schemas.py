@@ -1,0 +1,262 @@
+"""What requests may hold, checked before anything is done with it."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+
+from surae.recording import ROLES
+
+#: A thing's id.
+Id = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{16}$", min_length=16, max_length=16)]
+#: One line of text.
+Line = Annotated[
+    str,
+    StringConstraints(max_length=200, strip_whitespace=True, pattern=r"^[^\x00-\x1f\x7f]*$"),
+]
+Named = Annotated[
+    str,
+    StringConstraints(
+        min_length=1, max_length=200, strip_whitespace=True, pattern=r"^[^\x00-\x1f\x7f]+$"
+    ),
+]
+#: The name of a parameter or of an option.
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,39}$")]
+Number = Annotated[float, Field(allow_inf_nan=False, ge=-1e12, le=1e12)]
+Positive = Annotated[float, Field(allow_inf_nan=False, gt=0, le=1e12)]
+Seconds = Annotated[float, Field(allow_inf_nan=False, ge=-1e9, le=1e9)]
+Points = Annotated[int, Field(ge=10, le=2000)]
+Model = Literal[
+    "muscle", "muscle-2010", "muscle-tendon", "muscle-tendon-strain", "muscle-tendon-toe"
+]
+Role = Literal[ROLES]  # type: ignore[valid-type]
+Population = Literal["healthy", "patient"]
+
+
+class Strict(BaseModel):
+    """No key that is not known, nothing taken for what it is not."""
+
+    model_config = ConfigDict(extra="forbid", str_strip_whitespace=False)
+
+
+class Error(BaseModel):
+    """Why a request was refused, in one line."""
+
+    error: str
+
+
+class Options(Strict):
+    """Model options, see `surae.model.ModelOptions`."""
+
+    geometry: Literal["thesis", "virtual-work"] | None = None
+    tendon_strain: Literal["thesis", "slack-length"] | None = None
+    integrator: Literal["implicit", "explicit-euler"] | None = None
+    theta_foot: Number | None = None
+    vmax_factor: Annotated[float, Field(gt=0, le=1e3, allow_inf_nan=False)] | None = None
+    x_ref_tri: Annotated[float, Field(gt=0, le=10, allow_inf_nan=False)] | None = None
+    x_ref_tib: Annotated[float, Field(gt=0, le=10, allow_inf_nan=False)] | None = None
+
+
+class PriorGiven(Strict):
+    """A parameter's prior."""
+
+    median: Positive
+    spread: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)]
+
+
+class ParameterGiven(Strict):
+    """What differs from a parameter's defaults."""
+
+    free: bool | None = None
+    value: Number | None = None
+    lower: Number | None = None
+    upper: Number | None = None
+    prior: PriorGiven | None = None
+
+
+Span = tuple[Seconds, Seconds]
+Spans = Annotated[list[Span], Field(max_length=500)]
+
+
+class DraftChange(Strict):
+    """Keys of a draft; those left out stay as they are."""
+
+    recordings: Annotated[list[Id], Field(max_length=50)] | None = None
+    model: Model | None = None
+    options: Options | None = None
+    prepared: bool | None = None
+    parameters: Annotated[dict[Name, ParameterGiven | None], Field(max_length=60)] | None = None
+    population: Population | None = None
+    loss: Literal["huber", "soft-l1", "tukey"] | None = None
+    peaks: Annotated[float, Field(ge=0, le=1e6, allow_inf_nan=False)] | None = None
+    activity: Literal["torque", "emg"] | None = None
+    exclusions: Annotated[dict[Id, Spans | None], Field(max_length=50)] | None = None
+    body_mass: Annotated[float, Field(ge=5, le=400, allow_inf_nan=False)] | None = None
+    starts: Annotated[int, Field(ge=1, le=1000)] | None = None
+    seed: Annotated[int, Field(ge=0, le=2**31)] | None = None
+    sliders: Annotated[dict[Name, Number | None], Field(max_length=60)] | None = None
+
+    def plain(self) -> dict[str, Any]:
+        """The keys that were given, without what was left out within them."""
+        data = self.model_dump(mode="json", exclude_unset=True)
+        empty = {key for key, value in data.items() if value is None and key not in _NULLABLE}
+        plain = {key: value for key, value in data.items() if key not in empty}
+        if "options" in plain:
+            plain["options"] = {k: v for k, v in plain["options"].items() if v is not None}
+        return plain
+
+
+_NULLABLE = ("population", "loss", "body_mass")
+
+
+class DraftPatch(Strict):
+    """A change of the draft."""
+
+    change: DraftChange
+    label: Named = "change"
+    revision: Annotated[int, Field(ge=0)] | None = None
+    merge: bool = False
+
+
+class ChannelGiven(Strict):
+    """Where a channel comes from, and what is done to it."""
+
+    upload: Id
+    column: Annotated[str, StringConstraints(min_length=1, max_length=500, pattern=r"^[^\x00]+$")]
+    unit: Annotated[str, StringConstraints(max_length=20, pattern=r"^[^\x00-\x1f]*$")] | None = None
+    sign: Literal[1, -1] = 1
+    scale: Number = 1.0
+    offset: Number = 0.0
+
+
+class MappingGiven(Strict):
+    """Which column of which upload is which signal."""
+
+    name: Named
+    emg: Literal["raw", "envelope"] = "raw"
+    side: Literal["left", "right"] | None = None
+    channels: Annotated[dict[Role, ChannelGiven], Field(min_length=1, max_length=len(ROLES))]
+    fixed: Annotated[dict[Name, Number], Field(max_length=60)] = {}
+    prepare: Annotated[dict[Name, bool | Number | Line], Field(max_length=20)] = {}
+
+
+class ImportGiven(Strict):
+    """A recording to import."""
+
+    mapping: MappingGiven
+    subject: Id | None = None
+    trial: Line | None = None
+    condition: Line | None = None
+
+
+class SubjectGiven(Strict):
+    """A subject: a code, never a name."""
+
+    code: Named
+    group: Literal["", "healthy", "patient"] = ""
+    notes: Annotated[str, StringConstraints(max_length=4000, pattern=r"^[^\x00]*$")] = ""
+    body_mass: Annotated[float, Field(ge=5, le=400, allow_inf_nan=False)] | None = None
+
+
+class SubjectPatch(Strict):
+    """What changes of a subject."""
+
+    code: Named | None = None
+    group: Literal["", "healthy", "patient"] | None = None
+    notes: Annotated[str, StringConstraints(max_length=4000, pattern=r"^[^\x00]*$")] | None = None
+    body_mass: Annotated[float, Field(ge=5, le=400, allow_inf_nan=False)] | None = None
+
+
+class RecordingPatch(Strict):
+    """What changes of a recording's labels."""
+
+    name: Named | None = None
+    subject: Id | None = None
+    side: Literal["left", "right"] | None = None
+    trial: Line | None = None
+    condition: Line | None = None
+
+
+class LiveGiven(Strict):
+    """What to simulate."""
+
+    recording: Id | None = None
+    values: Annotated[dict[Name, Number], Field(max_length=60)] = {}
+    parts: bool = False
+    points: Points = 1000
+    start: Seconds | None = None
+    end: Seconds | None = None
+
+
+class FitGiven(Strict):
+    """A fit to make: of a draft, or of the session's own."""
+
+    name: Named | None = None
+    draft: DraftChange | None = None
+
+
+class ComparisonGiven(Strict):
+    """Models to compare on a draft's recordings."""
+
+    draft: DraftChange | None = None
+    models: Annotated[list[Model], Field(min_length=2, max_length=5)] | None = None
+
+
+class NameGiven(Strict):
+    """A new name."""
+
+    name: Named
+
+
+class ProfileGiven(Strict):
+    """Parameters to profile; all by default."""
+
+    parameters: Annotated[list[Name], Field(min_length=1, max_length=60)] | None = None
+
+
+class ValidateGiven(Strict):
+    """Recordings to predict."""
+
+    recordings: Annotated[list[Id], Field(min_length=1, max_length=50)]
+
+
+class ProtocolSettings(Strict):
+    """Settings of a measurement protocol, see `surae.protocol.Protocol`."""
+
+    profile: Annotated[str, StringConstraints(max_length=40)]
+    task: Annotated[str, StringConstraints(max_length=40)] = "part-passive"
+    chirp_amplitude: Annotated[float, Field(ge=0, le=3, allow_inf_nan=False)] = 0.0
+    chirp_rate: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)] = 0.5
+    range: tuple[Number, Number] = (-0.9, 0.6)
+    duration: Annotated[float, Field(gt=0, le=600, allow_inf_nan=False)] | None = None
+    rate_hz: Annotated[float, Field(gt=0, le=2000, allow_inf_nan=False)] = 256.0
+    device: Annotated[str, StringConstraints(max_length=40)] | None = None
+    adapt: bool = True
+
+
+class ProtocolPreview(Strict):
+    """A protocol, and who it is for."""
+
+    settings: ProtocolSettings
+    model: Model = "muscle"
+    population: Population = "healthy"
+    noise: Annotated[float, Field(ge=0, le=10, allow_inf_nan=False)] = 0.05
+
+
+class ProtocolGiven(Strict):
+    """A protocol to keep."""
+
+    name: Named
+    settings: ProtocolSettings
+
+
+class ProtocolFile(Strict):
+    """A protocol to export."""
+
+    settings: ProtocolSettings
+
+
+class StudyGiven(Strict):
+    """A study to make."""
+
+    toml: Annotated[str, StringConstraints(min_length=1, max_length=100_000, pattern=r"^[^\x00]*$")]
+    start: bool = True

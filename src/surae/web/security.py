@@ -1,0 +1,322 @@
+"""Who may ask, and how: everything that is checked before a request reaches the application.
+
+A page of another site that runs in a user's browser can send requests here. It is stopped by the
+name it asked for (Host: no DNS rebinding), by where it comes from (Origin, Sec-Fetch-Site), by a
+cookie that only our own pages send (SameSite=Strict) and by a token that only our own pages know.
+"""
+
+import hmac
+import ipaddress
+import json
+import re
+import socket
+from collections.abc import Iterable
+from dataclasses import dataclass
+from hashlib import sha256
+from http.cookies import CookieError, SimpleCookie
+from typing import Any
+from urllib.parse import parse_qsl, urlencode, urlsplit
+
+from starlette.concurrency import run_in_threadpool
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from surae.web.refusals import RefusedError
+from surae.web.sessions import Sessions
+
+SESSION_COOKIE, TOKEN_COOKIE = "surae_session", "surae_token"
+CSRF_HEADER = "x-csrf-token"
+#: Pages are as local as what they show: nothing from outside, no script or style within a page.
+CONTENT_SECURITY_POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+    "font-src 'self'; connect-src 'self'; worker-src 'self'; frame-src 'self'; "
+    "form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
+)
+_HEADERS = {
+    "content-security-policy": CONTENT_SECURITY_POLICY,
+    "x-content-type-options": "nosniff",
+    "x-frame-options": "DENY",
+    "referrer-policy": "no-referrer",
+    "cross-origin-opener-policy": "same-origin",
+    "cross-origin-resource-policy": "same-origin",
+    "permissions-policy": "camera=(), geolocation=(), microphone=()",
+}
+#: Largest body of a request that uploads no file [bytes].
+_BODY = 2 * 2**20
+_SAFE = ("GET", "HEAD", "OPTIONS")
+#: API routes that need no session: one makes it, the other describes the API.
+_OPEN = ("/api/session", "/api/openapi.json")
+_HOST = re.compile(r"(\[(?P<v6>[0-9A-Fa-f:.]+)\]|(?P<name>[0-9A-Za-z._-]+))(:[0-9]{0,5})?")
+_LOOPBACK = ("localhost", "127.0.0.1", "::1")
+
+
+@dataclass(frozen=True, slots=True)
+class Policy:
+    """What a server allows.
+
+    Attributes
+    ----------
+    hosts : frozenset of str
+        Names by which it may be asked for, without port.
+    any_address : bool
+        Whether it may be asked for by any IP address: it listens on all of them.
+    token : str or None
+        What everybody has to know; None where nobody has to.
+    upload_bytes : int
+        Largest file.
+    """
+
+    hosts: frozenset[str]
+    any_address: bool = False
+    token: str | None = None
+    upload_bytes: int = 512 * 2**20
+
+    @classmethod
+    def of(cls, host: str, token: str | None = None, upload_bytes: int = 512 * 2**20) -> "Policy":
+        """The policy of a server that listens on `host`."""
+        if is_loopback(host):
+            return cls(frozenset({*_LOOPBACK, host.lower()}), False, token, upload_bytes)
+        names = {host.lower(), socket.gethostname().lower(), socket.getfqdn().lower(), *_LOOPBACK}
+        return cls(frozenset(names), host in ("0.0.0.0", "::"), token, upload_bytes)
+
+    def allows_host(self, host: str) -> bool:
+        """Whether a request may name the server so."""
+        name = _host_name(host)
+        if name in self.hosts:
+            return True
+        return self.any_address and _is_address(name)
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only this computer reaches an address."""
+    if host.lower() == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+class Security:
+    """ASGI middleware that refuses what the policy does not allow.
+
+    Parameters
+    ----------
+    app : ASGIApp
+        The application.
+    policy : Policy
+        What is allowed.
+    sessions : Sessions
+        Found by cookie; made for whoever loads a page or asks for ``/api/session``.
+    """
+
+    def __init__(self, app: ASGIApp, policy: Policy, sessions: Sessions) -> None:
+        self._app, self._policy, self._sessions = app, policy, sessions
+        self._token = None if policy.token is None else _digest(policy.token)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Check a request, then pass it on."""
+        if scope["type"] != "http":
+            if scope["type"] == "lifespan":
+                await self._app(scope, receive, send)
+            return  # no WebSockets
+        request = _Request(scope)
+        cookies: list[str] = []
+        guarded = _guarded(send, cookies)
+        limit = _BODY
+        if request.method == "POST" and request.path == "/api/uploads":
+            limit = self._policy.upload_bytes
+        if not self._policy.allows_host(request.header("host")):
+            await _refuse(guarded, 400, "this server does not go by that name (Host)")
+        elif self._token is not None and not self._knows(request):
+            await self._ask_token(request, guarded, cookies, self._token)
+        elif not request.safe and not request.same_origin:
+            await _refuse(guarded, 403, "the request comes from another site (Origin)")
+        elif request.length is not None and request.length > limit:
+            await _refuse(guarded, 413, _too_large(limit))
+        elif await self._session(request, guarded, cookies):
+            await self._pass(scope, receive, guarded, limit)
+
+    async def _ask_token(
+        self, request: "_Request", send: Send, cookies: list[str], token: str
+    ) -> None:
+        """Take the token out of the address, once; refuse who does not know it."""
+        given = dict(parse_qsl(request.query, keep_blank_values=True))
+        if request.safe and self._matches(given.pop("token", "")):
+            cookies.append(_cookie(TOKEN_COOKIE, token))
+            query = urlencode(given)
+            await _redirect(send, request.path + (f"?{query}" if query else ""))
+        else:
+            await _refuse(send, 403, "this server needs its token; open the address it printed")
+
+    async def _pass(self, scope: Scope, receive: Receive, send: Send, limit: int) -> None:
+        """Pass a request on, as long as its body is."""
+        await self._app(scope, _limited(receive, limit), send)
+
+    async def _session(self, request: "_Request", send: Send, cookies: list[str]) -> bool:
+        """Find or make the session, and check its CSRF token; False where it is refused."""
+        if request.path.startswith("/static/"):
+            return True
+        session = await run_in_threadpool(self._sessions.open, request.cookie(SESSION_COOKIE))
+        api = request.path.startswith("/api/")
+        if (
+            session is None
+            and request.method == "GET"
+            and (not api or request.path == "/api/session")
+        ):
+            session, cookie = await run_in_threadpool(self._sessions.make)
+            cookies.append(_cookie(SESSION_COOKIE, cookie))
+        if session is None and api and request.path not in _OPEN:
+            await _refuse(send, 403, "no session: GET /api/session first, and send its cookie")
+            return False
+        if not request.safe:
+            given = request.header(CSRF_HEADER)
+            if session is None or not hmac.compare_digest(given.encode(), session.csrf.encode()):
+                await _refuse(
+                    send, 403, "the header X-CSRF-Token is missing or old; load the page again"
+                )
+                return False
+        request.scope.setdefault("state", {})["session"] = session
+        return True
+
+    def _knows(self, request: "_Request") -> bool:
+        """Whether the request carries the token, as a cookie or a header."""
+        bearer = request.header("authorization")
+        if bearer.startswith("Bearer ") and self._matches(bearer.removeprefix("Bearer ").strip()):
+            return True
+        cookie = request.cookie(TOKEN_COOKIE) or ""
+        return hmac.compare_digest(cookie.encode(), (self._token or "").encode())
+
+    def _matches(self, token: str) -> bool:
+        return hmac.compare_digest(_digest(token), self._token or "")
+
+
+class _Request:
+    """What is checked of a request."""
+
+    def __init__(self, scope: Scope) -> None:
+        self.scope = scope
+        self.method: str = scope["method"]
+        self.path: str = scope["path"]
+        self.query: str = scope.get("query_string", b"").decode("latin-1")
+        self._headers: list[tuple[bytes, bytes]] = list(scope["headers"])
+        self.safe = self.method in _SAFE
+
+    def header(self, name: str) -> str:
+        """A header; empty where it is missing or comes twice."""
+        found = [value for key, value in self._headers if key == name.encode()]
+        return found[0].decode("latin-1") if len(found) == 1 else ""
+
+    def cookie(self, name: str) -> str | None:
+        """A cookie's value."""
+        try:
+            found = SimpleCookie(self.header("cookie")).get(name)
+        except CookieError:
+            return None
+        return None if found is None else found.value
+
+    @property
+    def length(self) -> int | None:
+        """The announced length of the body."""
+        text = self.header("content-length")
+        return int(text) if text.isdecimal() and len(text) < 20 else None
+
+    @property
+    def same_origin(self) -> bool:
+        """Whether the request comes from a page of ours, or from no page at all."""
+        if self.header("sec-fetch-site") not in ("", "same-origin", "none"):
+            return False
+        origin = self.header("origin")
+        if any(key == b"origin" for key, _ in self._headers) and not origin:
+            return False
+        if not origin:
+            return True
+        parts = urlsplit(origin)
+        return parts.scheme in ("http", "https") and parts.netloc == self.header("host")
+
+
+def _limited(receive: Receive, limit: int) -> Receive:
+    """A body that is counted as it comes in."""
+    left = limit
+
+    async def wrapped() -> Message:
+        nonlocal left
+        message = await receive()
+        if message["type"] == "http.request":
+            left -= len(message.get("body", b""))
+            if left < 0:
+                raise RefusedError(413, _too_large(limit))
+        return message
+
+    return wrapped
+
+
+def _guarded(send: Send, cookies: list[str]) -> Send:
+    """Send with the headers of `_HEADERS`, unless the application gave its own, and cookies."""
+
+    async def wrapped(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            headers: list[tuple[bytes, bytes]] = list(message.get("headers", []))
+            given = {key.lower() for key, _ in headers}
+            headers += _missing(given, _HEADERS.items())
+            headers += _missing(given, [("cache-control", "no-store")])
+            headers += [(b"set-cookie", cookie.encode()) for cookie in cookies]
+            message = {**message, "headers": headers}
+        await send(message)
+
+    return wrapped
+
+
+def _missing(given: set[bytes], wanted: Iterable[tuple[str, str]]) -> list[tuple[bytes, bytes]]:
+    return [(key.encode(), value.encode()) for key, value in wanted if key.encode() not in given]
+
+
+def _cookie(name: str, value: str) -> str:
+    return f"{name}={value}; Path=/; HttpOnly; SameSite=Strict; Max-Age=31536000"
+
+
+def _digest(token: str) -> str:
+    return sha256(f"surae {token}".encode()).hexdigest()
+
+
+def _host_name(host: str) -> str:
+    """The name in a Host header, without its port; empty where it is malformed."""
+    found = _HOST.fullmatch(host)
+    return "" if found is None else (found["v6"] or found["name"]).lower()
+
+
+def _is_address(name: str) -> bool:
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True
+
+
+def _too_large(limit: int) -> str:
+    return f"too large: at most {limit / 2**20:g} MiB; cut or downsample it"
+
+
+async def _refuse(send: Send, status: int, text: str) -> None:
+    await _respond(send, status, json.dumps({"error": text}).encode(), [])
+
+
+async def _redirect(send: Send, to: str) -> None:
+    # One slash only: two would lead to another server.
+    place = "/" + to.lstrip("/\\")
+    await _respond(send, 303, b"{}", [(b"location", place.encode("ascii", "ignore"))])
+
+
+async def _respond(
+    send: Send, status: int, body: bytes, headers: list[tuple[bytes, bytes]]
+) -> None:
+    start: dict[str, Any] = {
+        "type": "http.response.start",
+        "status": status,
+        "headers": [
+            (b"content-type", b"application/json"),
+            (b"content-length", str(len(body)).encode()),
+            *headers,
+        ],
+    }
+    await send(start)
+    await send({"type": "http.response.body", "body": body})

@@ -1,0 +1,65 @@
+// What this browser works on: kept by the server, changed one step at a time, undone and redone.
+
+import { get, patch, post } from "./api.js";
+import { attempt, tell } from "./notice.js";
+
+let state = null;
+let queue = Promise.resolve();
+const listeners = new Set();
+
+/** Be told of every change, this page's own and others'; `why` is "own", "history" or "other". */
+export function onDraft(listener) {
+  listeners.add(listener);
+  if (state) listener(state.draft, "other");
+}
+
+function settle(next, why) {
+  state = next;
+  for (const listener of listeners) listener(state.draft, why);
+  return state;
+}
+
+export const draftState = () => state;
+export const draft = () => state?.draft ?? null;
+
+export const loadDraft = async () => settle(await get("/api/draft"), "other");
+
+/** Change the draft; changes wait for one another, so that each knows the last revision. */
+export function change(what, label, { merge = false } = {}) {
+  const done = queue.then(async () => {
+    if (!state) await loadDraft();
+    try {
+      const body = { change: what, label: label.slice(0, 120), revision: state.revision, merge };
+      return settle(await patch("/api/draft", body), "own");
+    } catch (error) {
+      if (error.status === 409) {
+        await loadDraft();
+        throw new Error("another tab changed this meanwhile: it is shown now, please repeat the change");
+      }
+      throw error;
+    }
+  });
+  queue = done.catch(() => null);
+  return done;
+}
+
+/** Undo or redo the last step. */
+export function history(step, box) {
+  const label = step === "undo" ? state?.undo : state?.redo;
+  if (label === null || label === undefined) return;
+  const done = queue.then(() =>
+    attempt(box, async () => {
+      settle(await post(`/api/draft/${step}`), "history");
+      tell(`${step === "undo" ? "Undone" : "Redone"}: ${label}`);
+      dispatchEvent(new CustomEvent("surae:changed", { detail: { what: "all" } }));
+    }),
+  );
+  queue = done.catch(() => null);
+}
+
+/** Another tab of this browser, or another device, may have changed it. */
+export async function heard(revision) {
+  await queue;
+  if (!state || state.revision === revision) return;
+  await loadDraft();
+}

@@ -1,0 +1,46 @@
+// The project's events: one stream per page keeps every list fresh.
+
+import { heard } from "./draft.js";
+
+let source = null;
+
+/** Listen while the page is seen: a browser allows few connections, hidden tabs need none. */
+export function listen() {
+  document.addEventListener("visibilitychange", () => {
+    if (document.hidden) close();
+    else open(true);
+  });
+  addEventListener("pagehide", close);
+  open(false);
+}
+
+function close() {
+  source?.close();
+  source = null;
+}
+
+function open(missed) {
+  if (source) return;
+  source = new EventSource("/api/events");
+  source.addEventListener("open", () => {
+    if (missed) announce("changed", { what: "all" });
+    missed = false;
+  });
+  source.addEventListener("error", () => {
+    missed = true; // The browser tries again by itself, also after a restart of the server.
+  });
+  source.addEventListener("job", (event) => announce("job", JSON.parse(event.data)));
+  source.addEventListener("changed", (event) => announce("changed", JSON.parse(event.data)));
+  source.addEventListener("draft", (event) => heard(JSON.parse(event.data).revision).catch(() => null));
+}
+
+const announce = (name, detail) => dispatchEvent(new CustomEvent(`surae:${name}`, { detail }));
+
+/** Call `work` when one of these kinds of things changed, or may have. */
+export function onChanged(kinds, work) {
+  addEventListener("surae:changed", ({ detail }) => {
+    if (detail.what === "all" || kinds.includes(detail.what)) work();
+  });
+}
+
+export const onJob = (work) => addEventListener("surae:job", ({ detail }) => work(detail));

@@ -1,0 +1,104 @@
+// Numbers as text: sensible digits, powers of ten in print style, a unit at every number.
+
+export const NONE = "—";
+const SUPERSCRIPT = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
+
+/** A number with so many significant digits; true minus sign. */
+export function number(value, digits = 4) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return NONE;
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e5 || size < 1e-4) {
+    const [mantissa, power] = value.toExponential(Math.max(digits - 1, 0)).split("e");
+    return `${minus(mantissa)}·10${[...String(Number(power))].map((c) => SUPERSCRIPT[c]).join("")}`;
+  }
+  const rounded = Number(value.toPrecision(Math.max(digits, 1)));
+  const decimals = Math.max(0, digits - 1 - Math.floor(Math.log10(size)));
+  return minus(rounded.toFixed(Math.min(decimals, 9)));
+}
+
+const minus = (text) => text.replace("-", "−");
+
+/** A number with its unit; "-" means that it has none. */
+export function quantity(value, unit, digits = 4) {
+  const text = number(value, digits);
+  return text === NONE || !unit || unit === "-" || unit === "1" ? text : `${text} ${unitText(unit)}`;
+}
+
+export const unitText = (unit) =>
+  !unit || unit === "-" || unit === "1" ? "" : unit.replace(/\b([a-zA-Z]+)(\d)$/, (_, u, d) => u + SUPERSCRIPT[d]).replace("uV", "µV").replace(/^deg/, "°");
+
+/** An estimate to the second digit of its standard error, as the reports write it. */
+export function estimate(value, sem) {
+  if (value === null || value === undefined) return NONE;
+  if (!sem || !Number.isFinite(sem) || sem <= 0 || value === 0) return number(value, 4);
+  const digits = Math.floor(Math.log10(Math.abs(value))) - Math.floor(Math.log10(sem)) + 2;
+  return number(value, Math.min(Math.max(digits, 2), 6));
+}
+
+export function interval(range, sem, value) {
+  if (!range || range[0] === null || range[1] === null) return NONE;
+  const scale = value ?? range[1];
+  return `${estimate(range[0], sem ?? scale / 100)} … ${estimate(range[1], sem ?? scale / 100)}`;
+}
+
+export const percent = (value, digits = 3) =>
+  value === null || value === undefined ? NONE : `${number(value, digits)} %`;
+
+/** A VAF never rounds up to a perfect 100. */
+export function vaf(value) {
+  if (value === null || value === undefined) return NONE;
+  return value > 99.9 ? `${minus((Math.floor(value * 1000) / 1000).toFixed(3))} %` : `${minus(value.toFixed(1))} %`;
+}
+
+export const seconds = (value) =>
+  value === null || value === undefined ? NONE : value < 60 ? `${minus(value.toFixed(value < 10 ? 2 : 1))} s` : `${Math.floor(value / 60)} min ${Math.round(value % 60)} s`;
+
+export const span = (start, end) => `${minus(start.toFixed(2))} to ${minus(end.toFixed(2))} s`;
+
+export function when(iso) {
+  const date = new Date(iso);
+  return Number.isNaN(date.getTime())
+    ? NONE
+    : date.toLocaleString(undefined, { year: "numeric", month: "short", day: "numeric", hour: "2-digit", minute: "2-digit" });
+}
+
+/** A rate of samples, without zeros that say nothing. */
+export const rate = (hz) => (hz ? `${Number(hz.toPrecision(5))} Hz` : NONE);
+
+export const bytes = (n) => (n < 1e6 ? `${number(n / 1e3, 3)} kB` : `${number(n / 1e6, 3)} MB`);
+
+const ROLES = {
+  angle: "Angle",
+  torque: "Torque",
+  emg_ta: "EMG tibialis anterior",
+  emg_gl: "EMG gastrocnemius lateralis",
+  emg_sol: "EMG soleus",
+  emg_gm: "EMG gastrocnemius medialis",
+  angular_velocity: "Angular velocity",
+  angular_acceleration: "Angular acceleration",
+  velocity: "Angular velocity",
+  acceleration: "Angular acceleration",
+};
+export const roleText = (role) => ROLES[role] ?? role;
+export const EMG = ["emg_ta", "emg_gl", "emg_sol", "emg_gm"];
+export const EMG_SHORT = ["TA", "GL", "SOL", "GM"];
+
+const VERDICTS = { identified: "identified", weak: "weak", "at-bound": "at bound", fixed: "fixed" };
+export const verdictText = (verdict) => VERDICTS[verdict] ?? verdict;
+
+/** A range of values as it is shown to the eye. */
+export function shownRange(low, high, unit) {
+  const { factor, unit: text } = shownAs(unit, Math.max(Math.abs(low), Math.abs(high)));
+  return `${number(low * factor, 3)} … ${number(high * factor, 3)} ${text}`;
+}
+
+/** How a signal is shown: factor and unit for the eye (degrees, µV or mV). */
+export function shownAs(unit, largest = 0) {
+  if (unit === "rad") return { factor: 180 / Math.PI, unit: "°" };
+  if (unit === "rad/s") return { factor: 180 / Math.PI, unit: "°/s" };
+  if (unit === "rad/s2" || unit === "rad/s²") return { factor: 180 / Math.PI, unit: "°/s²" };
+  if (unit === "V" && largest < 1e-3) return { factor: 1e6, unit: "µV" };
+  if (unit === "V" && largest < 1) return { factor: 1e3, unit: "mV" };
+  return { factor: 1, unit: unitText(unit) };
+}

@@ -1,0 +1,71 @@
+// All subjects in one table.
+
+import { download, get, query } from "../core/api.js";
+import { byId, h, replace } from "../core/dom.js";
+import { onChanged } from "../core/events.js";
+import { NONE, estimate, number, percent, unitText, vaf } from "../core/format.js";
+import { attempt } from "../core/notice.js";
+import { latest } from "../core/pace.js";
+import { status, verdict } from "../ui/marks.js";
+import { sortable } from "../ui/table.js";
+
+const box = byId("error");
+const asked = () => query({ model: byId("model").value, which: byId("which").value });
+
+const show = latest(async () => {
+  const told = await attempt(box, () => get(`/api/cohort${asked()}`));
+  if (!told) return;
+  sessionStorage.setItem("surae.cohort", JSON.stringify([byId("model").value, byId("which").value]));
+  byId("export").disabled = told.rows.length === 0;
+  if (!told.rows.length) {
+    replace(byId("table"), h("div", { class: "empty" }, h("p", {}, h("strong", {}, "No fits of this model yet."), " Fit recordings, and give them a subject on the Project page.")));
+    return;
+  }
+  const table = sortable(`${told.rows.length} ${told.rows.length === 1 ? "fit" : "fits"}. ▲ and ▼ lie above and below the healthy range.`, columns(told));
+  table.update(told.rows);
+  replace(byId("table"), table.element);
+});
+
+function columns({ columns: parameters, normal }) {
+  return [
+    { title: "Subject", value: (r) => r.subject, show: (r) => h("a", { href: `/fits/${r.fit}` }, r.subject ?? (r.recordings.join(", ") || "fit")) },
+    { title: "Group", value: (r) => r.group, show: (r) => r.group || NONE },
+    { title: "Side", value: (r) => r.side, show: (r) => r.side ?? NONE },
+    { title: "Trial", value: (r) => r.trial, show: (r) => [r.trial, r.condition].filter(Boolean).join(", ") || NONE },
+    { title: "Status", value: (r) => r.status, show: (r) => status(r.status) },
+    { title: "VAF", numeric: true, value: (r) => r.vaf, show: (r) => vaf(r.vaf) },
+    { title: "IPDE", numeric: true, value: (r) => r.ipde, show: (r) => percent(r.ipde) },
+    ...parameters.map((p) => ({
+      title: unitText(p.unit) ? `${p.name} [${unitText(p.unit)}]` : p.name,
+      numeric: true,
+      value: (r) => r.parameters[p.name]?.value ?? null,
+      show: (r) => cell(p, r.parameters[p.name], normal[p.name]?.healthy ?? normal[p.name]),
+    })),
+  ];
+}
+
+function cell(p, one, healthy) {
+  if (!one || one.value === null) return NONE;
+  const range = Array.isArray(healthy) ? healthy : null;
+  const place = range && one.value < range[0] ? "▼ " : range && one.value > range[1] ? "▲ " : "";
+  const told = place && `${place === "▲ " ? "above" : "below"} the healthy range ${number(range[0], 3)} … ${number(range[1], 3)}`;
+  return [
+    place && h("span", { title: told, role: "img", "aria-label": told }, place),
+    estimate(one.value, one.sem),
+    h("div", { class: "small" }, one.sem ? `± ${number(one.sem, 2)} ` : "", one.verdict !== "identified" && verdict(one.verdict)),
+  ];
+}
+
+byId("model").addEventListener("change", show);
+byId("which").addEventListener("change", show);
+byId("export").addEventListener("click", () => attempt(box, () => download(`/api/cohort.csv${asked()}`, "cohort.csv"), byId("export")));
+onChanged(["fits", "subjects", "recordings"], show);
+
+attempt(box, async () => {
+  const { models } = await get("/api/models");
+  replace(byId("model"), models.map((one) => h("option", { value: one.name }, one.title)));
+  const [model, which] = JSON.parse(sessionStorage.getItem("surae.cohort") ?? "[null, null]");
+  if (models.some((one) => one.name === model)) byId("model").value = model;
+  if (which) byId("which").value = which;
+  await show();
+});

@@ -1,0 +1,233 @@
+// The bench: recordings, model, sliders, and the fit as it converges.
+
+import { get, post } from "../core/api.js";
+import { byId, h, replace } from "../core/dom.js";
+import { change, draft, onDraft } from "../core/draft.js";
+import { onChanged } from "../core/events.js";
+import { number, seconds, vaf } from "../core/format.js";
+import { attempt, calm, complain } from "../core/notice.js";
+import { latest, perFrame } from "../core/pace.js";
+import { torquePlot } from "../plot/torque.js";
+import { demoButton } from "../ui/demo.js";
+import { active, cancel, follow } from "../ui/jobs.js";
+import { parameterTable } from "../ui/parameters.js";
+import { settingsForm } from "../ui/settings.js";
+
+const box = { page: byId("error"), fit: byId("fit-error"), parameters: byId("parameters-error") };
+let models = null;
+let recordings = [];
+let job = null;
+let shown = null; // which recording is drawn
+
+const plot = torquePlot();
+replace(byId("plot"), plot.element);
+const table = parameterTable({
+  slide: (name, value) => live({ [name]: value }),
+  settle: (name, value) => store({ sliders: { [name]: value } }, `slide ${name}`, true),
+  set: (name, told, label) => store({ parameters: { [name]: told } }, label),
+});
+replace(byId("parameters"), table.element);
+
+const store = (what, label, merge = false) => attempt(box.parameters, () => change(what, label, { merge }));
+
+// --- the modelled torque at the sliders
+
+let slid = {};
+const draw = latest(async () => {
+  if (job || !shown) return;
+  try {
+    const seen = await post("/api/live", { recording: shown, values: slid, points: 1000 });
+    if (job) return;
+    plot.show(seen.t, seen.measured, seen.modelled);
+    byId("live-figures").textContent = [
+      seen.vaf === null ? "" : `VAF ${vaf(seen.vaf)}`,
+      seen.rmse === null ? "" : `RMSE ${number(seen.rmse, 3)} Nm`,
+    ].filter(Boolean).join(" · ");
+    calm(box.parameters);
+  } catch (error) {
+    complain(box.parameters, error);
+  }
+});
+
+function live(values) {
+  slid = { ...slid, ...values };
+  draw();
+}
+
+// --- what is fitted
+
+function showRecordings() {
+  const chosen = draft().recordings;
+  replace(
+    byId("recordings"),
+    h(
+      "ul",
+      { class: "list" },
+      recordings.map((one) =>
+        h(
+          "li",
+          {},
+          h("label", { class: "check" }, h("input", { type: "checkbox", checked: chosen.includes(one.id), "data-focus": one.id, on: { change: (event) => choose(one, event.target.checked) } }), one.name),
+          h("a", { href: `/recordings/${one.id}`, class: "small", "aria-label": `Look at ${one.name}` }, "Look"),
+          h("span", { class: "muted small" }, [seconds(one.duration_s), excludedText(one.id)].filter(Boolean).join(" · ")),
+        ),
+      ),
+    ),
+  );
+  const known = chosen.filter((id) => recordings.some((one) => one.id === id));
+  shown = known.includes(shown) ? shown : (known[0] ?? null);
+  byId("which-field").hidden = known.length < 2;
+  replace(byId("which"), known.map((id) => h("option", { value: id }, recordings.find((one) => one.id === id).name)));
+  byId("which").value = shown ?? "";
+}
+
+function excludedText(id) {
+  const spans = draft().exclusions[id] ?? [];
+  return spans.length ? `${number(spans.reduce((sum, [a, b]) => sum + b - a, 0), 3)} s left out` : "";
+}
+
+function choose(recording, wanted) {
+  const others = draft().recordings.filter((id) => id !== recording.id);
+  store({ recordings: wanted ? [...others, recording.id] : others }, `${wanted ? "fit" : "leave out"} ${recording.name}`);
+}
+
+const showTable = latest(async () => {
+  const told = await attempt(box.parameters, () => get("/api/draft/parameters"));
+  if (!told) return;
+  table.update(told.parameters);
+  const chosen = draft().recordings.length > 0;
+  byId("plot").hidden = !chosen;
+  if (told.problem && chosen) complain(box.fit, told.problem);
+  else calm(box.fit);
+  if (!job) byId("live-figures").textContent = chosen ? "" : "Choose a recording above.";
+  byId("start").disabled = Boolean(told.problem) || job !== null;
+  slid = {};
+  draw();
+});
+
+function showDraft() {
+  if (!models) return;
+  showRecordings();
+  settingsForm(byId("settings"), byId("more-settings"), models, draft(), (what, label) => store(what, label));
+  showTable();
+}
+
+// --- the fit
+
+const PHASES = { reading: "Reading", preparing: "Preparing the signals", compiling: "Compiling the model (only once)", fitting: "Fitting", assessing: "Working out the uncertainty" };
+let phase = "";
+let reached = {};
+
+const progress = perFrame((told) => {
+  if (!job) return;
+  if (told.starts) byId("progress").value = Math.min((told.start ?? 0) / told.starts, 1);
+  byId("job-line").textContent = [
+    PHASES[told.phase] ?? told.phase,
+    told.start && `start ${told.start} of ${told.starts}`,
+    told.iteration !== undefined && told.iteration !== null && `iteration ${told.iteration}`,
+    told.vaf !== undefined && told.vaf !== null && `VAF ${vaf(told.vaf)}`,
+  ].filter(Boolean).join(" · ");
+  if (told.phase !== phase) {
+    phase = told.phase;
+    byId("job-said").textContent = `${PHASES[phase] ?? phase} …`;
+  }
+  const trace = told.traces?.find((one) => one.recording === shown) ?? told.traces?.[0];
+  if (trace?.modelled) {
+    plot.show(trace.t, trace.measured, trace.modelled);
+    byId("live-figures").textContent = told.vaf === null || told.vaf === undefined ? "" : `VAF ${vaf(told.vaf)}`;
+  }
+  if (told.values) {
+    reached = told.values;
+    table.move(told.values);
+  }
+});
+
+function watch(found) {
+  job = found;
+  phase = "";
+  reached = {};
+  byId("job").hidden = false;
+  byId("cancel").hidden = false;
+  byId("cancel").disabled = false;
+  byId("start").disabled = true;
+  byId("progress").removeAttribute("value");
+  table.lock(true);
+  byId("job-said").className = "sr"; // said aloud; seen above the plot
+  follow(found.id, {
+    state: (now) => {
+      byId("job-line").textContent = now.state === "queued" ? `Waiting, ${now.position ?? 1} in line` : now.message || "Started";
+      if (now.progress) progress(now.progress);
+    },
+    progress,
+    end: finish,
+  });
+}
+
+function finish(ended) {
+  job = null;
+  byId("job").hidden = true;
+  byId("cancel").hidden = true;
+  byId("start").disabled = false;
+  table.lock(false);
+  const said = byId("job-said");
+  said.className = "";
+  if (ended.state === "failed") {
+    said.textContent = "";
+    complain(box.fit, ended.message);
+  } else {
+    const words = { done: "The fit is done.", cancelled: ended.result ? "Stopped; the best so far is kept." : "Stopped before there was anything to keep.", interrupted: "The server was stopped during the fit." };
+    replace(said, `${words[ended.state]} `, ended.result && h("a", { href: `/fits/${ended.result}`, class: "button small primary", id: "open-result" }, "Open the result"));
+    if (ended.state === "interrupted") byId("job-said").append(" Choose Fit to do it again.");
+  }
+  if (ended.result) live(reached);
+  else showTable();
+}
+
+byId("start").addEventListener("click", () =>
+  attempt(box.fit, async () => {
+    byId("job-said").textContent = "";
+    watch(await post("/api/fits", { name: null, draft: null }));
+  }),
+);
+byId("cancel").addEventListener("click", () => job && attempt(box.fit, () => cancel(job.id), byId("cancel")));
+byId("which").addEventListener("change", () => {
+  shown = byId("which").value;
+  draw();
+});
+byId("centre").addEventListener("click", () => store({ sliders: Object.fromEntries(Object.keys(draft().sliders).map((name) => [name, null])) }, "reset the sliders"));
+byId("defaults").addEventListener("click", () =>
+  store(
+    {
+      parameters: Object.fromEntries(Object.keys(draft().parameters).map((name) => [name, null])),
+      sliders: Object.fromEntries(Object.keys(draft().sliders).map((name) => [name, null])),
+    },
+    "defaults for all parameters",
+  ),
+);
+byId("adopt").addEventListener("click", () => {
+  const now = draft();
+  const told = Object.fromEntries(Object.entries(now.sliders).map(([name, value]) => [name, { ...now.parameters[name], value }]));
+  if (Object.keys(told).length) store({ parameters: told }, "start from the sliders");
+});
+
+async function refresh() {
+  recordings = (await get("/api/recordings")).recordings;
+  byId("bench").hidden = recordings.length === 0;
+  byId("empty").hidden = recordings.length > 0;
+  if (!recordings.length) {
+    replace(
+      byId("empty"),
+      h("div", { class: "empty" }, h("p", {}, h("strong", {}, "No recordings yet."), " A fit needs one."), h("div", { class: "button-row" }, h("a", { class: "button primary", href: "/import" }, "Import a file"), demoButton(box.page))),
+    );
+  }
+  if (draft()) showDraft();
+}
+
+onChanged(["recordings"], () => attempt(box.page, refresh));
+attempt(box.page, async () => {
+  models = await get("/api/models");
+  await refresh();
+  onDraft(showDraft);
+  const mine = (await active("fit")).find((one) => one.mine);
+  if (mine) watch(mine);
+});

@@ -1,0 +1,230 @@
+// From files to a recording: drop, confirm, import.
+
+import { get, post, query, remove, upload } from "../core/api.js";
+import { button, byId, h, replace, select } from "../core/dom.js";
+import { onChanged } from "../core/events.js";
+import { bytes, rate, roleText, seconds, shownRange } from "../core/format.js";
+import { attempt, calm, complain, tell } from "../core/notice.js";
+import { latest, settled } from "../core/pace.js";
+import { editSubject } from "../ui/subjects.js";
+import { findingsTable } from "../ui/findings.js";
+import { emptyMapping, mappingTable } from "../ui/mapping.js";
+
+const box = { upload: byId("upload-error"), inspect: byId("inspect-error"), mapping: byId("mapping-error") };
+const KEPT = "surae.import";
+
+let uploads = [];
+let included = new Set();
+const inspected = new Map();
+let mapping = emptyMapping();
+let units = { roles: [], units: {} };
+
+// What was chosen survives a reload, in this tab only.
+const keep = () => {
+  const told = ["subject", "trial", "condition"].map((id) => [id, byId(id).value]);
+  sessionStorage.setItem(KEPT, JSON.stringify({ included: [...included], mapping, told }));
+};
+const kept = () => JSON.parse(sessionStorage.getItem(KEPT) ?? "null");
+
+async function receive(files) {
+  calm(box.upload);
+  const arrived = [];
+  for (const file of files) {
+    byId("upload-progress").textContent = `Reading ${file.name} (${bytes(file.size)}) …`;
+    try {
+      arrived.push(await upload(`/api/uploads${query({ name: file.name })}`, file));
+    } catch (error) {
+      complain(box.upload, error);
+    }
+  }
+  byId("upload-progress").textContent = arrived.length ? `${arrived.map((one) => one.name).join(", ")} received.` : "";
+  if (!arrived.length) return;
+  await listUploads();
+  included = new Set(arrived.map((one) => one.id));
+  await inspect();
+}
+
+async function listUploads() {
+  uploads = (await get("/api/uploads")).uploads;
+  included = new Set([...included].filter((id) => uploads.some((one) => one.id === id)));
+  showUploads();
+}
+
+function showUploads() {
+  byId("uploads-card").hidden = uploads.length === 0;
+  replace(
+    byId("uploads"),
+    uploads.map((one) =>
+      h(
+        "li",
+        {},
+        h(
+          "label",
+          { class: "check" },
+          h("input", { type: "checkbox", checked: included.has(one.id), "data-focus": one.id, on: { change: (event) => include(one.id, event.target.checked) } }),
+          `${one.name} (${bytes(one.bytes)}${inspected.has(one.id) ? `, ${inspected.get(one.id).format}` : ""})`,
+        ),
+        button("Remove", () => discard(one), { class: "small", "aria-label": `Remove ${one.name}` }),
+      ),
+    ),
+  );
+}
+
+function include(id, wanted) {
+  if (wanted) included.add(id);
+  else included.delete(id);
+  inspect();
+}
+
+async function discard(one) {
+  await attempt(box.inspect, async () => {
+    await remove(`/api/uploads/${one.id}`);
+    await listUploads();
+    await inspect();
+  });
+}
+
+/** Look into the files that are chosen; several files make one mapping between them. */
+async function inspect(given = null) {
+  calm(box.inspect);
+  byId("inspect-error").hidden = true;
+  const read = [];
+  for (const id of included) {
+    if (!inspected.has(id)) {
+      byId("upload-progress").textContent = "Looking into the file …";
+      try {
+        inspected.set(id, await get(`/api/uploads/${id}/inspect`));
+      } catch (error) {
+        complain(box.inspect, error);
+        continue;
+      }
+    }
+    read.push(inspected.get(id));
+  }
+  byId("upload-progress").textContent = "";
+  showUploads();
+  const notes = read.flatMap((one) => one.notes);
+  byId("notes").hidden = notes.length === 0;
+  replace(byId("notes"), notes.map((line) => h("li", {}, line)));
+  byId("mapping-card").hidden = read.length === 0;
+  if (!read.length) return keep();
+  mapping = given ?? joined(read);
+  await showMapping();
+  check();
+}
+
+/** One mapping from those that were guessed file by file; the first to know a role wins. */
+function joined(read) {
+  const made = { ...emptyMapping(), ...read[0].mapping, channels: {} };
+  for (const one of read) {
+    for (const [role, channel] of Object.entries(one.mapping.channels ?? {})) made.channels[role] ??= channel;
+    made.emg = read.length > 1 && one.mapping.emg === "envelope" ? "envelope" : made.emg;
+    made.side ??= one.mapping.side ?? null;
+  }
+  return made;
+}
+
+async function showMapping() {
+  const files = [...inspected.values()].filter((one) => included.has(one.id) || uses(one.id));
+  replace(byId("mapping"), mappingTable(mapping, files, units, changed));
+  byId("name").value = mapping.name ?? "";
+  byId("emg").value = mapping.emg ?? "raw";
+  byId("side").value = mapping.side ?? "";
+}
+
+const uses = (id) => Object.values(mapping.channels).some((channel) => channel.upload === id);
+
+const changed = (redraw = true) => {
+  if (redraw) showMapping();
+  check();
+};
+
+function body() {
+  mapping.name = byId("name").value.trim();
+  mapping.emg = byId("emg").value;
+  mapping.side = byId("side").value || null;
+  const person = byId("subject").value;
+  return {
+    mapping,
+    subject: person && person !== "new" ? person : null,
+    trial: byId("trial").value.trim() || null,
+    condition: byId("condition").value.trim() || null,
+  };
+}
+
+const preview = latest(async () => {
+  const asked = body();
+  keep();
+  calm(box.mapping);
+  try {
+    const seen = await post("/api/imports/preview", asked);
+    replace(
+      byId("preview"),
+      h("h3", {}, `As it will be imported: ${seconds(seen.duration_s)}`),
+      h(
+        "p",
+        { class: "muted small" },
+        seen.channels.map((c) => `${roleText(c.role)} ${shownRange(c.low, c.high, c.unit)} at ${rate(c.rate_hz)}`).join(" · "),
+      ),
+      findingsTable(seen.findings, null),
+    );
+  } catch (error) {
+    replace(byId("preview"));
+    complain(box.mapping, error);
+  }
+});
+const check = settled(() => byId("mapping-card").hidden || preview(), 350);
+
+async function listSubjects(chosen = byId("subject").value) {
+  const { subjects } = await get("/api/subjects");
+  const made = select({}, [["", "none"], ...subjects.map((one) => [one.id, one.code]), ["new", "New subject …"]], chosen);
+  byId("subject").replaceChildren(...made.children);
+  byId("subject").value = subjects.some((one) => one.id === chosen) ? chosen : "";
+}
+
+byId("subject").addEventListener("change", async () => {
+  if (byId("subject").value !== "new") return keep();
+  byId("subject").value = "";
+  const told = await editSubject();
+  if (told) await attempt(box.mapping, async () => listSubjects((await post("/api/subjects", told)).id));
+  return keep();
+});
+
+byId("mapping-card").addEventListener("submit", async (event) => {
+  event.preventDefault();
+  const made = await attempt(box.mapping, () => post("/api/imports", body()), byId("import"));
+  if (!made) return;
+  sessionStorage.removeItem(KEPT);
+  tell(`Imported ${made.name}`);
+  location.href = `/recordings/${made.id}`;
+});
+byId("check").addEventListener("click", () => preview());
+for (const id of ["name", "emg", "side", "trial", "condition"]) byId(id).addEventListener("change", () => check());
+byId("files").addEventListener("change", async (event) => {
+  await receive([...event.target.files]);
+  event.target.value = "";
+});
+
+const drop = byId("drop");
+for (const name of ["dragenter", "dragover"]) {
+  addEventListener(name, (event) => {
+    event.preventDefault();
+    drop.classList.add("over");
+  });
+}
+addEventListener("dragleave", (event) => event.relatedTarget || drop.classList.remove("over"));
+addEventListener("drop", (event) => {
+  event.preventDefault();
+  drop.classList.remove("over");
+  receive([...event.dataTransfer.files]);
+});
+onChanged(["subjects"], () => attempt(box.mapping, () => listSubjects()));
+
+attempt(box.upload, async () => {
+  const before = kept();
+  [units] = await Promise.all([get("/api/units"), listSubjects(), listUploads()]);
+  if (!uploads.length) return;
+  included = new Set((before?.included ?? [uploads[uploads.length - 1].id]).filter((id) => uploads.some((one) => one.id === id)));
+  for (const [id, value] of before?.told ?? []) byId(id).value = value;
+  await inspect(included.size && before ? before.mapping : null);
+});

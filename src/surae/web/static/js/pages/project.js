@@ -1,0 +1,156 @@
+// The project: what there is, what runs, and who.
+
+import { get, patch, post, remove } from "../core/api.js";
+import { button, byId, h, replace, select } from "../core/dom.js";
+import { change } from "../core/draft.js";
+import { onChanged, onJob } from "../core/events.js";
+import { quantity, seconds, vaf, when } from "../core/format.js";
+import { attempt, tell } from "../core/notice.js";
+import { demoButton } from "../ui/demo.js";
+import { cancel, ended } from "../ui/jobs.js";
+import { mark, status } from "../ui/marks.js";
+import { editSubject } from "../ui/subjects.js";
+import { sortable } from "../ui/table.js";
+
+const boxes = Object.fromEntries(["recordings", "fits", "subjects", "running"].map((k) => [k, byId(`${k}-error`)]));
+let people = [];
+const code = (id) => people.find((one) => one.id === id)?.code ?? null;
+
+function subjectOf(recording) {
+  const options = [["", "none"], ...people.map((one) => [one.id, one.code])];
+  const knob = select({ "aria-label": `Subject of ${recording.name}`, "data-focus": `subject-${recording.id}` }, options, recording.subject ?? "");
+  knob.addEventListener("change", () =>
+    attempt(boxes.recordings, () => patch(`/api/recordings/${recording.id}`, { subject: knob.value || null })),
+  );
+  return knob;
+}
+
+async function useForFit(recording) {
+  await attempt(boxes.recordings, async () => {
+    await change({ recordings: [recording.id] }, `fit ${recording.name}`);
+    location.href = "/fit";
+  });
+}
+
+const drop = (kind, thing, label) =>
+  button(
+    "Delete",
+    () =>
+      attempt(boxes[kind], async () => {
+        await remove(`/api/${kind}/${thing.id}`);
+        tell(`Deleted ${label}. Undo brings it back.`);
+        await refresh();
+      }),
+    { class: "small danger", "aria-label": `Delete ${label}` },
+  );
+
+const recordingsTable = sortable("All recordings of the project", [
+  { title: "Recording", value: (r) => r.name, show: (r) => h("a", { href: `/recordings/${r.id}` }, r.name) },
+  { title: "Subject", value: (r) => code(r.subject), show: subjectOf },
+  { title: "Side", value: (r) => r.side, show: (r) => r.side ?? "—" },
+  { title: "Trial", value: (r) => r.trial, show: (r) => [r.trial, r.condition].filter(Boolean).join(", ") || "—" },
+  { title: "Length", numeric: true, value: (r) => r.duration_s, show: (r) => seconds(r.duration_s) },
+  { title: "Fits", numeric: true, value: (r) => r.fits, show: (r) => String(r.fits) },
+  { title: "Imported", value: (r) => r.created, show: (r) => when(r.created) },
+  {
+    title: "",
+    show: (r) =>
+      h("div", { class: "button-row" }, button("Fit", () => useForFit(r), { class: "small", "aria-label": `Fit ${r.name}` }), drop("recordings", r, r.name)),
+  },
+]);
+
+const fitsTable = sortable("All fits of the project", [
+  { title: "Fit", value: (f) => f.name, show: (f) => h("a", { href: `/fits/${f.id}` }, f.name) },
+  { title: "Model", value: (f) => f.model, show: (f) => f.model },
+  { title: "Subject", value: (f) => code(f.subject), show: (f) => code(f.subject) ?? "—" },
+  { title: "Status", value: (f) => f.status, show: (f) => status(f.status) },
+  { title: "VAF", numeric: true, value: (f) => f.vaf, show: (f) => vaf(f.vaf) },
+  { title: "Made", value: (f) => f.created, show: (f) => when(f.created) },
+  { title: "", show: (f) => drop("fits", f, f.name) },
+]);
+
+const subjectsTable = sortable("All subjects of the project", [
+  { title: "Code", value: (p) => p.code, show: (p) => p.code },
+  { title: "Group", value: (p) => p.group, show: (p) => p.group || "—" },
+  { title: "Body mass", numeric: true, value: (p) => p.body_mass, show: (p) => quantity(p.body_mass, "kg", 3) },
+  { title: "Recordings", numeric: true, value: (p) => p.recordings, show: (p) => String(p.recordings) },
+  { title: "Fits", numeric: true, value: (p) => p.fits, show: (p) => String(p.fits) },
+  { title: "Notes", value: (p) => p.notes, show: (p) => p.notes || "—" },
+  {
+    title: "",
+    show: (p) =>
+      h(
+        "div",
+        { class: "button-row" },
+        button("Edit", () => edit(p), { class: "small", "aria-label": `Edit ${p.code}` }),
+        drop("subjects", p, p.code),
+      ),
+  },
+]);
+
+async function edit(person) {
+  const told = await editSubject(person);
+  if (!told) return;
+  await attempt(boxes.subjects, async () => {
+    if (person) await patch(`/api/subjects/${person.id}`, told);
+    else await post("/api/subjects", told);
+    await refresh();
+  });
+}
+
+const nothing = {
+  recordings: () =>
+    h(
+      "div",
+      { class: "empty" },
+      h("p", {}, h("strong", {}, "No recordings yet."), " Import a file with angle, torque and EMG, or look around with a made-up leg."),
+      h("div", { class: "button-row" }, h("a", { class: "button primary", href: "/import" }, "Import a file"), demoButton(boxes.recordings)),
+    ),
+  fits: () => h("div", { class: "empty" }, h("p", {}, h("strong", {}, "No fits yet."), " Open a recording, check it, and choose “Fit this recording”.")),
+  subjects: () =>
+    h("div", { class: "empty" }, h("p", {}, h("strong", {}, "No subjects yet."), " Add one under a code, for example S01; names of people do not belong here.")),
+};
+
+function show(kind, table, rows) {
+  if (!rows.length) replace(byId(kind), nothing[kind]());
+  else {
+    table.update(rows);
+    if (byId(kind).firstElementChild !== table.element) replace(byId(kind), table.element);
+  }
+}
+
+async function refresh() {
+  const [subjects, recordings, fits] = await Promise.all([get("/api/subjects"), get("/api/recordings"), get("/api/fits")]);
+  people = subjects.subjects;
+  show("subjects", subjectsTable, people);
+  show("recordings", recordingsTable, recordings.recordings);
+  show("fits", fitsTable, fits.fits);
+}
+
+const jobs = new Map();
+function note(job) {
+  if (ended(job)) jobs.delete(job.id);
+  else jobs.set(job.id, job);
+  byId("running").hidden = jobs.size === 0;
+  replace(
+    byId("running-list"),
+    [...jobs.values()].map((one) =>
+      h(
+        "li",
+        {},
+        mark(one.state),
+        h("span", {}, one.label),
+        one.kind === "fit" && one.mine && h("a", { href: "/fit" }, "Watch"),
+        button("Stop", () => attempt(boxes.running, () => cancel(one.id)), { class: "small", "aria-label": `Stop ${one.label}` }),
+      ),
+    ),
+  );
+}
+
+byId("add-subject").addEventListener("click", () => edit(null));
+onChanged(["recordings", "fits", "subjects"], () => attempt(boxes.recordings, refresh));
+onJob(note);
+attempt(boxes.recordings, async () => {
+  await refresh();
+  (await get("/api/jobs?active=true")).jobs.forEach(note);
+});

@@ -1,0 +1,183 @@
+// The protocol designer: every change is previewed at once.
+
+import { download, get, post, remove } from "../core/api.js";
+import { button, byId, field, h, replace, scroll } from "../core/dom.js";
+import { onChanged } from "../core/events.js";
+import { EMG_SHORT, number, percent, quantity, seconds, when } from "../core/format.js";
+import { attempt, calm, complain, tell } from "../core/notice.js";
+import { latest, settled } from "../core/pace.js";
+import { onTheme } from "../plot/colours.js";
+import { density } from "../plot/heat.js";
+import { lines } from "../plot/lines.js";
+import { ask } from "../ui/dialog.js";
+import { verdict } from "../ui/marks.js";
+import { sortable } from "../ui/table.js";
+
+const KEPT = "surae.protocol";
+const NUMBERS = ["chirp_amplitude", "chirp_rate", "rate_hz"];
+const START = { settings: { profile: "multi-sine-holds", task: "part-passive", chirp_amplitude: 0.2, chirp_rate: 0.5, range: [-0.9, 0.6], duration: null, rate_hz: 125, device: null, adapt: true }, model: "muscle", population: "healthy", noise: 0.05 };
+const box = byId("error");
+let choices = null;
+
+const plots = [
+  lines({ title: "Angle, dorsiflexion positive", unit: "°", height: 170, series: [{ label: "angle", colour: "series-1" }] }, { sync: "protocol", bottom: false }),
+  lines({ title: "Angular velocity", unit: "°/s", height: 120, series: [{ label: "velocity", colour: "series-1" }] }, { sync: "protocol", bottom: false }),
+  lines({ title: "Effort asked for", unit: "%", height: 130, series: EMG_SHORT.map((label, i) => ({ label, colour: ["series-2", "series-1", "series-5", "series-4"][i], dash: [null, null, "dash", "dot"][i] })) }, { sync: "protocol" }),
+];
+replace(byId("plots"), plots.map((plot) => plot.element));
+onTheme(() => plots.forEach((plot) => plot.redraw()));
+
+function told() {
+  const settings = {
+    profile: byId("profile").value,
+    task: byId("task").value,
+    device: byId("device").value || null,
+    range: [Number(byId("low").value), Number(byId("high").value)],
+    duration: byId("duration").value === "" ? null : Number(byId("duration").value),
+    adapt: byId("adapt").checked,
+  };
+  for (const key of NUMBERS) settings[key] = Number(byId(key).value);
+  return { settings, model: byId("model").value, population: byId("population").value, noise: Number(byId("noise").value) };
+}
+
+function fill({ settings, model, population, noise }) {
+  for (const key of ["profile", "task", ...NUMBERS]) byId(key).value = settings[key];
+  byId("device").value = settings.device ?? "";
+  [byId("low").value, byId("high").value] = settings.range;
+  byId("duration").value = settings.duration ?? "";
+  byId("adapt").checked = settings.adapt;
+  if (model) byId("model").value = model;
+  if (population) byId("population").value = population;
+  if (noise) byId("noise").value = noise;
+}
+
+const preview = latest(async () => {
+  const asked = told();
+  localStorage.setItem(KEPT, JSON.stringify(asked));
+  for (const [id, list] of [["profile", choices.profiles], ["task", choices.tasks]]) byId(`${id}-said`).textContent = list.find((one) => one.name === byId(id).value)?.description ?? "";
+  byId("adapt").disabled = asked.settings.device === null;
+  byId("said").textContent = "Working it out …";
+  try {
+    show(await post("/api/protocols/preview", asked));
+    calm(box);
+  } catch (error) {
+    complain(box, error);
+    byId("said").textContent = "";
+  }
+});
+
+function show(seen) {
+  const degrees = 180 / Math.PI;
+  const scaled = (values, factor) => values.map((x) => x * factor);
+  plots[0].show([seen.t, scaled(seen.angle, degrees)], null);
+  plots[1].show([seen.t, scaled(seen.velocity, degrees)], null);
+  plots[2].show([seen.t, ...seen.effort.map((one) => scaled(one, 100))], null);
+  const { prediction, coverage, adaptation } = seen;
+  replace(
+    byId("adaptation"),
+    adaptation && h("ul", {}, (adaptation.steps ?? []).map((line) => h("li", {}, line)), adaptation.peak_velocity && h("li", {}, `Fastest movement ${number(adaptation.peak_velocity[0] * degrees, 3)} → ${number(adaptation.peak_velocity[1] * degrees, 3)} °/s`)),
+  );
+  const counts = (name) => prediction.parameters.filter((p) => p.verdict === name).length;
+  const entries = [
+    ["Length", seconds(seen.seconds)],
+    ["Identified", `${counts("identified")} of ${prediction.parameters.length - counts("fixed")}`],
+    ["IPDE", percent(prediction.ipde)],
+    ["Torque, RMS", `${number(prediction.torque_rms, 3)} Nm`],
+    ["Noise of the torque", `${number(prediction.noise_Nm, 2)} Nm`],
+    ["Area covered", percent(100 * coverage.share, 2)],
+  ];
+  replace(byId("figures"), entries.map(([term, text]) => h("div", {}, h("dt", {}, term), h("dd", {}, text))));
+  replace(byId("prediction"), predicted(prediction.parameters));
+  replace(
+    byId("coverage"),
+    density({ label: "Length of the triceps [optimal lengths]", edges: coverage.length_edges }, { label: "Velocity [optimal lengths/s]", edges: coverage.velocity_edges }, coverage.time_share, `Share of time over length and velocity; ${percent(100 * coverage.share, 2)} of the area is covered`),
+    h("p", { class: "muted small" }, `Darker: more time. ${percent(100 * coverage.share, 2)} of the cells are visited${coverage.outside > 0 ? `; ${percent(100 * coverage.outside, 2)} of the time lies outside` : ""}.`),
+  );
+  byId("said").textContent = `Worked out in ${number(prediction.milliseconds / 1000, 2)} s.`;
+}
+
+function predicted(parameters) {
+  const head = ["Parameter", "Value assumed", "Standard error", "Relative", "Bar", "Verdict", "Why"];
+  return scroll(
+    "Predicted uncertainty",
+    h(
+      "table",
+      {},
+      h("caption", {}, "Predicted standard errors; the bar ends at 20 %"),
+      h("thead", {}, h("tr", {}, head.map((text, i) => h("th", { scope: "col", class: i > 0 && i < 4 ? "num" : null }, text === "Bar" ? h("span", { class: "sr" }, text) : text)))),
+      h(
+        "tbody",
+        {},
+        parameters.map((p) =>
+          h(
+            "tr",
+            {},
+            h("th", { scope: "row" }, p.name),
+            h("td", { class: "num" }, quantity(p.value, p.unit, 3)),
+            h("td", { class: "num" }, quantity(p.sem, p.unit, 2)),
+            h("td", { class: "num" }, p.relative === null ? "—" : percent(100 * p.relative, 2)),
+            h("td", {}, p.relative === null ? "" : h("meter", { min: 0, max: 0.2, high: 0.1, low: 0.05, optimum: 0, value: Math.min(p.relative, 0.2), "aria-label": `Relative standard error of ${p.name}` })),
+            h("td", {}, verdict(p.verdict)),
+            h("td", { class: "why" }, p.note ?? ""),
+          ),
+        ),
+      ),
+    ),
+  );
+}
+
+const savedTable = sortable("Protocols of this project", [
+  { title: "Name", value: (p) => p.name, show: (p) => p.name },
+  { title: "Profile", value: (p) => p.settings.profile, show: (p) => p.settings.profile },
+  { title: "Chirp", value: (p) => p.settings.chirp_amplitude, show: (p) => `${number(p.settings.chirp_amplitude, 3)} rad, ${number(p.settings.chirp_rate, 3)} Hz/s` },
+  { title: "Device", value: (p) => p.settings.device, show: (p) => p.settings.device ?? "none" },
+  { title: "Saved", value: (p) => p.created, show: (p) => when(p.created) },
+  {
+    title: "",
+    show: (p) =>
+      h(
+        "div",
+        { class: "button-row" },
+        button("Open", () => { fill({ settings: p.settings }); preview(); }, { class: "small", "aria-label": `Open ${p.name}` }),
+        button("CSV", () => attempt(box, () => download(`/api/protocols/${p.id}/protocol.csv`, "protocol.csv")), { class: "small", "aria-label": `CSV of ${p.name}` }),
+        button("Delete", () => attempt(box, async () => { await remove(`/api/protocols/${p.id}`); tell(`Deleted ${p.name}. Undo brings it back.`); await showSaved(); }), { class: "small danger", "aria-label": `Delete ${p.name}` }),
+      ),
+  },
+]);
+
+async function showSaved() {
+  const { protocols } = await get("/api/protocols");
+  savedTable.update(protocols);
+  replace(byId("saved"), protocols.length ? savedTable.element : h("p", { class: "muted" }, "None yet. Save keeps a design under a name."));
+}
+
+const soon = settled(() => byId("settings").checkValidity() && preview(), 250);
+byId("settings").addEventListener("input", soon);
+byId("settings").addEventListener("submit", (event) => {
+  event.preventDefault();
+  preview();
+});
+byId("export").addEventListener("click", () => byId("settings").reportValidity() && attempt(box, () => download("/api/protocols/csv", "protocol.csv", { settings: told().settings }), byId("export")));
+byId("save").addEventListener("click", async () => {
+  if (!byId("settings").reportValidity()) return;
+  const name = h("input", { type: "text", required: true, maxlength: 120, value: byId("profile").value });
+  if (!(await ask("Save the protocol", field("Name", name), { confirm: "Save" }))) return;
+  await attempt(box, async () => {
+    await post("/api/protocols", { name: name.value.trim(), settings: told().settings });
+    await showSaved();
+  });
+});
+onChanged(["protocols"], () => attempt(box, showSaved));
+
+const option = (value, text = value) => h("option", { value }, text);
+attempt(box, async () => {
+  const [known, { models }] = await Promise.all([get("/api/protocols/choices"), get("/api/models")]);
+  choices = known;
+  replace(byId("profile"), known.profiles.map((one) => option(one.name)));
+  replace(byId("task"), known.tasks.map((one) => option(one.name)));
+  replace(byId("device"), option("", "none"), known.devices.map((one) => option(one.name)));
+  replace(byId("population"), known.populations.map((one) => option(one.name ?? one)));
+  replace(byId("model"), models.map((one) => option(one.name, one.title)));
+  fill(JSON.parse(localStorage.getItem(KEPT) ?? "null") ?? START);
+  await Promise.all([preview(), showSaved()]);
+});

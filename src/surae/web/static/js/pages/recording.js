@@ -1,0 +1,189 @@
+// One recording: its signals, what the check found, what is left out.
+
+import { get, patch, query } from "../core/api.js";
+import { button, byId, field, h, replace, scroll, select } from "../core/dom.js";
+import { change, draft, onDraft } from "../core/draft.js";
+import { onChanged } from "../core/events.js";
+import { number, rate, roleText, seconds, span, unitText, vaf } from "../core/format.js";
+import { attempt, calm, complain } from "../core/notice.js";
+import { signalPlots } from "../plot/signals.js";
+import { ask } from "../ui/dialog.js";
+import { findingsTable } from "../ui/findings.js";
+import { status } from "../ui/marks.js";
+
+const id = byId("recording").dataset.id;
+let recording = null;
+let findings = [];
+let plots = null;
+
+const excluded = () => draft()?.exclusions[id] ?? [];
+
+function spans() {
+  return [
+    ...findings.filter((one) => one.start_s !== null && one.start_s !== undefined).map((one) => ({ start: one.start_s, end: one.end_s, kind: one.severity })),
+    ...excluded().map(([start, end]) => ({ start, end, kind: "excluded" })),
+  ];
+}
+
+/** Leave a window out; windows that touch become one. */
+async function exclude(start, end) {
+  const box = byId("exclude-error");
+  const [from, to] = [Math.max(0, Math.min(start, end)), Math.min(recording.duration_s, Math.max(start, end))].map((x) => Number(x.toFixed(4)));
+  if (!(to > from)) {
+    complain(box, `from must be before to, both between 0 and ${number(recording.duration_s)} s`);
+    return;
+  }
+  const merged = [];
+  for (const [a, b] of [...excluded(), [from, to]].sort((x, y) => x[0] - y[0])) {
+    const last = merged[merged.length - 1];
+    if (last && a <= last[1]) last[1] = Math.max(last[1], b);
+    else merged.push([a, b]);
+  }
+  await attempt(box, () => change({ exclusions: { [id]: merged } }, `exclude ${span(from, to)}`));
+}
+
+async function include(index) {
+  const left = excluded().filter((_, i) => i !== index);
+  const [start, end] = excluded()[index];
+  await attempt(byId("exclude-error"), () => change({ exclusions: { [id]: left.length ? left : null } }, `include ${span(start, end)} again`));
+}
+
+function showExclusions() {
+  replace(
+    byId("exclusions"),
+    excluded().length
+      ? excluded().map(([start, end], index) =>
+          h("li", {}, span(start, end), button("Include again", () => include(index), { class: "small", "aria-label": `Include ${span(start, end)} again` })),
+        )
+      : h("li", { class: "muted" }, "Nothing. Choose “Drag to exclude” above the plots and drag, or type the times."),
+  );
+  plots?.redraw();
+}
+
+function showFindings() {
+  replace(
+    byId("findings"),
+    findingsTable(findings, {
+      show: (one) => {
+        const margin = Math.max(0.5 * (one.end_s - one.start_s), 0.25);
+        plots.go([one.start_s - margin, one.end_s + margin]);
+        byId("plots").scrollIntoView({ block: "start" });
+      },
+      exclude: (one) => exclude(one.start_s, one.end_s),
+    }),
+  );
+  plots?.redraw();
+}
+
+function showAbout() {
+  document.title = document.title.replace(/^[^·]*/, `${recording.name} `);
+  byId("name").textContent = recording.name;
+  byId("about").textContent = [
+    seconds(recording.duration_s),
+    recording.side && `${recording.side} side`,
+    recording.trial,
+    recording.condition,
+    `EMG ${recording.emg}`,
+  ].filter(Boolean).join(" · ");
+  replace(
+    byId("files"),
+    scroll(
+      "Channels",
+      h(
+        "table",
+        {},
+        h("caption", {}, "Channels as they were imported"),
+        h("thead", {}, h("tr", {}, ["Signal", "Unit", "Samples", "Rate", "Column"].map((t) => h("th", { scope: "col" }, t)))),
+        h(
+          "tbody",
+          {},
+          recording.channels.map((c) =>
+            h("tr", {}, h("th", { scope: "row" }, roleText(c.role)), h("td", {}, unitText(c.unit) || "—"), h("td", {}, c.n.toLocaleString("en")), h("td", {}, rate(c.rate_hz)), h("td", {}, c.source ?? "—")),
+          ),
+        ),
+      ),
+    ),
+    h("ul", { class: "list small muted" }, recording.files.map((file) => h("li", {}, file.name, h("code", { title: `sha256 ${file.sha256}` }, `sha256 ${file.sha256.slice(0, 12)}…`)))),
+  );
+}
+
+function makePlots() {
+  plots = signalPlots({
+    duration: () => recording.duration_s,
+    spans,
+    onExclude: exclude,
+    label: `Signals of ${recording.name}`,
+    roles: recording.channels.map((c) => c.role),
+    fetch: (range, signal) =>
+      get(
+        `/api/recordings/${id}/window${query({ start: range?.[0], end: range?.[1], points: Math.min(2000, Math.max(400, byId("plots").clientWidth * 2)), view: byId("view").value })}`,
+        signal,
+      ),
+    failed: (error) => complain(byId("plots-error"), error),
+    done: () => calm(byId("plots-error")),
+  });
+  replace(byId("plots"), plots.element);
+  plots.reload();
+}
+
+async function showFits() {
+  const { fits } = await get(`/api/fits?recording=${id}`);
+  replace(
+    byId("fits"),
+    fits.length
+      ? h("ul", { class: "list" }, fits.map((fit) => h("li", {}, h("a", { href: `/fits/${fit.id}` }, fit.name), status(fit.status), h("span", { class: "muted" }, `VAF ${vaf(fit.vaf)}`))))
+      : h("p", { class: "muted" }, "None yet: choose “Fit this recording”."),
+  );
+}
+
+async function edit() {
+  const { subjects } = await get("/api/subjects");
+  const name = h("input", { type: "text", required: true, maxlength: 120, value: recording.name });
+  const person = select({}, [["", "none"], ...subjects.map((one) => [one.id, one.code])], recording.subject ?? "");
+  const side = select({}, [["", "not told"], ["left", "left"], ["right", "right"]], recording.side ?? "");
+  const trial = h("input", { type: "text", maxlength: 60, value: recording.trial ?? "" });
+  const condition = h("input", { type: "text", maxlength: 60, value: recording.condition ?? "" });
+  const content = h("div", { class: "fields" }, field("Name", name), field("Subject", person), field("Side", side), field("Trial", trial), field("Condition", condition));
+  if (!(await ask("Edit the recording", content, { confirm: "Save" }))) return;
+  await attempt(byId("error"), async () => {
+    recording = await patch(`/api/recordings/${id}`, {
+      name: name.value.trim(),
+      subject: person.value || null,
+      side: side.value || null,
+      trial: trial.value,
+      condition: condition.value,
+    });
+    showAbout();
+  });
+}
+
+byId("edit").addEventListener("click", edit);
+byId("view").addEventListener("change", makePlots);
+byId("exclude").addEventListener("submit", (event) => {
+  event.preventDefault();
+  exclude(Number(byId("from").value), Number(byId("to").value));
+});
+byId("use").addEventListener("click", () =>
+  attempt(byId("error"), async () => {
+    await change({ recordings: [id] }, `fit ${recording.name}`);
+    location.href = "/fit";
+  }, byId("use")),
+);
+onChanged(["fits"], () => showFits().catch(() => null));
+
+attempt(byId("error"), async () => {
+  recording = await get(`/api/recordings/${id}`);
+  showAbout();
+  makePlots();
+  onDraft(showExclusions);
+  await showFits();
+});
+attempt(byId("quality-error"), async () => {
+  try {
+    findings = (await get(`/api/recordings/${id}/quality`)).findings;
+  } catch (error) {
+    replace(byId("findings"));
+    throw error;
+  }
+  showFindings();
+});

@@ -1,0 +1,110 @@
+// One fit: what came out, how sure it is, and what else the data say.
+
+import { download, get, patch, post } from "../core/api.js";
+import { byId, field, h, replace } from "../core/dom.js";
+import { change } from "../core/draft.js";
+import { onChanged } from "../core/events.js";
+import { number, percent, seconds, vaf, when } from "../core/format.js";
+import { attempt } from "../core/notice.js";
+import { torquePlot } from "../plot/torque.js";
+import { showComparisons } from "../result/comparisons.js";
+import { showCorrelations } from "../result/correlations.js";
+import { showDetails } from "../result/details.js";
+import { estimates } from "../result/estimates.js";
+import { profiles } from "../result/profiles.js";
+import { traces } from "../result/traces.js";
+import { validation } from "../result/validation.js";
+import { ask } from "../ui/dialog.js";
+import { status } from "../ui/marks.js";
+import { tabs } from "../ui/tabs.js";
+
+const id = byId("fit").dataset.id;
+let result = null;
+
+function showHead() {
+  const { summary, fit } = result;
+  document.title = document.title.replace(/^[^·]*/, `${summary.name} `);
+  byId("name").textContent = summary.name;
+  byId("about").textContent = [summary.model, summary.names.join(", "), when(summary.created)].filter(Boolean).join(" · ");
+  const entries = [
+    ["Status", status(fit.status)],
+    ["VAF", vaf(fit.vaf)],
+    ["RMSE", `${number(fit.rmse_Nm, 3)} Nm`],
+    ["IPDE", h("span", { title: fit.ipde_note || null }, percent(summary.ipde, 3))],
+    ["Starts that agree", `${summary.agreeing} of ${summary.starts}`],
+    ["Took", seconds(summary.seconds)],
+  ];
+  replace(byId("figures"), entries.map(([term, text]) => h("div", {}, h("dt", {}, term), h("dd", {}, text))));
+  const told = result.problems ?? [];
+  byId("problems").hidden = told.length === 0;
+  byId("problems").textContent = told.join(" ");
+}
+
+async function overview() {
+  const plot = torquePlot();
+  const several = result.fit.recordings.length > 1;
+  const seen = await attempt(byId("overview-error"), () => get(`/api/fits/${id}/traces?recording=0&points=2000`));
+  if (!seen) return;
+  replace(byId("overview"), several && h("p", { class: "muted small" }, `${seen.name}; the others are under “Torque and its parts”.`), plot.element);
+  plot.show(seen.t, seen.measured, seen.modelled);
+}
+
+async function read() {
+  result = await get(`/api/fits/${id}`);
+  showHead();
+  replace(byId("parameter-table"), estimates(result));
+  showCorrelations(result);
+  showDetails(result);
+}
+
+function file(knob, url, name) {
+  const label = byId(knob).textContent;
+  byId(knob).addEventListener("click", async () => {
+    byId(knob).textContent = "Making it …";
+    await attempt(byId("error"), () => download(url, name), byId(knob));
+    byId(knob).textContent = label;
+  });
+}
+
+file("report-html", `/api/fits/${id}/report.html`, "report.html");
+file("report-pdf", `/api/fits/${id}/report.pdf`, "report.pdf");
+file("save-json", `/api/fits/${id}/fit.json`, "fit.json");
+
+byId("rename").addEventListener("click", async () => {
+  const name = h("input", { type: "text", required: true, maxlength: 120, value: result.summary.name });
+  if (!(await ask("Rename the fit", field("Name", name), { confirm: "Save" }))) return;
+  await attempt(byId("error"), async () => {
+    await patch(`/api/fits/${id}`, { name: name.value.trim() });
+    await read();
+  });
+});
+
+byId("resume").addEventListener("click", () =>
+  attempt(byId("error"), async () => {
+    const values = Object.fromEntries(
+      Object.entries(result.fit.parameters).filter(([, p]) => p.value !== null).map(([name, p]) => [name, p.value]),
+    );
+    const { recordings, model, options, prepared, parameters, population, loss, peaks, activity, body_mass, starts, seed } = result.settings;
+    await change(
+      { recordings, model, options, prepared, parameters, population, loss, peaks, activity, body_mass, starts, seed, sliders: values },
+      `settings of ${result.summary.name}`,
+    );
+    location.href = "/fit";
+  }, byId("resume")),
+);
+
+byId("report-show").addEventListener("click", () =>
+  replace(byId("report-place"), h("iframe", { class: "report-frame", title: "Report of the fit", src: `/api/fits/${id}/report.html?inline=true` })),
+);
+
+attempt(byId("error"), async () => {
+  await read();
+  tabs(byId("tabs"), {
+    parameters: overview,
+    torque: () => traces(id, result),
+    profiles: () => profiles(id, () => result, read),
+    validation: () => validation(id, result),
+    models: () => showComparisons(result),
+  });
+});
+onChanged(["fits"], () => attempt(byId("error"), read));

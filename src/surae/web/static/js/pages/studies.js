@@ -1,0 +1,48 @@
+// Studies: start one, see how far they are.
+
+import { get, post } from "../core/api.js";
+import { byId, h, replace } from "../core/dom.js";
+import { onChanged, onJob } from "../core/events.js";
+import { when } from "../core/format.js";
+import { attempt, calm } from "../core/notice.js";
+import { mark } from "../ui/marks.js";
+import { sortable } from "../ui/table.js";
+
+const EXAMPLE = `# How does the size of the chirp change what the fit can tell?
+name = "chirp"
+protocol = "multiple-holds"
+chirp_amplitude = [0.0, 0.1, 0.2]
+chirp_rate = 0.5
+subjects = 2
+model = "muscle"
+`;
+const box = byId("error");
+
+const table = sortable("Studies", [
+  { title: "Study", value: (s) => s.name, show: (s) => h("a", { href: `/studies/${s.id}` }, s.name) },
+  { title: "State", value: (s) => s.state, show: (s) => mark(s.state) },
+  { title: "Done", value: (s) => s.done / (s.fits || 1), show: (s) => h("span", {}, h("progress", { max: s.fits || 1, value: s.done, "aria-label": `Progress of ${s.name}` }), ` ${s.done} of ${s.fits} fits`) },
+  { title: "Made", value: (s) => s.created, show: (s) => when(s.created) },
+]);
+
+async function refresh() {
+  const { studies } = await get("/api/studies");
+  table.update(studies);
+  replace(byId("list"), studies.length ? table.element : h("div", { class: "empty" }, h("p", {}, h("strong", {}, "No studies yet."), " Change the example below to your question, and start it.")));
+}
+
+byId("new").addEventListener("submit", async (event) => {
+  event.preventDefault();
+  const made = await attempt(byId("new-error"), () => post("/api/studies", { toml: byId("toml").value, start: true }), byId("start"));
+  if (made) location.href = `/studies/${made.id}`;
+});
+byId("file").addEventListener("change", async (event) => {
+  calm(byId("new-error"));
+  const [file] = event.target.files;
+  if (file) byId("toml").value = await file.text();
+});
+byId("toml").addEventListener("input", () => sessionStorage.setItem("surae.study", byId("toml").value));
+byId("toml").value = sessionStorage.getItem("surae.study") ?? EXAMPLE;
+onChanged(["studies"], () => attempt(box, refresh));
+onJob((job) => job.kind === "study" && attempt(box, refresh));
+attempt(box, refresh);

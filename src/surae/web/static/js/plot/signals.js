@@ -1,0 +1,58 @@
+// A recording's EMG, angle and torque: windows are fetched as they are looked at.
+
+import { EMG, EMG_SHORT, roleText, shownAs } from "../core/format.js";
+import { aligned } from "./align.js";
+import { linked } from "./linked.js";
+
+/**
+ * Linked plots of a recording; two million samples stay smooth because only what is seen is fetched.
+ *
+ * @param options {duration, spans, onExclude, label, roles, fetch(range, signal), failed, done}
+ */
+export function signalPlots(options) {
+  const emg = EMG.filter((role) => options.roles.includes(role));
+  const panels = [
+    ...emg.map((role, i) => ({ roles: [role], title: `EMG ${EMG_SHORT[EMG.indexOf(role)]}`, series: [{ label: role, colour: `series-${i === 0 ? 2 : 1}` }], height: 92 })),
+    ...["angle", "torque"].filter((role) => options.roles.includes(role)).map((role) => ({
+      roles: [role],
+      title: role === "angle" ? "Angle, dorsiflexion positive" : "Torque, triceps positive",
+      series: [{ label: roleText(role), colour: "series-1" }],
+      height: role === "torque" ? 180 : 140,
+    })),
+  ];
+  let asked = null;
+
+  const stack = linked(panels, {
+    ...options,
+    load: async (range) => {
+      asked?.abort();
+      asked = new AbortController();
+      try {
+        const window = await options.fetch(range, asked.signal);
+        options.done();
+        draw(window, range);
+      } catch (error) {
+        if (error.name !== "AbortError") options.failed(error);
+      }
+    },
+  });
+
+  function draw(window, range) {
+    // EMG is shown on one scale of units, so that the panels can be compared.
+    const largest = Math.max(...window.signals.filter((one) => EMG.includes(one.role)).map((one) => top(one.v)), 0);
+    panels.forEach((panel, i) => {
+      const found = window.signals.filter((one) => panel.roles.includes(one.role));
+      if (!found.length || !found[0].t.length) return;
+      const shown = shownAs(found[0].unit, EMG.includes(found[0].role) ? largest : 0);
+      stack.panels[i].unit(shown.unit);
+      stack.panels[i].show(aligned(found, found.map(() => shown.factor)), range ?? [0, options.duration()]);
+    });
+  }
+  return stack;
+}
+
+function top(values) {
+  let most = 0;
+  for (const value of values) if (Math.abs(value) > most) most = Math.abs(value);
+  return most;
+}

@@ -1,0 +1,22 @@
+// Measured and modelled torque, one over the other.
+
+import { lines } from "./lines.js";
+import { onTheme } from "./colours.js";
+
+/** A plot of both; the measured torque is broad and pale, the modelled one thin and dark. */
+export function torquePlot({ height = 220, title = "Torque, triceps positive", modelled = "modelled" } = {}) {
+  const panel = lines({
+    title,
+    unit: "Nm",
+    height,
+    series: [
+      { label: "measured", colour: "measured", width: 4 },
+      { label: modelled, colour: "modelled", width: 1.6 },
+    ],
+  });
+  onTheme(panel.redraw);
+  return {
+    element: panel.element,
+    show: (t, measured, model) => panel.show([t, measured ?? t.map(() => null), model], null),
+  };
+}

@@ -1,0 +1,48 @@
+// The table of estimates: value, interval, verdict, and where it lies in what is normal.
+
+import { h, scroll } from "../core/dom.js";
+import { NONE, estimate, interval, number, quantity, unitText } from "../core/format.js";
+import { ranges } from "../plot/ranges.js";
+import { verdict } from "../ui/marks.js";
+
+export function estimates({ fit, normal }) {
+  const head = ["Parameter", "Estimate", "Standard error", "95 % interval", "Verdict", "Healthy range", "Why"];
+  return scroll(
+    "Estimates",
+    h(
+      "table",
+      {},
+      h("caption", {}, "Estimates. In the drawings: the dot is the estimate, the bar its 95 % interval, the green field the range of healthy legs, dashed lines the bounds of the fit.", fit.interval_note ? ` Intervals are ${fit.interval}: ${fit.interval_note}.` : ""),
+      h("thead", {}, h("tr", {}, head.map((text, i) => h("th", { scope: "col", class: [1, 2].includes(i) ? "num" : null }, text)))),
+      h("tbody", {}, Object.entries(fit.parameters).map(([name, p]) => row(name, p, normal[name]?.healthy ?? null))),
+    ),
+  );
+}
+
+function row(name, p, healthy) {
+  const known = p.free ? p : { ...p, ci95: null };
+  const sem = (p.interval === "robust" && p.sem_robust) || p.sem;
+  const place = outside(p.value, healthy);
+  return h(
+    "tr",
+    {},
+    h("th", { scope: "row" }, name),
+    h("td", { class: "num" }, `${estimate(p.value, sem)} ${unitText(p.unit)}`),
+    h("td", { class: "num" }, sem ? quantity(sem, p.unit, 2) : NONE),
+    h("td", { class: "nowrap" }, p.free ? interval(p.ci95, sem, p.value) : NONE),
+    h("td", {}, verdict(p.verdict)),
+    h(
+      "td",
+      { class: "range-cell" },
+      ranges([known], { normal: healthy, lower: p.lower, upper: p.upper }, `${name} is ${number(p.value, 3)}${place ? `, ${place} the healthy range` : ""}`),
+      h("div", { class: "small nowrap" }, healthy ? `${number(healthy[0], 3)} … ${number(healthy[1], 3)} ${place}` : "none known"),
+    ),
+    h("td", { class: "why" }, p.note ?? ""),
+  );
+}
+
+function outside(value, range) {
+  if (!range || value === null || value === undefined) return "";
+  if (value < range[0]) return "▼ below";
+  return value > range[1] ? "▲ above" : "● within";
+}

@@ -1,0 +1,86 @@
+// Profiles of the likelihood: start them, watch them, draw them.
+
+import { post } from "../core/api.js";
+import { byId, h, replace } from "../core/dom.js";
+import { quantity, unitText } from "../core/format.js";
+import { attempt, complain } from "../core/notice.js";
+import { lines } from "../plot/lines.js";
+import { onTheme } from "../plot/colours.js";
+import { active, cancel, follow } from "../ui/jobs.js";
+
+/** Rise of the deviance that ends a 95 % interval. */
+const RISE = 3.841;
+
+export function profiles(id, result, reread) {
+  const box = byId("profile-error");
+  let job = null;
+  const free = Object.entries(result().fit.parameters).filter(([, p]) => p.free);
+  replace(byId("profile-name"), h("option", { value: "" }, "all free ones"), free.map(([name]) => h("option", { value: name }, name)));
+  byId("profile-name").value = free[0]?.[0] ?? "";
+
+  function watch(found) {
+    job = found;
+    byId("profile-start").disabled = true;
+    byId("profile-stop").hidden = false;
+    follow(found.id, {
+      progress: (told) => {
+        byId("profile-said").textContent = `Profiling ${told.parameter}: ${told.done} of ${told.total}`;
+      },
+      end: async (ended) => {
+        job = null;
+        byId("profile-start").disabled = false;
+        byId("profile-stop").hidden = true;
+        byId("profile-said").textContent = ended.state === "done" ? "The profile is done." : ended.state === "cancelled" ? "Stopped." : "";
+        if (ended.state === "failed") complain(box, ended.message);
+        await attempt(box, async () => {
+          await reread();
+          draw();
+        });
+      },
+    });
+  }
+
+  function draw() {
+    const known = Object.entries(result().profiles);
+    replace(byId("profile-plots"), known.length ? known.map(([name, one]) => card(name, one, result().fit.parameters[name])) : h("p", { class: "empty" }, "No profiles yet. Choose a parameter above, and Profile."));
+  }
+
+  byId("profile-form").addEventListener("submit", (event) => {
+    event.preventDefault();
+    const name = byId("profile-name").value;
+    attempt(box, async () => watch(await post(`/api/fits/${id}/profile`, { parameters: name ? [name] : null })));
+  });
+  byId("profile-stop").addEventListener("click", () => job && attempt(box, () => cancel(job.id)));
+  draw();
+  attempt(box, async () => {
+    const running = (await active("profile")).find((one) => one.fit === id);
+    if (running) watch(running);
+  });
+}
+
+function card(name, profile, parameter) {
+  const unit = parameter?.unit ?? "-";
+  const panel = lines({
+    title: "Rise of the deviance",
+    height: 190,
+    legend: true,
+    x: { label: name, unit: unitText(unit) },
+    series: [
+      { label: "profile", colour: "series-1", width: 1.8, points: true },
+      { label: "95 % limit", colour: "series-2", width: 1.4, dash: "dash" },
+    ],
+  });
+  const order = profile.values.map((_, i) => i).sort((a, b) => profile.values[a] - profile.values[b]);
+  panel.show([order.map((i) => profile.values[i]), order.map((i) => profile.delta[i]), order.map(() => RISE)], null);
+  onTheme(panel.redraw);
+  const side = (value, text) => (value === null || value === undefined ? `no ${text} limit` : quantity(value, unit));
+  return h(
+    "article",
+    { class: "card" },
+    h("h3", {}, `${name} = ${quantity(parameter?.value, unit)}`),
+    h("p", {}, `95 % interval of the profile: ${side(profile.lower, "lower")} … ${side(profile.upper, "upper")}`),
+    profile.note && h("p", { class: "muted small" }, profile.note),
+    panel.element,
+    h("p", { class: "muted small" }, `Over ${name}${unitText(unit) ? ` [${unitText(unit)}]` : ""}, ${profile.values.length} fits`),
+  );
+}

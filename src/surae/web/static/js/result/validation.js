@@ -1,0 +1,47 @@
+// Do the parameters predict trials they were not fitted to?
+
+import { get, post } from "../core/api.js";
+import { byId, h, replace } from "../core/dom.js";
+import { number, vaf } from "../core/format.js";
+import { attempt, complain } from "../core/notice.js";
+import { torquePlot } from "../plot/torque.js";
+
+export function validation(id, { summary }) {
+  const box = byId("validate-error");
+  attempt(box, async () => {
+    const { recordings } = await get("/api/recordings");
+    const ranked = [...recordings].sort((a, b) => Number(summary.recordings.includes(a.id)) - Number(summary.recordings.includes(b.id)));
+    replace(
+      byId("validate-list"),
+      h(
+        "ul",
+        { class: "list" },
+        ranked.map((one) =>
+          h("li", {}, h("label", { class: "check" }, h("input", { type: "checkbox", value: one.id }), one.name, summary.recordings.includes(one.id) && h("span", { class: "muted small" }, "(fitted to: not a test)"))),
+        ),
+      ),
+    );
+  });
+  byId("validate-form").addEventListener("submit", async (event) => {
+    event.preventDefault();
+    const chosen = [...byId("validate-list").querySelectorAll("input:checked")].map((input) => input.value);
+    if (!chosen.length) {
+      complain(box, "choose at least one recording");
+      return;
+    }
+    const told = await attempt(box, () => post(`/api/fits/${id}/validate`, { recordings: chosen }), byId("validate-start"));
+    if (told) replace(byId("predictions"), told.predictions.map(show));
+  });
+}
+
+function show(one) {
+  const plot = torquePlot({ height: 180, modelled: "predicted" });
+  plot.show(one.t, one.measured, one.predicted);
+  return h(
+    "article",
+    { class: "panel" },
+    h("h3", {}, one.name),
+    h("p", {}, `VAF ${vaf(one.vaf)} · RMSE ${number(one.rmse_Nm, 3)} Nm · bias ${number(one.bias_Nm, 2)} Nm`),
+    plot.element,
+  );
+}

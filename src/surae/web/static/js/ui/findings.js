@@ -1,0 +1,48 @@
+// What the check of a recording found, in words.
+
+import { button, h, scroll } from "../core/dom.js";
+import { roleText, span } from "../core/format.js";
+import { mark } from "./marks.js";
+
+/** A list of findings; `act` gives {show(finding), exclude(finding)} or null where there is no plot. */
+export function findingsTable(findings, act) {
+  if (!findings.length) return h("p", { class: "muted" }, "The check found nothing to object to.");
+  const ranked = [...findings].sort((a, b) => order(a) - order(b) || (a.start_s ?? -1) - (b.start_s ?? -1));
+  return scroll(
+    "Findings",
+    h(
+      "table",
+      {},
+      h("caption", {}, `${findings.length} ${findings.length === 1 ? "finding" : "findings"} of the check`),
+      h("thead", {}, h("tr", {}, ["Severity", "Signal", "When", "What, and what to do"].map((t) => h("th", { scope: "col" }, t)), act && h("th", { scope: "col" }, h("span", { class: "sr" }, "Actions")))),
+      h("tbody", {}, ranked.map((one) => row(one, act))),
+    ),
+  );
+}
+
+const order = (one) => ["error", "warning", "info"].indexOf(one.severity);
+const timed = (one) => one.start_s !== null && one.start_s !== undefined && one.end_s !== null && one.end_s !== undefined;
+
+function row(one, act) {
+  const what = `${one.message}`;
+  return h(
+    "tr",
+    {},
+    h("td", {}, mark(one.severity)),
+    h("td", {}, one.channel ? roleText(one.channel) : "—"),
+    h("td", { class: "nowrap" }, timed(one) ? span(one.start_s, one.end_s) : "—"),
+    h("td", {}, what, one.advice && h("div", { class: "muted small" }, one.advice)),
+    act &&
+      h(
+        "td",
+        {},
+        timed(one) &&
+          h(
+            "div",
+            { class: "button-row" },
+            button("Show", () => act.show(one), { class: "small", "aria-label": `Show ${what}` }),
+            button("Exclude", () => act.exclude(one), { class: "small", "aria-label": `Exclude ${span(one.start_s, one.end_s)}` }),
+          ),
+      ),
+  );
+}

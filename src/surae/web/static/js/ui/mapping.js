@@ -1,0 +1,92 @@
+// Which column is what: one row per role, with unit, sign and a picture of the signal.
+
+import { button, h, scroll, select } from "../core/dom.js";
+import { EMG, number, roleText, unitText } from "../core/format.js";
+import { sparkline } from "../plot/sparkline.js";
+
+export const emptyMapping = () => ({ name: "", emg: "raw", side: null, channels: {}, fixed: {}, prepare: {} });
+
+const NEEDED = ["angle", "torque", ...EMG];
+
+/**
+ * The table of a mapping; it changes the mapping in place and calls `changed` after every change.
+ *
+ * @param files what was inspected: [{id, name, columns}]
+ */
+export function mappingTable(mapping, files, { roles, units }, changed) {
+  const all = roles.length ? roles : NEEDED;
+  return scroll(
+    "Channels, units, signs",
+    h(
+      "table",
+      { class: "mapping" },
+      h("caption", {}, "Angle: dorsiflexion positive. Torque: positive where the triceps pulls. Turn a sign where the file has it the other way."),
+      h(
+        "thead",
+        {},
+        h("tr", {}, ["Signal", "Column", "Unit", "Sign", "Range in the file", "Preview"].map((text) => h("th", { scope: "col" }, text))),
+      ),
+      h("tbody", {}, all.map((role) => row(role, mapping, files, units[role] ?? [], changed))),
+    ),
+  );
+}
+
+function row(role, mapping, files, units, changed) {
+  const channel = mapping.channels[role] ?? null;
+  const column = channel && files.find((f) => f.id === channel.upload)?.columns.find((c) => c.name === channel.column);
+  const choose = h(
+    "select",
+    { "aria-label": `Column of ${roleText(role)}`, "data-focus": `column-${role}` },
+    h("option", { value: "" }, NEEDED.includes(role) ? "choose …" : "none"),
+    files.map((file, f) => h("optgroup", { label: file.name }, file.columns.map((c, i) => h("option", { value: `${f}/${i}` }, c.name)))),
+  );
+  const at = channel ? files.findIndex((f) => f.id === channel.upload) : -1;
+  choose.value = at < 0 || !column ? "" : `${at}/${files[at].columns.indexOf(column)}`;
+  choose.addEventListener("change", () => {
+    const [f, i] = choose.value.split("/").map(Number);
+    if (choose.value === "") delete mapping.channels[role];
+    else {
+      const file = files[f];
+      const one = file.columns[i];
+      mapping.channels[role] = { upload: file.id, column: one.name, unit: units.includes(one.unit) ? one.unit : (units[0] ?? null), sign: 1, scale: 1.0, offset: 0.0 };
+    }
+    changed();
+  });
+
+  const told = channel?.unit ?? column?.unit ?? "";
+  const known = told && !units.includes(told) ? [told, ...units] : units;
+  const unit = select(
+    { "aria-label": `Unit of ${roleText(role)}`, disabled: !channel, "data-focus": `unit-${role}` },
+    [...(told ? [] : [["", "choose …"]]), ...known.map((name) => [name, unitText(name) || "none"])],
+    told,
+  );
+  unit.addEventListener("change", () => {
+    channel.unit = unit.value || null;
+    changed();
+  });
+  const sign = button(
+    channel?.sign < 0 ? "−" : "+",
+    () => {
+      channel.sign = channel.sign < 0 ? 1 : -1;
+      changed();
+    },
+    {
+      class: "small",
+      disabled: !channel,
+      "aria-label": `Sign of ${roleText(role)}: ${channel?.sign < 0 ? "turned" : "as in the file"}`,
+      "aria-pressed": String(channel?.sign < 0),
+      "data-focus": `sign-${role}`,
+    },
+  );
+  const range = column ? `${number(column.low, 3)} … ${number(column.high, 3)} ${unitText(told)}` : "—";
+  return h(
+    "tr",
+    {},
+    h("th", { scope: "row" }, roleText(role), NEEDED.includes(role) ? "" : h("span", { class: "muted small" }, " (optional)")),
+    h("td", {}, choose),
+    h("td", {}, unit),
+    h("td", {}, sign),
+    h("td", { class: "nowrap" }, range),
+    h("td", { class: "spark" }, column?.preview ? sparkline(column.preview, `Preview of ${roleText(role)}`, channel.sign) : "—"),
+  );
+}

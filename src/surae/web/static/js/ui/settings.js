@@ -1,0 +1,54 @@
+// Model, priors, loss and the rest of what a fit may be told.
+
+import { field, h, replace, select } from "../core/dom.js";
+
+const LOSSES = { huber: "Huber", "soft-l1": "soft L1", tukey: "Tukey" };
+
+/** Draw the settings of a draft; `store(what, label)` keeps a change. */
+export function settingsForm(main, more, models, draft, store) {
+  const choice = (id, label, options, chosen, key, map = (value) => value || null) => {
+    const knob = select({ id: `set-${id}` }, options, chosen ?? "");
+    knob.addEventListener("change", () => store(key(map(knob.value)), `${label}: ${knob.selectedOptions[0].textContent}`));
+    return field(label, knob);
+  };
+  const amount = (id, label, value, props, key) => {
+    const input = h("input", { type: "number", step: "any", id: `set-${id}`, value: value ?? "", ...props });
+    input.addEventListener("change", () => {
+      if (!input.checkValidity()) return input.reportValidity();
+      return store(key(input.value === "" ? null : Number(input.value)), `${label} ${input.value || "default"}`);
+    });
+    return field(label, input);
+  };
+  replace(
+    main,
+    choice("model", "Model", models.models.map((one) => [one.name, one.title]), draft.model, (model) => ({ model })),
+    choice("population", "Priors", [["", "none"], ...models.populations.map((name) => [name, `${name} population`])], draft.population, (population) => ({ population })),
+    choice("loss", "Outliers", [["", "count fully"], ...models.losses.map((name) => [name, LOSSES[name] ?? name])], draft.loss, (loss) => ({ loss })),
+    amount("mass", "Body mass [kg]", draft.body_mass, { min: 10, max: 300 }, (body_mass) => ({ body_mass })),
+  );
+  replace(
+    more,
+    amount("starts", "Starts", draft.starts, { min: 1, max: 200, step: 1, required: true }, (starts) => ({ starts: starts ?? 8 })),
+    amount("seed", "Seed", draft.seed, { min: 0, step: 1, required: true }, (seed) => ({ seed: seed ?? 0 })),
+    amount("peaks", "Weight of peaks", draft.peaks, { min: 0, required: true }, (peaks) => ({ peaks: peaks ?? 0 })),
+    choice("activity", "Peaks are those of", [["torque", "torque"], ["emg", "EMG"]], draft.activity, (activity) => ({ activity })),
+    choice("prepared", "Signals", [["", "filter and resample"], ["yes", "use as they are"]], draft.prepared ? "yes" : "", (prepared) => ({ prepared }), (v) => v === "yes"),
+    Object.entries(models.options).map(([name, known]) => option(name, known, draft.options, store, choice, amount)),
+  );
+}
+
+/** One switch of the model: a choice where its values are listed, else a number. */
+function option(name, known, options, store, choice, amount) {
+  const label = name.replaceAll("_", " ");
+  const title = label.charAt(0).toUpperCase() + label.slice(1);
+  const key = (value) => {
+    const made = { ...options };
+    if (value === null) delete made[name];
+    else made[name] = value;
+    return { options: made };
+  };
+  if (Array.isArray(known)) {
+    return choice(name, title, [["", `default (${known[0]})`], ...known.map((one) => [one, one])], options[name] ?? "", key);
+  }
+  return amount(name, title, options[name] ?? null, { placeholder: String(known) }, key);
+}

@@ -1,0 +1,67 @@
+// A table that sorts by any column.
+
+import { h, replace, scroll } from "../core/dom.js";
+
+/**
+ * A sortable table.
+ *
+ * @param caption what it shows
+ * @param columns [{key, title, value: row => number|string|null, show: row => node, numeric}]
+ * @returns {element, update(rows)}
+ */
+export function sortable(caption, columns) {
+  let rows = [];
+  let by = null;
+  let direction = 1;
+  const head = h("tr");
+  const body = h("tbody");
+  const table = h("table", {}, h("caption", {}, caption), h("thead", {}, head), body);
+
+  for (const column of columns) {
+    const title = column.value
+      ? h("button", { type: "button", class: "sort", on: { click: () => order(column) } }, column.title)
+      : column.title;
+    column.head = h("th", { scope: "col", class: column.numeric ? "num" : null }, title);
+    if (!column.title) column.head.append(h("span", { class: "sr" }, column.label ?? "Actions"));
+    head.append(column.head);
+  }
+
+  function order(column) {
+    direction = by === column ? -direction : 1;
+    by = column;
+    for (const other of columns) other.head.removeAttribute("aria-sort");
+    column.head.setAttribute("aria-sort", direction > 0 ? "ascending" : "descending");
+    draw();
+  }
+
+  function compare(a, b) {
+    const [x, y] = [by.value(a), by.value(b)];
+    if (x === null || x === undefined) return 1; // What is missing stays last.
+    if (y === null || y === undefined) return -1;
+    return direction * (typeof x === "number" ? x - y : String(x).localeCompare(String(y), undefined, { numeric: true }));
+  }
+
+  function draw() {
+    const sorted = by ? [...rows].sort(compare) : rows;
+    replace(
+      body,
+      sorted.map((row) =>
+        h(
+          "tr",
+          {},
+          columns.map((column, index) =>
+            h(index === 0 ? "th" : "td", { scope: index === 0 ? "row" : null, class: column.numeric ? "num" : null }, column.show(row)),
+          ),
+        ),
+      ),
+    );
+  }
+
+  return {
+    element: scroll(caption, table),
+    update(next) {
+      rows = next;
+      draw();
+    },
+  };
+}

@@ -1,0 +1,164 @@
+"""Everything that a running server has: the project, its browsers, its workers and its caches."""
+
+import threading
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from surae.files import PathLike
+from surae.recording import Recording
+from surae.web.caches import Cache
+from surae.web.database import Thing
+from surae.web.desk import Desk
+from surae.web.events import Events
+from surae.web.jobs import Jobs, Kind
+from surae.web.project import Project
+from surae.web.pyramid import Pyramid
+from surae.web.refusals import RefusedError
+from surae.web.sessions import Session, Sessions
+
+if TYPE_CHECKING:
+    from surae.api import Fit
+    from surae.signals import ModelInputs
+
+#: Memory for curves [bytes], and for what else is kept by number.
+_CURVES, _PREPARED, _FITS = 400e6, 200e6, 8.0
+
+
+@dataclass(frozen=True, slots=True)
+class Curves:
+    """A recording's channels, ready to be shown."""
+
+    recording: Recording
+    pyramids: Mapping[str, Pyramid]
+
+    @property
+    def bytes(self) -> float:
+        """Memory that they take."""
+        times = {id(one.time): one.time.nbytes for one in self.pyramids.values()}
+        return float(sum(times.values()) + sum(one.bytes for one in self.pyramids.values()))
+
+
+class Workbench:
+    """The server's state, behind all routes.
+
+    Parameters
+    ----------
+    folder : path
+        The project's.
+    workers : int
+        Fits at a time.
+    """
+
+    def __init__(self, folder: PathLike, workers: int) -> None:
+        self.project = Project(folder)
+        self.database = self.project.database
+        self.events = Events()
+        self.sessions = Sessions(self.project, self.events)
+        self.jobs = Jobs(self.project, self.events, {"fits": workers, "studies": 1})
+        self.desk = Desk()
+        self._closed = False
+        self._curves: Cache[Curves] = Cache(_CURVES, lambda one: one.bytes)
+        self._prepared: Cache[ModelInputs] = Cache(_PREPARED, lambda one: 80.0 * one.n)
+        self._fits: Cache[Fit] = Cache(_FITS)
+
+    def start(self) -> None:
+        """Begin to work, and load what the first slider will need."""
+        from surae.web.fits import keep_comparison, keep_fit, keep_profile, keep_study
+
+        self.jobs.start(
+            {
+                "fit": Kind("fits", lambda job, end: keep_fit(self, job, end)),
+                "profile": Kind("fits", lambda job, end: keep_profile(self, job, end)),
+                "compare": Kind("fits", lambda job, end: keep_comparison(self, job, end)),
+                "study": Kind("studies", lambda job, end: keep_study(self, job, end)),
+            }
+        )
+        threading.Thread(target=_warm, name="warm", daemon=True).start()
+
+    def close(self) -> None:
+        """Let go of everything; once is enough."""
+        if self._closed:
+            return
+        self._closed = True
+        self.events.close()
+        self.jobs.close()
+        self.desk.close()
+        self.project.close()
+
+    def changed(self, what: str) -> None:
+        """Tell all browsers that a list has changed."""
+        self.events.tell("project", "changed", {"what": what})
+
+    def recording(self, id_: str) -> Recording:
+        """A recording of the project."""
+        return self.curves(id_).recording
+
+    def curves(self, id_: str) -> Curves:
+        """A recording of the project, with its pyramids."""
+        self.project.need("recording", id_)
+
+        def make() -> Curves:
+            from surae.web.tasks import read_recording
+
+            recording = read_recording(self.project.path("recordings", id_, ".h5"))
+            pyramids = {
+                role: Pyramid(one.time, one.values) for role, one in recording.channels.items()
+            }
+            return Curves(recording, pyramids)
+
+        return self._curves.get(id_, make)
+
+    def prepared(self, id_: str, as_they_are: bool) -> "ModelInputs":
+        """What a model reads of a recording."""
+        from surae.signals import prepare
+
+        self.project.need("recording", id_)
+        return self._prepared.get(
+            (id_, as_they_are), lambda: prepare(self.recording(id_), prepared=as_they_are)
+        )
+
+    def fit(self, id_: str) -> "Fit":
+        """A fit of the project, as it was saved."""
+        self.project.need("fit", id_)
+
+        def make() -> "Fit":
+            from surae import api
+
+            return api.load(self.project.path("fits", id_, ".json"))
+
+        return self._fits.get(id_, make)
+
+    def delete(self, session: Session, kind: str, id_: str, label: str) -> None:
+        """Delete a thing so that undo brings it back; its files stay."""
+        self.project.need(kind, id_)
+        if self.jobs.of(id_):
+            raise RefusedError(409, f"a job is at work on this {kind}; cancel it first")
+        self.database.mark(kind, id_, deleted=True)
+        self.sessions.deleted(session, kind, id_, label)
+        self.changed(f"{kind}s" if kind != "study" else "studies")
+
+    def draft(self, session: Session, given: Mapping[str, Any] | None) -> dict[str, Any]:
+        """The draft that a request means: its own, or the session's."""
+        return dict(given) if given is not None else self.sessions.draft(session)
+
+    def draft_recordings(self, draft: Mapping[str, Any]) -> list[Thing]:
+        """The recordings of a draft.
+
+        Raises
+        ------
+        RefusedError
+            There are none, or one has been deleted.
+        """
+        if not draft["recordings"]:
+            raise RefusedError(400, "no recording is chosen; choose at least one")
+        return [self.project.need("recording", id_) for id_ in draft["recordings"]]
+
+
+def _warm() -> None:
+    """Load, and the first time compile, the models, before somebody waits for them."""
+    with suppress(Exception):
+        from surae.web.live import warm
+
+        warm()

@@ -1,0 +1,76 @@
+"""`surae convert`: one recording in every format that is written."""
+
+import numpy as np
+import pytest
+
+from surae.recording import read
+
+from .conftest import refused
+
+
+@pytest.mark.parametrize("name", ["out.h5", "out.HDF5", "out.csv", "out.sto"])
+def test_formats_that_read_back_to_the_same_numbers(files, run, name):
+    done = run("convert", "trial.csv", name)
+    assert (done.code, done.err) == (0, "")
+    assert done.out == f"converted: {name}\n"
+    one, again = read("trial.csv"), read(name)
+    assert one.channels.keys() == again.channels.keys()
+    for role, channel in one.channels.items():
+        np.testing.assert_array_equal(channel.values, again.channels[role].values)
+        np.testing.assert_array_equal(channel.time, again.channels[role].time)
+
+
+def test_bids_reads_back_to_its_resolution(files, run):
+    pytest.importorskip("edfio")
+    assert run("convert", "trial.csv", "out").code == 0
+    one, again = read("trial.csv"), read("out/sub-01/emg/sub-01_task-ankle_emg.bdf")
+    assert one.channels.keys() == again.channels.keys()
+    for role, channel in one.channels.items():
+        step = np.ptp(channel.values) / 2**24
+        error = np.abs(channel.values - again.channels[role].values).max()
+        assert error <= step + 1e-11
+    refused(run("convert", "trial.csv", "out"), "exists already")
+
+
+def test_other_channels_are_prepared_first(files, run):
+    text = (files / "trial.csv").read_text(encoding="utf-8")
+    (files / "own.csv").write_text("# emg: envelope\n" + text, encoding="utf-8")
+    assert run("convert", "own.csv", "out.csv", "--prepare").code == 0
+    one = read("out.csv")
+    assert one.emg == "envelope"
+    assert {"angular_velocity", "angular_acceleration"} <= one.channels.keys()
+    assert run("fit", "out.csv", "--prepared", "--starts", "2").code == 0
+
+
+def test_what_a_format_does_not_keep_is_said(files, run):
+    (files / "map.toml").write_text(
+        'side = "left"\nfixed = { m = 2.0 }\n[channels.angle]\nfile = "trial.csv"\n'
+        'column = "angle_rad"\n',
+        encoding="utf-8",
+    )
+    assert "not kept in this format: fixed, side" in run("convert", "map.toml", "a.csv").out
+    assert "not kept" not in run("convert", "map.toml", "a.h5").out
+    assert read("a.h5").side == "left"
+    refused(run("convert", "map.toml", "trial.csv"), "is read by this command")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("trial.csv", "out.xlsx"), ".xlsx is not written"),
+        (("trial.csv", "trial.csv"), "is read by this command"),
+        (("nothing.csv", "out.h5"), "there is no such file"),
+        (("trial.csv", "no/out.h5"), "there is no folder"),
+        (("trial.csv", "no/out"), "cannot write"),
+        (("trial.csv",), "Missing argument"),
+    ],
+)
+def test_wrong_use_is_one_line(files, run, arguments, says):
+    refused(run("convert", *arguments), says)
+
+
+def test_times_of_their_own(shared, run):
+    mapping = shared / "dynamometer" / "PL_50_01.toml"
+    refused(run("convert", mapping, "out.csv"), "times of their own", "--prepare")
+    assert run("convert", mapping, "out.h5").code == 0
+    assert read("out.h5").channels["torque"].time[0] == read(mapping).channels["torque"].time[0]

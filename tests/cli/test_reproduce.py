@@ -1,0 +1,91 @@
+import sys
+from types import ModuleType
+
+import pytest
+
+from surae.reproduction import registry
+from surae.reproduction.chapter import Context, Result, Section
+from surae.reproduction.claims import Claim, judged, unchecked
+
+CLAIM = Claim(name="rises", source="3.1", text="It rises.", number="2", rule="Above 1.")
+
+
+def small(context: Context) -> Result:
+    """As large as its seed; stops once, with what it has kept."""
+    context.progress("small", 0, 1)
+    kept = context.store("small.txt")
+    if context.quick and not kept.exists():
+        kept.write_text("half")
+        raise KeyboardInterrupt
+    return Result(
+        findings=(
+            judged(CLAIM, context.seed > 1, str(context.seed), why="The seed is small."),
+            unchecked(CLAIM, "Nobody measured it."),
+        )
+    )
+
+
+@pytest.fixture(autouse=True)
+def section(monkeypatch) -> None:
+    """One small section instead of those that take minutes."""
+    module = ModuleType("surae_test_section")
+    module.SECTION = Section(name="small", title="Small [part]", source="3.1", run=small)
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    monkeypatch.setattr(registry, "SECTIONS", {"small": module.__name__})
+    monkeypatch.setattr("surae.reproduction.kept.SECTIONS", registry.SECTIONS)
+
+
+def test_it_shows_every_verdict_and_where_the_page_is(run, tmp_path) -> None:
+    done = run("reproduce", "--workers", 1)
+    assert (done.code, done.err) == (0, "")
+    assert "Small [part] (3.1)" in done.out
+    assert "differs" in done.out
+    assert "0 holds, 1 differs, 1 cannot be checked" in done.out
+    assert "page: reproduction/reproduction.html" in done.out
+    assert "Nobody measured it." in (tmp_path / "reproduction" / "verdicts.md").read_text()
+
+
+def test_the_seed_reaches_the_section(run) -> None:
+    assert "1 holds, 0 differs" in run("reproduce", "--seed", 7, "--workers", 1).out
+
+
+def test_a_stopped_run_says_that_it_can_go_on_and_does(run, tmp_path) -> None:
+    done = run("reproduce", "--quick", "--output", "out", "--workers", 1)
+    assert done.code == 130
+    assert done.err == (
+        "surae: stopped by the user; what is computed is kept in out: run the same command to go "
+        "on\n"
+    )
+    assert not (tmp_path / "out" / "reproduction.html").exists()
+    assert run("reproduce", "--quick", "--output", "out", "--workers", 1).code == 0
+    assert "quick: a part of the fits" in (tmp_path / "out" / "reproduction.html").read_text()
+
+
+def test_the_verdicts_are_written_for_the_docs_too(run, tmp_path) -> None:
+    done = run("reproduce", "--workers", 1, "--markdown", "copy.md")
+    assert done.code == 0
+    assert (tmp_path / "copy.md").read_text() == (
+        tmp_path / "reproduction" / "verdicts.md"
+    ).read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["--only", "smal"], "no section 'smal'; use one of: small"),
+        (["--seed", "-1"], "--seed -1: give a whole number, 0 to 999999999"),
+        (["--seed", "1.5"], "--seed 1.5: give a whole number"),
+        (["--workers", "0"], "--workers 0: give a whole number, 1 to 1000"),
+        (["--output", ""], "--output is empty"),
+        (["--output", "file"], "cannot write into the folder file"),
+        (["--markdown", "no/copy.md"], "there is no folder"),
+        (["extra"], "unexpected extra argument"),
+    ],
+)
+def test_wrong_use_is_one_line_and_leaves_nothing(run, tmp_path, arguments, complaint) -> None:
+    (tmp_path / "file").write_text("")
+    done = run("reproduce", *arguments)
+    assert done.code == 2
+    assert complaint in done.err
+    assert done.err.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]

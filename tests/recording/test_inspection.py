@@ -1,0 +1,244 @@
+"""Inspections, and the mappings that follow from them."""
+
+import tomllib
+
+import numpy as np
+import pytest
+
+import surae
+from surae.errors import InputError
+from surae.recording import inspect, mapping_text, read, write_csv, write_mapping
+
+
+def emg(n=4000, rate=2000.0, seed=0, offset=0.0):
+    rng = np.random.default_rng(seed)
+    burst = 1.0 + np.sin(2 * np.pi * np.arange(n) / rate) ** 2
+    return offset + 1e-4 * burst * rng.standard_normal(n)
+
+
+@pytest.fixture
+def dynamometer(tmp_path):
+    """Columns of somebody else's: names, but no units."""
+    time = np.arange(4000) / 2000.0
+    angle = 20.0 * np.sin(2 * np.pi * time)
+    table = {"time": time, "Angle": angle, "Torque": -0.3 * angle - 5.0, "EMG_TA": emg()}
+    write_csv(tmp_path / "trial.csv", table | {"Trigger": np.zeros(4000)})
+    return tmp_path / "trial.csv"
+
+
+def test_channels_roles_and_what_is_missing(dynamometer):
+    found = surae.inspect(dynamometer)
+    assert [one.column for one in found.channels] == ["Angle", "Torque", "EMG_TA", "Trigger"]
+    assert {role: one.column for role, one in found.roles.items()} == {
+        "angle": "Angle",
+        "torque": "Torque",
+        "emg_ta": "EMG_TA",
+    }
+    assert found.missing == ("emg_gl", "emg_sol", "emg_gm")
+    assert found.emg == "raw"
+    angle = found.roles["angle"]
+    assert (angle.n, angle.rate_hz, angle.start_s) == (4000, pytest.approx(2000.0), 0.0)
+    assert (angle.low, angle.high) == (pytest.approx(-20.0), pytest.approx(20.0))
+    assert "opposite signs" in found.direction
+    assert any("emg_gl, emg_sol, emg_gm" in line for line in found.advice)
+    with pytest.raises(AttributeError):
+        found.emg = "envelope"
+
+
+def test_an_unknown_unit_is_left_to_the_user(dynamometer):
+    found = inspect(dynamometer)
+    write_mapping(found, dynamometer.with_name("map.toml"))
+    text = dynamometer.with_name("map.toml").read_text(encoding="utf-8")
+    toml = tomllib.loads(text)
+    assert toml["emg"] == "raw"
+    assert toml["fixed"] == {"g2": 0.0, "g3": 0.0, "g4": 0.0}
+    assert "unit" not in toml["channels"]["torque"]
+    assert '# unit = "rad"  # state it: rad, deg' in text
+    with pytest.raises(InputError, match=r"channels\.angle: unit is missing"):
+        read(dynamometer.with_name("map.toml"))
+
+
+def test_inspect_map_read(dynamometer):
+    path = dynamometer.with_name("map.toml")
+    text = mapping_text(inspect(dynamometer), dynamometer.parent)
+    assert text.count("sign = 1  # check") == 2
+    text = text.replace('# unit = "rad" ', 'unit = "deg" ').replace('# unit = "Nm"', 'unit = "Nm"')
+    path.write_text(text.replace('# unit = "V"', 'unit = "V"'), encoding="utf-8")
+    recording = read(path)
+    assert recording.emg == "raw"
+    assert recording.channels["angle"].values.max() == pytest.approx(np.deg2rad(20.0))
+    np.testing.assert_array_equal(recording.channels["emg_ta"].values, emg())
+
+
+def test_raw_emg_on_an_offset_gets_it_taken_away(tmp_path):
+    time = np.arange(4000) / 2000.0
+    table = {"time_s": time, "angle_deg": np.sin(time), "torque_Nm": time}
+    write_csv(tmp_path / "t.csv", table | {"emg_ta_V": emg(offset=0.02)})
+    found = inspect(tmp_path / "t.csv")
+    assert found.emg == "raw"
+    toml = tomllib.loads(mapping_text(found, tmp_path))
+    assert toml["channels"]["emg_ta"]["offset"] == pytest.approx(-0.02, abs=1e-5)
+    write_mapping(found, tmp_path / "m.toml")
+    signal = read(tmp_path / "m.toml").channels["emg_ta"].values
+    assert abs(signal.mean()) < 1e-7
+    surae.prepare(read(tmp_path / "m.toml"))  # which refuses raw EMG without a negative sample
+
+
+@pytest.mark.parametrize(
+    ("signal", "kind"),
+    [
+        (emg(), "raw"),
+        (emg(offset=0.02), "raw"),
+        (np.abs(np.sin(np.linspace(0, 9, 4000))), "envelope"),
+        (np.abs(emg()), None),
+        (np.zeros(4000), None),
+    ],
+)
+def test_what_emg_looks_like(tmp_path, signal, kind):
+    time = np.arange(4000) / 2000.0
+    write_csv(tmp_path / "t.csv", {"time_s": time, "angle_rad": time, "emg_ta_V": signal})
+    assert inspect(tmp_path / "t.csv").emg == kind
+
+
+def test_what_a_csv_states_of_its_emg_is_taken(tmp_path):
+    time = np.arange(4000) / 2000.0
+    table = {"time_s": time, "angle_rad": time, "emg_ta_V": np.abs(emg())}
+    write_csv(tmp_path / "t.csv", table, ["emg: envelope"])
+    found = inspect(tmp_path / "t.csv")
+    assert (found.emg, found.emg_rule) == ("envelope", "as the file states")
+
+
+def columns(tmp_path, name, *names):
+    time = np.arange(50) / 100.0
+    write_csv(tmp_path / name, {"time_s": time, **{each: np.sin(time) for each in names}})
+    return tmp_path / name
+
+
+def test_both_legs_leave_the_roles_open_until_the_side_is_said(tmp_path):
+    names = ("ankle_angle_r", "ankle_angle_l", "ankle_moment_r", "ankle_moment_l")
+    path = columns(tmp_path, "t.csv", *names)
+    found = inspect(path)
+    assert found.side is None
+    assert set(found.open) == {"angle", "torque"}
+    assert any("--side" in line for line in found.advice)
+    assert "angle" not in tomllib.loads(mapping_text(found, tmp_path)).get("channels", {})
+    left = inspect(path, side="left")
+    assert left.roles["angle"].column == "ankle_angle_l"
+    assert tomllib.loads(mapping_text(left, tmp_path))["side"] == "left"
+    with pytest.raises(InputError, match="side is 'both'; use one of: left, right"):
+        inspect(path, side="both")
+
+
+def test_the_side_follows_from_channels_of_one_leg_only(tmp_path):
+    path = columns(tmp_path, "t.csv", "ankle_angle_r", "ankle_angle_l", "tib_ant_r")
+    found = inspect(path)
+    assert found.side == "right"
+    assert "emg_ta" in found.side_rule
+    assert found.roles["angle"].column == "ankle_angle_r"
+
+
+def test_two_plain_candidates_are_never_decided(tmp_path):
+    found = inspect(columns(tmp_path, "t.csv", "Angle", "Position", "TA"))
+    assert [one.column for one in found.open["angle"]] == ["Angle", "Position"]
+    assert found.roles.keys() == {"emg_ta"}
+
+
+def test_a_channel_by_its_unit_alone_is_only_offered(tmp_path):
+    path = columns(tmp_path, "t.csv", "angle_rad")
+    (tmp_path / "g.sto").write_text("x\ninDegrees=no\nendheader\ntime\tGastroc\n0\t1\n1\t2\n")
+    found = inspect([path, tmp_path / "g.sto"])
+    assert [one.column for one in found.open["emg_gl"]] == ["Gastroc"]
+    assert "emg_gl" not in found.missing
+    text = mapping_text(found, tmp_path)
+    assert "# emg_gl is open" in text
+    assert "emg_gl" not in tomllib.loads(text)["channels"]
+
+
+def test_channels_that_cannot_be_used_say_why(tmp_path):
+    (tmp_path / "t.csv").write_text(
+        "time_s,angle_rad,note,TA,TA\n0,1,a,1,1\n1,2,b,2,2\n", encoding="utf-8"
+    )
+    found = inspect(tmp_path / "t.csv")
+    remarks = {one.column: one.remark for one in found.channels}
+    assert "not a number" in remarks["note"]
+    assert "2 columns have this name" in remarks["TA"]
+    assert "emg_ta" in found.missing
+
+
+def test_samples_that_are_no_numbers_are_counted(tmp_path):
+    (tmp_path / "t.csv").write_text("time_s,angle_rad\n0,1\n1,nan\n2,3\n", encoding="utf-8")
+    one = inspect(tmp_path / "t.csv").channels[0]
+    assert one.remark == "1 samples are no finite numbers"
+    assert (one.low, one.high) == (1.0, 3.0)
+
+
+def test_a_mapping_and_nothing_are_refused(tmp_path):
+    (tmp_path / "m.toml").write_text('name = "x"\n', encoding="utf-8")
+    with pytest.raises(InputError, match="mapping already"):
+        inspect(tmp_path / "m.toml")
+    with pytest.raises(InputError, match="no file"):
+        inspect([])
+
+
+def test_the_mapping_finds_files_from_its_own_folder(tmp_path):
+    (tmp_path / "data").mkdir()
+    (tmp_path / "maps").mkdir()
+    path = columns(tmp_path / "data", 'a "b".csv', "angle_rad", "torque_Nm")
+    write_mapping(inspect(path), tmp_path / "maps" / "m.toml")
+    recording = read(tmp_path / "maps" / "m.toml")
+    assert recording.channels.keys() == {"angle", "torque"}
+
+
+def test_whatever_the_names_a_mapping_is_toml(tmp_path):
+    from hypothesis import HealthCheck, given, settings
+    from hypothesis import strategies as st
+
+    letters = st.characters(blacklist_categories=("Cs",), blacklist_characters="\n\r")
+    path = tmp_path / "t.sto"
+
+    @settings(
+        max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    )
+    @given(st.lists(st.text(letters, min_size=1, max_size=12), min_size=1, max_size=4))
+    def check(words):
+        names = ["time", "ankle_angle", *(word.replace("\t", " ") for word in words)]
+        path.write_text(
+            "x\nendheader\n" + "\t".join(names) + "\n" + "\t".join("0" * len(names)) + "\n",
+            encoding="utf-8",
+        )
+        try:
+            found = inspect(path)
+        except InputError:
+            return
+        text = mapping_text(found, tmp_path)
+        assert isinstance(tomllib.loads(text), dict)
+
+    check()
+
+
+def test_as_plain_data(dynamometer):
+    data = inspect(dynamometer).to_json()
+    assert data["roles"]["angle"] == {"file": str(dynamometer), "column": "Angle"}
+    assert data["channels"][1]["role"] == "torque"
+    assert data["channels"][3]["role"] is None
+    assert data["missing"] == ["emg_gl", "emg_sol", "emg_gm"]
+
+
+def test_an_emg_without_a_muscle_is_offered_for_every_muscle(tmp_path):
+    time = np.arange(4000) / 2000.0
+    write_csv(tmp_path / "t.csv", {"time_s": time, "angle_rad": time, "EMG 1": emg()})
+    found = inspect(tmp_path / "t.csv")
+    assert found.open.keys() == {"emg_ta", "emg_gl", "emg_sol", "emg_gm"}
+    assert found.emg == "raw"
+    assert sum("are open: 'EMG 1'" in line for line in found.advice) == 1
+    assert "fixed" not in tomllib.loads(mapping_text(found, tmp_path))
+
+
+@pytest.mark.parametrize("size", [5e-324, 1e-300, 1.0, 1e300, 1.7e308])
+def test_absurd_numbers_are_no_accident(tmp_path, size):
+    time = np.arange(400) / 1000.0
+    wave = size * np.sin(300 * time)
+    table = {"time_s": time, "angle_rad": wave, "torque_Nm": -wave, "emg_ta_V": wave / 2 + size / 2}
+    write_csv(tmp_path / "t.csv", table)
+    toml = tomllib.loads(mapping_text(inspect(tmp_path / "t.csv"), tmp_path))
+    assert np.isfinite(toml["channels"]["emg_ta"].get("offset", 0.0))

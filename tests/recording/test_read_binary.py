@@ -1,0 +1,256 @@
+"""Poly5, C3D, EDF, BDF and XDF: what their numbers mean, and what is refused."""
+
+import struct
+import sys
+
+import ezc3d
+import numpy as np
+import pytest
+from reader_seeds import (
+    ANGLE,
+    EMG,
+    RATE,
+    SEEDS,
+    c3d_file,
+    edf_file,
+    integer_c3d,
+    interrupted_edf,
+    poly5_file,
+    xdf_chunk,
+    xdf_file,
+)
+
+from surae.errors import InputError
+from surae.recording import read
+from surae.recording.describe import described
+from surae.recording.formats import open_table
+from surae.recording.source import open_source
+from surae.signals import prepare
+
+
+@pytest.fixture
+def table(tmp_path):
+    def opened(data):
+        path = tmp_path / "data"
+        path.write_bytes(data)
+        return open_table(open_source(path))
+
+    return opened
+
+
+def loaded(table):
+    return table.load(list(table.names))
+
+
+@pytest.mark.parametrize("version", [203, 204])
+def test_poly5_joins_pairs_scales_words_and_drops_the_last_blocks_rest(table, version):
+    found = table(poly5_file(n=50, per_block=20, version=version))
+    assert found.names == ("EMG", "Aux")
+    assert dict(found.units) == {"EMG": "uV", "Aux": "mV"}
+    columns = loaded(found)
+    np.testing.assert_array_equal(columns["EMG"].values, np.arange(50) - 3.5)
+    # Counts from -1000 to 1000 are -1 to 1 mV.
+    np.testing.assert_allclose(columns["Aux"].values, np.arange(50) / 1000, atol=1e-15)
+    np.testing.assert_array_equal(columns["Aux"].time, np.arange(50) / 2048)
+    assert found.sampling["EMG"].rate_hz == 2048
+    assert not found.remarks
+
+
+def test_poly5_says_where_header_and_blocks_disagree(table):
+    found = table(poly5_file(n=13, per_block=20) + bytes(86 + 120))
+    assert found.sampling["EMG"].n == 13
+    data = bytearray(poly5_file(n=50, per_block=20))
+    at = data.index(struct.pack("<i", 50))
+    data[at : at + 4] = struct.pack("<i", 7)
+    found = table(bytes(data))
+    assert found.sampling["EMG"].n == 60
+    assert found.remarks["EMG"] == "the header counts 7 samples, the blocks hold 60"
+
+
+@pytest.mark.parametrize(
+    ("spoil", "says"),
+    [
+        (lambda d: d[:-1], "holds 2 of its 3 blocks"),
+        (lambda d: d[:100], "cut short"),
+        (lambda d: d.replace(b"(Hi) EMG", b"(Hi) XYZ"), "not followed by its high word"),
+        (lambda d: d[:151] + b"\x01\0" + d[153:], "delta compressed"),
+        (lambda d: d[:149] + b"\x01\0" + d[151:], "blocks of 1 bytes don't hold 20 samples"),
+        (lambda d: d[:114] + b"\0\0" + d[116:], "not a sampling rate"),
+    ],
+)
+def test_poly5_refuses(table, spoil, says):
+    with pytest.raises(InputError, match=says):
+        table(spoil(poly5_file()))
+
+
+def test_c3d_agrees_with_ezc3d(table, tmp_path):
+    found = table(c3d_file())
+    assert found.names == ("Angle", "TA")
+    assert dict(found.units) == {"Angle": "deg", "TA": "V"}
+    columns = loaded(found)
+    np.testing.assert_allclose(columns["Angle"].values, ANGLE, rtol=1e-6)
+    np.testing.assert_allclose(columns["TA"].values, EMG[:, 0], rtol=1e-6)
+    np.testing.assert_array_equal(columns["TA"].time, np.arange(len(ANGLE)) / RATE)
+    assert found.sampling["TA"].rate_hz == RATE
+
+
+@pytest.mark.parametrize("processor", [84, 85, 86])
+@pytest.mark.parametrize("floats", [False, True])
+def test_c3d_of_every_processor_and_its_scales(table, tmp_path, processor, floats):
+    counts = np.arange(80).reshape(40, 2) - 20
+    data = integer_c3d(processor, counts, floats=floats)
+    columns = loaded(table(data))
+    np.testing.assert_allclose(columns["Angle"].values, (counts[:, 0] - 10) * 0.5 * 0.25)
+    np.testing.assert_allclose(columns["EMG"].values, (counts[:, 1] + 10) * 2.0 * 0.25)
+    if processor == 84:
+        analogs = ezc3d.c3d(str(tmp_path / "data"))["data"]["analogs"][0]
+        np.testing.assert_allclose(columns["Angle"].values, analogs[0], rtol=1e-6)
+
+
+def test_c3d_counts_without_sign_and_beyond_16_bits(table):
+    counts = np.full((8, 2), 60000, dtype=np.int64)
+    unsigned = ((2, "FORMAT", -1, [8], b"UNSIGNED"),)
+    columns = loaded(table(integer_c3d(84, counts.astype("u2").astype("i2"), more=unsigned)))
+    # An offset of -10 without its sign is 65526.
+    np.testing.assert_allclose(columns["EMG"].values, (60000 - 65526) * 2.0 * 0.25)
+    # Four frames, of which the trial's newer count knows.
+    ends = struct.pack("<2h", 3, 1), struct.pack("<2h", 6, 1)
+    more = ((3, "ACTUAL_START_FIELD", 2, [2], ends[0]), (3, "ACTUAL_END_FIELD", 2, [2], ends[1]))
+    assert table(integer_c3d(84, counts.astype("i2") * 0, more=more)).sampling["EMG"].n == 8
+    wrong = ((3, "ACTUAL_END_FIELD", 2, [2], ends[1]),)
+    with pytest.raises(InputError, match="holds 4 of 65542 frames"):
+        table(integer_c3d(84, counts.astype("i2") * 0, more=wrong))
+
+
+def test_c3d_says_that_a_trial_was_cropped(table):
+    assert table(integer_c3d(first=101)).remarks["Angle"] == "time 0 is frame 101 of the trial"
+
+
+@pytest.mark.parametrize(
+    ("spoil", "says"),
+    [
+        (lambda d: d[:-4], "holds 31 of 32 frames"),
+        (lambda d: d[:16] + b"\0\0\0\0" + d[20:], "no data block|no analog"),
+        (lambda d: d[:523] + b"\x7f\x7f" + d[525:], "its parameters lead nowhere"),
+        (lambda d: d.replace(b"\x05\x02SCALE", b"\x05\x02SCHAL"), "0 with scale and offset"),
+    ],
+)
+def test_c3d_refuses(table, spoil, says):
+    with pytest.raises(InputError, match=says):
+        table(spoil(integer_c3d()))
+
+
+@pytest.mark.parametrize("binary", [False, True])
+def test_edf_and_bdf(table, binary):
+    found = table(edf_file(binary=binary))
+    assert (found.names, found.format) == (("Angle", "TA"), "BDF" if binary else "EDF")
+    assert dict(found.units) == {"Angle": "deg", "TA": "uV"}
+    columns = loaded(found)
+    step = 20 / 2 ** (24 if binary else 16)
+    np.testing.assert_allclose(columns["Angle"].values, 100 * ANGLE[:60], atol=2 * step)
+    np.testing.assert_allclose(columns["TA"].values, 1e6 * EMG[:30, 0], rtol=0, atol=0.01)
+    np.testing.assert_allclose(columns["TA"].time, np.arange(30) / 10)
+    assert [found.sampling[name].rate_hz for name in found.names] == [20, 10]
+
+
+def test_edf_in_several_parts_is_the_same(table, monkeypatch):
+    whole = loaded(table(edf_file(binary=True)))
+    monkeypatch.setattr("surae.recording.edf._PART", 1)
+    parts = loaded(table(edf_file(binary=True)))
+    for name, column in whole.items():
+        np.testing.assert_array_equal(column.values, parts[name].values)
+
+
+def test_an_interrupted_edf_keeps_its_gap_and_is_refused_with_its_time(table, tmp_path):
+    found = table(interrupted_edf())
+    assert "interrupted" in found.remarks["Angle"]
+    time = found.load(["TA"])["TA"].time
+    np.testing.assert_allclose(time, [*np.arange(20) / 10, *(7 + np.arange(10) / 10)])
+    path = tmp_path / "map.toml"
+    path.write_text('[channels.angle]\nfile = "data"\ncolumn = "Angle"\n')
+    with pytest.raises(InputError, match=r"no samples from 1\.95 to 7 s"):
+        prepare(read(path))
+
+
+def test_an_edf_that_was_never_closed_is_read_to_its_end(table):
+    data = edf_file()
+    open_ended = data[:236] + b"-1      " + data[244:]
+    assert table(open_ended).sampling["Angle"].n == 60
+
+
+@pytest.mark.parametrize(
+    ("spoil", "says"),
+    [
+        (lambda d: d[:-1], "holds 2 of its 3 records"),
+        (lambda d: d[:200], "cut short"),
+        (lambda d: d[:244] + b"0       " + d[252:], "no signals with a sampling rate"),
+        (lambda d: d[:252] + b"9999" + d[256:], "the file is damaged"),
+        (lambda d: d[:252] + b"zwei" + d[256:], "the file is damaged"),
+    ],
+)
+def test_edf_refuses(table, spoil, says):
+    with pytest.raises(InputError, match=says):
+        table(spoil(edf_file()))
+
+
+def test_an_edf_signal_without_calibration_is_refused(table):
+    data = edf_file()
+    # The physical ranges of three signals stand behind their labels, transducers and dimensions.
+    at = 256 + 3 * (16 + 80 + 8)
+    data = data[:at] + data[at + 24 : at + 32] + data[at + 8 :]
+    with pytest.raises(InputError, match=r"'Angle': its range .* is no calibration"):
+        table(data)
+
+
+def test_xdf_streams_share_one_clock_and_lose_their_jitter(table):
+    found = table(xdf_file(offset=3.0))
+    assert found.names == ("EMG: c0", "EMG: c1", "Robot: c0")
+    assert found.units["EMG: c0"] == "microvolts"
+    columns = loaded(found)
+    np.testing.assert_array_equal(columns["EMG: c1"].values, -np.arange(64))
+    np.testing.assert_array_equal(columns["Robot: c0"].values, np.arange(32))
+    fast, slow = columns["EMG: c0"].time, columns["Robot: c0"].time
+    np.testing.assert_allclose(np.diff(fast), np.diff(fast)[0], rtol=1e-9)
+    assert found.sampling["EMG: c0"].rate_hz == pytest.approx(100, rel=0.01)
+    # Robot's clock is 3 s behind; put right, both begin together.
+    assert fast[0] == pytest.approx(slow[0], abs=2e-3)
+    np.testing.assert_allclose(np.diff(slow), 0.02, rtol=1e-6)
+
+
+def test_an_irregular_stream_keeps_its_stamps(table):
+    found = table(xdf_file(irregular=True))
+    time = loaded(found)["EMG: c0"].time
+    assert np.diff(time).std() > 1e-4
+    one = described(found)[0]
+    assert one.sampling.n == 64
+
+
+def test_xdf_with_samples_missing_is_refused(table):
+    found = table(xdf_file(lost=30))
+    assert len(found.load(["Robot: c0"])["Robot: c0"].values) == 32
+    with pytest.raises(InputError, match=r"up to \d+ ms from a uniform rate: samples are missing"):
+        found.load(["EMG: c0"])
+
+
+@pytest.mark.parametrize(
+    ("data", "says"),
+    [
+        (xdf_file()[:-3], "cut short or damaged"),
+        (b"XDF:", "no stream of numbers"),
+        (b"XDF:" + xdf_chunk(3, struct.pack("<I", 9)), r"stream 9"),
+        (b"XDF:" + xdf_chunk(2, b"\1\0\0\0<!DOCTYPE x><info/>"), "no plain XML"),
+        (xdf_file().replace(b"\x01\x10\x08", b"\x01\xff\x08", 1), "255 samples claimed"),
+        (xdf_file().replace(b"<channel_count>2", b"<channel_count>3", 1), "damaged"),
+    ],
+)
+def test_xdf_refuses(table, data, says):
+    with pytest.raises(InputError, match=says):
+        table(data)
+
+
+@pytest.mark.parametrize(("reader", "package"), [("edf", "edfio"), ("xdf", "pyxdf")])
+def test_a_missing_library_names_the_extra(table, monkeypatch, reader, package):
+    data = SEEDS[reader][0]()
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(InputError, match=rf'package {package}; .*"surae\[formats\]"'):
+        loaded(table(data))

@@ -1,0 +1,113 @@
+"""Names to roles: what is plain is found, what is not is left open, and the rule is always said."""
+
+import pytest
+
+from surae.recording.recording import ROLES
+from surae.recording.roles import CONFIDENCES, guess_role, words_of
+
+
+@pytest.mark.parametrize(
+    ("name", "role", "confidence", "side"),
+    [
+        ("torque_Nm", "torque", "stated", None),
+        ("emg_ta_uV", "emg_ta", "stated", None),
+        ("tib_ant_r", "emg_ta", "named", "right"),
+        ("Tibialis anterior", "emg_ta", "named", None),
+        ("R TIB.ANT.", "emg_ta", "named", "right"),
+        ("EMG_TA", "emg_ta", "named", None),
+        ("TA", "emg_ta", "likely", None),
+        ("L_TA", "emg_ta", "likely", "left"),
+        ("med_gas_r", "emg_gm", "named", "right"),
+        ("GASTROC.MED", "emg_gm", "named", None),
+        ("RGastrocMed", "emg_gm", "named", "right"),
+        ("GM", "emg_gm", "likely", None),
+        ("MG", "emg_gm", "likely", None),
+        ("lat_gas_l", "emg_gl", "named", "left"),
+        ("gastrocnemius lateralis", "emg_gl", "named", None),
+        ("LG", "emg_gl", "likely", None),
+        ("GL", "emg_gl", "likely", None),
+        ("soleus_r", "emg_sol", "named", "right"),
+        ("SOL", "emg_sol", "likely", None),
+        ("ankle_angle_r", "angle", "named", "right"),
+        ("AnkleAngle", "angle", "named", None),
+        ("Position", "angle", "likely", None),
+        ("ankle_angle_r_moment", "torque", "named", "right"),
+        ("Torque", "torque", "likely", None),
+        ("ankle_velocity", "angular_velocity", "named", None),
+        ("ankle acceleration", "angular_acceleration", "named", None),
+    ],
+)
+def test_plain_names_are_found(name, role, confidence, side):
+    guess = guess_role(name)
+    assert guess is not None
+    assert (guess.role, guess.confidence, guess.side) == (role, confidence, side)
+    assert guess.rule
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("knee_angle_r", "subtalar_angle_r", "hip_flexion_r_moment", "Vastus medialis"),
+        *("rect_fem_r", "tib_post_r", "GMED", "gluteus med", "semimem_r", "ACC.X 10", "GYRO.X 10"),
+        *("DAC1_Myo", "pelvis_tx_force", "trigger", "M", "", "EMG ECG", "Keyboard"),
+    ],
+)
+def test_other_joints_muscles_and_sensors_have_no_role(name):
+    assert guess_role(name) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "roles"),
+    [
+        ("Gastroc", None, ("emg_gl", "emg_gm")),
+        ("tib", "mV", ("emg_ta",)),
+        ("Sensor 10: EMG 10", "V", ("emg_ta", "emg_gl", "emg_sol", "emg_gm")),
+        ("LoadCell", "Nm", ("torque",)),
+        ("ch 3", "deg", ("angle",)),
+    ],
+)
+def test_a_vague_name_is_only_possible(name, unit, roles):
+    guess = guess_role(name, unit)
+    assert guess is not None
+    assert (guess.roles, guess.confidence) == (roles, "possible")
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"), [("TA", "g"), ("TA", "Nm"), ("Angle", "Nm"), ("Torque", "N"), ("SOL", "deg")]
+)
+def test_a_unit_that_cannot_be_rules_a_role_out(name, unit):
+    assert guess_role(name, unit) is None
+
+
+def test_an_uncalibrated_sensor_keeps_its_role_and_asks_for_its_scale():
+    guess = guess_role("Torque", "V")
+    assert guess is not None
+    assert guess.role == "torque"
+    assert "scale" in guess.rule
+
+
+def test_words():
+    assert words_of("EMG_TA") == ("emg", "ta")
+    assert words_of("ankleAngle_r") == ("ankle", "angle", "r")
+    assert words_of("Bip1") == ("bip", "1")
+    assert words_of("µ") == ("u",)
+
+
+def test_whatever_the_name_a_guess_is_of_the_known_roles():
+    from hypothesis import given, settings
+    from hypothesis import strategies as st
+
+    word = st.sampled_from(["ankle", "Torque", "emg", "TA", "gas", "lat", "L", "knee", "angle"])
+    names = st.one_of(st.text(max_size=30), st.lists(word, max_size=4).map("_".join))
+    units = st.one_of(st.none(), st.text(max_size=6), st.sampled_from(["V", "Nm", "deg", "g"]))
+
+    @settings(max_examples=300, deadline=None)
+    @given(names, units)
+    def check(name, unit):
+        guess = guess_role(name, unit)
+        if guess is not None:
+            assert set(guess.roles) <= set(ROLES)
+            assert guess.confidence in CONFIDENCES
+            assert guess.rule.isprintable() or not (unit or "").isprintable()
+
+    check()

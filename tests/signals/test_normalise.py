@@ -1,0 +1,123 @@
+"""EMG over one number for each muscle and session."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import surae
+from surae.api.recordings import as_in_fit
+from surae.errors import InputError
+from surae.signals import emg_reference, normalise, normalised
+
+
+@pytest.fixture(scope="module")
+def session(clean):
+    """Two trials of one session, the second half as strong."""
+    weak = replace(clean, name="weak", emg=0.5 * clean.emg)
+    return clean, weak
+
+
+def averaged(signal, rate):
+    width = round(0.25 * rate)
+    return np.convolve(np.abs(signal), np.ones(width) / width, "valid").max()
+
+
+def test_one_number_for_all_recordings(session):
+    strong, weak = normalise(session)
+    expected = [averaged(session[0].emg[:, c], session[0].rate_hz) for c in range(4)]
+    for one, before in zip((strong, weak), session, strict=True):
+        np.testing.assert_allclose(one.emg, before.emg / expected, rtol=1e-12)
+        assert one.emg_unit == "1"
+        assert not one.emg.flags.writeable
+    assert strong.emg_reference == weak.emg_reference
+    assert strong.emg_reference.values == pytest.approx(expected)
+    assert "EMG normalised: divided by the session's largest envelope" in strong.steps[-1]
+    assert max(averaged(strong.emg[:, c], strong.rate_hz) for c in range(4)) == pytest.approx(1.0)
+
+
+def test_maximum_contractions_set_the_reference(session):
+    strong, weak = session
+    (one,) = normalise([weak], "mvc", mvc=[strong])
+    assert one.emg_reference.kind == "mvc"
+    assert averaged(one.emg[:, 0], one.rate_hz) == pytest.approx(0.5)
+
+
+def test_a_spike_is_no_peak(session):
+    spiky = session[0].emg.copy()
+    spiky[100, 0] *= 1000.0
+    plain = emg_reference(session[:1]).values[0]
+    value = emg_reference([replace(session[0], emg=spiky)]).values[0]
+    assert value < 1000.0 * plain / (0.2 * session[0].rate_hz)
+
+
+def test_a_missing_muscle_stays_zero_and_has_no_reference(session):
+    emg = session[0].emg.copy()
+    emg[:, 2] = 0.0
+    without = replace(session[0], emg=emg, missing_emg=("sol",))
+    (one,) = normalise([without])
+    assert one.emg_reference.values[2] is None
+    assert not one.emg[:, 2].any()
+    with pytest.raises(InputError, match="emg_sol has no reference"):
+        normalised(session[0], one.emg_reference)
+
+
+def test_refusals(session):
+    strong, weak = session
+    silent = replace(strong, emg=np.zeros_like(strong.emg))
+    (done,) = normalise([strong])
+    for arguments, says in (
+        (([strong], "trial"), "use one of: session, mvc"),
+        (([strong], "mvc"), "needs recordings of maximum contractions"),
+        (([silent],), "emg_ta is zero throughout"),
+        (([done, weak],), "normalised already"),
+    ):
+        with pytest.raises(InputError, match=says):
+            normalise(*arguments)
+    with pytest.raises(InputError, match="no effect on session"):
+        normalise([strong], "session", mvc=[weak])
+    with pytest.raises(InputError, match="normalised already, by another reference"):
+        normalised(normalise([weak])[0], done.emg_reference)
+    assert normalised(done, done.emg_reference) is done
+    assert normalised(strong, None) is strong
+
+
+def test_a_joint_fit_of_trials_normalised_each_by_itself_is_refused(session):
+    apart = [normalise([one])[0] for one in session]
+    with pytest.raises(InputError, match=r"divided by another reference.*never each by itself"):
+        surae.fit(apart, starts=1)
+
+
+def test_the_fit_is_the_same_but_for_the_unit_of_the_weights(noisy, tmp_path):
+    half = replace(noisy, name="half", emg=noisy.emg, files=())
+    volts = surae.fit([noisy, half], starts=2)
+    fit = surae.fit([noisy, half], normalise="session", starts=2)
+    reference = fit.result.problem.inputs[0].emg_reference
+    assert fit.parameters["g1"].unit == "N"
+    assert fit.vaf == pytest.approx(volts.vaf, abs=1e-4)
+    for number, value in enumerate(reference.values, start=1):
+        expected = value * volts.values[f"g{number}"]
+        assert fit.values[f"g{number}"] == pytest.approx(expected, rel=1e-3)
+    for name in ("l0_tri", "k_tri", "f0"):
+        assert fit.values[name] == pytest.approx(volts.values[name], rel=1e-3)
+    fit.save(tmp_path / "fit.json")
+    again = surae.load(tmp_path / "fit.json")
+    assert again.result.problem.inputs[0].emg_reference == reference
+
+    # Another trial, of half the effort: with the fit's reference it is predicted as before.
+    other = replace(noisy, name="other", emg=0.5 * noisy.emg)
+    for each in (fit, again):
+        predicted = each.predict(other)
+        assert predicted.vaf == pytest.approx(volts.predict(other).vaf, abs=1e-2)
+        (used,) = as_in_fit(each.result.problem.inputs, [other], None)
+        np.testing.assert_allclose(used.emg, other.emg / np.array(reference.values), rtol=1e-12)
+    own = normalise([other])[0]
+    with pytest.raises(InputError, match="by another reference"):
+        fit.predict(own)
+
+
+def test_options_that_contradict(noisy):
+    with pytest.raises(InputError, match="no effect without normalise='mvc'"):
+        surae.fit(noisy, mvc=[noisy])
+    with pytest.raises(InputError, match="use one of: session, mvc"):
+        surae.fit(noisy, normalise="trial")

@@ -1,0 +1,141 @@
+"""Delay and reflex from outside: simulate, fit, file, profile, report."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import surae
+from surae.errors import InputError
+from surae.model import MODELS
+from surae.report.figures.torque import torque_figure
+from surae.report.traces import traces_of
+
+DRIVES = {"emd": 0.037, "reflex_tri": 1500.0, "reflex_tib": 600.0, "reflex_delay": 0.061}
+every_model = pytest.mark.parametrize("model", MODELS)
+
+
+def starts(model):
+    spec = MODELS[model]
+    return {p.name: p.start for p in spec.parameters if p.name in spec.free}
+
+
+@pytest.fixture(scope="module")
+def fitted(clean, subject):
+    torque = surae.simulate("muscle", dict(subject.parameters) | DRIVES, clean)
+    rng = np.random.default_rng(2)
+    trial = replace(clean, torque=torque + rng.normal(0.0, 1.0, clean.n))
+    return surae.fit(trial, free=["emd", "reflex"], starts=1, prepared=True)
+
+
+@every_model
+def test_the_jacobian_ends_with_the_drives_that_are_given(clean, model):
+    spec, given = MODELS[model], starts(model)
+    _, plain = surae.simulate(model, given, clean, jacobian=True)
+    assert plain.shape == (clean.n, len(spec.free))
+    some = {"reflex_delay": 0.06, "emd": 0.02}
+    _, jac = surae.simulate(model, given | some, clean, jacobian=True)
+    assert jac.shape == (clean.n, len(spec.free) + 2)
+    assert jac[:, -2].any()  # emd, in the order of the model
+    assert not jac[:, -1].any()  # the delay of a reflex that is off
+    torque, jac = surae.simulate(model, given | DRIVES, clean, jacobian=True)
+    assert jac.shape == (clean.n, len(spec.free) + 4)
+    step = 1e-6
+    moved = surae.simulate(model, given | DRIVES | {"emd": DRIVES["emd"] + step}, clean)
+    slope = (moved - torque) / step
+    assert np.abs(jac[:, -4] - slope).max() < 1e-3 * np.abs(slope).max()
+
+
+def test_parts_show_the_reflex_where_there_is_one(clean):
+    given = starts("muscle")
+    assert surae.simulate_parts("muscle", given, clean).reflex is None
+    assert "reflex_Nm" not in surae.simulate_parts("muscle", given | {"emd": 0.1}, clean).columns()
+    parts = surae.simulate_parts("muscle", given | DRIVES, clean)
+    assert parts.reflex is not None
+    assert np.abs(parts.reflex).max() > 1.0
+    np.testing.assert_allclose(parts.total, surae.simulate("muscle", given | DRIVES, clean))
+
+
+def test_a_negative_delay_is_refused(clean):
+    with pytest.raises(InputError, match=r"emd is -0\.01 s; it must be zero or more"):
+        surae.simulate("muscle", starts("muscle") | {"emd": -0.01}, clean)
+
+
+def test_all_are_found_together(fitted):
+    for name, value in DRIVES.items():
+        p = fitted.parameters[name]
+        assert p.free
+        assert p.sem is not None
+        assert abs(p.value - value) < 3.5 * p.sem, name
+    assert fitted.status == "converged"
+
+
+def test_a_fit_with_drives_is_saved_and_loaded_without_loss(fitted, tmp_path):
+    fitted.save(tmp_path / "fit.json")
+    again = surae.load(tmp_path / "fit.json")
+    assert again.values == fitted.values
+    assert again.result.problem.spec == fitted.result.problem.spec
+    assert again.result.problem.free == fitted.result.problem.free
+    assert again.result.R.tobytes() == fitted.result.R.tobytes()
+    assert {n: p.sem for n, p in again.parameters.items()} == {
+        n: p.sem for n, p in fitted.parameters.items()
+    }
+    inputs = fitted.result.problem.inputs[0]
+    assert again.predict(inputs).torque.tobytes() == fitted.predict(inputs).torque.tobytes()
+
+
+def test_a_fixed_delay_is_in_the_file_and_an_ordinary_fit_has_none(clean):
+    plain = surae.fit(clean, starts=1, prepared=True)
+    assert list(plain.parameters) == list(MODELS["muscle"].names)
+    late = surae.fit(clean, fixed={"emd": 0.02}, starts=1, prepared=True)
+    assert [*late.parameters] == [*MODELS["muscle"].names, "emd"]
+    p = late.parameters["emd"]
+    assert (p.value, p.free, p.verdict.value) == (0.02, False, "fixed")
+
+
+def test_the_profile_of_the_delay(fitted):
+    found = surae.profile(fitted, "emd").profiles["emd"]
+    low, high = found.interval
+    assert low is not None
+    assert high is not None
+    assert low < DRIVES["emd"] < high
+    # One valley: the sum of squares falls to the minimum and rises from it.
+    lowest = int(np.argmin(found.sse))
+    assert (np.diff(found.sse[: lowest + 1]) < 0).all()
+    assert (np.diff(found.sse[lowest:]) > 0).all()
+
+
+def test_the_figure_of_the_torque_has_the_reflex_as_a_line_of_its_own(fitted):
+    (traces,) = traces_of(fitted.result)
+    assert traces.parts.reflex is not None
+    figure = torque_figure(traces)
+    labels = [text.get_text() for axes in figure.axes for text in _legend(axes)]
+    assert "reflex" in labels
+
+
+def _legend(axes):
+    legend = axes.get_legend()
+    return legend.get_texts() if legend is not None else []
+
+
+def test_the_report_names_them(fitted, tmp_path):
+    fitted.report(tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    for name in DRIVES:
+        assert name in text
+    assert "electromechanical delay" in text
+
+
+def test_models_can_be_compared_under_one_delay(clean):
+    short = replace(
+        clean,
+        **{
+            name: getattr(clean, name)[:1200]
+            for name in ("time", "angle", "velocity", "acceleration", "emg", "torque")
+        },
+    )
+    found = surae.compare(
+        [short], ["muscle", "muscle-tendon"], fixed={"emd": 0.03}, starts=1, prepared=True
+    )
+    assert found.fixed == {"emd": 0.03}
+    assert not found.missing

@@ -1,0 +1,150 @@
+"""A workbench on a free port, browsers that know how to speak to it, and a trial to work on."""
+
+import contextlib
+import json
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+import pytest
+import uvicorn
+
+from surae.protocol import Protocol, generate
+from surae.recording import write_csv
+from surae.studies import virtual_subject, virtual_trial
+from surae.web.app import create_app
+from surae.web.security import Policy
+from surae.web.workbench import Workbench
+
+
+class Browser(httpx.Client):
+    """One browser: its own cookies, and the token of its session in every request."""
+
+    def __init__(self, address: str) -> None:
+        super().__init__(base_url=address, timeout=60.0)
+        self.headers["X-CSRF-Token"] = self.get("/api/session").json()["csrf"]
+
+    def upload(self, path: Path) -> str:
+        answer = self.post("/api/uploads", params={"name": path.name}, content=path.read_bytes())
+        assert answer.status_code == 201, answer.text
+        return str(answer.json()["id"])
+
+    def recording(self, path: Path, **more: Any) -> str:
+        """Import a CSV with our column names as it is."""
+        found = self.get(f"/api/uploads/{self.upload(path)}/inspect")
+        assert found.status_code == 200, found.text
+        assert found.json()["ready"], found.text
+        answer = self.post("/api/imports", json={"mapping": found.json()["mapping"], **more})
+        assert answer.status_code == 201, answer.text
+        return str(answer.json()["id"])
+
+    def change(self, **change: Any) -> dict[str, Any]:
+        answer = self.patch("/api/draft", json={"change": change, "label": "test"})
+        assert answer.status_code == 200, answer.text
+        return dict(answer.json())
+
+    def job(self, answer: httpx.Response, seconds: float = 60.0) -> dict[str, Any]:
+        """Wait for the job that was asked for."""
+        assert answer.status_code == 202, answer.text
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            job = self.get(f"/api/jobs/{answer.json()['id']}").json()
+            if job["state"] not in ("queued", "running"):
+                return dict(job)
+            time.sleep(0.05)
+        raise AssertionError(f"not done in {seconds} s: {job}")
+
+    def events(self, path: str) -> Iterator[tuple[str, Any]]:
+        """Server-sent events as they come."""
+        with self.stream("GET", path) as answer:
+            assert answer.status_code == 200
+            event = ""
+            for line in answer.iter_lines():
+                if line.startswith("event: "):
+                    event = line.removeprefix("event: ")
+                elif line.startswith("data: "):
+                    yield event, json.loads(line.removeprefix("data: "))
+
+
+class Server:
+    """A workbench that answers on this computer."""
+
+    def __init__(self, folder: Path, **policy: Any) -> None:
+        self.bench = Workbench(folder, 2)
+        self._socket = socket.create_server(("127.0.0.1", 0))
+        self.address = f"http://127.0.0.1:{self._socket.getsockname()[1]}"
+        app = create_app(self.bench, Policy.of("127.0.0.1", **policy))
+        config = uvicorn.Config(app, log_level="error", timeout_graceful_shutdown=1)
+        self._server = uvicorn.Server(config)
+        self._thread = threading.Thread(target=self._server.run, args=([self._socket],))
+        self._thread.start()
+        while not self._server.started:
+            time.sleep(0.01)
+        self._browsers = contextlib.ExitStack()
+
+    def browser(self) -> Browser:
+        made = Browser(self.address)
+        self._browsers.callback(made.close)
+        return made
+
+    def close(self) -> None:
+        self._browsers.close()
+        self._server.should_exit = True
+        self._thread.join(20.0)
+        self._socket.close()
+
+
+Serve = Callable[..., Server]
+
+
+@pytest.fixture(scope="session")
+def trial(tmp_path_factory) -> Path:
+    """A CSV of a virtual subject: 40 s at 32 Hz, envelopes, with our column names."""
+    motion = generate(
+        Protocol(profile="multi-sine-holds", chirp_amplitude=0.2, chirp_rate=0.1, rate_hz=32.0)
+    )
+    made = virtual_trial(virtual_subject(3), motion, noise=0.0)
+    assert made.torque is not None
+    noise = 0.3 * np.random.default_rng(1).standard_normal(made.n)
+    table = {"time_s": made.time, "angle_rad": made.angle, "torque_Nm": made.torque + noise}
+    table |= {f"emg_{m}_V": made.emg[:, i] for i, m in enumerate(("ta", "gl", "sol", "gm"))}
+    path = tmp_path_factory.mktemp("trial") / "trial.csv"
+    write_csv(path, table, ["emg: envelope"])
+    return path
+
+
+@pytest.fixture
+def serve(tmp_path) -> Iterator[Serve]:
+    """Start a server on a project of its own; all end with the test."""
+    with contextlib.ExitStack() as stack:
+
+        def start(name: str = "project", **policy: Any) -> Server:
+            server = Server(tmp_path / name, **policy)
+            stack.callback(server.close)
+            return server
+
+        yield start
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory) -> Iterator[Server]:
+    """One server for tests that leave nothing behind that another would meet."""
+    made = Server(tmp_path_factory.mktemp("web") / "project")
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def browser(server) -> Browser:
+    return server.browser()
+
+
+@pytest.fixture(scope="session")
+def recorded(server, trial) -> str:
+    """The trial in the shared server's project."""
+    return server.browser().recording(trial)

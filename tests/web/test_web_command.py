@@ -1,0 +1,34 @@
+"""`surae serve`, before it serves."""
+
+import pytest
+from click.testing import CliRunner
+
+from surae.errors import InputError
+from surae.web import command as module
+
+
+def refused(*arguments: str) -> str:
+    found = CliRunner().invoke(module.command, list(arguments))
+    assert isinstance(found.exception, InputError)
+    assert "\n" not in str(found.exception)
+    return str(found.exception)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--port", "99999"], "--port"),
+        (["--workers", "0"], "--workers"),
+        (["--token", "short"], "at least 8"),
+        (["--host", "no such host"], "give another --port or --host"),
+        ([""], "no name"),
+    ],
+)
+def test_wrong_use_is_one_line(arguments, says, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert says in refused(*arguments)
+
+
+def test_without_its_libraries_it_says_how_to_get_them(monkeypatch) -> None:
+    monkeypatch.setattr(module, "find_spec", lambda name: None if name == "fastapi" else object())
+    assert 'pip install "surae[web]"' in refused()

@@ -1,0 +1,170 @@
+"""Fits asked for over HTTP: the same as from Python, followed, stopped, killed, restarted."""
+
+import os
+import signal
+import time
+
+import pytest
+
+import surae
+
+
+def small(browser, recording: str, **change) -> None:
+    browser.change(recordings=[recording], prepared=True, starts=2, **change)
+
+
+def test_a_fit_is_that_of_surae_fit(browser, recorded, trial, tmp_path) -> None:
+    small(browser, recorded, parameters={"beta": {"free": False, "value": 1.0}})
+    job = browser.job(browser.post("/api/fits", json={"name": "mine"}))
+    assert job["state"] == "done", job
+    kept = browser.get(f"/api/fits/{job['result']}/fit.json").json()
+    surae.fit(trial, prepared=True, starts=2, fixed={"beta": 1.0}).save(tmp_path / "fit.json")
+    import json
+
+    ours = json.loads((tmp_path / "fit.json").read_text())
+    for one in (kept, ours):
+        del one["seconds"]
+        one["recordings"][0]["path"] = one["traces"][0]["files"][0]["path"] = "trial.csv"
+    assert kept == ours
+
+
+def test_a_fit_is_followed(browser, recorded) -> None:
+    small(browser, recorded)
+    asked = browser.post("/api/fits", json={}).json()
+    events = list(browser.events(f"/api/jobs/{asked['id']}/events"))
+    assert events[0][0] == "state"
+    assert events[-1][0] == "end"
+    assert events[-1][1]["state"] == "done"
+    assert events[-1][1]["mine"] is True
+    news = [data for event, data in events if event == "progress" and "vaf" in data]
+    assert news, events
+    assert len(news[-1]["traces"][0]["t"]) == len(news[-1]["traces"][0]["modelled"]) <= 400
+    assert news[-1]["vaf"] > 90
+    assert set(news[-1]["values"]) >= {"m", "k_tri", "beta"}
+
+
+def long(browser, recording: str) -> dict:
+    """A fit that takes far longer than a test."""
+    browser.change(recordings=[recording], prepared=True, starts=1000, model="muscle-tendon")
+    return browser.post("/api/fits", json={}).json()
+
+
+def wait(browser, id_: str, state: str) -> dict:
+    end = time.monotonic() + 30
+    while time.monotonic() < end:
+        job = browser.get(f"/api/jobs/{id_}").json()
+        if job["state"] == state and (state != "running" or (job["progress"] or {}).get("vaf")):
+            return job
+        time.sleep(0.05)
+    raise AssertionError(job)
+
+
+def test_cancelling_keeps_the_best_so_far(browser, recorded) -> None:
+    job = long(browser, recorded)
+    wait(browser, job["id"], "running")
+    assert browser.post(f"/api/jobs/{job['id']}/cancel").status_code == 200
+    job = wait(browser, job["id"], "cancelled")
+    fit = browser.get(f"/api/fits/{job['result']}").json()
+    assert fit["fit"]["vaf"] > 50
+    assert "stopped by the user" in fit["fit"]["message"]
+    assert browser.post(f"/api/jobs/{job['id']}/cancel").status_code == 409
+
+
+def test_a_killed_worker_costs_its_job_only(server, recorded) -> None:
+    browser, other = server.browser(), server.browser()
+    job = long(browser, recorded)
+    wait(browser, job["id"], "running")
+    small(other, recorded)
+    beside = other.post("/api/fits", json={})
+    victims = [w for one, w in server.bench.jobs._lanes["fits"].workers.items() if one == job["id"]]
+    os.kill(victims[0].process, signal.SIGKILL)
+    job = wait(browser, job["id"], "failed")
+    assert job["result"] is None
+    assert "killed or crashed" in job["message"]
+    assert other.job(beside)["state"] == "done"
+    again = browser.post(f"/api/jobs/{job['id']}/restart")
+    assert again.status_code == 202
+    assert browser.post(f"/api/jobs/{again.json()['id']}/cancel").status_code == 200
+    assert again.json()["id"] != job["id"]
+
+
+def test_jobs_wait_in_a_line(server, recorded) -> None:
+    browser = server.browser()
+    jobs = [long(browser, recorded) for _ in range(4)]
+    positions = [browser.get(f"/api/jobs/{job['id']}").json()["position"] for job in jobs]
+    assert positions[-1] is not None
+    active = browser.get("/api/jobs", params={"active": True}).json()["jobs"]
+    assert {job["id"] for job in jobs} <= {job["id"] for job in active}
+    assert server.browser().get(f"/api/jobs/{jobs[0]['id']}").json()["mine"] is False
+    for job in reversed(jobs):
+        browser.post(f"/api/jobs/{job['id']}/cancel")
+    for job in jobs:
+        wait(browser, job["id"], "cancelled")
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"recordings": []}, "choose"),
+        ({"parameters": {"m": {"lower": 3.0, "upper": 1.0}}}, "bounds of m"),
+        ({"parameters": {"m": {"free": False, "value": -1.0}}}, "m is -1"),
+        ({"exclusions": None}, "leave no sample"),
+    ],
+)
+def test_a_draft_that_cannot_be_fitted_is_refused_at_once(browser, recorded, change, says) -> None:
+    small(browser, recorded)
+    if change == {"exclusions": None}:
+        change = {"exclusions": {recorded: [[-1.0, 100.0]]}}
+    browser.change(**change)
+    answer = browser.post("/api/fits", json={})
+    assert answer.status_code == 400
+    assert says in answer.json()["error"]
+    told = browser.get("/api/draft/parameters").json()
+    assert says in told["problem"]
+
+
+def test_a_fit_is_understood(browser, recorded) -> None:
+    small(browser, recorded, exclusions={recorded: [[3.0, 4.0]]})
+    job = browser.job(browser.post("/api/fits", json={}))
+    id_ = job["result"]
+    fit = browser.get(f"/api/fits/{id_}").json()
+    assert fit["normal"]["m"]["healthy"] == [1.5, 2.7]
+    assert fit["settings"]["exclusions"] == {recorded: [[3.0, 4.0]]}
+    assert "traces" not in fit["fit"]
+    traces = browser.get(f"/api/fits/{id_}/traces", params={"points": 500}).json()
+    assert len(traces["t"]) == len(traces["parts"]["inertial"]) <= 500
+    assert traces["excluded"][0] == pytest.approx([3.0, 4.0], abs=0.05)
+    total = [sum(values) for values in zip(*traces["parts"].values(), strict=True)]
+    assert total == pytest.approx(traces["modelled"], abs=1e-3)
+    assert browser.get(f"/api/fits/{id_}/traces", params={"recording": 3}).status_code == 400
+    body = {"recordings": [recorded]}
+    (predicted,) = browser.post(f"/api/fits/{id_}/validate", json=body).json()["predictions"]
+    assert predicted["vaf"] == pytest.approx(fit["fit"]["vaf"], abs=0.5)
+    beside = browser.get("/api/compare", params={"fits": f"{id_},{id_}"}).json()
+    assert len(beside["fits"]) == 1
+    profiled = browser.post(f"/api/fits/{id_}/profile", json={"parameters": ["m"]})
+    assert browser.job(profiled)["state"] == "done"
+    profile = browser.get(f"/api/fits/{id_}").json()["profiles"]["m"]
+    assert profile["lower"] < fit["fit"]["parameters"]["m"]["value"] < profile["upper"]
+    assert browser.post(f"/api/fits/{id_}/profile", json={"parameters": ["x"]}).status_code == 400
+    rows = browser.get("/api/cohort").json()["rows"]
+    assert any(row["fit"] == id_ for row in rows)
+    table = browser.get("/api/cohort.csv").text.splitlines()
+    assert table[0].startswith("subject,group,side")
+    assert len(table) == len(rows) + 1
+    page = browser.get(f"/api/fits/{id_}/report.html", params={"inline": True})
+    assert "<html" in page.text
+    assert "unsafe" not in page.headers["content-security-policy"]
+    assert browser.delete(f"/api/fits/{id_}").status_code == 204
+    assert browser.get(f"/api/fits/{id_}").status_code == 404
+
+
+def test_models_are_compared(browser, recorded) -> None:
+    browser.change(recordings=[recorded], prepared=True)
+    same = browser.post("/api/comparisons", json={"models": ["muscle", "muscle-2010"]})
+    assert same.status_code == 400
+    job = browser.job(browser.post("/api/comparisons", json={}), 120.0)
+    assert job["state"] == "done", job
+    found = browser.get(f"/api/comparisons/{job['result']}").json()
+    assert [one["model"] for one in found["models"]] == ["muscle", "muscle-tendon"]
+    assert found["conclusion"] == job["message"]

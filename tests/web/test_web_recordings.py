@@ -1,0 +1,147 @@
+"""Files in, curves out: import, subjects, windows, quality."""
+
+import json
+import struct
+
+import numpy as np
+import pytest
+
+import surae
+from surae.web.pyramid import Pyramid
+
+
+def test_an_upload_is_looked_into_and_imported(browser, trial) -> None:
+    upload = browser.upload(trial)
+    found = browser.get(f"/api/uploads/{upload}/inspect").json()
+    columns = {one["name"]: one for one in found["columns"]}
+    assert columns["angle_rad"]["role"] == "angle"
+    assert columns["emg_ta_V"]["unit"] == "V"
+    assert len(columns["torque_Nm"]["preview"]["t"]) <= 200
+    assert found["mapping"]["emg"] == "envelope"
+    mapping = found["mapping"]
+    mapping["channels"]["torque"]["sign"] = -1
+    preview = browser.post("/api/imports/preview", json={"mapping": mapping}).json()
+    ours = surae.read(trial)
+    torque = next(one for one in preview["channels"] if one["role"] == "torque")
+    assert torque["mean"] == pytest.approx(-ours.channels["torque"].values.mean())
+    mapping["channels"]["torque"]["sign"] = 1
+    body = {"mapping": mapping, "trial": "T1"}
+    recording = browser.post("/api/imports", json=body).json()
+    assert recording["files"] == [{"name": "trial.csv", "sha256": ours.files[0].sha256}]
+    assert recording["trial"] == "T1"
+    assert recording["mapping"]["channels"]["angle"]["column"] == "angle_rad"
+
+
+@pytest.mark.parametrize(
+    ("data", "says"),
+    [
+        (b"\x00\x01\x02binary", "binary"),
+        (b"time_s,angle_rad\n0,1\n0,nan\n", "row"),
+        (b"hello", ""),
+    ],
+)
+def test_unreadable_files_are_refused_by_their_users_name(browser, data, says) -> None:
+    answer = browser.post("/api/uploads", params={"name": "mine.csv"}, content=data)
+    id_ = answer.json()["id"]
+    answer = browser.get(f"/api/uploads/{id_}/inspect")
+    if answer.status_code == 200:  # columns are told, but it cannot be imported
+        column = {"upload": id_, "column": "angle_rad", "unit": "rad"}
+        body = {"mapping": {"name": "x", "channels": {"angle": column}}}
+        answer = browser.post("/api/imports", json=body)
+    assert answer.status_code == 400
+    error = answer.json()["error"]
+    assert "mine.csv" in error
+    assert says in error
+    assert "uploads" not in error  # not where we keep it
+
+
+def test_a_mapping_reaches_no_file_but_uploads(browser, tmp_path, trial) -> None:
+    toml = '[channels.angle]\nfile = "../../project.db"\ncolumn = "x"\nunit = "rad"\n'
+    id_ = browser.post("/api/uploads", params={"name": "map.toml"}, content=toml).json()["id"]
+    found = browser.get(f"/api/uploads/{id_}/inspect").json()
+    assert found["ready"] is False
+    assert "project.db" in found["notes"][0]
+    browser.upload(trial)
+    good = toml.replace("../../project.db", "trial.csv").replace('"x"', '"angle_rad"')
+    id_ = browser.post("/api/uploads", params={"name": "map2.toml"}, content=good).json()["id"]
+    assert browser.get(f"/api/uploads/{id_}/inspect").json()["ready"] is True
+
+
+def test_subjects(serve, trial) -> None:
+    browser = serve().browser()
+    made = browser.post("/api/subjects", json={"code": "S01", "group": "patient"}).json()
+    again = browser.post("/api/subjects", json={"code": "S01"})
+    assert again.status_code == 409
+    recording = browser.recording(trial, subject=made["id"])
+    assert browser.get("/api/subjects").json()["subjects"][0]["recordings"] == 1
+    assert browser.delete(f"/api/subjects/{made['id']}").status_code == 409
+    browser.patch(f"/api/recordings/{recording}", json={"subject": None, "side": "left"})
+    assert browser.get(f"/api/recordings/{recording}").json()["side"] == "left"
+    assert browser.delete(f"/api/subjects/{made['id']}").status_code == 204
+    browser.post("/api/draft/undo")
+    assert browser.get("/api/subjects").json()["subjects"][0]["code"] == "S01"
+
+
+def test_windows(browser, recorded, trial) -> None:
+    ours = surae.read(trial).channels
+    url = f"/api/recordings/{recorded}/window"
+    found = browser.get(url, params={"signals": "angle", "points": 2000}).json()
+    assert found["signals"][0]["v"] == ours["angle"].values.tolist()
+    part = browser.get(url, params={"signals": "torque", "start": 10, "end": 12}).json()
+    time = np.array(part["signals"][0]["t"])
+    assert time[0] < 10.0 <= time[1]
+    assert time[-2] <= 12.0 < time[-1]
+    few = browser.get(url, params={"signals": "torque", "points": 100}).json()["signals"][0]
+    assert few["reduced"] is True
+    assert len(few["t"]) <= 102
+    assert max(few["v"]) == ours["torque"].values.max()
+    assert min(few["v"]) == ours["torque"].values.min()
+    assert browser.get(url, params={"signals": "nothing"}).status_code == 400
+    assert browser.get(url, params={"start": 3, "end": 2}).status_code == 400
+
+
+def test_binary_windows_hold_the_same(browser, recorded) -> None:
+    url = f"/api/recordings/{recorded}/window"
+    asked = {"signals": "angle,emg_ta", "points": 300}
+    as_json = browser.get(url, params=asked).json()
+    answer = browser.get(url, params={**asked, "format": "binary"})
+    assert answer.status_code == 200, answer.text
+    body = answer.content
+    (size,) = struct.unpack("<I", body[:4])
+    header = json.loads(body[4 : 4 + size])
+    for one, other in zip(header["signals"], as_json["signals"], strict=True):
+        assert one["t_at"] % 8 == 0
+        assert one["v_at"] % 8 == 0
+        time = np.frombuffer(body, "<f8", one["points"], one["t_at"])
+        values = np.frombuffer(body, "<f4", one["points"], one["v_at"])
+        assert time.tolist() == other["t"]
+        np.testing.assert_allclose(values, other["v"], rtol=1e-6)
+
+
+def test_quality_is_marked_in_time(browser, recorded) -> None:
+    found = browser.get(f"/api/recordings/{recorded}/quality").json()["findings"]
+    assert all(one["severity"] in ("info", "warning", "error") for one in found)
+    assert all(one["start_s"] <= one["end_s"] for one in found)
+
+
+def test_a_pyramid_loses_no_peak() -> None:
+    n = 300_000
+    time = np.arange(n) / 1000.0
+    values = np.random.default_rng(3).standard_normal(n)
+    values[123_456], values[200_001] = 50.0, -50.0
+    pyramid = Pyramid(time, values)
+    whole = pyramid.window(None, None, 2000)
+    assert len(whole.time) <= 2000
+    assert whole.n == n
+    assert (whole.values.max(), whole.values.min()) == (50.0, -50.0)
+    assert np.all(np.diff(whole.time) >= 0)
+    near = pyramid.window(123.0, 124.0, 2000)
+    assert not near.reduced
+    assert near.values.max() == 50.0
+    for start, end in ((0.0, 37.3), (12.34, 290.1), (299.0, 400.0), (400.0, 500.0)):
+        part = pyramid.window(start, end, 500)
+        inside = values[(time >= start) & (time <= end)]
+        assert len(part.time) <= 502
+        if len(inside):
+            assert part.values.max() >= inside.max()
+            assert part.values.min() <= inside.min()
