@@ -17,6 +17,8 @@ version = release
 extensions = [
     "mathml",
     "parameter_tables",
+    "quality_table",
+    "reproduction_table",
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
@@ -25,7 +27,13 @@ extensions = [
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["_build", "images", "models/parameters-*.md"]
+exclude_patterns = [
+    "_build",
+    "images",
+    "reproduction-table.md",
+    "how-to/quality-codes.md",
+    "models/parameters-*.md",
+]
 root_doc = "index"
 
 html_theme = "pydata_sphinx_theme"
@@ -65,6 +73,7 @@ sphinx_gallery_conf = {
     "abort_on_example_error": True,
     "download_all_examples": False,
     "show_memory": False,
+    "write_computation_times": False,  # that page asks outside hosts for its table
     "min_reported_time": 1e9,
     "image_scrapers": ("matplotlib",),
     "remove_config_comments": True,

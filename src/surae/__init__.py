@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from surae.api import (
         Fit,
         bootstrap,
+        check,
         compare,
         emg_bias,
         fit,
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     )
     from surae.assessment import Baseline, Comparison
     from surae.model.anthropometry import foot_mass
+    from surae.quality import Finding, Quality
     from surae.recording import (
         Inspection,
         Recording,
@@ -49,13 +51,16 @@ _HOMES = {
     "Baseline": "surae.assessment",
     "Comparison": "surae.assessment",
     "EmgReference": "surae.signals",
+    "Finding": "surae.quality",
     "Fit": "surae.api",
     "Inspection": "surae.recording",
     "ModelInputs": "surae.signals",
     "Preparation": "surae.signals",
+    "Quality": "surae.quality",
     "Recording": "surae.recording",
     "Weighting": "surae.signals",
     "bootstrap": "surae.api",
+    "check": "surae.api",
     "compare": "surae.api",
     "emg_bias": "surae.api",
     "fit": "surae.api",
@@ -82,16 +87,19 @@ __all__ = [
     "Comparison",
     "ComputationError",
     "EmgReference",
+    "Finding",
     "Fit",
     "InputError",
     "Inspection",
     "ModelInputs",
     "Preparation",
+    "Quality",
     "Recording",
     "SuraeError",
     "Weighting",
     "__version__",
     "bootstrap",
+    "check",
     "compare",
     "emg_bias",
     "fit",

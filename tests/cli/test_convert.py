@@ -35,7 +35,9 @@ def test_bids_reads_back_to_its_resolution(files, run):
 def test_other_channels_are_prepared_first(files, run):
     text = (files / "trial.csv").read_text(encoding="utf-8")
     (files / "own.csv").write_text("# emg: envelope\n" + text, encoding="utf-8")
-    assert run("convert", "own.csv", "out.csv", "--prepare").code == 0
+    done = run("convert", "own.csv", "out.csv", "--prepare")
+    assert (done.code, done.err) == (0, "")
+    assert "fit it with --prepared" in done.out
     one = read("out.csv")
     assert one.emg == "envelope"
     assert {"angular_velocity", "angular_acceleration"} <= one.channels.keys()

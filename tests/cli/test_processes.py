@@ -133,6 +133,29 @@ def test_a_terminal_shows_how_far_the_fit_is_and_ctrl_c_keeps_the_best(files) ->
     assert "stopped by the user in start" in surae.load(files / "f.json").message
 
 
+@pytest.mark.parametrize(
+    ("arguments", "shows"),
+    [
+        (["inspect", "trial.csv"], "reading trial.csv"),
+        (["convert", "trial.csv", "out.h5"], "writing out.h5"),
+        (["check", "trial.csv"], "checking trial.csv"),
+    ],
+)
+def test_a_terminal_shows_what_is_being_done(files, arguments, shows) -> None:
+    screen, terminal = pty.openpty()
+    with subprocess.Popen(
+        [SURAE, *arguments], cwd=files, stdout=subprocess.DEVNULL, stderr=terminal,
+        env=os.environ | {"TERM": "xterm", "COLUMNS": "80"},
+    ) as process:  # fmt: skip
+        os.close(terminal)
+        try:
+            _until(screen, shows)
+            assert process.wait(60) == 0
+        finally:
+            process.kill()
+            os.close(screen)
+
+
 def test_the_contract(shared) -> None:
     if not CONTRACT.exists():
         pytest.skip("no contract check: the folder ../shared/checks is not beside the repository")

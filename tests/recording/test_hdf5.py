@@ -6,7 +6,7 @@ import pytest
 
 from surae.errors import InputError
 from surae.recording import Channel, Recording, SourceFile, read, write_hdf5
-from surae.recording.describe import described
+from surae.recording.describe import sampling_of
 from surae.recording.formats import open_table
 from surae.recording.hdf5file import write_text
 from surae.recording.source import open_source
@@ -103,11 +103,11 @@ def test_its_table_has_our_names(tmp_path):
     write_hdf5(path, recording())
     table = open_table(open_source(path))
     assert table.names == ("angle_rad", "torque_Nm", "emg_ta_V", "emg_sol_V")
-    found = {one.name: one for one in described(table)}
-    assert found["angle_rad"].sampling.rate_hz == pytest.approx(100)
-    assert found["angle_rad"].sampling.start_s == 0.25
-    assert found["torque_Nm"].sampling.rate_hz is None
-    assert (found["torque_Nm"].unit, found["torque_Nm"].sampling.n) == ("Nm", 200)
+    found = {name: sampling_of(one.time) for name, one in table.load(table.names).items()}
+    assert found["angle_rad"].rate_hz == pytest.approx(100)
+    assert found["angle_rad"].start_s == 0.25
+    assert found["torque_Nm"].rate_hz is None
+    assert (table.units["torque_Nm"], found["torque_Nm"].n) == ("Nm", 200)
     mapping = tmp_path / "map.toml"
     mapping.write_text('[channels.angle]\nfile = "trial.h5"\ncolumn = "angle_rad"\n')
     assert read(mapping).channels["angle"].values.tobytes() == (

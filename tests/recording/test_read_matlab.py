@@ -6,6 +6,8 @@ import pytest
 
 from surae.errors import InputError
 from surae.recording import read
+from surae.recording.formats import open_table
+from surae.recording.source import open_source
 
 
 def group(file, name, values, *, interval=0.5, start=0.25, units="Deg", scale=2.0, offset=1.0):
@@ -42,6 +44,23 @@ def test_units_and_time_axis_come_from_the_file(mat):
     np.testing.assert_array_equal(channels["angle"].time, [0.25, 0.75, 1.25])
     # Whole numbers are the converter's counts: scale and offset still apply.
     np.testing.assert_array_equal(channels["torque"].values, [3, 5])
+
+
+def test_a_column_of_a_matrix_is_read_without_the_others(mat):
+    matrix = np.arange(12, dtype=np.float32).reshape(4, 3) ** 2
+
+    def build(file):
+        file["t"] = np.arange(4.0)[np.newaxis]
+        file.create_dataset("x", data=matrix.T, compression="gzip")
+        file["y"] = matrix.T.astype("f8")
+        file["z"] = matrix.T[:, np.newaxis]
+
+    found = open_table(open_source(mat(build).with_suffix(".mat")))
+    columns = found.load(found.names)
+    assert len(columns) == 9
+    for name, column in columns.items():
+        np.testing.assert_array_equal(column.values, matrix[:, int(name[-2]) - 1])
+        assert column.values.base is None
 
 
 def test_the_users_unit_must_agree_but_may_normalise(mat):

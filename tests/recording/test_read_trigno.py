@@ -6,7 +6,7 @@ from reader_seeds import csv_file, trigno_file, tsv_file
 
 from surae.errors import InputError
 from surae.recording import read
-from surae.recording.describe import described
+from surae.recording.describe import load_each, sampling_of
 from surae.recording.formats import open_table
 from surae.recording.source import open_source
 
@@ -29,7 +29,10 @@ def test_every_signal_has_its_own_times_and_unit(table):
     np.testing.assert_allclose(columns["EMG 1"].values, np.arange(8) * 1e-6)
     np.testing.assert_allclose(columns["ACC.X 1"].time, np.arange(4) / 50)
     assert columns["ACC.X 1"].position(2) == "row 8"
-    rates = {one.name: (one.unit, one.sampling.rate_hz) for one in described(found)}
+    rates = {
+        name: (found.units.get(name), sampling_of(one.time).rate_hz)
+        for name, one in found.load(found.names).items()
+    }
     assert rates["EMG 1"] == ("V", pytest.approx(100))
     assert rates["ACC.X 1"] == ("g", pytest.approx(50))
 
@@ -75,8 +78,10 @@ def test_tabs_and_semicolons_separate_and_a_decimal_comma_is_explained(tmp_path)
 
 def test_what_a_text_table_holds_is_found_from_its_samples(table):
     data = csv_file().replace(b",note", b",note,jitter").replace(b"e-6,", b"e-6,word,")
-    found = {one.name: one for one in described(table(data))}
-    assert found["angle_rad"].sampling.rate_hz == pytest.approx(1.0)
-    assert (found["angle_rad"].unit, found["angle_rad"].sampling.start_s) == ("rad", 0.5)
-    assert found["note"].sampling is None
-    assert "not a number" in found["note"].remark
+    text = table(data)
+    found = load_each(text, text.names)
+    sampling = sampling_of(found["angle_rad"].time)
+    assert (sampling.rate_hz, sampling.start_s) == (pytest.approx(1.0), 0.5)
+    assert text.units["angle_rad"] == "rad"
+    assert isinstance(found["note"], InputError)
+    assert "not a number" in str(found["note"])

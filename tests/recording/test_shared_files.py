@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from surae.recording import read
-from surae.recording.describe import described
+from surae.recording import inspect, mapping_text, read
+from surae.recording.describe import sampling_of
 from surae.recording.formats import open_table
 from surae.recording.source import open_source
 from surae.signals import prepare
@@ -67,10 +67,11 @@ def test_channels_units_rates_and_ranges(shared, tmp_path, name):
     path.write_bytes((shared / name).read_bytes())
     table = open_table(open_source(path))
     assert (table.format, len(table.names)) == (form, count)
-    one = next(one for one in described(table) if one.name == column)
-    assert (one.unit, one.sampling.n) == (unit, n)
-    assert one.sampling.rate_hz == pytest.approx(rate, rel=1e-5)
-    values = table.load([column])[column].values
+    one = table.load([column])[column]
+    sampling = sampling_of(one.time)
+    assert (table.units.get(column), sampling.n) == (unit, n)
+    assert sampling.rate_hz == pytest.approx(rate, rel=1e-5)
+    values = one.values
     assert values.min() == pytest.approx(least, rel=1e-5)
     assert values.max() == pytest.approx(greatest, rel=1e-5)
     assert np.isfinite(values).all()
@@ -88,6 +89,13 @@ def test_c3d_is_what_ezc3d_reads(shared, name):
     assert list(table.names) == labels[: len(analogs)]
     for column, values in zip(columns.values(), analogs, strict=True):
         np.testing.assert_allclose(column.values, values, rtol=1e-6, atol=1e-9)
+
+
+def test_poly5_emg_on_a_drifting_offset_is_raw(shared):
+    found = inspect(shared / "devices" / "EMG_recording.Poly5")
+    assert found.emg == "raw"
+    # Once for each muscle that the channel may be.
+    assert mapping_text(found).count("# offset = -8943.33  # check: never near zero") == 4
 
 
 def test_channels_of_two_rates_come_on_one_time_base(shared, tmp_path):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from surae.errors import InputError
-from surae.recording import Recording, write_bids
+from surae.recording import Recording, read, write_bids
 
 edfio = pytest.importorskip("edfio", reason="BDF needs the extra formats")
 
@@ -154,3 +154,35 @@ def test_a_failure_leaves_nothing(tmp_path):
     with pytest.raises(InputError, match="cannot write"):
         write_bids(tmp_path / "new", huge)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_times_and_kind_of_emg_come_back_from_the_sidecar(tmp_path):
+    one = recording(emg_kind="envelope")
+    late = replace(one.channels["torque"], time=one.channels["torque"].time + 2.0)
+    write_bids(tmp_path / "out", replace(one, channels={**one.channels, "torque": late}))
+    first, second = sorted(data(tmp_path / "out").glob("*.bdf"))
+    assert read(first).emg == "envelope"
+    np.testing.assert_allclose(read(first).channels["angle"].time, one.channels["angle"].time)
+    (tmp_path / "m.toml").write_text(
+        f'[channels.angle]\nfile = "{first.as_posix()}"\ncolumn = "angle_rad"\n'
+        f'[channels.torque]\nfile = "{second.as_posix()}"\ncolumn = "torque_Nm"\n'
+    )
+    np.testing.assert_allclose(read(tmp_path / "m.toml").channels["torque"].time, late.time)
+
+
+@pytest.mark.parametrize("text", ["[]", "{", '"x"'])
+def test_a_sidecar_that_is_none_is_refused(tmp_path, text):
+    write_bids(tmp_path / "out", recording())
+    (path,) = data(tmp_path / "out").glob("*.bdf")
+    path.with_suffix(".json").write_text(text)
+    with pytest.raises(InputError, match=r"_emg\.json: no JSON object"):
+        read(path)
+
+
+def test_a_sidecar_without_a_start_and_none_at_all_mean_zero(tmp_path):
+    write_bids(tmp_path / "out", recording())
+    (path,) = data(tmp_path / "out").glob("*.bdf")
+    path.with_suffix(".json").write_text('{"StartTime": "n/a", "SoftwareFilters": "n/a"}')
+    assert (read(path).emg, read(path).channels["angle"].time[0]) == ("raw", 0.0)
+    path.with_suffix(".json").unlink()
+    assert read(path).channels["angle"].time[0] == 0.0

@@ -106,6 +106,15 @@ def test_tendons_of_their_own_make_legs_weaker():
     assert 5.0 < found["measured"] < found["rigid"] < 120.0
 
 
+def test_the_explicit_scheme_replays_parameters_of_a_fit():
+    who = make_cohort(1)[3].subject
+    found = work.replay_job(
+        seed=1, member=3, protocol="multiple-holds", rate_hz=1000.0,
+        values={**who.parameters, **who.tendons},
+    )  # fmt: skip
+    assert found["vaf"] > 80.0
+
+
 def test_a_baseline_is_the_mean_of_simulations():
     found = work.baseline_job(
         seed=1, protocol="multiple-holds", model="muscle", subjects=1, rate_hz=64.0

@@ -100,7 +100,7 @@ def evidence(fits):
         if label in fits.single
     }
     strengths = {"S01": {"measured": 20.0, "rigid": 60.0}}
-    return Evidence(fits, spared, Fits(SIZE, MEMBERS, explicit, {}), strengths)
+    return Evidence(fits, spared, Fits(SIZE, MEMBERS, explicit, {}), strengths, {"S01": 90.0})
 
 
 def judged(fits):

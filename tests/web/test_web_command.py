@@ -3,12 +3,13 @@
 import pytest
 from click.testing import CliRunner
 
+from surae.cli import group
 from surae.errors import InputError
 from surae.web import command as module
 
 
 def refused(*arguments: str) -> str:
-    found = CliRunner().invoke(module.command, list(arguments))
+    found = CliRunner().invoke(group, ["serve", *arguments])
     assert isinstance(found.exception, InputError)
     assert "\n" not in str(found.exception)
     return str(found.exception)

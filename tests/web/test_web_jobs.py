@@ -155,6 +155,8 @@ def test_a_fit_is_understood(browser, recorded) -> None:
     page = browser.get(f"/api/fits/{id_}/report.html", params={"inline": True})
     assert "<html" in page.text
     assert "unsafe" not in page.headers["content-security-policy"]
+    printed = browser.get(f"/api/fits/{id_}/report.pdf")
+    assert printed.content.startswith(b"%PDF"), printed.text
     assert browser.delete(f"/api/fits/{id_}").status_code == 204
     assert browser.get(f"/api/fits/{id_}").status_code == 404
 

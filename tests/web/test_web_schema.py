@@ -59,7 +59,7 @@ def examined(schema, browser, examples: int) -> int:
 
 
 def test_no_request_is_a_server_error(schema, browser) -> None:
-    assert examined(schema, browser, 3) > 100
+    assert examined(schema, browser, 1) > 40
 
 
 @pytest.mark.slow

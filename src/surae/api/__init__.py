@@ -4,6 +4,7 @@ from surae.api.comparison import compare
 from surae.api.fitted import Fit
 from surae.api.fitting import Priors, fit, load
 from surae.api.intervals import bootstrap, emg_bias, posterior, profile
+from surae.api.quality import check
 from surae.api.recordings import AnyRecording, normalise
 from surae.api.simulation import simulate, simulate_parts, simulate_tendon
 from surae.api.validation import leave_one_out, validate
@@ -13,6 +14,7 @@ __all__ = [
     "Fit",
     "Priors",
     "bootstrap",
+    "check",
     "compare",
     "emg_bias",
     "fit",

@@ -13,6 +13,7 @@ from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.files import PathLike
 from surae.model import TendonState, TorqueParts
+from surae.quality import Quality
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 
@@ -27,10 +28,13 @@ class Fit:
         What was found: values, residuals, every start.
     assessment : Assessment
         What it is worth: intervals, correlations, verdicts.
+    quality : tuple of Quality
+        What was found in each recording before it was fitted.
     """
 
     result: FitResult
     assessment: Assessment
+    quality: tuple[Quality, ...] = ()
 
     @property
     def parameters(self) -> Mapping[str, ParameterEstimate]:
@@ -85,6 +89,16 @@ class Fit:
     def parts(self, recording: int = 0) -> TorqueParts:
         """The modelled torque of the fit's first, second, … recording, split into its parts.
 
+        Parameters
+        ----------
+        recording : int
+            Its number, from 0.
+
+        Returns
+        -------
+        TorqueParts
+            Each part over time [Nm], shape (n,).
+
         Raises
         ------
         InputError
@@ -98,6 +112,16 @@ class Fit:
 
     def tendon(self, recording: int = 0) -> TendonState:
         """What muscles and tendons do in the fit's first, second, … recording.
+
+        Parameters
+        ----------
+        recording : int
+            Its number, from 0.
+
+        Returns
+        -------
+        TendonState
+            Lengths, velocities and forces over time.
 
         Raises
         ------
@@ -124,13 +148,34 @@ class Fit:
             With its measured torque.
         prepared : bool, optional
             Whether its signals are used as they are; by default as they were in the fit.
+
+        Returns
+        -------
+        Prediction
+            Predicted torque, VAF, RMS error and bias.
+
+        Raises
+        ------
+        InputError
+            It has no torque, or EMG that the fit's weights do not go with.
         """
         inputs = as_in_fit(self.result.problem.inputs, [recording], prepared)
         return predict_others(self.result, inputs)[0]
 
     def save(self, path: PathLike) -> None:
-        """Write FIT.json; `load` reads it back without loss."""
-        save_fit(path, self.result, self.assessment)
+        """Write FIT.json; `load` reads it back without loss.
+
+        Parameters
+        ----------
+        path : path
+            Where to.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written.
+        """
+        save_fit(path, self.result, self.assessment, self.quality)
 
     def report(self, path: PathLike, *, validation: Sequence[Prediction] = ()) -> None:
         """Write the report, one self-contained HTML file.
@@ -154,4 +199,5 @@ class Fit:
             versions=self.result.versions,
             created=now,
             predictions=validation,
+            quality=self.quality,
         )

@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from surae.api.fitted import Fit
-from surae.api.recordings import AnyRecording, as_inputs, several
+from surae.api.quality import check
+from surae.api.recordings import AnyRecording, as_inputs, read_in, several
 from surae.api.recordings import normalise as normalise_emg
 from surae.assessment.assess import assess
 from surae.assessment.saved.baseline_json import load_baseline
@@ -16,6 +17,7 @@ from surae.estimation.fit import Progress
 from surae.estimation.starts import Follow
 from surae.files import PathLike
 from surae.model import ModelOptions
+from surae.quality import Quality
 from surae.signals import ModelInputs, Weighting, weighted
 
 #: Median and spread of a parameter's prior by name.
@@ -39,6 +41,7 @@ def fit(
     mvc: AnyRecording | Sequence[AnyRecording] = (),
     starts: int = STARTS,
     seed: int = 0,
+    quality: Sequence[Quality] | None = None,
     progress: Progress | None = None,
     follow: Follow | None = None,
     **options: Any,
@@ -81,6 +84,8 @@ def fit(
         Number of starts; the first from the default, the others random within the bounds.
     seed : int
         Seed of the random starts.
+    quality : sequence of Quality, optional
+        What `surae.check` found in the recordings; by default they are checked here.
     progress : callable, optional
         Called after every start with (done, starts, best sum of squares).
     follow : callable, optional
@@ -98,7 +103,8 @@ def fit(
     InputError
         Something given is unknown, contradictory or unusable.
     """
-    inputs: Sequence[ModelInputs] = [as_inputs(one, prepared) for one in several(recordings)]
+    given = [read_in(one) for one in several(recordings)]
+    inputs: Sequence[ModelInputs] = [as_inputs(one, prepared) for one in given]
     if normalise is not None:
         inputs = normalise_emg(inputs, normalise, mvc=mvc, prepared=prepared)
     elif several(mvc):
@@ -126,16 +132,27 @@ def fit(
         result = fit_robust(
             problem, loss, starts=starts, seed=seed, progress=progress, follow=follow
         )
-    return Fit(result, assess(result, compared))
+    found = tuple(check(one) for one in given) if quality is None else tuple(quality)
+    return Fit(result, assess(result, compared), found)
 
 
 def load(path: PathLike) -> Fit:
     """Read a fit that was saved; equal to the one saved.
+
+    Parameters
+    ----------
+    path : path
+        A FIT.json.
+
+    Returns
+    -------
+    Fit
+        The same fit.
 
     Raises
     ------
     InputError
         The file is missing, damaged, or of a newer surae.
     """
-    result, baseline = load_saved(path)
-    return Fit(result, assess(result, baseline))
+    saved = load_saved(path)
+    return Fit(saved.result, assess(saved.result, saved.baseline), saved.quality)

@@ -17,6 +17,11 @@ def several(recordings: AnyRecording | Sequence[AnyRecording]) -> Sequence[AnyRe
     return [recordings] if one else recordings  # type: ignore[list-item,return-value]
 
 
+def read_in(recording: AnyRecording) -> Recording | ModelInputs:
+    """A recording, read if it is a file."""
+    return recording if isinstance(recording, Recording | ModelInputs) else read(recording)
+
+
 def as_inputs(recording: AnyRecording, prepared: bool) -> ModelInputs:
     """What a model takes; a file is read, and a recording filtered unless it is `prepared`."""
     if isinstance(recording, ModelInputs):

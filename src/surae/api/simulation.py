@@ -101,7 +101,31 @@ def simulate(
 def simulate_parts(
     model: str, parameters: Mapping[str, float], recording: AnyRecording, **options: Any
 ) -> TorqueParts:
-    """The torque of `simulate`, split into its parts; arguments and errors are the same."""
+    """The torque of `simulate`, split into its parts.
+
+    Parameters
+    ----------
+    model : str
+        Name of a model.
+    parameters : mapping of str to float
+        All of the model's parameters by name.
+    recording : Recording, ModelInputs or path
+        Angle and EMG, used as they are.
+    **options
+        Switches of the model, as in `simulate`.
+
+    Returns
+    -------
+    TorqueParts
+        Each part over time [Nm], shape (n,).
+
+    Raises
+    ------
+    InputError
+        Something given is unknown, missing or unusable.
+    ComputationError
+        The torque is not finite.
+    """
     inputs = as_inputs(recording, prepared=True)
     spec = with_drives(get_model(model), parameters)
     return parts_of(spec, parameters, inputs, ModelOptions.of(**options))
@@ -112,8 +136,23 @@ def simulate_tendon(
 ) -> TendonState:
     """Lengths, velocities and forces of muscles and tendons over time.
 
-    The arguments are those of `simulate`. Where the model has no finite state, the result says so
-    itself, in `TendonState.unsolved`.
+    Where the model has no finite state, the result says so itself, in `TendonState.unsolved`.
+
+    Parameters
+    ----------
+    model : str
+        Name of a model.
+    parameters : mapping of str to float
+        All of the model's parameters by name.
+    recording : Recording, ModelInputs or path
+        Angle and EMG, used as they are.
+    **options
+        Switches of the model, as in `simulate`.
+
+    Returns
+    -------
+    TendonState
+        Of triceps and tibialis.
 
     Raises
     ------

@@ -24,6 +24,7 @@ COMMANDS = {
     "demo": ("surae.cli.demo", "Fit an embedded virtual subject and write its report."),
     "inspect": ("surae.cli.inspect", "List a file's channels and guess which signal each is."),
     "convert": ("surae.cli.convert", "Write a recording in another format."),
+    "check": ("surae.cli.check", "Look for faults in recordings before they are fitted."),
     "fit": ("surae.cli.fit", "Estimate a model's parameters from recordings."),
     "compare": ("surae.cli.compare", "Tell whether recordings ask for compliant tendons."),
     "profile": ("surae.cli.profile", "Find intervals that follow the model's own curves."),

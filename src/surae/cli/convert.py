@@ -35,27 +35,33 @@ def command(recording: str, output: str, prepared: bool) -> None:
     if suffix:
         check_outputs({"OUT": output}, [recording])
 
+    from surae.cli.progress import work
     from surae.recording import columns, read, write_bids, write_csv, write_hdf5, write_sto
     from surae.recording.axis import shared_time
 
-    one = read(recording)
-    check_outputs({"OUT": output} if suffix else {}, [file.path for file in one.files])
-    if prepared:
-        one = _prepared(one)
-    if suffix in (".h5", ".hdf5"):
-        write_hdf5(output, one)
-    elif suffix == ".csv":
-        shared_time(one, f"cannot write {shown(output)}")
-        name = " ".join(one.name.split())
-        write_csv(output, columns(one), [f"name: {name}", f"emg: {one.emg}"])
-    elif suffix == ".sto":
-        write_sto(output, one)
-    else:
-        write_bids(output, one)
+    with work() as progress:
+        progress.describe(f"reading {recording}")
+        one = read(recording)
+        check_outputs({"OUT": output} if suffix else {}, [file.path for file in one.files])
+        if prepared:
+            progress.describe(f"preparing {recording}")
+            one = _prepared(one)
+        progress.describe(f"writing {output}")
+        if suffix in (".h5", ".hdf5"):
+            write_hdf5(output, one)
+        elif suffix == ".csv":
+            shared_time(one, f"cannot write {shown(output)}")
+            name = " ".join(one.name.split())
+            write_csv(output, columns(one), [f"name: {name}", f"emg: {one.emg}"])
+        elif suffix == ".sto":
+            write_sto(output, one)
+        else:
+            write_bids(output, one)
 
     from surae.cli.screen import show_line
 
-    show_line(f"converted: {shown(output)}")
+    again = "; fit it with --prepared, or it is filtered again" if prepared else ""
+    show_line(f"converted: {shown(output)}{again}")
     lost = [name for name in ("fixed", "prepare", "side", "device") if getattr(one, name)]
     if lost and suffix not in (".h5", ".hdf5"):
         show_line(f"not kept in this format: {', '.join(lost)}; .h5 keeps all")

@@ -8,7 +8,7 @@ import click
 
 #: Extra → packages that it brings, as imported and as distributed.
 EXTRAS = {
-    "formats": (("edfio", "edfio"), ("ezc3d", "ezc3d"), ("pyarrow", "pyarrow"), ("pyxdf", "pyxdf")),
+    "formats": (("edfio", "edfio"), ("pyarrow", "pyarrow"), ("pyxdf", "pyxdf")),
     "web": (("fastapi", "fastapi"), ("uvicorn", "uvicorn"), ("pydantic", "pydantic")),
     "pdf": (("typst", "typst"),),
     "bayes": (("nutpie", "nutpie"), ("arviz_stats", "arviz-stats")),

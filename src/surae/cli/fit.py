@@ -16,10 +16,12 @@ from surae.cli.options import (
     whole_number,
 )
 from surae.cli.paths import check_outputs, refuse_repeated
+from surae.errors import InputError
 from surae.files import shown
 
 if TYPE_CHECKING:
     from surae.api import Fit
+    from surae.quality import Quality
 
 #: More starts than this are a slip of the keyboard.
 _MOST_STARTS = 10_000
@@ -40,6 +42,9 @@ _MOST_STARTS = 10_000
 @click.option("--baseline", metavar="B.json", help="Compare SEM with simulations (snSEM).")
 @click.option("--starts", metavar="N", help="Number of starts.  [default: 8]")
 @click.option("--seed", metavar="N", help="Of the random starts.  [default: 0]")
+@click.option(
+    "--strict", is_flag=True, help="Refuse recordings in which `surae check` finds errors."
+)
 @click.option("--output", metavar="FIT.json", help="Write the fit.")
 @click.option("--report", metavar="REPORT.html", help="Write the report.")
 @fit_options
@@ -56,6 +61,7 @@ def command(
     starts: str | None,
     seed: str | None,
     baseline: str | None,
+    strict: bool,
     output: str | None,
     report: str | None,
     **options: Any,
@@ -78,14 +84,21 @@ def command(
     refuse_repeated(recordings)
 
     from surae.cli.progress import compilation_notice, work
+    from surae.quality import check_recording
     from surae.recording import read
     from surae.signals import prepare
 
     with work() as progress:
-        inputs = []
+        inputs, quality = [], []
         for path in recordings:
             progress.describe(f"reading {path}")
-            inputs.append(prepare(read(path), prepared=prepared))
+            measured = read(path)
+            progress.describe(f"preparing {path}")
+            inputs.append(prepare(measured, prepared=prepared))
+            progress.describe(f"checking {path}")
+            quality.append(check_recording(measured))
+            if strict:
+                refuse_errors(path, quality[-1])
         check_outputs(
             {"--output": output, "--report": report},
             [*([] if baseline is None else [baseline]), *settings.mvc,
@@ -109,19 +122,33 @@ def command(
                 baseline=baseline,
                 starts=count or STARTS,
                 seed=number,
+                quality=quality,
                 progress=progress.starts,
                 **chosen,
             )
     return finish(found, output, report)
 
 
+def refuse_errors(path: str, quality: "Quality") -> None:
+    """Raise InputError where a recording has a finding that is an error."""
+    wrong = [finding for finding in quality.findings if finding.severity == "error"]
+    if wrong:
+        more = f" (and {len(wrong) - 1} more errors)" if len(wrong) > 1 else ""
+        raise InputError(
+            f"{shown(path)}: {wrong[0].code}: {wrong[0].message} {wrong[0].advice}{more}"
+        )
+
+
 def finish(found: "Fit", output: str | None, report: str | None) -> int:
     """Write a fit, then show it: a closed pipe must not cost a result. Returns the exit code."""
+    from surae.cli.findings import show_short
     from surae.cli.screen import show_fit, show_line
 
     if output is not None:
         found.save(output)
     show_fit(found)
+    for one in found.quality:
+        show_short(one)
     if output is not None:
         show_line(f"fit: {shown(output)}")
     if report is not None:

@@ -29,9 +29,12 @@ def command(files: tuple[str, ...], side: str | None, output: str | None, as_jso
         raise InputError(f"--output: {shown(output)} must end in .toml, which says what it is")
     check_outputs({"--output": output}, files)
 
+    from surae.cli.progress import work
     from surae.recording import inspect, write_mapping
 
-    found = inspect(files, side=side)
+    with work() as progress:
+        progress.describe(f"reading {', '.join(files)}")
+        found = inspect(files, side=side)
     if output is not None:
         write_mapping(found, output)
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from surae.errors import InputError
+from surae.estimation.drive_starts import own_columns
 from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.least_squares import Minimum, Outcome, minimise
 from surae.estimation.problem import FitProblem, Residuals
@@ -57,6 +58,11 @@ def fit_problem(
     -------
     FitResult
         The best minimum. Ctrl-C keeps the best so far; its message says so.
+
+    Raises
+    ------
+    InputError
+        `starts` is less than 1.
     """
     if starts < 1:
         raise InputError(f"starts is {starts}; give at least 1")
@@ -94,10 +100,16 @@ def _finite_sum(minimum: Minimum) -> float:
 
 
 def _initials(problem: FitProblem, starts: int, seed: int) -> list[FloatArray]:
-    """The default start, then random ones, uniform within the bounds."""
-    rng = np.random.default_rng(seed)
-    spread = problem.upper - problem.lower
-    random = [problem.lower + spread * rng.random(len(spread)) for _ in range(starts - 1)]
+    """The default start, then random ones, uniform within the bounds.
+
+    Drives are drawn apart: everything else starts where a fit without them does.
+    """
+    rng, apart = np.random.default_rng(seed), np.random.default_rng([seed, 1])
+    spread, own = problem.upper - problem.lower, len(own_columns(problem))
+    random = [
+        problem.lower + spread * np.concatenate([rng.random(own), apart.random(len(spread) - own)])
+        for _ in range(starts - 1)
+    ]
     return [problem.start, *random]
 
 

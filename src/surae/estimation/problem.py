@@ -342,7 +342,7 @@ class Residuals:
     """
 
     def __init__(self, problem: FitProblem, noise: float = 0.0) -> None:
-        self._problem, self._noise = problem, noise
+        self._problem, self.noise = problem, noise
         self._simulators = simulators(problem)
         measured = [one.torque for one in problem.inputs]
         self._measured = [torque for torque in measured if torque is not None]
@@ -376,7 +376,7 @@ class Residuals:
         for column, (name, prior) in enumerate(self._problem.priors.items(), self._samples):
             j = self._problem.free.index(name)
             value = max(x[j], _SMALLEST * prior.median)
-            weight = self._noise / prior.spread
+            weight = self.noise / prior.spread
             self._rows[j, column] = weight / value
             self._rows[-1, column] = weight * np.log(value / prior.median)
         return self._rows

@@ -7,7 +7,8 @@ from typing import Protocol
 import numpy as np
 
 from surae.estimation.curved import curved_move
-from surae.estimation.least_squares import Better, Minimum, Outcome, minimise
+from surae.estimation.drive_starts import delay_valleys, drives_off, held_off, own_columns
+from surae.estimation.least_squares import Better, Minimum, Outcome, Rows, minimise
 from surae.estimation.problem import FitProblem, Residuals
 from surae.estimation.separable import scan_lengths, solve_linear
 from surae.model import ModelSpec, get_model, with_drives
@@ -40,8 +41,17 @@ def from_start(
 
     A model of rigid tendons solves its linear parameters first. A model with a parent takes the
     parent's minimum, then its own on thinned data: compliance changes the muscle's parameters by
-    a few percent, so each lies in the valley of the next and costs a fraction of it.
+    a few percent, so each lies in the valley of the next and costs a fraction of it. A problem
+    that frees drives begins at its minimum without them, see `surae.estimation.drive_starts`.
     """
+    direct = _direct(problem, residuals, follow)
+    if len(own_columns(problem)) == len(problem.free):
+        return direct
+    return _with_drives(problem, residuals, direct, follow)
+
+
+def _direct(problem: FitProblem, residuals: Residuals, follow: Follow | None) -> FromStart:
+    """Descends from the start itself, or from the parent's minimum."""
     move, stall = curved_move(problem), _STALL / problem.n
     first, better = _first_look(problem, follow), _better(problem, follow)
 
@@ -51,8 +61,7 @@ def from_start(
             before = first(initial, scan=scan)
             x = before.x
             if before.outcome is Outcome.INTERRUPTED:
-                here = minimise(rows, x, problem.lower, problem.upper, max_iterations=1)
-                return replace(here, outcome=Outcome.INTERRUPTED)
+                return _stopped(problem, rows, x)
         elif scan:
             x = scan_lengths(problem, residuals.data_rows, initial)
         else:
@@ -62,6 +71,57 @@ def from_start(
         )
 
     return minimum
+
+
+def _with_drives(
+    problem: FitProblem, residuals: Residuals, direct: FromStart, follow: Follow | None
+) -> FromStart:
+    """The best of the minima that begin without the drives.
+
+    Where nothing else looks for another valley, and with a compliant tendon, whose parent has,
+    the start's own minimum is tried too.
+    """
+    own, off = own_columns(problem), drives_off(problem)
+    without = from_start(off, Residuals(off, residuals.noise), follow) if own else None
+    rows, move, stall = residuals.rows, curved_move(problem), _STALL / problem.n
+    better, rigid = _better(problem, follow), problem.spec.parent is None
+
+    def minimum(initial: FloatArray, *, scan: bool) -> Minimum:
+        x = held_off(problem, initial[own])
+        if without is not None:
+            before = without(initial[own], scan=scan)
+            x = held_off(problem, before.x)
+            if before.outcome is Outcome.INTERRUPTED:
+                return _stopped(problem, rows, x)
+        points = delay_valleys(problem, residuals.data_rows, x) if rigid else [x]
+        best = minimise(
+            rows, points[0], problem.lower, problem.upper, move=move, stall=stall, better=better
+        )
+        for point in points[1:]:
+            if best.outcome is not Outcome.INTERRUPTED:
+                tried = minimise(rows, point, problem.lower, problem.upper, move=move, stall=stall)
+                best = _better_of(best, tried)
+        if len(points) == 1 and best.outcome is not Outcome.INTERRUPTED:
+            best = _better_of(best, direct(initial, scan=scan))
+        if better is not None:
+            better(best.x, best.sse)
+        return best
+
+    return minimum
+
+
+def _stopped(problem: FitProblem, rows: Rows, x: FloatArray) -> Minimum:
+    """Where the user stopped before the problem's own iteration began."""
+    here = minimise(rows, x, problem.lower, problem.upper, max_iterations=1)
+    return replace(here, outcome=Outcome.INTERRUPTED)
+
+
+def _better_of(best: Minimum, tried: Minimum) -> Minimum:
+    """The lower of two minima; an interruption of the second is told in any case."""
+    lower = tried.sse < best.sse or not np.isfinite(best.sse)
+    if tried.outcome is Outcome.INTERRUPTED:
+        return replace(tried if lower else best, outcome=tried.outcome)
+    return tried if lower else best
 
 
 def _better(problem: FitProblem, follow: Follow | None) -> Better | None:
@@ -99,15 +159,13 @@ def _first_look(problem: FitProblem, follow: Follow | None = None) -> FromStart 
         x = initial.copy()
         x[shared] = before.x
         if before.outcome is Outcome.INTERRUPTED:
-            here = minimise(rows, x, thin.lower, thin.upper, max_iterations=1)
-            return replace(here, outcome=Outcome.INTERRUPTED)
+            return _stopped(thin, rows, x)
         best = minimise(rows, x, thin.lower, thin.upper, move=move, stall=stall, better=better)
         for other in _other_relaxations(thin, best.x):
             if best.outcome is Outcome.INTERRUPTED:
                 break
             tried = minimise(rows, other, thin.lower, thin.upper, move=move, stall=stall)
-            if tried.sse < best.sse or tried.outcome is Outcome.INTERRUPTED:
-                best = replace(min(tried, best, key=lambda m: m.sse), outcome=tried.outcome)
+            best = _better_of(best, tried)
         return best
 
     return minimum

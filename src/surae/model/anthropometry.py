@@ -44,6 +44,11 @@ def foot_mass(body_mass: float, footplate: float = 0.0, *, table: str = "winter"
     table : {"winter", "de-leva-female", "de-leva-male"}
         Where the foot's share comes from: 1.45, 1.29 and 1.37 %.
 
+    Returns
+    -------
+    float
+        The mass m [kg].
+
     Raises
     ------
     InputError

@@ -59,7 +59,13 @@ class ModelOptions:
 
     @classmethod
     def of(cls, **given: Any) -> "ModelOptions":
-        """Options from keywords; an unknown one is an `InputError` that lists the known ones."""
+        """Options from keywords.
+
+        Raises
+        ------
+        InputError
+            One is unknown; the message lists the known ones.
+        """
         known = [field.name for field in fields(cls)]
         for name in given:
             if name not in known:

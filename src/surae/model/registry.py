@@ -154,7 +154,13 @@ def with_drives(spec: ModelSpec, names: Iterable[str]) -> ModelSpec:
 
 
 def check_names(names: Mapping[str, object] | tuple[str, ...], spec: ModelSpec) -> None:
-    """Refuse a parameter name that the model does not have, listing those it has."""
+    """Refuse a parameter name that the model does not have, listing those it has.
+
+    Raises
+    ------
+    InputError
+        A name is none of the model's.
+    """
     for name in names:
         if name not in spec.names:
             known = ", ".join(spec.names)
@@ -162,7 +168,22 @@ def check_names(names: Mapping[str, object] | tuple[str, ...], spec: ModelSpec) 
 
 
 def check_value(parameter: Parameter, value: float, spec: ModelSpec) -> None:
-    """Refuse a value for which the equations have no meaning."""
+    """Refuse a value for which the equations have no meaning.
+
+    Parameters
+    ----------
+    parameter : Parameter
+        Which one.
+    value : float
+        In its unit.
+    spec : ModelSpec
+        The model, for the message.
+
+    Raises
+    ------
+    InputError
+        It is no finite number, or of a sign that it cannot have.
+    """
     untyped: object = value
     number = isinstance(untyped, Real) and not isinstance(untyped, bool)
     if not number or not np.isfinite(value):
@@ -273,7 +294,13 @@ MODELS: dict[str, ModelSpec] = {
 
 
 def get_model(name: str) -> ModelSpec:
-    """The model called `name`; an unknown name is an `InputError` that lists the known ones."""
+    """The model called `name`.
+
+    Raises
+    ------
+    InputError
+        The name is unknown; the message lists the known ones.
+    """
     if name not in MODELS:
         raise InputError(f"unknown model {name!r}; known models: {', '.join(MODELS)}")
     return MODELS[name]

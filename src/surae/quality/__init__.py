@@ -2,6 +2,8 @@
 
 from surae.quality.commanded import Commanded
 from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped, quality_of
+from surae.quality.prepared import recording_of
+from surae.quality.reading import check_file, commanded_file
 from surae.quality.registry import CHECKS, CODES, Check, check_recording
 
 __all__ = [
@@ -13,6 +15,9 @@ __all__ = [
     "Finding",
     "Quality",
     "Skipped",
+    "check_file",
     "check_recording",
+    "commanded_file",
     "quality_of",
+    "recording_of",
 ]

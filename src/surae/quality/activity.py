@@ -216,14 +216,15 @@ def _relative(envelope: FloatArray) -> FloatArray:
 
 def co_contraction(trial: Trial) -> tuple[Finding, ...] | Skipped:
     """Both sides of the ankle active at the same time, nearly throughout."""
-    triceps, ta = trial.group("triceps"), trial.group("ta")
+    triceps, ta = trial.group("triceps", fast=True), trial.group("ta", fast=True)
+    width = round(0.15 * trial.rate_hz)
     if triceps is None or ta is None:
         return Skipped("co-contraction", "There is no EMG of both sides of the ankle.")
     if _silent(trial):
         return ()
     levels = []
     for envelope in (triceps, ta):
-        smoothed = smooth(envelope, round(0.3 * trial.rate_hz))
+        smoothed = envelope if trial.emg_kind == "envelope" else smooth(envelope, width)
         levels.append(smoothed / max(float(np.quantile(smoothed, 0.98)), 1e-300))
     either = np.maximum(*levels) > TOGETHER
     both = np.minimum(*levels) > TOGETHER

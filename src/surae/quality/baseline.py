@@ -1,5 +1,7 @@
 """The torque of a leg that does nothing at an angle where nothing is stretched."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from surae.model.geometry import arm_tib, arm_tri
@@ -16,6 +18,14 @@ _K_TIB = np.arange(70.0, 191.0, 20.0)
 _RESTING = 0.03
 #: Rest that is needed [s], and the part of its range that the angle then goes through [rad].
 _SECONDS, _SPAN = 3.0, 0.35
+
+
+@dataclass(frozen=True, slots=True)
+class Baseline:
+    """The constant part of a torque at θ = 0, and the root mean square of what is left [Nm]."""
+
+    level: float
+    spread: float
 
 
 def resting(rate: float, envelopes: dict[str, FloatArray], n: int) -> BoolArray:
@@ -35,7 +45,7 @@ def baseline(
     angle: FloatArray,
     torque: FloatArray,
     envelopes: dict[str, FloatArray],
-) -> float | None:
+) -> Baseline | None:
     """The constant part of the torque, as it is at θ = 0 [Nm].
 
     Exponentials of both muscles' lengths and c·cos θ are fitted to the torque at rest; where the
@@ -44,8 +54,8 @@ def baseline(
 
     Returns
     -------
-    float or None
-        c; None where too little of the range is gone through to tell it from the passive torque.
+    Baseline or None
+        None where too little of the range is gone through to tell it from the passive torque.
     """
     n = len(angle)
     quiet = resting(rate, envelopes, n)
@@ -86,7 +96,7 @@ def baseline(
     return _constant(np.column_stack(columns), coarse(torque))
 
 
-def _constant(matrix: FloatArray, y: FloatArray) -> float:
+def _constant(matrix: FloatArray, y: FloatArray) -> Baseline:
     """The coefficient of the cosine in the best of the fits, one for each pair of stiffnesses."""
     scale = np.sqrt((matrix**2).sum(axis=0))
     scale[scale == 0.0] = 1.0
@@ -107,10 +117,10 @@ def _constant(matrix: FloatArray, y: FloatArray) -> float:
             gain = float(weights @ right[chosen])
             if gain > best:
                 best, found = gain, float(weights[len(pulling)] / scale[second])
-    return found
+    rest_power = max(float(y @ y) - best, 0.0)
+    return Baseline(found, float(np.sqrt(rest_power / len(y))))
 
 
 def _solved(gram: FloatArray, right: FloatArray, chosen: list[int]) -> FloatArray:
-    square = gram[np.ix_(chosen, chosen)] + 1e-9 * np.eye(len(chosen))
-    weights: FloatArray = np.linalg.solve(square, right[chosen])
-    return weights
+    square: FloatArray = gram[np.ix_(chosen, chosen)] + 1e-9 * np.eye(len(chosen))
+    return np.asarray(np.linalg.solve(square, right[chosen]), dtype=np.float64)

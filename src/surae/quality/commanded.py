@@ -11,6 +11,7 @@ import numpy as np
 
 from surae.protocol import PROFILES
 from surae.protocol.adaptation import low_pass
+from surae.quality.numeric import BoolArray
 from surae.recording import Channel, read_only
 from surae.units import FloatArray
 
@@ -21,6 +22,12 @@ _RATE = 85.0
 _RECOGNISED = 0.08
 #: Without a filter, this is already the right profile.
 _EXACT = 1e-3
+#: In a shorter trial [s] any profile fits.
+_SHORTEST = 8.0
+#: This close, no other profile and no other chirp is tried.
+_CLOSE = 4e-3
+#: Steps of the axis on which the cut-off of a filter is searched.
+_COARSE = 2048
 #: A chirp whose part of the remaining variance is smaller is none.
 _CHIRP_SHARE = 0.05
 #: Chirps rise faster than this [Hz/s]; what is slower is a misfit of the profile.
@@ -64,7 +71,7 @@ def recognised(channel: Channel) -> Commanded | None:
     seconds = channel.time[::step] - channel.time[0]
     angle = channel.values[::step]
     span = float(np.ptp(angle))
-    if len(angle) < 200 or span == 0.0:
+    if len(angle) < 200 or float(seconds[-1]) < _SHORTEST or span == 0.0:
         return None
     candidates = []
     for profile in PROFILES.values():
@@ -82,6 +89,8 @@ def recognised(channel: Channel) -> Commanded | None:
         spread, fitted = _with_chirp(angle, base, seconds)
         if spread < best[0]:
             best = (spread, name, fitted)
+        if spread < _CLOSE * span:
+            break
     if best[0] > _RECOGNISED * span:
         return None
     return Commanded(
@@ -106,10 +115,12 @@ def _with_chirp(
         return best
     filtered = _filtered(angle, base, chirp, seconds)
     best = min(best, filtered, key=lambda one: one[0])
+    if best[0] < _CLOSE * span:
+        return best
     # What the filter did to the profile may have hidden the chirp.
     alone = filtered if chirp is None else _filtered(angle, base, None, seconds)
     hidden = _chirp(angle - alone[1], seconds)
-    if best[0] > _EXACT * span and hidden is not None:
+    if hidden is not None:
         found = _filtered(angle, base, hidden, seconds)
         best = min(best, found, key=lambda one: one[0])
     return best
@@ -118,25 +129,36 @@ def _with_chirp(
 def _filtered(
     angle: FloatArray, base: FloatArray, chirp: FloatArray | None, seconds: FloatArray
 ) -> tuple[float, FloatArray]:
-    """The same for a motion adapted to a device: one low-pass for profile and chirp."""
-    rate = (len(seconds) - 1) / float(seconds[-1])
+    """The same for a motion adapted to a device: one low-pass for profile and chirp.
+
+    The cut-off is searched on a coarser axis whose length suits the transform.
+    """
+    grid = np.linspace(0.0, float(seconds[-1]), _COARSE + 1)
+    rate = _COARSE / float(seconds[-1])
+    coarse = np.interp(grid, seconds, angle)
     moving = [base] if chirp is None else [base, chirp]
+    spectra = [
+        np.fft.rfft(np.concatenate([one, one[-2:0:-1]]))
+        for one in (np.interp(grid, seconds, wave) for wave in moving)
+    ]
+    frequency = np.arange(_COARSE + 1) * (rate / (2 * _COARSE))
 
-    def at(log_cutoff: float) -> tuple[float, FloatArray, float]:
-        passed = [low_pass(one, float(np.exp(log_cutoff)), rate)[0] for one in moving]
-        residual, fitted = _left(angle, [*_columns(passed[0], seconds), *passed[1:]])
-        return _spread(residual), fitted, log_cutoff
+    def spread(log_cutoff: float) -> float:
+        gain = 1.0 / np.sqrt(1.0 + (frequency / np.exp(log_cutoff)) ** 2)
+        waves = [np.fft.irfft(gain * one, 2 * _COARSE)[: _COARSE + 1] for one in spectra]
+        columns = [*_columns(waves[0], grid), *waves[1:]]
+        return _spread(coarse - _solved(np.column_stack(columns), coarse))
 
-    def spread(one: tuple[float, FloatArray, float]) -> float:
-        return one[0]
-
-    grid = np.log(np.geomspace(0.03, 12.0, 11))
-    best = min((at(float(x)) for x in grid), key=spread)
-    width = float(grid[1] - grid[0])
-    for _ in range(6):
+    logs = np.log(np.geomspace(0.03, 12.0, 11))
+    least, best = min((spread(x), x) for x in logs.tolist())
+    width = float(logs[1] - logs[0])
+    for _ in range(7):
         width /= 2.0
-        best = min((best, at(best[2] - width), at(best[2] + width)), key=spread)
-    return best[0], best[1]
+        least, best = min((least, best), *((spread(x), x) for x in (best - width, best + width)))
+    exact = (len(seconds) - 1) / float(seconds[-1])
+    passed = [low_pass(one, float(np.exp(best)), exact)[0] for one in moving]
+    residual, fitted = _left(angle, [*_columns(passed[0], seconds), *passed[1:]])
+    return _spread(residual), fitted
 
 
 def _columns(base: FloatArray, seconds: FloatArray) -> list[FloatArray]:
@@ -151,14 +173,23 @@ def _left(angle: FloatArray, columns: list[FloatArray]) -> tuple[FloatArray, Flo
     residual = angle
     fitted = np.zeros_like(angle)
     for _ in range(2):
-        part = matrix[kept]
-        gram = part.T @ part
-        scale = np.sqrt(np.diag(gram)) + 1e-300
-        solved = np.linalg.lstsq(gram / np.outer(scale, scale), part.T @ angle[kept] / scale, None)
-        fitted = matrix @ (solved[0] / scale)
+        fitted = _solved(matrix, angle, kept)
         residual = angle - fitted
         kept = np.abs(residual) <= np.quantile(np.abs(residual), 0.9)
     return residual, fitted
+
+
+def _solved(
+    matrix: FloatArray, angle: FloatArray, kept: BoolArray | slice = slice(None)
+) -> FloatArray:
+    """The combination of the columns that is closest to the angle in the samples `kept`."""
+    part = matrix[kept]
+    gram = part.T @ part
+    scale = np.sqrt(np.diag(gram))
+    scale[scale == 0.0] = 1.0
+    found = np.linalg.lstsq(gram / np.outer(scale, scale), part.T @ angle[kept] / scale, None)[0]
+    fitted: FloatArray = matrix @ (found / scale)
+    return fitted
 
 
 def _spread(residual: FloatArray) -> float:

@@ -5,7 +5,7 @@ import numpy as np
 from surae.quality.finding import Finding
 from surae.quality.numeric import equal_runs, runs, smooth
 from surae.quality.trial import Trial
-from surae.quality.wording import muscle_name, weight_of
+from surae.quality.wording import muscle_name, quantity, weight_of
 from surae.recording import MUSCLES, Channel
 
 #: A muscle that never exceeds this [V] is at rest: maximal efforts give 2e-4 V and more.
@@ -16,19 +16,23 @@ DROPOUT = 0.5
 #: muscles of one leg differ by a factor of ten at most.
 SILENT = 0.01
 #: Samples exactly at the largest value that make a plateau. A smooth peak has two at most.
-CLIPPED_SAMPLES = 6
-#: A plateau holds so many times the samples of the next hundredth of the range below it; the
-#: unclipped distribution, which falls outwards, holds fewer than one.
-CLIPPED_EXCESS = 2.0
+CLIPPED_SAMPLES = 5
+#: A plateau holds more samples than the next hundredth of the range below it; where nothing is
+#: clipped, the numbers fall outwards.
+CLIPPED_EXCESS = 1.0
 #: Offset of raw EMG as a part of its standard deviation; the mean of clean EMG is below 0.01.
 OFFSET = 0.15
 #: Level of an envelope at rest as a part of its highest; clean ones, crosstalk included, stay
 #: below 0.05 and noise of 5 % adds 0.02.
 FLOOR = 0.10
+#: From here on it matters to a fit: muscles that seem active when they are not.
+BAD_FLOOR = 0.2
 #: A spike is a sample beyond this many times the level that the EMG exceeds for `_OFTEN` seconds in
 #: all, which artefacts do not. Gaussian EMG in a few bursts reaches 8 times, an envelope 2.6 times.
 SPIKE = {"raw": 10.5, "envelope": 3.5}
 _OFTEN = 0.75
+#: What lasts longer [s] is an effort.
+BURST_SECONDS = 0.8
 #: Slow content (below about 15 Hz) of raw EMG as a part of that level. Clean EMG has none below
 #: 20 Hz and leaks 0.3 of it; a moving cable or skin makes more than the EMG itself.
 SLOW_SPIKE = 0.9
@@ -166,7 +170,7 @@ def clipped(trial: Trial) -> tuple[Finding, ...]:
                     share,
                     "1",
                     f"{count} samples of the EMG of the {muscle_name(muscle)} stop at "
-                    f"{values[where[0]]:.3g} {channel.unit}.",
+                    f"{quantity(float(values[where[0]]), channel)}.",
                     "Lower the amplifier's gain and record again; efforts beyond that level are "
                     "underestimated.",
                 )
@@ -202,13 +206,13 @@ def offset(trial: Trial) -> tuple[Finding, ...]:
         found.append(
             Finding(
                 "emg-offset",
-                "warning",
+                "warning" if trial.emg_kind == "raw" or ratio > BAD_FLOOR else "info",
                 channel.role,
                 float(channel.time[0]),
                 float(channel.time[-1]),
                 level,
                 channel.unit,
-                f"The EMG of the {muscle_name(muscle)} {rest} {level:.3g} {channel.unit} instead "
+                f"The EMG of the {muscle_name(muscle)} {rest} {quantity(level, channel)} instead "
                 f"of 0 ({100 * ratio:.2g} % of its "
                 + ("standard deviation)." if trial.emg_kind == "raw" else "highest)."),
                 advice,
@@ -224,10 +228,13 @@ def artefact(trial: Trial) -> tuple[Finding, ...]:
         if muscle not in trial.slow:
             continue
         values = channel.values - float(np.median(channel.values))
-        size = np.abs(values)
+        size, apart = np.abs(values), round(0.2 * channel.rate_hz)
         seconds = float(channel.time[-1] - channel.time[0])
-        usual = float(np.quantile(size, max(0.5, 1.0 - _OFTEN / seconds)))
+        usual = float(np.quantile(size, max(0.95, 1.0 - _OFTEN / seconds)))
         wrong = size > SPIKE[trial.emg_kind] * usual
+        for first, last in runs(smooth(wrong.astype(np.float64), apart) > 0.0):
+            if last - first > BURST_SECONDS * channel.rate_hz:
+                wrong[first:last] = False  # an effort, where efforts are rare
         if trial.emg_kind == "raw":
             width = round(_SLOW_WINDOW * channel.rate_hz)
             swing = np.abs(smooth(smooth(values, width), width))
@@ -235,7 +242,7 @@ def artefact(trial: Trial) -> tuple[Finding, ...]:
         if not wrong.any():
             continue
         # Touching pieces are one artefact.
-        near = smooth(wrong.astype(np.float64), round(0.2 * channel.rate_hz)) > 0.0
+        near = smooth(wrong.astype(np.float64), apart) > 0.0
         spans = list(runs(near))
         where = np.flatnonzero(wrong)
         worst = int(np.argmax(np.where(wrong, size, 0.0)))
@@ -250,8 +257,8 @@ def artefact(trial: Trial) -> tuple[Finding, ...]:
                 channel.unit,
                 f"{len(spans)} "
                 + ("artefact" if len(spans) == 1 else "artefacts")
-                + f" in the EMG of the {muscle_name(muscle)}, the largest of {size[worst]:.3g} "
-                f"{channel.unit} at {channel.time[worst]:.3f} s.",
+                + f" in the EMG of the {muscle_name(muscle)}, the largest of "
+                f"{quantity(float(size[worst]), channel)} at {channel.time[worst]:.3f} s.",
                 "Fasten cable and electrode; leave that time out with --exclude, or fit with "
                 "--robust.",
             )

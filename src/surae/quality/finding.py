@@ -70,7 +70,18 @@ class Quality:
         return self.worst in (None, "info")
 
     def count(self, severity: Severity) -> int:
-        """Number of findings of one severity."""
+        """Count the findings of one severity.
+
+        Parameters
+        ----------
+        severity : {"info", "warning", "error"}
+            Which.
+
+        Returns
+        -------
+        int
+            How many there are.
+        """
         return sum(finding.severity == severity for finding in self.findings)
 
     def as_dict(self) -> dict[str, Any]:

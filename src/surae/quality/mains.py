@@ -4,7 +4,7 @@ import numpy as np
 
 from surae.quality.finding import Finding, Skipped
 from surae.quality.trial import Trial
-from surae.quality.wording import muscle_name
+from surae.quality.wording import muscle_name, quantity
 from surae.recording import MUSCLES, Channel
 from surae.units import FloatArray
 
@@ -48,7 +48,7 @@ def hum(trial: Trial) -> tuple[Finding, ...] | Skipped:
                 amplitude,
                 channel.unit,
                 f"The EMG of the {muscle_name(muscle)} holds a hum of {frequency:.1f} Hz with an "
-                f"amplitude of {amplitude:.2g} {channel.unit} ({amplitude / rms:.2g} of its "
+                f"amplitude of {quantity(amplitude, channel)} ({amplitude / rms:.2g} of its "
                 "standard deviation).",
                 "Improve the reference electrode and keep cables from power lines; the high-pass "
                 "does not remove it.",

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from surae.units import FloatArray
 
 BoolArray = npt.NDArray[np.bool_]
+IndexArray = npt.NDArray[np.intp]
 
 
 def smooth(values: FloatArray, width: int) -> FloatArray:
@@ -35,7 +36,7 @@ def runs(mask: BoolArray) -> Iterator[tuple[int, int]]:
     yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
 
 
-def equal_runs(values: FloatArray) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+def equal_runs(values: FloatArray) -> tuple[IndexArray, IndexArray]:
     """First index and length of every run of equal values, runs of one included."""
     first = np.concatenate([[0], np.flatnonzero(np.diff(values) != 0.0) + 1])
     return first, np.diff(np.concatenate([first, [len(values)]]))

@@ -54,7 +54,7 @@ def reflex(trial: Trial) -> Reflex | None:
     if float(stretch.max()) < STRETCH:
         return None
     resting = _resting(trial)
-    return _proportional(trial, emg, stretch, resting) or _bursts(trial, emg, stretch, resting)
+    return _proportional(trial, emg, stretch, resting) or _bursts(trial, emg, stretch)
 
 
 def suspected(trial: Trial) -> tuple[Finding, ...] | Skipped:
@@ -152,34 +152,33 @@ def _onsets(trial: Trial, stretch: FloatArray) -> list[int]:
 
 
 def _peaks(trial: Trial, stretch: FloatArray) -> list[int]:
-    """Where stretches are fastest."""
-    width = round(0.25 * trial.rate_hz)
-    return [
-        start + int(np.argmax(stretch[start : start + 2 * width]))
-        for start in _onsets(trial, stretch)
-    ]
+    """Where stretches reach their speed, which ramps then keep."""
+    width = round(0.5 * trial.rate_hz)
+    pieces = ((start, stretch[start : start + width]) for start in _onsets(trial, stretch))
+    return [start + int(np.argmax(piece >= 0.95 * piece.max())) for start, piece in pieces]
 
 
-def _bursts(
-    trial: Trial, emg: FloatArray, stretch: FloatArray, resting: BoolArray
-) -> Reflex | None:
+def _bursts(trial: Trial, emg: FloatArray, stretch: FloatArray) -> Reflex | None:
     """A reflex of short bursts, after the onset or the peak of most stretches."""
     rate = trial.rate_hz
     before, after = round(0.1 * rate), round(0.3 * rate)
+    usual = float(np.quantile(emg, 0.99))
     for events in (_onsets(trial, stretch), _peaks(trial, stretch)):
         followed: list[float] = []
         looked = 0
         hits: list[int] = []
         for event in events:
-            if event < before or event + after >= len(emg) or not resting[event]:
+            if event < before or event + after >= len(emg):
                 continue
-            looked += 1
             rest = float(np.mean(emg[event - before : event + round(0.01 * rate)]))
+            if rest > 0.1 * usual:
+                continue  # active already
+            looked += 1
             window = slice(event + round(0.02 * rate), event + round((LATEST + 0.03) * rate))
             answer = emg[window]
             later = float(np.mean(emg[event + round(0.2 * rate) : event + after]))
             top = float(answer.max())
-            if top > BURST * max(rest, later) and top > 0.03 * float(np.quantile(emg, 0.99)):
+            if top > BURST * max(rest, later) and top > 0.03 * usual:
                 followed.append((int(np.argmax(answer)) + window.start - event) / rate)
                 hits.append(event)
         if looked >= EVENTS and len(followed) >= max(EVENTS, FOLLOWED * looked):

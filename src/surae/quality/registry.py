@@ -35,6 +35,7 @@ CHECKS: tuple[Check, ...] = (
     Check(("electrode-lag",), lag.electrode_lag, "one electrode later than the others"),
     Check(("emg-torque-lag",), lag.torque_lag, "EMG and torque out of step"),
     Check(("torque-limit",), torque.limit, "torque at the device's limit"),
+    Check(("torque-artefact",), torque.artefact, "torque that neither EMG nor angle explain"),
     Check(("torque-sign",), torque.sign, "torque of the wrong sign"),
     Check(("torque-offset",), torque.offset, "torque that gravity does not explain"),
     Check(("angle-units",), position.units, "degrees for radians, or another zero"),
@@ -48,7 +49,7 @@ CHECKS: tuple[Check, ...] = (
 )
 
 #: Of the time axis, which need no signal that can be read.
-TIME_CODES = ("time-gap", "time-jitter", "trial-too-short")
+TIME_CODES = ("time-gap", "time-jitter", "samples-missing", "trial-too-short")
 
 #: Every code that a finding can have.
 CODES: tuple[str, ...] = tuple(code for one in CHECKS for code in one.codes) + TIME_CODES

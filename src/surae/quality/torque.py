@@ -7,9 +7,10 @@ import numpy as np
 from surae.protocol import DEVICES
 from surae.quality.baseline import baseline
 from surae.quality.finding import Finding, Skipped
-from surae.quality.numeric import correlation, equal_runs
+from surae.quality.numeric import IndexArray, correlation, equal_runs
 from surae.quality.torque_model import passive_columns
 from surae.quality.trial import Trial
+from surae.units import FloatArray
 
 #: Samples in a row exactly at the largest torque that make a plateau, and how many there are in
 #: all: a measured or simulated torque repeats no number.
@@ -17,15 +18,25 @@ PLATEAU_RUN, PLATEAU = 3, 6
 #: A plateau behind a noisy sensor: this part of the limit above and below it...
 _BAND = 0.005
 #: ...holds so many times the samples of the band next below. The top of a smooth peak has 2.4.
-_EXCESS = 4.0
+_EXCESS = 3.0
 #: Torque of the groups has the wrong sign when the EMG explains this part of what the angle
-#: leaves; chance explains 0.05.
-_GAINED = 0.3
+#: leaves, chance explaining 0.05, and at a lag that is known (see `surae.quality.lag`).
+_GAINED, _SHARP = 0.3, 0.15
 #: Passive torque whose correlation with the stretch of the triceps is below minus this.
 _AGAINST = -0.6
-#: m·g·la of foot and footplate is 1.8 to 4.4 Nm (1.2 to 3 kg at 0.15 m); what the two exponentials
-#: cannot follow (relaxation, knee) adds up to 2.7 Nm either way in virtual trials.
-LOWEST, HIGHEST = -1.2, 7.1
+#: m·g·la of foot and footplate is 1.8 to 4.4 Nm (1.2 to 3 kg at 0.15 m)...
+GRAVITY = (1.8, 4.4)
+#: ...and what the two exponentials cannot follow (relaxation, knee) adds up to 2.7 Nm either way in
+#: virtual trials.
+UNCERTAIN = 3.0
+#: A deviation must be so many times what the fit leaves of the torque.
+FOLLOWED = 2.0
+#: No ankle makes more [Nm]: sprinters reach 250 to 300.
+IMPOSSIBLE = 320.0
+#: What EMG and angle leave of the torque [Nm], and as a multiple of what they usually leave, for it
+#: to be an artefact; clean virtual trials reach one or the
+#: other, not both. Seen for less than this part of the time.
+LEFT, LEFT_TIMES, LEFT_SHARE = 24.0, 6.5, 0.05
 
 
 def limit(trial: Trial) -> tuple[Finding, ...] | Skipped:
@@ -36,36 +47,88 @@ def limit(trial: Trial) -> tuple[Finding, ...] | Skipped:
     stated = trial.recording.device.get("max_torque")
     known = DEVICES["achilles"].max_torque or math.inf
     most = float(stated) if isinstance(stated, int | float) and stated > 0 else known
+    found = []
+    for side in (channel.values, -channel.values):
+        where = _stopped(side, most, stated=isinstance(stated, int | float))
+        if where is None:
+            continue
+        top = float(side.max())
+        device = f", the limit of {most:g} Nm" if abs(top - most) <= 4.0 * _BAND * most else ""
+        found.append(
+            Finding(
+                "torque-limit",
+                "error",
+                "torque",
+                float(channel.time[where[0]]),
+                float(channel.time[where[-1]]),
+                top,
+                "Nm",
+                f"The torque goes no further than {top:.3g} Nm{device}, in {len(where)} samples.",
+                "Ask for less effort or a slower motion and record again; at its limit the device "
+                "no longer follows the profile.",
+            )
+        )
+    return tuple(found[:1])
+
+
+def _stopped(side: FloatArray, most: float, *, stated: bool) -> IndexArray | None:
+    """Samples at which a torque is held by a limit, in one direction; None if it is not."""
+    top = float(side.max())
+    first, length = equal_runs(side)
+    level = side[first] >= top * (1.0 - 1e-9)
+    if (
+        top > 1.0
+        and int(length[level].max()) >= PLATEAU_RUN
+        and int(length[level].sum()) >= PLATEAU
+    ):
+        return np.flatnonzero(side >= top * (1.0 - 1e-9))
+    within = np.abs(side - most) <= _BAND * most
+    below = np.abs(side - (1.0 - 2.0 * _BAND) * most) <= _BAND * most
+    held = int(within.sum()) >= max(PLATEAU, _EXCESS * int(below.sum()))
+    beyond = top > (1.0 + 2.0 * _BAND) * most
+    if (held and not beyond) or (stated and top >= (1.0 - 2.0 * _BAND) * most):
+        return np.flatnonzero(side >= (1.0 - 2.0 * _BAND) * most)
+    return None
+
+
+def artefact(trial: Trial) -> tuple[Finding, ...] | Skipped:
+    """Torque that no ankle makes, and short departures from what EMG and angle explain."""
+    channel = trial.recording.channels.get("torque")
+    if channel is None:
+        return Skipped("torque-artefact", "There is no torque.")
     size = np.abs(channel.values)
     top = float(size.max())
-    first, length = equal_runs(channel.values)
-    level = np.abs(channel.values[first]) >= top * (1.0 - 1e-9)
-    flat = bool((length[level] >= PLATEAU_RUN).any()) and int(length[level].sum()) >= PLATEAU
-    within = np.abs(size - most) <= _BAND * most
-    below = np.abs(size - (1.0 - 2.0 * _BAND) * most) <= _BAND * most
-    held = (
-        int(within.sum()) >= max(PLATEAU, _EXCESS * int(below.sum()))
-        and int((size > (1.0 + 2.0 * _BAND) * most).sum()) == 0
-    )
-    beyond = isinstance(stated, int | float) and top >= (1.0 - _BAND) * most
-    if not ((flat and top > 1.0) or held or beyond):
+    if top > IMPOSSIBLE:
+        at = channel.time[size > IMPOSSIBLE]
+        text = f"The torque reaches {top:.3g} Nm, more than any ankle makes."
+        return (_artefact(float(at[0]), float(at[-1]), top, text),)
+    model = trial.model
+    if model is None:
+        return Skipped("torque-artefact", "The trial is too short to know its torque.")
+    left = np.abs(model.left)
+    usual = float(np.quantile(left, 0.68))
+    wrong = left > max(LEFT, LEFT_TIMES * usual)
+    if not wrong.any() or float(wrong.mean()) > LEFT_SHARE:
         return ()
-    at = np.flatnonzero(size >= top * (1.0 - 1e-9) if flat else size >= (1.0 - _BAND) * most)
-    how = "stops" if flat or held else "reaches"
-    device = f", the limit of {most:g} Nm" if abs(top - most) <= 2.0 * _BAND * most else ""
-    return (
-        Finding(
-            "torque-limit",
-            "error",
-            "torque",
-            float(channel.time[at[0]]),
-            float(channel.time[at[-1]]),
-            top,
-            "Nm",
-            f"The torque {how} at {top:.3g} Nm{device}, in {len(at)} samples.",
-            "Ask for less effort or a slower motion and record again; at its limit the device no "
-            "longer follows the profile.",
-        ),
+    at, top = model.time[wrong], float(left.max())
+    text = (
+        f"In {100 * float(wrong.mean()):.2g} % of the time the torque is up to {top:.3g} Nm from "
+        "what angle and EMG explain."
+    )
+    return (_artefact(float(at[0]), float(at[-1]), top, text),)
+
+
+def _artefact(start: float, end: float, value: float, text: str) -> Finding:
+    return Finding(
+        "torque-artefact",
+        "warning",
+        "torque",
+        start,
+        end,
+        value,
+        "Nm",
+        text,
+        "Look at the torque there; leave that time out with --exclude, or fit with --robust.",
     )
 
 
@@ -76,7 +139,8 @@ def sign(trial: Trial) -> tuple[Finding, ...] | Skipped:
     model = trial.model
     wrong: str | None = None
     strength = None
-    if model.gained > _GAINED and model.part:
+    shown = bool(model.part) and model.gained > _GAINED and model.sharpness > _SHARP
+    if shown:
         # The stronger group decides: the weaker may only show the other's crosstalk.
         group = max(model.part, key=lambda name: abs(model.part[name]))
         strength = model.part[group]
@@ -102,7 +166,7 @@ def sign(trial: Trial) -> tuple[Finding, ...] | Skipped:
             trial.start,
             trial.end,
             strength,
-            "Nm" if model.gained > _GAINED and model.part else "1",
+            "Nm" if shown else "1",
             f"The torque has the wrong sign: {wrong}.",
             "Write sign = -1 for the torque (positive when the triceps pulls), or for the angle "
             "(positive in dorsiflexion) if that is turned.",
@@ -114,13 +178,20 @@ def offset(trial: Trial) -> tuple[Finding, ...] | Skipped:
     """A torque whose constant part is not that of gravity."""
     if trial.torque is None:
         return Skipped("torque-offset", "There is no torque.")
+    if trial.recording.fixed.get("m") == 0.0:
+        return Skipped("torque-offset", "m is fixed at 0: gravity has been taken out already.")
     flipped = bool(sign(trial)) and not isinstance(sign(trial), Skipped)
     torque = -trial.torque if flipped else trial.torque
-    level = baseline(trial.rate_hz, trial.angle, torque, trial.fast)
-    if level is None:
+    found = baseline(trial.rate_hz, trial.angle, torque, trial.fast)
+    if found is None:
         return Skipped("torque-offset", "Too little rest, or too little of the range, to tell.")
-    if LOWEST <= level <= HIGHEST:
+    level = found.level
+    low, high = GRAVITY[0] - UNCERTAIN, GRAVITY[1] + UNCERTAIN
+    beyond = max(low - level, level - high)
+    if beyond <= 0.0:
         return ()
+    if beyond + UNCERTAIN < FOLLOWED * found.spread:
+        return Skipped("torque-offset", "EMG and angle explain too little of the torque to tell.")
     return (
         Finding(
             "torque-offset",

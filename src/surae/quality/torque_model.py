@@ -1,8 +1,9 @@
 """What torque, angle and EMG have to do with each other: a linear regression, made once.
 
 A crude model serves to tell sign and lag: two exponentials of the triceps' length, now and as
-they were in the last seconds, one of the tibialis's, a constant, and each muscle's activation (equation 14 with
-f0 = 2 Hz, beta = 1) alone and times angle, angle squared and velocity, all averaged over 80 ms and compared at 25 Hz.
+they were in the last seconds, one of the tibialis's, a constant, the acceleration, and each
+muscle's activation (equation 14 with f0 = 2 Hz, beta = 1) alone and times angle, angle squared and
+velocity, all averaged over 80 ms and compared at 25 Hz.
 """
 
 from dataclasses import dataclass
@@ -20,7 +21,7 @@ SHORTEST = 10.0
 #: Comparison rate [Hz].
 _RATE = 25.0
 #: Lags that are tried [s].
-_LONGEST, _STEP = 0.48, 0.04
+LONGEST, _STEP = 0.6, 0.06
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +35,8 @@ class TorqueModel:
         EMG that matters.
     group_lag : dict of str to float
         The same for ``"triceps"`` and ``"ta"`` on their own.
+    group_gain : dict of str to float
+        What the group's own lag leaves less than the common one, as a part of what is left.
     part : dict of str to float
         Mean torque of each group where it is active [Nm]: positive for the triceps, negative for
         TA, if the signs are right.
@@ -41,16 +44,21 @@ class TorqueModel:
         Part of the torque's variance that EMG and angle explain, 0…1.
     gained : float
         Part of what the angle alone leaves that the EMG explains, 0…1.
+    time, left : ndarray, shape (k,)
+        Times at which the torque was compared [s], and what was not explained of it [Nm].
     sharpness : float
         Part of what the best lag leaves that lags 0.2 s away leave more: how well it is known.
     """
 
     lag: float | None
     group_lag: dict[str, float]
+    group_gain: dict[str, float]
     part: dict[str, float]
     explained: float
     gained: float
     sharpness: float
+    time: FloatArray
+    left: FloatArray
 
 
 def activation(envelope: FloatArray, rate: float) -> FloatArray:
@@ -115,6 +123,8 @@ def torque_model(
     y = coarse(torque)
     shapes = passive_columns(angle)
     shapes += [relaxing(shape, rate) for shape in shapes[:2]]
+    # Fast chirps take most of the torque to turn the foot.
+    shapes.append(np.gradient(np.gradient(angle, 1.0 / rate), 1.0 / rate))
     passive = [coarse(column) for column in shapes]
     alone = _solve(passive, y)[1]
     total = float(((y - y.mean()) ** 2).sum())
@@ -127,7 +137,9 @@ def torque_model(
         if top > 0.0:
             groups.setdefault("ta" if muscle == "ta" else "triceps", []).append(active / top)
     if not groups or total <= 0.0:
-        return TorqueModel(None, {}, {}, 1.0 - alone / total if total > 0.0 else 0.0, 0.0, 0.0)
+        share = 1.0 - alone / total if total > 0.0 else 0.0
+        unexplained = y - np.column_stack(passive) @ _solve(passive, y)[0]
+        return TorqueModel(None, {}, {}, {}, share, 0.0, 0.0, time[keep], unexplained)
     tables = {
         name: [
             *each,
@@ -135,11 +147,12 @@ def torque_model(
         ]
         for name, each in groups.items()
     }
-    lags = np.arange(-_LONGEST, _LONGEST + 1e-9, _STEP)
+    lags = np.arange(-LONGEST, LONGEST + 1e-9, _STEP)
     # EMG that is late by a lag is in time again when it is advanced by it.
+    averaged = {name: [smooth(c, width) for c in columns] for name, columns in tables.items()}
     moved = {
-        (name, k): [coarse(shifted(c, -round(lag * rate))) for c in columns]
-        for name, columns in tables.items()
+        (name, k): [shifted(c, -round(lag * rate))[keep] for c in columns]
+        for name, columns in averaged.items()
         for k, lag in enumerate(lags)
     }
 
@@ -148,12 +161,14 @@ def torque_model(
 
     together = np.array([left(dict.fromkeys(groups, k)) for k in range(len(lags))])
     best = int(np.argmin(together))
-    group_lag = {}
+    group_lag, group_gain = {}, {}
     if len(groups) > 1:
         for name in groups:
             others = {other: best for other in groups if other != name}
             alone_at = np.array([left({name: k, **others}) for k in range(len(lags))])
             group_lag[name] = _vertex(lags, alone_at)
+            least = float(alone_at.min())
+            group_gain[name] = float(together[best]) / least - 1.0 if least > 0.0 else 0.0
     columns = [*passive, *(c for name in groups for c in moved[name, best])]
     weights, rest = _solve(columns, y)
     part, first = {}, len(passive)
@@ -163,27 +178,31 @@ def torque_model(
         level = np.mean(mine[: len(groups[name])], axis=0)
         part[name] = float((level * torque_of).sum() / max(float(level.sum()), 1e-300))
         first += len(mine)
-    away = round(0.2 / _STEP)
+    away = round(0.18 / _STEP)
     beside = min(together[max(best - away, 0)], together[min(best + away, len(lags) - 1)])
     return TorqueModel(
         lag=_vertex(lags, together),
         group_lag=group_lag,
+        group_gain=group_gain,
         part=part,
         explained=1.0 - rest / total,
         gained=1.0 - rest / alone if alone > 0.0 else 0.0,
         sharpness=float(beside / rest - 1.0) if rest > 0.0 else np.inf,
+        time=time[keep],
+        left=y - np.column_stack(columns) @ weights,
     )
 
 
 def _solve(columns: list[FloatArray], y: FloatArray) -> tuple[FloatArray, float]:
     """Least squares by slightly damped normal equations, and the sum of squares that is left."""
-    matrix = np.column_stack(columns)
-    scale = np.sqrt((matrix**2).sum(axis=0)) + 1e-300
-    matrix = matrix / scale
-    gram = matrix.T @ matrix
+    matrix = np.array(columns)
+    gram = matrix @ matrix.T
+    scale = np.sqrt(np.diag(gram))
+    scale[scale == 0.0] = 1.0
+    gram = gram / np.outer(scale, scale)
     gram[np.diag_indices_from(gram)] += 1e-8
-    weights = np.linalg.solve(gram, matrix.T @ y)
-    return weights / scale, float(((y - matrix @ weights) ** 2).sum())
+    weights = np.linalg.solve(gram, matrix @ y / scale) / scale
+    return weights, float(((y - weights @ matrix) ** 2).sum())
 
 
 def _vertex(at: FloatArray, values: FloatArray) -> float:

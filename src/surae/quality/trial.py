@@ -30,6 +30,9 @@ IMPOSSIBLE_ANGLE = 2.0
 #: A burst pattern correlated with the EMG by more than this is the task that was shown. Of 400
 #: virtual trials, the right task has 0.75 to 0.99, another one at most 0.45.
 _RECOGNISED = 0.6
+#: The same where only few bursts, of less than `_FEW` seconds, are compared: there, chance has
+#: reached 0.8.
+_FEW, _RECOGNISED_FEW = 12.0, 0.88
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,7 +191,8 @@ def _asked_effort(
         return None
     # Both tasks are judged where both ask for effort.
     late = since > named_task("part-passive").passive_until
-    best, found = _RECOGNISED, None
+    few = float(late.sum()) < _FEW * (len(time) - 1) / float(since[-1])
+    best, found = (_RECOGNISED_FEW if few else _RECOGNISED), None
     for name in ("part-passive", "active"):
         asked = effort(since, named_task(name))
         alike = match(asked, slow, late)

@@ -1,6 +1,6 @@
 """How findings call channels."""
 
-from surae.recording import MUSCLES
+from surae.recording import MUSCLES, Channel
 
 _NAMES = {
     "ta": "tibialis anterior",
@@ -18,3 +18,8 @@ def muscle_name(muscle: str) -> str:
 def weight_of(muscle: str) -> str:
     """The parameter that weighs a muscle's EMG."""
     return f"g{MUSCLES.index(muscle) + 1}"
+
+
+def quantity(value: float, channel: Channel) -> str:
+    """A value of a channel with its unit; a normalised one has none."""
+    return f"{value:.3g}" if channel.unit == "1" else f"{value:.3g} {channel.unit}"

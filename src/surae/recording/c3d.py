@@ -17,7 +17,7 @@ from surae.recording.c3d_parameters import Parameters, read_parameters, to_float
 from surae.recording.recording import freeze
 from surae.recording.samples import sample
 from surae.recording.source import Source
-from surae.recording.table import Column, Sampling, Table
+from surae.recording.table import Column, Table
 from surae.recording.timing import instants
 from surae.units import FloatArray
 
@@ -102,7 +102,6 @@ def open_table(source: Source) -> Table:
         time_name="time",
         load=load,
         units={name: unit for name, unit in zip(names, units, strict=False) if unit},
-        sampling=dict.fromkeys(names, Sampling(n, rate, 0.0)),
         remarks=remarks,
     )
 

@@ -1,4 +1,4 @@
-"""What a data file holds, column by column: unit, rate, first instant, number of samples."""
+"""Columns of a data file, all that can be read, and how they are sampled."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.errors import InputError
-from surae.recording.table import Column, Sampling, Table
+from surae.recording.table import Column, Table
 from surae.units import FloatArray
 
 #: Samples no further than this many steps from a uniform axis have a rate.
@@ -14,52 +14,22 @@ _UNIFORM_STEPS = 1.0
 
 
 @dataclass(frozen=True, slots=True)
-class Described:
-    """One column of a data file.
+class Sampling:
+    """How a column is sampled.
 
     Attributes
     ----------
-    name : str
-        Its name in the file.
-    unit : str or None
-        The unit that the file states, in its own spelling; None where it states none.
-    sampling : Sampling or None
-        Number of samples, rate and first instant; the rate is None where the samples lie
-        irregularly in time. None where the column cannot be read.
-    remark : str
-        What a user should know of it; why it cannot be read.
+    n : int
+        Number of its samples.
+    rate_hz : float or None
+        Its sampling rate [Hz]; None where the samples lie irregularly in time.
+    start_s : float or None
+        Time of its first sample [s]; None where it has none.
     """
 
-    name: str
-    unit: str | None
-    sampling: Sampling | None
-    remark: str = ""
-
-
-def described(table: Table) -> tuple[Described, ...]:
-    """Describe every column of a data file, in the file's order.
-
-    What the header doesn't state is found from the samples. A column that cannot be read, as one of
-    words in a CSV, says why instead of failing all others.
-    """
-    unstated = [
-        name
-        for name in table.names
-        if (stated := table.sampling.get(name)) is None or stated.start_s is None
-    ]
-    loaded = load_each(table, unstated)
-    found = []
-    for name in table.names:
-        remark = table.remarks.get(name, "")
-        sampling = table.sampling.get(name)
-        if name in loaded:
-            column = loaded[name]
-            if isinstance(column, InputError):
-                sampling, remark = None, str(column)
-            else:
-                sampling = sampling_of(column.time)
-        found.append(Described(name, table.units.get(name), sampling, remark))
-    return tuple(found)
+    n: int
+    rate_hz: float | None = None
+    start_s: float | None = None
 
 
 def sampling_of(time: FloatArray) -> Sampling:

@@ -2,7 +2,8 @@
 
 The check is needed: edfio takes what a header claims, returns uncalibrated counts where a range is
 empty, shortens the recording where the file ends early, and joins the parts of an interrupted
-recording (EDF+D) as if nothing lay between them.
+recording (EDF+D) as if nothing lay between them. Time counts from the first sample, or as the JSON
+says that BIDS keeps beside ``…_emg.bdf``.
 """
 
 import re
@@ -16,8 +17,9 @@ from surae.errors import InputError
 from surae.recording.damage import guarded, optional
 from surae.recording.recording import freeze
 from surae.recording.samples import sample
+from surae.recording.sidecar import read_sidecar
 from surae.recording.source import Source
-from surae.recording.table import Column, Sampling, Table
+from surae.recording.table import Column, Table
 from surae.recording.timing import instants
 from surae.units import FloatArray
 
@@ -80,7 +82,7 @@ def open_table(source: Source) -> Table:
         header = _header(source)
     index = {header.labels[i]: i for i in reversed(header.signals)}
     begins = _begins(source, header)
-    rates = {name: header.samples[i] / header.duration_s for name, i in index.items()}
+    beside = read_sidecar(source.path)
 
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
         times: dict[int, FloatArray] = {}
@@ -89,7 +91,7 @@ def open_table(source: Source) -> Table:
         for name, signal in zip(wanted, values, strict=True):
             per_record = header.samples[index[name]]
             if per_record not in times:
-                times[per_record] = _times(header, begins, per_record)
+                times[per_record] = _times(header, begins, per_record, beside.start_s)
             found[name] = Column(name, times[per_record], signal, "time", sample)
         return found
 
@@ -101,10 +103,7 @@ def open_table(source: Source) -> Table:
         time_name="time",
         load=load,
         units={name: header.units[i] for name, i in index.items() if header.units[i]},
-        sampling={
-            name: Sampling(header.samples[i] * header.records, rates[name], 0.0)
-            for name, i in index.items()
-        },
+        notes={"emg": "envelope"} if beside.envelope else {},
         remarks=dict.fromkeys(index, gaps) if gaps else {},
     )
 
@@ -180,13 +179,15 @@ def _begins(source: Source, header: _Header) -> FloatArray | None:
     return None if even.all() else onsets
 
 
-def _times(header: _Header, begins: FloatArray | None, per_record: int) -> FloatArray:
-    """Times of a signal's samples [s]."""
+def _times(
+    header: _Header, begins: FloatArray | None, per_record: int, start_s: float
+) -> FloatArray:
+    """Times of a signal's samples [s], the first at `start_s`."""
     rate = per_record / header.duration_s
     if begins is None:
-        return instants(0.0, rate, header.records * per_record)
+        return instants(start_s, rate, header.records * per_record)
     within = np.arange(per_record) / rate
-    return freeze((begins[:, None] + within[None, :]).reshape(-1))
+    return freeze((start_s + begins[:, None] + within[None, :]).reshape(-1))
 
 
 def _values(source: Source, header: _Header, wanted: Sequence[int]) -> list[FloatArray]:

@@ -30,7 +30,7 @@ from surae.recording.hdf5file import member, numbers, opened, text_attribute, wr
 from surae.recording.recording import ROLES, Channel, Recording, SourceFile, freeze
 from surae.recording.samples import check_samples, sample
 from surae.recording.source import Source
-from surae.recording.table import Column, Sampling, Table
+from surae.recording.table import Column, Table
 from surae.recording.timing import instants
 from surae.recording.writing import column_name
 from surae.units import SI, FloatArray, kind
@@ -136,7 +136,6 @@ def open_table(source: Source) -> Table:
         load=load,
         units={name: channel.unit for name, channel in channels.items()},
         notes={"name": recording.name, "emg": recording.emg},
-        sampling={name: Sampling(len(channel.time)) for name, channel in channels.items()},
     )
 
 

@@ -32,8 +32,8 @@ def member(group: Any, name: str) -> Any:
     return group[name] if isinstance(group.get(name, getlink=True), h5py.HardLink) else None
 
 
-def numbers(dataset: Any, source: Source, where: str) -> FloatArray:
-    """A dataset's numbers as float64 in one dimension, not checked for finiteness.
+def numbers(dataset: Any, source: Source, where: str, row: int | None = None) -> FloatArray:
+    """A dataset's numbers, or one row of a matrix, as float64 in one dimension, not checked.
 
     Those that lie in the file as they are needed are not copied: the array is a view of its bytes.
 
@@ -58,9 +58,10 @@ def numbers(dataset: Any, source: Source, where: str) -> FloatArray:
         and dataset.dtype == np.dtype("<f8")
         and offset + dataset.nbytes <= len(source.data)
     ):
-        return np.frombuffer(source.data, dtype="<f8", count=dataset.size, offset=offset)
+        stored = np.frombuffer(source.data, dtype="<f8", count=dataset.size, offset=offset)
+        return stored if row is None else stored.reshape(dataset.shape)[row]
     with np.errstate(invalid="ignore"):
-        return np.asarray(dataset[()], dtype=np.float64).ravel()
+        return np.asarray(dataset[() if row is None else row], dtype=np.float64).ravel()
 
 
 def fixed_text(item: Any, name: str) -> str | None:

@@ -1,5 +1,6 @@
 """What data files hold, which channel seems to be which signal, and what is left to say."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
@@ -101,12 +102,12 @@ def _channels(path: str, table: Table) -> list[tuple[InspectedChannel, Column | 
     """Every channel of a file, with its samples where they can be read."""
     loaded = load_each(table, table.names)
     found: list[tuple[InspectedChannel, Column | None]] = []
-    for name in dict.fromkeys(table.names):
+    for name, count in Counter(table.names).items():
         unit, column = table.units.get(name), loaded[name]
         remark = table.remarks.get(name, "")
         usable = True
-        if table.names.count(name) > 1:
-            remark, usable = f"{table.names.count(name)} columns have this name: rename one", False
+        if count > 1:
+            remark, usable = f"{count} columns have this name: rename one", False
         if isinstance(column, InputError):
             reason = str(column).removeprefix(f"{table.file}: ")
             found.append((InspectedChannel(path, name, unit, remark=reason, usable=False), None))

@@ -12,6 +12,8 @@ from surae.units import FloatArray
 _SLOW = 40.0
 #: Raw EMG on a constant offset stays within this part of its median.
 _LIFTED = 0.5
+#: Averaged over this time [s], raw EMG leaves its drift; an envelope stays nearly as it is.
+_DRIFT_S = 0.1
 #: Negative samples by this part of the highest are more than a filter's ringing.
 _NEGATIVE = 0.1
 #: A torque goes with the angle where they correlate at least so much.
@@ -44,7 +46,8 @@ def look_of(column: Column) -> Look:
     """Tell raw EMG from an envelope by its samples.
 
     Raw EMG is as negative as it is positive and crosses its median hundreds of times a second; an
-    envelope is not negative and slow. Fast EMG that stays far above zero is raw on an offset.
+    envelope is not negative and slow. EMG that stays far above zero and is fast, if only around a
+    drift of its electrodes, is raw on an offset.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         return _look(column)
@@ -63,11 +66,15 @@ def _look(column: Column) -> Look:
         return Look(None, "negative throughout" if high < 0 else "too large for any EMG")
     if low < -_NEGATIVE * high:
         return Look("raw", f"positive and negative, {rate}")
+    if low > _LIFTED * middle:
+        around = _crossings(_detrended(values, span)) / span
+        if max(crossings, around) > _SLOW:
+            if crossings <= _SLOW:
+                rate = f"crosses its drift {around:.0f} times a second"
+            offset = -float(f"{mean:.6g}")
+            return Look("raw", f"never near zero, yet fast: {rate}: raw on an offset", offset)
     if crossings <= _SLOW:
         return Look("envelope", f"not negative and slow: {rate}")
-    if low > _LIFTED * middle:
-        offset = -float(f"{mean:.6g}")
-        return Look("raw", f"never near zero, yet fast: {rate}: raw on an offset", offset)
     return Look(None, f"not negative, yet fast: {rate}: rectified but not smoothed?")
 
 
@@ -110,6 +117,14 @@ def _finite(column: Column) -> tuple[FloatArray, FloatArray] | None:
     if len(time) < 2 or np.any(np.diff(time) <= 0):
         return None
     return time, values
+
+
+def _detrended(values: FloatArray, span_s: float) -> FloatArray:
+    """A signal without what changes slowly: its average over `_DRIFT_S` around each sample."""
+    width = min(max(round(len(values) * _DRIFT_S / span_s), 1), len(values))
+    total = np.cumsum(np.concatenate(([0.0], values - values[0])))
+    slow = (total[width:] - total[:-width]) / width
+    return np.asarray(values[width // 2 :][: len(slow)] - values[0] - slow)
 
 
 def _crossings(values: FloatArray) -> int:

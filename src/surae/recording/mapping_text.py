@@ -131,9 +131,10 @@ def _unit_lines(role: str, one: InspectedChannel, inspection: Inspection) -> lis
             volts = FACTORS["emg"][one.known_unit]
             if one.known_unit != "1" and amplified(one.high, one.low, volts):
                 peak = max(abs(one.high), abs(one.low)) * volts
+                too = "; the offset too times that" if one.look and one.look.offset else ""
                 lines.append(
                     f"# scale = 0.001  # check: {peak:.2g} V left an amplifier: 1 / its gain here "
-                    "makes weights g comparable"
+                    f"makes weights g comparable{too}"
                 )
         return lines
     said = "the file states none" if one.unit is None else f"the file says {one.unit!r}"

@@ -20,7 +20,7 @@ from surae.recording import matlab5, matlab73
 from surae.recording.recording import freeze, read_only
 from surae.recording.samples import sample
 from surae.recording.source import Source
-from surae.recording.table import Column, Sampling, Table
+from surae.recording.table import Column, Table
 from surae.recording.timing import instants
 from surae.units import FloatArray
 
@@ -51,7 +51,6 @@ class _Signal:
 
     values: Callable[[], FloatArray]
     time: Callable[[], FloatArray]
-    sampling: Sampling
     time_name: str = "time"
     unit: str = ""
     remark: str = ""
@@ -98,7 +97,6 @@ def open_table(source: Source) -> Table:
         time_name="time",
         load=load,
         units={name: one.unit for name, one in signals.items() if one.unit},
-        sampling={name: one.sampling for name, one in signals.items()},
         remarks={name: one.remark for name, one in signals.items() if one.remark},
     )
 
@@ -128,7 +126,7 @@ def _signals(
             for label, part, n in _vectors(full, value, shape):
                 matching = [one for one in times if _shape(times[one]) == (n,)]
                 if matching:
-                    yield label, _timed(part, matching[0], times[matching[0]], n, prefix)
+                    yield label, _timed(part, matching[0], times[matching[0]], prefix)
                 elif rate is not None and n > 1:
                     yield label, _rated(part, rate, n)
 
@@ -142,16 +140,15 @@ def _vectors(
             yield name, lambda: _floats(value), shape[0]
     elif len(shape) == 2 and shape[1] <= _MOST_COLUMNS:
         for index in range(shape[1]):
-            yield f"{name}(:,{index + 1})", lambda i=index: _floats(value)[:, i], shape[0]  # type: ignore[misc]
+            yield f"{name}(:,{index + 1})", lambda i=index: _column(value, i), shape[0]  # type: ignore[misc]
 
 
-def _timed(values: Callable[[], FloatArray], name: str, time: Any, n: int, prefix: str) -> _Signal:
+def _timed(values: Callable[[], FloatArray], name: str, time: Any, prefix: str) -> _Signal:
     """A vector beside its times."""
     factor = _TIMES[name.casefold()]
     return _Signal(
         values=lambda: freeze(values()),
         time=lambda: read_only(_floats(time) * factor),
-        sampling=Sampling(n),
         time_name=prefix + name,
         remark="" if "_" in name else f"{prefix}{name} is taken as seconds",
     )
@@ -162,7 +159,6 @@ def _rated(values: Callable[[], FloatArray], rate_hz: float, n: int) -> _Signal:
     return _Signal(
         values=lambda: freeze(values()),
         time=lambda: instants(0.0, rate_hz, n),
-        sampling=Sampling(n, rate_hz, 0.0),
     )
 
 
@@ -187,7 +183,6 @@ def _spike2(channel: Mapping[str, Any], where: str) -> _Signal:
     return _Signal(
         values=scaled,
         time=lambda: freeze(start + interval * np.arange(n, dtype=np.float64)),
-        sampling=Sampling(n, 1.0 / interval, start),
         unit=next((text for key in _UNITS if (text := _text(channel.get(key)))), ""),
         remark=f"counts, scale {scale:g} and offset {offset:g} applied" if counts else "",
     )
@@ -224,6 +219,12 @@ def _floats(value: Any) -> FloatArray:
     with np.errstate(invalid="ignore"):
         plain = np.asarray(array, dtype=np.float64).squeeze()
     return plain.reshape(1) if plain.ndim == 0 else plain
+
+
+def _column(value: Any, index: int) -> FloatArray:
+    """A column of a matrix, converted without the others, which it does not keep in memory."""
+    stored = isinstance(value, matlab73.Stored)
+    return np.array(_floats(value.column(index) if stored else value.squeeze()[:, index]))
 
 
 def _number(channel: Mapping[str, Any], name: str, default: float) -> float:

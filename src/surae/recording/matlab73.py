@@ -20,15 +20,22 @@ _DEEPEST, _MOST_VARIABLES, _LONGEST_TEXT = 4, 10_000, 1000
 
 @dataclass(frozen=True, slots=True)
 class Stored:
-    """An array in the file; called, it is read."""
+    """An array in the file; called, it is read.
+
+    Its shape is as MATLAB shows it: HDF5 lists its dimensions the other way round.
+    """
 
     shape: tuple[int, ...]
     dtype: np.dtype[Any]
-    read: Callable[[], FloatArray]
+    read: Callable[[int | None], FloatArray]
 
     def __call__(self) -> FloatArray:
-        """The numbers as MATLAB shows them: HDF5 lists its dimensions the other way round."""
-        return self.read()
+        """All its numbers."""
+        return self.read(None).reshape(self.shape, order="F")
+
+    def column(self, index: int) -> FloatArray:
+        """One column of a matrix, read without the others."""
+        return self.read(index) if len(self.shape) == 2 else self().squeeze()[:, index]
 
 
 def recognises(source: Source) -> bool:
@@ -81,10 +88,10 @@ def _dataset(dataset: Any, path: str, source: Source) -> Any:
         return np.array("") if dataset.dtype.kind not in "fiu" else None
     shape = tuple(int(size) for size in reversed(dataset.shape))
 
-    def read() -> FloatArray:
+    def read(column: int | None) -> FloatArray:
         where = f"{source.shown}: column {path[1:].replace('/', '.')!r}"
         with opened(source) as file:
-            return numbers(file[path], source, where).reshape(shape, order="F")
+            return numbers(file[path], source, where, column)
 
     if dataset.size == 1:
         return np.ravel(dataset[()])

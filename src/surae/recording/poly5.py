@@ -16,7 +16,7 @@ from surae.errors import InputError
 from surae.recording.recording import freeze
 from surae.recording.samples import sample
 from surae.recording.source import Source
-from surae.recording.table import Column, Sampling, Table
+from surae.recording.table import Column, Table
 from surae.recording.timing import instants
 from surae.units import FloatArray
 
@@ -70,7 +70,6 @@ def open_table(source: Source) -> Table:
     """
     layout, signals, remark = _opened(source)
     by_name = {signal.name: signal for signal in signals}
-    sampling = Sampling(layout.n, layout.rate_hz, 0.0)
 
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
         time = instants(0.0, layout.rate_hz, layout.n)
@@ -84,7 +83,6 @@ def open_table(source: Source) -> Table:
         time_name="time",
         load=load,
         units={signal.name: signal.unit for signal in signals if signal.unit},
-        sampling=dict.fromkeys(by_name, sampling),
         remarks=dict.fromkeys(by_name, remark) if remark else {},
     )
 

@@ -171,6 +171,11 @@ class Recording:
         velocity, acceleration : array_like, shape (n,), optional
             Derivatives of the angle [rad/s, rad/s²], used as they are.
 
+        Returns
+        -------
+        Recording
+            Its channels are read-only copies.
+
         Raises
         ------
         InputError

@@ -62,7 +62,8 @@ class Rows:
 
     def columns(self, wanted: Sequence[str], time: str, factor: float) -> dict[str, Column]:
         """The named columns with the times in column `time`, multiplied by `factor` to seconds."""
-        data = self.load([self.names.index(name) for name in (time, *wanted)])
+        first = {name: index for index, name in reversed(list(enumerate(self.names)))}
+        data = self.load([first[name] for name in (time, *wanted)])
         seconds = read_only(data[0] * factor)
         return {
             name: Column(name, seconds, read_only(values), time, self.position)

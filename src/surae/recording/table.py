@@ -33,25 +33,6 @@ class Column:
 
 
 @dataclass(frozen=True, slots=True)
-class Sampling:
-    """How a column is sampled, as far as its file's header says.
-
-    Attributes
-    ----------
-    n : int
-        Number of its samples.
-    rate_hz : float or None
-        Its sampling rate [Hz]; None where the samples carry time stamps of their own.
-    start_s : float or None
-        Time of its first sample [s]; None where only its time stamps say it.
-    """
-
-    n: int
-    rate_hz: float | None = None
-    start_s: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
 class Table:
     """A data file of which the header has been read.
 
@@ -80,9 +61,6 @@ class Table:
     header : int or None
         Row of the column names in a format whose names are meant to be ours (CSV), None in one
         with names of its own.
-    sampling : mapping of str to Sampling
-        Of the columns of which the header states it, as binary formats do. Text tables leave it
-        out; `surae.recording.describe.described` finds it for every column.
     remarks : mapping of str to str
         What a user should know of a column, in half a sentence: that the file was cut short, that
         a scale was applied.
@@ -97,7 +75,6 @@ class Table:
     units_of_kind: Mapping[str, str] = field(default_factory=dict)
     notes: Mapping[str, str] = field(default_factory=dict)
     header: int | None = None
-    sampling: Mapping[str, Sampling] = field(default_factory=dict)
     remarks: Mapping[str, str] = field(default_factory=dict)
 
 

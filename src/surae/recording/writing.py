@@ -45,7 +45,7 @@ def write_csv(
     columns : mapping of str to array_like, shape (n,)
         Finite numbers by column name, such as ``"torque_Nm"``, in the order to write.
     comments : sequence of str
-        Lines to put before the header, each behind ``# ``.
+        Lines to put before the header, each behind ``#``.
 
     Raises
     ------

@@ -21,7 +21,7 @@ from surae.recording.damage import guarded, optional
 from surae.recording.recording import freeze, read_only
 from surae.recording.samples import sample
 from surae.recording.source import Source
-from surae.recording.table import Column, Sampling, Table
+from surae.recording.table import Column, Table
 from surae.units import FloatArray
 
 #: A stamp further than this from a uniform axis [s] is no jitter: samples are missing.
@@ -86,10 +86,6 @@ def open_table(source: Source) -> Table:
         time_name="time stamp",
         load=load,
         units={name: s.units[i] for name, (s, i) in where.items() if s.units[i]},
-        sampling={
-            name: Sampling(len(s.time), s.rate_hz, float(s.time[0]) if len(s.time) else 0.0)
-            for name, (s, _) in where.items()
-        },
         remarks={
             name: f"time stamps jittered by up to {1e3 * s.jitter_s:.2g} ms, replaced by a line"
             for name, (s, _) in where.items()

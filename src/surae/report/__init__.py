@@ -9,6 +9,7 @@ from surae.files import PathLike, write_atomic
 if TYPE_CHECKING:  # modules of this package are also used where nothing is computed
     from surae.assessment import Assessment, Prediction
     from surae.estimation import FitResult
+    from surae.quality import Quality
 
 __all__ = ["build", "write_report"]
 
@@ -20,6 +21,7 @@ def build(
     versions: Mapping[str, str],
     created: datetime,
     predictions: "Sequence[Prediction]" = (),
+    quality: "Sequence[Quality]" = (),
 ) -> str:
     """The report of a fit as one HTML page, which needs no script and no other file.
 
@@ -35,6 +37,8 @@ def build(
         When the report is made; the same arguments give the same page.
     predictions : sequence of Prediction
         Of other recordings, with the parameters of the fit.
+    quality : sequence of Quality
+        What was found in each recording before it was fitted.
 
     Returns
     -------
@@ -43,7 +47,14 @@ def build(
     """
     from surae.report.html import render  # matplotlib and Jinja, only when a report is made
 
-    return render(result, assessment, versions=versions, created=created, predictions=predictions)
+    return render(
+        result,
+        assessment,
+        versions=versions,
+        created=created,
+        predictions=predictions,
+        quality=quality,
+    )
 
 
 def write_report(
@@ -54,6 +65,7 @@ def write_report(
     versions: Mapping[str, str],
     created: datetime,
     predictions: "Sequence[Prediction]" = (),
+    quality: "Sequence[Quality]" = (),
 ) -> None:
     """Write the report of a fit to `path`; see `build`.
 
@@ -62,5 +74,12 @@ def write_report(
     InputError
         The file cannot be written.
     """
-    page = build(result, assessment, versions=versions, created=created, predictions=predictions)
+    page = build(
+        result,
+        assessment,
+        versions=versions,
+        created=created,
+        predictions=predictions,
+        quality=quality,
+    )
     write_atomic(path, page)

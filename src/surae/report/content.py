@@ -8,12 +8,14 @@ import numpy as np
 
 from surae.assessment import Assessment, Interval, Prediction, Verdict
 from surae.estimation import FitResult
+from surae.quality import Quality
 from surae.report.correlations import CorrelationSection, correlation_section
 from surae.report.digits import NONE, percentage, significant
 from surae.report.identifiability import IdentifiabilitySection, identifiability_section
 from surae.report.parameters import ParameterGroup, parameter_groups
 from surae.report.predictions import PredictionSection, prediction_section
 from surae.report.provenance import Setting, Source, settings, sources
+from surae.report.quality import QualitySection, quality_sections
 from surae.report.recordings import RecordingSection, recording_section
 from surae.report.snsem import SnsemSection, snsem_section
 from surae.report.starts import StartRow, start_rows
@@ -75,6 +77,8 @@ class Content:
         The sections.
     predictions, snsem
         The sections on other recordings and on simulations; None without any.
+    quality : tuple of QualitySection
+        What was found in each recording before the fit; empty where nobody looked.
     weighted_first : bool
         Whether the first start was the solution that the weights of outliers came from.
     agreeing : int
@@ -105,6 +109,7 @@ class Content:
     predictions: PredictionSection | None
     snsem: SnsemSection | None
     weighted_first: bool
+    quality: tuple[QualitySection, ...]
 
 
 def make_content(
@@ -115,6 +120,7 @@ def make_content(
     versions: Mapping[str, str],
     created: datetime,
     predictions: Sequence[Prediction] = (),
+    quality: Sequence[Quality] = (),
 ) -> Content:
     """Put a fit and its assessment into words.
 
@@ -130,6 +136,8 @@ def make_content(
         When the report is made.
     predictions : sequence of Prediction
         Of other recordings, with the parameters of the fit.
+    quality : sequence of Quality
+        What was found in each recording before the fit.
     """
     torque = np.concatenate([one.measured[one.counted] for one in traces])
     rms = float(np.sqrt(np.mean(torque**2)))
@@ -162,6 +170,7 @@ def make_content(
         predictions=prediction_section(assessment, predictions),
         snsem=snsem_section(assessment),
         weighted_first=result.outliers is not None,
+        quality=quality_sections(quality, traces),
     )
 
 

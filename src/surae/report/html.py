@@ -9,6 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from surae.assessment import Assessment, Prediction
 from surae.estimation import FitResult
+from surae.quality import Quality
 from surae.report.content import make_content
 from surae.report.correlations import CorrelationSection
 from surae.report.figures import (
@@ -30,11 +31,18 @@ def render(
     versions: Mapping[str, str],
     created: datetime,
     predictions: Sequence[Prediction] = (),
+    quality: Sequence[Quality] = (),
 ) -> str:
     """The page; see `surae.report.build`."""
     traces = traces_of(result)
     content = make_content(
-        result, assessment, traces, versions=versions, created=created, predictions=predictions
+        result,
+        assessment,
+        traces,
+        versions=versions,
+        created=created,
+        predictions=predictions,
+        quality=quality,
     )
     # Names come from files and are untrusted: everything is escaped.
     environment = Environment(

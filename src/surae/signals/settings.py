@@ -63,6 +63,16 @@ class Preparation:
     def updated(self, mapping: Mapping[str, Any]) -> "Preparation":
         """These settings with those of `mapping` in their place.
 
+        Parameters
+        ----------
+        mapping : mapping of str to object
+            Settings by name, as in a TOML's ``[prepare]``; False switches an optional filter off.
+
+        Returns
+        -------
+        Preparation
+            All settings, the others as they were.
+
         Raises
         ------
         InputError

@@ -43,5 +43,20 @@ def thinned(inputs: ModelInputs, factor: int) -> ModelInputs:
 
 
 def thinning_factor(inputs: ModelInputs, rate_hz: float, samples: int) -> int:
-    """The largest factor that leaves at least `rate_hz` and `samples`."""
+    """The largest factor by which a recording may be thinned.
+
+    Parameters
+    ----------
+    inputs : ModelInputs
+        The recording.
+    rate_hz : float
+        Rate that must be left [Hz].
+    samples : int
+        Number of samples that must be left.
+
+    Returns
+    -------
+    int
+        1 where nothing may be left out.
+    """
     return max(1, min(int(np.floor(inputs.rate_hz / rate_hz)), inputs.n // samples))

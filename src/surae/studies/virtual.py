@@ -112,12 +112,19 @@ def virtual_recording(
 
     Parameters
     ----------
-    subject, trajectory, model, options, imperfections
+    subject, trajectory, model, options
         As in `virtual_trial`; the trajectory at `EMG_LOWEST_RATE` or more.
     seed : int
         Seed of everything random in the trial, beside the subject's own.
+    imperfections : Imperfections
+        What is not ideal; by default nothing.
     raw : bool
         Raw EMG; False gives the envelopes themselves, as no electrode does.
+
+    Returns
+    -------
+    Recording
+        As a laboratory would record it.
 
     Raises
     ------

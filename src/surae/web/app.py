@@ -14,6 +14,7 @@ from starlette.types import ASGIApp
 
 from surae._version import __version__
 from surae.errors import InputError, SuraeError
+from surae.web.fits import job_kinds
 from surae.web.refusals import RefusedError, one_line
 from surae.web.routes import cohort, draft, fits, pages, protocols, recordings, studies, uploads
 from surae.web.security import Policy, Security
@@ -36,7 +37,7 @@ def create_app(bench: Workbench, policy: Policy) -> ASGIApp:
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         del app
-        bench.start()
+        bench.start(job_kinds(bench))
         try:
             yield
         finally:

@@ -9,6 +9,7 @@ import numpy as np
 from surae.errors import InputError
 from surae.web.database import Thing
 from surae.web.draft import normal
+from surae.web.jobs import Kind
 from surae.web.live import plain
 from surae.web.project import when
 from surae.web.sessions import Session
@@ -78,6 +79,16 @@ def check_draft(bench: "Workbench", draft: Mapping[str, Any]) -> None:
         population=population,
         options=ModelOptions.of(**draft["options"]),
     )
+
+
+def job_kinds(bench: "Workbench") -> dict[str, Kind]:
+    """What the workbench's jobs are, and what becomes of them."""
+    return {
+        "fit": Kind("fits", lambda job, end: keep_fit(bench, job, end)),
+        "profile": Kind("fits", lambda job, end: keep_profile(bench, job, end)),
+        "compare": Kind("fits", lambda job, end: keep_comparison(bench, job, end)),
+        "study": Kind("studies", lambda job, end: keep_study(bench, job, end)),
+    }
 
 
 def keep_fit(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:

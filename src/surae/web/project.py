@@ -57,6 +57,8 @@ class Project:
         except BaseException:
             self._lock.close()
             raise
+        for left in (self.folder / "uploads").glob("*/import-*"):  # by a worker that was killed
+            shutil.rmtree(left, ignore_errors=True)
 
     @property
     def name(self) -> str:

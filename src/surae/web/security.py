@@ -75,7 +75,8 @@ class Policy:
         """The policy of a server that listens on `host`."""
         if is_loopback(host):
             return cls(frozenset({*_LOOPBACK, host.lower()}), False, token, upload_bytes)
-        names = {host.lower(), socket.gethostname().lower(), socket.getfqdn().lower(), *_LOOPBACK}
+        # Not the full name, which would ask the network.
+        names = {host.lower(), socket.gethostname().lower(), *_LOOPBACK}
         return cls(frozenset(names), host in ("0.0.0.0", "::"), token, upload_bytes)
 
     def allows_host(self, host: str) -> bool:

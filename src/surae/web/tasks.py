@@ -176,9 +176,12 @@ def report(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
 
     fitted = api.load(task["fit"])
     if task["kind"] == "pdf":
-        from surae.report import pdf
+        from datetime import datetime
 
-        pdf.write_pdf(task["output"], fitted.result, fitted.assessment)
+        from surae.report.pdf import write_pdf
+
+        now = datetime.now().astimezone()
+        write_pdf(task["output"], fitted.result, fitted.assessment, created=now)
     else:
         fitted.report(task["output"])
     return {}

@@ -63,18 +63,9 @@ class Workbench:
         self._prepared: Cache[ModelInputs] = Cache(_PREPARED, lambda one: 80.0 * one.n)
         self._fits: Cache[Fit] = Cache(_FITS)
 
-    def start(self) -> None:
+    def start(self, kinds: Mapping[str, Kind]) -> None:
         """Begin to work, and load what the first slider will need."""
-        from surae.web.fits import keep_comparison, keep_fit, keep_profile, keep_study
-
-        self.jobs.start(
-            {
-                "fit": Kind("fits", lambda job, end: keep_fit(self, job, end)),
-                "profile": Kind("fits", lambda job, end: keep_profile(self, job, end)),
-                "compare": Kind("fits", lambda job, end: keep_comparison(self, job, end)),
-                "study": Kind("studies", lambda job, end: keep_study(self, job, end)),
-            }
-        )
+        self.jobs.start(kinds)
         threading.Thread(target=_warm, name="warm", daemon=True).start()
 
     def close(self) -> None:

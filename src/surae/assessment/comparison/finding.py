@@ -179,6 +179,11 @@ class Comparison:
     def save(self, path: PathLike) -> None:
         """Write the comparison as JSON, all of it or nothing.
 
+        Parameters
+        ----------
+        path : path
+            Where to.
+
         Raises
         ------
         InputError

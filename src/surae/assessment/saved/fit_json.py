@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +17,7 @@ from surae.errors import InputError
 from surae.estimation import FitProblem, FitResult, Prior, Start
 from surae.files import PathLike, read_bytes, shown, write_json
 from surae.model import ModelOptions, check_value, get_model, with_drives
+from surae.quality.finding import Quality, quality_of
 from surae.recording import MUSCLES, SourceFile
 from surae.signals import EmgReference, ModelInputs
 
@@ -25,7 +26,31 @@ FORMAT = 1
 _SERIES = ("time", "angle", "velocity", "acceleration")
 
 
-def save_fit(path: PathLike, result: FitResult, assessment: Assessment) -> None:
+@dataclass(frozen=True, slots=True)
+class SavedFit:
+    """What a FIT.json holds.
+
+    Attributes
+    ----------
+    result : FitResult
+        The fit.
+    baseline : Baseline or None
+        The simulations that its standard errors were compared with.
+    quality : tuple of Quality
+        What was found in each recording; empty where nobody looked.
+    """
+
+    result: FitResult
+    baseline: Baseline | None
+    quality: tuple[Quality, ...]
+
+
+def save_fit(
+    path: PathLike,
+    result: FitResult,
+    assessment: Assessment,
+    quality: Sequence[Quality] = (),
+) -> None:
     """Write a fit to `path`, all of it or nothing.
 
     Raises
@@ -33,18 +58,11 @@ def save_fit(path: PathLike, result: FitResult, assessment: Assessment) -> None:
     InputError
         The file cannot be written.
     """
-    write_json(path, as_dict(result, assessment))
+    write_json(path, as_dict(result, assessment, quality))
 
 
-def load_saved(path: PathLike) -> tuple[FitResult, Baseline | None]:
+def load_saved(path: PathLike) -> SavedFit:
     """Read the fit that `save_fit` wrote; equal to the one saved, to the last bit.
-
-    Returns
-    -------
-    FitResult
-        The fit.
-    Baseline or None
-        The simulations that its standard errors were compared with.
 
     Raises
     ------
@@ -56,7 +74,8 @@ def load_saved(path: PathLike) -> tuple[FitResult, Baseline | None]:
     try:
         compared = data.get("snsem")
         baseline = None if compared is None else read_baseline(compared["baseline"])
-        return _result(data), baseline
+        quality = tuple(quality_of(one) for one in data.get("findings", ()))
+        return SavedFit(_result(data), baseline, quality)
     except InputError as error:
         raise InputError(f"{shown(path)}: {error}") from None
     except KeyError as error:
@@ -176,7 +195,9 @@ def _ordered(version: str) -> tuple[int, ...]:
     return tuple(numbers)
 
 
-def as_dict(result: FitResult, assessment: Assessment) -> dict[str, Any]:
+def as_dict(
+    result: FitResult, assessment: Assessment, quality: Sequence[Quality] = ()
+) -> dict[str, Any]:
     """A fit as plain data, in the shape of FIT.json."""
     problem = result.problem
     return {
@@ -219,6 +240,7 @@ def as_dict(result: FitResult, assessment: Assessment) -> dict[str, Any]:
             }
             for quality, white in zip(assessment.recordings, assessment.whiteness, strict=True)
         ],
+        "findings": [one.as_dict() for one in quality],
         "snsem": None
         if assessment.baseline is None
         else {

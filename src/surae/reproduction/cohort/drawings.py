@@ -142,7 +142,7 @@ def _fit_box(fits: Fits, model: str, protocol: str, label: str) -> Box:
 
 
 def explicit_drawing(fits: Fits, explicit: Fits) -> Drawing:
-    """Model 2.0 by both integrators: why the thesis found it worse."""
+    """Model 2.0 by both integrators."""
     first = {p: [one for one in fits.vaf("2.0", p) if one.repetition == 1] for p in _SHORT}
     panels = [
         Panel(title, [Box(_SHORT[p], found[p], thesis_mean("fit", "2.0", p)) for p in _SHORT], 70.0)

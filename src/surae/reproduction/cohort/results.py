@@ -116,6 +116,26 @@ def strengths(context: Context) -> Mapping[str, Mapping[str, float]]:
     return run_jobs(context, "cohort-strengths", work.strength_job, jobs, also=MADE_BY)
 
 
+def replays(context: Context, fits: Fits) -> Mapping[str, float]:
+    """VAF of the explicit scheme with the parameters that the implicit fits found, by subject.
+
+    Model 2.0, multiple holds, repetition 1 [%].
+    """
+    jobs = {}
+    for number, member in enumerate(fits.members):
+        found = fits.single.get(f"2.0 {member.id} {ACTIVE_PROTOCOL} 1")
+        if found is not None and found["status"] != "failed":
+            jobs[member.id] = {
+                "seed": fits.size.seed,
+                "member": number,
+                "protocol": ACTIVE_PROTOCOL,
+                "rate_hz": plan.EXPLICIT_HZ,
+                "values": {name: p["value"] for name, p in found["parameters"].items()},
+            }
+    done = run_jobs(context, "cohort-replays", work.replay_job, jobs, also=MADE_BY)
+    return {subject: one["vaf"] for subject, one in done.items() if one["vaf"] is not None}
+
+
 def explicit_fits(context: Context) -> Fits:
     """The muscle-tendon fits with the thesis's own integrator; see `plan.explicit_fits`."""
     size = plan.Size.of(context)

@@ -17,6 +17,7 @@ from surae.reproduction.cohort.judge_vaf import vaf_findings
 from surae.reproduction.cohort.results import (
     Fits,
     explicit_fits,
+    replays,
     spared_fits,
     strengths,
     thesis_fits,
@@ -27,7 +28,13 @@ from surae.reproduction.cohort.tables import costs_table, fits_table, subjects_t
 def run(context: Context) -> Result:
     """Fit the cohort as the thesis fitted its subjects, and judge its claims."""
     fits = thesis_fits(context)
-    evidence = Evidence(fits, spared_fits(context), explicit_fits(context), strengths(context))
+    evidence = Evidence(
+        fits,
+        spared_fits(context),
+        explicit_fits(context),
+        strengths(context),
+        replays(context, fits),
+    )
     spectra, apart = spectra_drawing(fits)
     figures = [*vaf_drawings(fits), *trace_drawings(fits), *snsem_drawings(fits), spectra]
     figures.append(explicit_drawing(fits, evidence.explicit))

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from surae.assessment import assess
-from surae.assessment.validation.prediction import predict_others
+from surae.assessment.validation.prediction import predict, predict_others
 from surae.errors import ComputationError
 from surae.estimation import FitResult, fit_problem, make_problem
 from surae.model import ModelOptions, TorqueParts, get_model
@@ -143,6 +143,19 @@ def strength_job(*, seed: int, member: int, protocol: str, rate_hz: float) -> di
     torque = spec.simulator(inputs, options).torque(vector)
     measured = inputs.torque if inputs.torque is not None else np.zeros(1)
     return {"measured": float(np.abs(measured).max()), "rigid": float(np.abs(torque).max())}
+
+
+def replay_job(
+    *, seed: int, member: int, protocol: str, rate_hz: float, values: Mapping[str, float]
+) -> dict[str, float | None]:
+    """VAF of model 2.0 by the thesis's explicit scheme with given parameters, repetition 1 [%]."""
+    inputs = cohort_inputs(make_cohort(seed)[member], protocol, 1, rate_hz=rate_hz)
+    spec, options = get_model("muscle-tendon"), ModelOptions(integrator="explicit-euler")
+    try:
+        vaf = predict(spec, options, values, [inputs])[0].vaf
+    except ComputationError:
+        return {"vaf": None}
+    return {"vaf": _finite(vaf)}
 
 
 def _truth(who: CohortSubject, without: Sequence[str]) -> dict[str, float]:

@@ -21,7 +21,7 @@ export function complain(box, error) {
     console.error(error); // ours, not the server's: no sentence for a reader
     line = "the page could not show this; reload it";
   }
-  box.textContent = line.charAt(0).toUpperCase() + line.slice(1);
+  box.textContent = line;
   box.hidden = false;
 }
 

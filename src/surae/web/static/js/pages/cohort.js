@@ -28,7 +28,7 @@ const show = latest(async () => {
 
 function columns({ columns: parameters, normal }) {
   return [
-    { title: "Subject", value: (r) => r.subject, show: (r) => h("a", { href: `/fits/${r.fit}` }, r.subject ?? (r.recordings.join(", ") || "fit")) },
+    { title: "Subject", value: (r) => r.subject, show: (r) => h("a", { href: `/fits/${r.fit}` }, r.subject || (r.recordings.join(", ") || "fit")) },
     { title: "Group", value: (r) => r.group, show: (r) => r.group || NONE },
     { title: "Side", value: (r) => r.side, show: (r) => r.side ?? NONE },
     { title: "Trial", value: (r) => r.trial, show: (r) => [r.trial, r.condition].filter(Boolean).join(", ") || NONE },

@@ -97,14 +97,14 @@ function show(seen) {
 }
 
 function predicted(parameters) {
-  const head = ["Parameter", "Value assumed", "Standard error", "Relative", "Bar", "Verdict", "Why"];
+  const head = ["Parameter", "Value assumed", "Standard error", "Relative", "Verdict", "Why"];
   return scroll(
     "Predicted uncertainty",
     h(
       "table",
       {},
       h("caption", {}, "Predicted standard errors; the bar ends at 20 %"),
-      h("thead", {}, h("tr", {}, head.map((text, i) => h("th", { scope: "col", class: i > 0 && i < 4 ? "num" : null }, text === "Bar" ? h("span", { class: "sr" }, text) : text)))),
+      h("thead", {}, h("tr", {}, head.map((text, i) => h("th", { scope: "col", class: i > 0 && i < 4 ? "num" : null }, text)))),
       h(
         "tbody",
         {},
@@ -115,8 +115,7 @@ function predicted(parameters) {
             h("th", { scope: "row" }, p.name),
             h("td", { class: "num" }, quantity(p.value, p.unit, 3)),
             h("td", { class: "num" }, quantity(p.sem, p.unit, 2)),
-            h("td", { class: "num" }, p.relative === null ? "—" : percent(100 * p.relative, 2)),
-            h("td", {}, p.relative === null ? "" : h("meter", { min: 0, max: 0.2, high: 0.1, low: 0.05, optimum: 0, value: Math.min(p.relative, 0.2), "aria-label": `Relative standard error of ${p.name}` })),
+            h("td", { class: "num" }, p.relative === null ? "—" : [percent(100 * p.relative, 2), " ", h("meter", { min: 0, max: 0.2, high: 0.1, low: 0.05, optimum: 0, value: Math.min(p.relative, 0.2), "aria-label": `Relative standard error of ${p.name}` })]),
             h("td", {}, verdict(p.verdict)),
             h("td", { class: "why" }, p.note ?? ""),
           ),

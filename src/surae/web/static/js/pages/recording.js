@@ -20,7 +20,7 @@ const excluded = () => draft()?.exclusions[id] ?? [];
 
 function spans() {
   return [
-    ...findings.filter((one) => one.start_s !== null && one.start_s !== undefined).map((one) => ({ start: one.start_s, end: one.end_s, kind: one.severity })),
+    ...findings.filter((one) => one.start_s !== null && one.start_s !== undefined).map((one) => ({ start: one.start_s, end: one.end_s, kind: one.severity, role: one.channel })),
     ...excluded().map(([start, end]) => ({ start, end, kind: "excluded" })),
   ];
 }

@@ -15,8 +15,10 @@ export function bands(spans) {
     for (const { start, end, kind } of spans()) {
       const left = u.valToPos(start ?? u.scales.x.min, "x", true);
       const right = Math.max(u.valToPos(end ?? u.scales.x.max, "x", true), left + 2 * devicePixelRatio);
+      const all = kind !== "excluded" && left <= bbox.left && right >= bbox.left + bbox.width;
       ctx.fillStyle = colour(`band-${kind}`);
-      ctx.fillRect(left, bbox.top, right - left, bbox.height);
+      // What holds for all of the signal is said by the bar alone: nothing stands out in a full plot.
+      if (!all) ctx.fillRect(left, bbox.top, right - left, bbox.height);
       if (kind === "excluded") hatch(ctx, left, right, bbox);
       else {
         // A bar on top: findings are seen without their colour, too.

@@ -3,7 +3,7 @@
 import { s } from "../core/dom.js";
 import { number } from "../core/format.js";
 
-const WIDTH = 190;
+const WIDTH = 160;
 const MARGIN = 6;
 
 /**

@@ -35,7 +35,7 @@ function row(name, p, healthy) {
       "td",
       { class: "range-cell" },
       ranges([known], { normal: healthy, lower: p.lower, upper: p.upper }, `${name} is ${number(p.value, 3)}${place ? `, ${place} the healthy range` : ""}`),
-      h("div", { class: "small nowrap" }, healthy ? `${number(healthy[0], 3)} … ${number(healthy[1], 3)} ${place}` : "none known"),
+      h("div", { class: "small" }, healthy ? `${number(healthy[0], 3)} … ${number(healthy[1], 3)} ${place}` : "none known"),
     ),
     h("td", { class: "why" }, p.note ?? ""),
   );

@@ -38,7 +38,7 @@ function row(role, mapping, files, units, changed) {
     "select",
     { "aria-label": `Column of ${roleText(role)}`, "data-focus": `column-${role}` },
     h("option", { value: "" }, NEEDED.includes(role) ? "choose …" : "none"),
-    files.map((file, f) => h("optgroup", { label: file.name }, file.columns.map((c, i) => h("option", { value: `${f}/${i}` }, c.name)))),
+    files.map((file, f) => h("optgroup", { label: file.name }, file.columns.map((c, i) => c.usable !== false && h("option", { value: `${f}/${i}` }, c.name)))),
   );
   const at = channel ? files.findIndex((f) => f.id === channel.upload) : -1;
   choose.value = at < 0 || !column ? "" : `${at}/${files[at].columns.indexOf(column)}`;
@@ -48,7 +48,7 @@ function row(role, mapping, files, units, changed) {
     else {
       const file = files[f];
       const one = file.columns[i];
-      mapping.channels[role] = { upload: file.id, column: one.name, unit: units.includes(one.unit) ? one.unit : (units[0] ?? null), sign: 1, scale: 1.0, offset: 0.0 };
+      mapping.channels[role] = { upload: file.id, column: one.name, unit: units.includes(one.unit) ? one.unit : units.length === 1 ? units[0] : null, sign: 1, scale: 1.0, offset: 0.0 };
     }
     changed();
   });

@@ -1,0 +1,44 @@
+"""Findings on a recording in any form."""
+
+from surae.api.recordings import AnyRecording
+from surae.files import PathLike
+from surae.quality import (
+    Commanded,
+    Quality,
+    check_file,
+    check_recording,
+    commanded_file,
+    recording_of,
+)
+from surae.recording import Recording
+from surae.signals import ModelInputs
+
+
+def check(recording: AnyRecording, *, commanded: Commanded | PathLike | None = None) -> Quality:
+    """Look for faults in a recording before it is fitted.
+
+    Parameters
+    ----------
+    recording : Recording, ModelInputs or path
+        As it was measured, if possible: preparation hides faults. Of a file that no fit would read,
+        the gaps and missing samples are findings too.
+    commanded : Commanded or path, optional
+        What the device was to follow, or the file of `surae protocol` that says so. Without it, the
+        protocols of `surae.protocol` are recognised in the angle.
+
+    Returns
+    -------
+    Quality
+        Findings, the most severe first, and the checks that could not be made.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read.
+    """
+    asked = commanded if isinstance(commanded, Commanded | None) else commanded_file(commanded)
+    if isinstance(recording, ModelInputs):
+        return check_recording(recording_of(recording), asked)
+    if isinstance(recording, Recording):
+        return check_recording(recording, asked)
+    return check_file(recording, asked)

@@ -1,0 +1,57 @@
+"""Findings of the quality gate on the screen."""
+
+import textwrap
+
+from surae.cli.screen import show_line
+from surae.quality import Finding, Quality
+
+#: Widest text [columns].
+_MOST = 100
+#: Of what stands before the text of a finding.
+_INDENT = 9
+
+
+def show_quality(quality: Quality, name: str) -> None:
+    """Every finding in two or three lines: severity and span, what was found, what to do."""
+    show_line(f"{name}: {summary(quality)}")
+    for finding in quality.findings:
+        show_line("")
+        show_line(_head(finding))
+        for text in (finding.message, f"→ {finding.advice}"):
+            show_line(_wrapped(text))
+    if quality.skipped:
+        show_line("")
+        show_line("Not checked:")
+        for one in quality.skipped:
+            show_line(_wrapped(f"{one.check}: {one.reason}"))
+    show_line("")
+
+
+def show_short(quality: Quality) -> None:
+    """One line for a recording with findings that matter, and one for each of these."""
+    if quality.clean:
+        return
+    show_line(f"{quality.recording}: {summary(quality)}; see `surae check`")
+    for finding in quality.findings:
+        if finding.severity != "info":
+            show_line(_wrapped(f"{finding.severity} {finding.code}: {finding.message}", 4))
+
+
+def summary(quality: Quality) -> str:
+    """How many findings there are of each severity."""
+    counts = [(quality.count("error"), "error"), (quality.count("warning"), "warning")]
+    parts = [f"{n} {what}{'' if n == 1 else 's'}" for n, what in counts if n]
+    if quality.count("info"):
+        parts.append(f"{quality.count('info')} for information")
+    return ", ".join(parts) or "nothing found"
+
+
+def _head(finding: Finding) -> str:
+    channel = f"  {finding.channel}" if finding.channel else ""
+    span = f"{finding.start_s:.2f}–{finding.end_s:.2f} s"
+    return f"{finding.severity:<{_INDENT - 2}}  {finding.code:<20}{span}{channel}"
+
+
+def _wrapped(text: str, indent: int = _INDENT) -> str:
+    space = " " * indent
+    return textwrap.fill(text, _MOST, initial_indent=space, subsequent_indent=space)

@@ -1,0 +1,195 @@
+"""From a file to findings, also where the file is too faulty to be read as a recording."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.files import PathLike
+from surae.quality.commanded import Commanded
+from surae.quality.finding import Finding, Quality, Skipped
+from surae.quality.registry import CHECKS, check_recording, ordered
+from surae.quality.timing import axis_findings
+from surae.recording import MUSCLES, Channel, Recording, read, read_only
+from surae.recording.channels import Scaling, channel, settle_unit
+from surae.recording.formats import open_table
+from surae.recording.naming import NAMES, plain
+from surae.recording.source import open_source
+from surae.recording.table import Column, Table
+from surae.units import FACTORS
+
+#: Columns of a recording that hold the commanded angle, and their factor to radians.
+_COMMANDED = {f"commanded_angle_{unit}": factor for unit, factor in FACTORS["angle"].items()}
+#: Samples that must be left to look at more than the time.
+_FEWEST = 32
+
+
+def check_file(path: PathLike, commanded: Commanded | None = None) -> Quality:
+    """All findings of a recording's file.
+
+    A file that `surae.read` refuses for samples that are missing or times that do not increase is
+    checked nevertheless: that is a finding, and what is left of the signals is looked at.
+
+    Parameters
+    ----------
+    path : path
+        A recording.
+    commanded : Commanded, optional
+        The motion that the device was to follow; else a column ``commanded_angle_rad`` of the file.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read at all.
+    """
+    try:
+        recording = read(path)
+    except InputError as error:
+        found = _faulty(path, error)
+        if found is None:
+            raise
+        return found
+    return check_recording(recording, commanded or commanded_column(path, recording))
+
+
+def commanded_file(path: PathLike) -> Commanded:
+    """The commanded motion, and the effort if it is there, of a protocol's file.
+
+    Parameters
+    ----------
+    path : path
+        As ``surae protocol --output P.csv`` writes it.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or has no angle.
+    """
+    source = open_source(path)
+    table = open_table(source)
+    role = next((n for n in table.names if NAMES.get(plain(n), ("", ""))[0] == "angle"), None)
+    if role is None:
+        raise InputError(
+            f"{source.shown}: no column angle_rad; give the CSV that `surae protocol` wrote"
+        )
+    efforts = [f"emg_{muscle}" for muscle in MUSCLES]
+    there = all(name in table.names for name in efforts)
+    columns = table.load([role, *(efforts if there else [])])
+    unit = settle_unit(table, "angle", role, NAMES[plain(role)][1], source.shown)
+    angle = channel("angle", columns[role], Scaling(unit), table)
+    effort = None
+    if there:
+        effort = read_only(np.column_stack([columns[name].values for name in efforts]))
+        if not np.isfinite(effort).all():
+            raise InputError(f"{source.shown}: an effort is not a finite number")
+    return Commanded("the commanded profile", angle.time, angle.values, effort)
+
+
+def commanded_column(path: PathLike, recording: Recording) -> Commanded | None:
+    """The commanded angle that a table of our columns has beside the measured one, or None."""
+    if len(recording.files) != 1:
+        return None  # described by a mapping, which has no role for it
+    try:
+        table = open_table(open_source(path))
+        name = next((one for one in table.names if one in _COMMANDED), None)
+        if name is None:
+            return None
+        column = table.load([name])[name]
+    except InputError:
+        return None  # another kind of file, which was read otherwise
+    if not np.isfinite(column.values).all():
+        return None
+    angle = read_only(column.values * _COMMANDED[name])
+    return Commanded("the commanded profile", column.time, angle)
+
+
+def _faulty(path: PathLike, error: InputError) -> Quality | None:
+    """Findings of a table whose samples no reader takes; None where that is not what is wrong."""
+    try:
+        source = open_source(path)
+        table = open_table(source)
+        roles: dict[str, tuple[str, str]] = {}
+        for name in table.names:
+            if plain(name) in NAMES:
+                roles.setdefault(NAMES[plain(name)][0], (name, NAMES[plain(name)][1]))
+        columns = table.load([name for name, _ in roles.values()])
+    except InputError:
+        return None
+    if "angle" not in roles:
+        return None
+    first = columns[roles["angle"][0]]
+    found = [*_missing(roles, columns)]
+    time = np.asarray(first.time)
+    known = np.isfinite(time)
+    if not known.all():
+        found.append(_missing_finding("time", first, ~known))
+    if known.sum() >= 2:
+        axis = Channel("time", read_only(time[known]), read_only(time[known]), "s", table.file)
+        found += axis_findings(axis)
+    if not found:
+        return None
+    skipped: tuple[Skipped, ...] = ()
+    recording = _left(table, roles, columns)
+    if recording is not None:
+        rest = check_recording(replace(recording, files=(source.file,)))
+        codes = {finding.code for finding in found}
+        # Time was looked at as it is in the file.
+        found += [f for f in rest.findings if f.code not in codes and f.code != "time-gap"]
+        skipped = rest.skipped
+    else:
+        skipped = tuple(Skipped(c, "Too few samples are left.") for k in CHECKS for c in k.codes)
+    del error
+    return Quality(table.notes.get("name", source.name), ordered(found), skipped)
+
+
+def _missing(roles: dict[str, tuple[str, str]], columns: object) -> list[Finding]:
+    """Channels with samples that are not numbers."""
+    found = []
+    for role, (name, _) in roles.items():
+        column: Column = columns[name]  # type: ignore[index]
+        wrong = ~np.isfinite(column.values)
+        if wrong.any():
+            found.append(_missing_finding(role, column, wrong))
+    return found
+
+
+def _missing_finding(role: str, column: Column, wrong: np.ndarray) -> Finding:
+    where = np.flatnonzero(wrong)
+    times = column.time[np.isfinite(column.time)]
+    inside = column.time[where][np.isfinite(column.time[where])]
+    begin, end = (inside[0], inside[-1]) if inside.size else (times[0], times[-1])
+    return Finding(
+        "samples-missing",
+        "error",
+        role,
+        float(begin),
+        float(end),
+        float(wrong.sum()),
+        "1",
+        f"{int(wrong.sum())} samples of {column.name} are not numbers, the first in "
+        f"{column.position(int(where[0]))}.",
+        "Cut the recording to a part without them; no fit reads such a file.",
+    )
+
+
+def _left(table: Table, roles: dict[str, tuple[str, str]], columns: object) -> Recording | None:
+    """A recording of the samples that are whole, in the order of time; None if they are few."""
+    chosen: dict[str, Column] = {r: columns[n] for r, (n, _) in roles.items()}  # type: ignore[index]
+    time = chosen["angle"].time
+    if any(len(column.time) != len(time) for column in chosen.values()):
+        return None
+    whole = np.isfinite(time)
+    for column in chosen.values():
+        whole &= np.isfinite(column.values)
+    rising = np.full(len(time), -np.inf)
+    rising[1:] = np.maximum.accumulate(np.where(whole, time, -np.inf))[:-1]
+    whole &= time > rising
+    if int(whole.sum()) < _FEWEST:
+        return None
+    channels = {}
+    for role, column in chosen.items():
+        kept = replace(column, time=read_only(time[whole]), values=read_only(column.values[whole]))
+        unit = roles[role][1]
+        channels[role] = channel(role, kept, Scaling(unit), table)
+    kind = "envelope" if table.notes.get("emg") == "envelope" else "raw"
+    return Recording("left", channels, emg=kind)  # type: ignore[arg-type]

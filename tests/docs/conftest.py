@@ -1,0 +1,96 @@
+"""What the commands and snippets of the documentation find in their folder."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+import surae
+from surae.protocol import Protocol, generate
+from surae.recording import MUSCLES, write_csv, write_hdf5
+from surae.signals import ModelInputs
+from surae.studies import virtual_subject, virtual_trial
+
+#: Headings of a laboratory's own, for `surae inspect`.
+_LAB = {
+    "time_s": "Time (s)", "angle_rad": "Ankle Angle (deg)", "torque_Nm": "Ankle Torque (Nm)",
+    "emg_ta_V": "TA (mV)", "emg_gl_V": "GL (mV)", "emg_sol_V": "SOL (mV)", "emg_gm_V": "GM (mV)",
+}  # fmt: skip
+_STUDY = """
+name = "small"
+protocol = "multiple-holds"
+chirp_amplitude = [0.1, 0.2]
+chirp_rate = 0.3
+subjects = 1
+rate_hz = 50
+starts = 1
+seed = 1
+"""
+
+
+def _columns(trial: ModelInputs) -> dict[str, object]:
+    assert trial.torque is not None
+    emg = {f"emg_{muscle}_V": trial.emg[:, i] for i, muscle in enumerate(MUSCLES)}
+    return {"time_s": trial.time, "angle_rad": trial.angle, "torque_Nm": trial.torque} | emg
+
+
+@pytest.fixture(scope="session")
+def prepared(tmp_path_factory) -> Path:
+    """Every file that a page takes for granted, small."""
+    folder = tmp_path_factory.mktemp("documentation")
+    subject = virtual_subject(seed=1)
+    trials = {
+        name: virtual_trial(
+            subject,
+            generate(Protocol(profile=profile, chirp_amplitude=0.2, rate_hz=50.0)),
+            seed=seed,
+        )
+        for seed, (name, profile) in enumerate(
+            {"trial": "multiple-holds", "other": "multi-sine-holds"}.items()
+        )
+    }
+    for name, trial in trials.items():
+        write_csv(folder / f"{name}.csv", _columns(trial), ["emg: envelope"])
+    for name, source in {
+        "a": "trial", "b": "other", "trial1": "trial", "trial2": "other", "mvc": "other",
+        "in": "trial",
+    }.items():  # fmt: skip
+        shutil.copy(folder / f"{source}.csv", folder / f"{name}.csv")
+    for person in ("S01", "S02"):
+        (folder / "cohort" / person).mkdir(parents=True)
+        shutil.copy(folder / "trial.csv", folder / "cohort" / person / "trial.csv")
+    heading, *rows = (
+        line for line in (folder / "trial.csv").read_text().splitlines() if line[0] != "#"
+    )
+    lab = ",".join(_LAB[name] for name in heading.split(","))
+    (folder / "lab.csv").write_text("\n".join((lab, *rows)) + "\n")
+    (folder / "map.toml").write_text(_mapping())
+    write_hdf5(folder / "recording.h5", surae.read(folder / "trial.csv"))
+    (folder / "study.toml").write_text(_STUDY)
+    (folder / "p.json").write_text(json.dumps({"parameters": dict(subject.parameters)}))
+    fit = surae.fit(folder / "trial.csv", starts=1)
+    fit.save(folder / "fit.json")
+    (folder / "docs").mkdir()
+    return folder
+
+
+def _mapping() -> str:
+    """The laboratory's file, described as the page on it says."""
+    units = {"angle": "rad", "torque": "Nm"} | {f"emg_{muscle}": "V" for muscle in MUSCLES}
+    tables = [
+        f'[channels.{name.rsplit("_", 1)[0]}]\nfile = "lab.csv"\ncolumn = "{column}"\n'
+        f'unit = "{units[name.rsplit("_", 1)[0]]}"\n'
+        for name, column in _LAB.items()
+        if name != "time_s"
+    ]
+    return 'name = "lab"\nemg = "envelope"\n\n' + "\n".join(tables)
+
+
+@pytest.fixture
+def workplace(prepared, tmp_path, monkeypatch) -> Path:
+    """A copy of them to write in, as the current folder."""
+    folder = tmp_path / "work"
+    shutil.copytree(prepared, folder)
+    monkeypatch.chdir(folder)
+    return folder

@@ -1,0 +1,113 @@
+"""Docstrings say what signatures say: names in their order, what is returned, what is raised."""
+
+import ast
+import inspect
+import textwrap
+from collections.abc import Callable, Iterator
+from importlib import import_module
+
+import pytest
+from numpydoc.docscrape import ClassDoc, FunctionDoc
+
+import surae
+
+LAYERS = (
+    "recording", "signals", "model", "protocol", "quality", "estimation", "assessment", "studies",
+    "report", "api",
+)  # fmt: skip
+
+
+def documented() -> dict[str, object]:
+    """Everything public, each object once, under the shortest name that it has."""
+    found: dict[int, tuple[str, object]] = {}
+    for module in ("surae", *(f"surae.{layer}" for layer in LAYERS)):
+        home = import_module(module)
+        for name in home.__all__:
+            one = getattr(home, name)
+            if inspect.isfunction(one) or inspect.isclass(one):
+                found.setdefault(id(one), (f"{module}.{name}", one))
+    return dict(found.values())
+
+
+PUBLIC = documented()
+CLASSES = {name: one for name, one in PUBLIC.items() if inspect.isclass(one)}
+
+
+def functions() -> Iterator[tuple[str, Callable[..., object], bool]]:
+    """Name, function, and whether its first parameter is self or cls."""
+    for name, one in PUBLIC.items():
+        if inspect.isfunction(one):
+            yield name, one, False
+        elif inspect.isclass(one):
+            for member, value in vars(one).items():
+                if member.startswith("_"):
+                    continue
+                if isinstance(value, classmethod | staticmethod):
+                    yield f"{name}.{member}", value.__func__, isinstance(value, classmethod)
+                elif inspect.isfunction(value):
+                    yield f"{name}.{member}", value, True
+
+
+FUNCTIONS = {name: (function, bound) for name, function, bound in functions()}
+#: What users call: surae.fit, surae.Fit.save, not what only one layer says to another.
+USERS = [name for name in FUNCTIONS if ".".join(name.split(".")[:2]) in
+         {f"surae.{public}" for public in surae.__all__}]  # fmt: skip
+
+
+def _parameters(function: Callable[..., object], bound: bool) -> list[str]:
+    return list(inspect.signature(function).parameters)[bound:]
+
+
+def _named(entries: list) -> list[str]:
+    """Names of a section: ``a, b`` stands for both."""
+    return [name.strip().lstrip("*") for entry in entries for name in entry.name.split(",")]
+
+
+def test_there_is_much_to_look_at():
+    assert len(PUBLIC) > 100
+    assert len(USERS) > 25
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_function_is_as_its_docstring_says(name):
+    function, bound = FUNCTIONS[name]
+    doc = FunctionDoc(function)
+    assert doc["Summary"], "no summary"
+    given = _named(doc["Parameters"])
+    assert given in ([], _parameters(function, bound))
+    returned = inspect.signature(function).return_annotation
+    if returned in (None, "None"):
+        assert not doc["Returns"]
+    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
+    if any(isinstance(node, ast.Raise) for node in ast.walk(tree)):
+        assert doc["Raises"], "it raises, and does not say so"
+
+
+@pytest.mark.parametrize("name", USERS)
+def test_what_users_call_says_all_of_it(name):
+    function, bound = FUNCTIONS[name]
+    doc = FunctionDoc(function)
+    parameters = _parameters(function, bound)
+    assert _named(doc["Parameters"]) == parameters
+    returned = inspect.signature(function).return_annotation
+    if parameters and returned not in (None, "None"):
+        assert doc["Returns"], f"it returns {returned}, and does not say what that is"
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_a_class_names_what_it_is_made_of(name):
+    one = CLASSES[name]
+    doc = ClassDoc(one)
+    assert doc["Summary"], "no summary"
+    given = _named(doc["Parameters"]) + _named(doc["Attributes"])
+    fields = getattr(one, "__dataclass_fields__", {})
+    if fields and doc["Parameters"] + doc["Attributes"]:
+        assert set(fields) <= set(given) | _undocumented(one)
+    for member, value in vars(one).items():
+        if isinstance(value, property) and not member.startswith("_"):
+            assert inspect.getdoc(value), f"{member} has no docstring"
+
+
+def _undocumented(one: type) -> set[str]:
+    """Fields that are nobody's business."""
+    return {name for name in one.__dataclass_fields__ if name.startswith("_")}

@@ -1,0 +1,74 @@
+"""Every planted fault is found, and nothing in recordings without."""
+
+import pytest
+
+#: As the benchmark names them; two each, one raw at 2048 Hz and one envelope at 256 Hz.
+FAULTS = (
+    "emg-missing",
+    "emg-flat",
+    "emg-clipped",
+    "emg-offset",
+    "emg-artefact",
+    "mains-hum",
+    "electrode-lag",
+    "emg-torque-lag",
+    "torque-limit",
+    "torque-sign",
+    "torque-offset",
+    "angle-units",
+    "rom-not-covered",
+    "position-steps",
+    "overshoot",
+    "time-gap",
+    "time-jitter",
+    "passive-not-passive",
+    "active-not-active",
+    "co-contraction",
+    "trial-too-short",
+    "reflex-suspected",
+    "reflex-suspected (bursts)",
+)
+#: One motion, so that its trajectory is made but once for each rate and task.
+MOTION = (("multiple-holds", 0.0, False),)
+
+
+@pytest.mark.parametrize("seed", [70000, 70001])
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_planted_fault_is_found(planted, name, seed) -> None:
+    plant, needs = planted.FAULTS[name]
+    signals = planted.signals(seed, **{**needs, "motions": MOTION})
+    plant(signals)
+    assert name.split()[0] in planted.codes(signals)
+
+
+@pytest.mark.parametrize("seed", range(70010, 70018))
+def test_nothing_is_found_in_a_clean_recording(planted, seed) -> None:
+    assert planted.codes(planted.signals(seed, motions=MOTION)) == set()
+
+
+def test_every_code_has_a_fault_here_or_a_test_elsewhere(planted) -> None:
+    from surae.quality import CODES
+
+    assert {name.split()[0] for name in FAULTS} == {n.split()[0] for n in planted.FAULTS}
+    assert set(CODES) - {name.split()[0] for name in FAULTS} == {
+        "samples-missing",
+        "torque-artefact",
+    }
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FAULTS)
+def test_nearly_all_planted_faults_are_found(planted, name) -> None:
+    plant, needs = planted.FAULTS[name]
+    found = 0
+    for seed in range(90_000, 90_020):
+        signals = planted.signals(seed, **needs)
+        plant(signals)
+        found += name.split()[0] in planted.codes(signals)
+    assert found >= 18
+
+
+@pytest.mark.slow
+def test_clean_recordings_have_next_to_no_findings(planted) -> None:
+    found = [planted.codes(planted.signals(seed)) for seed in range(91_000, 91_040)]
+    assert sum(map(len, found)) <= 2

@@ -1,0 +1,288 @@
+"""What findings say: spans, numbers, severities; and what is no fault."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import surae
+from surae.quality import (
+    CODES,
+    SEVERITIES,
+    Commanded,
+    Quality,
+    check_recording,
+    quality_of,
+    recording_of,
+)
+from surae.recording import Channel, Recording, read_only
+
+
+@pytest.fixture(scope="module")
+def recording(noisy) -> Recording:
+    """A trial of 35 s at 125 Hz with the thesis's noise, its EMG as envelopes."""
+    return recording_of(noisy)
+
+
+def changed(recording: Recording, role: str, values) -> Recording:
+    channel = replace(recording.channels[role], values=read_only(values))
+    return replace(recording, channels={**recording.channels, role: channel})
+
+
+def at_times(recording: Recording, time, keep=slice(None)) -> Recording:
+    channels = {
+        role: replace(c, time=read_only(time[keep]), values=read_only(c.values[keep]))
+        for role, c in recording.channels.items()
+    }
+    return replace(recording, channels=channels)
+
+
+def only(quality: Quality, code: str):
+    (found,) = [finding for finding in quality.findings if finding.code == code]
+    return found
+
+
+def codes(quality: Quality) -> list[str]:
+    return [finding.code for finding in quality.findings]
+
+
+def test_a_clean_trial_has_no_findings(recording) -> None:
+    quality = check_recording(recording)
+    assert quality.findings == ()
+    assert quality.clean
+    assert quality.worst is None
+
+
+def test_every_finding_is_one_sentence_each_and_has_a_known_code(planted) -> None:
+    for name in ("emg-flat", "torque-sign", "time-gap", "trial-too-short"):
+        plant, needs = planted.FAULTS[name]
+        signals = planted.signals(70001, **{**needs, "motions": (("sine", 0.0, False),)})
+        plant(signals)
+        for finding in check_recording(signals.recording).findings:
+            assert finding.code in CODES
+            assert finding.severity in SEVERITIES
+            assert finding.start_s <= finding.end_s
+            for text in (finding.message, finding.advice):
+                assert text.endswith(".")
+                assert "\n" not in text
+
+
+def test_the_worst_comes_first(recording) -> None:
+    wrong = changed(recording, "torque", -recording.channels["torque"].values)
+    values = recording.channels["emg_ta"].values + 5e-5 * np.sin(
+        2 * np.pi * 50.0 * recording.channels["emg_ta"].time
+    )
+    quality = check_recording(changed(wrong, "emg_ta", values))
+    ranks = [SEVERITIES.index(finding.severity) for finding in quality.findings]
+    assert ranks == sorted(ranks, reverse=True)
+    assert quality.worst == "error"
+
+
+def test_a_gap_has_its_span(recording) -> None:
+    time = recording.channels["angle"].time
+    keep = (time < 10.0) | (time > 12.0)
+    found = only(check_recording(at_times(recording, time, keep)), "time-gap")
+    assert found.severity == "error"
+    assert found.start_s == pytest.approx(10.0, abs=0.01)
+    assert found.end_s == pytest.approx(12.0, abs=0.01)
+    assert found.value == pytest.approx(2.0, abs=0.02)
+
+
+def test_rounded_time_stamps_are_no_jitter(recording) -> None:
+    time = np.round(np.arange(recording.channels["angle"].time.size) / 128.0, 3)
+    assert "time-jitter" not in codes(check_recording(at_times(recording, time)))
+
+
+def test_jitter_is_measured(recording) -> None:
+    rng = np.random.default_rng(1)
+    time = recording.channels["angle"].time
+    moved = time + 0.1 / 125.0 * np.clip(rng.standard_normal(time.size), -3, 3)
+    found = only(check_recording(at_times(recording, moved)), "time-jitter")
+    assert found.value == pytest.approx(0.1 / 125.0, rel=0.05)
+
+
+def test_a_dropout_of_raw_emg_has_its_span(planted) -> None:
+    signals = planted.signals(70000, motions=(("sine", 0.0, False),))
+    inside = (signals.time > 20.0) & (signals.time < 21.5)
+    signals.emg[inside, 2] = 0.0
+    found = only(check_recording(signals.recording), "emg-flat")
+    assert found.channel == "emg_sol"
+    assert found.severity == "warning"
+    assert (found.start_s, found.end_s) == pytest.approx((20.0, 21.5), abs=0.01)
+
+
+def test_hum_is_measured(planted) -> None:
+    signals = planted.signals(70000, motions=(("sine", 0.0, False),))
+    signals.emg[:, 1] += 1e-4 * np.sin(2 * np.pi * 60.0 * signals.time)
+    found = only(check_recording(signals.recording), "mains-hum")
+    assert found.value == pytest.approx(1e-4, rel=0.1)
+    assert "60.0 Hz" in found.message
+
+
+@pytest.mark.parametrize("lag", [0.2, -0.2])
+def test_a_lag_has_its_size_and_direction(recording, lag) -> None:
+    moved = recording
+    for muscle in ("ta", "gl", "sol", "gm"):
+        values = np.roll(recording.channels[f"emg_{muscle}"].values, round(lag * 125.0))
+        moved = changed(moved, f"emg_{muscle}", values)
+    found = only(check_recording(moved), "emg-torque-lag")
+    assert found.value == pytest.approx(lag, abs=0.05)
+    assert ("late" if lag > 0 else "early") in found.message
+
+
+def test_an_offset_of_the_torque_has_its_size(recording) -> None:
+    torque = recording.channels["torque"].values
+    plus = only(check_recording(changed(recording, "torque", torque + 15.0)), "torque-offset")
+    minus = only(check_recording(changed(recording, "torque", torque - 15.0)), "torque-offset")
+    assert plus.value - minus.value == pytest.approx(30.0, abs=5.0)
+
+
+def test_an_impossible_torque_is_an_artefact(recording) -> None:
+    torque = recording.channels["torque"].values.copy()
+    torque[2000:2010] = -400.0
+    found = only(check_recording(changed(recording, "torque", torque)), "torque-artefact")
+    assert found.value == 400.0
+    assert found.start_s == pytest.approx(16.0, abs=0.01)
+
+
+def test_a_torque_that_is_not_explained_is_an_artefact(recording) -> None:
+    torque = recording.channels["torque"].values.copy()
+    torque[2000:2020] -= 60.0
+    found = only(check_recording(changed(recording, "torque", torque)), "torque-artefact")
+    assert found.start_s == pytest.approx(16.0, abs=0.2)
+
+
+def test_a_torque_at_the_limit_of_a_stated_device(recording) -> None:
+    torque = np.minimum(recording.channels["torque"].values, 30.0)
+    stated = replace(changed(recording, "torque", torque), device={"max_torque": 30.0})
+    found = only(check_recording(stated), "torque-limit")
+    assert found.value == 30.0
+    assert "the limit of 30 Nm" in found.message
+
+
+def test_radians_taken_for_degrees(recording) -> None:
+    small = np.deg2rad(recording.channels["angle"].values)
+    found = only(check_recording(changed(recording, "angle", small)), "angle-units")
+    assert "angle_rad" in found.advice
+
+
+def test_an_isometric_trial_has_no_wrong_unit(recording) -> None:
+    rng = np.random.default_rng(2)
+    still = 0.1 + 0.003 * rng.standard_normal(recording.channels["angle"].time.size)
+    found = codes(check_recording(changed(recording, "angle", still)))
+    assert "angle-units" not in found
+    assert "rom-not-covered" in found
+
+
+def test_a_muscle_without_emg_is_information_where_its_weight_is_fixed(recording) -> None:
+    channels = {r: c for r, c in recording.channels.items() if r != "emg_gl"}
+    without = replace(recording, channels=channels)
+    assert only(check_recording(without), "emg-missing").severity == "warning"
+    fixed = replace(without, fixed={"g2": 0.0})
+    assert only(check_recording(fixed), "emg-missing").severity == "info"
+    assert "emg-missing" not in codes(check_recording(recording))
+
+
+def test_without_any_emg_much_is_left_out_with_a_reason(recording) -> None:
+    channels = {r: c for r, c in recording.channels.items() if not r.startswith("emg")}
+    quality = check_recording(replace(recording, channels=channels))
+    assert {"emg-torque-lag", "active-not-active", "co-contraction", "reflex-suspected"} <= {
+        one.check for one in quality.skipped
+    }
+    assert codes(quality).count("emg-missing") == 4
+
+
+def test_without_torque_what_needs_it_is_left_out(recording) -> None:
+    channels = {r: c for r, c in recording.channels.items() if r != "torque"}
+    skipped = {one.check for one in check_recording(replace(recording, channels=channels)).skipped}
+    assert {"torque-limit", "torque-sign", "torque-offset", "emg-torque-lag"} <= skipped
+
+
+def test_slow_envelopes_are_not_searched_for_hum(recording) -> None:
+    time = recording.channels["angle"].time
+    quality = check_recording(at_times(recording, time, slice(None, None, 2)))
+    (reason,) = [one.reason for one in quality.skipped if one.check == "mains-hum"]
+    assert "62.5 Hz" in reason
+
+
+def test_a_passive_task_that_was_commanded_needs_no_effort(recording) -> None:
+    time = recording.channels["angle"].time
+    quiet = recording
+    for muscle in ("ta", "gl", "sol", "gm"):
+        rest = 1e-6 * (1.0 + 0.05 * np.random.default_rng(3).standard_normal(time.size))
+        quiet = changed(quiet, f"emg_{muscle}", rest)
+    angle = recording.channels["angle"].values
+    asked = Commanded("the protocol", time, angle, read_only(np.zeros((time.size, 4))))
+    assert "active-not-active" in codes(check_recording(quiet))
+    assert "active-not-active" not in codes(check_recording(quiet, asked))
+
+
+def test_a_commanded_range_that_is_not_reached(recording) -> None:
+    time, angle = recording.channels["angle"].time, recording.channels["angle"].values
+    asked = Commanded("the protocol", time, read_only(1.3 * angle))
+    found = only(check_recording(recording, asked), "rom-not-covered")
+    assert found.severity == "warning"
+    assert "77 %" in found.message
+
+
+def test_an_overshoot_is_seen_without_a_known_profile() -> None:
+    time = np.arange(0.0, 24.0, 1 / 256)
+    angle = np.full(time.size, -0.3)
+    for start, size in ((2.0, 0.5), (7.0, -0.4), (13.0, 0.6), (19.0, -0.55)):
+        since = np.maximum(time - start, 0.0)
+        angle += size * (1 - np.exp(-3 * since) * np.cos(18 * since)) * (time > start)
+    ringing = Recording.from_arrays(time, angle)
+    found = only(check_recording(ringing), "overshoot")
+    assert found.value > 0.1
+    smooth = np.full(time.size, -0.3)
+    for start, size in ((2.0, 0.5), (7.0, -0.4), (13.0, 0.6), (19.0, -0.55)):
+        since = np.clip((time - start) / 0.8, 0.0, 1.0)
+        smooth += size * since**3 * (10 - 15 * since + 6 * since**2)
+    assert "overshoot" not in codes(check_recording(Recording.from_arrays(time, smooth)))
+
+
+def test_findings_are_plain_data_there_and_back(planted) -> None:
+    signals = planted.signals(70001, motions=(("sine", 0.0, False),))
+    signals.torque *= -1.0
+    quality = check_recording(signals.recording)
+    assert quality.findings
+    assert quality_of(quality.as_dict()) == quality
+
+
+@pytest.mark.parametrize("n", [2, 5, 31, 40])
+def test_a_few_samples_are_too_short_and_nothing_breaks(n) -> None:
+    time = np.arange(n) / 100.0
+    made = Recording.from_arrays(time, np.sin(time), np.cos(time), np.abs(np.ones((n, 4))))
+    assert "trial-too-short" in codes(check_recording(made))
+
+
+@pytest.mark.parametrize("value", [0.0, 1.0])
+def test_constant_signals_break_nothing(value) -> None:
+    time = np.arange(4000) / 200.0
+    same = np.full(time.size, value)
+    made = Recording.from_arrays(time, same, same, np.full((time.size, 4), value))
+    assert codes(check_recording(made)).count("emg-flat") == 4
+
+
+def test_channels_that_share_no_time_are_not_compared() -> None:
+    time = np.arange(400) / 100.0
+    angle = Channel("angle", read_only(time), read_only(np.sin(time)), "rad", "")
+    torque = Channel("torque", read_only(time + 50.0), read_only(np.sin(time)), "Nm", "")
+    quality = check_recording(Recording("apart", {"angle": angle, "torque": torque}))
+    assert all("share" in one.reason for one in quality.skipped)
+
+
+def test_the_reference_solutions_are_clean(shared) -> None:
+    for name in ("muscle_healthy", "muscle_patient", "tendon_thesis", "tendon_slack_length"):
+        assert surae.check(shared / "reference" / f"{name}.csv").findings == ()
+
+
+def test_known_faults_of_measured_data_are_found(shared) -> None:
+    walk = surae.check(shared / "gait" / "walk36.toml")
+    assert only(walk, "torque-artefact").start_s == pytest.approx(6.3, abs=0.3)
+    run = surae.check(shared / "gait" / "run81.toml")
+    assert only(run, "torque-artefact").value == pytest.approx(431, abs=2)
+    turned = surae.read(shared / "dynamometer" / "PL_50_01.toml")
+    assert "torque-sign" not in codes(check_recording(turned))
+    flipped = changed(turned, "torque", -turned.channels["torque"].values)
+    assert "torque-sign" in codes(check_recording(flipped))

@@ -1,0 +1,1 @@
+"""The workbench as its users meet it: a real server, a real browser."""

@@ -1,0 +1,229 @@
+"""One server and one browser for all of these tests, and files to work on."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from surae.protocol import Protocol, generate
+from surae.recording import write_csv
+from surae.studies import virtual_subject, virtual_trial
+
+sync_api = pytest.importorskip("playwright.sync_api")
+expect = sync_api.expect
+
+CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "chrome")
+FLAGS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+MUSCLES = ("ta", "gl", "sol", "gm")
+#: Milliseconds that a page may take on a busy computer, the first compilation of kernels included.
+PATIENCE = 60_000
+
+
+class Server:
+    """`surae serve` as a process of its own."""
+
+    def __init__(self, folder: Path, port: int = 0) -> None:
+        self.folder = folder
+        command = [sys.executable, "-m", "surae", "serve", str(folder), "--no-open"]
+        self.process = subprocess.Popen(
+            [*command, "--port", str(port), "--workers", "2"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        self.said: list[str] = []
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+        end = time.monotonic() + 60
+        while not (found := re.search(r"http://\S+?(?=/? )", " ".join(self.said))):
+            if self.process.poll() is not None or time.monotonic() > end:
+                raise AssertionError(f"surae serve did not start: {self.said}")
+            time.sleep(0.05)
+        self.address = found.group()
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.said.append(line + " ")
+
+    def stop(self) -> None:
+        """End it as Ctrl-C or a shutdown does, and let go of its pipe."""
+        self.process.terminate()
+        try:
+            self.process.wait(20)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+        self._reader.join(5)
+        assert self.process.stdout is not None
+        self.process.stdout.close()
+
+
+class Desk:
+    """One browser window, private to a test, which notes whatever a page must not do."""
+
+    def __init__(self, browser: Any, server: Server, **how: Any) -> None:
+        self.context = browser.new_context(viewport={"width": 1280, "height": 800}, **how)
+        self.context.set_default_timeout(PATIENCE)
+        expect.set_options(timeout=PATIENCE)
+        self.address = server.address
+        self.outside: list[str] = []
+        self.complaints: list[str] = []
+        self.context.on("request", self._requested)
+        self.context.on("console", self._said)
+        self.context.on("weberror", lambda error: self.complaints.append(str(error.error)))
+        self.page = self.context.new_page()
+
+    def _requested(self, request: Any) -> None:
+        own = (self.address + "/", "blob:", "data:")
+        if not request.url.startswith(own):
+            self.outside.append(request.url)
+
+    def _said(self, message: Any) -> None:
+        if "Content Security Policy" in message.text or "Refused to" in message.text:
+            self.complaints.append(message.text)
+
+    def go(self, path: str) -> Any:
+        """Open a page and wait until its scripts have filled it."""
+        self.page.goto(self.address + path)
+        self.page.locator("#undo[aria-label]").wait_for()
+        return self.page
+
+    def api(self, method: str, path: str, body: Any = None) -> Any:
+        """What a page's own script would get."""
+        if self.page.url == "about:blank":
+            self.go("/cohort")
+        return self.page.evaluate(
+            """async ([method, path, body]) => {
+              const csrf = document.querySelector('meta[name="csrf-token"]').content;
+              const answer = await fetch(path, {
+                method,
+                headers: { "X-CSRF-Token": csrf, "Content-Type": "application/json" },
+                body: method === "GET" ? undefined : JSON.stringify(body),
+              });
+              const text = await answer.text();
+              if (!answer.ok) throw new Error(`${path}: ${text}`);
+              return text ? JSON.parse(text) : null;
+            }""",
+            [method, path, body],
+        )
+
+    def add(self, path: Path) -> str:
+        """Import one of our CSVs through the page, as it is; the id of the recording."""
+        page = self.go("/import")
+        page.set_input_files("#files", path)
+        page.get_by_text("As it will be imported").wait_for()
+        page.get_by_role("button", name="Import this recording").click()
+        page.wait_for_url("**/recordings/*")
+        return str(page.url.rsplit("/", 1)[-1])
+
+    def wait_for_job(self, job: dict[str, Any]) -> dict[str, Any]:
+        """The job when it has ended."""
+        end = time.monotonic() + PATIENCE / 1000
+        while job["state"] in ("queued", "running"):
+            assert time.monotonic() < end, job
+            time.sleep(0.1)
+            job = self.api("GET", f"/api/jobs/{job['id']}")
+        return job
+
+    def close(self) -> None:
+        """Close the window; fails when a page asked another computer or broke its own rules."""
+        self.context.close()
+        assert self.outside == []
+        assert self.complaints == []
+
+
+@pytest.fixture(scope="package")
+def browser() -> Iterator[Any]:
+    """A headless Chromium; never missing where the tests are run for all."""
+    path = next((found for name in CHROMIUM if (found := shutil.which(name))), None)
+    if path is None and os.environ.get("CI"):
+        pytest.fail("no Chromium: install it, the workbench is tested with it")
+    if path is None:
+        pytest.skip("THE WORKBENCH'S PAGES ARE NOT TESTED: no Chromium is installed")
+    with sync_api.sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=path, args=FLAGS)
+        yield opened
+        opened.close()
+
+
+@pytest.fixture(scope="package")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    """The workbench over an empty project."""
+    running = Server(tmp_path_factory.mktemp("bench") / "knee")
+    yield running
+    running.stop()
+
+
+@pytest.fixture
+def desk(browser: Any, server: Server) -> Iterator[Desk]:
+    """A window onto the workbench, with a session of its own."""
+    opened = Desk(browser, server)
+    yield opened
+    opened.close()
+
+
+@pytest.fixture(scope="package")
+def trial() -> Any:
+    """A short trial of a virtual subject, with the thesis's noise."""
+    protocol = Protocol(
+        profile="multiple-holds", chirp_amplitude=0.1, chirp_rate=0.2, rate_hz=125.0
+    )
+    return virtual_trial(virtual_subject(1), generate(protocol))
+
+
+@pytest.fixture(scope="package")
+def csv(trial: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The trial as a CSV of ours."""
+    path = tmp_path_factory.mktemp("files") / "walk-in.csv"
+    emg = {f"emg_{m}_V": np.maximum(trial.emg[:, i], 0.0) for i, m in enumerate(MUSCLES)}
+    columns = {"time_s": trial.time, "angle_rad": trial.angle, "torque_Nm": trial.torque, **emg}
+    write_csv(path, columns, ["emg: envelope"])
+    return path
+
+
+@pytest.fixture(scope="package")
+def mat(trial: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The trial as a laboratory's own MAT file: other names, degrees, millivolts, torque turned."""
+    from scipy.io import savemat
+
+    path = tmp_path_factory.mktemp("files") / "lab.mat"
+    emg = {f"chan{i + 1}": 1e3 * np.maximum(trial.emg[:, i], 0.0) for i in range(4)}
+    content = {"time": trial.time, "hoek": np.degrees(trial.angle), "moment": -trial.torque}
+    savemat(path, content | emg)
+    return path
+
+
+@pytest.fixture(scope="package")
+def done(browser: Any, server: Server, csv: Path) -> dict[str, str]:
+    """A project with a subject, a recording, a fit and a study: ids by kind."""
+    desk = Desk(browser, server)
+    subject = desk.api(
+        "POST", "/api/subjects", {"code": "S77", "group": "patient", "notes": "", "body_mass": None}
+    )
+    recording = desk.add(csv)
+    desk.api("PATCH", f"/api/recordings/{recording}", {"name": "seeded", "subject": subject["id"]})
+    change = {"recordings": [recording], "starts": 1, "exclusions": {recording: [[2.0, 3.0]]}}
+    desk.api("PATCH", "/api/draft", {"change": change, "label": "fit it"})
+    job = desk.wait_for_job(desk.api("POST", "/api/fits", {"name": "seeded fit", "draft": None}))
+    assert job["state"] == "done", job
+    study = desk.api("POST", "/api/studies", {"toml": 'protocol = "sine"\n', "start": False})
+    desk.close()
+    return {"recording": recording, "fit": job["result"], "study": study["id"]}

@@ -1,0 +1,194 @@
+"""From a file to a report, as someone does it who does not program."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from .conftest import Desk, Server, expect
+
+PARAMETERS = 15
+
+
+def start_fit(desk: Desk, recording: str, starts: int) -> Any:
+    """The bench with a recording chosen and a fit begun."""
+    change = {"recordings": [recording], "starts": starts}
+    desk.api("PATCH", "/api/draft", {"change": change, "label": "choose"})
+    page = desk.go("/fit")
+    page.get_by_role("button", name="Fit", exact=True).click()
+    page.get_by_role("progressbar").wait_for()
+    return page
+
+
+def test_a_csv_becomes_a_report(desk: Desk, csv: Path) -> None:
+    desk.add(csv)
+    page = desk.page
+    page.get_by_text("The check found").or_(page.get_by_text("of the check")).wait_for()
+
+    page.get_by_label("From [s]").fill("4")
+    page.get_by_label("To [s]").fill("5.5")
+    page.get_by_role("button", name="Exclude", exact=True).click()
+    page.get_by_role("button", name="Include 4.00 to 5.50 s again").wait_for()
+
+    page.get_by_role("button", name="Drag to exclude").click()
+    over = page.locator(".u-over").last
+    over.scroll_into_view_if_needed()
+    box = over.bounding_box()
+    middle = box["y"] + box["height"] / 2
+    page.mouse.move(box["x"] + 0.5 * box["width"], middle)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.6 * box["width"], middle, steps=5)
+    page.mouse.up()
+    expect(page.locator("#exclusions button")).to_have_count(2)
+    page.get_by_role("button", name=re.compile("Undo: exclude")).click()
+    expect(page.locator("#exclusions button")).to_have_count(1)
+
+    page.get_by_role("button", name="Fit this recording").click()
+    page.wait_for_url("**/fit")
+    page.get_by_text("1.50 s left out").wait_for()
+    page.get_by_text("More settings").click()
+    page.get_by_label("Starts").fill("2")
+    page.get_by_label("Starts").press("Tab")
+    page.get_by_role("button", name=re.compile("Undo: Starts 2")).wait_for()
+    page.get_by_role("button", name="Fit", exact=True).click()
+    page.get_by_role("link", name="Open the result").click()
+
+    page.wait_for_url("**/fits/*")
+    rows = page.locator("#parameter-table tbody tr")
+    rows.first.wait_for()
+    assert rows.count() == PARAMETERS
+    assert page.locator("#parameter-table .mark.identified").count() >= PARAMETERS // 2
+    assert "converged" in page.locator("#figures").inner_text()
+    with page.expect_download() as report:
+        page.get_by_role("button", name="Report (HTML)").click()
+    text = Path(report.value.path()).read_text(encoding="utf-8")
+    assert text.lstrip().lower().startswith("<!doctype html>")
+    assert "walk-in" in text
+
+
+def test_a_mat_file_is_mapped_by_hand(desk: Desk, mat: Path) -> None:
+    page = desk.go("/import")
+    page.set_input_files("#files", mat)
+    columns = {"Angle": "hoek", "Torque": "moment"}
+    names = ("tibialis anterior", "gastrocnemius lateralis", "soleus", "gastrocnemius medialis")
+    columns |= {f"EMG {name}": f"chan{i + 1}" for i, name in enumerate(names)}
+    for role, column in columns.items():
+        label = f"of {role}"
+        page.get_by_label(f"Column {label}", exact=True).select_option(label=column)
+        unit = "deg" if role == "Angle" else "Nm" if role == "Torque" else "mV"
+        page.get_by_label(f"Unit {label}", exact=True).select_option(unit)
+    page.get_by_role("button", name="Sign of Torque: as in the file").click()
+    page.get_by_role("button", name="Sign of Torque: turned").wait_for()
+    page.get_by_label("EMG is").select_option("envelope")
+    page.get_by_text("As it will be imported").wait_for()
+
+    page.reload()  # what was chosen is still there
+    page.get_by_role("button", name="Sign of Torque: turned").wait_for()
+    assert page.get_by_label("Unit of Angle", exact=True).input_value() == "deg"
+    page.get_by_role("button", name="Import this recording").click()
+    page.wait_for_url("**/recordings/*")
+
+    recording = desk.api("GET", f"/api/recordings/{page.url.rsplit('/', 1)[-1]}")
+    assert recording["emg"] == "envelope"
+    window = desk.api("GET", f"/api/recordings/{recording['id']}/window?signals=angle,emg_ta")
+    angle, emg = window["signals"]
+    assert max(map(abs, angle["v"])) < 1.5  # rad
+    assert max(emg["v"]) < 1e-2  # V
+
+
+def test_sliders_move_the_torque_and_undo_takes_them_back(desk: Desk, csv: Path) -> None:
+    recording = desk.add(csv)
+    change = {"recordings": [recording]}
+    desk.api("PATCH", "/api/draft", {"change": change, "label": "choose"})
+    page = desk.go("/fit")
+    figures = page.locator("#live-figures")
+    page.get_by_text("VAF").wait_for()
+    before = figures.inner_text()
+    slider = page.get_by_label("Slider of m", exact=True)
+    slider.focus()
+    for _ in range(40):
+        slider.press("ArrowRight")
+    expect(figures).not_to_have_text(before)
+    page.get_by_role("button", name=re.compile("Undo: slide m")).wait_for()
+
+    page.reload()
+    page.get_by_text("VAF").wait_for()
+    assert "m" in desk.api("GET", "/api/draft")["draft"]["sliders"]
+    page.get_by_role("heading", name="Parameters").click()
+    page.keyboard.press("Control+z")
+    expect(figures).to_have_text(before)
+    assert desk.api("GET", "/api/draft")["draft"]["sliders"] == {}
+
+
+def test_a_file_that_cannot_be_read_says_so(desk: Desk, tmp_path: Path) -> None:
+    wrong = tmp_path / "holiday.csv"
+    wrong.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(64))
+    page = desk.go("/import")
+    page.set_input_files("#files", wrong)
+    alert = page.locator("#inspect-error, #upload-error").filter(visible=True)
+    alert.wait_for()
+    assert alert.get_attribute("role") == "alert"
+    assert "holiday.csv" in alert.inner_text()
+    assert not page.locator("#mapping-card").is_visible()
+
+
+def test_a_stopped_fit_keeps_the_best_and_a_reload_goes_on(desk: Desk, csv: Path) -> None:
+    page = start_fit(desk, desk.add(csv), 200)
+    page.locator("#job-line").get_by_text(re.compile("VAF")).wait_for()
+    page.reload()
+    page.locator("#job-line").get_by_text(re.compile("start .* of 200")).wait_for()
+    page.get_by_role("button", name="Stop, keep the best").click()
+    page.get_by_text("Stopped; the best so far is kept.").wait_for()
+    page.get_by_role("link", name="Open the result").click()
+    page.wait_for_url("**/fits/*")
+    page.locator("#parameter-table tbody tr").first.wait_for()
+
+
+def test_two_browsers_see_each_other_and_keep_their_own_work(
+    browser: Any, server: Server, desk: Desk, csv: Path
+) -> None:
+    other = Desk(browser, server)
+    watching = other.go("/")
+    watching.get_by_role("heading", name="Subjects").wait_for()
+    recording = desk.add(csv)
+    desk.api("PATCH", f"/api/recordings/{recording}", {"name": "seen by both"})
+    watching.get_by_role("link", name="seen by both").first.wait_for()
+    desk.api("PATCH", "/api/draft", {"change": {"recordings": [recording]}, "label": "mine"})
+    assert other.api("GET", "/api/draft")["draft"]["recordings"] == []
+    other.close()
+
+
+def test_a_protocol_is_designed(desk: Desk) -> None:
+    page = desk.go("/protocol")
+    page.get_by_text("Worked out in").wait_for()
+    figures = page.locator("#figures")
+    assert page.locator("#prediction tbody tr").count() == PARAMETERS
+    before = figures.text_content()
+    page.get_by_label("Chirp amplitude").fill("0")
+    expect(figures).not_to_have_text(before)
+    after = figures.text_content()
+    page.reload()
+    expect(figures).to_have_text(after)
+    with page.expect_download() as file:
+        page.get_by_role("button", name="Export CSV").click()
+    assert "angle_rad" in Path(file.value.path()).read_text(encoding="utf-8")[:2000]
+    page.get_by_label("Plantarflexion").fill("0.9")
+    page.locator("#error").wait_for()
+
+
+@pytest.mark.slow
+def test_all_survives_a_restart_of_the_server(browser: Any, csv: Path, tmp_path: Path) -> None:
+    first = Server(tmp_path / "project")
+    port = int(first.address.rsplit(":", 1)[-1])
+    desk = Desk(browser, first)
+    page = start_fit(desk, desk.add(csv), 200)
+    page.locator("#job-line").get_by_text(re.compile("VAF")).wait_for()
+    first.stop()
+    second = Server(tmp_path / "project", port)
+    page.get_by_text("The server was stopped during the fit.").wait_for()
+    page.reload()
+    page.get_by_text("VAF").first.wait_for()
+    assert page.locator("#recordings input:checked").count() == 1
+    desk.close()
+    second.stop()

@@ -1,0 +1,113 @@
+"""Every page: readable for all, at home on this computer, on a small screen and in the dark."""
+
+from importlib.resources import files
+from typing import Any
+
+from .conftest import Desk, Server
+
+AXE = files("axe_playwright_python").joinpath("axe.min.js")
+LEVELS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
+TABS = ("torque", "correlations", "profiles", "validation", "models", "details")
+#: A laptop and a tablet.
+SCREENS = ((820, 1180), (1280, 800))
+#: What says that a page has been filled.
+FILLED = {
+    "/": "#fits tbody tr",
+    "/import": "#drop",
+    "/recordings/{recording}": "#plots canvas",
+    "/fit": "#parameters tbody tr",
+    "/fits/{fit}": "#parameter-table tbody tr",
+    "/compare?fits={fit}": "#side tbody tr",
+    "/cohort": "#table tbody tr",
+    "/protocol": "#prediction tbody tr",
+    "/studies": "#list tbody tr",
+    "/studies/{study}": "#toml:not(:empty)",
+    "/nowhere": ".alert",
+}
+
+
+def pages(desk: Desk, done: dict[str, str]) -> Any:
+    """Every page, filled; then every tab of a result."""
+    for path, sign in FILLED.items():
+        page = desk.go(path.format(**done))
+        page.locator(sign).first.wait_for(state="attached")
+        yield path, page
+    page = desk.go(f"/fits/{done['fit']}")
+    for tab in TABS:
+        page.locator(f"#tab-{tab}").click()
+        page.locator(f"#{tab} .card").first.wait_for()
+        if tab == "torque":
+            page.locator("#traces canvas").first.wait_for()
+        yield f"result: {tab}", page
+
+
+def test_no_page_shuts_anyone_out(browser: Any, server: Server, done: dict[str, str]) -> None:
+    desk = Desk(browser, server, bypass_csp=True)
+    axe = AXE.read_text(encoding="utf-8")
+    found = []
+    for name, page in pages(desk, done):
+        page.evaluate(axe)
+        for scheme in ("light", "dark"):
+            page.emulate_media(color_scheme=scheme)
+            assert page.evaluate("document.documentElement.dataset.theme") == scheme
+            told = page.evaluate(
+                "levels => axe.run(document, { runOnly: levels, resultTypes: ['violations'] })",
+                LEVELS,
+            )
+            for one in told["violations"]:
+                where = [node["target"] for node in one["nodes"]][:3]
+                found.append(f"{name}, {scheme}: {one['id']} ({one['help']}) at {where}")
+    desk.close()
+    assert found == []
+
+
+def test_pages_fit_the_screen_and_ask_nobody_else(desk: Desk, done: dict[str, str]) -> None:
+    for name, page in pages(desk, done):
+        for width, height in SCREENS:
+            page.set_viewport_size({"width": width, "height": height})
+            assert page.evaluate("document.documentElement.scrollWidth") <= width, name
+        assert page.locator("#main > .alert:visible").count() == (name == "/nowhere"), name
+
+
+def test_the_report_is_shown_within_the_page(desk: Desk, done: dict[str, str]) -> None:
+    page = desk.go(f"/fits/{done['fit']}#report")
+    page.get_by_role("button", name="Show the report here").click()
+    page.frame_locator("iframe").get_by_role("heading", level=1).wait_for()
+
+
+def test_plots_are_zoomed_from_the_keyboard(desk: Desk, done: dict[str, str]) -> None:
+    page = desk.go(f"/recordings/{done['recording']}")
+    page.locator("#plots canvas").first.wait_for()
+    with page.expect_request("**/window?*start=*") as asked:
+        page.get_by_role("group", name="Signals of seeded").press("+")
+    assert "end=" in asked.value.url
+
+
+def test_the_keyboard_reaches_the_content_first(desk: Desk) -> None:
+    page = desk.go("/cohort")
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.textContent") == "Skip to the content"
+    page.keyboard.press("Enter")
+    assert page.evaluate("document.activeElement.id") == "main"
+
+
+def test_a_theme_that_was_chosen_stays(desk: Desk) -> None:
+    page = desk.go("/studies")
+    theme = "document.documentElement.dataset.theme"
+    assert page.evaluate(theme) == "light"
+    page.get_by_role("button", name="Dark theme").click()
+    assert page.evaluate(theme) == "dark"
+    page.reload()
+    assert page.evaluate(theme) == "dark"
+    page.get_by_role("button", name="Light theme").wait_for()
+
+
+def test_what_was_deleted_comes_back(desk: Desk) -> None:
+    page = desk.go("/")
+    page.get_by_role("button", name="Add a subject").click()
+    page.get_by_label("Code, for example S01").fill("Z09")
+    page.get_by_role("button", name="Save").click()
+    page.get_by_role("button", name="Delete Z09").click()
+    page.get_by_role("button", name="Delete Z09").wait_for(state="detached")
+    page.get_by_role("button", name="Undo").first.click()
+    page.get_by_role("button", name="Delete Z09").wait_for()
