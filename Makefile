@@ -4,7 +4,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: demo test test-all check bench docs lock browser clean
+.PHONY: demo test test-all check bench docs dist lock browser clean
 
 demo: $(READY)          ## fit the embedded virtual subject, write demo/report.html
 	@$(BIN)/surae demo --output demo
@@ -23,9 +23,14 @@ check: $(READY)         ## style and types
 bench: $(READY)         ## speed against the plain SciPy baseline
 	$(BIN)/pytest benchmarks --benchmark-columns=median,iqr,rounds --benchmark-sort=name
 
-docs: $(READY)          ## the documentation site, in docs/_build/html
-	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+docs: $(READY)          ## the documentation site, its examples executed, in docs/_build/html
+	@rm -rf docs/api/generated
+	$(BIN)/python -m sphinx -E -W --keep-going -q -b html docs docs/_build/html
 	@echo "The site is docs/_build/html/index.html"
+
+dist: $(READY)          ## wheel and source archive, in dist
+	@rm -rf dist
+	$(BIN)/python -m build --no-isolation
 
 lock: $(READY)          ## renew requirements.lock from pyproject.toml
 	$(BIN)/python -m pip install --quiet uv
@@ -36,7 +41,7 @@ browser:                ## what the workbench's tests drive; installed in CI, el
 	@.ci/browser
 
 clean:                  ## remove what the other targets made
-	rm -rf $(VENV) demo .pytest_cache .mypy_cache .ruff_cache .hypothesis .benchmarks
+	rm -rf $(VENV) demo dist docs/_build docs/gallery docs/api/generated .pytest_cache .mypy_cache .ruff_cache .hypothesis .benchmarks
 
 $(READY): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("surae needs Python 3.11 or newer: make PYTHON=python3.11" if sys.version_info < (3, 11) else 0)'

@@ -40,10 +40,12 @@ html_theme = "pydata_sphinx_theme"
 html_title = "surae"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_sidebars = {page: [] for page in ("index", "start", "reproduction", "glossary")}
 html_copy_source = False
 html_show_sourcelink = False
 html_theme_options = {
     "navbar_align": "left",
+    "header_links_before_dropdown": 9,
     "show_toc_level": 2,
     "secondary_sidebar_items": ["page-toc"],
     "footer_start": ["copyright"],
@@ -57,6 +59,7 @@ html_math_renderer = "mathml"
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 
+default_role = "literal"  # `name` in a docstring
 autosummary_generate = True
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
@@ -68,6 +71,7 @@ napoleon_use_ivar = True
 sphinx_gallery_conf = {
     "examples_dirs": "../examples",
     "gallery_dirs": "gallery",
+    "default_thumb_file": str(Path(__file__).parent / "_static" / "thumbnail.svg"),
     "filename_pattern": r"/[0-9]+_",
     "within_subsection_order": FileNameSortKey,
     "abort_on_example_error": True,

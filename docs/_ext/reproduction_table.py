@@ -1,4 +1,4 @@
-"""The thesis's claims with their verdicts, as `surae reproduce --markdown` wrote them, in the page."""
+"""The claims of the thesis with their verdicts, as `surae reproduce --markdown` wrote them."""
 
 from pathlib import Path
 

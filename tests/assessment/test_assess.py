@@ -176,7 +176,51 @@ def test_the_threshold_is_ten_percent(fitted, half, verdict):
 def test_a_value_of_zero_is_never_identified(fitted):
     verdict, note = judge_interval("k_rel", 0.0, 1e-3, assess(fitted).covariance)
     assert verdict is Verdict.WEAK
+    assert note.startswith("not distinguishable from 0")
+    verdict, note = judge_interval("m", 0.0, 1e-3, assess(fitted).covariance)
+    assert verdict is Verdict.WEAK
     assert note.startswith("not told from 0")
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "half", "unit", "said"),
+    [
+        ("k_rel", 0.012, 0.345, "-", "−0.33 … 0.36"),
+        ("k_rel", 0.0, 0.1, "-", "−0.1 … 0.1"),
+        ("emd", 1.6e-3, 21.5e-3, "s", "−20 … 23 ms"),
+        ("emd", 0.5, 2.0, "s", "−1.5 … 2.5 s"),
+        ("reflex_tri", 12.3, 456.0, "N·s/m", "−440 … 470 N·s/m"),
+        ("g2", 2e5, 2e5, "N/V", "0 … 400000 N/V"),
+        ("F0", -3.0, 5.0, "N", "−8 … 2 N"),
+    ],
+)
+def test_what_may_be_off_is_not_told_in_percent(fitted, name, value, half, unit, said):
+    estimated = assess(fitted).covariance
+    j = estimated.names.index("k_rel")
+    alone = replace(  # a parameter of this name that trades off with no other
+        estimated,
+        names=tuple(name if i == j else f"p{i}" for i in range(len(estimated.names))),
+        correlation=np.eye(len(estimated.names)),
+    )
+    verdict, note = judge_interval(name, value, half, alone, unit)
+    assert verdict is Verdict.WEAK
+    assert note == f"not distinguishable from 0 (95 %: {said})"
+    # As soon as its interval leaves 0 out, a percentage means something.
+    _, note = judge_interval(name, 1.01 * half, half, alone, unit)
+    assert note.startswith("known only to ±99 %")
+
+
+def test_what_cannot_be_off_keeps_its_percentage(fitted):
+    _, note = judge_interval("tau_rel", 2.0, 5.0, assess(fitted).covariance, "s")
+    assert note.startswith("known only to ±250 %")
+
+
+def test_a_partner_of_what_may_be_off_is_named(fitted):
+    estimated = assess(fitted).covariance
+    names = list(estimated.names)
+    names[names.index("x0_tri")] = "emd"  # which trades off with k_tri
+    _, note = judge_interval("emd", 1e-3, 1e-2, replace(estimated, names=tuple(names)), "s")
+    assert note.startswith("not distinguishable from 0 (95 %: −9 … 11 ms): trades off with k_tri")
 
 
 def test_a_strong_partner_is_named(fitted):

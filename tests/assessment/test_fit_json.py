@@ -167,7 +167,7 @@ def test_no_number_that_json_does_not_know(text, result):
 def test_a_start_without_a_sum_comes_back(result, tmp_path):
     starts = (*result.starts[:-1], replace(result.starts[-1], sse=math.inf))
     save_fit(tmp_path / "fit.json", replace(result, starts=starts), assess(result))
-    assert load_saved(tmp_path / "fit.json")[0].starts[-1].sse == math.inf
+    assert load_saved(tmp_path / "fit.json").result.starts[-1].sse == math.inf
 
 
 @pytest.mark.parametrize("shape", [(0,), (1,), (7,), (3, 4), (5, 0)])

@@ -47,7 +47,7 @@ def test_a_baseline_survives_its_file_and_that_of_the_fit(fitted, tmp_path) -> N
     save_fit(tmp_path / "f.json", fitted, assess(fitted, BASELINE))
     content = json.loads((tmp_path / "f.json").read_text(encoding="utf-8"))
     assert content["snsem"]["values"] == dict(assess(fitted, BASELINE).snsem)
-    _, baseline = load_saved(tmp_path / "f.json")
+    baseline = load_saved(tmp_path / "f.json").baseline
     assert baseline == BASELINE
 
 

@@ -108,7 +108,7 @@ def test_a_robust_weighted_fit_survives_its_file(robust_fit, tmp_path) -> None:
     assert content["recordings"][0]["vaf_weighted"] == assessment.vaf_weighted
     assert content["outliers"]["loss"] == "tukey"
     assert content["outliers"]["scale_Nm"] == robust_fit.outliers.scale
-    loaded = load_saved(tmp_path / "fit.json")[0]
+    loaded = load_saved(tmp_path / "fit.json").result
     assert loaded.problem.inputs[0].emphasised
     np.testing.assert_array_equal(loaded.outliers.weights[0], robust_fit.outliers.weights[0])
     again = assess(loaded)
@@ -133,7 +133,7 @@ def test_damaged_outliers(change, says, robust_fit, tmp_path) -> None:
     content["outliers"] |= change
     path.write_text(json.dumps(content), encoding="utf-8")
     with pytest.raises(InputError, match=says):
-        load_saved(path)[0]
+        load_saved(path)
 
 
 def test_an_older_file_has_neither(fitted, tmp_path) -> None:
@@ -144,6 +144,6 @@ def test_an_older_file_has_neither(fitted, tmp_path) -> None:
         assert content.pop(name) is None
     del content["traces"][0]["emphasised"]
     path.write_text(json.dumps(content), encoding="utf-8")
-    loaded = load_saved(path)[0]
+    loaded = load_saved(path).result
     assert loaded.outliers is None
     assert not loaded.problem.inputs[0].emphasised

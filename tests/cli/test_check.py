@@ -2,71 +2,64 @@
 
 import json
 
-import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from surae.cli.check import command
 from surae.quality import recording_of
 from surae.recording import columns, write_csv
 
 
 @pytest.fixture
 def paths(tmp_path, noisy):
-    """A clean recording and one whose torque has the wrong sign."""
-    recording = recording_of(noisy)
-    table = columns(recording)
-    write_csv(tmp_path / "clean.csv", table, ["emg: envelope"])
-    table["torque_Nm"] = -table["torque_Nm"]
-    write_csv(tmp_path / "wrong.csv", table, ["emg: envelope"])
-    return str(tmp_path / "clean.csv"), str(tmp_path / "wrong.csv")
+    """A clean recording, one with a wrong sign and one with an offset of the torque."""
+    table = columns(recording_of(noisy))
+    torque = table["torque_Nm"]
+    for name, values in (("clean", torque), ("wrong", -torque), ("offset", torque + 15.0)):
+        write_csv(tmp_path / f"{name}.csv", table | {"torque_Nm": values}, ["emg: envelope"])
+    return tmp_path / "clean.csv", tmp_path / "wrong.csv", tmp_path / "offset.csv"
 
 
-def run(*arguments):
-    return CliRunner().invoke(command, list(arguments), standalone_mode=False)
+def test_findings_are_no_failure_unless_strict(run, paths) -> None:
+    clean, wrong, _ = paths
+    assert run("check", wrong).code == 0
+    assert run("check", wrong, "--strict").code == 1
+    assert run("check", clean, "--strict").code == 0
 
 
-def test_findings_are_no_failure_unless_strict(paths) -> None:
-    clean, wrong = paths
-    assert run(wrong).return_value == 0
-    assert run(wrong, "--strict").return_value == 1
-    assert run(clean, "--strict").return_value == 0
+def test_the_screen_has_all_of_it_in_100_columns(run, paths) -> None:
+    clean, wrong, _ = (path.name for path in paths)
+    done = run("check", clean, wrong)
+    assert "clean.csv: nothing found" in done.out
+    assert "wrong.csv: 1 error" in done.out
+    assert "torque-sign" in done.out
+    assert "sign = -1" in done.out
+    assert max(map(len, done.out.splitlines())) <= 100
 
 
-def test_the_screen_has_all_of_it_in_100_columns(paths) -> None:
-    output = run(*paths).output
-    assert "clean.csv: nothing found" in output
-    assert "wrong.csv: 1 error" in output
-    assert "torque-sign" in output
-    assert "sign = -1" in output
-    assert max(map(len, output.splitlines()[2:])) <= 100
-
-
-def test_json_has_the_keys_of_every_finding(paths) -> None:
-    data = json.loads(run(*paths, "--json").output)
+def test_json_has_the_keys_of_every_finding(run, paths) -> None:
+    data = json.loads(run("check", *paths[:2], "--json").out)
     (finding,) = data["findings"]
     assert finding["code"] == "torque-sign"
-    assert finding["recording"] == paths[1]
+    assert finding["recording"] == str(paths[1])
     keys = "code severity channel start_s end_s value message advice"
     assert set(keys.split()) <= set(finding)
 
 
-def test_a_strict_fit_refuses_errors(paths) -> None:
-    from surae.cli.fit import command as fit
-    from surae.errors import InputError
-
-    done = CliRunner().invoke(fit, [paths[1], "--prepared", "--strict"], standalone_mode=False)
-    assert isinstance(done.exception, InputError)
-    assert "torque-sign" in str(done.exception)
+@pytest.mark.parametrize("arguments", [(), ("none.csv",), ("clean.csv", "--commanded", "x.csv")])
+def test_wrong_use_is_one_line(run, paths, arguments) -> None:
+    done = run("check", *arguments)
+    assert done.code == 2
+    assert len(done.err.strip().splitlines()) == 1
 
 
-def test_a_fit_shows_what_was_found(tmp_path, noisy) -> None:
-    from surae.cli.fit import command as fit
+def test_a_strict_fit_refuses_errors(run, paths) -> None:
+    done = run("fit", paths[1], "--prepared", "--strict")
+    assert done.code == 2
+    assert "torque-sign" in done.err
+    assert len(done.err.strip().splitlines()) == 1
 
-    table = columns(recording_of(noisy))
-    table["torque_Nm"] = table["torque_Nm"] + 15.0
-    write_csv(tmp_path / "offset.csv", table, ["emg: envelope"])
-    arguments = [str(tmp_path / "offset.csv"), "--prepared", "--starts", "1"]
-    output = CliRunner().invoke(fit, arguments, standalone_mode=False).output
-    assert "warning torque-offset" in output
-    assert np.count_nonzero(["surae check" in line for line in output.splitlines()]) == 1
+
+def test_a_fit_shows_what_was_found(run, paths) -> None:
+    done = run("fit", paths[2], "--prepared", "--starts", "1")
+    assert done.code == 0
+    assert "warning torque-offset" in done.out
+    assert done.out.count("`surae check`") == 1

@@ -43,7 +43,7 @@ def prepared(tmp_path_factory) -> Path:
     trials = {
         name: virtual_trial(
             subject,
-            generate(Protocol(profile=profile, chirp_amplitude=0.2, rate_hz=50.0)),
+            generate(Protocol(profile=profile, chirp_amplitude=0.2, duration=20.0, rate_hz=50.0)),
             seed=seed,
         )
         for seed, (name, profile) in enumerate(
@@ -57,7 +57,7 @@ def prepared(tmp_path_factory) -> Path:
         "in": "trial",
     }.items():  # fmt: skip
         shutil.copy(folder / f"{source}.csv", folder / f"{name}.csv")
-    for person in ("S01", "S02"):
+    for person in ("S01",):  # a second one would only take time
         (folder / "cohort" / person).mkdir(parents=True)
         shutil.copy(folder / "trial.csv", folder / "cohort" / person / "trial.csv")
     heading, *rows = (
@@ -65,7 +65,8 @@ def prepared(tmp_path_factory) -> Path:
     )
     lab = ",".join(_LAB[name] for name in heading.split(","))
     (folder / "lab.csv").write_text("\n".join((lab, *rows)) + "\n")
-    (folder / "map.toml").write_text(_mapping())
+    for name in ("map", "corrected"):
+        (folder / f"{name}.toml").write_text(_mapping())
     write_hdf5(folder / "recording.h5", surae.read(folder / "trial.csv"))
     (folder / "study.toml").write_text(_STUDY)
     (folder / "p.json").write_text(json.dumps({"parameters": dict(subject.parameters)}))

@@ -23,19 +23,7 @@ from reader_seeds import (
 from surae.errors import InputError
 from surae.recording import read
 from surae.recording.describe import sampling_of
-from surae.recording.formats import open_table
-from surae.recording.source import open_source
 from surae.signals import prepare
-
-
-@pytest.fixture
-def table(tmp_path):
-    def opened(data):
-        path = tmp_path / "data"
-        path.write_bytes(data)
-        return open_table(open_source(path))
-
-    return opened
 
 
 def loaded(table):

@@ -163,3 +163,11 @@ def test_a_wrong_sample_in_a_described_file(mapping):
         read(mapping(robot=ROBOT.replace("20,2", "20,nan")))
     with pytest.raises(InputError, match=r"robot\.csv: column 'Time', row 4: time doesn't"):
         read(mapping(robot=ROBOT.replace("2,30", "1,30")))
+
+
+def test_a_message_does_not_repeat_a_name_of_any_length(mapping):
+    long = "x" * 5000
+    for wrong in (f"{long} = 1\n{MAPPING}", MAPPING.replace('"crank"', f'"{long}"')):
+        with pytest.raises(InputError, match=r"'x+\.\.\.") as caught:
+            read(mapping(wrong))
+        assert len(str(caught.value)) < 500

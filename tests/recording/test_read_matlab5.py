@@ -11,18 +11,6 @@ import scipy.io
 from reader_seeds import ANGLE, EMG, RATE, TIME, mat5_file
 
 from surae.errors import InputError
-from surae.recording.formats import open_table
-from surae.recording.source import open_source
-
-
-@pytest.fixture
-def table(tmp_path):
-    def opened(data):
-        path = tmp_path / "data"
-        path.write_bytes(data)
-        return open_table(open_source(path))
-
-    return opened
 
 
 def saved(variables, **options):

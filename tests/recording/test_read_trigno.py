@@ -7,18 +7,6 @@ from reader_seeds import csv_file, trigno_file, tsv_file
 from surae.errors import InputError
 from surae.recording import read
 from surae.recording.describe import load_each, sampling_of
-from surae.recording.formats import open_table
-from surae.recording.source import open_source
-
-
-@pytest.fixture
-def table(tmp_path):
-    def opened(data):
-        path = tmp_path / "data"
-        path.write_bytes(data)
-        return open_table(open_source(path))
-
-    return opened
 
 
 def test_every_signal_has_its_own_times_and_unit(table):

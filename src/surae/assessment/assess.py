@@ -280,7 +280,7 @@ def _parameters(
                 if interval is Interval.ROBUST:
                     half = half_width(sem_robust, float(robust.dof[j]))
             ci95 = (value - half, value + half)
-            verdict, note = judge_interval(name, value, half, estimated)
+            verdict, note = judge_interval(name, value, half, estimated, p.unit)
         elif not np.isfinite(estimated.sigma2):
             verdict, note = Verdict.WEAK, "no interval: the model gives no finite torque here"
         else:

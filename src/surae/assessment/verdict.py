@@ -1,11 +1,13 @@
 """What an estimate is worth, in one word and one plain sentence."""
 
+import math
 from collections.abc import Sequence
 from enum import StrEnum
 
 import numpy as np
 
 from surae.assessment.uncertainty.covariance import Covariance
+from surae.model.parameters import OFF_AT_ZERO
 
 #: Half-width of the 95 % interval, as a part of the value, up to which a parameter is identified.
 IDENTIFIED = 0.10
@@ -23,7 +25,7 @@ class Verdict(StrEnum):
 
 
 def judge_interval(
-    name: str, value: float, half: float, estimated: Covariance
+    name: str, value: float, half: float, estimated: Covariance, unit: str = "-"
 ) -> tuple[Verdict, str]:
     """Verdict and sentence of a parameter that has an interval.
 
@@ -35,11 +37,20 @@ def judge_interval(
         Its estimate and the half-width of its 95 % interval.
     estimated : Covariance
         Where its strongest partner is looked up.
+    unit : str
+        Of the estimate, for an interval that is told.
     """
     relative = half / abs(value) if value else np.inf
     if relative <= IDENTIFIED:
         return Verdict.IDENTIFIED, f"known to ±{_percent(relative)}"
-    known = f"known only to ±{_percent(relative)}" if np.isfinite(relative) else "not told from 0"
+    # A part of a value that may as well be 0 says nothing.
+    nothing = name in OFF_AT_ZERO and half >= abs(value)
+    if nothing:
+        known = f"not distinguishable from 0 (95 %: {_interval(value, half, unit)})"
+    elif np.isfinite(relative):
+        known = f"known only to ±{_percent(relative)}"
+    else:
+        known = "not told from 0"
     row = estimated.correlation[estimated.names.index(name)].copy()
     row[estimated.names.index(name)] = 0.0
     partner = int(np.argmax(np.abs(row)))
@@ -49,6 +60,8 @@ def judge_interval(
             f"{known}: trades off with {other} (correlation {row[partner]:+.2f}); fix one of the "
             "two, or measure a movement that tells them apart"
         )
+    if nothing:
+        return Verdict.WEAK, known
     return Verdict.WEAK, f"{known}: it has little influence on this torque"
 
 
@@ -58,6 +71,16 @@ def judge_singular(name: str, directions: Sequence[Sequence[str]]) -> str:
     if not partners:
         return "no interval: the torque does not depend on it; fix it"
     return f"no interval: cannot be told from {', '.join(partners)}; fix one of them"
+
+
+def _interval(value: float, half: float, unit: str) -> str:
+    """Both ends, to two digits of the half-width; parts of a second in ms."""
+    low, high = value - half, value + half
+    if unit == "s" and max(-low, high) < 1.0:
+        low, high, half, unit = 1e3 * low, 1e3 * high, 1e3 * half, "ms"
+    digits = 1 - math.floor(math.log10(half)) if 0.0 < half < math.inf else 0
+    ends = (f"{round(end, digits) + 0.0:.15g}".replace("-", "−") for end in (low, high))
+    return " … ".join(ends) + (f" {unit}" if unit not in ("", "-") else "")
 
 
 def _percent(part: float) -> str:

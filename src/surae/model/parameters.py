@@ -111,6 +111,15 @@ DRIVES: dict[str, tuple[str, ...]] = {
     "reflex": ("reflex_tri", "reflex_tib", "reflex_delay"),
 }
 
+#: Parameters that are off at 0: what they stand for is then not there.
+OFF_AT_ZERO = frozenset(
+    p.name
+    for p in (
+        *MUSCLE_PARAMETERS, *MUSCLE_2010_PARAMETERS, *TENDON_PARAMETERS, *DRIVE_PARAMETERS
+    )
+    if p.lower <= 0.0 <= p.upper
+)  # fmt: skip
+
 #: Start and bounds that differ in the virtual-work geometry, whose muscles travel about 2.8 times
 #: (triceps) and 1.5 times (tibialis) as far per radian.
 _VIRTUAL_WORK = {

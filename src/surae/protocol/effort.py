@@ -81,7 +81,7 @@ def effort(t: FloatArray, task: Task) -> FloatArray:
     Parameters
     ----------
     t : ndarray, shape (n,)
-        Times [s].
+        Increasing times [s].
     task : Task
         What the subject is asked to do; no burst is cut off by the end of the trial.
 
@@ -92,9 +92,11 @@ def effort(t: FloatArray, task: Task) -> FloatArray:
     """
     target = np.zeros((len(t), len(MUSCLES)))
     for muscle, onset, length, amplitude in _bursts(task.passive_until, float(t[-1])):
-        u = (t - onset) / length
+        # Beyond its own span a burst is exactly 0.
+        first, last = np.searchsorted(t, (onset, onset + length))
+        u = (t[first:last] - onset) / length
         bump = smooth_step(2.0 * u) * smooth_step(2.0 - 2.0 * u)
-        target[:, MUSCLES.index(muscle)] += amplitude * bump
+        target[first:last, MUSCLES.index(muscle)] += amplitude * bump
     return target
 
 

@@ -79,6 +79,8 @@ def baseline(
     columns = [coarse(np.exp(k * (0.068 - 1.67 * tri)) * tri) for k in _K_TRI]
     columns += [coarse(-np.exp(k * (0.046 - 1.56 * tib)) * tib) for k in _K_TIB]
     columns.append(coarse(np.cos(angle)))
+    # Fast chirps take most of the torque to turn the foot.
+    columns.append(coarse(np.gradient(np.gradient(angle, 1.0 / rate), 1.0 / rate)))
     if not enough:
         speed = np.tanh(np.gradient(smooth(angle, width), 1.0 / rate))
         for name in ("ta", "triceps"):

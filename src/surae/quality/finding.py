@@ -90,9 +90,31 @@ class Quality:
 
 
 def quality_of(data: Mapping[str, Any]) -> Quality:
-    """The inverse of `Quality.as_dict`."""
+    """The inverse of `Quality.as_dict`.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        It is no such data.
+    """
     return Quality(
-        recording=data["recording"],
-        findings=tuple(Finding(**one) for one in data["findings"]),
-        skipped=tuple(Skipped(**one) for one in data["skipped"]),
+        recording=str(data["recording"]),
+        findings=tuple(_finding(one) for one in data["findings"]),
+        skipped=tuple(Skipped(str(one["check"]), str(one["reason"])) for one in data["skipped"]),
+    )
+
+
+def _finding(data: Mapping[str, Any]) -> Finding:
+    if data["severity"] not in SEVERITIES:
+        raise ValueError(f"{data['severity']!r:.40} is no severity")
+    return Finding(
+        code=str(data["code"]),
+        severity=data["severity"],
+        channel=None if data["channel"] is None else str(data["channel"]),
+        start_s=float(data["start_s"]),
+        end_s=float(data["end_s"]),
+        value=None if data["value"] is None else float(data["value"]),
+        unit=str(data["unit"]),
+        message=str(data["message"]),
+        advice=str(data["advice"]),
     )

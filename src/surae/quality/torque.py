@@ -26,9 +26,9 @@ _GAINED, _SHARP = 0.3, 0.15
 _AGAINST = -0.6
 #: m·g·la of foot and footplate is 1.8 to 4.4 Nm (1.2 to 3 kg at 0.15 m)...
 GRAVITY = (1.8, 4.4)
-#: ...and what the two exponentials cannot follow (relaxation, knee) adds up to 2.7 Nm either way in
+#: ...and what the two exponentials cannot follow (relaxation, knee) adds up to 3 Nm either way in
 #: virtual trials.
-UNCERTAIN = 3.0
+UNCERTAIN = 3.5
 #: A deviation must be so many times what the fit leaves of the torque.
 FOLLOWED = 2.0
 #: No ankle makes more [Nm]: sprinters reach 250 to 300.

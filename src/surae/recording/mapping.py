@@ -92,7 +92,7 @@ def read_mapping(source: Source) -> Recording:
         channels=channels,
         emg=cast("Literal['raw', 'envelope']", _choice(toml, "emg", _EMG, where) or "raw"),
         fixed={
-            name: _finite(value, f"{where}: fixed.{name!r}")
+            name: _finite(value, f"{where}: fixed.{_brief(name)}")
             for name, value in _table(toml, "fixed", where).items()
         },
         prepare=_settings(toml, "prepare", where),
@@ -118,7 +118,7 @@ def _refuse_unknown(table: Mapping[str, Any], allowed: Sequence[str], where: str
     """Refuse keys that aren't in `allowed`."""
     for key in table:
         if key not in allowed:
-            raise InputError(f"{where}: key {key!r} is not known; use: {', '.join(allowed)}")
+            raise InputError(f"{where}: key {_brief(key)} is not known; use: {', '.join(allowed)}")
 
 
 def _roles(toml: Mapping[str, Any], where: str) -> dict[str, Any]:
@@ -176,12 +176,12 @@ def _require_column(table: Table, entry: _Entry) -> None:
     count = table.names.count(entry.column)
     if count > 1:
         raise InputError(
-            f"{entry.where}: {table.file} has {count} columns {entry.column!r}; rename one"
+            f"{entry.where}: {table.file} has {count} columns {some([entry.column])}; rename one"
         )
     if count == 0:
         near = difflib.get_close_matches(entry.column, table.names, n=3, cutoff=0.5)
         has = f"did you mean {some(near)}?" if near else f"it has: {some(table.names)}"
-        raise InputError(f"{entry.where}: {table.file} has no column {entry.column!r}; {has}")
+        raise InputError(f"{entry.where}: {table.file} has no column {some([entry.column])}; {has}")
 
 
 def _table(table: Mapping[str, Any], key: str, where: str) -> dict[str, Any]:
@@ -224,7 +224,7 @@ def _finite(value: Any, where: str) -> float:
 def _settings(toml: Mapping[str, Any], key: str, where: str) -> dict[str, Any]:
     """A table of plain values, which whoever uses them knows by name."""
     return {
-        name: _plain(value, f"{where}: {key}.{name!r}")
+        name: _plain(value, f"{where}: {key}.{_brief(name)}")
         for name, value in _table(toml, key, where).items()
     }
 

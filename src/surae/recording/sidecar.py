@@ -40,8 +40,9 @@ def read_sidecar(path: str) -> Sidecar:
     if not isinstance(found, dict):
         raise InputError(f"{shown(beside)}: no JSON object, which BIDS keeps beside its data")
     start, filters = found.get("StartTime"), found.get("SoftwareFilters")
-    known = isinstance(start, int | float) and not isinstance(start, bool) and math.isfinite(start)
+    if not isinstance(start, int | float) or isinstance(start, bool) or not math.isfinite(start):
+        start = 0.0
     return Sidecar(
-        start_s=float(start) if known else 0.0,
+        start_s=float(start),
         envelope=isinstance(filters, dict) and "envelope" in filters,
     )

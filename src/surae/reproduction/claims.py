@@ -24,7 +24,8 @@ class Claim:
     number : str
         The thesis's number with its unit; what it shows, where it gives no number.
     rule : str
-        The numeric rule by which the claim holds, fixed before the numbers are seen.
+        The numeric rule by which the claim holds, stated with the claim; never changed for a
+        verdict.
     """
 
     name: str

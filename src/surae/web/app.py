@@ -9,13 +9,14 @@ from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 
 from surae._version import __version__
 from surae.errors import InputError, SuraeError
 from surae.web.fits import job_kinds
-from surae.web.refusals import RefusedError, one_line
+from surae.web.refusals import FULL, NO_ROOM, RefusedError, one_line, where
 from surae.web.routes import cohort, draft, fits, pages, protocols, recordings, studies, uploads
 from surae.web.security import Policy, Security
 from surae.web.workbench import Workbench
@@ -63,6 +64,8 @@ def create_app(bench: Workbench, policy: Policy) -> ASGIApp:
     app.add_exception_handler(SuraeError, _surae_error)
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(HTTPException, _http_error)
+    app.add_exception_handler(ClientDisconnect, _gone)
+    app.add_exception_handler(OSError, _system_error)
     app.add_exception_handler(Exception, _unexpected)
     return Security(app, policy, bench.sessions)
 
@@ -89,7 +92,19 @@ async def _surae_error(request: Request, error: Exception) -> Response:
     status = error.status if isinstance(error, RefusedError) else 422
     if isinstance(error, InputError) and not isinstance(error, RefusedError):
         status = 400
-    return _answer(request, status, one_line(error))
+    return _answer(request, status, request.app.state.workbench.project.hidden(one_line(error)))
+
+
+async def _gone(request: Request, error: Exception) -> Response:  # noqa: ARG001
+    """Whoever asked does not wait for the answer; what was half done is undone."""
+    return Response(status_code=400)
+
+
+async def _system_error(request: Request, error: Exception) -> Response:
+    """The disk is full, which is nobody's mistake, or something else is wrong with it."""
+    if isinstance(error, OSError) and error.errno in FULL:
+        return _answer(request, 503, NO_ROOM)
+    return await _unexpected(request, error)
 
 
 async def _invalid(request: Request, error: Exception) -> Response:
@@ -106,12 +121,19 @@ async def _invalid(request: Request, error: Exception) -> Response:
 
 async def _http_error(request: Request, error: Exception) -> Response:
     status = error.status_code if isinstance(error, HTTPException) else 500
-    text = {404: "there is no such page", 405: "this address does not take that method"}
+    if isinstance(error.__cause__, RefusedError):  # the body was too large as it came
+        return await _surae_error(request, error.__cause__)
+    text = {
+        400: "the body is no JSON that can be read",
+        404: "there is no such page",
+        405: "this address does not take that method",
+    }
     headers = error.headers if isinstance(error, HTTPException) else None
     return _answer(request, status, text.get(status, one_line(error)), headers)
 
 
 async def _unexpected(request: Request, error: Exception) -> Response:
-    """A mistake of ours; the log has the traceback, not the request, which may hold names."""
-    _log.error("internal error in %s", request.scope.get("route"), exc_info=error)
+    """A mistake of ours."""
+    route = getattr(request.scope.get("route"), "path", "no route")
+    _log.error("internal error in %s: %s", route, where(error))
     return _answer(request, 500, "internal error; the server's log tells more")

@@ -14,18 +14,22 @@ from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import Any
 
-from surae.errors import InputError
+from surae.errors import ComputationError, InputError
 from surae.files import shown
-from surae.studies.database import told, transaction
+from surae.studies.database import transaction
+from surae.web.refusals import NO_ROOM, RefusedError
 
 #: "srwb" as a number: SQLite's mark of whose file it is.
 _APPLICATION = 0x73727762
 #: Of the tables; raised when an older surae could not read them.
 VERSION = 1
+#: Later than any time of deletion.
+_EVER = 2**62
 
 _TABLES = """
 CREATE TABLE thing (
-    id TEXT NOT NULL, kind TEXT NOT NULL, created REAL NOT NULL, deleted INTEGER NOT NULL,
+    id TEXT NOT NULL, kind TEXT NOT NULL, created REAL NOT NULL,
+    deleted INTEGER NOT NULL,  -- when [s], 0 where it is not
     data TEXT NOT NULL, PRIMARY KEY (id, kind)
 ) WITHOUT ROWID;
 CREATE INDEX thing_kind ON thing (kind, created);
@@ -61,7 +65,7 @@ class Database:
 
     def __init__(self, path: Path) -> None:
         self._name, self._lock = shown(path), threading.RLock()
-        with told(self._name):
+        with _told(self._name):
             self._file = sqlite3.connect(
                 path, timeout=30.0, isolation_level=None, check_same_thread=False
             )
@@ -100,25 +104,25 @@ class Database:
     @contextmanager
     def transaction(self) -> Iterator[None]:
         """All of what is written within, or nothing; others wait."""
-        with self._lock, told(self._name):
+        with self._lock, _told(self._name):
             nested = self._file.in_transaction
             with nullcontext() if nested else transaction(self._file):
                 yield
 
     def rows(self, query: str, *values: object) -> list[tuple[Any, ...]]:
         """All rows of a query."""
-        with self._lock, told(self._name):
+        with self._lock, _told(self._name):
             return self._file.execute(query, values).fetchall()
 
     def row(self, query: str, *values: object) -> tuple[Any, ...] | None:
         """Its first row; None where there is none."""
-        with self._lock, told(self._name):
+        with self._lock, _told(self._name):
             found: tuple[Any, ...] | None = self._file.execute(query, values).fetchone()
         return found
 
     def write(self, query: str, *values: object) -> int:
         """Change something; how many rows were."""
-        with self._lock, told(self._name):
+        with self._lock, _told(self._name):
             return self._file.execute(query, values).rowcount
 
     def add(self, kind: str, data: Mapping[str, Any], id_: str | None = None) -> str:
@@ -132,7 +136,7 @@ class Database:
         """A thing with its `id` and `created`; None where there is none, or it was deleted."""
         found = self.row(
             "SELECT id, created, data FROM thing WHERE id = ? AND kind = ? AND deleted <= ?",
-            id_, kind, int(deleted),
+            id_, kind, _EVER if deleted else 0,
         )  # fmt: skip
         return None if found is None else _thing(found)
 
@@ -159,10 +163,36 @@ class Database:
 
     def mark(self, kind: str, id_: str, *, deleted: bool) -> bool:
         """Delete a thing, or bring it back; whether there is one."""
+        when = int(time.time()) if deleted else 0
         found = self.write(
-            "UPDATE thing SET deleted = ? WHERE id = ? AND kind = ?", int(deleted), id_, kind
+            "UPDATE thing SET deleted = ? WHERE id = ? AND kind = ?", when, id_, kind
         )
         return found > 0
+
+    def active(self) -> list[Thing]:
+        """Jobs that wait or are at work, the oldest first."""
+        found = self.rows(
+            "SELECT id, created, data FROM thing WHERE kind = 'job' AND deleted = 0 "
+            "AND json_extract(data, '$.state') IN ('queued', 'running') ORDER BY created, id"
+        )
+        return [_thing(row) for row in found]
+
+
+@contextmanager
+def _told(name: str) -> Iterator[None]:
+    """SQLite's errors in words, `name` being the file's."""
+    try:
+        yield
+    except sqlite3.Error as error:
+        code = getattr(error, "sqlite_errorcode", 0) & 0xFF
+        if code == sqlite3.SQLITE_FULL:
+            raise RefusedError(503, NO_ROOM) from error
+        if code == sqlite3.SQLITE_NOTADB:
+            raise InputError(f"{name} is no surae project; give another folder") from error
+        advice = ""
+        if code == sqlite3.SQLITE_CORRUPT:
+            advice = "; recordings and fits beside it are whole, restore it from a copy"
+        raise ComputationError(f"{name}: {error}{advice}") from error
 
 
 def new_id() -> str:

@@ -166,7 +166,7 @@ def _parameters(spec: Any, vector: Any, found: Any) -> list[Mapping[str, Any]]:
             sem = float(np.sqrt(found.matrix[j, j]))
             half = half_width(sem, found.dof)
             relative = sem / abs(value) if value else None
-            judged, note = judge_interval(p.name, value, half, found)
+            judged, note = judge_interval(p.name, value, half, found, p.unit)
             verdict = str(judged)
         else:
             verdict, note = "weak", judge_singular(p.name, found.directions)

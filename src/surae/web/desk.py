@@ -1,5 +1,6 @@
 """Short work in a process of its own: files of users are read where they can do no harm."""
 
+import logging
 import threading
 from collections.abc import Mapping
 from typing import Any
@@ -9,8 +10,9 @@ from surae.web.refusals import RefusedError
 
 #: Longest that one piece of work may take [s], and the memory that it may use [bytes].
 _SECONDS, _MEMORY = 180.0, 12 * 2**30
-#: Pieces of work at a time.
-_WORKERS = 2
+_log = logging.getLogger("surae.web")
+#: Pieces of work at a time, and how many requests may wait for them.
+_WORKERS, _WAITING = 2, 12
 
 
 class Desk:
@@ -21,6 +23,7 @@ class Desk:
         self._all = tuple(self._free)
         self._changed = threading.Condition()
         self._closed = False
+        self._waiting = 0
 
     def close(self) -> None:
         """End the processes."""
@@ -39,7 +42,13 @@ class Desk:
             The task's own line, where it was refused or failed.
         """
         with self._changed:
-            self._changed.wait_for(lambda: self._closed or self._free)
+            if self._waiting >= _WAITING:  # each holds a thread that pages are served by
+                raise RefusedError(503, "the server is busy with other files; try again soon")
+            self._waiting += 1
+            try:
+                self._changed.wait_for(lambda: self._closed or self._free)
+            finally:
+                self._waiting -= 1
             if self._closed:
                 raise RefusedError(503, "the server is shutting down")
             worker = self._free.pop()
@@ -50,5 +59,7 @@ class Desk:
                 self._free.append(worker)
                 self._changed.notify()
         if end["end"] != "done":
+            if end.get("where"):
+                _log.error("internal error in a worker: %s", end["where"])
             raise RefusedError(400 if end["end"] == "refused" else 422, str(end["message"]))
         return end

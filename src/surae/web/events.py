@@ -3,13 +3,18 @@
 import asyncio
 import json
 import threading
+from collections import Counter
 from collections.abc import AsyncIterator, Callable
 from typing import Any
+
+from surae.web.refusals import RefusedError
 
 #: A stream that lags so many messages behind loses the oldest; states are sent whole.
 _WAITING = 64
 #: Something is sent at least this often [s], so that a dead connection is noticed.
 _KEEP_ALIVE = 15.0
+#: Streams that are open at a time, of one browser and of all: each holds a connection.
+_OF_ONE, _OF_ALL = 24, 120
 #: The message that ends a stream.
 _CLOSED = ""
 
@@ -22,6 +27,7 @@ class Events:
     def __init__(self) -> None:
         self._listeners: dict[str, set[Listener]] = {}
         self._lock = threading.Lock()
+        self._open: Counter[str] = Counter()
 
     def tell(self, topic: str, event: str, data: Any) -> None:
         """Send a message to all who listen to a topic now."""
@@ -45,8 +51,21 @@ class Events:
         for topic in topics:
             self.tell(topic, _CLOSED, None)
 
+    def refuse_more(self, who: str) -> None:
+        """Refuse one more stream to whom has too many.
+
+        Raises
+        ------
+        RefusedError
+            There are too many.
+        """
+        with self._lock:
+            if self._open[who] >= _OF_ONE or self._open.total() >= _OF_ALL:
+                raise RefusedError(503, "too many windows follow the server; close some of them")
+
     async def stream(
         self,
+        who: str,
         topics: tuple[str, ...],
         first: Callable[[], list[tuple[str, Any]]],
         last: str = "",
@@ -56,6 +75,8 @@ class Events:
 
         Parameters
         ----------
+        who : str
+            Whose stream it is.
         topics : tuple of str
             What to listen to.
         first : callable
@@ -68,6 +89,7 @@ class Events:
         queue: asyncio.Queue[tuple[str, Any]] = asyncio.Queue(_WAITING)
         listener = (asyncio.get_running_loop(), queue)
         with self._lock:
+            self._open[who] += 1
             for topic in topics:
                 self._listeners.setdefault(topic, set()).add(listener)
         try:
@@ -88,6 +110,8 @@ class Events:
                     return
         finally:
             with self._lock:
+                self._open[who] -= 1
+                self._open += Counter()  # forgets those that are zero
                 for topic in topics:
                     found = self._listeners.get(topic, set())
                     found.discard(listener)

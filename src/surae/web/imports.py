@@ -27,6 +27,8 @@ from surae.units import FloatArray
 
 #: The description that we write beside the files.
 _MAPPING = "mapping.toml"
+#: Longest name of a file [bytes]; a number may come before it.
+_LONGEST = 160
 #: Points of a preview.
 _PREVIEW = 200
 
@@ -38,7 +40,9 @@ def file_name(name: str, number: int = 0) -> str:
     """A user's file name without folders or anything that means something to a system."""
     base = name.replace("\\", "/").rsplit("/", 1)[-1]
     kept = "".join(c if c.isalnum() or c in " ._-()+" else "_" for c in base).strip(" .")
-    kept = kept[-120:].lstrip(" .") or "file"
+    while len(kept.encode()) > _LONGEST:  # systems count bytes; the end says what it is
+        kept = kept[1:]
+    kept = kept.lstrip(" .") or "file"
     if kept == _MAPPING:
         kept = f"given-{kept}"
     return f"{number}-{kept}" if number else kept
@@ -160,25 +164,47 @@ def _of_mapping(data: bytes, name: str, ids: Mapping[str, str]) -> dict[str, Any
         channels[role] = {
             "upload": ids[file_name(file)],
             "column": str(entry.get("column", "")),
-            "unit": entry.get("unit"),
-            "sign": entry.get("sign", 1),
-            "scale": entry.get("scale", 1.0),
-            "offset": entry.get("offset", 0.0),
+            "unit": _said(entry.get("unit"), None),
+            "sign": -1 if entry.get("sign") == -1 else 1,
+            "scale": _number(entry.get("scale"), 1.0),
+            "offset": _number(entry.get("offset"), 0.0),
         }
     lacking = ", ".join(dict.fromkeys(missing))
     return {
         "format": "TOML mapping",
         "columns": [],
         "mapping": {
-            "name": told.get("name") or Path(name).stem,
-            "emg": told.get("emg", "raw"),
-            "side": told.get("side"),
+            "name": _said(told.get("name"), None) or Path(name).stem,
+            "emg": _said(told.get("emg"), "raw"),
+            "side": _said(told.get("side"), None),
             "channels": channels,
-            "fixed": told.get("fixed", {}),
-            "prepare": told.get("prepare", {}),
+            "fixed": _plain(told.get("fixed")),
+            "prepare": _plain(told.get("prepare")),
         },
         "notes": [f"upload the files it names too: {lacking}"] if missing else [],
         "ready": bool(channels) and not missing,
+    }
+
+
+def _said(value: object, otherwise: str | None) -> str | None:
+    """A text of a mapping that a user wrote, which may hold anything."""
+    return value[:200] if isinstance(value, str) else otherwise
+
+
+def _number(value: object, otherwise: float) -> float:
+    good = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e12
+    return float(value) if good and isinstance(value, int | float) else otherwise
+
+
+def _plain(table: object) -> dict[str, bool | float | str]:
+    """What of a table a form can show: texts, switches and finite numbers."""
+    if not isinstance(table, dict):
+        return {}
+    return {
+        key: value
+        for key, value in table.items()
+        if isinstance(value, str | bool)
+        or (isinstance(value, int | float) and _number(value, float("nan")) == value)
     }
 
 

@@ -15,10 +15,11 @@ from typing import Any
 
 from surae.errors import SuraeError
 from surae.web.database import Thing, new_id
+from surae.web.emptying import forget_jobs
 from surae.web.events import Events
 from surae.web.process import Worker
 from surae.web.project import Project, when
-from surae.web.refusals import RefusedError, not_found
+from surae.web.refusals import RefusedError, not_found, where
 from surae.web.sessions import Session
 
 _log = logging.getLogger("surae.web")
@@ -163,13 +164,9 @@ class Jobs:
             raise RefusedError(409, f"this job is {job['state']}: only others can be restarted")
         return self.submit(job["kind"], job["label"], session, job["task"], job["about"])
 
-    def of(self, about: str, *, active: bool = True) -> list[Thing]:
-        """Jobs about a thing."""
-        return [
-            job
-            for job in self._project.database.all("job")
-            if job["about"] == about and (job["state"] in ACTIVE or not active)
-        ]
+    def of(self, about: str) -> list[Thing]:
+        """Jobs about a thing that wait or are at work."""
+        return [job for job in self._project.database.active() if job["about"] == about]
 
     def shown(self, job: Thing, session: Session | None, *, traces: bool = True) -> dict[str, Any]:
         """A job as the API shows it."""
@@ -227,7 +224,7 @@ class Jobs:
             try:
                 self._run(id_, worker)
             except Exception as error:  # ours to mend; the others' jobs go on
-                _log.error("internal error in a job", exc_info=error)
+                _log.error("internal error in a job: %s", where(error))
                 with suppress(SuraeError):
                     self._end(id_, "failed", "internal error; the server's log tells more", None)
             finally:
@@ -249,11 +246,16 @@ class Jobs:
             self._events.tell(f"job:{id_}", "progress", dict(message))
 
         root = str(self._project.folder)  # which may have been copied since it was asked for
-        end = worker.run({**job["task"], "do": job["kind"], "id": id_, "root": root}, heard)
+        end = worker.run(
+            {**job["task"], "do": job["kind"], "id": id_, "root": root},
+            heard,
+            unless=lambda: id_ in self._cancelled,
+        )
         if self._closed:
             return  # marked as interrupted at the next start
+        _told(end)
         state, result = _ENDS[end["end"]], None
-        message = str(end.get("message", ""))
+        message = self._project.hidden(str(end.get("message", "")))
         if end["end"] == "done":
             try:
                 result = self._kinds[job["kind"]].finish(job, end)
@@ -270,6 +272,7 @@ class Jobs:
         job = self._project.change(
             "job", id_, state=state, message=message, result=result, ended=time.time()
         )
+        forget_jobs(self._project.database)
         self._tell(job)
         self._events.tell(f"job:{id_}", "end", self._owned(job))
 
@@ -294,9 +297,14 @@ class Jobs:
 
     def _mark_interrupted(self) -> None:
         """Jobs that the last server left unfinished."""
-        for job in self._project.database.all("job"):
-            if job["state"] in ACTIVE:
-                self._project.change(
-                    "job", job["id"], state="interrupted", ended=time.time(),
-                    message="the server ended meanwhile; restart it",
-                )  # fmt: skip
+        for job in self._project.database.active():
+            self._project.change(
+                "job", job["id"], state="interrupted", ended=time.time(),
+                message="the server ended meanwhile; restart it",
+            )  # fmt: skip
+
+
+def _told(end: Mapping[str, Any]) -> None:
+    """Log where a task failed that should not have."""
+    if end.get("where"):
+        _log.error("internal error in a worker: %s", end["where"])

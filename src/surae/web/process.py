@@ -25,7 +25,7 @@ class Worker:
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
         self._lock = threading.Lock()
-        self._busy = self._killed = False
+        self._busy = self._killed = self._closed = False
         self._done = self._serial = 0
 
     @property
@@ -34,7 +34,11 @@ class Worker:
         return None if self._process is None else self._process.pid
 
     def run(
-        self, task: Mapping[str, Any], heard: Heard | None = None, seconds: float | None = None
+        self,
+        task: Mapping[str, Any],
+        heard: Heard | None = None,
+        seconds: float | None = None,
+        unless: Callable[[], bool] = lambda: False,
     ) -> dict[str, Any]:
         """Do a task.
 
@@ -46,6 +50,8 @@ class Worker:
             Called with every message on the way.
         seconds : float, optional
             When the task has taken so long, its process is killed.
+        unless : callable, optional
+            Whether it was cancelled before it began; from then on `interrupt` reaches it.
 
         Returns
         -------
@@ -54,6 +60,8 @@ class Worker:
             process died, ``"killed"``.
         """
         with self._lock:
+            if self._closed or unless():
+                return {"end": "cancelled", "message": "cancelled before it began"}
             process = self._started()
             self._busy, self._killed = True, False
             self._serial += 1
@@ -113,8 +121,9 @@ class Worker:
         timer.start()
 
     def close(self) -> None:
-        """End the process."""
+        """End the process, for good."""
         with self._lock:
+            self._closed = True
             self._drop()
 
     def _started(self) -> "subprocess.Popen[bytes]":

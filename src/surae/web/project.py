@@ -1,6 +1,7 @@
 """A project: one folder that holds all of a laboratory's work, and can be copied and opened."""
 
 import os
+import re
 import shutil
 import sqlite3
 from datetime import UTC, datetime
@@ -10,10 +11,12 @@ from typing import Any
 from surae.errors import InputError
 from surae.files import PathLike, shown
 from surae.studies.database import lock
-from surae.web.database import Database, Thing
-from surae.web.refusals import not_found
+from surae.web.database import Database, Thing, new_id
+from surae.web.emptying import empty
+from surae.web.refusals import RefusedError, not_found
 
 _FOLDERS = ("recordings", "fits", "comparisons", "studies", "uploads")
+_ID, _KEY = re.compile(r"[0-9a-f]{16}"), re.compile(r"[0-9a-f]{32,64}")
 
 
 class Project:
@@ -35,8 +38,14 @@ class Project:
         self.folder = Path(os.path.realpath(folder))
         where = shown(folder)
         try:
-            self.folder.mkdir(parents=True, exist_ok=True)
+            # What was measured of people is for the one who made the folder to show to others.
+            self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
             for name in _FOLDERS:
+                if (self.folder / name).is_symlink():
+                    raise InputError(
+                        f"cannot use {where} as a project: its {name} is a link, which leads out "
+                        f"of it; put the folder itself there"
+                    )
                 (self.folder / name).mkdir(exist_ok=True)
             (self.folder / "uploads").chmod(0o700)
         except OSError as error:
@@ -57,8 +66,8 @@ class Project:
         except BaseException:
             self._lock.close()
             raise
-        for left in (self.folder / "uploads").glob("*/import-*"):  # by a worker that was killed
-            shutil.rmtree(left, ignore_errors=True)
+        self.id = self._named()
+        empty(self.folder, self.database)
 
     @property
     def name(self) -> str:
@@ -72,18 +81,36 @@ class Project:
             self._lock.close()
 
     def path(self, folder: str, id_: str, suffix: str) -> Path:
-        """The file of a thing; ids are ours, never a user's text."""
-        return self.folder / folder / f"{id_}{suffix}"
+        """The file of a thing; ids are ours, never a user's text.
+
+        Raises
+        ------
+        RefusedError
+            There is a link in its place: whoever gave this project away would choose what is read.
+        """
+        return file_of(self.folder, folder, id_, suffix)
+
+    def hidden(self, text: str) -> str:
+        """A message without where on this computer the project lies."""
+        return text.replace(f"{self.folder}{os.sep}", "")
 
     def uploads(self, session: str) -> Path:
         """The private folder of a session's uploads."""
-        folder = self.folder / "uploads" / session[:32]
+        folder = self.folder / "uploads" / _checked(session, _KEY)[:32]
         folder.mkdir(mode=0o700, exist_ok=True)
         return folder
 
     def drop_uploads(self, session: str) -> None:
         """Remove what a session uploaded."""
-        shutil.rmtree(self.folder / "uploads" / session[:32], ignore_errors=True)
+        if _KEY.fullmatch(session):  # the project may be a stranger's
+            shutil.rmtree(self.folder / "uploads" / session[:32], ignore_errors=True)
+
+    def _named(self) -> str:
+        """The project's own id, made the first time; a copy has the same."""
+        with self.database.transaction():
+            for one in self.database.all("project"):
+                return _checked(one["id"], _ID)
+            return self.database.add("project", {}, new_id())
 
     def need(self, kind: str, id_: str) -> Thing:
         """A thing that has to be there.
@@ -105,6 +132,27 @@ class Project:
         if thing is None:
             raise not_found(kind)
         return thing
+
+
+def file_of(root: Path, folder: str, id_: str, suffix: str) -> Path:
+    """The file of a thing in a project's folder.
+
+    Raises
+    ------
+    RefusedError
+        It is none of ours.
+    """
+    path = root / folder / f"{_checked(id_, _ID)}{suffix}"
+    if path.is_symlink():
+        raise RefusedError(409, f"{folder}/{path.name} is a link; put the file itself there")
+    return path
+
+
+def _checked(text: str, form: "re.Pattern[str]") -> str:
+    """A name that is made of our own digits."""
+    if not form.fullmatch(text):
+        raise RefusedError(409, f"{shown(text)[:40]} is no id; the project is damaged")
+    return text
 
 
 def when(seconds: float | None) -> str | None:

@@ -5,6 +5,7 @@ name it asked for (Host: no DNS rebinding), by where it comes from (Origin, Sec-
 cookie that only our own pages send (SameSite=Strict) and by a token that only our own pages know.
 """
 
+import asyncio
 import hmac
 import ipaddress
 import json
@@ -15,15 +16,15 @@ from dataclasses import dataclass
 from hashlib import sha256
 from http.cookies import CookieError, SimpleCookie
 from typing import Any
-from urllib.parse import parse_qsl, urlencode, urlsplit
+from urllib.parse import parse_qsl, urlencode
 
 from starlette.concurrency import run_in_threadpool
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from surae.web.refusals import RefusedError
+from surae.errors import SuraeError
+from surae.web.refusals import RefusedError, one_line
 from surae.web.sessions import Sessions
 
-SESSION_COOKIE, TOKEN_COOKIE = "surae_session", "surae_token"
 CSRF_HEADER = "x-csrf-token"
 #: Pages are as local as what they show: nothing from outside, no script or style within a page.
 CONTENT_SECURITY_POLICY = (
@@ -47,6 +48,13 @@ _SAFE = ("GET", "HEAD", "OPTIONS")
 _OPEN = ("/api/session", "/api/openapi.json")
 _HOST = re.compile(r"(\[(?P<v6>[0-9A-Fa-f:.]+)\]|(?P<name>[0-9A-Za-z._-]+))(:[0-9]{0,5})?")
 _LOOPBACK = ("localhost", "127.0.0.1", "::1")
+#: Those who give a wrong token wait so long [s], one after the other: nobody tries many.
+_GUESS = 0.1
+#: What a link on another site gets first: a page of ours that asks again, with its cookies.
+_AGAIN = (
+    b'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>surae</title>'
+    b'<meta http-equiv="refresh" content="0"></head></html>'
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +121,11 @@ class Security:
     def __init__(self, app: ASGIApp, policy: Policy, sessions: Sessions) -> None:
         self._app, self._policy, self._sessions = app, policy, sessions
         self._token = None if policy.token is None else _digest(policy.token)
+        self._guessing = asyncio.Lock()
+        # Cookies do not know ports: without the project in their names, two servers on one
+        # computer would throw each other's sessions away.
+        self._session_cookie = f"surae_session_{sessions.project_id}"
+        self._token_cookie = f"surae_token_{sessions.project_id}"
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Check a request, then pass it on."""
@@ -128,36 +141,61 @@ class Security:
             limit = self._policy.upload_bytes
         if not self._policy.allows_host(request.header("host")):
             await _refuse(guarded, 400, "this server does not go by that name (Host)")
-        elif self._token is not None and not self._knows(request):
+        elif request.from_elsewhere and request.is_page:
+            await _respond(guarded, 200, _AGAIN, [], b"text/html; charset=utf-8")
+        elif request.from_elsewhere:
+            await _refuse(guarded, 403, _ELSEWHERE)
+        elif self._token is not None and (
+            not self._knows(request) or (request.is_page and "token" in request.parameters)
+        ):
             await self._ask_token(request, guarded, cookies, self._token)
         elif not request.safe and not request.same_origin:
-            await _refuse(guarded, 403, "the request comes from another site (Origin)")
+            await _refuse(guarded, 403, _ELSEWHERE)
         elif request.length is not None and request.length > limit:
             await _refuse(guarded, 413, _too_large(limit))
-        elif await self._session(request, guarded, cookies):
-            await self._pass(scope, receive, guarded, limit)
+        else:
+            try:
+                known = await self._session(request, guarded, cookies)
+            except SuraeError as error:  # the project cannot be read or written
+                await _refuse(guarded, 503, self._sessions.hidden(one_line(error)))
+                return
+            if known:
+                await self._pass(scope, receive, guarded, limit)
 
     async def _ask_token(
         self, request: "_Request", send: Send, cookies: list[str], token: str
     ) -> None:
         """Take the token out of the address, once; refuse who does not know it."""
-        given = dict(parse_qsl(request.query, keep_blank_values=True))
-        if request.safe and self._matches(given.pop("token", "")):
-            cookies.append(_cookie(TOKEN_COOKIE, token))
+        given = request.parameters
+        if request.safe and (self._matches(given.pop("token", "")) or self._knows(request)):
+            cookies.append(_cookie(self._token_cookie, token))
             query = urlencode(given)
             await _redirect(send, request.path + (f"?{query}" if query else ""))
         else:
+            async with self._guessing:
+                await asyncio.sleep(_GUESS)
             await _refuse(send, 403, "this server needs its token; open the address it printed")
 
     async def _pass(self, scope: Scope, receive: Receive, send: Send, limit: int) -> None:
         """Pass a request on, as long as its body is."""
-        await self._app(scope, _limited(receive, limit), send)
+        started = False
+
+        async def noted(message: Message) -> None:
+            nonlocal started
+            started = started or message["type"] == "http.response.start"
+            await send(message)
+
+        try:
+            await self._app(scope, _limited(receive, limit), noted)
+        except Exception:  # answered and logged by the application; nothing more to tell
+            if not started:
+                raise
 
     async def _session(self, request: "_Request", send: Send, cookies: list[str]) -> bool:
         """Find or make the session, and check its CSRF token; False where it is refused."""
         if request.path.startswith("/static/"):
             return True
-        session = await run_in_threadpool(self._sessions.open, request.cookie(SESSION_COOKIE))
+        session = await run_in_threadpool(self._sessions.open, request.cookie(self._session_cookie))
         api = request.path.startswith("/api/")
         if (
             session is None
@@ -165,7 +203,7 @@ class Security:
             and (not api or request.path == "/api/session")
         ):
             session, cookie = await run_in_threadpool(self._sessions.make)
-            cookies.append(_cookie(SESSION_COOKIE, cookie))
+            cookies.append(_cookie(self._session_cookie, cookie))
         if session is None and api and request.path not in _OPEN:
             await _refuse(send, 403, "no session: GET /api/session first, and send its cookie")
             return False
@@ -184,7 +222,7 @@ class Security:
         bearer = request.header("authorization")
         if bearer.startswith("Bearer ") and self._matches(bearer.removeprefix("Bearer ").strip()):
             return True
-        cookie = request.cookie(TOKEN_COOKIE) or ""
+        cookie = request.cookie(self._token_cookie) or ""
         return hmac.compare_digest(cookie.encode(), (self._token or "").encode())
 
     def _matches(self, token: str) -> bool:
@@ -216,6 +254,11 @@ class _Request:
         return None if found is None else found.value
 
     @property
+    def parameters(self) -> dict[str, str]:
+        """What the address asks for."""
+        return dict(parse_qsl(self.query, keep_blank_values=True))
+
+    @property
     def length(self) -> int | None:
         """The announced length of the body."""
         text = self.header("content-length")
@@ -224,15 +267,23 @@ class _Request:
     @property
     def same_origin(self) -> bool:
         """Whether the request comes from a page of ours, or from no page at all."""
-        if self.header("sec-fetch-site") not in ("", "same-origin", "none"):
-            return False
         origin = self.header("origin")
         if any(key == b"origin" for key, _ in self._headers) and not origin:
             return False
         if not origin:
             return True
-        parts = urlsplit(origin)
-        return parts.scheme in ("http", "https") and parts.netloc == self.header("host")
+        return origin in {f"{scheme}://{self.header('host')}" for scheme in ("http", "https")}
+
+    @property
+    def from_elsewhere(self) -> bool:
+        """Whether a browser says that a page of another site asks, or a link on it."""
+        return self.header("sec-fetch-site") not in ("", "same-origin", "none")
+
+    @property
+    def is_page(self) -> bool:
+        """Whether somebody opens a page."""
+        path = self.path
+        return self.method == "GET" and not path.startswith(("/api/", "/static/"))
 
 
 def _limited(receive: Receive, limit: int) -> Receive:
@@ -293,6 +344,9 @@ def _is_address(name: str) -> bool:
     return True
 
 
+_ELSEWHERE = "the request comes from another site (Origin, Sec-Fetch-Site)"
+
+
 def _too_large(limit: int) -> str:
     return f"too large: at most {limit / 2**20:g} MiB; cut or downsample it"
 
@@ -308,13 +362,17 @@ async def _redirect(send: Send, to: str) -> None:
 
 
 async def _respond(
-    send: Send, status: int, body: bytes, headers: list[tuple[bytes, bytes]]
+    send: Send,
+    status: int,
+    body: bytes,
+    headers: list[tuple[bytes, bytes]],
+    kind: bytes = b"application/json",
 ) -> None:
     start: dict[str, Any] = {
         "type": "http.response.start",
         "status": status,
         "headers": [
-            (b"content-type", b"application/json"),
+            (b"content-type", kind),
             (b"content-length", str(len(body)).encode()),
             *headers,
         ],

@@ -1,19 +1,28 @@
 """The server: a socket, an address for the user, and uvicorn until Ctrl-C."""
 
+import asyncio
+import os
 import secrets
 import socket
 import sys
 import threading
 import webbrowser
+from urllib.parse import quote
 
 import click
 import uvicorn
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from surae.errors import InputError
 from surae.files import PathLike
 from surae.web.app import create_app
 from surae.web.security import Policy, is_loopback
 from surae.web.workbench import Workbench
+
+#: Connections that are served at a time; the twenty browsers of a laboratory need a hundred.
+_CONNECTIONS = 250
+#: A connection that has not said within this time what it wants is closed [s].
+_PATIENCE = 20.0
 
 
 def serve(
@@ -46,6 +55,9 @@ def serve(
         app = create_app(bench, Policy.of(host, token, upload_bytes))
         config = uvicorn.Config(
             app,
+            http=_Connection,
+            ws="none",
+            limit_concurrency=_CONNECTIONS,
             log_level="error",
             access_log=False,
             server_header=False,
@@ -54,7 +66,7 @@ def serve(
             timeout_graceful_shutdown=2,
             h11_max_incomplete_event_size=64 * 1024,
         )
-        server = _Server(config, address, open_browser and sys.stdout.isatty())
+        server = _Server(config, bench, address, open_browser and sys.stdout.isatty())
         server.run(sockets=[listening])
     except KeyboardInterrupt:
         pass
@@ -65,12 +77,43 @@ def serve(
         raise InputError("the server could not start")
 
 
+class _Connection(H11Protocol):
+    """A connection that may not hold its place without asking for anything."""
+
+    _late: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        super().connection_made(transport)
+        self._wait()
+
+    def on_response_complete(self) -> None:
+        self._wait()
+        super().on_response_complete()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        if self._late is not None:
+            self._late.cancel()
+        super().connection_lost(exc)
+
+    def _wait(self) -> None:
+        """Wait for the next request."""
+        if self._late is not None:
+            self._late.cancel()
+        self._late = self.loop.call_later(_PATIENCE, self._give_up, self.cycle)
+
+    def _give_up(self, before: object) -> None:
+        if self.cycle is before and not self.transport.is_closing():
+            self.transport.close()
+
+
 class _Server(uvicorn.Server):
     """Says where it is once it answers."""
 
-    def __init__(self, config: uvicorn.Config, address: str, open_browser: bool) -> None:
+    def __init__(
+        self, config: uvicorn.Config, bench: Workbench, address: str, open_browser: bool
+    ) -> None:
         super().__init__(config)
-        self._address, self._open = address, open_browser
+        self._bench, self._address, self._open = bench, address, open_browser
         self.failed = True
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
@@ -82,6 +125,10 @@ class _Server(uvicorn.Server):
         if self._open:
             threading.Thread(target=webbrowser.open, args=(self._address,), daemon=True).start()
 
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self._bench.events.close()  # streams would never end of themselves
+        await super().shutdown(sockets)
+
 
 def _listen(host: str, port: int) -> socket.socket:
     """A socket that listens."""
@@ -89,9 +136,11 @@ def _listen(host: str, port: int) -> socket.socket:
         found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
         family, kind, protocol, _, place = found[0]
         made = socket.socket(family, kind, protocol)
-        made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        if os.name == "posix":  # elsewhere it would share the port with another server
+            made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             made.bind(place)
+            made.listen(128)
         except OSError:
             made.close()
             raise
@@ -107,4 +156,4 @@ def _listen(host: str, port: int) -> socket.socket:
 def _address(host: str, port: int, token: str | None) -> str:
     name = socket.gethostname() if host in ("0.0.0.0", "::") else host
     shown = f"[{name}]" if ":" in name else name
-    return f"http://{shown}:{port}/" + ("" if token is None else f"?token={token}")
+    return f"http://{shown}:{port}/" + ("" if token is None else f"?token={quote(token)}")

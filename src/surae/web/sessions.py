@@ -34,6 +34,8 @@ class Sessions:
 
     def __init__(self, project: Project, events: Events) -> None:
         self._project, self._database, self._events = project, project.database, events
+        #: Names the project among others on the same computer; takes its place out of messages.
+        self.project_id, self.hidden = project.id, project.hidden
         self._forget()
 
     def open(self, cookie: str | None) -> Session | None:
@@ -203,10 +205,10 @@ class Sessions:
             now - _UNSEEN, now - _IDLE,
         )  # fmt: skip
         for (key,) in old:
+            self._project.drop_uploads(key)
             with self._database.transaction():
                 self._database.write("DELETE FROM step WHERE session = ?", key)
                 self._database.write("DELETE FROM session WHERE key = ?", key)
                 for upload in self._database.all("upload"):
                     if upload["session"] == key:
                         self._database.write("DELETE FROM thing WHERE id = ?", upload["id"])
-            self._project.drop_uploads(key)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from surae.recording import Recording, read
 from surae.web import imports
 from surae.web.draft import fit_keywords, weighting
+from surae.web.project import file_of
 
 if TYPE_CHECKING:
     from surae.api import Fit
@@ -29,7 +30,7 @@ def read_recording(path: str | Path) -> Recording:
 
 def _file(task: Mapping[str, Any], folder: str, id_: str, suffix: str) -> Path:
     """A file of the project that the task belongs to."""
-    return Path(task["root"]) / folder / f"{id_}{suffix}"
+    return file_of(Path(task["root"]), folder, id_, suffix)
 
 
 def _prepared(task: Mapping[str, Any], tell: Tell) -> "list[ModelInputs]":

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from surae.api import Fit
     from surae.signals import ModelInputs
 
-#: Memory for curves [bytes], and for what else is kept by number.
-_CURVES, _PREPARED, _FITS = 400e6, 200e6, 8.0
+#: Memory for curves, for what models read, and for fits [bytes].
+_CURVES, _PREPARED, _FITS = 400e6, 400e6, 400e6
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +61,9 @@ class Workbench:
         self._closed = False
         self._curves: Cache[Curves] = Cache(_CURVES, lambda one: one.bytes)
         self._prepared: Cache[ModelInputs] = Cache(_PREPARED, lambda one: 80.0 * one.n)
-        self._fits: Cache[Fit] = Cache(_FITS)
+        self._fits: Cache[Fit] = Cache(
+            _FITS, lambda one: sum(250.0 * inputs.n for inputs in one.result.problem.inputs)
+        )
 
     def start(self, kinds: Mapping[str, Kind]) -> None:
         """Begin to work, and load what the first slider will need."""

@@ -8,13 +8,15 @@ standard input, that is, with the server, however that ended.
 import contextlib
 import json
 import os
+import queue
 import signal
 import sys
+import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from surae.errors import InputError, SuraeError
-from surae.web.refusals import one_line
+from surae.web.refusals import FULL, NO_ROOM, one_line, where
 
 #: Computing must not slow down the pages.
 _NICE = 10
@@ -46,8 +48,21 @@ def main() -> None:
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
+    tasks: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(tasks,), daemon=True).start()
+    while True:
+        end = _done(json.loads(tasks.get()), tell)
+        try:
+            tell(end)
+        except (TypeError, ValueError) as error:  # what it found is nothing that JSON can say
+            tell(_failed(error))
+
+
+def _listen(tasks: "queue.SimpleQueue[bytes]") -> None:
+    """Take tasks; when standard input ends, so does the process, even in the middle of one."""
     for line in sys.stdin.buffer:
-        tell(_done(json.loads(line), tell))
+        tasks.put(line)
+    os._exit(0)
 
 
 def _done(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
@@ -66,20 +81,29 @@ def _done(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     except BrokenPipeError:  # the server is gone
         raise SystemExit(0) from None
     except (Exception, KeyboardInterrupt) as error:
-        end, message = _told(error)
-        return {"end": end, "message": message}
+        return _told(error)
 
 
-def _told(error: BaseException) -> tuple[str, str]:
+def _told(error: BaseException) -> dict[str, Any]:
     """How an error ends a task, and its line."""
     stopped = error, error.__cause__ or error.__context__  # compiled code wraps Ctrl-C
     if any(isinstance(one, KeyboardInterrupt) for one in stopped):
-        return "cancelled", "stopped before there was a result"
+        return {"end": "cancelled", "message": "stopped before there was a result"}
     if isinstance(error, MemoryError):
-        return "failed", "not enough memory; cut or downsample the recording"
+        text = "not enough memory; cut or downsample the recording"
+        return {"end": "failed", "message": text}
+    if isinstance(error, OSError) and error.errno in FULL:
+        return {"end": "failed", "message": NO_ROOM}
     if isinstance(error, SuraeError):
-        return "refused" if isinstance(error, InputError) else "failed", one_line(error)
-    return "failed", one_line(f"internal error ({type(error).__name__}: {error})")
+        end = "refused" if isinstance(error, InputError) else "failed"
+        return {"end": end, "message": one_line(error)}
+    return _failed(error)
+
+
+def _failed(error: BaseException) -> dict[str, Any]:
+    """A mistake of ours."""
+    text = f"internal error ({type(error).__name__}); the server's log tells more"
+    return {"end": "failed", "message": text, "where": where(error)}
 
 
 def _limit_memory(limit: int) -> None:

@@ -4,9 +4,10 @@ import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
-from .conftest import Desk, Server, expect
+from .conftest import MUSCLES, Desk, Server, expect
 
 PARAMETERS = 15
 
@@ -192,3 +193,35 @@ def test_all_survives_a_restart_of_the_server(browser: Any, csv: Path, tmp_path:
     assert page.locator("#recordings input:checked").count() == 1
     desk.close()
     second.stop()
+
+
+@pytest.mark.slow
+def test_two_million_samples_are_zoomed_without_a_pause(desk: Desk, tmp_path: Path) -> None:
+    from scipy.io import savemat
+
+    time = np.arange(2_000_000) / 8000.0
+    angle = 0.3 * np.sin(2.0 * time)
+    noise = 1e-4 * np.random.default_rng(0).standard_normal(time.size)
+    content = {"time": time, "angle_rad": angle, "torque_Nm": 10.0 * angle}
+    path = tmp_path / "long.mat"
+    savemat(path, content | {f"emg_{muscle}_V": noise for muscle in MUSCLES})
+    page = desk.go("/import")
+    page.set_input_files("#files", path)
+    page.get_by_label("Unit of Angle", exact=True).select_option("rad")
+    page.get_by_label("Unit of Torque", exact=True).select_option("Nm")
+    page.get_by_label("Unit of EMG soleus", exact=True).select_option("V")
+    page.get_by_text("As it will be imported").wait_for()
+    page.get_by_role("button", name="Import this recording").click()
+    page.wait_for_url("**/recordings/*")
+    page.locator("#plots canvas").first.wait_for()
+    page.get_by_text("The check found").or_(page.get_by_text("of the check")).wait_for()
+    for _ in range(6):
+        with page.expect_response("**/window?*start=*") as answer:
+            page.get_by_role("group", name="Signals of long").press("+")
+        answer.value.finished()
+    took = page.evaluate(
+        "performance.getEntriesByType('resource')"
+        ".filter(one => one.name.includes('start=')).map(one => one.duration)"
+    )
+    assert len(took) == 6
+    assert max(took) < 1000.0  # milliseconds, on a computer that does other things, too

@@ -1,41 +1,24 @@
 """A study against one factor: standard errors, correlation and goodness, a row for each model."""
 
 from collections.abc import Sequence
-from textwrap import wrap
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from surae.report.figures.style import (
-    BLUE,
-    GREY,
-    INK,
-    MUTED,
-    OCHRE,
-    RED,
-    dress,
-    footnote,
-    heading,
-    new_figure,
-)
+from surae.report.figures.lines import MARKERS, line, shared_legend
+from surae.report.figures.style import GREY, dress, footnote, heading, new_figure
 from surae.report.study import Curve, ModelCurves, StudyCurves
 from surae.units import FloatArray
 
 #: Height of a row of panels, and of legends and footnote together [inch].
 _ROW, _AROUND = 2.9, 1.5
-#: A colour and a dash each, a marker for every round: told apart without colours too.
-_LINES = ((BLUE, "-"), (RED, (0, (4, 1.5))), (OCHRE, (0, (1, 1.2))), (MUTED, (0, (5, 1, 1, 1))))
-_MARKERS = "os^DvPX*"
 #: A logarithmic axis shows more from this ratio of largest to smallest mean.
 _WIDE = 8.0
 #: Names of parameters in a line of the legend.
 _COLUMNS = 8
-#: Letters of a line below the panels.
-_LETTERS = 118
 _UNITS = {"chirp_amplitude": "rad", "chirp_rate": "Hz/s", "rate_hz": "Hz", "noise": "-"}
 
 
@@ -60,12 +43,13 @@ def study_figure(curves: StudyCurves, caption: str = "") -> Figure:
         len(curves.models), 3, squeeze=False, sharex=True, width_ratios=(1.7, 1, 1)
     )
     names = dict.fromkeys(curve.label for one in curves.models for curve in one.sem)
-    styles = {name: _style(number) for number, name in enumerate(names)}
+    styles = {name: line(number) for number, name in enumerate(names)}
     for number, (panels, one) in enumerate(zip(grid, curves.models, strict=True)):
         _row(panels, one, curves, styles, lowest=number == len(curves.models) - 1)
-    _legend(figure, [panels[0] for panels in grid], "outside upper center", _COLUMNS)
+    shared_legend(figure, [panels[0] for panels in grid], _COLUMNS)
     text = " ".join([caption, *curves.notes]).strip()
-    if not _legend(figure, [panels[1] for panels in grid], "outside lower center", 4, text):
+    below = [panels[1] for panels in grid]
+    if not shared_legend(figure, below, 4, "outside lower center", text):
         footnote(figure, text)
     return figure
 
@@ -96,23 +80,12 @@ def _row(
         axes.ticklabel_format(axis="y", useOffset=False)
 
 
-def _style(number: int) -> dict[str, Any]:
-    """Look of the line of this number."""
-    colour, dash = _LINES[number % len(_LINES)]
-    turn = number // len(_LINES)
-    return {
-        "color": colour, "linestyle": dash, "linewidth": 1.1,
-        "marker": _MARKERS[turn % len(_MARKERS)], "markersize": 4.2,
-        "markerfacecolor": colour if turn % 2 == 0 else "white",
-    }  # fmt: skip
-
-
 def _with_spread(
     axes: Axes, at: FloatArray, curve: Curve, number: int,
     numeric: bool,
 ) -> None:  # fmt: skip
     """A line in its band; where the axis has no numbers, points with bars."""
-    style = _style(number) | {"marker": _MARKERS[number % len(_MARKERS)]}
+    style = line(number) | {"marker": MARKERS[number % len(MARKERS)]}
     if numeric:
         axes.fill_between(at, curve.low, curve.high, color=style["color"], alpha=0.16, linewidth=0)
     else:
@@ -147,25 +120,3 @@ def _scale(axes: Axes, found: tuple[Curve, ...]) -> None:
         axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axes.yaxis.set_minor_formatter(NullFormatter())
-
-
-def _legend(
-    figure: Figure,
-    panels: list[Axes],
-    where: Literal["outside upper center", "outside lower center"],
-    columns: int,
-    title: str = "",
-) -> bool:
-    """What the lines of panels are, under a title; whether there is any."""
-    handles: dict[str, Artist] = {}
-    for axes in panels:
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            handles.setdefault(label, handle)
-    if handles:
-        legend = figure.legend(
-            list(handles.values()), list(handles), loc=where, ncols=min(columns, len(handles)),
-            frameon=False, fontsize=8, labelcolor=INK, handlelength=3.4, columnspacing=1.3,
-            title="\n".join(wrap(title, _LETTERS)) or None, title_fontsize=8,
-        )  # fmt: skip
-        legend.get_title().set(color=MUTED, multialignment="center")
-    return bool(handles)

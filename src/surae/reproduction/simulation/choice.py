@@ -7,6 +7,12 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.reproduction.claims import Claim, Finding, judged
+from surae.reproduction.simulation.along import (
+    along_amplitude,
+    along_profile,
+    along_rate,
+    profile_order,
+)
 from surae.reproduction.simulation.cells import Cell, ranked, scores, select
 from surae.reproduction.simulation.designs import (
     AMPLITUDES,
@@ -16,14 +22,7 @@ from surae.reproduction.simulation.designs import (
     MODELS,
     PROFILES,
 )
-from surae.reproduction.simulation.precision import (
-    Ruling,
-    along_amplitude,
-    along_profile,
-    along_rate,
-    profile_order,
-    under_both,
-)
+from surae.reproduction.simulation.ruling import Ruling, under_both
 from surae.units import FloatArray
 
 #: Fastest that a muscle moves [l0/s] (2.3.3, 2.5).

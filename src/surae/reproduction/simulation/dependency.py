@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from surae.reproduction.claims import Claim, Finding, judged
+from surae.reproduction.simulation.along import along_amplitude, along_profile, along_rate
 from surae.reproduction.simulation.cells import Cell, at_chirp, ranked, select
 from surae.reproduction.simulation.designs import (
     AMPLITUDES,
@@ -15,7 +16,6 @@ from surae.reproduction.simulation.designs import (
     MODELS,
     PROFILES,
 )
-from surae.reproduction.simulation.precision import along_amplitude, along_profile, along_rate
 
 #: "Around" a rate of 0.5 Hz/s, and how much IPDE may differ and still be the same (3.1.5).
 _NEAR, _SAME = (0.4, 0.6), 0.2

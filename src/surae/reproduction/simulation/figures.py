@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from surae.report.figures.lines import line, shared_legend
 from surae.report.figures.style import (
     BLUE,
     GREY,
@@ -19,7 +20,7 @@ from surae.report.figures.style import (
     new_figure,
 )
 from surae.reproduction.chapter import Drawing
-from surae.reproduction.lines import legend_above, line
+from surae.reproduction.simulation.along import along_amplitude, along_profile, along_rate
 from surae.reproduction.simulation.cells import Cell, normalised, select
 from surae.reproduction.simulation.designs import (
     AMPLITUDES,
@@ -29,11 +30,6 @@ from surae.reproduction.simulation.designs import (
     PROFILES,
 )
 from surae.reproduction.simulation.goodness import GOOD_ESTIMATE, GOOD_VAF
-from surae.reproduction.simulation.precision import (
-    along_amplitude,
-    along_profile,
-    along_rate,
-)
 from surae.reproduction.simulation.torques import at_equal_noise
 from surae.studies import POPULATIONS
 from surae.units import FloatArray
@@ -137,12 +133,8 @@ def _by_number(
     for axes, model, some, x in zip(panels, MODELS, found, at, strict=True):
         dress(axes, _SEM, xlabel if model == MODELS[-1] else "")
         heading(axes, f"{model} model")
-        curves = normalised(some)
-        for number, name in enumerate(_NAMES):
-            if name in curves:
-                axes.plot(x, curves[name], label=name, **line(number))
-        _scale(axes, curves)
-    legend_above(figure, panels, 8)
+        _curves(axes, some, x)
+    shared_legend(figure, panels, 8)
     return figure
 
 
@@ -153,13 +145,9 @@ def _equal(grid: Sequence[Cell]) -> Figure:
     lines = (along_rate(grid, "muscle"), along_amplitude(grid, "muscle"))
     for axes, some, label in zip(panels, lines, (_RATE, _AMPLITUDE), strict=True):
         dress(axes, _SEM if label == _RATE else "", label)
-        at = [cell.rate if label == _RATE else cell.amplitude for cell in some]
-        curves = normalised(some)
-        for number, name in enumerate(_NAMES):
-            if name in curves:
-                axes.plot(at, curves[name], label=name, **line(number))
-        _scale(axes, curves)
-    legend_above(figure, panels, 8)
+        at = [(cell.rate or 0.0) if label == _RATE else cell.amplitude for cell in some]
+        _curves(axes, some, at)
+    shared_legend(figure, panels, 8)
     return figure
 
 
@@ -181,7 +169,7 @@ def _profiles(grid: Sequence[Cell], model: str, name: str, title: str) -> Drawin
     )  # fmt: skip
     axes.set_xticks(range(len(some)), [cell.profile for cell in some])
     _scale(axes, curves)
-    legend_above(figure, [axes], 8)
+    shared_legend(figure, [axes], 8)
     less = "" if model == "muscle" else " Without the multi-sine, as in the thesis."
     return Drawing(
         name=name,
@@ -206,7 +194,7 @@ def _ipde(grid: Sequence[Cell]) -> Figure:
             some = [cell for cell in along_rate(grid, model, profile) if cell.ipde is not None]
             x = [cell.rate for cell in some]
             axes.plot(x, [cell.ipde for cell in some], label=profile, **_profile_line(number))
-    legend_above(figure, panels, 5)
+    shared_legend(figure, panels, 5)
     return figure
 
 
@@ -253,7 +241,7 @@ def _errors(grid: Sequence[Cell]) -> Figure:
     axes.set_xscale("log")
     axes.xaxis.set_major_formatter("{x:g}")
     axes.ticklabel_format(axis="y", useOffset=False)
-    legend_above(figure, [axes], 2)
+    shared_legend(figure, [axes], 2)
     return figure
 
 
@@ -279,9 +267,18 @@ def _explicit(grid: Sequence[Cell], explicit: Sequence[tuple[int, Sequence[Cell]
     axes.set_yscale("log")
     axes.yaxis.set_major_formatter("{x:g}")
     axes.set_xticks(AMPLITUDES)
-    legend_above(figure, [axes], 3)
+    shared_legend(figure, [axes], 3)
     footnote(figure, f"A marker for each profile; line: VAF {GOOD_VAF} %.")
     return figure
+
+
+def _curves(axes: Axes, some: Sequence[Cell], at: Sequence[float]) -> None:
+    """Normalised SEM of each parameter against a number."""
+    curves = normalised(some)
+    for number, name in enumerate(_NAMES):
+        if name in curves:
+            axes.plot(at, curves[name], label=name, **line(number))
+    _scale(axes, curves)
 
 
 def _profile_line(number: int) -> dict[str, object]:

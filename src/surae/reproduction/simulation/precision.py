@@ -1,18 +1,17 @@
 """Claims about standard errors (3.1.1 to 3.1.3): task, chirp rate, chirp amplitude, profile."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from surae.reproduction.claims import Claim, Finding, judged
+from surae.reproduction.claims import Claim, Finding
+from surae.reproduction.simulation.along import along_amplitude, along_rate, profile_order
 from surae.reproduction.simulation.cells import (
     RELAXATION,
     Cell,
     NoFitError,
-    at_chirp,
     mean,
     normalised,
-    ranked,
     scores,
     select,
 )
@@ -20,11 +19,11 @@ from surae.reproduction.simulation.designs import (
     AMPLITUDES,
     CHOSEN,
     CHOSEN_AMPLITUDE,
-    CHOSEN_RATE,
     MODELS,
     PROFILES,
 )
 from surae.reproduction.simulation.goodness import NOISE_SEM
+from surae.reproduction.simulation.ruling import Ruling, under_both
 from surae.reproduction.simulation.torques import at_equal_noise, at_signed_noise
 
 #: From here up the relaxation parameters are said to be flat [Hz/s], and what counts as flat.
@@ -106,61 +105,6 @@ PROFILE_TENDON = Claim(
 BY_RATE = (RATE, RATE_TENDON, RATE_RELAXATION)
 BY_AMPLITUDE = (AMPLITUDE, AMPLITUDE_RELAXATION, AMPLITUDE_TENDON)
 BY_PROFILE = (PROFILE, PROFILE_TENDON)
-
-
-#: What a claim's rule says of cells, with our number.
-Ruling = tuple[bool, str]
-
-
-def under_both(
-    claim: Claim,
-    rule: Callable[[Sequence[Cell]], Ruling],
-    found: Sequence[Cell],
-    *,
-    about: str = "",
-    figure: str = "",
-) -> Finding:
-    """Judge SEMs as they are, and say what the rule gives at equal noise in every cell.
-
-    Parameters
-    ----------
-    claim : Claim
-        The claim.
-    rule : callable
-        From cells to whether it holds, and our number.
-    found : sequence of Cell
-        With the sizes of their torques.
-    about : str
-        What else to know, in sentences.
-    figure : str
-        Name of the figure that shows it.
-    """
-    holds, ours = rule(found)
-    signed, by_mean = rule(at_signed_noise(found))
-    also, equal = rule(at_equal_noise(found))
-    sizes = [cell.torque.magnitude for cell in found if cell.torque and cell.amplitude == 0.0]
-    large = [
-        cell.torque.magnitude
-        for cell in at_chirp(found, max(AMPLITUDES), CHOSEN_RATE)
-        if cell.torque is not None
-    ]
-    text = (
-        f"At equal noise in every cell it {_verb(also)}: {equal}. With noise of the torque's "
-        f"signed mean it {_verb(signed)}: {by_mean}."
-    )
-    if holds != also and sizes and large:
-        text += (
-            " What makes the difference is the noise: 5 % of the torque's mean magnitude, which "
-            f"the chirp's inertia raises from {min(sizes):.0f} to {max(sizes):.0f} Nm without "
-            f"chirp to {min(large):.0f} to {max(large):.0f} Nm at {max(AMPLITUDES):g} rad, "
-            f"{CHOSEN_RATE:g} Hz/s; all SEMs grow with it, whatever the motion tells."
-        )
-    text = f"{text} {about}".strip()
-    return judged(claim, holds, ours, why=text, remark=text, figure=figure)
-
-
-def _verb(holds: bool) -> str:
-    return "holds" if holds else "differs"
 
 
 def task(found: Sequence[Cell]) -> Finding:
@@ -325,59 +269,6 @@ def _profiles(
         "The exact shapes of the thesis's profiles are not published."
     )
     return under_both(claim, rule, found, about=about, figure=figure)
-
-
-def profile_order(
-    found: Sequence[Cell], model: str, names: Sequence[str]
-) -> tuple[list[str], dict[str, float]]:
-    """Profiles by mean normalised SEM at the chosen chirp, the lowest first, and these means."""
-    some = along_profile(found, model, names)
-    score = {cell.profile: float(value) for cell, value in zip(some, scores(some), strict=True)}
-    return ranked(list(score), list(score.values())), score
-
-
-def along_rate(found: Sequence[Cell], model: str, profile: str = "multiple-holds") -> list[Cell]:
-    """Cells at 0.2 rad against the chirp's rate, part-passive.
-
-    Raises
-    ------
-    NoFitError
-        There is none.
-    """
-    some = select(
-        found, model=model, profile=profile, task="part-passive", amplitude=CHOSEN_AMPLITUDE
-    )
-    if not some:
-        raise NoFitError(f"no fit of the {model} model with {profile} at 0.2 rad")
-    return sorted(some, key=lambda cell: cell.rate or 0.0)
-
-
-def along_amplitude(
-    found: Sequence[Cell], model: str, profile: str = "multiple-holds"
-) -> list[Cell]:
-    """Cells at 0.5 Hz/s against the chirp's amplitude, part-passive; errors as of `cell_at`."""
-    return [cell_at(found, model, profile, amplitude) for amplitude in AMPLITUDES]
-
-
-def along_profile(found: Sequence[Cell], model: str, names: Sequence[str] = PROFILES) -> list[Cell]:
-    """Cells at the chosen chirp, part-passive, of these profiles; errors as of `cell_at`."""
-    return [cell_at(found, model, name, CHOSEN_AMPLITUDE) for name in names]
-
-
-def cell_at(found: Sequence[Cell], model: str, profile: str, amplitude: float) -> Cell:
-    """The cell at 0.5 Hz/s and this amplitude, part-passive; of several subjects the first.
-
-    Raises
-    ------
-    NoFitError
-        Its fit failed.
-    """
-    some = at_chirp(
-        found, amplitude, CHOSEN_RATE, model=model, profile=profile, task="part-passive"
-    )
-    if not some:
-        raise NoFitError(f"no fit of the {model} model with {profile} at {amplitude:g} rad")
-    return some[0]
 
 
 def _place(cell: Cell) -> tuple[object, ...]:

@@ -7,6 +7,7 @@ from surae.reproduction.chapter import Context, Result, Table
 from surae.reproduction.claims import Claim, Finding, unchecked
 from surae.reproduction.fits import Row, study_rows
 from surae.reproduction.simulation import choice, dependency, goodness, precision
+from surae.reproduction.simulation.along import along_profile
 from surae.reproduction.simulation.cells import Cell, NoFitError, at_chirp, cells, scores, select
 from surae.reproduction.simulation.designs import (
     CHOSEN_AMPLITUDE,
@@ -111,7 +112,7 @@ def _chosen(grid: Sequence[Cell], others: Sequence[Cell]) -> Table:
     """The profiles at the chosen chirp."""
     lines = []
     for model in MODELS:
-        some = precision.along_profile(grid, model)
+        some = along_profile(grid, model)
         for cell, score in zip(some, scores(some), strict=True):
             same = at_chirp(
                 others, CHOSEN_AMPLITUDE, CHOSEN_RATE, model=model, profile=cell.profile

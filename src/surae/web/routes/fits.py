@@ -60,8 +60,8 @@ def post_fit(given: FitGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
 @router.get("/jobs")
 def get_jobs(bench: Bench, browser: Browser, active: bool = False) -> dict[str, Any]:
     """Jobs, the newest first."""
-    found = reversed(bench.database.all("job"))
-    shown = [job for job in found if not active or job["state"] in ACTIVE]
+    found = bench.database.active() if active else bench.database.all("job")
+    shown = found[::-1]
     return {"jobs": [bench.jobs.shown(job, browser, traces=False) for job in shown[:500]]}
 
 
@@ -89,6 +89,7 @@ async def job_events(id: PathId, bench: Bench, browser: Browser) -> StreamingRes
     from starlette.concurrency import run_in_threadpool
 
     await run_in_threadpool(bench.jobs.get, id)
+    bench.events.refuse_more(browser.key)
 
     def first() -> list[tuple[str, Any]]:
         job = bench.jobs.shown(bench.jobs.get(id), browser)
@@ -100,7 +101,13 @@ async def job_events(id: PathId, bench: Bench, browser: Browser) -> StreamingRes
         return told
 
     return _events(
-        bench.events.stream((f"job:{id}",), first, "end", lambda data: Jobs.seen_by(browser, data))
+        bench.events.stream(
+            browser.key,
+            (f"job:{id}",),
+            first,
+            "end",
+            lambda data: Jobs.seen_by(browser, data),
+        )
     )
 
 
@@ -109,12 +116,15 @@ async def all_events(bench: Bench, browser: Browser) -> StreamingResponse:
     """What happens in the project, as server-sent events."""
 
     def first() -> list[tuple[str, Any]]:
-        active = [job for job in bench.database.all("job") if job["state"] in ACTIVE]
+        active = bench.database.active()
         return [("job", bench.jobs.shown(job, browser, traces=False)) for job in active]
 
+    bench.events.refuse_more(browser.key)
     topics = ("project", f"session:{browser.key}")
     return _events(
-        bench.events.stream(topics, first, view=lambda data: Jobs.seen_by(browser, data))
+        bench.events.stream(
+            browser.key, topics, first, view=lambda data: Jobs.seen_by(browser, data)
+        )
     )
 
 

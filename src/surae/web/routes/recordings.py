@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections import Counter
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -86,7 +87,9 @@ def _subject(one: Thing, recordings: int, fits: int) -> dict[str, Any]:
 @router.get("/recordings")
 def get_recordings(bench: Bench) -> dict[str, Any]:
     """All recordings."""
-    return {"recordings": [shown_recording(bench, one) for one in bench.database.all("recording")]}
+    fits = Counter(id_ for fit in bench.database.all("fit") for id_ in set(fit["recordings"]))
+    recordings = bench.database.all("recording")
+    return {"recordings": [_recording(one, fits[one["id"]]) for one in recordings]}
 
 
 @router.get("/recordings/{id}")
@@ -121,9 +124,12 @@ def delete_recording(id: PathId, bench: Bench, browser: Browser) -> Response:
 
 def shown_recording(bench: Workbench, one: Thing) -> dict[str, Any]:
     """A recording as the API shows it."""
+    return _recording(one, sum(one["id"] in fit["recordings"] for fit in bench.database.all("fit")))
+
+
+def _recording(one: Thing, fits: int) -> dict[str, Any]:
     keys = ("name", "subject", "side", "trial", "condition", "duration_s", "emg", "channels",
             "files", "mapping", "fixed")  # fmt: skip
-    fits = sum(one["id"] in fit["recordings"] for fit in bench.database.all("fit"))
     return {
         "id": one["id"],
         "created": when(one["created"]),

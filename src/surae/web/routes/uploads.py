@@ -45,9 +45,7 @@ async def post_upload(
     """Take one file, streamed to disk as it comes."""
     from starlette.concurrency import run_in_threadpool
 
-    mine = await run_in_threadpool(_uploads, bench, browser)
-    if len(mine) >= MOST_UPLOADS:
-        raise RefusedError(409, f"{MOST_UPLOADS} files are uploaded already; delete some first")
+    await run_in_threadpool(_refuse_more, bench, browser)
     id_, count, digest = new_id(), 0, hashlib.sha256()
     folder = await run_in_threadpool(bench.project.uploads, browser.key)
     path, whole = folder / id_, False
@@ -69,8 +67,24 @@ async def post_upload(
         "sha256": digest.hexdigest(),
         "session": browser.key,
     }
-    await run_in_threadpool(bench.database.add, "upload", data, id_)
+    try:
+        await run_in_threadpool(_keep, bench, browser, data, id_)
+    except BaseException:
+        path.unlink(missing_ok=True)
+        raise
     return _shown({**data, "id": id_, "created": None})
+
+
+def _refuse_more(bench: Workbench, browser: Session) -> None:
+    if len(_uploads(bench, browser)) >= MOST_UPLOADS:
+        raise RefusedError(409, f"{MOST_UPLOADS} files are uploaded already; delete some first")
+
+
+def _keep(bench: Workbench, browser: Session, data: Thing, id_: str) -> None:
+    """Note a file, unless others came in at the same time and there are now too many."""
+    with bench.database.transaction():
+        _refuse_more(bench, browser)
+        bench.database.add("upload", data, id_)
 
 
 @router.get("/uploads")

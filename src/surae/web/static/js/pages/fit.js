@@ -9,7 +9,7 @@ import { attempt, calm, complain } from "../core/notice.js";
 import { latest, perFrame } from "../core/pace.js";
 import { torquePlot } from "../plot/torque.js";
 import { demoButton } from "../ui/demo.js";
-import { active, cancel, follow } from "../ui/jobs.js";
+import { PHASES, active, cancel, follow } from "../ui/jobs.js";
 import { parameterTable } from "../ui/parameters.js";
 import { settingsForm } from "../ui/settings.js";
 
@@ -114,7 +114,6 @@ function showDraft() {
 
 // --- the fit
 
-const PHASES = { reading: "Reading", preparing: "Preparing the signals", compiling: "Compiling the model (only once)", fitting: "Fitting", assessing: "Working out the uncertainty" };
 let phase = "";
 let reached = {};
 

@@ -103,14 +103,25 @@ async function inspect(given = null) {
   }
   byId("upload-progress").textContent = "";
   showUploads();
-  const notes = read.flatMap((one) => one.notes);
+  const together = read.length > 1 ? await both() : read[0];
+  const notes = together?.notes ?? read.flatMap((one) => one.notes);
   byId("notes").hidden = notes.length === 0;
   replace(byId("notes"), notes.map((line) => h("li", {}, line)));
   byId("mapping-card").hidden = read.length === 0;
   if (!read.length) return keep();
-  mapping = given ?? joined(read);
+  mapping = given ?? (together ? { ...emptyMapping(), ...together.mapping } : joined(read));
   await showMapping();
   check();
+}
+
+/** Several files as one recording; null where the server cannot see them as one. */
+async function both() {
+  const [first, ...others] = included;
+  try {
+    return await get(`/api/uploads/${first}/inspect${query({ also: others.join(",") })}`);
+  } catch {
+    return null; // then they are put together here, and the preview says what is missing
+  }
 }
 
 /** One mapping from those that were guessed file by file; the first to know a role wins. */

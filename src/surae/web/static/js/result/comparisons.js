@@ -2,9 +2,10 @@
 
 import { get, post } from "../core/api.js";
 import { byId, h, replace, scroll } from "../core/dom.js";
-import { number, vaf, when } from "../core/format.js";
+import { NONE, number, quantity, vaf, when } from "../core/format.js";
 import { attempt, complain } from "../core/notice.js";
-import { active, cancel, follow } from "../ui/jobs.js";
+import { status } from "../ui/marks.js";
+import { active, cancel, follow, progressText } from "../ui/jobs.js";
 
 export function showComparisons(result) {
   const box = byId("models-error");
@@ -16,7 +17,7 @@ export function showComparisons(result) {
     byId("models-stop").hidden = false;
     follow(found.id, {
       progress: (told) => {
-        byId("models-said").textContent = `${told.what}: ${told.done} of ${told.total}`;
+        byId("models-said").textContent = progressText(told, told.what);
       },
       end: async (ended) => {
         job = null;
@@ -50,31 +51,68 @@ export function showComparisons(result) {
 }
 
 function comparison(told) {
-  const models = Array.isArray(told.models) ? told.models : Object.entries(told.models ?? {}).map(([name, one]) => ({ name, ...one }));
   return h(
     "article",
     { class: "panel" },
     h("h3", {}, `Comparison of ${when(told.created)}`),
     h("p", {}, h("strong", {}, told.conclusion)),
-    (told.cautions ?? []).length > 0 && h("ul", { class: "note" }, told.cautions.map((line) => h("li", {}, line))),
-    models.length > 0 && scroll("Models compared", table(models)),
+    told.cautions.map((line) => h("p", { class: "note" }, line)),
+    scroll("Models compared", models(told.models)),
+    told.changes.length > 0 && scroll("What changes with the tendon", changes(told.changes)),
+    h("details", {}, h("summary", {}, "How this is decided"), h("p", { class: "muted" }, told.rule)),
   );
 }
 
-const WORDS = { model: "Model", name: "Model", vaf: "VAF", rmse_Nm: "RMSE [Nm]", status: "Status", aic: "AIC", aicc: "AICc", bic: "BIC", free: "Free", weight: "Weight" };
+const head = (texts) => h("thead", {}, h("tr", {}, texts.map((text, i) => h("th", { scope: "col", class: i > 1 ? "num" : null }, text))));
+const num = (text) => h("td", { class: "num" }, text);
 
-/** What a comparison knows of each model: its plain numbers and words. */
-function table(models) {
-  const keys = Object.keys(models[0]).filter((key) => models.every((one) => one[key] === null || typeof one[key] !== "object"));
+function models(rows) {
   return h(
     "table",
     {},
-    h("caption", {}, "The models on the same recordings"),
-    h("thead", {}, h("tr", {}, keys.map((key) => h("th", { scope: "col" }, WORDS[key] ?? key.replaceAll("_", " "))))),
+    h("caption", {}, "ΔAICc: above the best model's. Held out: the VAF of stretches that were not fitted to."),
+    head(["Model", "Status", "Free", "VAF", "RMSE", "ΔAICc", "VAF, held out", "Gain of it"]),
     h(
       "tbody",
       {},
-      models.map((one) => h("tr", {}, keys.map((key, i) => h(i ? "td" : "th", { scope: i ? null : "row" }, key.endsWith("vaf") ? vaf(one[key]) : typeof one[key] === "number" ? number(one[key], 5) : String(one[key] ?? "—"))))),
+      rows.map((one) =>
+        h(
+          "tr",
+          {},
+          h("th", { scope: "row" }, one.title),
+          h("td", { title: one.message }, status(one.status)),
+          num(String(one.n_free)),
+          num(vaf(one.vaf)),
+          num(`${number(one.rmse, 3)} Nm`),
+          num(number(one.delta, 4)),
+          num(one.held_out ? vaf(one.held_out.vaf) : (one.held_out_note || NONE)),
+          num(one.held_out && !one.rigid ? `${number(one.held_out.gain, 2)} ± ${number(one.held_out.gain_se, 2)} %` : NONE),
+        ),
+      ),
+    ),
+  );
+}
+
+function changes(rows) {
+  return h(
+    "table",
+    {},
+    h("caption", {}, "What compliant tendons change in the other parameters"),
+    head(["Parameter", "Model", "Rigid", "Compliant", "Change"]),
+    h(
+      "tbody",
+      {},
+      rows.map((one) =>
+        h(
+          "tr",
+          {},
+          h("th", { scope: "row" }, one.parameter),
+          h("td", {}, one.model),
+          num(quantity(one.rigid, one.unit, 3)),
+          num(quantity(one.compliant, one.unit, 3)),
+          num(one.percent === null ? NONE : `${one.percent > 0 ? "+" : ""}${number(one.percent, 2)} %`),
+        ),
+      ),
     ),
   );
 }

@@ -5,6 +5,8 @@ import { NONE, estimate, interval, number, quantity, unitText } from "../core/fo
 import { ranges } from "../plot/ranges.js";
 import { verdict } from "../ui/marks.js";
 
+const KINDS = { robust: "Intervals allow for correlated residuals", thesis: "Intervals as in the thesis" };
+
 export function estimates({ fit, normal }) {
   const head = ["Parameter", "Estimate", "Standard error", "95 % interval", "Verdict", "Healthy range", "Why"];
   return scroll(
@@ -12,7 +14,7 @@ export function estimates({ fit, normal }) {
     h(
       "table",
       {},
-      h("caption", {}, "Estimates. In the drawings: the dot is the estimate, the bar its 95 % interval, the green field the range of healthy legs, dashed lines the bounds of the fit.", fit.interval_note ? ` Intervals are ${fit.interval}: ${fit.interval_note}.` : ""),
+      h("caption", {}, "Estimates. In the drawings: the dot is the estimate, the bar its 95 % interval, the green field the range of healthy legs, dashed lines the bounds of the fit.", fit.interval_note ? ` ${KINDS[fit.interval] ?? "Intervals"}: ${fit.interval_note}.` : ""),
       h("thead", {}, h("tr", {}, head.map((text, i) => h("th", { scope: "col", class: [1, 2].includes(i) ? "num" : null }, text)))),
       h("tbody", {}, Object.entries(fit.parameters).map(([name, p]) => row(name, p, normal[name]?.healthy ?? null))),
     ),
@@ -23,6 +25,7 @@ function row(name, p, healthy) {
   const known = p.free ? p : { ...p, ci95: null };
   const sem = (p.interval === "robust" && p.sem_robust) || p.sem;
   const place = outside(p.value, healthy);
+  const marked = place !== "" && place !== "within";
   return h(
     "tr",
     {},
@@ -35,7 +38,8 @@ function row(name, p, healthy) {
       "td",
       { class: "range-cell" },
       ranges([known], { normal: healthy, lower: p.lower, upper: p.upper }, `${name} is ${number(p.value, 3)}${place ? `, ${place} the healthy range` : ""}`),
-      h("div", { class: "small" }, healthy ? `${number(healthy[0], 3)} … ${number(healthy[1], 3)} ${place}` : "none known"),
+      h("div", { class: "small nowrap" }, healthy ? `${number(healthy[0], 3)} … ${number(healthy[1], 3)}` : "none known"),
+      marked && h("div", { class: "small" }, place),
     ),
     h("td", { class: "why" }, p.note ?? ""),
   );
@@ -44,5 +48,5 @@ function row(name, p, healthy) {
 function outside(value, range) {
   if (!range || value === null || value === undefined) return "";
   if (value < range[0]) return "▼ below";
-  return value > range[1] ? "▲ above" : "● within";
+  return value > range[1] ? "▲ above" : "within";
 }

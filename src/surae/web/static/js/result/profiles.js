@@ -6,7 +6,7 @@ import { quantity, unitText } from "../core/format.js";
 import { attempt, complain } from "../core/notice.js";
 import { lines } from "../plot/lines.js";
 import { onTheme } from "../plot/colours.js";
-import { active, cancel, follow } from "../ui/jobs.js";
+import { active, cancel, follow, progressText } from "../ui/jobs.js";
 
 /** Rise of the deviance that ends a 95 % interval. */
 const RISE = 3.841;
@@ -24,7 +24,7 @@ export function profiles(id, result, reread) {
     byId("profile-stop").hidden = false;
     follow(found.id, {
       progress: (told) => {
-        byId("profile-said").textContent = `Profiling ${told.parameter}: ${told.done} of ${told.total}`;
+        byId("profile-said").textContent = progressText(told, `Profiling ${told.parameter}`);
       },
       end: async (ended) => {
         job = null;
@@ -71,7 +71,7 @@ function card(name, profile, parameter) {
     ],
   });
   const order = profile.values.map((_, i) => i).sort((a, b) => profile.values[a] - profile.values[b]);
-  panel.show([order.map((i) => profile.values[i]), order.map((i) => profile.delta[i]), order.map(() => RISE)], null);
+  panel.show([order.map((i) => profile.values[i]), order.map((i) => profile.delta[i]), order.map(() => profile.threshold ?? RISE)], null);
   onTheme(panel.redraw);
   const side = (value, text) => (value === null || value === undefined ? `no ${text} limit` : quantity(value, unit));
   return h(

@@ -2,6 +2,19 @@
 
 import { get, post } from "../core/api.js";
 
+/** What a job is doing before it counts. */
+export const PHASES = {
+  reading: "Reading",
+  preparing: "Preparing the signals",
+  compiling: "Compiling the model (only once)",
+  fitting: "Fitting",
+  assessing: "Working out the uncertainty",
+};
+
+/** How far a job is, in words: what is counted, or its phase. */
+export const progressText = (told, what) =>
+  told.total ? `${what}: ${told.done} of ${told.total}` : `${PHASES[told.phase] ?? "At work"} …`;
+
 const ENDED = ["done", "failed", "cancelled", "interrupted"];
 export const ended = (job) => ENDED.includes(job.state);
 

@@ -62,6 +62,10 @@ function row(role, mapping, files, units, changed) {
   );
   unit.addEventListener("change", () => {
     channel.unit = unit.value || null;
+    // One amplifier measures all muscles: a unit told once holds for the EMG without one.
+    for (const other of EMG.includes(role) ? EMG : []) {
+      if (mapping.channels[other]) mapping.channels[other].unit ??= channel.unit;
+    }
     changed();
   });
   const sign = button(

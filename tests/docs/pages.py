@@ -1,0 +1,72 @@
+"""What README and documentation tell people to type, page by page, in the order of the page."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+#: Made at every build, of docstrings and examples that have tests of their own.
+_MADE = (
+    "docs/_build", "docs/gallery", "docs/api/generated", "docs/models/parameters-",
+    "docs/how-to/quality-codes", "docs/reproduction-table",
+)  # fmt: skip
+PAGES = tuple(
+    sorted(
+        path.relative_to(ROOT).as_posix()
+        for path in (
+            ROOT / "README.md",
+            ROOT / "CONTRIBUTING.md",
+            *(ROOT / "docs").rglob("*.md"),
+        )
+        if not path.relative_to(ROOT).as_posix().startswith(_MADE)
+    )
+)
+#: How a command begins; anything else in a block without a language is no command.
+_PROGRAMS = ("surae", "make", "pip", "python", ".venv/bin/surae", ".venv/bin/pre-commit")
+_BLOCK = re.compile(
+    r"^(?P<fence>`{3,})(?P<language>[^\n`]*)\n(?P<text>.*?)^(?P=fence)[ ]*$"
+    r"|(?<!`)`(?P<inline>[^`\n]+)`(?!`)",
+    flags=re.MULTILINE | re.DOTALL,
+)
+
+
+@dataclass(frozen=True)
+class Snippet:
+    """One thing to type.
+
+    Attributes
+    ----------
+    kind : str
+        ``command``, ``mention`` (a command in running text), or the language of a block.
+    text : str
+        As it is written.
+    line : int
+        Where in the page.
+    """
+
+    kind: str
+    text: str
+    line: int
+
+
+def snippets(page: str) -> Iterator[Snippet]:
+    """Everything that a page has to be typed."""
+    content = (ROOT / page).read_text(encoding="utf-8")
+    for found in _BLOCK.finditer(content):
+        line = content.count("\n", 0, found.start()) + 1
+        if found["inline"] is not None:
+            if found["inline"].split()[0] in _PROGRAMS and " " in found["inline"]:
+                yield Snippet("mention", found["inline"], line)
+        elif not found["language"].strip():
+            for i, text in enumerate(found["text"].splitlines()):
+                command = text.split("  #")[0].strip()
+                if command:
+                    yield Snippet("command", command, line + 1 + i)
+        elif not found["language"].startswith("{"):
+            yield Snippet(found["language"].strip(), found["text"], line)
+
+
+def is_command(text: str) -> bool:
+    """Whether a line of a block begins as a command does."""
+    return text.split(maxsplit=1)[0] in _PROGRAMS
