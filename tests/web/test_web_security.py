@@ -1,14 +1,22 @@
 """Who may ask, and how: names, origins, tokens, sizes, paths."""
 
+import contextlib
 import http.client
 import json
+import socket
+import threading
+import time
 from urllib.parse import urlsplit
 
 import httpx
 import pytest
+import uvicorn
 
+from surae.web.app import create_app
 from surae.web.imports import file_name
+from surae.web.routes.cohort import _cell
 from surae.web.security import Policy, is_loopback
+from surae.web.workbench import Workbench
 
 WRITES = [
     ("POST", "/api/draft/undo"),
@@ -49,6 +57,8 @@ def test_this_computer_has_several_names(server, host) -> None:
     [
         {"Origin": "https://evil.example"},
         {"Origin": "null"},
+        {"Origin": "http://["},
+        {"Origin": "http://localhost:1"},
         {"Sec-Fetch-Site": "cross-site"},
         {"Sec-Fetch-Site": "same-site"},
     ],
@@ -58,7 +68,7 @@ def test_another_site_changes_nothing(browser, headers, method, path) -> None:
     assert browser.request(method, path, headers=headers).status_code == 403
 
 
-@pytest.mark.parametrize("token", [None, "", "wrong"])
+@pytest.mark.parametrize("token", [None, "", "wrong", "\xe9".encode("latin-1")])
 @pytest.mark.parametrize(("method", "path"), WRITES)
 def test_without_the_sessions_token_nothing_changes(browser, token, method, path) -> None:
     del browser.headers["X-CSRF-Token"]
@@ -77,7 +87,7 @@ def test_the_token_of_another_session_is_no_use(server) -> None:
 def test_without_a_session_nothing_is_told(server) -> None:
     for path in ("/api/recordings", "/api/draft", "/api/cohort", "/api/jobs"):
         assert httpx.get(server.address + path).status_code == 403
-        stolen = {"surae_session": "x" * 43}
+        stolen = {f"surae_session_{server.bench.project.id}": "x" * 43}
         assert httpx.get(server.address + path, cookies=stolen).status_code == 403
 
 
@@ -93,6 +103,142 @@ def test_pages_allow_nothing_from_outside(browser, server) -> None:
     cookie = httpx.get(server.address + "/api/session").headers["set-cookie"]
     assert "HttpOnly" in cookie
     assert "SameSite=Strict" in cookie
+
+
+def test_another_site_reads_nothing_either(server) -> None:
+    """Other ports of this computer are the same site: cookies marked Strict go with them."""
+    for site in ("cross-site", "same-site"):
+        headers = {"Host": "localhost", "Sec-Fetch-Site": site}
+        status, found, _ = raw(server, "GET", "/api/session", headers)
+        assert status == 403
+        assert "set-cookie" not in found
+        # A link that somebody follows comes without the cookies: were it given new ones, the
+        # session would be lost. It gets a page that asks again, by then from here.
+        status, found, text = raw(server, "GET", "/import", headers)
+        assert status == 200
+        assert "set-cookie" not in found
+        assert 'http-equiv="refresh" content="0"' in text
+
+
+def test_two_projects_on_one_computer_keep_their_sessions(serve) -> None:
+    one, other = serve("one"), serve("other")
+    with httpx.Client() as client:
+        client.get(f"{one.address}/")
+        mine = dict(client.cookies)
+        client.get(f"{other.address}/")  # cookies do not know ports
+        assert dict(client.cookies).items() > mine.items()
+        assert client.get(f"{one.address}/api/draft").status_code == 200
+
+
+@pytest.mark.parametrize(
+    "body",
+    ["[" * 100_000, '{"a":' * 50_000, "1" * 100_000, '{"change": {"seed": NaN}}', "\xff",
+     '{"change": {"peaks": 1e999}}', '{"change": {}, "label": "\\ud800"}'],
+)  # fmt: skip
+def test_json_that_is_an_attack_is_refused_in_a_line(browser, body) -> None:
+    headers = {"Content-Type": "application/json"}
+    answer = browser.patch("/api/draft", content=body.encode("latin-1"), headers=headers)
+    assert answer.status_code in (400, 422)
+    assert list(answer.json()) == ["error"]
+
+
+def test_json_without_a_length_has_its_limit(browser) -> None:
+    def endless():
+        for _ in range(30):
+            yield b" " * 100_000
+
+    headers = {"Content-Type": "application/json"}
+    assert browser.patch("/api/draft", content=endless(), headers=headers).status_code == 413
+
+
+def test_a_broken_off_upload_leaves_nothing(server, caplog) -> None:
+    browser = server.browser()
+    cookies = "; ".join(f"{key}={value}" for key, value in browser.cookies.items())
+    head = (
+        f"POST /api/uploads?name=a.csv HTTP/1.1\r\nHost: localhost\r\nCookie: {cookies}\r\n"
+        f"X-CSRF-Token: {browser.headers['X-CSRF-Token']}\r\nContent-Length: 500\r\n\r\nhello"
+    )
+    place = urlsplit(server.address)
+    with socket.create_connection((place.hostname, place.port)) as connection:
+        connection.sendall(head.encode())
+        time.sleep(0.2)
+    end = time.monotonic() + 10
+    folder = server.bench.project.folder / "uploads"
+    while any(one.stat().st_size == 5 for one in folder.rglob("*") if one.is_file()):
+        assert time.monotonic() < end
+        time.sleep(0.05)
+    assert browser.get("/api/uploads").json()["uploads"] == []
+    assert not caplog.records
+
+
+def test_a_mapping_of_other_files_reaches_none(browser) -> None:
+    text = """
+        name = 1979-05-27
+        emg = [1]
+        [fixed]
+        m = nan
+        [channels.angle]
+        file = "/etc/passwd"
+        column = "x"
+        [channels.torque]
+        file = "../../project.db"
+        column = "x"
+        scale = inf
+    """
+    id_ = browser.post("/api/uploads", params={"name": "m.toml"}, content=text.encode()).json()
+    found = browser.get(f"/api/uploads/{id_['id']}/inspect")
+    assert found.status_code == 200, found.text
+    assert found.json()["mapping"]["channels"] == {}
+    assert found.json()["mapping"]["fixed"] == {}
+    assert not found.json()["ready"]
+
+
+def test_a_spreadsheet_runs_no_formula() -> None:
+    for text in ("=cmd|' /C calc'!A0", "+1", "-1", "@x", "\t=1"):
+        assert _cell(text) == f"'{text}"
+    assert _cell(-1.5) == "-1.5"
+    assert _cell("S01") == "S01"
+
+
+def test_windows_that_follow_have_a_limit(serve) -> None:
+    server = serve()
+    browser = server.browser()
+    with contextlib.ExitStack() as stack:
+        answers = [stack.enter_context(browser.stream("GET", "/api/events")) for _ in range(25)]
+        assert [one.status_code for one in answers] == [200] * 24 + [503]
+        with server.browser().stream("GET", "/api/events") as other:
+            assert other.status_code == 200
+        assert browser.get("/api/draft").status_code == 200
+
+
+def test_a_connection_that_asks_nothing_is_closed(tmp_path, monkeypatch) -> None:
+    from surae.web import server as module
+
+    monkeypatch.setattr(module, "_PATIENCE", 0.2)
+    listening = module._listen("127.0.0.1", 0)
+    bench = Workbench(tmp_path / "p", 1)
+    app = create_app(bench, Policy.of("127.0.0.1"))
+    config = uvicorn.Config(app, http=module._Connection, ws="none", log_level="error")
+    server = uvicorn.Server(config)
+    thread = threading.Thread(target=server.run, args=([listening],))
+    thread.start()
+    try:
+        with socket.create_connection(listening.getsockname(), timeout=20) as slow:
+            slow.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\nX-")
+            assert slow.recv(100) == b""
+        address = f"http://127.0.0.1:{listening.getsockname()[1]}"
+        with httpx.Client(base_url=address, timeout=20) as client:
+            client.get("/api/session")
+            with client.stream("GET", "/api/events") as events:  # one that waits for news stays
+                time.sleep(0.5)
+                assert client.get("/api/draft").status_code == 200
+                bench.changed("fits")
+                assert next(events.iter_lines()) == "event: changed"
+    finally:
+        server.should_exit = True
+        bench.events.close()
+        thread.join(20)
+        listening.close()
 
 
 @pytest.mark.parametrize(
@@ -148,6 +294,8 @@ def test_another_address_needs_the_token(serve) -> None:
     assert answer.status_code == 303
     assert answer.headers["location"] == "/api/session?x=1"
     assert "let" not in answer.headers["set-cookie"]
+    again = client.get("/import?token=old")  # never stays in the address, known already or not
+    assert again.headers["location"] == "/import"
     assert client.get("/api/session").status_code == 200
     bearer = {"Authorization": "Bearer let me in please"}
     assert httpx.get(server.address + "/api/session", headers=bearer).status_code == 200
@@ -182,6 +330,7 @@ def test_policies() -> None:
         ("a\0b\n.csv", "a_b_.csv"),
         ("..", "file"),
         ("mapping.toml", "given-mapping.toml"),
+        ("é" * 300 + ".csv", "é" * 78 + ".csv"),
     ],
 )
 def test_names_of_files_are_only_names(name, kept) -> None:

@@ -24,7 +24,14 @@ _MOST_SAMPLES = 1_200_000
 _SHAPED_HZ = 2000.0
 
 
-@click.command("protocol")
+@click.command(
+    "protocol",
+    help=f"""Make a measurement protocol: the motion and the effort to ask for.
+
+    NAME is {PROFILE_NAMES}. The file holds time_s, angle_rad and the target effort 0…1 of the four
+    muscles, emg_ta … emg_gm.
+    """,
+)
 @click.argument("name", metavar="NAME")
 @click.option("--task", default="part-passive", show_default=True, metavar=TASK_NAMES,
               help="What the subject is asked to do.")  # fmt: skip
@@ -53,11 +60,7 @@ def command(
     output: str,
     figure: str | None,
 ) -> None:
-    """Make a measurement protocol: the motion and the effort to ask for.
-
-    NAME is ramp-and-hold, sine, multiple-holds, multi-sine, multi-sine-holds or scaled-chirp.
-    The file holds time_s, angle_rad and the target effort 0…1 of the four muscles, emg_ta … emg_gm.
-    """
+    """Make a measurement protocol."""
     amplitude = number("--chirp-amplitude", chirp_amplitude)
     rise = number("--chirp-rate", chirp_rate)
     span = _span(range_)

@@ -25,9 +25,7 @@ Number = Annotated[float, Field(allow_inf_nan=False, ge=-1e12, le=1e12)]
 Positive = Annotated[float, Field(allow_inf_nan=False, gt=0, le=1e12)]
 Seconds = Annotated[float, Field(allow_inf_nan=False, ge=-1e9, le=1e9)]
 Points = Annotated[int, Field(ge=10, le=2000)]
-Model = Literal[
-    "muscle", "muscle-2010", "muscle-tendon", "muscle-tendon-strain", "muscle-tendon-toe"
-]
+Model = Literal[tuple(MODELS)]  # type: ignore[valid-type]
 Role = Literal[ROLES]  # type: ignore[valid-type]
 Population = Literal["healthy", "patient"]
 
