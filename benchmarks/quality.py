@@ -5,7 +5,7 @@ as envelopes at 256 Hz, without and with each fault. Run it as
 
     .venv/bin/python benchmarks/quality.py [--first 100000] [--count 100] [--only CODE]
 
-`--first` is the seed of the first recording: thresholds were set on seeds below 50,000.
+`--first` is the seed of the first recording: thresholds were set on seeds below 60,000.
 """
 
 import argparse
@@ -360,7 +360,7 @@ FAULTS: dict[str, tuple[Fault, dict[str, object]]] = {
     "emg-offset": (emg_offset, {}),
     "emg-artefact": (artefact, {}),
     "mains-hum": (hum, {}),
-    # Where efforts last 7 s, beside a slow stretch, no lag is told: the check says so.
+    # Where efforts last 7 s, at the end of a ramp and hold, a lag is often not told.
     "electrode-lag": (electrode_lag, {"motions": _LONG}),
     "emg-torque-lag": (torque_lag, {"motions": _LONG}),
     "torque-limit": (torque_limit, {}),

@@ -16,7 +16,9 @@ from surae.model.stages import CHANNEL, GAMMA, staged_activation
 OPTIONS = ModelOptions()
 DT = 1 / 128
 F0, BETA = 2.3, 0.8
-every_model = pytest.mark.parametrize("name", MODELS)
+#: Those that take drives.
+DRIVEN = [name for name, spec in MODELS.items() if spec.driven]
+every_model = pytest.mark.parametrize("name", DRIVEN)
 
 
 def channels(n: int = 200, seed: int = 0, first: float | None = None) -> np.ndarray:
@@ -171,7 +173,7 @@ def test_sensitivities_with_a_delay(name, make_inputs) -> None:
 
 
 # Not that of 2010: its low-pass is not causal, and EMG recorded later ends earlier.
-@pytest.mark.parametrize("name", [name for name in MODELS if name != "muscle-2010"])
+@pytest.mark.parametrize("name", [name for name in DRIVEN if name != "muscle-2010"])
 def test_a_delay_of_whole_samples_is_emg_recorded_later(name, make_inputs) -> None:
     inputs = make_inputs(3, rate_hz=128.0, seconds=3.0)
     late = np.concatenate([np.repeat(inputs.emg[:1], 6, axis=0), inputs.emg[:-6]])

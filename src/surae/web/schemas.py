@@ -1,9 +1,10 @@
 """What requests may hold, checked before anything is done with it."""
 
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
+from surae.model import MODELS
 from surae.recording import ROLES
 
 #: A thing's id.
@@ -25,7 +26,10 @@ Number = Annotated[float, Field(allow_inf_nan=False, ge=-1e12, le=1e12)]
 Positive = Annotated[float, Field(allow_inf_nan=False, gt=0, le=1e12)]
 Seconds = Annotated[float, Field(allow_inf_nan=False, ge=-1e9, le=1e9)]
 Points = Annotated[int, Field(ge=10, le=2000)]
-Model = Literal[tuple(MODELS)]  # type: ignore[valid-type]
+if TYPE_CHECKING:
+    Model = str
+else:
+    Model = Literal[tuple(MODELS)]
 Role = Literal[ROLES]  # type: ignore[valid-type]
 Population = Literal["healthy", "patient"]
 
