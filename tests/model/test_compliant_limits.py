@@ -168,8 +168,8 @@ def test_cost_grows_linearly_with_the_samples(make_inputs) -> None:
         simulator.torque_jacobian(vector(), ALL)
         best = np.inf
         for _ in range(7):
-            begin = clock.perf_counter()
+            begin = clock.thread_time()
             simulator.torque_jacobian(vector(), ALL)
-            best = min(best, clock.perf_counter() - begin)
+            best = min(best, clock.thread_time() - begin)
         seconds.append(best)
     assert seconds[1] < 2 * 8 * seconds[0]

@@ -101,9 +101,9 @@ def test_8192_samples_take_about_a_millisecond() -> None:
     derivatives(angle, 256.0)
     seconds = []
     for _ in range(10):
-        begin = clock.perf_counter()
+        begin = clock.thread_time()
         derivatives(angle, 256.0)
-        seconds.append(clock.perf_counter() - begin)
+        seconds.append(clock.thread_time() - begin)
     assert min(seconds) < 5e-3
 
 

@@ -15,15 +15,15 @@ from surae.web.project import Project
 from surae.web.refusals import NO_ROOM, RefusedError
 
 
-def test_a_link_leads_nowhere(serve, trial, tmp_path) -> None:
+def test_a_link_leads_nowhere(serve, tmp_path) -> None:
     server = serve()
     browser = server.browser()
-    id_ = browser.recording(trial)
+    id_ = server.bench.database.add("recording", {"name": "lost"})
     path = server.bench.project.path("recordings", id_, ".h5")
-    path.rename(tmp_path / "elsewhere.h5")
     answer = browser.get(f"/api/recordings/{id_}/window")
     assert answer.status_code == 400
     assert str(tmp_path) not in answer.text  # where the project lies is nobody's business
+    (tmp_path / "elsewhere.h5").write_bytes(b"secret")
     path.symlink_to(tmp_path / "elsewhere.h5")
     answer = browser.get(f"/api/recordings/{id_}/window")
     assert answer.status_code == 409
@@ -99,8 +99,9 @@ def test_what_nobody_can_want_back_is_removed(tmp_path) -> None:
     there = project.path("recordings", project.database.add("recording", {}), ".h5")
     for path in (lost, notes, there):
         path.write_text("x")
-    for number in range(600):
-        project.database.add("job", {"state": "done"}, f"{number:016x}")
+    with project.database.transaction():
+        for number in range(600):
+            project.database.add("job", {"state": "done"}, f"{number:016x}")
     project.close()
 
     project = Project(tmp_path / "p")
@@ -112,7 +113,7 @@ def test_what_nobody_can_want_back_is_removed(tmp_path) -> None:
     shutil.rmtree(tmp_path / "p")
 
 
-def test_a_full_disk_is_told(serve, trial, monkeypatch) -> None:
+def test_a_full_disk_is_told(serve, monkeypatch) -> None:
     server = serve()
     browser = server.browser()
 

@@ -58,6 +58,7 @@ def examined(schema, browser, examples: int) -> int:
     return sent
 
 
+@pytest.mark.slow  # most of its time is schemathesis's own
 def test_no_request_is_a_server_error(schema, browser) -> None:
     assert examined(schema, browser, 1) > 40
 

@@ -159,12 +159,13 @@ def test_a_broken_off_upload_leaves_nothing(server, caplog) -> None:
         f"X-CSRF-Token: {browser.headers['X-CSRF-Token']}\r\nContent-Length: 500\r\n\r\nhello"
     )
     place = urlsplit(server.address)
+    folder = server.bench.project.folder / "uploads"
+    before = {one for one in folder.rglob("*") if one.is_file()}
     with socket.create_connection((place.hostname, place.port)) as connection:
         connection.sendall(head.encode())
         time.sleep(0.2)
     end = time.monotonic() + 10
-    folder = server.bench.project.folder / "uploads"
-    while any(one.stat().st_size == 5 for one in folder.rglob("*") if one.is_file()):
+    while {one for one in folder.rglob("*") if one.is_file()} - before:
         assert time.monotonic() < end
         time.sleep(0.05)
     assert browser.get("/api/uploads").json()["uploads"] == []
@@ -193,11 +194,33 @@ def test_a_mapping_of_other_files_reaches_none(browser) -> None:
     assert not found.json()["ready"]
 
 
+@pytest.mark.parametrize("code", ["a\u2028b", "a\u202eb", "a\x85b", "a\x1bb", "a\nb"])
+def test_a_name_is_on_one_line_and_reads_as_it_is(browser, code) -> None:
+    assert browser.post("/api/subjects", json={"code": code}).status_code == 422
+
+
 def test_a_spreadsheet_runs_no_formula() -> None:
     for text in ("=cmd|' /C calc'!A0", "+1", "-1", "@x", "\t=1"):
         assert _cell(text) == f"'{text}"
     assert _cell(-1.5) == "-1.5"
     assert _cell("S01") == "S01"
+
+
+@pytest.mark.parametrize("toml", ["a = " + "[" * 50_000, "repeats = " + "9" * 5000])
+def test_a_study_that_is_an_attack_is_refused_in_a_line(browser, toml) -> None:
+    answer = browser.post("/api/studies", json={"toml": toml, "start": False})
+    assert answer.status_code == 400
+    assert "not TOML" in answer.json()["error"]
+
+
+def test_nothing_is_sent_elsewhere_whatever_the_environment_asks_for(tmp_path, monkeypatch) -> None:
+    monkeypatch.setenv("FASTAPI_OTEL_AUTO_CONFIGURE", "true")
+    monkeypatch.setenv("OTEL_EXPORTER_OTLP_ENDPOINT", "http://192.0.2.1:4318")
+    bench = Workbench(tmp_path / "p", 1)
+    app = create_app(bench, Policy.of("127.0.0.1"))
+    bench.close()
+    asked = getattr(app._app, "_telemetry", {})  # older versions have none
+    assert not any(asked.get(key) for key in ("auto_configure", "tracing", "metrics", "logs"))
 
 
 def test_windows_that_follow_have_a_limit(serve) -> None:

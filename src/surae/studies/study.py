@@ -156,7 +156,7 @@ def parse_study(text: str) -> Study:
     """The study that the text of a STUDY.toml describes; errors as of `read_study`."""
     try:
         given = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:  # also of thousands of digits or brackets
         raise InputError(f"not TOML: {error}") from None
     known = ("name", *FACTORS, *OPTIONS)
     for key in given:

@@ -56,6 +56,14 @@ def create_app(bench: Workbench, policy: Policy) -> ASGIApp:
         redoc_url=None,
         lifespan=lifespan,
         redirect_slashes=False,
+        # Else variables of the environment could have requests and errors sent elsewhere.
+        telemetry={
+            "tracing": False,
+            "metrics": False,
+            "logs": False,
+            "operation_spans": False,
+            "auto_configure": False,
+        },
     )
     app.state.workbench, app.state.policy = bench, policy
     for module in (draft, uploads, recordings, fits, cohort, protocols, studies, pages):

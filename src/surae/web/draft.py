@@ -164,6 +164,7 @@ def parameter_table(
                 "normal": normal(name, "healthy"),
                 "patient": normal(name, "patient"),
                 "prescribed": prescribed.get(name),
+                "optional": name in spec.drives,
             }
         )
     return rows

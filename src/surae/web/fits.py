@@ -35,13 +35,22 @@ def submit_fit(
 
 
 def submit_comparison(
-    bench: "Workbench", session: Session, draft: dict[str, Any], models: list[str]
+    bench: "Workbench",
+    session: Session,
+    draft: dict[str, Any],
+    models: list[str],
+    fit: str | None,
 ) -> Thing:
-    """Ask whether the draft's recordings need tendons that give way."""
+    """Ask whether the draft's recordings need tendons that give way; `fit` is what for."""
     recordings = bench.draft_recordings(draft)
     check_draft(bench, draft)
     names = ", ".join(one["name"] for one in recordings)
-    task = {"draft": draft, "models": models, "recordings": [one["id"] for one in recordings]}
+    task = {
+        "draft": draft,
+        "models": models,
+        "fit": fit,
+        "recordings": [one["id"] for one in recordings],
+    }
     return bench.jobs.submit(
         "compare", f"compare models · {names}"[:200], session, task, recordings[0]["id"]
     )
@@ -127,6 +136,7 @@ def keep_comparison(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> s
         "conclusion": end["message"],
         "recordings": task["recordings"],
         "models": task["models"],
+        "fit": task.get("fit"),
     }
     bench.changed("comparisons")
     return bench.database.add("comparison", data, job["id"])
@@ -177,7 +187,8 @@ def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
     comparisons = [
         {"id": one["id"], "created": when(one["created"]), "conclusion": one["conclusion"]}
         for one in bench.database.all("comparison")
-        if set(one["recordings"]) == set(fit["recordings"])
+        if one.get("fit") == fit["id"]
+        or (one.get("fit") is None and set(one["recordings"]) == set(fit["recordings"]))
     ]
     steps = [trace["steps"] for trace in whole.get("traces", [])]
     return {

@@ -9,13 +9,16 @@ import numpy as np
 from surae.model import ModelOptions, ModelSpec, Simulator
 from surae.signals import ModelInputs, thinned, thinning_factor
 from surae.units import FloatArray
+from surae.web.pyramid import Pyramid
 
 #: Tells the server what happens.
 Tell = Callable[[Mapping[str, Any]], None]
 #: News of a fit come at most this often [s].
 _EVERY = 0.1
-#: The torque is shown from signals thinned to this rate [Hz], by so many points.
-_RATE, _SAMPLES, _POINTS = 60.0, 500, 400
+#: The torque is shown from signals thinned to this rate [Hz], but not to fewer samples.
+_RATE, _SAMPLES = 60.0, 500
+#: By so many points, of all recordings and of one.
+_ALL, _POINTS = 8000, 1000
 
 
 class Following:
@@ -33,7 +36,8 @@ class Following:
         known = ModelOptions.__dataclass_fields__
         self._options = ModelOptions.of(**{k: v for k, v in keywords.items() if k in known})
         self._starts, self._start, self._iteration = int(keywords["starts"]), 1, 0
-        self._last, self._simulators = 0.0, dict[str, list[Simulator]]()
+        self._points = min(_POINTS, max(_ALL // len(self._inputs), 100))
+        self._last, self._simulators = 0.0, dict[tuple[str, ...], list[Simulator]]()
         self._best: tuple[ModelSpec, FloatArray, float] | None = None
 
     def start(self, done: int, starts: int, best: float) -> None:
@@ -51,12 +55,12 @@ class Following:
             self._send(spec, values, sse)
 
     def _send(self, spec: ModelSpec, values: FloatArray, sse: float) -> None:
-        if spec.name not in self._simulators:
-            self._simulators[spec.name] = [
-                spec.simulator(one, self._options) for one in self._inputs
-            ]
+        # A fit may go through simpler models, and through the same one without its drives.
+        key = (spec.name, *spec.names)
+        if key not in self._simulators:
+            self._simulators[key] = [spec.simulator(one, self._options) for one in self._inputs]
         traces, left, whole = [], 0.0, 0.0
-        pairs = zip(self._ids, self._inputs, self._simulators[spec.name], strict=True)
+        pairs = zip(self._ids, self._inputs, self._simulators[key], strict=True)
         for id_, one, simulator in pairs:
             with np.errstate(all="ignore"):
                 torque = simulator.torque(values)
@@ -64,13 +68,15 @@ class Following:
             counts = np.ones(one.n, dtype=bool) if one.weight is None else one.weight > 0
             left += float(np.sum((measured - torque)[counts] ** 2))
             whole += float(np.sum(measured[counts] ** 2))
-            step = -(-one.n // _POINTS)
+            shown = Pyramid(one.time, measured).window(None, None, self._points)
             traces.append(
                 {
                     "recording": id_,
-                    "t": _plain(one.time[::step]),
-                    "measured": _plain(measured[::step]),
-                    "modelled": _plain(torque[::step]),
+                    "t": _plain(shown.time),
+                    "measured": _plain(shown.values),
+                    "modelled": _plain(
+                        Pyramid(one.time, torque).window(None, None, self._points).values
+                    ),
                 }
             )
         vaf = 100.0 * (1.0 - left / whole) if whole > 0 and np.isfinite(left) else None

@@ -216,9 +216,13 @@ def imported(
         Path(_MAPPING).write_text(_toml(mapping, names), encoding="utf-8")
         recording = read(_MAPPING)
     recording = replace(recording, files=recording.files[1:])
-    found = findings(recording)
     if output is not None:
         write_hdf5(output, recording)
+    return described(recording)
+
+
+def described(recording: Recording) -> dict[str, Any]:
+    """A recording as plain data, with what is questionable about it."""
     channels = list(recording.channels.values())
     return {
         "channels": [
@@ -242,7 +246,7 @@ def imported(
         "side": recording.side,
         "fixed": dict(recording.fixed),
         "files": [{"name": one.path, "sha256": one.sha256} for one in recording.files],
-        "findings": found,
+        "findings": findings(recording),
     }
 
 

@@ -178,6 +178,8 @@ class Jobs:
         return {
             "id": job["id"],
             "kind": job["kind"],
+            "fit": job["task"].get("fit"),
+            "recordings": job["task"].get("recordings", []),
             "label": job["label"],
             "state": state,
             "position": self._position(job),

@@ -18,7 +18,11 @@ from surae.web.draft import Draft, spec_of, values_of
 _RIGID, _COMPLIANT = 400_000, 12_000
 _PARTS = ("tissue_tri", "tissue_tib", "neural_tri", "neural_tib", "inertial", "gravitational")
 
-_simulators: Cache[tuple[ModelInputs, Simulator, threading.Lock]] = Cache(8.0)
+#: Memory for simulators [bytes].
+_KEPT = 300e6
+_simulators: Cache[tuple[ModelInputs, Simulator, threading.Lock]] = Cache(
+    _KEPT, lambda one: 250.0 * one[0].n
+)
 
 
 def live(

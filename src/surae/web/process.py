@@ -1,6 +1,7 @@
 """The server's end of a worker: start it, give it a task, hear what happens, stop it."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -146,16 +147,24 @@ class Worker:
             if self._process is None or not self._busy or serial != self._serial:
                 return
             self._killed = True
-            self._process.kill()
+            _kill_all(self._process)
 
     def _drop(self) -> None:
         """Let go of the process; it ends with its standard input, or at once."""
         process, self._process = self._process, None
         if process is None:
             return
-        process.kill()
+        _kill_all(process)
         for stream in (process.stdin, process.stdout):
             if stream is not None:
                 with suppress(OSError):
                     stream.close()
         process.wait()
+
+
+def _kill_all(process: "subprocess.Popen[bytes]") -> None:
+    """Kill a worker with the processes that it made, such as a study's; they are its session."""
+    try:
+        os.killpg(process.pid, signal.SIGKILL)
+    except (AttributeError, OSError):  # a system without, or it is gone
+        process.kill()

@@ -7,18 +7,18 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 from surae.model import MODELS
 from surae.recording import ROLES
 
+#: No control characters, nor those that break lines or turn the direction of writing.
+_PRINTED = r"^[^\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]"
 #: A thing's id.
 Id = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{16}$", min_length=16, max_length=16)]
 #: One line of text.
 Line = Annotated[
     str,
-    StringConstraints(max_length=200, strip_whitespace=True, pattern=r"^[^\x00-\x1f\x7f]*$"),
+    StringConstraints(max_length=200, strip_whitespace=True, pattern=_PRINTED + "*$"),
 ]
 Named = Annotated[
     str,
-    StringConstraints(
-        min_length=1, max_length=200, strip_whitespace=True, pattern=r"^[^\x00-\x1f\x7f]+$"
-    ),
+    StringConstraints(min_length=1, max_length=200, strip_whitespace=True, pattern=_PRINTED + "+$"),
 ]
 #: The name of a parameter or of an option.
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,39}$")]
@@ -201,6 +201,7 @@ class ComparisonGiven(Strict):
 
     draft: DraftChange | None = None
     models: Annotated[list[Model], Field(min_length=2, max_length=5)] | None = None
+    fit: Id | None = None
 
 
 class NameGiven(Strict):

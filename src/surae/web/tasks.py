@@ -200,6 +200,17 @@ def load(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     return {"found": imports.imported(task["files"], task["mapping"], task.get("output"))}
 
 
+def demo(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
+    """Make a recording of the virtual subject, and keep it."""
+    del tell
+    from surae.recording import write_hdf5
+    from surae.web.demo import demo_recording
+
+    recording = demo_recording(task["trial"])
+    write_hdf5(task["output"], recording)
+    return {"found": imports.described(recording)}
+
+
 def quality(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Judge the quality of a recording."""
     del tell
@@ -215,5 +226,6 @@ TASKS: dict[str, Callable[[Mapping[str, Any], Tell], dict[str, Any]]] = {
     "report": report,
     "inspect": inspect,
     "load": load,
+    "demo": demo,
     "quality": quality,
 }

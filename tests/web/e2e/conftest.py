@@ -6,7 +6,6 @@ import shutil
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -31,6 +30,7 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
+_ADDRESS = re.compile(r"http://\S+?(?=/? )")
 MUSCLES = ("ta", "gl", "sol", "gm")
 #: Milliseconds that a page may take on a busy computer, the first compilation of kernels included.
 PATIENCE = 60_000
@@ -49,19 +49,22 @@ class Server:
             text=True,
         )
         self.said: list[str] = []
+        self._heard = threading.Event()
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
-        end = time.monotonic() + 60
-        while not (found := re.search(r"http://\S+?(?=/? )", " ".join(self.said))):
-            if self.process.poll() is not None or time.monotonic() > end:
-                raise AssertionError(f"surae serve did not start: {self.said}")
-            time.sleep(0.05)
+        self._heard.wait(60)
+        found = _ADDRESS.search(" ".join(self.said))
+        if found is None:
+            raise AssertionError(f"surae serve did not start: {self.said}")
         self.address = found.group()
 
     def _read(self) -> None:
         assert self.process.stdout is not None
         for line in self.process.stdout:
             self.said.append(line + " ")
+            if _ADDRESS.search(line + " "):
+                self._heard.set()
+        self._heard.set()  # it has ended
 
     def stop(self) -> None:
         """End it as Ctrl-C or a shutdown does, and let go of its pipe."""
@@ -136,12 +139,17 @@ class Desk:
 
     def wait_for_job(self, job: dict[str, Any]) -> dict[str, Any]:
         """The job when it has ended."""
-        end = time.monotonic() + PATIENCE / 1000
-        while job["state"] in ("queued", "running"):
-            assert time.monotonic() < end, job
-            time.sleep(0.1)
-            job = self.api("GET", f"/api/jobs/{job['id']}")
-        return job
+        ended = self.page.evaluate(
+            """([id, most]) => new Promise((done) => {
+              const source = new EventSource(`/api/jobs/${id}/events`);
+              const finish = (job) => { source.close(); done(job); };
+              source.addEventListener("end", (event) => finish(JSON.parse(event.data)));
+              setTimeout(() => finish(null), most);
+            })""",
+            [job["id"], PATIENCE],
+        )
+        assert ended is not None, job
+        return dict(ended)
 
     def close(self) -> None:
         """Close the window; fails when a page asked another computer or broke its own rules."""

@@ -1,6 +1,7 @@
 """Every page: readable for all, at home on this computer, on a small screen and in the dark."""
 
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from .conftest import Desk, Server, expect
@@ -77,6 +78,69 @@ def test_the_report_is_shown_within_the_page(desk: Desk, done: dict[str, str]) -
     page = desk.go(f"/fits/{done['fit']}#report")
     page.get_by_role("button", name="Show the report here").click()
     page.frame_locator("iframe").get_by_role("heading", level=1).wait_for()
+
+
+def test_the_report_is_downloaded_for_paper(desk: Desk, done: dict[str, str]) -> None:
+    page = desk.go(f"/fits/{done['fit']}")
+    with page.expect_download() as file:
+        page.get_by_role("button", name="Report (PDF)").click()
+    assert file.value.suggested_filename == "seeded-fit.pdf"
+    content = Path(file.value.path()).read_bytes()
+    assert content.startswith(b"%PDF")
+    assert len(content) > 20_000  # figures and tables
+    page.get_by_role("button", name="Report (PDF)").wait_for()
+    assert page.locator("#error").is_hidden()
+
+
+def test_a_running_comparison_is_seen_under_its_own_fit(desk: Desk, done: dict[str, str]) -> None:
+    (job,) = (one for one in desk.api("GET", "/api/jobs")["jobs"] if one["result"] == done["fit"])
+    running = {**job, "id": "f" * 16, "kind": "compare", "state": "running"}
+    page = desk.page
+    page.route("**/api/jobs?active=true", lambda route: route.fulfill(json={"jobs": [running]}))
+    for fit, seen in ((done["fit"], True), ("0" * 16, False)):
+        running["fit"] = fit
+        desk.go(f"/fits/{done['fit']}")
+        with page.expect_response("**/api/jobs?active=true"):
+            page.locator("#tab-models").click()
+        expect(page.locator("#models-stop")).to_be_visible(visible=seen)
+
+
+def test_the_virtual_subject_is_a_button_away(desk: Desk) -> None:
+    page = desk.page
+    page.route("**/api/recordings", lambda route: route.fulfill(json={"recordings": []}))
+    desk.go("/")
+    page.get_by_role("button", name="Try it with the virtual subject").click()
+    page.wait_for_url("**/recordings/*")
+    page.get_by_role("heading", name="virtual subject, trial 1", level=1).wait_for()
+    page.locator("#plots canvas").first.wait_for()
+
+
+def test_drives_come_into_the_table_and_go(desk: Desk, done: dict[str, str]) -> None:
+    change = {"recordings": [done["recording"]]}
+    desk.api("PATCH", "/api/draft", {"change": change, "label": "choose"})
+    page = desk.go("/fit")
+    page.get_by_label("Slider of m", exact=True).wait_for()
+    assert page.get_by_label("Slider of emd", exact=True).count() == 0
+    page.get_by_label("Estimate an EMG delay").check()
+    slider = page.get_by_label("Slider of emd", exact=True)
+    slider.wait_for()
+    with page.expect_response("**/api/live") as answer:
+        slider.press("PageUp")
+    assert answer.value.status == 200
+    page.get_by_role("button", name="Undo: slide emd").wait_for()
+
+    page.get_by_label("emd is free", exact=True).click()  # held, but still there
+    page.get_by_role("button", name="Undo: fix emd").wait_for()
+    slider.wait_for()
+    page.get_by_label("Estimate a stretch reflex").check()
+    for name in ("reflex_tri", "reflex_tib", "reflex_delay"):
+        expect(page.get_by_label(f"{name} is free", exact=True)).to_be_checked()
+    page.get_by_label("Estimate an EMG delay").uncheck()
+    slider.wait_for(state="detached")
+    draft = desk.api("GET", "/api/draft")["draft"]
+    assert set(draft["parameters"]) == {"reflex_tri", "reflex_tib", "reflex_delay"}
+    assert draft["sliders"] == {}
+    assert page.locator("#start").is_enabled()
 
 
 def test_plots_are_zoomed_from_the_keyboard(desk: Desk, done: dict[str, str]) -> None:

@@ -6,7 +6,8 @@ from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Response
 
-from surae.model import MODELS, get_model
+from surae.model import ModelSpec, get_model
+from surae.model.registry import with_drives
 from surae.web.database import Thing
 from surae.web.fits import ranges
 from surae.web.project import when
@@ -26,12 +27,13 @@ Which = Annotated[Literal["latest", "all"], Query()]
 @router.get("/cohort")
 def get_cohort(bench: Bench, model: Model = "muscle", which: Which = "latest") -> dict[str, Any]:
     """Parameters over subjects, sides and trials: the latest fit of each, or all."""
-    spec = get_model(model)
+    rows = _rows(bench, model, which)
+    spec = _with_found(model, rows)
     return {
         "columns": [
             {"name": p.name, "unit": p.unit, "meaning": p.meaning} for p in spec.parameters
         ],
-        "rows": _rows(bench, model, which),
+        "rows": rows,
         "normal": {p.name: ranges(p.name) for p in spec.parameters},
     }
 
@@ -39,12 +41,13 @@ def get_cohort(bench: Bench, model: Model = "muscle", which: Which = "latest") -
 @router.get("/cohort.csv", response_class=Response, responses=_CSV)
 def get_cohort_csv(bench: Bench, model: Model = "muscle", which: Which = "latest") -> Response:
     """The same table as a file."""
-    names = [p.name for p in MODELS[model].parameters]
+    rows = _rows(bench, model, which)
+    names = [p.name for p in _with_found(model, rows).parameters]
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     cells = ("", "_sem", "_low", "_high", "_verdict")
     writer.writerow([*_LABELS, *(name + end for name in names for end in cells)])
-    for row in _rows(bench, model, which):
+    for row in rows:
         found = [row["parameters"].get(name, {}) for name in names]
         keys = ("value", "sem", "low", "high", "verdict")
         writer.writerow(
@@ -55,6 +58,11 @@ def get_cohort_csv(bench: Bench, model: Model = "muscle", which: Which = "latest
         )
     headers = attachment(f"cohort-{model}", ".csv")
     return Response(text.getvalue(), media_type="text/csv", headers=headers)
+
+
+def _with_found(model: str, rows: list[dict[str, Any]]) -> ModelSpec:
+    """The model, with the drives that some fit has estimated."""
+    return with_drives(get_model(model), {name for row in rows for name in row["parameters"]})
 
 
 def _cell(value: object) -> str:

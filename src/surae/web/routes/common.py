@@ -1,5 +1,6 @@
 """What every route uses: the workbench, the session, ids, and the errors that are documented."""
 
+import re
 from typing import Annotated, Any
 
 from fastapi import Depends, Path, Request
@@ -29,12 +30,16 @@ def session(request: Request) -> Session:
     return found
 
 
+#: "muscle-tendon-" of "muscle-tendon-muscle-tendon-left"; numbers may well come twice.
+_TWICE = re.compile(r"(?<![A-Za-z0-9_-])([A-Za-z][A-Za-z0-9_-]*)-\1(?=-|$)")
+
 Bench = Annotated[Workbench, Depends(workbench)]
 Browser = Annotated[Session, Depends(session)]
 PathId = Annotated[str, Path(pattern=r"^[0-9a-f]{16}$")]
 
 
 def attachment(name: str, suffix: str) -> dict[str, str]:
-    """Headers of a download; only plain letters of the name are kept."""
-    kept = "".join(c if c.isascii() and (c.isalnum() or c in "-_") else "-" for c in name)
-    return {"content-disposition": f'attachment; filename="{kept[:80] or "surae"}{suffix}"'}
+    """Headers of a download; only plain words of the name are kept, none said twice in a row."""
+    slug = "-".join(re.findall(r"[A-Za-z0-9_]+", name[:200]))
+    slug = _TWICE.sub(r"\1", slug)[:80].strip("-")
+    return {"content-disposition": f'attachment; filename="{slug or "surae"}{suffix}"'}

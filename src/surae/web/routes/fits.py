@@ -206,7 +206,7 @@ def post_profile(id: PathId, given: ProfileGiven, bench: Bench, browser: Browser
     result = bench.fit(id).result
     for name in given.parameters or result.problem.free:
         check_profiled(result, name)
-    task = {"fit": id, "parameters": given.parameters}
+    task = {"fit": id, "parameters": given.parameters, "recordings": fit["recordings"]}
     label = f"profiles · {fit['name']}"[:200]
     job = bench.jobs.submit("profile", label, browser, task, id)
     return bench.jobs.shown(job, browser)
@@ -305,8 +305,10 @@ def get_compare(bench: Bench, fits: Annotated[str, Query(max_length=340)]) -> di
 
 def _described(name: str) -> dict[str, str]:
     from surae.model import MODELS
+    from surae.model.parameters import DRIVE_PARAMETERS
 
-    known = {p.name: p for spec in MODELS.values() for p in reversed(spec.parameters)}
+    known = {p.name: p for p in DRIVE_PARAMETERS}
+    known |= {p.name: p for spec in MODELS.values() for p in reversed(spec.parameters)}
     p = known.get(name)
     return {"unit": "" if p is None else p.unit, "meaning": "" if p is None else p.meaning}
 
@@ -331,7 +333,9 @@ def post_comparison(given: ComparisonGiven, bench: Bench, browser: Browser) -> d
     if len(set(tendons.values())) < 2:
         raise RefusedError(400, "compare at least one model without tendons and one with")
     draft = _draft(bench, browser, given.draft)
-    job = submit_comparison(bench, browser, draft, list(models))
+    if given.fit is not None:
+        bench.project.need("fit", given.fit)
+    job = submit_comparison(bench, browser, draft, list(models), given.fit)
     return bench.jobs.shown(job, browser)
 
 

@@ -2,6 +2,7 @@
 
 import hashlib
 import re
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
@@ -21,6 +22,14 @@ router = APIRouter(prefix="/api", responses=ERRORS, tags=["import"])
 
 #: Files that a session may have uploaded at a time.
 MOST_UPLOADS = 64
+#: The code of the subject that is not real, and all else about it.
+_VIRTUAL = "virtual"
+_VIRTUAL_SUBJECT = {
+    "code": _VIRTUAL,
+    "group": "healthy",
+    "notes": "simulated, not measured",
+    "body_mass": None,
+}
 _IDS = re.compile(r"^[0-9a-f]{16}(,[0-9a-f]{16}){0,15}$")
 
 
@@ -143,12 +152,50 @@ def post_import(given: ImportGiven, bench: Bench, browser: Browser) -> dict[str,
         bench.project.need("subject", given.subject)
     id_ = new_id()
     found = _imported(given, bench, browser, str(bench.project.path("recordings", id_, ".h5")))
+    return _added(
+        bench, id_, found, given.subject, given.trial or "", given.condition or "",
+        given.mapping.model_dump(mode="json"),
+    )  # fmt: skip
+
+
+@router.post("/demo", status_code=201)
+def post_demo(bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Make a recording of the virtual subject, of whom there is one more trial each time."""
+    del browser
+    id_, known = new_id(), _virtual(bench)
+    trial = 1 + sum(
+        known is not None and one["subject"] == known for one in bench.database.all("recording")
+    )
+    path = str(bench.project.path("recordings", id_, ".h5"))
+    found = bench.desk.ask("demo", trial=trial, output=path)["found"]
+    with bench.database.transaction():
+        subject = _virtual(bench) or bench.database.add("subject", _VIRTUAL_SUBJECT)
+    bench.changed("subjects")
+    return _added(bench, id_, found, subject, f"T{trial}", "", None)
+
+
+def _virtual(bench: Workbench) -> str | None:
+    """The subject that is not real, where it has been made."""
+    found = [one["id"] for one in bench.database.all("subject") if one["code"] == _VIRTUAL]
+    return found[0] if found else None
+
+
+def _added(
+    bench: Workbench,
+    id_: str,
+    found: Mapping[str, Any],
+    subject: str | None,
+    trial: str,
+    condition: str,
+    mapping: Mapping[str, Any] | None,
+) -> dict[str, Any]:
+    """Add a recording, whose file is there, to the project."""
     data = {
         "name": found["name"],
-        "subject": given.subject,
+        "subject": subject,
         "side": found["side"],
-        "trial": given.trial or "",
-        "condition": given.condition or "",
+        "trial": trial,
+        "condition": condition,
         "duration_s": found["duration_s"],
         "emg": found["emg"],
         "fixed": found["fixed"],
@@ -157,7 +204,7 @@ def post_import(given: ImportGiven, bench: Bench, browser: Browser) -> dict[str,
             for one in found["channels"]
         ],
         "files": found["files"],
-        "mapping": given.mapping.model_dump(mode="json"),
+        "mapping": mapping,
         "findings": found["findings"],
     }
     bench.database.add("recording", data, id_)

@@ -2,7 +2,7 @@
 
 import { download, get, patch, post } from "../core/api.js";
 import { byId, field, h, replace } from "../core/dom.js";
-import { change } from "../core/draft.js";
+import { change, draftState, loadDraft } from "../core/draft.js";
 import { onChanged } from "../core/events.js";
 import { number, percent, seconds, vaf, when } from "../core/format.js";
 import { attempt } from "../core/notice.js";
@@ -85,8 +85,11 @@ byId("resume").addEventListener("click", () =>
       Object.entries(result.fit.parameters).filter(([, p]) => p.value !== null).map(([name, p]) => [name, p.value]),
     );
     const { recordings, model, options, prepared, parameters, population, loss, peaks, activity, body_mass, starts, seed } = result.settings;
+    // Entries that this browser has and the fit had not are taken away.
+    const now = draftState()?.draft ?? (await loadDraft()).draft;
+    const only = (key, wanted) => ({ ...Object.fromEntries(Object.keys(now[key]).map((name) => [name, null])), ...wanted });
     await change(
-      { recordings, model, options, prepared, parameters, population, loss, peaks, activity, body_mass, starts, seed, sliders: values },
+      { recordings, model, options, prepared, parameters: only("parameters", parameters), population, loss, peaks, activity, body_mass, starts, seed, sliders: only("sliders", values) },
       `settings of ${result.summary.name}`,
     );
     location.href = "/fit";

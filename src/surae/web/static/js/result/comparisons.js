@@ -41,11 +41,11 @@ export function showComparisons(result) {
     }
   }
 
-  byId("models-start").addEventListener("click", () => attempt(box, async () => watch(await post("/api/comparisons", { draft: result.settings, models: null }))));
+  byId("models-start").addEventListener("click", () => attempt(box, async () => watch(await post("/api/comparisons", { draft: result.settings, models: null, fit: result.summary.id }))));
   byId("models-stop").addEventListener("click", () => job && attempt(box, () => cancel(job.id)));
   attempt(box, async () => {
     await draw(result.comparisons.map((one) => one.id));
-    const running = (await active("compare")).find((one) => one.mine);
+    const running = (await active("compare")).find((one) => one.fit === result.summary.id);
     if (running) watch(running);
   });
 }

@@ -140,7 +140,7 @@ function makeRow(first, on) {
     const made = {};
     for (const key of ["free", "value", "lower", "upper"]) if (now[key] !== p.default[key]) made[key] = now[key];
     if (now.prior && (changes.prior !== undefined || p.own)) made.prior = now.prior;
-    return Object.keys(made).length ? made : null;
+    return Object.keys(made).length || p.optional ? made : null; // an optional one is there while it is mentioned
   }
   const numeric = (input, fallback) => (input.value.trim() === "" ? fallback : Number(input.value));
   free.addEventListener("change", () => on.set(name, told({ free: free.checked }), `${free.checked ? "free" : "fix"} ${name}`));

@@ -2,6 +2,8 @@
 
 import { field, h, replace, select } from "../core/dom.js";
 
+/** Optional drives of the muscles, by their names in the API. */
+const DRIVES = { emd: "Estimate an EMG delay", reflex: "Estimate a stretch reflex" };
 const LOSSES = { huber: "Huber", "soft-l1": "soft L1", tukey: "Tukey" };
 
 /** Draw the settings of a draft; `store(what, label)` keeps a change. */
@@ -25,6 +27,7 @@ export function settingsForm(main, more, models, draft, store) {
     choice("population", "Priors", [["", "none"], ...models.populations.map((name) => [name, `${name} population`])], draft.population, (population) => ({ population })),
     choice("loss", "Outliers", [["", "count fully"], ...models.losses.map((name) => [name, LOSSES[name] ?? name])], draft.loss, (loss) => ({ loss })),
     amount("mass", "Body mass [kg]", draft.body_mass, { min: 10, max: 300 }, (body_mass) => ({ body_mass })),
+    h("div", { class: "drives" }, Object.entries(models.drives).map(([name, members]) => drive(name, members, draft.parameters, store))),
   );
   replace(
     more,
@@ -35,6 +38,18 @@ export function settingsForm(main, more, models, draft, store) {
     choice("prepared", "Signals", [["", "filter and resample"], ["yes", "use as they are"]], draft.prepared ? "yes" : "", (prepared) => ({ prepared }), (v) => v === "yes"),
     Object.entries(models.options).map(([name, known]) => option(name, known, draft.options, store, choice, amount)),
   );
+}
+
+/** What may drive the muscles beside the EMG as it is: its parameters come and go together. */
+function drive(name, members, told, store) {
+  const label = DRIVES[name] ?? name;
+  const knob = h("input", { type: "checkbox", id: `set-${name}`, checked: members.some((one) => told[one]) });
+  knob.addEventListener("change", () => {
+    const each = (value) => Object.fromEntries(members.map((one) => [one, value]));
+    const change = knob.checked ? { parameters: each({ free: true }) } : { parameters: each(null), sliders: each(null) };
+    store(change, `${label}: ${knob.checked ? "yes" : "no"}`);
+  });
+  return h("label", { class: "check" }, knob, label);
 }
 
 /** One switch of the model: a choice where its values are listed, else a number. */

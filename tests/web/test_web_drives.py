@@ -1,0 +1,115 @@
+"""An EMG delay and a stretch reflex: switched on, moved, fitted; and a fit that is followed."""
+
+import json
+
+import numpy as np
+import pytest
+
+import surae
+from surae.model import get_model
+from surae.model.registry import with_drives
+from surae.protocol import Protocol, generate
+from surae.signals import thinned, thinning_factor
+from surae.studies import virtual_subject, virtual_trial
+from surae.web.following import Following
+
+REFLEX = ("reflex_tri", "reflex_tib", "reflex_delay")
+
+
+def names(browser) -> dict[str, dict]:
+    return {one["name"]: one for one in browser.get("/api/draft/parameters").json()["parameters"]}
+
+
+def test_a_drive_is_in_the_table_while_it_is_mentioned(browser, recorded) -> None:
+    assert browser.get("/api/models").json()["drives"] == {"emd": ["emd"], "reflex": list(REFLEX)}
+    browser.change(recordings=[recorded], prepared=True)
+    assert not names(browser).keys() & {"emd", *REFLEX}
+    refused = browser.post("/api/live", json={"values": {"emd": 0.04}})
+    assert refused.status_code == 400
+    browser.change(parameters={"emd": {"free": True}, **{n: {"free": True} for n in REFLEX}})
+    found = names(browser)
+    assert found.keys() > {"emd", *REFLEX, "m"}
+    assert [n for n, one in found.items() if one["optional"]] == ["emd", *REFLEX]
+    assert found["emd"]["free"] is True
+    browser.change(parameters={"emd": {}})  # held at its default: still there
+    assert names(browser)["emd"]["free"] is False
+    browser.change(parameters={"emd": None, **dict.fromkeys(REFLEX)})
+    assert not names(browser).keys() & {"emd", *REFLEX}
+
+
+def test_a_slider_moves_the_delay(browser, recorded, trial) -> None:
+    browser.change(recordings=[recorded], prepared=True, parameters={"emd": {"free": True}})
+    found = browser.post("/api/live", json={"values": {"emd": 0.08}, "points": 2000}).json()
+    values = {name: one["slider"] for name, one in names(browser).items()} | {"emd": 0.08}
+    torque = surae.simulate("muscle", values, trial)
+    assert found["modelled"] == pytest.approx(torque.tolist(), rel=1e-5, abs=1e-5)
+    still = browser.post("/api/live", json={"values": {}, "points": 2000}).json()
+    assert still["modelled"] != found["modelled"]
+
+
+def test_a_fit_with_a_delay_is_that_of_surae_fit(browser, recorded, trial, tmp_path) -> None:
+    browser.change(
+        recordings=[recorded], prepared=True, starts=1, parameters={"emd": {"free": True}}
+    )
+    asked = browser.post("/api/fits", json={})
+    events = list(browser.events(f"/api/jobs/{asked.json()['id']}/events"))
+    assert any("emd" in data.get("values", {}) for event, data in events if event == "progress")
+    job = browser.job(asked)
+    assert job["state"] == "done", job
+    kept = browser.get(f"/api/fits/{job['result']}/fit.json").json()
+    surae.fit(trial, prepared=True, starts=1, free=("emd",)).save(tmp_path / "fit.json")
+    ours = json.loads((tmp_path / "fit.json").read_text())
+    assert kept["parameters"] == ours["parameters"]
+    assert "emd" in kept["parameters"]
+    beside = browser.get("/api/compare", params={"fits": job["result"]}).json()["parameters"]
+    assert {one["name"]: one["unit"] for one in beside}["emd"] == "s"
+    cohort = browser.get("/api/cohort").json()
+    assert "emd" in {one["name"] for one in cohort["columns"]}
+    assert browser.delete(f"/api/fits/{job['result']}").status_code == 204
+
+
+@pytest.fixture(scope="module")
+def chirped():
+    protocol = Protocol(
+        profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5, rate_hz=125.0
+    )
+    return virtual_trial(virtual_subject(1), generate(protocol), noise=0.0)
+
+
+def test_a_chirp_is_followed_with_all_its_peaks(chirped) -> None:
+    told = []
+    following = Following([chirped], ["a" * 16], {"starts": 1}, told.append)
+    spec = get_model("muscle")
+    following.point(spec, np.array([p.start for p in spec.parameters]), 1.0)
+    (trace,) = told[0]["traces"]
+    assert 400 < len(trace["t"]) == len(trace["measured"]) == len(trace["modelled"]) <= 1000
+    whole = thinned(chirped, thinning_factor(chirped, 60.0, 500)).torque
+    shown = np.array(trace["measured"])
+    assert (shown.min(), shown.max()) == pytest.approx((whole.min(), whole.max()), rel=1e-5)
+    # Up and down as often and as far, but for the last, fastest swings; every fifth sample alone
+    # would show a slower chirp, of a fifth of the way.
+    way = np.abs(np.diff(shown)).sum() / np.abs(np.diff(whole)).sum()
+    assert 0.8 < way <= 1.0
+
+
+def test_a_drive_joins_a_fit_that_is_under_way(chirped) -> None:
+    told = []
+    following = Following([chirped], ["a" * 16], {"starts": 1}, told.append)
+    plain = get_model("muscle")
+    driven = with_drives(plain, ("emd",))
+    for spec in (plain, driven):
+        following._last = 0.0
+        values = np.array([0.1 if p.name == "emd" else p.start for p in spec.parameters])
+        following.point(spec, values, 1.0)
+    first, second = (one["traces"][0]["modelled"] for one in told)
+    assert first != second
+    assert told[1]["values"]["emd"] == 0.1
+
+
+def test_many_recordings_share_the_points(chirped) -> None:
+    told = []
+    ids = [f"{i:016x}" for i in range(20)]
+    following = Following([chirped] * 20, ids, {"starts": 1}, told.append)
+    spec = get_model("muscle")
+    following.point(spec, np.array([p.start for p in spec.parameters]), 1.0)
+    assert all(len(one["t"]) <= 400 for one in told[0]["traces"])
