@@ -24,14 +24,17 @@ def fine(name: str) -> tuple[np.ndarray, np.ndarray]:
 
 def test_the_profiles_and_durations_are_those_of_the_thesis():
     durations = {name: profile.duration for name, profile in PROFILES.items()}
-    assert durations.items() >= {
-        "ramp-and-hold": 18.0,
-        "sine": 30.0,
-        "multiple-holds": 35.0,
-        "multi-sine": 40.0,
-        "multi-sine-holds": 40.0,
-        "scaled-chirp": 40.0,
-    }.items()
+    assert (
+        durations.items()
+        >= {
+            "ramp-and-hold": 18.0,
+            "sine": 30.0,
+            "multiple-holds": 35.0,
+            "multi-sine": 40.0,
+            "multi-sine-holds": 40.0,
+            "scaled-chirp": 40.0,
+        }.items()
+    )
 
 
 @EVERY

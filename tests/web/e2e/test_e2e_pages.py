@@ -121,7 +121,7 @@ def test_drives_come_into_the_table_and_go(desk: Desk, done: dict[str, str]) -> 
     page = desk.go("/fit")
     page.get_by_label("Slider of m", exact=True).wait_for()
     assert page.get_by_label("Slider of emd", exact=True).count() == 0
-    page.get_by_label("Estimate an EMG delay").check()
+    page.get_by_role("checkbox", name="Estimate an EMG delay").check()
     slider = page.get_by_label("Slider of emd", exact=True)
     slider.wait_for()
     with page.expect_response("**/api/live") as answer:
@@ -132,10 +132,10 @@ def test_drives_come_into_the_table_and_go(desk: Desk, done: dict[str, str]) -> 
     page.get_by_label("emd is free", exact=True).click()  # held, but still there
     page.get_by_role("button", name="Undo: fix emd").wait_for()
     slider.wait_for()
-    page.get_by_label("Estimate a stretch reflex").check()
+    page.get_by_role("checkbox", name="Estimate a stretch reflex").check()
     for name in ("reflex_tri", "reflex_tib", "reflex_delay"):
         expect(page.get_by_label(f"{name} is free", exact=True)).to_be_checked()
-    page.get_by_label("Estimate an EMG delay").uncheck()
+    page.get_by_role("checkbox", name="Estimate an EMG delay").uncheck()
     slider.wait_for(state="detached")
     draft = desk.api("GET", "/api/draft")["draft"]
     assert set(draft["parameters"]) == {"reflex_tri", "reflex_tib", "reflex_delay"}

@@ -36,7 +36,7 @@ let slid = {};
 const draw = latest(async () => {
   if (job || !shown) return;
   try {
-    const seen = await post("/api/live", { recording: shown, values: slid, points: 1000 });
+    const seen = await post("/api/live", { recording: shown, values: slid, points: 2000 });
     if (job) return;
     plot.show(seen.t, seen.measured, seen.modelled);
     byId("live-figures").textContent = [

@@ -25,7 +25,8 @@ function showHead() {
   const { summary, fit } = result;
   document.title = document.title.replace(/^[^·]*/, `${summary.name} `);
   byId("name").textContent = summary.name;
-  byId("about").textContent = [summary.model, summary.names.join(", "), when(summary.created)].filter(Boolean).join(" · ");
+  const what = `${summary.model} · ${summary.names.join(", ")}`;
+  byId("about").textContent = [summary.name === what ? "" : what, when(summary.created)].filter(Boolean).join(" · ");
   const entries = [
     ["Status", status(fit.status)],
     ["VAF", vaf(fit.vaf)],

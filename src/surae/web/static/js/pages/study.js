@@ -19,10 +19,10 @@ const running = () => study.state === "running" || study.state === "queued";
 function showHead() {
   document.title = document.title.replace(/^[^·]*/, `${study.name} `);
   byId("name").textContent = study.name;
-  byId("about").textContent = `${study.fits} fits · made ${when(study.created)}`;
+  byId("about").textContent = [study.fits === null ? "" : `${study.fits} fits`, `made ${when(study.created)}`].filter(Boolean).join(" · ");
   byId("progress").max = study.fits || 1;
   byId("progress").value = study.done;
-  byId("said").textContent = `${study.state}: ${study.done} of ${study.fits} fits`;
+  byId("said").textContent = study.fits === null ? study.state : `${study.state}: ${study.done} of ${study.fits} fits`;
   byId("start").hidden = running() || study.state === "done";
   byId("stop").hidden = !running();
   byId("delete").disabled = running();
@@ -70,6 +70,7 @@ function showFactors(columns, rows) {
 
 async function showFigure() {
   const url = `/api/studies/${id}/figure.svg${query({ x: byId("factor").value })}`;
+  if (!byId("figure").querySelector("img")) replace(byId("figure"), h("p", { class: "muted" }, "Drawing the figure …"));
   const response = await fetch(url);
   byId("figure-error").hidden = true;
   if (!response.ok) {

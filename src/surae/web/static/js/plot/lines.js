@@ -49,7 +49,7 @@ export function lines(panel, options = {}) {
         width: Math.max(canvas.clientWidth, 200),
         height: panel.height ?? 150,
         legend: { show: false },
-        padding: [8, 12, 0, 0],
+        padding: [8, panel.x?.unit?.length > 1 ? 26 : 12, 0, 0], // the last tick carries the unit
         cursor: {
           sync: options.sync ? { key: options.sync, setSeries: false, scales: ["x", null] } : undefined,
           drag: { x: true, y: false, setScale: false, uni: 5 },
