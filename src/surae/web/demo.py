@@ -32,4 +32,5 @@ def demo_recording(trial: int) -> Recording:
     made = virtual_recording(
         virtual_subject(seed=1), generate(protocol), seed=trial, imperfections=_NOISE
     )
-    return replace(made, name=f"virtual subject, trial {trial}", side="right")
+    channels = {role: replace(one, source="simulated") for role, one in made.channels.items()}
+    return replace(made, name=f"virtual subject, trial {trial}", side="right", channels=channels)
