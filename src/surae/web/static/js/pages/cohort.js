@@ -3,7 +3,7 @@
 import { download, get, query } from "../core/api.js";
 import { byId, h, replace } from "../core/dom.js";
 import { onChanged } from "../core/events.js";
-import { NONE, estimate, number, percent, unitText, vaf } from "../core/format.js";
+import { NONE, estimate, number, unitText, vaf } from "../core/format.js";
 import { attempt } from "../core/notice.js";
 import { latest } from "../core/pace.js";
 import { status, verdict } from "../ui/marks.js";
@@ -34,7 +34,7 @@ function columns({ columns: parameters, normal }) {
     { title: "Trial", value: (r) => r.trial, show: (r) => [r.trial, r.condition].filter(Boolean).join(", ") || NONE },
     { title: "Status", value: (r) => r.status, show: (r) => status(r.status) },
     { title: "VAF", numeric: true, value: (r) => r.vaf, show: (r) => vaf(r.vaf) },
-    { title: "IPDE", numeric: true, value: (r) => r.ipde, show: (r) => percent(r.ipde) },
+    { title: "IPDE", numeric: true, value: (r) => r.ipde, show: (r) => number(r.ipde, 3) },
     ...parameters.map((p) => ({
       title: unitText(p.unit) ? `${p.name} [${unitText(p.unit)}]` : p.name,
       numeric: true,

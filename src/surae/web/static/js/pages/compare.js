@@ -3,7 +3,7 @@
 import { get, query } from "../core/api.js";
 import { byId, h, replace, scroll } from "../core/dom.js";
 import { onChanged } from "../core/events.js";
-import { NONE, estimate, number, percent, unitText, vaf, when } from "../core/format.js";
+import { NONE, estimate, number, unitText, vaf, when } from "../core/format.js";
 import { attempt } from "../core/notice.js";
 import { latest } from "../core/pace.js";
 import { ranges } from "../plot/ranges.js";
@@ -65,7 +65,7 @@ function table({ fits, parameters }) {
         h("tr", {}, h("th", { scope: "row" }, "Model"), fits.map((fit) => h("td", {}, fit.model)), h("td")),
         h("tr", {}, h("th", { scope: "row" }, "Status"), fits.map((fit) => h("td", {}, status(fit.status))), h("td")),
         h("tr", {}, h("th", { scope: "row" }, "VAF"), fits.map((fit) => h("td", {}, vaf(fit.vaf))), h("td")),
-        h("tr", {}, h("th", { scope: "row" }, "IPDE"), fits.map((fit) => h("td", {}, percent(fit.ipde))), h("td")),
+        h("tr", {}, h("th", { scope: "row" }, "IPDE"), fits.map((fit) => h("td", {}, number(fit.ipde, 3))), h("td")),
         parameters.map((p) => row(p)),
       ),
     ),

@@ -81,7 +81,7 @@ function show(seen) {
   const entries = [
     ["Length", seconds(seen.seconds)],
     ["Identified", `${counts("identified")} of ${prediction.parameters.length - counts("fixed")}`],
-    ["IPDE", percent(prediction.ipde)],
+    ["IPDE", number(prediction.ipde, 3)],
     ["Torque, RMS", `${number(prediction.torque_rms, 3)} Nm`],
     ["Noise of the torque", `${number(prediction.noise_Nm, 2)} Nm`],
     ["Area covered", percent(100 * coverage.share, 2)],

@@ -4,7 +4,7 @@ import { download, get, patch, post } from "../core/api.js";
 import { byId, field, h, replace } from "../core/dom.js";
 import { change, draftState, loadDraft } from "../core/draft.js";
 import { onChanged } from "../core/events.js";
-import { number, percent, seconds, vaf, when } from "../core/format.js";
+import { number, seconds, vaf, when } from "../core/format.js";
 import { attempt } from "../core/notice.js";
 import { torquePlot } from "../plot/torque.js";
 import { showComparisons } from "../result/comparisons.js";
@@ -31,7 +31,7 @@ function showHead() {
     ["Status", status(fit.status)],
     ["VAF", vaf(fit.vaf)],
     ["RMSE", `${number(fit.rmse_Nm, 3)} Nm`],
-    ["IPDE", h("span", { title: fit.ipde_note || null }, percent(summary.ipde, 3))],
+    ["IPDE", h("span", { title: fit.ipde_note || null }, number(summary.ipde, 3))],
     ["Starts that agree", `${summary.agreeing} of ${summary.starts}`],
     ["Took", seconds(summary.seconds)],
   ];
