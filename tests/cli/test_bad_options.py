@@ -83,5 +83,5 @@ def test_the_help_lists_every_model(run, command) -> None:
 def test_the_help_states_the_true_defaults(run) -> None:
     text = " ".join(run("fit", "--help").out.split())
     assert f"[default: {estimation.STARTS}] --seed" in text
-    assert "[default: 0] --output" in text
+    assert "--seed N Of the random starts. [default: 0]" in text
     assert api.fit.__kwdefaults__["seed"] == 0

@@ -11,9 +11,10 @@ from pathlib import Path
 
 import click
 import pytest
-from tests.docs.pages import PAGES, ROOT, Snippet, is_command, snippets
 
 from surae.cli import COMMANDS, group, main
+
+from .pages import PAGES, ROOT, Snippet, is_command, snippets
 
 #: Blocks without a language whose lines are no commands.
 SHOWN = {"docs/start.md": "time_s,angle_rad", "CONTRIBUTING.md": "src/surae/"}

@@ -26,7 +26,7 @@ class Worker:
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
         self._lock = threading.Lock()
-        self._busy = self._killed = self._closed = False
+        self._busy = self._killed = self._closed = self._interrupted = False
         self._done = self._serial = 0
 
     @property
@@ -64,7 +64,7 @@ class Worker:
             if self._closed or unless():
                 return {"end": "cancelled", "message": "cancelled before it began"}
             process = self._started()
-            self._busy, self._killed = True, False
+            self._busy, self._killed, self._interrupted = True, False, False
             self._serial += 1
         timer = None if seconds is None else threading.Timer(seconds, self._kill, [self._serial])
         if timer is not None:
@@ -79,7 +79,8 @@ class Worker:
             with self._lock:
                 self._busy = False
                 self._done += 1
-                if end is None or self._done >= _TASKS:
+                # Ctrl-C in the middle of an import leaves half a module behind, for good.
+                if end is None or self._interrupted or self._done >= _TASKS:
                     self._drop()
         if end is None:
             why = "it took too long" if self._killed else "its process was killed or crashed"
@@ -114,6 +115,7 @@ class Worker:
             process = self._process
             if process is None or not self._busy:
                 return
+            self._interrupted = True
             with suppress(OSError):
                 process.send_signal(signal.SIGINT)
             serial = self._serial
