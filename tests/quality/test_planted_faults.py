@@ -1,5 +1,7 @@
 """Every planted fault is found, and nothing in recordings without."""
 
+from collections import Counter
+
 import pytest
 
 #: As the benchmark names them; two each, one raw at 2048 Hz and one envelope at 256 Hz.
@@ -69,6 +71,7 @@ def test_nearly_all_planted_faults_are_found(planted, name) -> None:
 
 
 @pytest.mark.slow
-def test_clean_recordings_have_next_to_no_findings(planted) -> None:
-    found = [planted.codes(planted.signals(seed)) for seed in range(91_000, 91_040)]
-    assert sum(map(len, found)) <= 2
+def test_no_code_is_found_in_more_than_five_of_a_hundred_clean_recordings(planted) -> None:
+    found = [planted.codes(planted.signals(seed)) for seed in range(91_000, 91_100)]
+    counts = Counter(code for codes in found for code in codes)
+    assert max(counts.values(), default=0) <= 5
