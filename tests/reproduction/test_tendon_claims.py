@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from surae.reproduction.tendons.claims import findings, reversals
+from surae.reproduction.tendons.printed import EPS0, F_MAX, printed_force
 from surae.reproduction.tendons.trials import Errors, chirped, errors, torque
 
 
@@ -45,3 +46,16 @@ def test_the_printed_lengths_leave_no_room(measured: Errors) -> None:
     assert verdicts["printed-initial-lengths"] == "differs"
     assert verdicts["explicit-oscillates"] == "holds"
     assert verdicts["slack-length-irrelevant"] == "holds"
+
+
+def test_the_printed_law_knows_its_slack_length() -> None:
+    assert printed_force(np.array([0.40, 0.415, 0.415 + EPS0])) == pytest.approx([0, 0, F_MAX])
+    length = np.linspace(0.42, 0.45, 50)
+    assert np.all(printed_force(length, 0.41) > printed_force(length, 0.415))
+    # As a strain, half the length is twice as stiff: the same force at half the elongation.
+    stretch = np.linspace(0.0, 0.01, 50)
+    np.testing.assert_allclose(
+        printed_force(0.2 + stretch, 0.2, strain=True),
+        printed_force(0.4 + 2.0 * stretch, 0.4, strain=True),
+        rtol=1e-9,
+    )

@@ -16,18 +16,30 @@ def smooth(values: FloatArray, width: int) -> FloatArray:
     half = max(int(width) // 2, 0)
     if half == 0:
         return values
-    total = np.concatenate([[0.0], np.cumsum(values)])
     n = len(values)
-    first = np.maximum(np.arange(n) - half, 0)
-    last = np.minimum(np.arange(n) + half + 1, n)
-    averaged: FloatArray = (total[last] - total[first]) / (last - first)
+    total = np.cumsum(values)
+    total = np.concatenate([np.zeros(half + 1), total, np.full(half, total[-1])])
+    before = np.minimum(np.arange(n), half)
+    averaged: FloatArray = (total[2 * half + 1 :] - total[:n]) / (before + before[::-1] + 1)
     return averaged
 
 
 def shifted(values: FloatArray, samples: int) -> FloatArray:
     """`values` delayed by `samples` (advanced where negative), the end values repeated."""
-    index = np.clip(np.arange(len(values)) - samples, 0, len(values) - 1)
-    return values[index]
+    n = len(values)
+    by = min(max(samples, -n), n)
+    if by >= 0:
+        return np.concatenate([np.full(by, values[0]), values[: n - by]])
+    return np.concatenate([values[-by:], np.full(-by, values[-1])])
+
+
+def responded(values: FloatArray, response: FloatArray) -> FloatArray:
+    """`values` from rest through a filter of the given impulse response, by Fourier transform."""
+    n = len(values)
+    size = 1 << (n + len(response) - 1).bit_length()
+    spectrum = np.fft.rfft(values, size) * np.fft.rfft(response, size)
+    passed: FloatArray = np.fft.irfft(spectrum, size)[:n]
+    return passed
 
 
 def runs(mask: BoolArray) -> Iterator[tuple[int, int]]:

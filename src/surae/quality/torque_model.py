@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.model.geometry import arm_tib, arm_tri
-from surae.quality.numeric import shifted, smooth
+from surae.quality.numeric import responded, smooth
 from surae.units import FloatArray
 
 #: Of the activation filter [Hz], which virtual subjects have between 1.6 and 2.4.
@@ -66,7 +66,7 @@ def activation(envelope: FloatArray, rate: float) -> FloatArray:
     omega = 2.0 * np.pi * _F0
     t = np.arange(int(0.8 * rate) + 1) / rate
     response = omega**2 * t * np.exp(-omega * t)
-    return np.convolve(envelope, response / response.sum())[: len(envelope)]
+    return responded(envelope, response / response.sum())
 
 
 def passive_columns(angle: FloatArray) -> list[FloatArray]:
@@ -85,11 +85,8 @@ def relaxing(column: FloatArray, rate: float) -> FloatArray:
     """A shape of passive torque as tissue that relaxes within 3 s remembers it, from rest."""
     t = np.arange(int(9.0 * rate) + 1) / rate
     response = np.exp(-t / 3.0)
-    n = len(column)
-    size = 1 << (n + len(t)).bit_length()
-    spectrum = np.fft.rfft(column - column[0], size) * np.fft.rfft(response / response.sum(), size)
-    relaxed: FloatArray = column[0] + np.fft.irfft(spectrum, size)[:n]
-    return relaxed
+    start = float(column[0])
+    return start + responded(column - start, response / response.sum())
 
 
 def torque_model(
@@ -115,7 +112,7 @@ def torque_model(
     # One step in four, averaged over twice as much; the ends, without history, are left out.
     width, stride = round(2.0 * rate / _RATE), max(1, round(rate / _RATE))
     margin = round(0.5 * rate)
-    keep = slice(margin, len(time) - margin, stride)
+    keep = np.arange(margin, len(time) - margin, stride)
 
     def coarse(values: FloatArray) -> FloatArray:
         return smooth(values, width)[keep]
@@ -151,9 +148,9 @@ def torque_model(
     # EMG that is late by a lag is in time again when it is advanced by it.
     averaged = {name: [smooth(c, width) for c in columns] for name, columns in tables.items()}
     moved = {
-        (name, k): [shifted(c, -round(lag * rate))[keep] for c in columns]
+        (name, k): [c[at] for c in columns]
+        for k, at in enumerate(np.clip(keep + round(lag * rate), 0, len(time) - 1) for lag in lags)
         for name, columns in averaged.items()
-        for k, lag in enumerate(lags)
     }
 
     def left(at: dict[str, int]) -> float:

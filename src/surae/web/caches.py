@@ -45,9 +45,3 @@ class Cache(Generic[T]):
                 ):
                     self._kept.popitem(last=False)
             return value
-
-    def forget(self, keep: Callable[[Hashable], bool]) -> None:
-        """Drop values whose key is not to be kept."""
-        with self._lock:
-            for key in [key for key in self._kept if not keep(key)]:
-                del self._kept[key]

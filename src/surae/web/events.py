@@ -39,11 +39,6 @@ class Events:
             except RuntimeError:  # its loop is closed: the server ends
                 continue
 
-    def listened(self, topic: str) -> bool:
-        """Whether anybody listens."""
-        with self._lock:
-            return bool(self._listeners.get(topic))
-
     def close(self) -> None:
         """End all streams."""
         with self._lock:

@@ -200,12 +200,6 @@ class Jobs:
             raise not_found("job")
         return job
 
-    def processes(self) -> list[int]:
-        """Numbers of the processes at work."""
-        with self._changed:
-            workers = [w for lane in self._lanes.values() for w in lane.workers.values()]
-        return [number for w in workers if (number := w.process) is not None]
-
     def _position(self, job: Thing) -> int | None:
         if job["state"] != "queued":
             return None

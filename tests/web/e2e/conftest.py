@@ -12,14 +12,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from playwright import sync_api
 
 from surae.protocol import Protocol, generate
 from surae.recording import write_csv
 from surae.studies import virtual_subject, virtual_trial
 
-sync_api = pytest.importorskip("playwright.sync_api")
 expect = sync_api.expect
-
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "chrome")
 FLAGS = [
     "--no-sandbox",

@@ -2,10 +2,17 @@
 
 from functools import cache
 
-from surae.protocol import DEVICES, PROFILES, Protocol, Trajectory, generate
+from surae.protocol import DEVICES, Protocol, Trajectory, generate
 
 #: The five basic profiles of the simulation study (2.5.1) after the one in use before it (2.1).
-NAMES = tuple(PROFILES)
+NAMES = (
+    "ramp-and-hold",
+    "sine",
+    "multiple-holds",
+    "multi-sine",
+    "multi-sine-holds",
+    "scaled-chirp",
+)
 #: The two that were chosen for the subjects, with their chirp (4.1.5).
 CHOSEN = ("multiple-holds", "multi-sine-holds")
 AMPLITUDE, RATE = 0.2, 0.5

@@ -21,6 +21,7 @@ from surae.report.figures.style import (
 )
 from surae.reproduction.chapter import Drawing
 from surae.reproduction.tendons.claims import FINE
+from surae.reproduction.tendons.printed import printed_force
 from surae.reproduction.tendons.trials import chirped, states
 
 
@@ -84,7 +85,7 @@ def _without_slack() -> Drawing:
     axes.plot(1e3 * elongation, law.force(elongation), color=GREY, linewidth=4.0,
               label=f"slack length {1e3 * SLACK_TRI:g} mm")  # fmt: skip
     half = 0.5 * SLACK_TRI
-    axes.plot(1e3 * elongation, law.force((half + elongation) - half), color=INK, linewidth=1.2,
+    axes.plot(1e3 * elongation, printed_force(half + elongation, half), color=INK, linewidth=1.2,
               linestyle=(0, (4, 2)), label=f"{1e3 * half:g} mm")  # fmt: skip
     axes.plot([1e3 * law.toe_elongation], [law.toe_force], "o", color=RED, markersize=5,
               label="end of the toe")  # fmt: skip
