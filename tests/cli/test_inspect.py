@@ -29,6 +29,15 @@ def test_a_csv_of_ours(files, run):
     assert "check sign in the mapping" in done.out
 
 
+def test_headings_are_shown_as_they_are(files, run):
+    time = np.arange(200) / 100.0
+    write_csv("lab.csv", {"time": time, "Hoek [deg]": np.sin(time), "x [/b]": np.cos(time)})
+    done = run("inspect", "lab.csv")
+    assert (done.code, done.err) == (0, "")
+    assert "Hoek [deg]    deg " in done.out
+    assert "x [/b]" in done.out
+
+
 def test_json(files, run):
     done = run("inspect", "trial.csv", "--json")
     data = json.loads(done.out)

@@ -244,3 +244,24 @@ def test_absurd_numbers_are_no_accident(tmp_path, size):
     write_csv(tmp_path / "t.csv", table)
     toml = tomllib.loads(mapping_text(inspect(tmp_path / "t.csv"), tmp_path))
     assert np.isfinite(toml["channels"]["emg_ta"].get("offset", 0.0))
+
+
+def test_units_in_headings_are_units_that_the_file_states(tmp_path):
+    time = np.arange(4000) / 2000.0
+    angle = 20.0 * np.sin(2 * np.pi * time)
+    table = {"Time (s)": time, "Angle (deg)": angle, "Moment [N.m]": angle, "TA (mV)": 1e3 * emg()}
+    write_csv(tmp_path / "lab.csv", table)
+    found = inspect(tmp_path / "lab.csv")
+    assert {role: one.known_unit for role, one in found.roles.items()} == {
+        "angle": "deg",
+        "torque": "Nm",
+        "emg_ta": "mV",
+    }
+    write_mapping(found, tmp_path / "map.toml")
+    recording = read(tmp_path / "map.toml")
+    np.testing.assert_allclose(recording.channels["angle"].values, np.radians(angle), atol=1e-12)
+    np.testing.assert_allclose(recording.channels["emg_ta"].values, emg(), rtol=1e-9)
+    text = (tmp_path / "map.toml").read_text(encoding="utf-8")
+    (tmp_path / "map.toml").write_text(text.replace('unit = "deg"', 'unit = "rad"'))
+    with pytest.raises(InputError, match=r"unit 'rad' contradicts .* states 'deg'"):
+        read(tmp_path / "map.toml")

@@ -3,7 +3,7 @@
 import pytest
 
 from surae.recording.recording import ROLES
-from surae.recording.roles import CONFIDENCES, guess_role, words_of
+from surae.recording.roles import CONFIDENCES, guess_role, heading_unit, words_of
 
 
 @pytest.mark.parametrize(
@@ -111,3 +111,31 @@ def test_whatever_the_name_a_guess_is_of_the_known_roles():
             assert guess.rule.isprintable() or not (unit or "").isprintable()
 
     check()
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("Angle (deg)", "deg"),
+        ("Hoek [deg]", "deg"),
+        ("Ankle angle ( ° )", "°"),
+        ("Moment [N.m]", "N.m"),
+        ("EMG_TA [µV]", "µV"),
+        ("L GM (MVC) [%]", "%"),
+        ("velocity (deg/s)", "deg/s"),
+        ("ankle_angle_deg", "deg"),
+        ("TA mV", "mV"),
+        ("SOL_μV", "μV"),
+    ],
+)
+def test_a_heading_may_end_with_its_unit(name, unit):
+    assert heading_unit(name) == unit
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["Angle", "EMG (left)", "EMG (1)", "TA [2]", "(deg)", "deg", "angle_deg_target", "Force (N)",
+     "grade", "ankle (deg) filtered", "torque_Nm_per_kg", "emg_ta_V", "gait_sv", ""],
+)  # fmt: skip
+def test_what_is_no_unit_at_the_end_states_none(name):
+    assert heading_unit(name) is None

@@ -174,7 +174,7 @@ def show_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
         outer = place in (0, len(headings) - 1)
         table.add_column(heading, justify="left" if outer else "right", no_wrap=True)
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*map(Text, row))  # as they are: "Moment [Nm]" is no markup
     _print(_console(), table)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from surae.errors import InputError
 from surae.recording.naming import plain
 from surae.recording.recording import Channel, freeze
+from surae.recording.roles import heading_unit
 from surae.recording.samples import check_finite, check_samples
 from surae.recording.table import Column, Table
 from surae.units import FACTORS, SI, FloatArray, kind, to_si
@@ -19,6 +20,10 @@ _SPELLINGS = {
     "°": "deg",
     "radian": "rad",
     "radians": "rad",
+    "°/s": "deg/s",
+    "°/s2": "deg/s2",
+    "deg/s^2": "deg/s2",
+    "rad/s^2": "rad/s2",
     "n.m": "Nm",
     "n·m": "Nm",
     "n m": "Nm",
@@ -57,9 +62,14 @@ class Scaling:
         return ", ".join(parts)
 
 
+def written_unit(table: Table, name: str) -> str | None:
+    """The unit that the file states for a column, in its own spelling: by itself or in its name."""
+    return table.units.get(name) or heading_unit(name)
+
+
 def stated_unit(table: Table, role: str, name: str) -> str | None:
     """The unit that the file itself states for a column used as `role`; None if it is unknown."""
-    text = table.units.get(name) or table.units_of_kind.get(kind(role))
+    text = written_unit(table, name) or table.units_of_kind.get(kind(role))
     if text is None:
         return None
     folded = plain(text.strip()).casefold()

@@ -1,5 +1,6 @@
 """What data files hold, which channel seems to be which signal, and what is left to say."""
 
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -11,7 +12,7 @@ import numpy as np
 from surae.errors import InputError
 from surae.files import PathLike
 from surae.recording import mapping, opensim
-from surae.recording.channels import stated_unit
+from surae.recording.channels import stated_unit, written_unit
 from surae.recording.describe import load_each, sampling_of
 from surae.recording.formats import open_table
 from surae.recording.inspected import InspectedChannel, Inspection
@@ -22,6 +23,8 @@ from surae.recording.source import open_source
 from surae.recording.table import Column, Table, some
 
 _SIDES = ("left", "right")
+#: What differs between rules of the same kind.
+_NUMBER = re.compile(r"\d+")
 
 
 def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) -> Inspection:
@@ -103,7 +106,7 @@ def _channels(path: str, table: Table) -> list[tuple[InspectedChannel, Column | 
     loaded = load_each(table, table.names)
     found: list[tuple[InspectedChannel, Column | None]] = []
     for name, count in Counter(table.names).items():
-        unit, column = table.units.get(name), loaded[name]
+        unit, column = written_unit(table, name), loaded[name]
         remark = table.remarks.get(name, "")
         usable = True
         if count > 1:
@@ -219,8 +222,14 @@ def _emg(
     kinds = {look.kind for look in looks.values()}
     if len(kinds) == 1 and (only := next(iter(looks.values()))).kind is not None:
         return only.kind, only.rule
-    told = "; ".join(f"{role}: {look.rule}" for role, look in looks.items())
-    return None, told
+    alike: dict[str, list[tuple[str, str]]] = {}
+    for role, look in looks.items():
+        alike.setdefault(_NUMBER.sub("", look.rule), []).append((role, look.rule))
+    told = (
+        f"{first[0]}{f' and {len(others)} more' if others else ''}: {first[1]}"
+        for first, *others in alike.values()
+    )
+    return None, "; ".join(told)
 
 
 def _advice(one: Inspection) -> list[str]:

@@ -95,6 +95,9 @@ _CAMEL = re.compile(
     r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])"
 )
 _BETWEEN = re.compile(r"[^0-9A-Za-z]+")
+#: A unit that a heading ends with: "Angle (deg)", "Moment [N.m]"; "ankle_angle_deg".
+_BRACKETED = re.compile(r".*\S\s*(?:\(\s*([^()]+?)\s*\)|\[\s*([^\[\]]+?)\s*\])")
+_SUFFIXED = re.compile(r".*[^\W_][_ ](deg|rad|Nm|mNm|[mu\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}]V)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,6 +178,19 @@ def words_of(name: str) -> tuple[str, ...]:
 def unit_kind(unit: str | None) -> str | None:
     """The kind of signal that has this unit, None where it is missing or of none of them."""
     return None if unit is None else _UNIT_KINDS.get(plain(unit.strip()).casefold(), "other")
+
+
+def heading_unit(name: str) -> str | None:
+    """The unit that a channel's name ends with, as written there; None where it ends with none.
+
+    Only what is a unit of the signals that are read here counts: "EMG (left)" states none, nor
+    does "EMG (1)", which numbers its sensor.
+    """
+    found = _BRACKETED.fullmatch(name.strip()) or _SUFFIXED.fullmatch(name.strip())
+    if found is None:
+        return None
+    unit = next(text for text in found.groups() if text is not None)
+    return unit if unit != "1" and unit_kind(unit) not in (None, "other") else None
 
 
 def unit_is_volts(unit: str | None) -> bool:
