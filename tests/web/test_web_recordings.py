@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import surae
+from surae.recording import write_csv
 from surae.web.pyramid import Pyramid
 
 
@@ -145,3 +146,29 @@ def test_a_pyramid_loses_no_peak() -> None:
         if len(inside):
             assert part.values.max() >= inside.max()
             assert part.values.min() <= inside.min()
+
+
+def test_what_the_samples_do_not_say_is_asked(browser, tmp_path) -> None:
+    time = np.arange(2000) / 500.0
+    noise = np.abs(np.random.default_rng(0).standard_normal(time.size))
+    table = {"time_s": time, "Angle (deg)": np.sin(time), "Torque": time, "SOL (uV)": noise}
+    write_csv(tmp_path / "lab.csv", table)
+    found = browser.get(f"/api/uploads/{browser.upload(tmp_path / 'lab.csv')}/inspect").json()
+    mapping = found["mapping"]
+    assert (mapping["emg"], found["ready"]) == (None, False)
+    assert {role: one["unit"] for role, one in mapping["channels"].items()} == {
+        "angle": "deg",
+        "torque": None,
+        "emg_sol": "uV",
+    }
+    for change, says in (
+        ({}, "choose which"),
+        ({"emg": "raw"}, "channels.torque: unit is missing"),
+    ):
+        answer = browser.post("/api/imports", json={"mapping": mapping | change})
+        assert answer.status_code == 400
+        assert says in answer.json()["error"]
+        assert "mapping.toml" not in answer.json()["error"]
+    mapping["channels"]["torque"]["unit"] = "Nm"
+    answer = browser.post("/api/imports", json={"mapping": mapping | {"emg": "envelope"}})
+    assert answer.status_code == 201, answer.text

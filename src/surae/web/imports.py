@@ -135,7 +135,7 @@ def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
         "columns": columns,
         "mapping": {
             "name": Path(names[0]).stem,
-            "emg": found.emg or "raw",
+            "emg": found.emg,
             "side": found.side,
             "channels": channels,
             "fixed": {weights[role]: 0.0 for role in silent},
@@ -144,6 +144,7 @@ def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
         "notes": list(found.advice),
         "ready": {"angle", "torque"} <= channels.keys()
         and not found.open
+        and (found.emg is not None or not any(role.startswith("emg_") for role in channels))
         and all(one["unit"] is not None for one in channels.values()),
     }
 
@@ -214,7 +215,10 @@ def imported(
     """Read what a mapping describes, and keep it as HDF5 where `output` says so."""
     with _folder(files) as names:
         Path(_MAPPING).write_text(_toml(mapping, names), encoding="utf-8")
-        recording = read(_MAPPING)
+        try:
+            recording = read(_MAPPING)
+        except InputError as error:  # the user sees a form, not our file
+            raise InputError(str(error).removeprefix(f"{_MAPPING}: ")) from None
     recording = replace(recording, files=recording.files[1:])
     if output is not None:
         write_hdf5(output, recording)
@@ -265,7 +269,11 @@ def findings(recording: Recording) -> list[dict[str, Any]]:
 
 def _toml(mapping: Mapping[str, Any], names: Mapping[str, str]) -> str:
     """The mapping as the TOML that the readers take."""
-    lines = [f"name = {_text(mapping['name'])}", f"emg = {_text(mapping['emg'])}"]
+    lines = [f"name = {_text(mapping['name'])}"]
+    if mapping.get("emg") is not None:
+        lines.append(f"emg = {_text(mapping['emg'])}")
+    elif any(role.startswith("emg_") for role in mapping["channels"]):
+        raise InputError("EMG is raw or an envelope: choose which, its samples do not say")
     if mapping.get("side") is not None:
         lines.append(f"side = {_text(mapping['side'])}")
     for table in ("fixed", "prepare"):

@@ -134,7 +134,7 @@ class MappingGiven(Strict):
     """Which column of which upload is which signal."""
 
     name: Named
-    emg: Literal["raw", "envelope"] = "raw"
+    emg: Literal["raw", "envelope"] | None = None
     side: Literal["left", "right"] | None = None
     channels: Annotated[dict[Role, ChannelGiven], Field(min_length=1, max_length=len(ROLES))]
     fixed: Annotated[dict[Name, Number], Field(max_length=60)] = {}

@@ -27,6 +27,7 @@ const keep = () => {
 const kept = () => JSON.parse(sessionStorage.getItem(KEPT) ?? "null");
 
 async function receive(files) {
+  await ready; // else what was there before would come after these, and in their place
   calm(box.upload);
   const arrived = [];
   for (const file of files) {
@@ -129,9 +130,10 @@ function joined(read) {
   const made = { ...emptyMapping(), ...read[0].mapping, channels: {} };
   for (const one of read) {
     for (const [role, channel] of Object.entries(one.mapping.channels ?? {})) made.channels[role] ??= channel;
-    made.emg = read.length > 1 && one.mapping.emg === "envelope" ? "envelope" : made.emg;
     made.side ??= one.mapping.side ?? null;
   }
+  const kinds = new Set(read.map((one) => one.mapping.emg).filter(Boolean));
+  made.emg = kinds.size === 1 ? [...kinds][0] : null;
   return made;
 }
 
@@ -139,7 +141,7 @@ async function showMapping() {
   const files = [...inspected.values()].filter((one) => included.has(one.id) || uses(one.id));
   replace(byId("mapping"), mappingTable(mapping, files, units, changed));
   byId("name").value = mapping.name ?? "";
-  byId("emg").value = mapping.emg ?? "raw";
+  byId("emg").value = mapping.emg ?? "";
   byId("side").value = mapping.side ?? "";
 }
 
@@ -152,7 +154,7 @@ const changed = (redraw = true) => {
 
 function body() {
   mapping.name = byId("name").value.trim();
-  mapping.emg = byId("emg").value;
+  mapping.emg = byId("emg").value || null;
   mapping.side = byId("side").value || null;
   const person = byId("subject").value;
   return {
@@ -231,7 +233,7 @@ addEventListener("drop", (event) => {
 });
 onChanged(["subjects"], () => attempt(box.mapping, () => listSubjects()));
 
-attempt(box.upload, async () => {
+const ready = attempt(box.upload, async () => {
   const before = kept();
   [units] = await Promise.all([get("/api/units"), listSubjects(), listUploads()]);
   if (!uploads.length) return;

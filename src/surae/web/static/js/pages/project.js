@@ -6,6 +6,7 @@ import { change } from "../core/draft.js";
 import { onChanged, onJob } from "../core/events.js";
 import { quantity, seconds, vaf, when } from "../core/format.js";
 import { attempt, tell } from "../core/notice.js";
+import { latest } from "../core/pace.js";
 import { demoButton } from "../ui/demo.js";
 import { cancel, ended } from "../ui/jobs.js";
 import { mark, status } from "../ui/marks.js";
@@ -111,7 +112,11 @@ const nothing = {
     h("div", { class: "empty" }, h("p", {}, h("strong", {}, "No subjects yet."), " Add one under a code, for example S01; names of people do not belong here.")),
 };
 
+const shown = {};
 function show(kind, table, rows) {
+  const now = JSON.stringify([rows, people]);
+  if (shown[kind] === now) return; // what has not changed is not drawn anew under somebody's hand
+  shown[kind] = now;
   if (!rows.length) replace(byId(kind), nothing[kind]());
   else {
     table.update(rows);
@@ -119,13 +124,16 @@ function show(kind, table, rows) {
   }
 }
 
-async function refresh() {
-  const [subjects, recordings, fits] = await Promise.all([get("/api/subjects"), get("/api/recordings"), get("/api/fits")]);
-  people = subjects.subjects;
-  show("subjects", subjectsTable, people);
-  show("recordings", recordingsTable, recordings.recordings);
-  show("fits", fitsTable, fits.fits);
-}
+// One at a time: an answer that is late never takes the place of a later one.
+const refresh = latest(() =>
+  attempt(boxes.recordings, async () => {
+    const [subjects, recordings, fits] = await Promise.all([get("/api/subjects"), get("/api/recordings"), get("/api/fits")]);
+    people = subjects.subjects;
+    show("subjects", subjectsTable, people);
+    show("recordings", recordingsTable, recordings.recordings);
+    show("fits", fitsTable, fits.fits);
+  }),
+);
 
 const jobs = new Map();
 function note(job) {
@@ -148,7 +156,7 @@ function note(job) {
 }
 
 byId("add-subject").addEventListener("click", () => edit(null));
-onChanged(["recordings", "fits", "subjects"], () => attempt(boxes.recordings, refresh));
+onChanged(["recordings", "fits", "subjects"], () => refresh());
 onJob(note);
 attempt(boxes.recordings, async () => {
   await refresh();

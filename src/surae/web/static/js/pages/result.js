@@ -101,14 +101,14 @@ byId("report-show").addEventListener("click", () =>
   replace(byId("report-place"), h("iframe", { class: "report-frame", title: "Report of the fit", src: `/api/fits/${id}/report.html?inline=true` })),
 );
 
-attempt(byId("error"), async () => {
-  await read();
-  tabs(byId("tabs"), {
-    parameters: overview,
-    torque: () => traces(id, result),
-    profiles: () => profiles(id, () => result, read),
-    validation: () => validation(id, result),
-    models: () => showComparisons(result),
-  });
+// Tabs open at once; what is in them comes with the fit.
+const ready = attempt(byId("error"), read);
+const filled = (work) => () => ready.then(() => result && work());
+tabs(byId("tabs"), {
+  parameters: filled(overview),
+  torque: filled(() => traces(id, result)),
+  profiles: filled(() => profiles(id, () => result, read)),
+  validation: filled(() => validation(id, result)),
+  models: filled(() => showComparisons(result)),
 });
 onChanged(["fits"], () => attempt(byId("error"), read));

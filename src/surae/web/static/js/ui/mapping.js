@@ -4,7 +4,7 @@ import { button, h, scroll, select } from "../core/dom.js";
 import { EMG, number, roleText, unitText } from "../core/format.js";
 import { sparkline } from "../plot/sparkline.js";
 
-export const emptyMapping = () => ({ name: "", emg: "raw", side: null, channels: {}, fixed: {}, prepare: {} });
+export const emptyMapping = () => ({ name: "", emg: null, side: null, channels: {}, fixed: {}, prepare: {} });
 
 const NEEDED = ["angle", "torque", ...EMG];
 
