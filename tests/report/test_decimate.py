@@ -1,6 +1,6 @@
 import numpy as np
 
-from surae.report.decimate import min_max
+from surae.report.decimate import extremes, min_max
 
 
 def test_peaks_stay():
@@ -32,3 +32,21 @@ def test_a_short_signal_is_left_alone():
     t, v = min_max(time, time, 4000)
     assert t is time
     assert v is time
+
+
+def test_signals_shown_together_lose_no_peak_of_any():
+    rng = np.random.default_rng(2)
+    signals = rng.standard_normal((3, 50_000))
+    signals[0, 11_111], signals[1, 22_222], signals[2, 33_333] = 50.0, -40.0, 30.0
+    index = extremes(list(signals), 2000)
+    assert len(index) <= 2002
+    assert {0, 11_111, 22_222, 33_333, 49_999} <= set(index.tolist())
+    assert np.all(np.diff(index) > 0)
+
+
+def test_a_fast_chirp_keeps_its_amplitude():
+    time = np.arange(0.0, 40.0, 1.0 / 1024.0)
+    chirp = np.sin(2 * np.pi * 0.3 * time**2)
+    shown = chirp[extremes([chirp], 2000)]
+    late = shown[len(shown) // 2 :]
+    assert np.quantile(np.abs(late), 0.2) > 0.9  # every 20th sample alone would beat to 0

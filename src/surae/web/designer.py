@@ -17,6 +17,7 @@ from surae.estimation.least_squares import compress
 from surae.model import ModelOptions, get_model
 from surae.protocol import Protocol, Trajectory, generate, named_device
 from surae.protocol.triceps import triceps_path
+from surae.report.decimate import extremes
 from surae.studies import POPULATIONS, VirtualSubject, virtual_trial
 from surae.web.live import plain
 
@@ -72,12 +73,13 @@ def preview(
         )
     trajectory = generate(made)
     path, adaptation = triceps_path(trajectory), trajectory.adaptation
+    shown = extremes([trajectory.angle, trajectory.velocity], _POINTS)
     step = max(-(-len(trajectory.time) // _POINTS), 1)
     return {
-        "t": plain(trajectory.time[::step]),
-        "angle": plain(trajectory.angle[::step]),
-        "velocity": plain(trajectory.velocity[::step]),
-        "effort": [plain(trajectory.effort[::step, i]) for i in range(4)],
+        "t": plain(trajectory.time[shown]),
+        "angle": plain(trajectory.angle[shown]),
+        "velocity": plain(trajectory.velocity[shown]),
+        "effort": [plain(trajectory.effort[shown, i]) for i in range(4)],
         "seconds": trajectory.settings.seconds,
         "samples": len(trajectory.time),
         "adaptation": None

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from surae.errors import InputError
+from surae.report.decimate import extremes
 from surae.web.database import Thing
 from surae.web.draft import normal
 from surae.web.jobs import Kind
@@ -217,21 +218,23 @@ def fit_traces(
     first = 0 if start is None else max(int(np.searchsorted(one.time, start)) - 1, 0)
     last = one.n if end is None else int(np.searchsorted(one.time, end, "right")) + 1
     last = min(max(last, first), one.n)
-    shown = slice(first, last, max(-(-(last - first) // points), 1))
     measured = np.zeros(one.n) if one.torque is None else one.torque
+    modelled = measured - residual
+    inside = slice(first, last)
+    # Every point is a sample: parts add up to the torque, and no swing of a chirp is lost.
+    shown = first + extremes([each[inside] for each in (measured, modelled, one.angle)], points)
     return {
         "name": one.name,
         "n": one.n,
         "rate_hz": one.rate_hz,
         "t": plain(one.time[shown]),
         "measured": plain(measured[shown]),
-        "modelled": plain((measured - residual)[shown]),
+        "modelled": plain(modelled[shown]),
         "residual": plain(residual[shown]),
         "angle": plain(one.angle[shown]),
         "emg": [plain(one.emg[shown, column]) for column in range(one.emg.shape[1])],
         "emg_unit": one.emg_unit,
         "parts": {name: plain(getattr(parts, name)[shown]) for name in _PARTS},
-        "weight": None if one.weight is None else plain(one.weight[shown]),
         "excluded": _excluded(one.time, one.weight),
     }
 

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Response
 from fastapi.responses import FileResponse, StreamingResponse
 
+from surae.report.decimate import extremes
 from surae.web.database import Thing
 from surae.web.draft import changed, empty_draft
 from surae.web.fits import (
@@ -223,8 +224,8 @@ def post_validate(id: PathId, given: ValidateGiven, bench: Bench) -> dict[str, A
         name = bench.project.need("recording", other)["name"]
         inputs = bench.prepared(other, as_they_are)
         (one,) = api.validate(fitted, [inputs])
-        step = max(-(-inputs.n // 2000), 1)
         measured = inputs.torque if inputs.torque is not None else inputs.time * 0.0
+        shown = extremes([measured, one.torque], 2000)
         found.append(
             {
                 "recording": other,
@@ -232,9 +233,9 @@ def post_validate(id: PathId, given: ValidateGiven, bench: Bench) -> dict[str, A
                 "vaf": one.vaf,
                 "rmse_Nm": one.rmse,
                 "bias_Nm": one.bias,
-                "t": plain(inputs.time[::step]),
-                "measured": plain(measured[::step]),
-                "predicted": plain(one.torque[::step]),
+                "t": plain(inputs.time[shown]),
+                "measured": plain(measured[shown]),
+                "predicted": plain(one.torque[shown]),
             }
         )
     return {"predictions": found}
