@@ -39,7 +39,7 @@ def command(
     check_outputs({"--output": output}, [parameters, *(file.path for file in measured.files)])
 
     from surae.api import simulate_parts  # numba: only when the input is in order
-    from surae.assessment.saved.fit_json import read_parameters
+    from surae.assessment.saved.parameters_json import read_parameters
     from surae.cli.progress import compilation_notice
     from surae.cli.screen import show_line
 

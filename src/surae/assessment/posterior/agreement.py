@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from surae.assessment.posterior.sample import Posterior
-from surae.assessment.saved.fit_json import check_version, read_json
+from surae.assessment.saved.json_file import check_version, read_json
 from surae.errors import InputError
 from surae.files import PathLike, shown
 

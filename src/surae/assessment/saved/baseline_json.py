@@ -1,6 +1,6 @@
 """A baseline for snSEM as a file."""
 
-from surae.assessment.saved.fit_json import check_version, read_json
+from surae.assessment.saved.json_file import check_version, read_json
 from surae.assessment.uncertainty.snsem import Baseline, baseline_as_dict, read_baseline
 from surae.errors import InputError
 from surae.files import PathLike, shown, write_json

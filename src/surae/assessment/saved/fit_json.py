@@ -1,6 +1,5 @@
 """FIT.json: a fit as a file, readable by people and programs, loaded again without loss."""
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,19 +10,15 @@ import numpy as np
 from surae._version import __version__
 from surae.assessment.assess import Assessment, ParameterEstimate
 from surae.assessment.saved.arrays import decode, encode
+from surae.assessment.saved.json_file import FORMAT, check_version, read_json, real
 from surae.assessment.saved.outliers_json import outliers_as_dict, read_outliers
+from surae.assessment.saved.trace_json import read_trace, trace_as_dict
 from surae.assessment.uncertainty.snsem import Baseline, baseline_as_dict, read_baseline
 from surae.errors import InputError
 from surae.estimation import FitProblem, FitResult, Prior, Start
-from surae.files import PathLike, read_bytes, shown, write_json
+from surae.files import PathLike, shown, write_json
 from surae.model import ModelOptions, check_value, get_model, with_drives
 from surae.quality.finding import Quality, quality_of
-from surae.recording import MUSCLES, SourceFile
-from surae.signals import EmgReference, ModelInputs
-
-#: Of the file's layout; raised when an older surae could not read it.
-FORMAT = 1
-_SERIES = ("time", "angle", "velocity", "acceleration")
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,114 +80,6 @@ def load_saved(path: PathLike) -> SavedFit:
         ) from None
     except (TypeError, ValueError, AttributeError, IndexError, OverflowError) as error:
         raise InputError(f"{shown(path)}: a damaged FIT.json ({error}); fit again") from None
-
-
-@dataclass(frozen=True, slots=True)
-class GivenParameters:
-    """Parameters from a file, and what else a FIT.json says of them.
-
-    Attributes
-    ----------
-    values : mapping of str to float
-        By name.
-    model : str or None
-        The model they belong to; None where the file does not say.
-    options : mapping
-        The model's options.
-    emg_unit : str or None
-        Unit of the EMG that the weights go with.
-    """
-
-    values: Mapping[str, float]
-    model: str | None
-    options: Mapping[str, Any]
-    emg_unit: str | None
-
-
-def read_parameters(path: PathLike) -> GivenParameters:
-    """Parameter values from a FIT.json or from ``{"parameters": {"m": 2.0, …}}``.
-
-    Raises
-    ------
-    InputError
-        The file is missing, not JSON, or has no table of numbers under ``parameters``.
-    """
-    data = read_json(path)
-    check_version(data, path)
-    table = data.get("parameters")
-    if not isinstance(table, dict) or not table:
-        raise InputError(
-            f'{shown(path)}: no parameters; write {{"parameters": {{"m": 2.0, …}}}} or give a '
-            "FIT.json"
-        )
-    values = {}
-    for name, entry in table.items():
-        value = entry.get("value") if isinstance(entry, dict) else entry
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            text = json.dumps(entry, ensure_ascii=False)
-            raise InputError(f"{shown(path)}: parameter {name!r} is {text}; give a number")
-        try:
-            values[name] = float(value)
-        except OverflowError:
-            raise InputError(f"{shown(path)}: parameter {name!r} is too large a number") from None
-    model, options, traces = data.get("model"), data.get("options", {}), data.get("traces")
-    if not (isinstance(model, str | None) and isinstance(options, dict)):
-        raise InputError(f"{shown(path)}: model must be a name, and options a table")
-    units = {t.get("emg_unit") for t in traces if isinstance(t, dict)} if traces else set()
-    return GivenParameters(values, model, options, units.pop() if len(units) == 1 else None)
-
-
-def read_json(path: PathLike) -> dict[str, Any]:
-    """A JSON object from a file.
-
-    Raises
-    ------
-    InputError
-        The file is missing or is not a JSON object.
-    """
-    content = read_bytes(path)
-    try:
-        data = json.loads(content.decode("utf-8"))
-    except UnicodeDecodeError:
-        raise InputError(f"{shown(path)}: not a text file, expected JSON") from None
-    except RecursionError:
-        raise InputError(f"{shown(path)}: nested too deeply, expected JSON of a fit") from None
-    except json.JSONDecodeError as error:
-        raise InputError(
-            f"{shown(path)}: not JSON (line {error.lineno}, column {error.colno}: {error.msg})"
-        ) from None
-    except ValueError:
-        raise InputError(f"{shown(path)}: a number in it has thousands of digits") from None
-    if not isinstance(data, dict):
-        raise InputError(
-            f'{shown(path)}: expected a JSON object {{"…": …}}, found a {type(data).__name__}'
-        )
-    return data
-
-
-def check_version(data: Mapping[str, Any], path: PathLike) -> None:
-    """Refuse a file that a newer surae wrote: it may mean what this one does not know."""
-    written = data.get("surae")
-    if written is None:
-        return
-    layout = data.get("format", FORMAT)
-    if not isinstance(written, str) or not isinstance(layout, int):
-        raise InputError(f"{shown(path)}: a damaged FIT.json (surae or format); fit again")
-    if _ordered(written) > _ordered(__version__) or layout > FORMAT:
-        raise InputError(
-            f"{shown(path)}: written by surae {written} in format {layout}, newer than this one "
-            f"({__version__}, format {FORMAT}); upgrade surae to read it"
-        )
-
-
-def _ordered(version: str) -> tuple[int, ...]:
-    """The leading numbers of a version, comparable."""
-    numbers = []
-    for part in version.split("."):
-        if not part.isdecimal():
-            break
-        numbers.append(int(part))
-    return tuple(numbers)
 
 
 def as_dict(
@@ -273,7 +160,7 @@ def as_dict(
         "sse": _number(result.sse),
         "R": encode(result.R),
         "traces": [
-            _trace(one, residual)
+            trace_as_dict(one, residual)
             for one, residual in zip(problem.inputs, result.residuals, strict=True)
         ],
     }
@@ -305,82 +192,12 @@ def _optional(value: float | None) -> float | None:
     return None if value is None else _number(value)
 
 
-def _trace(one: ModelInputs, residual: Any) -> dict[str, Any]:
-    torque = one.torque if one.torque is not None else np.zeros(0)
-    return {
-        "name": one.name,
-        "rate_hz": one.rate_hz,
-        "n": one.n,
-        "emg_unit": one.emg_unit,
-        "emg_reference": _reference_as_dict(one.emg_reference),
-        "missing_emg": list(one.missing_emg),
-        "prepared": one.prepared,
-        "steps": list(one.steps),
-        "fixed": dict(one.fixed),
-        "files": [{"path": file.path, "sha256": file.sha256} for file in one.files],
-        **{name: encode(getattr(one, name)) for name in _SERIES},
-        "emg": encode(one.emg),
-        "torque": encode(torque),
-        "weight": None if one.weight is None else encode(one.weight),
-        "emphasised": one.emphasised,
-        "residual": encode(residual),
-    }
-
-
-def _reference_as_dict(reference: EmgReference | None) -> dict[str, Any] | None:
-    if reference is None:
-        return None
-    return {
-        "kind": reference.kind,
-        "values_V": dict(zip(MUSCLES, reference.values, strict=True)),
-        "recordings": reference.count,
-        "files": [{"path": file.path, "sha256": file.sha256} for file in reference.files],
-    }
-
-
-def _reference(data: Mapping[str, Any] | None) -> EmgReference | None:
-    if data is None:
-        return None
-    kind = data["kind"]
-    if kind not in ("session", "mvc"):
-        raise ValueError(f"emg_reference is of {kind!r:.40}")
-    values = [data["values_V"][muscle] for muscle in MUSCLES]
-    if any(value is not None and not _real(value) > 0 for value in values):
-        raise ValueError("a reference of the EMG is not above zero")
-    return EmgReference(
-        kind=kind,
-        values=tuple(None if value is None else _real(value) for value in values),
-        files=tuple(SourceFile(str(f["path"]), str(f["sha256"])) for f in data["files"]),
-        count=int(data["recordings"]),
-    )
-
-
-def _inputs(trace: Mapping[str, Any]) -> ModelInputs:
-    n = int(trace["n"])
-    return ModelInputs(
-        name=str(trace["name"]),
-        rate_hz=_real(trace["rate_hz"]),
-        emg=decode(trace["emg"], (n, 4)),
-        emg_unit=str(trace["emg_unit"]),
-        emg_reference=_reference(trace.get("emg_reference")),
-        torque=decode(trace["torque"], (n,)),
-        missing_emg=tuple(map(str, trace["missing_emg"])),
-        steps=tuple(map(str, trace["steps"])),
-        prepared=bool(trace["prepared"]),
-        weight=None if trace["weight"] is None else decode(trace["weight"], (n,)),
-        emphasised=bool(trace.get("emphasised", False)),
-        fixed={str(name): _real(value) for name, value in trace["fixed"].items()},
-        files=tuple(SourceFile(str(f["path"]), str(f["sha256"])) for f in trace["files"]),
-        **{name: decode(trace[name], (n,)) for name in _SERIES},
-    )
-
-
 def _result(data: Mapping[str, Any]) -> FitResult:
     table = data["parameters"]
     spec = with_drives(get_model(data["model"]), table)
     options = ModelOptions.of(**data["options"])
     free = tuple(name for name in spec.names if table[name]["free"])
-    values = {name: _real(table[name]["value"]) for name in spec.names}
+    values = {name: real(table[name]["value"]) for name in spec.names}
     traces = data["traces"]
     starts = data["starts"]
     if not traces or not starts["all"] or not free:
@@ -393,7 +210,7 @@ def _result(data: Mapping[str, Any]) -> FitResult:
     problem = FitProblem(
         spec=spec,
         options=options,
-        inputs=tuple(_inputs(trace) for trace in traces),
+        inputs=tuple(read_trace(trace) for trace in traces),
         free=free,
         base=np.array(
             [
@@ -405,7 +222,7 @@ def _result(data: Mapping[str, Any]) -> FitResult:
         lower=limits[:, 0],
         upper=limits[:, 1],
         priors={
-            str(name): Prior(_real(prior["median"]), _real(prior["spread"]))
+            str(name): Prior(real(prior["median"]), real(prior["spread"]))
             for name, prior in data["priors"].items()
         },
     )
@@ -426,8 +243,8 @@ def _result(data: Mapping[str, Any]) -> FitResult:
         R=decode(data["R"], (len(free), len(free))),
         starts=tuple(
             Start(
-                {str(name): _real(value) for name, value in start["initial"].items()},
-                {str(name): _real(value) for name, value in start["values"].items()},
+                {str(name): real(value) for name, value in start["initial"].items()},
+                {str(name): real(value) for name, value in start["values"].items()},
                 _sum(start["sse"]),
                 str(start["outcome"]),
                 int(start["iterations"]),
@@ -436,18 +253,11 @@ def _result(data: Mapping[str, Any]) -> FitResult:
         ),
         agreeing=int(starts["agreeing"]),
         seed=int(data["seed"]),
-        seconds=_real(data["seconds"]),
+        seconds=real(data["seconds"]),
         versions={str(name): str(version) for name, version in data["versions"].items()},
         outliers=read_outliers(data.get("outliers"), [one.n for one in problem.inputs]),
     )
 
 
 def _sum(value: float | None) -> float:
-    return math.inf if value is None else _real(value)
-
-
-def _real(value: object) -> float:
-    """A finite number; text, true and false are none."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise ValueError(f"{value!r:.40} is not a finite number")
-    return float(value)
+    return math.inf if value is None else real(value)

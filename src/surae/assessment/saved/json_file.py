@@ -1,0 +1,73 @@
+"""JSON files that surae wrote: read as a table, refused where a newer surae wrote them."""
+
+import json
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from surae._version import __version__
+from surae.errors import InputError
+from surae.files import PathLike, read_bytes, shown
+
+#: Of the file's layout; raised when an older surae could not read it.
+FORMAT = 1
+
+
+def read_json(path: PathLike) -> dict[str, Any]:
+    """A JSON object from a file.
+
+    Raises
+    ------
+    InputError
+        The file is missing or is not a JSON object.
+    """
+    content = read_bytes(path)
+    try:
+        data = json.loads(content.decode("utf-8"))
+    except UnicodeDecodeError:
+        raise InputError(f"{shown(path)}: not a text file, expected JSON") from None
+    except RecursionError:
+        raise InputError(f"{shown(path)}: nested too deeply, expected JSON of a fit") from None
+    except json.JSONDecodeError as error:
+        raise InputError(
+            f"{shown(path)}: not JSON (line {error.lineno}, column {error.colno}: {error.msg})"
+        ) from None
+    except ValueError:
+        raise InputError(f"{shown(path)}: a number in it has thousands of digits") from None
+    if not isinstance(data, dict):
+        raise InputError(
+            f'{shown(path)}: expected a JSON object {{"…": …}}, found a {type(data).__name__}'
+        )
+    return data
+
+
+def check_version(data: Mapping[str, Any], path: PathLike) -> None:
+    """Refuse a file that a newer surae wrote: it may mean what this one does not know."""
+    written = data.get("surae")
+    if written is None:
+        return
+    layout = data.get("format", FORMAT)
+    if not isinstance(written, str) or not isinstance(layout, int):
+        raise InputError(f"{shown(path)}: a damaged FIT.json (surae or format); fit again")
+    if _ordered(written) > _ordered(__version__) or layout > FORMAT:
+        raise InputError(
+            f"{shown(path)}: written by surae {written} in format {layout}, newer than this one "
+            f"({__version__}, format {FORMAT}); upgrade surae to read it"
+        )
+
+
+def _ordered(version: str) -> tuple[int, ...]:
+    """The leading numbers of a version, comparable."""
+    numbers = []
+    for part in version.split("."):
+        if not part.isdecimal():
+            break
+        numbers.append(int(part))
+    return tuple(numbers)
+
+
+def real(value: object) -> float:
+    """A finite number; text, true and false are none."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ValueError(f"{value!r:.40} is not a finite number")
+    return float(value)
