@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from surae.assessment import assess
 from surae.assessment.uncertainty.covariance import covariance
 from surae.estimation import FitProblem, fit_problem
-from surae.estimation.problem import simulators
+from surae.estimation.residuals import simulators
 
 import baseline
 

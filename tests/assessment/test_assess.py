@@ -10,7 +10,7 @@ from surae.assessment.uncertainty.covariance import half_width
 from surae.assessment.verdict import IDENTIFIED, judge_interval
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
-from surae.estimation.problem import Residuals
+from surae.estimation.residuals import Residuals
 from surae.recording import SourceFile
 from surae.recording.recording import MUSCLES
 

@@ -15,7 +15,7 @@ from surae.assessment.identifiability.collinearity import (
 )
 from surae.assessment.identifiability.identified import Cause, identifiability
 from surae.estimation import fit_problem, make_problem
-from surae.estimation.problem import Residuals
+from surae.estimation.residuals import Residuals
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial
 

@@ -11,7 +11,7 @@ from surae.assessment.posterior.agreement import AGREES, agreements
 from surae.assessment.posterior.sample import sample
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
-from surae.estimation.problem import Residuals
+from surae.estimation.residuals import Residuals
 from surae.studies import virtual_trial
 
 pytestmark = pytest.mark.usefixtures("sampler")

@@ -13,7 +13,7 @@ from surae.assessment.likelihood.profile import profile
 from surae.errors import InputError
 from surae.estimation import Prior, fit_problem, make_problem
 from surae.estimation.least_squares import compress
-from surae.estimation.problem import Residuals
+from surae.estimation.residuals import Residuals
 
 RNG = np.random.default_rng(7)
 N = 200

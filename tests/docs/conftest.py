@@ -4,6 +4,7 @@ import json
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import surae
@@ -11,12 +12,15 @@ from surae.protocol import Protocol, generate
 from surae.recording import MUSCLES, write_csv, write_hdf5
 from surae.signals import ModelInputs
 from surae.studies import virtual_subject, virtual_trial
+from surae.units import FloatArray
 
 #: Headings of a laboratory's own, for `surae inspect`.
 _LAB = {
     "time_s": "Time (s)", "angle_rad": "Ankle Angle (deg)", "torque_Nm": "Ankle Torque (Nm)",
     "emg_ta_V": "TA (mV)", "emg_gl_V": "GL (mV)", "emg_sol_V": "SOL (mV)", "emg_gm_V": "GM (mV)",
 }  # fmt: skip
+#: What their units are, seen from ours.
+_TO_LAB = {"angle_rad": 180.0 / np.pi} | {f"emg_{muscle}_V": 1e3 for muscle in MUSCLES}
 _STUDY = """
 name = "small"
 protocol = "multiple-holds"
@@ -29,7 +33,7 @@ seed = 1
 """
 
 
-def _columns(trial: ModelInputs) -> dict[str, object]:
+def _columns(trial: ModelInputs) -> dict[str, FloatArray]:
     assert trial.torque is not None
     emg = {f"emg_{muscle}_V": trial.emg[:, i] for i, muscle in enumerate(MUSCLES)}
     return {"time_s": trial.time, "angle_rad": trial.angle, "torque_Nm": trial.torque} | emg
@@ -60,11 +64,8 @@ def prepared(tmp_path_factory) -> Path:
     for person in ("S01",):  # a second one would only take time
         (folder / "cohort" / person).mkdir(parents=True)
         shutil.copy(folder / "trial.csv", folder / "cohort" / person / "trial.csv")
-    heading, *rows = (
-        line for line in (folder / "trial.csv").read_text().splitlines() if line[0] != "#"
-    )
-    lab = ",".join(_LAB[name] for name in heading.split(","))
-    (folder / "lab.csv").write_text("\n".join((lab, *rows)) + "\n")
+    columns = _columns(trials["trial"])
+    write_csv(folder / "lab.csv", {_LAB[n]: _TO_LAB.get(n, 1.0) * columns[n] for n in columns})
     for name in ("map", "corrected"):
         (folder / f"{name}.toml").write_text(_mapping())
     write_hdf5(folder / "recording.h5", surae.read(folder / "trial.csv"))
@@ -78,7 +79,7 @@ def prepared(tmp_path_factory) -> Path:
 
 def _mapping() -> str:
     """The laboratory's file, described as the page on it says."""
-    units = {"angle": "rad", "torque": "Nm"} | {f"emg_{muscle}": "V" for muscle in MUSCLES}
+    units = {"angle": "deg", "torque": "Nm"} | {f"emg_{muscle}": "mV" for muscle in MUSCLES}
     tables = [
         f'[channels.{name.rsplit("_", 1)[0]}]\nfile = "lab.csv"\ncolumn = "{column}"\n'
         f'unit = "{units[name.rsplit("_", 1)[0]]}"\n'

@@ -5,7 +5,7 @@ import pytest
 
 from surae.estimation import make_problem
 from surae.estimation.curved import curved_move
-from surae.estimation.problem import Residuals
+from surae.estimation.residuals import Residuals
 
 
 @pytest.mark.parametrize("geometry", ["thesis", "virtual-work"])

@@ -7,7 +7,7 @@ import pytest
 
 from surae.estimation import fit_problem, make_problem
 from surae.estimation.drive_starts import delay_valleys, drives_off, held_off
-from surae.estimation.problem import Residuals
+from surae.estimation.residuals import Residuals
 from surae.model import ModelOptions, get_model
 from surae.protocol import Protocol, generate
 from surae.recording import read

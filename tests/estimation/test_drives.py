@@ -8,7 +8,7 @@ import pytest
 from surae.assessment import assess
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
-from surae.estimation.problem import Residuals
+from surae.estimation.residuals import Residuals
 from surae.estimation.separable import solve_linear
 from surae.model import ModelOptions, get_model
 from surae.model.geometry import paths

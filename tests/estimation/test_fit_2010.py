@@ -10,7 +10,7 @@ from surae.assessment import assess
 from surae.assessment.comparison.information import aicc
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
-from surae.estimation.problem import Residuals
+from surae.estimation.residuals import Residuals
 from surae.estimation.separable import scan_lengths, solve_linear
 from surae.model import ModelOptions, get_model
 from surae.recording import read_only

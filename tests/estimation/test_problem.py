@@ -7,7 +7,7 @@ import pytest
 
 from surae.errors import InputError
 from surae.estimation import make_problem
-from surae.estimation.problem import Residuals
+from surae.estimation.residuals import Residuals
 from surae.model import ModelOptions
 from surae.model.parameters import MUSCLE_PARAMETERS
 

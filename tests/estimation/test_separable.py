@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import lsq_linear
 
 from surae.estimation import make_problem
-from surae.estimation.problem import Residuals
+from surae.estimation.residuals import Residuals
 from surae.estimation.separable import scan_lengths, solve_linear
 from surae.model import get_model
 

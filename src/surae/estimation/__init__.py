@@ -3,7 +3,8 @@
 from surae.estimation.fit import STARTS, fit_problem
 from surae.estimation.losses import LOSSES
 from surae.estimation.outliers import fit_robust
-from surae.estimation.problem import FitProblem, Prior, make_problem
+from surae.estimation.prior import Prior
+from surae.estimation.problem import FitProblem, make_problem
 from surae.estimation.result import FitResult, Outliers, Start
 
 __all__ = [

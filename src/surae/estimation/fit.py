@@ -10,7 +10,8 @@ from surae.errors import InputError
 from surae.estimation.drive_starts import own_columns
 from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.least_squares import Minimum, Outcome, minimise
-from surae.estimation.problem import FitProblem, Residuals
+from surae.estimation.problem import FitProblem
+from surae.estimation.residuals import Residuals
 from surae.estimation.result import FitResult, Start, is_at_bound
 from surae.estimation.starts import Follow, from_start
 from surae.recording import read_only

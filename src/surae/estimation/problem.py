@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from surae.errors import InputError
-from surae.estimation.interrupt import checkpoint
 from surae.estimation.population import population_priors
+from surae.estimation.prior import Prior, checked_prior
 from surae.model import (
     ModelOptions,
     ModelSpec,
@@ -18,30 +18,10 @@ from surae.model import (
     with_drives,
 )
 from surae.model.parameters import DRIVES
-from surae.model.simulator import Simulator
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs
 from surae.signals.estimable import check_estimable
 from surae.units import FloatArray
-
-#: Below this part of its median a parameter's prior no longer changes: its logarithm would not end.
-_SMALLEST = 1e-6
-
-
-@dataclass(frozen=True, slots=True)
-class Prior:
-    """What is known of a parameter beforehand: a Gaussian on its logarithm.
-
-    Attributes
-    ----------
-    median : float
-        Expected value, in the parameter's unit.
-    spread : float
-        Standard deviation of the logarithm; for small ones, the relative standard deviation.
-    """
-
-    median: float
-    spread: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -276,28 +256,6 @@ def _checked_bounds(name: str, pair: object, spec: ModelSpec) -> tuple[float, fl
     return float(low), float(high)
 
 
-def checked_prior(name: str, pair: object, free: Sequence[str]) -> Prior:
-    """The prior that a median and a spread make, of one of the free parameters.
-
-    Raises
-    ------
-    InputError
-        The parameter is not free, or the pair is not two numbers above zero.
-    """
-    if name not in free:
-        raise InputError(
-            f"prior of {name}: it is not estimated; free parameters: {', '.join(free)}"
-        )
-    if not isinstance(pair, Sequence | np.ndarray) or len(pair) != 2:
-        raise InputError(f"prior of {name} is {pair!r}; give its median and its spread")
-    median, spread = pair
-    for value in (median, spread):
-        number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
-        if not number or not 0 < value < np.inf:
-            raise InputError(f"prior of {name} is {pair!r}; median and spread must be above zero")
-    return Prior(float(median), float(spread))
-
-
 def _check_weight(one: ModelInputs) -> None:
     weight = one.weight
     if weight is not None and (
@@ -320,79 +278,3 @@ def _check_emg(inputs: Sequence[ModelInputs], fixed: Mapping[str, float], spec: 
                     f"{one.where}: no EMG of muscle {muscle!r}, so its weight {weight} cannot be "
                     f"estimated; add the channel emg_{muscle} or fix the weight ({weight}=0)"
                 )
-
-
-def simulators(problem: FitProblem) -> tuple[Simulator, ...]:
-    """The model tied to each recording."""
-    return tuple(problem.spec.simulator(one, problem.options) for one in problem.inputs)
-
-
-class Residuals:
-    """Modelled minus measured torque of all recordings, with its Jacobian, weighted.
-
-    Priors follow as further residuals, σ·(ln x − ln median)/spread, so that the sum of squares over
-    σ² is minus twice the logarithm of the posterior, but for a constant.
-
-    Parameters
-    ----------
-    problem : FitProblem
-        The question.
-    noise : float
-        Standard deviation σ of the torque's noise [Nm], against which priors are weighed.
-    """
-
-    def __init__(self, problem: FitProblem, noise: float = 0.0) -> None:
-        self._problem, self.noise = problem, noise
-        self._simulators = simulators(problem)
-        measured = [one.torque for one in problem.inputs]
-        self._measured = [torque for torque in measured if torque is not None]
-        self._roots = [
-            None if one.weight is None else np.sqrt(one.weight) for one in problem.inputs
-        ]
-        self._columns = problem.columns
-        self._samples = sum(one.n for one in problem.inputs)
-        self._rows = np.empty((len(self._columns) + 1, self._samples + len(problem.priors)))
-
-    def data_rows(self, x: FloatArray) -> FloatArray:
-        """Jacobian rows and the residual [Nm] of the recordings alone, without priors."""
-        checkpoint()
-        values, begin = self._problem.values(x), 0
-        for simulator, measured, root in zip(
-            self._simulators, self._measured, self._roots, strict=True
-        ):
-            end = begin + len(measured)
-            torque, jacobian = simulator.torque_jacobian(values, self._columns)
-            self._rows[:-1, begin:end] = jacobian
-            np.subtract(torque, measured, out=self._rows[-1, begin:end])
-            if root is not None:
-                self._rows[:, begin:end] *= root
-            begin = end
-        return self._rows[:, : self._samples]
-
-    def rows(self, x: FloatArray) -> FloatArray:
-        """Jacobian rows and the residual [Nm], shape (p + 1, n); the next call overwrites them."""
-        self.data_rows(x)
-        self._rows[:-1, self._samples :] = 0.0
-        for column, (name, prior) in enumerate(self._problem.priors.items(), self._samples):
-            j = self._problem.free.index(name)
-            value = max(x[j], _SMALLEST * prior.median)
-            weight = self.noise / prior.spread
-            self._rows[j, column] = weight / value
-            self._rows[-1, column] = weight * np.log(value / prior.median)
-        return self._rows
-
-    def of(self, x: FloatArray) -> tuple[FloatArray, ...]:
-        """Measured minus modelled torque of each recording [Nm], as it is, without weights."""
-        values = self._problem.values(x)
-        return tuple(
-            measured - simulator.torque(values)
-            for simulator, measured in zip(self._simulators, self._measured, strict=True)
-        )
-
-    def sse(self, residuals: Sequence[FloatArray]) -> float:
-        """Weighted sum of squares of residuals as `of` gives them [Nm²]."""
-        with np.errstate(over="ignore"):
-            return sum(
-                float(np.sum(one**2 if root is None else (root * one) ** 2))
-                for one, root in zip(residuals, self._roots, strict=True)
-            )

@@ -9,7 +9,8 @@ import numpy as np
 from surae.estimation.curved import curved_move
 from surae.estimation.drive_starts import delay_valleys, drives_off, held_off, own_columns
 from surae.estimation.least_squares import Better, Minimum, Outcome, Rows, minimise
-from surae.estimation.problem import FitProblem, Residuals
+from surae.estimation.problem import FitProblem
+from surae.estimation.residuals import Residuals
 from surae.estimation.separable import scan_lengths, solve_linear
 from surae.model import ModelSpec, get_model, with_drives
 from surae.signals import thinned, thinning_factor

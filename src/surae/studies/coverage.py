@@ -8,7 +8,7 @@ import numpy as np
 from surae.assessment import Verdict, assess
 from surae.assessment.uncertainty.covariance import half_width
 from surae.estimation import fit_problem, make_problem
-from surae.estimation.problem import Residuals
+from surae.estimation.residuals import Residuals
 from surae.recording import read_only
 from surae.signals import ModelInputs
 from surae.units import FloatArray

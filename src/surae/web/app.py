@@ -17,7 +17,18 @@ from surae._version import __version__
 from surae.errors import InputError, SuraeError
 from surae.web.fits import job_kinds
 from surae.web.refusals import FULL, NO_ROOM, RefusedError, one_line, where
-from surae.web.routes import cohort, draft, fits, pages, protocols, recordings, studies, uploads
+from surae.web.routes import (
+    cohort,
+    comparisons,
+    draft,
+    fits,
+    jobs,
+    pages,
+    protocols,
+    recordings,
+    studies,
+    uploads,
+)
 from surae.web.security import Policy, Security
 from surae.web.workbench import Workbench
 
@@ -66,7 +77,9 @@ def create_app(bench: Workbench, policy: Policy) -> ASGIApp:
         },
     )
     app.state.workbench, app.state.policy = bench, policy
-    for module in (draft, uploads, recordings, fits, cohort, protocols, studies, pages):
+    for module in (
+        draft, uploads, recordings, fits, jobs, comparisons, cohort, protocols, studies, pages
+    ):  # fmt: skip
         app.include_router(module.router)
     app.mount("/static", _Static(directory=pages.STATIC, check_dir=False), name="static")
     app.add_exception_handler(SuraeError, _surae_error)

@@ -8,20 +8,18 @@ cookie that only our own pages send (SameSite=Strict) and by a token that only o
 import asyncio
 import hmac
 import ipaddress
-import json
 import re
 import socket
 from collections.abc import Iterable
 from dataclasses import dataclass
 from hashlib import sha256
-from http.cookies import CookieError, SimpleCookie
-from typing import Any
-from urllib.parse import parse_qsl, urlencode
+from urllib.parse import urlencode
 
 from starlette.concurrency import run_in_threadpool
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from surae.errors import SuraeError
+from surae.web.asked import Asked, redirect, refuse, respond
 from surae.web.refusals import RefusedError, one_line
 from surae.web.sessions import Sessions
 
@@ -43,7 +41,6 @@ _HEADERS = {
 }
 #: Largest body of a request that uploads no file [bytes].
 _BODY = 2 * 2**20
-_SAFE = ("GET", "HEAD", "OPTIONS")
 #: API routes that need no session: one makes it, the other describes the API.
 _OPEN = ("/api/session", "/api/openapi.json")
 _HOST = re.compile(r"(\[(?P<v6>[0-9A-Fa-f:.]+)\]|(?P<name>[0-9A-Za-z._-]+))(:[0-9]{0,5})?")
@@ -133,48 +130,46 @@ class Security:
             if scope["type"] == "lifespan":
                 await self._app(scope, receive, send)
             return  # no WebSockets
-        request = _Request(scope)
+        request = Asked(scope)
         cookies: list[str] = []
         guarded = _guarded(send, cookies)
         limit = _BODY
         if request.method == "POST" and request.path == "/api/uploads":
             limit = self._policy.upload_bytes
         if not self._policy.allows_host(request.header("host")):
-            await _refuse(guarded, 400, "this server does not go by that name (Host)")
+            await refuse(guarded, 400, "this server does not go by that name (Host)")
         elif request.from_elsewhere and request.is_page:
-            await _respond(guarded, 200, _AGAIN, [], b"text/html; charset=utf-8")
+            await respond(guarded, 200, _AGAIN, [], b"text/html; charset=utf-8")
         elif request.from_elsewhere:
-            await _refuse(guarded, 403, _ELSEWHERE)
+            await refuse(guarded, 403, _ELSEWHERE)
         elif self._token is not None and (
             not self._knows(request) or (request.is_page and "token" in request.parameters)
         ):
             await self._ask_token(request, guarded, cookies, self._token)
         elif not request.safe and not request.same_origin:
-            await _refuse(guarded, 403, _ELSEWHERE)
+            await refuse(guarded, 403, _ELSEWHERE)
         elif request.length is not None and request.length > limit:
-            await _refuse(guarded, 413, _too_large(limit))
+            await refuse(guarded, 413, _too_large(limit))
         else:
             try:
                 known = await self._session(request, guarded, cookies)
             except SuraeError as error:  # the project cannot be read or written
-                await _refuse(guarded, 503, self._sessions.hidden(one_line(error)))
+                await refuse(guarded, 503, self._sessions.hidden(one_line(error)))
                 return
             if known:
                 await self._pass(scope, receive, guarded, limit)
 
-    async def _ask_token(
-        self, request: "_Request", send: Send, cookies: list[str], token: str
-    ) -> None:
+    async def _ask_token(self, request: Asked, send: Send, cookies: list[str], token: str) -> None:
         """Take the token out of the address, once; refuse who does not know it."""
         given = request.parameters
         if request.safe and (self._matches(given.pop("token", "")) or self._knows(request)):
             cookies.append(_cookie(self._token_cookie, token))
             query = urlencode(given)
-            await _redirect(send, request.path + (f"?{query}" if query else ""))
+            await redirect(send, request.path + (f"?{query}" if query else ""))
         else:
             async with self._guessing:
                 await asyncio.sleep(_GUESS)
-            await _refuse(send, 403, "this server needs its token; open the address it printed")
+            await refuse(send, 403, "this server needs its token; open the address it printed")
 
     async def _pass(self, scope: Scope, receive: Receive, send: Send, limit: int) -> None:
         """Pass a request on, as long as its body is."""
@@ -191,7 +186,7 @@ class Security:
             if not started:
                 raise
 
-    async def _session(self, request: "_Request", send: Send, cookies: list[str]) -> bool:
+    async def _session(self, request: Asked, send: Send, cookies: list[str]) -> bool:
         """Find or make the session, and check its CSRF token; False where it is refused."""
         if request.path.startswith("/static/"):
             return True
@@ -205,19 +200,19 @@ class Security:
             session, cookie = await run_in_threadpool(self._sessions.make)
             cookies.append(_cookie(self._session_cookie, cookie))
         if session is None and api and request.path not in _OPEN:
-            await _refuse(send, 403, "no session: GET /api/session first, and send its cookie")
+            await refuse(send, 403, "no session: GET /api/session first, and send its cookie")
             return False
         if not request.safe:
             given = request.header(CSRF_HEADER)
             if session is None or not hmac.compare_digest(given.encode(), session.csrf.encode()):
-                await _refuse(
+                await refuse(
                     send, 403, "the header X-CSRF-Token is missing or old; load the page again"
                 )
                 return False
         request.scope.setdefault("state", {})["session"] = session
         return True
 
-    def _knows(self, request: "_Request") -> bool:
+    def _knows(self, request: Asked) -> bool:
         """Whether the request carries the token, as a cookie or a header."""
         bearer = request.header("authorization")
         if bearer.startswith("Bearer ") and self._matches(bearer.removeprefix("Bearer ").strip()):
@@ -227,63 +222,6 @@ class Security:
 
     def _matches(self, token: str) -> bool:
         return hmac.compare_digest(_digest(token), self._token or "")
-
-
-class _Request:
-    """What is checked of a request."""
-
-    def __init__(self, scope: Scope) -> None:
-        self.scope = scope
-        self.method: str = scope["method"]
-        self.path: str = scope["path"]
-        self.query: str = scope.get("query_string", b"").decode("latin-1")
-        self._headers: list[tuple[bytes, bytes]] = list(scope["headers"])
-        self.safe = self.method in _SAFE
-
-    def header(self, name: str) -> str:
-        """A header; empty where it is missing or comes twice."""
-        found = [value for key, value in self._headers if key == name.encode()]
-        return found[0].decode("latin-1") if len(found) == 1 else ""
-
-    def cookie(self, name: str) -> str | None:
-        """A cookie's value."""
-        try:
-            found = SimpleCookie(self.header("cookie")).get(name)
-        except CookieError:
-            return None
-        return None if found is None else found.value
-
-    @property
-    def parameters(self) -> dict[str, str]:
-        """What the address asks for."""
-        return dict(parse_qsl(self.query, keep_blank_values=True))
-
-    @property
-    def length(self) -> int | None:
-        """The announced length of the body."""
-        text = self.header("content-length")
-        return int(text) if text.isdecimal() and len(text) < 20 else None
-
-    @property
-    def same_origin(self) -> bool:
-        """Whether the request comes from a page of ours, or from no page at all."""
-        origin = self.header("origin")
-        if any(key == b"origin" for key, _ in self._headers) and not origin:
-            return False
-        if not origin:
-            return True
-        return origin in {f"{scheme}://{self.header('host')}" for scheme in ("http", "https")}
-
-    @property
-    def from_elsewhere(self) -> bool:
-        """Whether a browser says that a page of another site asks, or a link on it."""
-        return self.header("sec-fetch-site") not in ("", "same-origin", "none")
-
-    @property
-    def is_page(self) -> bool:
-        """Whether somebody opens a page."""
-        path = self.path
-        return self.method == "GET" and not path.startswith(("/api/", "/static/"))
 
 
 def _limited(receive: Receive, limit: int) -> Receive:
@@ -349,33 +287,3 @@ _ELSEWHERE = "the request comes from another site (Origin, Sec-Fetch-Site)"
 
 def _too_large(limit: int) -> str:
     return f"too large: at most {limit / 2**20:g} MiB; cut or downsample it"
-
-
-async def _refuse(send: Send, status: int, text: str) -> None:
-    await _respond(send, status, json.dumps({"error": text}).encode(), [])
-
-
-async def _redirect(send: Send, to: str) -> None:
-    # One slash only: two would lead to another server.
-    place = "/" + to.lstrip("/\\")
-    await _respond(send, 303, b"{}", [(b"location", place.encode("ascii", "ignore"))])
-
-
-async def _respond(
-    send: Send,
-    status: int,
-    body: bytes,
-    headers: list[tuple[bytes, bytes]],
-    kind: bytes = b"application/json",
-) -> None:
-    start: dict[str, Any] = {
-        "type": "http.response.start",
-        "status": status,
-        "headers": [
-            (b"content-type", kind),
-            (b"content-length", str(len(body)).encode()),
-            *headers,
-        ],
-    }
-    await send(start)
-    await send({"type": "http.response.body", "body": body})

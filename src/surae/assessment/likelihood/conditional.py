@@ -9,7 +9,7 @@ from surae.estimation import FitProblem
 from surae.estimation.box import box_quadratic
 from surae.estimation.curved import curved_move
 from surae.estimation.least_squares import Minimum, Outcome, column_norms, minimise, sum_of_squares
-from surae.estimation.problem import Residuals
+from surae.estimation.residuals import Residuals
 from surae.units import FloatArray
 
 #: A failed step ends the iteration when no more than this many noise variances are to be gained.

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from surae.errors import InputError
 from surae.estimation import FitProblem
 from surae.estimation.population import wide_priors
-from surae.estimation.problem import checked_prior
+from surae.estimation.prior import checked_prior
 from surae.model import adapted
 
 

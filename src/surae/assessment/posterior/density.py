@@ -17,7 +17,7 @@ from surae.assessment.posterior.beliefs import Belief
 from surae.errors import InputError
 from surae.estimation import FitProblem, FitResult
 from surae.estimation.least_squares import minimise, sum_of_squares
-from surae.estimation.problem import Residuals
+from surae.estimation.residuals import Residuals
 from surae.recording import read_only
 from surae.units import FloatArray
 

@@ -10,7 +10,7 @@ from surae.estimation import FitProblem
 from surae.estimation.curved import curved_move
 from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.least_squares import Outcome, minimise
-from surae.estimation.problem import Residuals
+from surae.estimation.residuals import Residuals
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
 

@@ -22,7 +22,7 @@ from surae.assessment.residual.noise import NoiseModel, autoregressive
 from surae.assessment.residual.whiteness import Whiteness, autocovariance, most_lags, whiteness
 from surae.assessment.uncertainty.covariance import Covariance, InverseRoot, inverse_root
 from surae.estimation import FitResult, Outliers
-from surae.estimation.problem import Residuals
+from surae.estimation.residuals import Residuals
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
 

@@ -5,8 +5,9 @@ from typing import Annotated, Any
 
 from fastapi import Depends, Path, Request
 
+from surae.web.draft import changed, empty_draft
 from surae.web.refusals import RefusedError
-from surae.web.schemas import Error
+from surae.web.schemas import DraftChange, Error
 from surae.web.sessions import Session
 from surae.web.workbench import Workbench
 
@@ -43,3 +44,10 @@ def attachment(name: str, suffix: str) -> dict[str, str]:
     slug = "-".join(re.findall(r"[A-Za-z0-9_]+", name[:200]))
     slug = _TWICE.sub(r"\1", slug)[:80].strip("-")
     return {"content-disposition": f'attachment; filename="{slug or "surae"}{suffix}"'}
+
+
+def chosen_draft(bench: Workbench, browser: Session, given: DraftChange | None) -> dict[str, Any]:
+    """The settings that came with a request, else those of the session."""
+    if given is None:
+        return bench.sessions.draft(browser)
+    return changed(empty_draft(), given.plain())

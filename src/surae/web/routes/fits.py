@@ -1,137 +1,51 @@
-"""Jobs and fits: asked for, followed, understood, compared, reported."""
+"""Fits: asked for, understood, tried on other recordings, reported."""
 
-import json
 import tempfile
-from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Response
-from fastapi.responses import FileResponse, StreamingResponse
+from fastapi.responses import FileResponse
 
 from surae.report.decimate import extremes
-from surae.web.database import Thing
-from surae.web.draft import changed, empty_draft
 from surae.web.fits import (
     fit_detail,
     fit_summary,
     fit_traces,
-    ranges,
-    submit_comparison,
     submit_fit,
 )
-from surae.web.jobs import ACTIVE, Jobs
 from surae.web.live import plain
-from surae.web.project import when
 from surae.web.refusals import RefusedError
-from surae.web.routes.common import ERRORS, Bench, Browser, PathId, Responses, attachment
+from surae.web.routes.common import (
+    ERRORS,
+    Bench,
+    Browser,
+    PathId,
+    Responses,
+    attachment,
+    chosen_draft,
+)
 from surae.web.routes.recordings import Instant
 from surae.web.schemas import (
-    ComparisonGiven,
-    DraftChange,
     FitGiven,
     NameGiven,
     Points,
     ProfileGiven,
     ValidateGiven,
 )
-from surae.web.sessions import Session
 from surae.web.workbench import Workbench
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["fits"])
 
-_STREAM: Responses = {200: {"content": {"text/event-stream": {}}}}
 _HTML: Responses = {200: {"content": {"text/html": {}}}}
 _PDF: Responses = {200: {"content": {"application/pdf": {}}}}
-
-
-def _draft(bench: Workbench, browser: Session, given: DraftChange | None) -> dict[str, Any]:
-    if given is None:
-        return bench.sessions.draft(browser)
-    return changed(empty_draft(), given.plain())
 
 
 @router.post("/fits", status_code=202)
 def post_fit(given: FitGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Ask for a fit; the answer is its job."""
-    job = submit_fit(bench, browser, _draft(bench, browser, given.draft), given.name)
+    job = submit_fit(bench, browser, chosen_draft(bench, browser, given.draft), given.name)
     return bench.jobs.shown(job, browser)
-
-
-@router.get("/jobs")
-def get_jobs(bench: Bench, browser: Browser, active: bool = False) -> dict[str, Any]:
-    """Jobs, the newest first."""
-    found = bench.database.active() if active else bench.database.all("job")
-    shown = found[::-1]
-    return {"jobs": [bench.jobs.shown(job, browser, traces=False) for job in shown[:500]]}
-
-
-@router.get("/jobs/{id}")
-def get_job(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
-    """One of them."""
-    return bench.jobs.shown(bench.jobs.get(id), browser)
-
-
-@router.post("/jobs/{id}/cancel")
-def cancel_job(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
-    """Stop it; a fit keeps the best so far."""
-    return bench.jobs.shown(bench.jobs.cancel(id), browser)
-
-
-@router.post("/jobs/{id}/restart", status_code=202)
-def restart_job(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
-    """Ask again for what was not done; the answer is a new job."""
-    return bench.jobs.shown(bench.jobs.restart(id, browser), browser)
-
-
-@router.get("/jobs/{id}/events", response_class=StreamingResponse, responses=_STREAM)
-async def job_events(id: PathId, bench: Bench, browser: Browser) -> StreamingResponse:
-    """What happens to it, as server-sent events; how it stands comes first."""
-    from starlette.concurrency import run_in_threadpool
-
-    await run_in_threadpool(bench.jobs.get, id)
-    bench.events.refuse_more(browser.key)
-
-    def first() -> list[tuple[str, Any]]:
-        job = bench.jobs.shown(bench.jobs.get(id), browser)
-        told: list[tuple[str, Any]] = [("state", job)]
-        if job["progress"] is not None:
-            told.append(("progress", job["progress"]))
-        if job["state"] not in ACTIVE:
-            told.append(("end", job))
-        return told
-
-    return _events(
-        bench.events.stream(
-            browser.key,
-            (f"job:{id}",),
-            first,
-            "end",
-            lambda data: Jobs.seen_by(browser, data),
-        )
-    )
-
-
-@router.get("/events", response_class=StreamingResponse, responses=_STREAM)
-async def all_events(bench: Bench, browser: Browser) -> StreamingResponse:
-    """What happens in the project, as server-sent events."""
-
-    def first() -> list[tuple[str, Any]]:
-        active = bench.database.active()
-        return [("job", bench.jobs.shown(job, browser, traces=False)) for job in active]
-
-    bench.events.refuse_more(browser.key)
-    topics = ("project", f"session:{browser.key}")
-    return _events(
-        bench.events.stream(
-            browser.key, topics, first, view=lambda data: Jobs.seen_by(browser, data)
-        )
-    )
-
-
-def _events(stream: AsyncIterator[str]) -> StreamingResponse:
-    headers = {"x-accel-buffering": "no", "cache-control": "no-store"}
-    return StreamingResponse(stream, media_type="text/event-stream", headers=headers)
 
 
 @router.get("/fits")
@@ -281,91 +195,3 @@ def _framed(page: str) -> dict[str, str]:
         "base-uri 'none'; form-action 'none'; frame-ancestors 'self'; sandbox"
     )
     return {"content-security-policy": policy, "x-frame-options": "SAMEORIGIN"}
-
-
-@router.get("/compare")
-def get_compare(bench: Bench, fits: Annotated[str, Query(max_length=340)]) -> dict[str, Any]:
-    """Several fits side by side, parameter by parameter."""
-    chosen = [bench.project.need("fit", id_) for id_ in dict.fromkeys(fits.split(","))]
-    names: dict[str, None] = {}
-    for one in chosen:
-        names |= dict.fromkeys(one["parameters"])
-    return {
-        "fits": [fit_summary(bench, one) for one in chosen],
-        "parameters": [
-            {
-                "name": name,
-                **_described(name),
-                "estimates": [_estimate(one, name) for one in chosen],
-                "normal": ranges(name),
-            }
-            for name in names
-        ],
-    }
-
-
-def _described(name: str) -> dict[str, str]:
-    from surae.model import MODELS
-    from surae.model.parameters import DRIVE_PARAMETERS
-
-    known = {p.name: p for p in DRIVE_PARAMETERS}
-    known |= {p.name: p for spec in MODELS.values() for p in reversed(spec.parameters)}
-    p = known.get(name)
-    return {"unit": "" if p is None else p.unit, "meaning": "" if p is None else p.meaning}
-
-
-def _estimate(fit: Thing, name: str) -> dict[str, Any] | None:
-    one = fit["parameters"].get(name)
-    if one is None:
-        return None
-    ci95 = None if one["low"] is None else [one["low"], one["high"]]
-    return {"value": one["value"], "sem": one["sem"], "ci95": ci95, "verdict": one["verdict"]}
-
-
-@router.post("/comparisons", status_code=202)
-def post_comparison(given: ComparisonGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
-    """Ask whether the recordings need tendons that give way; the answer is the job."""
-    from surae.model import MODELS
-
-    models = given.models or ["muscle", "muscle-tendon"]
-    tendons = {name: any(p.group == "tendon" for p in MODELS[name].parameters) for name in models}
-    if len(set(models)) < len(models):
-        raise RefusedError(400, "a model is given twice; give it once")
-    if len(set(tendons.values())) < 2:
-        raise RefusedError(400, "compare at least one model without tendons and one with")
-    draft = _draft(bench, browser, given.draft)
-    if given.fit is not None:
-        bench.project.need("fit", given.fit)
-    job = submit_comparison(bench, browser, draft, list(models), given.fit)
-    return bench.jobs.shown(job, browser)
-
-
-@router.get("/comparisons")
-def get_comparisons(bench: Bench) -> dict[str, Any]:
-    """Comparisons of models, the newest first."""
-    return {
-        "comparisons": [
-            {
-                "id": one["id"], "created": when(one["created"]),
-                "conclusion": one["conclusion"], "recordings": one["recordings"],
-            }
-            for one in reversed(bench.database.all("comparison"))
-        ]
-    }  # fmt: skip
-
-
-@router.get("/comparisons/{id}")
-def get_comparison(id: PathId, bench: Bench) -> dict[str, Any]:
-    """One of them, as `surae compare --output` writes it."""
-    one = bench.project.need("comparison", id)
-    path = bench.project.path("comparisons", id, ".json")
-    try:
-        found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        raise RefusedError(404, "the file of this comparison is missing; compare again") from None
-    return {
-        "id": id,
-        "created": when(one["created"]),
-        "recording_ids": one["recordings"],
-        **found,
-    }

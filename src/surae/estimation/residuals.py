@@ -1,0 +1,89 @@
+"""What a fit makes small: the torque's residual over all recordings, with its Jacobian."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from surae.estimation.interrupt import checkpoint
+from surae.estimation.problem import FitProblem
+from surae.model.simulator import Simulator
+from surae.units import FloatArray
+
+#: Below this part of its median a parameter's prior no longer changes: its logarithm would not end.
+_SMALLEST = 1e-6
+
+
+def simulators(problem: FitProblem) -> tuple[Simulator, ...]:
+    """The model tied to each recording."""
+    return tuple(problem.spec.simulator(one, problem.options) for one in problem.inputs)
+
+
+class Residuals:
+    """Modelled minus measured torque of all recordings, with its Jacobian, weighted.
+
+    Priors follow as further residuals, σ·(ln x − ln median)/spread, so that the sum of squares over
+    σ² is minus twice the logarithm of the posterior, but for a constant.
+
+    Parameters
+    ----------
+    problem : FitProblem
+        The question.
+    noise : float
+        Standard deviation σ of the torque's noise [Nm], against which priors are weighed.
+    """
+
+    def __init__(self, problem: FitProblem, noise: float = 0.0) -> None:
+        self._problem, self.noise = problem, noise
+        self._simulators = simulators(problem)
+        measured = [one.torque for one in problem.inputs]
+        self._measured = [torque for torque in measured if torque is not None]
+        self._roots = [
+            None if one.weight is None else np.sqrt(one.weight) for one in problem.inputs
+        ]
+        self._columns = problem.columns
+        self._samples = sum(one.n for one in problem.inputs)
+        self._rows = np.empty((len(self._columns) + 1, self._samples + len(problem.priors)))
+
+    def data_rows(self, x: FloatArray) -> FloatArray:
+        """Jacobian rows and the residual [Nm] of the recordings alone, without priors."""
+        checkpoint()
+        values, begin = self._problem.values(x), 0
+        for simulator, measured, root in zip(
+            self._simulators, self._measured, self._roots, strict=True
+        ):
+            end = begin + len(measured)
+            torque, jacobian = simulator.torque_jacobian(values, self._columns)
+            self._rows[:-1, begin:end] = jacobian
+            np.subtract(torque, measured, out=self._rows[-1, begin:end])
+            if root is not None:
+                self._rows[:, begin:end] *= root
+            begin = end
+        return self._rows[:, : self._samples]
+
+    def rows(self, x: FloatArray) -> FloatArray:
+        """Jacobian rows and the residual [Nm], shape (p + 1, n); the next call overwrites them."""
+        self.data_rows(x)
+        self._rows[:-1, self._samples :] = 0.0
+        for column, (name, prior) in enumerate(self._problem.priors.items(), self._samples):
+            j = self._problem.free.index(name)
+            value = max(x[j], _SMALLEST * prior.median)
+            weight = self.noise / prior.spread
+            self._rows[j, column] = weight / value
+            self._rows[-1, column] = weight * np.log(value / prior.median)
+        return self._rows
+
+    def of(self, x: FloatArray) -> tuple[FloatArray, ...]:
+        """Measured minus modelled torque of each recording [Nm], as it is, without weights."""
+        values = self._problem.values(x)
+        return tuple(
+            measured - simulator.torque(values)
+            for simulator, measured in zip(self._simulators, self._measured, strict=True)
+        )
+
+    def sse(self, residuals: Sequence[FloatArray]) -> float:
+        """Weighted sum of squares of residuals as `of` gives them [Nm²]."""
+        with np.errstate(over="ignore"):
+            return sum(
+                float(np.sum(one**2 if root is None else (root * one) ** 2))
+                for one, root in zip(residuals, self._roots, strict=True)
+            )

@@ -1,0 +1,103 @@
+"""Fits side by side, and models weighed against each other."""
+
+import json
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query
+
+from surae.web.database import Thing
+from surae.web.fits import fit_summary, ranges, submit_comparison
+from surae.web.project import when
+from surae.web.refusals import RefusedError
+from surae.web.routes.common import ERRORS, Bench, Browser, PathId, chosen_draft
+from surae.web.schemas import ComparisonGiven
+
+router = APIRouter(prefix="/api", responses=ERRORS, tags=["comparisons"])
+
+
+@router.get("/compare")
+def get_compare(bench: Bench, fits: Annotated[str, Query(max_length=340)]) -> dict[str, Any]:
+    """Several fits side by side, parameter by parameter."""
+    chosen = [bench.project.need("fit", id_) for id_ in dict.fromkeys(fits.split(","))]
+    names: dict[str, None] = {}
+    for one in chosen:
+        names |= dict.fromkeys(one["parameters"])
+    return {
+        "fits": [fit_summary(bench, one) for one in chosen],
+        "parameters": [
+            {
+                "name": name,
+                **_described(name),
+                "estimates": [_estimate(one, name) for one in chosen],
+                "normal": ranges(name),
+            }
+            for name in names
+        ],
+    }
+
+
+def _described(name: str) -> dict[str, str]:
+    from surae.model import MODELS
+    from surae.model.parameters import DRIVE_PARAMETERS
+
+    known = {p.name: p for p in DRIVE_PARAMETERS}
+    known |= {p.name: p for spec in MODELS.values() for p in reversed(spec.parameters)}
+    p = known.get(name)
+    return {"unit": "" if p is None else p.unit, "meaning": "" if p is None else p.meaning}
+
+
+def _estimate(fit: Thing, name: str) -> dict[str, Any] | None:
+    one = fit["parameters"].get(name)
+    if one is None:
+        return None
+    ci95 = None if one["low"] is None else [one["low"], one["high"]]
+    return {"value": one["value"], "sem": one["sem"], "ci95": ci95, "verdict": one["verdict"]}
+
+
+@router.post("/comparisons", status_code=202)
+def post_comparison(given: ComparisonGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Ask whether the recordings need tendons that give way; the answer is the job."""
+    from surae.model import MODELS
+
+    models = given.models or ["muscle", "muscle-tendon"]
+    tendons = {name: any(p.group == "tendon" for p in MODELS[name].parameters) for name in models}
+    if len(set(models)) < len(models):
+        raise RefusedError(400, "a model is given twice; give it once")
+    if len(set(tendons.values())) < 2:
+        raise RefusedError(400, "compare at least one model without tendons and one with")
+    draft = chosen_draft(bench, browser, given.draft)
+    if given.fit is not None:
+        bench.project.need("fit", given.fit)
+    job = submit_comparison(bench, browser, draft, list(models), given.fit)
+    return bench.jobs.shown(job, browser)
+
+
+@router.get("/comparisons")
+def get_comparisons(bench: Bench) -> dict[str, Any]:
+    """Comparisons of models, the newest first."""
+    return {
+        "comparisons": [
+            {
+                "id": one["id"], "created": when(one["created"]),
+                "conclusion": one["conclusion"], "recordings": one["recordings"],
+            }
+            for one in reversed(bench.database.all("comparison"))
+        ]
+    }  # fmt: skip
+
+
+@router.get("/comparisons/{id}")
+def get_comparison(id: PathId, bench: Bench) -> dict[str, Any]:
+    """One of them, as `surae compare --output` writes it."""
+    one = bench.project.need("comparison", id)
+    path = bench.project.path("comparisons", id, ".json")
+    try:
+        found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        raise RefusedError(404, "the file of this comparison is missing; compare again") from None
+    return {
+        "id": id,
+        "created": when(one["created"]),
+        "recording_ids": one["recordings"],
+        **found,
+    }

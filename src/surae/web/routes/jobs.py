@@ -1,0 +1,90 @@
+"""Jobs: how they stand, what happens to them, stopped and asked for again."""
+
+from collections.abc import AsyncIterator
+from typing import Any
+
+from fastapi import APIRouter
+from fastapi.responses import StreamingResponse
+
+from surae.web.jobs import ACTIVE, Jobs
+from surae.web.routes.common import ERRORS, Bench, Browser, PathId, Responses
+
+router = APIRouter(prefix="/api", responses=ERRORS, tags=["jobs"])
+
+_STREAM: Responses = {200: {"content": {"text/event-stream": {}}}}
+
+
+@router.get("/jobs")
+def get_jobs(bench: Bench, browser: Browser, active: bool = False) -> dict[str, Any]:
+    """Jobs, the newest first."""
+    found = bench.database.active() if active else bench.database.all("job")
+    shown = found[::-1]
+    return {"jobs": [bench.jobs.shown(job, browser, traces=False) for job in shown[:500]]}
+
+
+@router.get("/jobs/{id}")
+def get_job(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """One of them."""
+    return bench.jobs.shown(bench.jobs.get(id), browser)
+
+
+@router.post("/jobs/{id}/cancel")
+def cancel_job(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Stop it; a fit keeps the best so far."""
+    return bench.jobs.shown(bench.jobs.cancel(id), browser)
+
+
+@router.post("/jobs/{id}/restart", status_code=202)
+def restart_job(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Ask again for what was not done; the answer is a new job."""
+    return bench.jobs.shown(bench.jobs.restart(id, browser), browser)
+
+
+@router.get("/jobs/{id}/events", response_class=StreamingResponse, responses=_STREAM)
+async def job_events(id: PathId, bench: Bench, browser: Browser) -> StreamingResponse:
+    """What happens to it, as server-sent events; how it stands comes first."""
+    from starlette.concurrency import run_in_threadpool
+
+    await run_in_threadpool(bench.jobs.get, id)
+    bench.events.refuse_more(browser.key)
+
+    def first() -> list[tuple[str, Any]]:
+        job = bench.jobs.shown(bench.jobs.get(id), browser)
+        told: list[tuple[str, Any]] = [("state", job)]
+        if job["progress"] is not None:
+            told.append(("progress", job["progress"]))
+        if job["state"] not in ACTIVE:
+            told.append(("end", job))
+        return told
+
+    return _events(
+        bench.events.stream(
+            browser.key,
+            (f"job:{id}",),
+            first,
+            "end",
+            lambda data: Jobs.seen_by(browser, data),
+        )
+    )
+
+
+@router.get("/events", response_class=StreamingResponse, responses=_STREAM)
+async def all_events(bench: Bench, browser: Browser) -> StreamingResponse:
+    """What happens in the project, as server-sent events."""
+
+    def first() -> list[tuple[str, Any]]:
+        active = bench.database.active()
+        return [("job", bench.jobs.shown(job, browser, traces=False)) for job in active]
+
+    bench.events.refuse_more(browser.key)
+    topics = ("project", f"session:{browser.key}")
+    return _events(
+        bench.events.stream(
+            browser.key, topics, first, view=lambda data: Jobs.seen_by(browser, data)
+        )
+    )
+
+
+def _events(stream: AsyncIterator[str]) -> StreamingResponse:
+    headers = {"x-accel-buffering": "no", "cache-control": "no-store"}
+    return StreamingResponse(stream, media_type="text/event-stream", headers=headers)
