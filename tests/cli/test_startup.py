@@ -22,7 +22,7 @@ def imported(*arguments: str, folder=None) -> set[str]:
         capture_output=True,
         check=False,
         text=True,
-        timeout=60,
+        timeout=300,
         cwd=folder,
     )
     return {name.split(".")[0] for name in json.loads(done.stderr.splitlines()[-1])}

@@ -3,6 +3,7 @@
 import csv
 import os
 import random
+import re
 import shutil
 import signal
 import sqlite3
@@ -31,6 +32,8 @@ chirp_rate = [0.3, 0.5]
 subjects = 12
 """
 ROWS, FITS = 72, 60
+#: Seconds that anything may take on a computer that is busy with other things.
+PATIENCE = 300.0
 
 
 @pytest.fixture
@@ -48,7 +51,7 @@ def start(folder: Path, *more: str, store: str = "s.db") -> "subprocess.Popen[st
 
 def finish(folder: Path, *more: str, store: str = "s.db") -> "subprocess.CompletedProcess[str]":
     with start(folder, *more, store=store) as process:
-        out, err = process.communicate(timeout=120)
+        out, err = process.communicate(timeout=PATIENCE)
     return subprocess.CompletedProcess([], process.returncode, out, err)
 
 
@@ -86,7 +89,7 @@ def undisturbed(tmp_path_factory) -> list[list[str]]:
 def exported(folder: Path, store: str = "s.db") -> list[list[str]]:
     done = subprocess.run(
         [sys.executable, "-m", "surae", "study", "export", store, "--output", "table.csv"],
-        cwd=folder, check=False, capture_output=True, text=True, timeout=60,
+        cwd=folder, check=False, capture_output=True, text=True, timeout=PATIENCE,
     )  # fmt: skip
     assert (done.returncode, done.stderr) == (0, "")
     return numbers(folder / "table.csv")
@@ -181,7 +184,7 @@ def test_status_imports_no_library_that_computes(run, study) -> None:
 
 
 def until_some(folder: Path, process: "subprocess.Popen[str]", least: int) -> int:
-    end = time.monotonic() + 60
+    end = time.monotonic() + PATIENCE
     while len(found := outcomes(folder / "s.db")) < least:
         assert process.poll() is None
         assert time.monotonic() < end
@@ -199,14 +202,20 @@ def test_status_tells_of_a_run_at_work_and_a_second_run_is_refused(study, undist
             assert f"s.db is in use by another run (process {process.pid} on" in second.stderr
             status = subprocess.run(
                 [sys.executable, "-m", "surae", "study", "status", "s.db"],
-                cwd=study, check=True, capture_output=True, text=True, timeout=60,
+                cwd=study, check=True, capture_output=True, text=True, timeout=PATIENCE,
             )  # fmt: skip
             assert f"(process {process.pid} on " in status.stdout
-            assert "fits a second, about 0:0" in status.stdout
             process.send_signal(signal.SIGINT)
-            out, err = process.communicate(timeout=60)
+            out, err = process.communicate(timeout=PATIENCE)
         finally:
             process.kill()
+    told = re.search(r"([\d.]+) fits a second, about (\d+):(\d\d):(\d\d) left", status.stdout)
+    done = re.match(r"small: ([\d,]+) of 10,000 fits", status.stdout)
+    assert told, status.stdout
+    assert done, status.stdout
+    rate, hours, minutes, seconds = map(float, told.groups())
+    left = 10_000 - int(done[1].replace(",", ""))
+    assert abs((3600 * hours + 60 * minutes + seconds) * rate - left) < 0.2 * left
     assert (process.returncode, out) == (130, "")
     kept = len(outcomes(study / "s.db"))
     assert kept >= 5
@@ -227,7 +236,7 @@ def killed_at_random(folder: Path, moments: int, seed: int) -> list[int]:
     for _ in range(moments):
         with start(folder, "--workers", "2") as process:
             if choice.random() < 0.7 and len(kept) < FITS:  # among the fits, else while it starts
-                end = time.monotonic() + 60
+                end = time.monotonic() + PATIENCE
                 while process.poll() is None and len(outcomes(folder / "s.db")) == len(kept):
                     assert time.monotonic() < end
                     time.sleep(0.001)
@@ -247,7 +256,11 @@ def killed_at_random(folder: Path, moments: int, seed: int) -> list[int]:
 
 
 def test_runs_killed_at_any_moment_lose_nothing(study, undisturbed) -> None:
-    counts = killed_at_random(study, 3, seed=1)
+    for seed in range(1, 9):  # on a busy computer a run may be through before it is killed
+        (study / "s.db").unlink(missing_ok=True)
+        counts = killed_at_random(study, 3, seed)
+        if counts[-1] < FITS:
+            break
     assert 0 < counts[-1] < FITS
     assert exported(study) == undisturbed
 
@@ -267,13 +280,15 @@ def test_a_killed_worker_costs_a_retry(study, undisturbed) -> None:
     psutil = pytest.importorskip("psutil")
     with start(study, "--workers", "2") as process:
         until_some(study, process, 3)
+        process.send_signal(signal.SIGSTOP)  # else it may be through before a worker is killed
         workers = [
             child
             for child in psutil.Process(process.pid).children(recursive=True)
             if "resource_tracker" not in " ".join(child.cmdline())
         ]
         workers[0].kill()
-        out, err = process.communicate(timeout=60)
+        process.send_signal(signal.SIGCONT)
+        out, err = process.communicate(timeout=PATIENCE)
     assert (process.returncode, err) == (0, "")
     assert "; 60 computed now" in out
     assert exported(study) == undisturbed

@@ -89,7 +89,6 @@ def test_ramp_response(beta) -> None:
 
 
 @given(f0=st.floats(0.05, 60), beta=st.floats(0.05, 5), dt=st.floats(1e-4, 0.02))
-@settings(deadline=None, derandomize=True)
 def test_dc_gain_is_one(f0, beta, dt) -> None:
     step, step_f0, step_beta = filter_step(f0, beta, dt)
     steady = np.array([1.0, 0.0, 1.0, 1.0])  # α = E, α' = 0
@@ -156,7 +155,7 @@ def exact_step(f0: float, beta: float, dt: float) -> tuple[np.ndarray, np.ndarra
 @example(f0=15.0, beta=4.0, dt=0.02)
 @example(f0=0.01, beta=1.0, dt=1e-5)
 @example(f0=25.0, beta=0.2, dt=0.02)
-@settings(deadline=None, derandomize=True, max_examples=150)
+@settings(max_examples=150)
 def test_step_and_its_derivatives_against_the_matrix_exponential(f0, beta, dt) -> None:
     step, step_f0, step_beta = filter_step(f0, beta, dt)
     exact, exact_f0, exact_beta = exact_step(f0, beta, dt)
@@ -202,7 +201,7 @@ def test_a_tiny_step_is_euler() -> None:
 
 
 @given(beta=st.floats(0.05, 5), f0=st.floats(0.3, 15))
-@settings(deadline=None, derandomize=True, max_examples=50)
+@settings(max_examples=50)
 def test_two_half_steps_are_one(beta, f0) -> None:
     half = filter_step(f0, beta, 1 / 256)[0]
     whole = filter_step(f0, beta, 1 / 128)[0]

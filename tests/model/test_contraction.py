@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from surae.model.contraction import (
@@ -23,7 +23,6 @@ def test_force_length_by_hand() -> None:
 
 
 @given(l0=optimal, off=st.floats(1e-4, 0.1))
-@settings(deadline=None, derandomize=True)
 def test_force_length_is_greatest_at_and_symmetric_about_the_optimum(l0, off) -> None:
     assert force_length(l0, l0) == 1.0
     assert force_length(l0 + off, l0) < 1.0
@@ -31,7 +30,6 @@ def test_force_length_is_greatest_at_and_symmetric_about_the_optimum(l0, off) ->
 
 
 @given(l0=optimal, ratio=st.floats(0.2, 2.0))
-@settings(deadline=None, derandomize=True)
 def test_force_length_partials(l0, ratio) -> None:
     x = ratio * l0
     f, by_x, by_l0 = force_length_partials(x, l0)
@@ -74,7 +72,6 @@ def test_force_velocity_rises_and_saturates() -> None:
 
 
 @given(vmax=st.floats(0.1, 2.0), ratio=st.floats(-1.5, 3.0).filter(lambda r: abs(r) > 1e-4))
-@settings(deadline=None, derandomize=True)
 def test_force_velocity_partials(vmax, ratio) -> None:
     speed = ratio * vmax
     f, by_speed, by_vmax = force_velocity_partials(speed, vmax)

@@ -74,7 +74,6 @@ def test_phi_against_many_digits(z) -> None:
 
 
 @given(z=st.floats(-40, 5))
-@settings(deadline=None, derandomize=True)
 def test_phi_everywhere(z) -> None:
     assert phi(z) == pytest.approx(phi_exact(z), rel=3e-14)
 
@@ -112,7 +111,7 @@ def test_relaxation_has_the_transfer_function_of_equation_10(hz) -> None:
 
 
 @given(tau=taus, k=factors, dt=steps, seed=st.integers(0, 99))
-@settings(deadline=None, derandomize=True, max_examples=40)
+@settings(max_examples=40)
 def test_relaxation_is_exact_for_a_piecewise_linear_force(tau, k, dt, seed) -> None:
     force = np.random.default_rng(seed).uniform(0, 100, 60)
     system = StateSpace([[-(1 + k) / tau]], [[k / tau]], [[-1.0]], [[1.0]])
@@ -129,7 +128,6 @@ def test_relaxation_is_exact_where_the_step_is_much_longer_than_tau() -> None:
 
 
 @given(tau=taus, k=factors, dt=steps)
-@settings(deadline=None, derandomize=True)
 def test_relaxation_coefficients_keep_the_dc_gain(tau, k, dt) -> None:
     step = relaxation_step(tau, k, dt)
     a, b0, b1 = step[:3]
@@ -143,7 +141,6 @@ def test_relaxation_coefficients_keep_the_dc_gain(tau, k, dt) -> None:
 
 
 @given(tau=taus, k=st.floats(0.01, 5.0), dt=steps)
-@settings(deadline=None, derandomize=True)
 def test_relaxation_derivatives(tau, k, dt) -> None:
     step = relaxation_step(tau, k, dt)
     by_tau = richardson(lambda t: relaxation_step(t, k, dt)[:3], tau, 1e-3 * tau)

@@ -32,7 +32,7 @@ def test_derivatives_are_those_of_the_angle(amplitude, rate):
     )
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(
     name=st.sampled_from(sorted(PROFILES)),
     amplitude=st.floats(0.0, 0.74),

@@ -13,7 +13,7 @@ ACHILLES = DEVICES["achilles"]
 EVERY = pytest.mark.parametrize("name", PROFILES)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(
     name=st.sampled_from(sorted(PROFILES)),
     amplitude=st.floats(0.0, 0.6),

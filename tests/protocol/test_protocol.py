@@ -14,7 +14,7 @@ EVERY = pytest.mark.parametrize("name", PROFILES)
 AMPLITUDE = pytest.mark.parametrize("amplitude", [0.0, 0.2])
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(
     name=st.sampled_from(sorted(PROFILES)),
     amplitude=st.floats(0.0, 0.45),

@@ -192,15 +192,13 @@ def test_the_mapping_finds_files_from_its_own_folder(tmp_path):
 
 
 def test_whatever_the_names_a_mapping_is_toml(tmp_path):
-    from hypothesis import HealthCheck, given, settings
+    from hypothesis import given, settings
     from hypothesis import strategies as st
 
     letters = st.characters(blacklist_categories=("Cs",), blacklist_characters="\n\r")
     path = tmp_path / "t.sto"
 
-    @settings(
-        max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-    )
+    @settings(max_examples=150)
     @given(st.lists(st.text(letters, min_size=1, max_size=12), min_size=1, max_size=4))
     def check(words):
         names = ["time", "ankle_angle", *(word.replace("\t", " ") for word in words)]

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -14,9 +14,7 @@ from surae.recording import Recording, read, write_bids
 
 edfio = pytest.importorskip("edfio", reason="BDF needs the extra formats")
 
-quick = settings(
-    max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+quick = settings(max_examples=15)
 
 
 def recording(n=500, rate=256.0, **kind):

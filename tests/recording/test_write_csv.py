@@ -6,7 +6,7 @@ import threading
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -28,9 +28,7 @@ def tables(draw):
     return {name: columns[name] for name in names}
 
 
-@settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=60)
 @given(columns=tables(), comments=st.lists(st.text(max_size=20), max_size=3))
 def test_round_trip(tmp_path, columns, comments):
     path = tmp_path / "out.csv"
@@ -122,7 +120,7 @@ def test_devices_and_pipes_are_written_to_not_replaced(tmp_path):
     reader = threading.Thread(target=lambda: received.append(pipe.read_bytes()))
     reader.start()
     write_atomic(pipe, b"through")
-    reader.join(10)
+    reader.join(60)
     assert received == [b"through"]
     assert stat.S_ISFIFO(pipe.stat().st_mode)
 

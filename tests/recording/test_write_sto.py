@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -29,9 +29,7 @@ def assert_same(one, other):
     assert one.emg == other.emg
 
 
-@settings(
-    max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=50)
 @given(st.data(), st.integers(2, 40), st.sampled_from(["raw", "envelope"]))
 def test_round_trip(tmp_path, data, n, emg_kind):
     steps = data.draw(arrays(np.float64, n, elements=st.floats(1e-3, 1e3)))

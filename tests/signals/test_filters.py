@@ -24,7 +24,7 @@ def gain_db(apply: Filter, rate: float, frequency: float, seconds: float = 16.0)
 HALF_POWER_DB = 10 * np.log10(0.5)
 
 
-@settings(max_examples=30, deadline=None, derandomize=True)
+@settings(max_examples=30)
 @given(
     rate=st.sampled_from([100.0, 148.148, 1000.0, 2048.0]),
     fraction=st.floats(0.005, 0.4),

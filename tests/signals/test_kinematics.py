@@ -62,7 +62,7 @@ def test_error_at_the_ends_is_as_documented(
     assert of_acceleration[ends].max() < acceleration
 
 
-@settings(max_examples=50, deadline=None, derandomize=True)
+@settings(max_examples=50)
 @given(
     coefficients=st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=7),
     n=st.integers(15, 60),

@@ -22,7 +22,7 @@ def tone(time: FloatArray, frequency: float) -> FloatArray:
     return np.cos(2 * np.pi * frequency * time + 0.3)
 
 
-@settings(max_examples=50, deadline=None, derandomize=True)
+@settings(max_examples=50)
 @given(
     rate=st.sampled_from([100.0, 125.0, 148.148, 256.0, 300.0, 1000.0, 1259.259, 2048.0]),
     start=st.floats(-5.0, 100.0),
@@ -34,7 +34,7 @@ def test_uniform_stamps_are_found_uniform(rate: float, start: float) -> None:
     np.testing.assert_allclose(found.axis.time * rate, stamps(rate, start=start) * rate, atol=2e-3)
 
 
-@settings(max_examples=50, deadline=None, derandomize=True)
+@settings(max_examples=50)
 @given(rate=st.floats(20.0, 500.0), start=st.floats(0.0, 10.0))
 def test_stamps_rounded_to_milliseconds_stand_for_uniform_samples(
     rate: float, start: float
@@ -82,7 +82,7 @@ def test_instants_that_coincide_with_samples_take_them_unchanged() -> None:
     np.testing.assert_array_equal(resample(signal, Axis(0.57, 100.0, 900)), values[20:920])
 
 
-@settings(max_examples=25, deadline=None, derandomize=True)
+@settings(max_examples=25)
 @given(
     rate=st.sampled_from([512.0, 1000.0, 1259.0, 2000.0, 2048.0]),
     start=st.floats(0.0, 0.05),
@@ -125,7 +125,7 @@ def test_common_axis_at_the_rate_asked_for_from_the_common_start() -> None:
     assert axis.end <= 4.0 < axis.end + 1 / 256.0
 
 
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(max_examples=100)
 @given(
     rates=st.lists(st.floats(50.0, 3000.0), min_size=1, max_size=4),
     starts=st.lists(st.floats(-1.0, 1.0), min_size=4, max_size=4),

@@ -11,6 +11,8 @@ from surae.protocol import Protocol, generate, write_csv
 from surae.studies import virtual_trial
 from surae.web.designer import predicted, typical_subject
 
+from .conftest import PATIENCE, least
+
 SETTINGS = {"profile": "multi-sine-holds", "chirp_amplitude": 0.2, "chirp_rate": 0.3,
             "rate_hz": 64.0}  # fmt: skip
 
@@ -34,10 +36,16 @@ def test_predicted_errors_are_those_of_a_fit() -> None:
 
 
 def test_a_preview_comes_in_seconds(browser) -> None:
-    begin = time.perf_counter()
     body = {"settings": {**SETTINGS, "device": "achilles"}, "model": "muscle-tendon"}
-    found = browser.post("/api/protocols/preview", json=body).json()
-    assert time.perf_counter() - begin < 5.0
+    answers = []
+
+    def seconds() -> float:
+        begin = time.perf_counter()
+        answers.append(browser.post("/api/protocols/preview", json=body))
+        return time.perf_counter() - begin
+
+    assert least(seconds, 5.0) < 5.0
+    found = answers[-1].json()
     assert len(found["t"]) == len(found["angle"]) == len(found["effort"][3]) <= 2000
     assert found["adaptation"]["device"] == "achilles"
     assert 0 < found["coverage"]["share"] < 1
@@ -85,7 +93,7 @@ def test_a_study_runs_and_is_opened(browser) -> None:
     assert browser.post("/api/studies", json={"toml": "x = 1"}).status_code == 400
     made = browser.post("/api/studies", json={"toml": toml}).json()
     assert made["rows"] == 4
-    end = time.monotonic() + 60
+    end = time.monotonic() + PATIENCE
     while (now := browser.get(f"/api/studies/{made['id']}").json())["state"] in (
         "queued",
         "running",

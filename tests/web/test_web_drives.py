@@ -51,10 +51,8 @@ def test_a_fit_with_a_delay_is_that_of_surae_fit(browser, recorded, trial, tmp_p
     browser.change(
         recordings=[recorded], prepared=True, starts=1, parameters={"emd": {"free": True}}
     )
-    asked = browser.post("/api/fits", json={})
-    events = list(browser.events(f"/api/jobs/{asked.json()['id']}/events"))
+    job, events = browser.followed()
     assert any("emd" in data.get("values", {}) for event, data in events if event == "progress")
-    job = browser.job(asked)
     assert job["state"] == "done", job
     kept = browser.get(f"/api/fits/{job['result']}/fit.json").json()
     surae.fit(trial, prepared=True, starts=1, free=("emd",)).save(tmp_path / "fit.json")

@@ -8,6 +8,8 @@ import pytest
 
 import surae
 
+from .conftest import PATIENCE
+
 
 def small(browser, recording: str, **change) -> None:
     browser.change(recordings=[recording], prepared=True, starts=2, **change)
@@ -30,8 +32,7 @@ def test_a_fit_is_that_of_surae_fit(browser, recorded, trial, tmp_path) -> None:
 
 def test_a_fit_is_followed(browser, recorded) -> None:
     small(browser, recorded)
-    asked = browser.post("/api/fits", json={}).json()
-    events = list(browser.events(f"/api/jobs/{asked['id']}/events"))
+    _, events = browser.followed()
     assert events[0][0] == "state"
     assert events[-1][0] == "end"
     assert events[-1][1]["state"] == "done"
@@ -50,10 +51,12 @@ def long(browser, recording: str) -> dict:
 
 
 def wait(browser, id_: str, state: str) -> dict:
-    end = time.monotonic() + 30
+    """The job in a state; one that runs, once it has found more than it began with."""
+    end = time.monotonic() + PATIENCE
     while time.monotonic() < end:
         job = browser.get(f"/api/jobs/{id_}").json()
-        if job["state"] == state and (state != "running" or (job["progress"] or {}).get("vaf")):
+        vaf = (job["progress"] or {}).get("vaf") or 0.0
+        if job["state"] == state and (state != "running" or vaf > 60.0):
             return job
         time.sleep(0.05)
     raise AssertionError(job)
@@ -167,7 +170,7 @@ def test_models_are_compared(browser, recorded) -> None:
     browser.change(recordings=[recorded], prepared=True)
     same = browser.post("/api/comparisons", json={"models": ["muscle", "muscle-2010"]})
     assert same.status_code == 400
-    job = browser.job(browser.post("/api/comparisons", json={}), 120.0)
+    job = browser.job(browser.post("/api/comparisons", json={}))
     assert job["state"] == "done", job
     found = browser.get(f"/api/comparisons/{job['result']}").json()
     assert [one["model"] for one in found["models"]] == ["muscle", "muscle-tendon"]
@@ -182,7 +185,7 @@ def test_a_comparison_belongs_to_its_fit(browser, recorded) -> None:
     assert asked.json()["recordings"] == [recorded]
     active = browser.get("/api/jobs", params={"active": True}).json()["jobs"]
     assert [one["fit"] for one in active if one["kind"] == "compare"] == [own]
-    job = browser.job(asked, 120.0)
+    job = browser.job(asked)
     found = [browser.get(f"/api/fits/{id_}").json()["comparisons"] for id_ in (own, other)]
     assert job["result"] in [one["id"] for one in found[0]]
     assert job["result"] not in [one["id"] for one in found[1]]

@@ -15,7 +15,7 @@ import pytest
 from surae.errors import InputError
 from surae.web.project import Project
 
-from .conftest import Browser
+from .conftest import PATIENCE, Browser
 
 
 def started(folder: Path) -> tuple[subprocess.Popen, str]:
@@ -51,7 +51,7 @@ def test_a_server_killed_in_mid_fit_leaves_the_project_intact(tmp_path, trial) -
     moved = tmp_path / "elsewhere"
     shutil.copytree(folder, moved)
     process, address = started(moved)
-    with httpx.Client(base_url=address, cookies=cookies) as again:
+    with httpx.Client(base_url=address, cookies=cookies, timeout=PATIENCE) as again:
         state = again.get("/api/draft").json()
         assert state["draft"]["model"] == "muscle-tendon"  # the same session, as it was
         assert state["undo"] == "test"
@@ -63,7 +63,7 @@ def test_a_server_killed_in_mid_fit_leaves_the_project_intact(tmp_path, trial) -
         assert restarted.status_code == 202
     with process:
         process.send_signal(signal.SIGINT)
-        assert process.wait(20) == 0
+        assert process.wait(PATIENCE) == 0
 
 
 def test_one_server_has_a_project(tmp_path) -> None:

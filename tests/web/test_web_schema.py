@@ -37,9 +37,7 @@ def examined(schema, browser, examples: int) -> int:
 
         @settings(
             max_examples=examples,
-            derandomize=True,
             database=None,
-            deadline=None,
             phases=[Phase.explicit, Phase.generate],
             suppress_health_check=list(HealthCheck),
         )

@@ -6,6 +6,8 @@ import json
 import socket
 import threading
 import time
+from collections.abc import Callable
+from pathlib import Path
 from urllib.parse import urlsplit
 
 import httpx
@@ -27,7 +29,7 @@ WRITES = [
 
 def raw(server, method: str, path: str, headers: dict[str, str]) -> tuple[int, dict[str, str], str]:
     """A request that no library improves."""
-    connection = http.client.HTTPConnection(urlsplit(server.address).netloc, timeout=10)
+    connection = http.client.HTTPConnection(urlsplit(server.address).netloc, timeout=60)
     connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
     for key, value in headers.items():
         connection.putheader(key, value)
@@ -151,6 +153,13 @@ def test_json_without_a_length_has_its_limit(browser) -> None:
     assert browser.patch("/api/draft", content=endless(), headers=headers).status_code == 413
 
 
+def until(holds: Callable[[], object]) -> None:
+    end = time.monotonic() + 60
+    while not holds():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
 def test_a_broken_off_upload_leaves_nothing(server, caplog) -> None:
     browser = server.browser()
     cookies = "; ".join(f"{key}={value}" for key, value in browser.cookies.items())
@@ -160,14 +169,15 @@ def test_a_broken_off_upload_leaves_nothing(server, caplog) -> None:
     )
     place = urlsplit(server.address)
     folder = server.bench.project.folder / "uploads"
-    before = {one for one in folder.rglob("*") if one.is_file()}
+
+    def files() -> set[Path]:
+        return {one for one in folder.rglob("*") if one.is_file()}
+
+    before = files()
     with socket.create_connection((place.hostname, place.port)) as connection:
         connection.sendall(head.encode())
-        time.sleep(0.2)
-    end = time.monotonic() + 10
-    while {one for one in folder.rglob("*") if one.is_file()} - before:
-        assert time.monotonic() < end
-        time.sleep(0.05)
+        until(lambda: files() - before)  # what has come so far is there
+    until(lambda: not files() - before)
     assert browser.get("/api/uploads").json()["uploads"] == []
     assert not caplog.records
 
@@ -246,14 +256,15 @@ def test_a_connection_that_asks_nothing_is_closed(tmp_path, monkeypatch) -> None
     thread = threading.Thread(target=server.run, args=([listening],))
     thread.start()
     try:
-        with socket.create_connection(listening.getsockname(), timeout=20) as slow:
+        with socket.create_connection(listening.getsockname(), timeout=60) as slow:
             slow.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\nX-")
             assert slow.recv(100) == b""
         address = f"http://127.0.0.1:{listening.getsockname()[1]}"
-        with httpx.Client(base_url=address, timeout=20) as client:
+        monkeypatch.setattr(module, "_PATIENCE", 1.0)  # this client may be slow, but it asks
+        with httpx.Client(base_url=address, timeout=60) as client:
             client.get("/api/session")
             with client.stream("GET", "/api/events") as events:  # one that waits for news stays
-                time.sleep(0.5)
+                time.sleep(1.2)
                 assert client.get("/api/draft").status_code == 200
                 bench.changed("fits")
                 assert next(events.iter_lines()) == "event: changed"

@@ -32,7 +32,7 @@ FLAGS = [
 _ADDRESS = re.compile(r"http://\S+?(?=/? )")
 MUSCLES = ("ta", "gl", "sol", "gm")
 #: Milliseconds that a page may take on a busy computer, the first compilation of kernels included.
-PATIENCE = 60_000
+PATIENCE = 240_000
 
 
 class Server:
@@ -51,7 +51,7 @@ class Server:
         self._heard = threading.Event()
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
-        self._heard.wait(60)
+        self._heard.wait(PATIENCE / 1000)
         found = _ADDRESS.search(" ".join(self.said))
         if found is None:
             raise AssertionError(f"surae serve did not start: {self.said}")
@@ -69,7 +69,7 @@ class Server:
         """End it as Ctrl-C or a shutdown does, and let go of its pipe."""
         self.process.terminate()
         try:
-            self.process.wait(20)
+            self.process.wait(60)
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()

@@ -38,6 +38,7 @@ def pages(desk: Desk, done: dict[str, str]) -> Any:
         page.locator(sign).first.wait_for(state="attached")
         yield path, page
     page = desk.go(f"/fits/{done['fit']}")
+    page.locator("#parameter-table tbody tr").first.wait_for()  # all tabs are filled with it
     for tab in TABS:
         page.locator(f"#tab-{tab}").click()
         page.locator(f"#{tab} .card").first.wait_for()
@@ -89,7 +90,7 @@ def test_the_report_is_downloaded_for_paper(desk: Desk, done: dict[str, str]) ->
     assert content.startswith(b"%PDF")
     assert len(content) > 20_000  # figures and tables
     page.get_by_role("button", name="Report (PDF)").wait_for()
-    assert page.locator("#error").is_hidden()
+    expect(page.locator("#error")).to_be_hidden()
 
 
 def test_a_running_comparison_is_seen_under_its_own_fit(desk: Desk, done: dict[str, str]) -> None:
@@ -100,6 +101,7 @@ def test_a_running_comparison_is_seen_under_its_own_fit(desk: Desk, done: dict[s
     for fit, seen in ((done["fit"], True), ("0" * 16, False)):
         running["fit"] = fit
         desk.go(f"/fits/{done['fit']}")
+        page.locator("#jobs a").wait_for()  # the frame of the page has asked, too
         with page.expect_response("**/api/jobs?active=true"):
             page.locator("#tab-models").click()
         expect(page.locator("#models-stop")).to_be_visible(visible=seen)
@@ -140,7 +142,7 @@ def test_drives_come_into_the_table_and_go(desk: Desk, done: dict[str, str]) -> 
     draft = desk.api("GET", "/api/draft")["draft"]
     assert set(draft["parameters"]) == {"reflex_tri", "reflex_tib", "reflex_delay"}
     assert draft["sliders"] == {}
-    assert page.locator("#start").is_enabled()
+    expect(page.locator("#start")).to_be_enabled()
 
 
 def test_plots_are_zoomed_from_the_keyboard(desk: Desk, done: dict[str, str]) -> None:
@@ -154,19 +156,19 @@ def test_plots_are_zoomed_from_the_keyboard(desk: Desk, done: dict[str, str]) ->
 def test_the_keyboard_reaches_the_content_first(desk: Desk) -> None:
     page = desk.go("/cohort")
     page.keyboard.press("Tab")
-    assert page.evaluate("document.activeElement.textContent") == "Skip to the content"
+    expect(page.get_by_role("link", name="Skip to the content", exact=True)).to_be_focused()
     page.keyboard.press("Enter")
-    assert page.evaluate("document.activeElement.id") == "main"
+    expect(page.locator("#main")).to_be_focused()
 
 
 def test_a_theme_that_was_chosen_stays(desk: Desk) -> None:
     page = desk.go("/studies")
-    theme = "document.documentElement.dataset.theme"
-    assert page.evaluate(theme) == "light"
+    root = page.locator("html")
+    expect(root).to_have_attribute("data-theme", "light")
     page.get_by_role("button", name="Dark theme").click()
-    assert page.evaluate(theme) == "dark"
+    expect(root).to_have_attribute("data-theme", "dark")
     page.reload()
-    assert page.evaluate(theme) == "dark"
+    expect(root).to_have_attribute("data-theme", "dark")
     page.get_by_role("button", name="Light theme").wait_for()
 
 
