@@ -62,14 +62,15 @@ class Scaling:
         return ", ".join(parts)
 
 
-def written_unit(table: Table, name: str) -> str | None:
-    """The unit that the file states for a column, in its own spelling: by itself or in its name."""
-    return table.units.get(name) or heading_unit(name)
+def written_unit(table: Table, name: str, role: str | None = None) -> str | None:
+    """The unit that the file states for a column, in its own spelling; its name counts last."""
+    of_kind = None if role is None else table.units_of_kind.get(kind(role))
+    return table.units.get(name) or of_kind or heading_unit(name)
 
 
 def stated_unit(table: Table, role: str, name: str) -> str | None:
     """The unit that the file itself states for a column used as `role`; None if it is unknown."""
-    text = written_unit(table, name) or table.units_of_kind.get(kind(role))
+    text = written_unit(table, name, role)
     if text is None:
         return None
     folded = plain(text.strip()).casefold()

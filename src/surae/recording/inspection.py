@@ -122,9 +122,8 @@ def _channels(path: str, table: Table) -> list[tuple[InspectedChannel, Column | 
         sampling = sampling_of(column.time)
         guess = guess_role(name, unit) if usable else None
         role = guess.roles[0] if guess else None
-        if role is not None and unit is None:
-            # A unit that the file states for all signals of a kind.
-            unit = stated_unit(table, role, name)
+        if role is not None:  # a file may state one unit for all signals of a kind
+            unit = written_unit(table, name, role)
         found.append(
             (
                 InspectedChannel(
