@@ -100,4 +100,4 @@ def test_a_fit_without_findings_says_so_in_its_report(tmp_path, noisy) -> None:
     fit = surae.fit(noisy, starts=1)
     assert fit.quality[0].findings == ()
     fit.report(tmp_path / "report.html")
-    assert "Nothing was found." in (tmp_path / "report.html").read_text()
+    assert ": nothing found" in (tmp_path / "report.html").read_text()

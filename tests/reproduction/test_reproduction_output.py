@@ -71,7 +71,6 @@ def test_the_page_shows_text_and_never_runs_it(context) -> None:
 
 
 def test_the_pdf_takes_texts_as_texts(context) -> None:
-    pytest.importorskip("typst", reason="no typst: extra pdf")
     reproduce(context, [SECTION])
     assert (context.folder / "reproduction.pdf").read_bytes().startswith(b"%PDF-")
 

@@ -178,7 +178,7 @@ class Fit:
         save_fit(path, self.result, self.assessment, self.quality)
 
     def report(self, path: PathLike, *, validation: Sequence[Prediction] = ()) -> None:
-        """Write the report, one self-contained HTML file.
+        """Write the report: one self-contained HTML file, or a PDF where it ends in ``.pdf``.
 
         Parameters
         ----------

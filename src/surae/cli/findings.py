@@ -13,7 +13,7 @@ _INDENT = 9
 
 def show_quality(quality: Quality, name: str) -> None:
     """Every finding in two or three lines: severity and span, what was found, what to do."""
-    show_line(f"{name}: {summary(quality)}")
+    show_line(f"{name}: {quality.summary}")
     for finding in quality.findings:
         show_line("")
         show_line(_head(finding))
@@ -31,19 +31,10 @@ def show_short(quality: Quality) -> None:
     """One line for a recording with findings that matter, and one for each of these."""
     if quality.clean:
         return
-    show_line(f"{quality.recording}: {summary(quality)}; see `surae check`")
+    show_line(f"{quality.recording}: {quality.summary}; see `surae check`")
     for finding in quality.findings:
         if finding.severity != "info":
             show_line(_wrapped(f"{finding.severity} {finding.code}: {finding.message}", 4))
-
-
-def summary(quality: Quality) -> str:
-    """How many findings there are of each severity."""
-    counts = [(quality.count("error"), "error"), (quality.count("warning"), "warning")]
-    parts = [f"{n} {what}{'' if n == 1 else 's'}" for n, what in counts if n]
-    if quality.count("info"):
-        parts.append(f"{quality.count('info')} for information")
-    return ", ".join(parts) or "nothing found"
 
 
 def _head(finding: Finding) -> str:

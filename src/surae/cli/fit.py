@@ -46,7 +46,7 @@ _MOST_STARTS = 10_000
     "--strict", is_flag=True, help="Refuse recordings in which `surae check` finds errors."
 )
 @click.option("--output", metavar="FIT.json", help="Write the fit.")
-@click.option("--report", metavar="REPORT.html", help="Write the report.")
+@click.option("--report", metavar="REPORT.html", help="Write the report; .pdf makes a PDF.")
 @fit_options
 @model_options
 def command(
@@ -86,6 +86,7 @@ def command(
     from surae.cli.progress import compilation_notice, work
     from surae.quality import check_recording
     from surae.recording import read
+    from surae.report import check_report
     from surae.signals import prepare
 
     with work() as progress:
@@ -104,6 +105,7 @@ def command(
             [*([] if baseline is None else [baseline]), *settings.mvc,
              *(file.path for one in inputs for file in one.files)],
         )  # fmt: skip
+        check_report(report)
         prescribed = settings.prescribed(inputs, prepared)
         from surae.api import fit  # numba: only when the input is in order
         from surae.estimation import STARTS
@@ -133,7 +135,8 @@ def refuse_errors(path: str, quality: "Quality") -> None:
     """Raise InputError where a recording has a finding that is an error."""
     wrong = [finding for finding in quality.findings if finding.severity == "error"]
     if wrong:
-        more = f" (and {len(wrong) - 1} more errors)" if len(wrong) > 1 else ""
+        rest = len(wrong) - 1
+        more = f" (and {rest} more error{'s' if rest > 1 else ''})" if rest else ""
         raise InputError(
             f"{shown(path)}: {wrong[0].code}: {wrong[0].message} {wrong[0].advice}{more}"
         )

@@ -71,7 +71,9 @@ def command(
     weighting = taken(options | {"exclude": excluded}).weighting
 
     from surae.recording import read
+    from surae.report import check_report
 
+    check_report(report)
     measured = [read(path) for path in recordings]
     check_outputs(
         {"--output": output, "--report": report},

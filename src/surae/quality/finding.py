@@ -69,6 +69,18 @@ class Quality:
         """Whether nothing worse than information was found."""
         return self.worst in (None, "info")
 
+    @property
+    def summary(self) -> str:
+        """How many findings there are of each severity, in words."""
+        parts = [
+            f"{n} {severity}{'' if n == 1 else 's'}"
+            for severity in ("error", "warning")
+            if (n := self.count(severity))
+        ]
+        if self.count("info"):
+            parts.append(f"{self.count('info')} for information")
+        return ", ".join(parts) or "nothing found"
+
     def count(self, severity: Severity) -> int:
         """Count the findings of one severity.
 

@@ -1,8 +1,5 @@
 """Prepared signals as a recording, for fits of what no file holds."""
 
-from dataclasses import replace
-from typing import Literal
-
 from surae.recording import MUSCLES, Channel, Recording
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -20,6 +17,4 @@ def recording_of(inputs: ModelInputs) -> Recording:
     for k, muscle in enumerate(MUSCLES):
         if muscle not in inputs.missing_emg:
             channels[f"emg_{muscle}"] = channel(f"emg_{muscle}", inputs.emg[:, k], inputs.emg_unit)
-    kind: Literal["envelope"] = "envelope"
-    made = Recording(inputs.name, channels, emg=kind, fixed=inputs.fixed)
-    return replace(made, files=inputs.files)
+    return Recording(inputs.name, channels, emg="envelope", fixed=inputs.fixed, files=inputs.files)

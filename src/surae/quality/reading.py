@@ -1,5 +1,6 @@
 """From a file to findings, also where the file is too faulty to be read as a recording."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -22,6 +23,8 @@ from surae.units import FACTORS
 _COMMANDED = {f"commanded_angle_{unit}": factor for unit, factor in FACTORS["angle"].items()}
 #: Samples that must be left to look at more than the time.
 _FEWEST = 32
+#: Column and unit by role.
+_Roles = dict[str, tuple[str, str]]
 
 
 def check_file(path: PathLike, commanded: Commanded | None = None) -> Quality:
@@ -44,8 +47,8 @@ def check_file(path: PathLike, commanded: Commanded | None = None) -> Quality:
     """
     try:
         recording = read(path)
-    except InputError as error:
-        found = _faulty(path, error)
+    except InputError:
+        found = _faulty(path)
         if found is None:
             raise
         return found
@@ -103,12 +106,12 @@ def commanded_column(path: PathLike, recording: Recording) -> Commanded | None:
     return Commanded("the commanded profile", column.time, angle)
 
 
-def _faulty(path: PathLike, error: InputError) -> Quality | None:
+def _faulty(path: PathLike) -> Quality | None:
     """Findings of a table whose samples no reader takes; None where that is not what is wrong."""
     try:
         source = open_source(path)
         table = open_table(source)
-        roles: dict[str, tuple[str, str]] = {}
+        roles: _Roles = {}
         for name in table.names:
             if plain(name) in NAMES:
                 roles.setdefault(NAMES[plain(name)][0], (name, NAMES[plain(name)][1]))
@@ -118,7 +121,7 @@ def _faulty(path: PathLike, error: InputError) -> Quality | None:
     if "angle" not in roles:
         return None
     first = columns[roles["angle"][0]]
-    found = [*_missing(roles, columns)]
+    found = _missing(roles, columns)
     time = np.asarray(first.time)
     known = np.isfinite(time)
     if not known.all():
@@ -138,15 +141,14 @@ def _faulty(path: PathLike, error: InputError) -> Quality | None:
         skipped = rest.skipped
     else:
         skipped = tuple(Skipped(c, "Too few samples are left.") for k in CHECKS for c in k.codes)
-    del error
     return Quality(table.notes.get("name", source.name), ordered(found), skipped)
 
 
-def _missing(roles: dict[str, tuple[str, str]], columns: object) -> list[Finding]:
+def _missing(roles: _Roles, columns: Mapping[str, Column]) -> list[Finding]:
     """Channels with samples that are not numbers."""
     found = []
     for role, (name, _) in roles.items():
-        column: Column = columns[name]  # type: ignore[index]
+        column = columns[name]
         wrong = ~np.isfinite(column.values)
         if wrong.any():
             found.append(_missing_finding(role, column, wrong))
@@ -172,9 +174,9 @@ def _missing_finding(role: str, column: Column, wrong: np.ndarray) -> Finding:
     )
 
 
-def _left(table: Table, roles: dict[str, tuple[str, str]], columns: object) -> Recording | None:
+def _left(table: Table, roles: _Roles, columns: Mapping[str, Column]) -> Recording | None:
     """A recording of the samples that are whole, in the order of time; None if they are few."""
-    chosen: dict[str, Column] = {r: columns[n] for r, (n, _) in roles.items()}  # type: ignore[index]
+    chosen = {role: columns[name] for role, (name, _) in roles.items()}
     time = chosen["angle"].time
     if any(len(column.time) != len(time) for column in chosen.values()):
         return None
@@ -191,5 +193,5 @@ def _left(table: Table, roles: dict[str, tuple[str, str]], columns: object) -> R
         kept = replace(column, time=read_only(time[whole]), values=read_only(column.values[whole]))
         unit = roles[role][1]
         channels[role] = channel(role, kept, Scaling(unit), table)
-    kind = "envelope" if table.notes.get("emg") == "envelope" else "raw"
-    return Recording("left", channels, emg=kind)  # type: ignore[arg-type]
+    smooth = table.notes.get("emg") == "envelope"
+    return Recording("left", channels, emg="envelope" if smooth else "raw")

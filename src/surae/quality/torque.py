@@ -34,8 +34,8 @@ FOLLOWED = 2.0
 #: No ankle makes more [Nm]: sprinters reach 250 to 300.
 IMPOSSIBLE = 320.0
 #: What EMG and angle leave of the torque [Nm], and as a multiple of what they usually leave, for it
-#: to be an artefact; clean virtual trials reach one or the
-#: other, not both. Seen for less than this part of the time.
+#: to be an artefact; clean virtual trials reach one or the other, not both. Seen for less than this
+#: part of the time.
 LEFT, LEFT_TIMES, LEFT_SHARE = 24.0, 6.5, 0.05
 
 
@@ -47,14 +47,13 @@ def limit(trial: Trial) -> tuple[Finding, ...] | Skipped:
     stated = trial.recording.device.get("max_torque")
     known = DEVICES["achilles"].max_torque or math.inf
     most = float(stated) if isinstance(stated, int | float) and stated > 0 else known
-    found = []
     for side in (channel.values, -channel.values):
         where = _stopped(side, most, stated=isinstance(stated, int | float))
         if where is None:
             continue
         top = float(side.max())
         device = f", the limit of {most:g} Nm" if abs(top - most) <= 4.0 * _BAND * most else ""
-        found.append(
+        return (
             Finding(
                 "torque-limit",
                 "error",
@@ -66,9 +65,9 @@ def limit(trial: Trial) -> tuple[Finding, ...] | Skipped:
                 f"The torque goes no further than {top:.3g} Nm{device}, in {len(where)} samples.",
                 "Ask for less effort or a slower motion and record again; at its limit the device "
                 "no longer follows the profile.",
-            )
+            ),
         )
-    return tuple(found[:1])
+    return ()
 
 
 def _stopped(side: FloatArray, most: float, *, stated: bool) -> IndexArray | None:
@@ -180,7 +179,8 @@ def offset(trial: Trial) -> tuple[Finding, ...] | Skipped:
         return Skipped("torque-offset", "There is no torque.")
     if trial.recording.fixed.get("m") == 0.0:
         return Skipped("torque-offset", "m is fixed at 0: gravity has been taken out already.")
-    flipped = bool(sign(trial)) and not isinstance(sign(trial), Skipped)
+    turned = sign(trial)
+    flipped = bool(turned) and not isinstance(turned, Skipped)
     torque = -trial.torque if flipped else trial.torque
     found = baseline(trial.rate_hz, trial.angle, torque, trial.fast)
     if found is None:

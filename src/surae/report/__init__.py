@@ -1,8 +1,9 @@
 """Reports of fits: one HTML file to read, print and keep."""
 
+import os
 from collections.abc import Mapping, Sequence
 from datetime import datetime
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from surae.files import PathLike, write_atomic
 
@@ -11,7 +12,7 @@ if TYPE_CHECKING:  # modules of this package are also used where nothing is comp
     from surae.estimation import FitResult
     from surae.quality import Quality
 
-__all__ = ["build", "write_report"]
+__all__ = ["build", "check_report", "write_report"]
 
 
 def build(
@@ -67,19 +68,45 @@ def write_report(
     predictions: "Sequence[Prediction]" = (),
     quality: "Sequence[Quality]" = (),
 ) -> None:
-    """Write the report of a fit to `path`; see `build`.
+    """Write the report of a fit to `path`, a PDF where it ends in ``.pdf``; see `build`.
 
     Raises
     ------
     InputError
-        The file cannot be written.
+        The file cannot be written, or a PDF needs typst.
+    ComputationError
+        Typst cannot set the PDF.
     """
-    page = build(
-        result,
-        assessment,
-        versions=versions,
-        created=created,
-        predictions=predictions,
-        quality=quality,
-    )
-    write_atomic(path, page)
+    what: dict[str, Any] = {
+        "versions": versions, "created": created, "predictions": predictions, "quality": quality
+    }  # fmt: skip
+    if is_pdf(path):
+        from surae.report.pdf import render_pdf
+
+        write_atomic(path, render_pdf(result, assessment, **what))
+    else:
+        write_atomic(path, build(result, assessment, **what))
+
+
+def is_pdf(path: PathLike) -> bool:
+    """Whether a report of this name is a PDF, not a page."""
+    return os.fspath(path).lower().endswith(".pdf")
+
+
+def check_report(path: PathLike | None) -> None:
+    """Refuse a report that could not be made, before the work instead of after it.
+
+    Parameters
+    ----------
+    path : path or None
+        Where it shall be written; None: nowhere.
+
+    Raises
+    ------
+    InputError
+        It is a PDF, and typst is not installed.
+    """
+    if path is not None and is_pdf(path):
+        from surae.report.typeset import require_typst
+
+        require_typst()

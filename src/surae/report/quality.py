@@ -63,16 +63,9 @@ def _section(quality: Quality, trace: Traces) -> QualitySection:
         )
         for finding in quality.findings
     )
-    counts = [
-        f"{quality.count(severity)} {severity}{'' if quality.count(severity) == 1 else 's'}"
-        for severity in ("error", "warning")
-        if quality.count(severity)
-    ]
-    if quality.count("info"):
-        counts.append(f"{quality.count('info')} for information")
     return QualitySection(
         name=quality.recording,
-        summary=", ".join(counts) or "Nothing was found.",
+        summary=quality.summary,
         rows=rows,
         skipped=tuple((one.check, one.reason) for one in quality.skipped),
     )

@@ -1,12 +1,11 @@
 """The reproduction as PDF, set by typst where it is installed."""
 
-import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from importlib.resources import files
 
 from surae._version import __version__
-from surae.errors import ComputationError
+from surae.report.typeset import has_typst, typeset
 from surae.reproduction.chapter import Context
 from surae.reproduction.kept import Chapter, counts
 from surae.reproduction.page import cell_text
@@ -22,9 +21,7 @@ def pdf(context: Context, chapters: Sequence[Chapter]) -> bytes | None:
     ComputationError
         Typst cannot set it.
     """
-    try:
-        import typst
-    except ImportError:
+    if not has_typst():
         return None
     content = {
         "version": __version__,
@@ -43,15 +40,4 @@ def pdf(context: Context, chapters: Sequence[Chapter]) -> bytes | None:
         ],
     }
     template = files("surae.reproduction").joinpath("templates", "reproduction.typ").read_bytes()
-    # Its types want source and root to be the same kind of thing: here bytes and a path.
-    compiled: Callable[..., object] = typst.compile
-    try:
-        printed = compiled(
-            template,
-            root=str(context.folder.resolve()),
-            sys_inputs={"content": json.dumps(content)},
-        )
-    except Exception as error:  # typst's own errors have no common type in all of its versions
-        text = " ".join(str(error).split())
-        raise ComputationError(f"typst could not set the PDF: {text}") from error
-    return printed if isinstance(printed, bytes) else None
+    return typeset(template, context.folder.resolve(), content)

@@ -175,16 +175,7 @@ def report(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     del tell
     from surae import api
 
-    fitted = api.load(task["fit"])
-    if task["kind"] == "pdf":
-        from datetime import datetime
-
-        from surae.report.pdf import write_pdf
-
-        now = datetime.now().astimezone()
-        write_pdf(task["output"], fitted.result, fitted.assessment, created=now)
-    else:
-        fitted.report(task["output"])
+    api.load(task["fit"]).report(task["output"])
     return {}
 
 

@@ -176,7 +176,7 @@ def _report(bench: Workbench, id_: str, kind: str) -> tuple[str, bytes]:
     with tempfile.TemporaryDirectory(prefix="surae-report-") as folder:
         output = Path(folder) / f"report.{kind}"
         fit = str(bench.project.path("fits", id_, ".json"))
-        bench.desk.ask("report", fit=fit, kind=kind, output=str(output))
+        bench.desk.ask("report", fit=fit, output=str(output))
         return one["name"], output.read_bytes()
 
 

@@ -1,0 +1,56 @@
+"""A report for paper: a file that ends in .pdf, with all that the page says."""
+
+import json
+import sys
+
+import pytest
+
+import surae
+from surae.errors import InputError
+from surae.report import check_report, pdf
+
+
+@pytest.fixture(scope="module")
+def fit(noisy):
+    """A fit of a recording in which something is found."""
+    from dataclasses import replace
+
+    return surae.fit(replace(noisy, name='a *b* #c "d"', torque=noisy.torque + 12.0), starts=1)
+
+
+def test_the_ending_says_that_it_is_a_pdf(fit, noisy, tmp_path) -> None:
+    for name in ("report.pdf", "REPORT.PDF"):
+        fit.report(tmp_path / name, validation=surae.validate(fit, [noisy]))
+        assert (tmp_path / name).read_bytes().startswith(b"%PDF-")
+    fit.report(tmp_path / "report.html")
+    assert (tmp_path / "report.html").read_text().startswith("<!DOCTYPE html>")
+
+
+def test_it_holds_findings_and_predictions(fit, noisy, tmp_path, monkeypatch) -> None:
+    seen = {}
+
+    def keep(template: bytes, folder, content) -> bytes:
+        assert template
+        seen.update(json.loads(json.dumps(content)), images={f.name for f in folder.iterdir()})
+        return b"%PDF-"
+
+    monkeypatch.setattr(pdf, "typeset", keep)
+    fit.report(tmp_path / "report.pdf", validation=surae.validate(fit, [noisy, noisy]))
+    (section,) = seen["quality"]
+    assert section["summary"] == fit.quality[0].summary
+    assert [row["code"] for row in section["rows"]] == [f.code for f in fit.quality[0].findings]
+    assert "torque-offset" in {row["code"] for row in section["rows"]}
+    assert len(seen["predictions"]["rows"]) == 3  # two, and all together
+    assert seen["predicted"] == 2
+    assert {"prediction-0.png", "prediction-1.png", "torque-0.png"} <= seen["images"]
+
+
+def test_without_typst_it_is_refused_beforehand(fit, tmp_path, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "typst", None)
+    with pytest.raises(InputError, match=r"needs typst: pip install"):
+        check_report("report.pdf")
+    with pytest.raises(InputError, match="needs typst"):
+        fit.report(tmp_path / "report.pdf")
+    assert not (tmp_path / "report.pdf").exists()
+    check_report("report.html")
+    check_report(None)
