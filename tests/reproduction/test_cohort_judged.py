@@ -10,7 +10,7 @@ from surae.model import get_model
 from surae.reproduction.chapter import Context
 from surae.reproduction.cohort import beyond, drawings, plan, subjects, tables
 from surae.reproduction.cohort.boxes import Box, Panel, snsem_figure, vaf_figure
-from surae.reproduction.cohort.evidence import Evidence, costs, described
+from surae.reproduction.cohort.evidence import Evidence, cause, costs, described
 from surae.reproduction.cohort.joint import Estimate, Way
 from surae.reproduction.cohort.judge_errors import error_findings, spectra_finding
 from surae.reproduction.cohort.judge_orders import order_findings
@@ -283,3 +283,9 @@ def test_the_quick_run_goes_through_and_a_second_one_computes_nothing(tmp_path):
     assert [one.plain() for one in again.findings] == [one.plain() for one in first.findings]
     best = beyond.SECTION.run(context)
     assert {table.name for table in best.tables} == {"beyond-ways", "beyond-parameters"}
+
+
+def test_why_explicit_fits_are_worse_follows_the_numbers() -> None:
+    assert "but the search" in cause(replayed=98.5, explicit=84.7, implicit=98.5)
+    assert "scheme's own error" in cause(replayed=85.0, explicit=84.7, implicit=98.5)
+    assert "nothing here" in cause(replayed=98.0, explicit=98.6, implicit=98.5)

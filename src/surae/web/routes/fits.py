@@ -37,6 +37,8 @@ from surae.web.workbench import Workbench
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["fits"])
 
+#: Points of a predicted curve.
+_SHOWN = 2000
 _HTML: Responses = {200: {"content": {"text/html": {}}}}
 _PDF: Responses = {200: {"content": {"application/pdf": {}}}}
 
@@ -138,8 +140,8 @@ def post_validate(id: PathId, given: ValidateGiven, bench: Bench) -> dict[str, A
         name = bench.project.need("recording", other)["name"]
         inputs = bench.prepared(other, as_they_are)
         (one,) = api.validate(fitted, [inputs])
-        measured = inputs.torque if inputs.torque is not None else inputs.time * 0.0
-        shown = extremes([measured, one.torque], 2000)
+        assert inputs.torque is not None  # else it could not be validated
+        shown = extremes([inputs.torque, one.torque], _SHOWN)
         found.append(
             {
                 "recording": other,
@@ -148,7 +150,7 @@ def post_validate(id: PathId, given: ValidateGiven, bench: Bench) -> dict[str, A
                 "rmse_Nm": one.rmse,
                 "bias_Nm": one.bias,
                 "t": plain(inputs.time[shown]),
-                "measured": plain(measured[shown]),
+                "measured": plain(inputs.torque[shown]),
                 "predicted": plain(one.torque[shown]),
             }
         )
