@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from surae.errors import ComputationError, InputError
+from surae.web.http_errors import NO_ROOM, RefusedError
 from surae.web.process import Worker
 from surae.web.project import Project
-from surae.web.refusals import NO_ROOM, RefusedError
 
 
 def test_a_link_leads_nowhere(serve, tmp_path) -> None:

@@ -11,7 +11,7 @@ from surae.model.registry import with_drives
 from surae.protocol import Protocol, generate
 from surae.signals import thinned, thinning_factor
 from surae.studies import virtual_subject, virtual_trial
-from surae.web.following import Following
+from surae.web.fit_progress import FitProgress
 
 REFLEX = ("reflex_tri", "reflex_tib", "reflex_delay")
 
@@ -76,7 +76,7 @@ def chirped():
 
 def test_a_chirp_is_followed_with_all_its_peaks(chirped) -> None:
     told = []
-    following = Following([chirped], ["a" * 16], {"starts": 1}, told.append)
+    following = FitProgress([chirped], ["a" * 16], {"starts": 1}, told.append)
     spec = get_model("muscle")
     following.point(spec, np.array([p.start for p in spec.parameters]), 1.0)
     (trace,) = told[0]["traces"]
@@ -92,7 +92,7 @@ def test_a_chirp_is_followed_with_all_its_peaks(chirped) -> None:
 
 def test_a_drive_joins_a_fit_that_is_under_way(chirped) -> None:
     told = []
-    following = Following([chirped], ["a" * 16], {"starts": 1}, told.append)
+    following = FitProgress([chirped], ["a" * 16], {"starts": 1}, told.append)
     plain = get_model("muscle")
     driven = with_drives(plain, ("emd",))
     for spec in (plain, driven):
@@ -107,7 +107,7 @@ def test_a_drive_joins_a_fit_that_is_under_way(chirped) -> None:
 def test_many_recordings_share_the_points(chirped) -> None:
     told = []
     ids = [f"{i:016x}" for i in range(20)]
-    following = Following([chirped] * 20, ids, {"starts": 1}, told.append)
+    following = FitProgress([chirped] * 20, ids, {"starts": 1}, told.append)
     spec = get_model("muscle")
     following.point(spec, np.array([p.start for p in spec.parameters]), 1.0)
     assert all(len(one["t"]) <= 400 for one in told[0]["traces"])

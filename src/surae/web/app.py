@@ -16,7 +16,7 @@ from starlette.types import ASGIApp
 from surae._version import __version__
 from surae.errors import InputError, SuraeError
 from surae.web.fits import job_kinds
-from surae.web.refusals import FULL, NO_ROOM, RefusedError, one_line, where
+from surae.web.http_errors import FULL, NO_ROOM, RefusedError, one_line, where
 from surae.web.routes import (
     cohort,
     comparisons,

@@ -17,7 +17,7 @@ from typing import Any
 from surae.errors import ComputationError, InputError
 from surae.files import shown
 from surae.studies.database import transaction
-from surae.web.refusals import NO_ROOM, RefusedError
+from surae.web.http_errors import NO_ROOM, RefusedError
 
 #: "srwb" as a number: SQLite's mark of whose file it is.
 _APPLICATION = 0x73727762

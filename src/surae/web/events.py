@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import AsyncIterator, Callable
 from typing import Any
 
-from surae.web.refusals import RefusedError
+from surae.web.http_errors import RefusedError
 
 #: A stream that lags so many messages behind loses the oldest; states are sent whole.
 _WAITING = 64

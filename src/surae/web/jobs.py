@@ -14,12 +14,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from surae.errors import SuraeError
+from surae.web.cleanup import forget_jobs
 from surae.web.database import Thing, new_id
-from surae.web.emptying import forget_jobs
 from surae.web.events import Events
+from surae.web.http_errors import RefusedError, not_found, where
 from surae.web.process import Worker
 from surae.web.project import Project, when
-from surae.web.refusals import RefusedError, not_found, where
 from surae.web.sessions import Session
 
 _log = logging.getLogger("surae.web")

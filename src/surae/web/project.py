@@ -11,9 +11,9 @@ from typing import Any
 from surae.errors import InputError
 from surae.files import PathLike, shown
 from surae.studies.database import lock
+from surae.web.cleanup import empty
 from surae.web.database import Database, Thing, new_id
-from surae.web.emptying import empty
-from surae.web.refusals import RefusedError, not_found
+from surae.web.http_errors import RefusedError, not_found
 
 _FOLDERS = ("recordings", "fits", "comparisons", "studies", "uploads")
 _ID, _KEY = re.compile(r"[0-9a-f]{16}"), re.compile(r"[0-9a-f]{32,64}")

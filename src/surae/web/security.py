@@ -20,7 +20,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from surae.errors import SuraeError
 from surae.web.asked import Asked, redirect, refuse, respond
-from surae.web.refusals import RefusedError, one_line
+from surae.web.http_errors import RefusedError, one_line
 from surae.web.sessions import Sessions
 
 CSRF_HEADER = "x-csrf-token"

@@ -10,8 +10,8 @@ from typing import Any
 
 from surae.web.draft import Draft, changed, empty_draft
 from surae.web.events import Events
+from surae.web.http_errors import RefusedError
 from surae.web.project import Project
-from surae.web.refusals import RefusedError
 
 #: Steps that can be undone.
 _STEPS = 200

@@ -65,13 +65,13 @@ def fit(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Fit, as `surae fit` does, and write FIT.json."""
     inputs = _prepared(task, tell)
     from surae import api
-    from surae.web.following import Following
+    from surae.web.fit_progress import FitProgress
 
     prescribed = {name: value for one in inputs for name, value in one.fixed.items()}
     keywords = fit_keywords(task["draft"], prescribed)
-    following = Following(inputs, task["recordings"], keywords, tell)
+    news = FitProgress(inputs, task["recordings"], keywords, tell)
     with _compiling(tell):
-        found = api.fit(inputs, progress=following.start, follow=following.point, **keywords)
+        found = api.fit(inputs, progress=news.start, follow=news.point, **keywords)
     found.save(_file(task, "fits", task["id"], ".json"))
     return {
         "message": found.message,

@@ -10,12 +10,12 @@ from surae.files import PathLike
 from surae.recording import Recording
 from surae.web.caches import Cache
 from surae.web.database import Thing
-from surae.web.desk import Desk
 from surae.web.events import Events
+from surae.web.http_errors import RefusedError
 from surae.web.jobs import Jobs, Kind
 from surae.web.project import Project
 from surae.web.pyramid import Pyramid
-from surae.web.refusals import RefusedError
+from surae.web.request_workers import RequestWorkers
 from surae.web.sessions import Session, Sessions
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class Workbench:
         self.events = Events()
         self.sessions = Sessions(self.project, self.events)
         self.jobs = Jobs(self.project, self.events, {"fits": workers, "studies": 1})
-        self.desk = Desk()
+        self.workers = RequestWorkers()
         self._closed = False
         self._curves: Cache[Curves] = Cache(_CURVES, lambda one: one.bytes)
         self._prepared: Cache[ModelInputs] = Cache(_PREPARED, lambda one: 80.0 * one.n)
@@ -77,7 +77,7 @@ class Workbench:
         self._closed = True
         self.events.close()
         self.jobs.close()
-        self.desk.close()
+        self.workers.close()
         self.project.close()
 
     def changed(self, what: str) -> None:

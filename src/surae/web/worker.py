@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from surae.errors import InputError, SuraeError
-from surae.web.refusals import FULL, NO_ROOM, one_line, where
+from surae.web.http_errors import FULL, NO_ROOM, one_line, where
 
 #: Computing must not slow down the pages.
 _NICE = 10

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from fastapi import Depends, Path, Request
 
 from surae.web.draft import changed, empty_draft
-from surae.web.refusals import RefusedError
+from surae.web.http_errors import RefusedError
 from surae.web.schemas import DraftChange, Error
 from surae.web.sessions import Session
 from surae.web.workbench import Workbench

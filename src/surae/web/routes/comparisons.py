@@ -7,8 +7,8 @@ from fastapi import APIRouter, Query
 
 from surae.web.database import Thing
 from surae.web.fits import fit_summary, ranges, submit_comparison
+from surae.web.http_errors import RefusedError
 from surae.web.project import when
-from surae.web.refusals import RefusedError
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId, chosen_draft
 from surae.web.schemas import ComparisonGiven
 

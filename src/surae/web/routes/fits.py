@@ -14,8 +14,8 @@ from surae.web.fits import (
     fit_traces,
     submit_fit,
 )
+from surae.web.http_errors import RefusedError
 from surae.web.live import plain
-from surae.web.refusals import RefusedError
 from surae.web.routes.common import (
     ERRORS,
     Bench,
@@ -178,7 +178,7 @@ def _report(bench: Workbench, id_: str, kind: str) -> tuple[str, bytes]:
     with tempfile.TemporaryDirectory(prefix="surae-report-") as folder:
         output = Path(folder) / f"report.{kind}"
         fit = str(bench.project.path("fits", id_, ".json"))
-        bench.desk.ask("report", fit=fit, output=str(output))
+        bench.workers.ask("report", fit=fit, output=str(output))
         return one["name"], output.read_bytes()
 
 

@@ -10,9 +10,9 @@ from fastapi import APIRouter, Query, Response
 
 from surae.recording import ROLES
 from surae.web.database import Thing
+from surae.web.http_errors import RefusedError
 from surae.web.project import when
 from surae.web.pyramid import Pyramid, Window
-from surae.web.refusals import RefusedError
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId
 from surae.web.schemas import Points, RecordingPatch, SubjectGiven, SubjectPatch
 from surae.web.workbench import Workbench
@@ -144,7 +144,7 @@ def get_quality(id: PathId, bench: Bench) -> dict[str, Any]:
     one = bench.project.need("recording", id)
     if one.get("findings") is None:
         path = str(bench.project.path("recordings", id, ".h5"))
-        found = bench.desk.ask("quality", path=path)["findings"]
+        found = bench.workers.ask("quality", path=path)["findings"]
         one = bench.project.change("recording", id, findings=found)
     return {"findings": one["findings"]}
 

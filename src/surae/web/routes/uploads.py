@@ -9,9 +9,9 @@ from fastapi import APIRouter, Query, Request, Response
 
 from surae.units import FACTORS, kind
 from surae.web.database import Thing, new_id
+from surae.web.http_errors import RefusedError, not_found
 from surae.web.imports import file_name
 from surae.web.project import when
-from surae.web.refusals import RefusedError, not_found
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId
 from surae.web.routes.recordings import shown_recording
 from surae.web.schemas import ImportGiven
@@ -124,10 +124,10 @@ def inspect_upload(
     one = _upload(bench, browser, id)
     others = [] if also is None else [_upload(bench, browser, other) for other in also.split(",")]
     files = _files(bench, browser, [one, *others])
-    found = bench.desk.ask("inspect", files=files)["found"]
+    found = bench.workers.ask("inspect", files=files)["found"]
     if not found["columns"]:  # a mapping: what it names may be among all uploads
         rest = [u for u in _uploads(bench, browser) if u["id"] != one["id"]]
-        found = bench.desk.ask("inspect", files=_files(bench, browser, [one, *rest]))["found"]
+        found = bench.workers.ask("inspect", files=_files(bench, browser, [one, *rest]))["found"]
     return {"id": one["id"], "name": one["name"], **found}
 
 
@@ -167,7 +167,7 @@ def post_demo(bench: Bench, browser: Browser) -> dict[str, Any]:
         known is not None and one["subject"] == known for one in bench.database.all("recording")
     )
     path = str(bench.project.path("recordings", id_, ".h5"))
-    found = bench.desk.ask("demo", trial=trial, output=path)["found"]
+    found = bench.workers.ask("demo", trial=trial, output=path)["found"]
     with bench.database.transaction():
         subject = _virtual(bench) or bench.database.add("subject", _VIRTUAL_SUBJECT)
     bench.changed("subjects")
@@ -219,7 +219,7 @@ def _imported(
     wanted = dict.fromkeys(one["upload"] for one in mapping["channels"].values())
     uploads = [_upload(bench, browser, id_) for id_ in wanted]
     files = _files(bench, browser, uploads)
-    found: dict[str, Any] = bench.desk.ask("load", files=files, mapping=mapping, output=output)[
+    found: dict[str, Any] = bench.workers.ask("load", files=files, mapping=mapping, output=output)[
         "found"
     ]
     return found

@@ -5,8 +5,8 @@ import threading
 from collections.abc import Mapping
 from typing import Any
 
+from surae.web.http_errors import RefusedError
 from surae.web.process import Worker
-from surae.web.refusals import RefusedError
 
 #: Longest that one piece of work may take [s], and the memory that it may use [bytes].
 _SECONDS, _MEMORY = 180.0, 12 * 2**30
@@ -15,7 +15,7 @@ _log = logging.getLogger("surae.web")
 _WORKERS, _WAITING = 2, 12
 
 
-class Desk:
+class RequestWorkers:
     """A few workers for what a request waits for."""
 
     def __init__(self) -> None:

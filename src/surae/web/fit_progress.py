@@ -21,7 +21,7 @@ _RATE, _SAMPLES = 60.0, 500
 _ALL, _POINTS = 8000, 1000
 
 
-class Following:
+class FitProgress:
     """Tells how a fit goes on; made for `follow` and `progress` of `surae.fit`."""
 
     def __init__(
