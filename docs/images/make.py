@@ -9,7 +9,7 @@ from surae.report.traces import traces_of
 from surae.studies import virtual_subject, virtual_trial
 
 protocol = Protocol(
-    profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5, device=named_device("achilles")
+    profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.159, device=named_device("achilles")
 )
 fit = surae.fit(virtual_trial(virtual_subject(seed=1), generate(protocol)))
 (traces,) = traces_of(fit.result)

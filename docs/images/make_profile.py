@@ -12,7 +12,7 @@ from surae.report.figures import png
 from surae.report.figures.profile import profile_figure
 from surae.studies import virtual_subject, virtual_trial
 
-protocol = Protocol(profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5, rate_hz=125.0)
+protocol = Protocol(profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.159, rate_hz=125.0)
 trial = virtual_trial(virtual_subject(seed=1), generate(protocol), model="muscle-tendon")
 fit = surae.fit(trial, "muscle-tendon", free=("dlt_tib", "pt_tib"), starts=2)
 found = surae.profile(fit, ("m", "dlt_tib", "pt_tib"))

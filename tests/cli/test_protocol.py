@@ -66,12 +66,19 @@ def test_the_table_tells_what_was_adapted_and_covered(run) -> None:
     assert lines[0] == "multiple-holds, part-passive"
     said = {line[:19].strip(): line[19:] for line in lines[2:] if line}
     assert said["duration"] == "35 s, 8961 samples at 256 Hz"
-    assert said["chirp"] == "0.1 rad, 0 to 17.5 Hz"
+    assert said["chirp"] == "0.1 rad, 0 to 5.57 Hz"
     assert said["peak velocity"] == "1.5 rad/s"
     assert said["triceps"].endswith("l0/s (l0 = 0.045 m, rigid tendon)")
     assert said["coverage"].endswith("% of the plane 0.3 to 1.2 l0, -5 to 5 l0/s")
     assert said["adapted"] == "Chirp lowered from 0.2 to 0.1 rad for achilles."
-    assert "the peak velocity falls from 22 to 1.5 rad/s." in done.out
+    assert "the peak velocity falls from 7.44 to 1.5 rad/s." in done.out
+
+
+def test_the_thesis_s_factor_is_a_rate_of_its_part_by_pi(run) -> None:
+    amplitude = ("--chirp-amplitude", "0.2")
+    run("protocol", "sine", *amplitude, "--chirp-factor", "0.5", "--output", "factor.csv")
+    run("protocol", "sine", *amplitude, "--chirp-rate", str(0.5 / np.pi), "--output", "rate.csv")
+    assert Path("factor.csv").read_text() == Path("rate.csv").read_text()
 
 
 def test_what_needs_no_adaptation_says_so(run) -> None:
@@ -118,6 +125,8 @@ def test_no_adapt_refuses_what_the_device_cannot_follow(run, tmp_path) -> None:
         (["sine", "--chirp-amplitude", "0,2"], "write 0.2"),
         (["sine", "--chirp-amplitude", "2"], "less than half the range of motion"),
         (["sine", "--chirp-amplitude", "0.1", "--chirp-rate", "-1"], "use more than 0"),
+        (["sine", "--chirp-rate", "0.1", "--chirp-factor", "0.5"], "say the same; give one"),
+        (["sine", "--chirp-factor", "half"], "--chirp-factor"),
         (["sine", "--chirp-amplitude", "nan"], "chirp amplitude nan"),
         (["sine", "--duration", "5"], "use a longer duration"),
         (["sine", "--duration", "inf"], "duration inf"),

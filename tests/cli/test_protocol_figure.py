@@ -40,7 +40,7 @@ def test_the_plane_has_the_axes_of_the_thesis_or_wider_ones(trajectory) -> None:
     whole = protocol_figure(trajectory).axes[-2]
     assert whole.get_xlim() == pytest.approx((0.3, 1.2))
     assert whole.get_ylim() == pytest.approx((-5.0, 5.0))
-    fast = generate(Protocol(profile="sine", chirp_amplitude=0.2))
+    fast = generate(Protocol(profile="sine", chirp_amplitude=0.2, chirp_rate=0.5))
     low, high = protocol_figure(fast).axes[-2].get_ylim()
     assert low < triceps_path(fast).velocity.min() < -5.0
     assert high > triceps_path(fast).velocity.max() > 5.0

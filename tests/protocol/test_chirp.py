@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from surae.protocol.chirp import base_range, chirp
+from surae.protocol.chirp import base_range, chirp, chirp_rate
 from surae.protocol.profiles import PROFILES
 
 T = np.linspace(0.0, 35.0, 350001)
@@ -17,6 +17,11 @@ def test_instantaneous_frequency_rises_with_the_rate():
     period, middle = np.diff(upward), 0.5 * (upward[1:] + upward[:-1])
     np.testing.assert_allclose(1.0 / period, 0.5 * middle, rtol=0.01)
     assert np.abs(angle).max() == pytest.approx(0.2, abs=1e-6)
+
+
+def test_a_factor_of_the_thesis_is_a_sine_of_the_factor_times_t_squared():
+    angle, _, _ = chirp(T, amplitude=0.2, rate=chirp_rate(0.5))
+    np.testing.assert_allclose(angle, 0.2 * np.sin(0.5 * T**2), atol=1e-12)
 
 
 @pytest.mark.parametrize(("amplitude", "rate"), [(0.1, 0.05), (0.2, 0.5), (0.3, 0.6)])

@@ -83,7 +83,7 @@ def test_nothing_to_draw_is_refused() -> None:
 def test_panels_units_and_legends() -> None:
     rows = crossed() + crossed(model="muscle-tendon")
     figure = study_figure(study_curves(rows, FACTORS), "small:")
-    labels = ["SEM / its mean [-]", "IPDE [%]", "VAF [%]"]
+    labels = ["SEM / its mean [-]", "IPDE [-]", "VAF [%]"]
     assert [axes.get_ylabel() for axes in figure.axes] == 2 * labels
     assert [axes.get_xlabel() for axes in figure.axes] == 3 * [""] + 3 * ["chirp_rate [Hz/s]"]
     assert [a.get_title(loc="left") for a in figure.axes[::3]] == ["muscle", "muscle-tendon"]

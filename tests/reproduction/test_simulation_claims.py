@@ -187,8 +187,8 @@ def test_patients_follow_the_healthy_or_do_not() -> None:
 
 def test_the_fastest_rate_depends_on_the_optimal_length() -> None:
     slow = {"l0_tri": 0.045, "l0_tib": 0.08}
-    rates = (0.1, 0.6, 1.2)
-    assert choice.fastest_rate("sine", 0.1, slow, rates) == 0.6
+    rates = (0.1, 0.6, 9.0)
+    assert choice.fastest_rate("sine", 0.5, slow, rates) == 0.6
     assert choice.fastest_rate("sine", 0.1, {"l0_tri": 1e-3, "l0_tib": 1e-3}, rates) is None
     assert choice.speed({"l0_tri": 1.0, "l0_tib": 1.0}, (0.1, 0.2)).verdict == "differs"
     just = {
@@ -239,12 +239,12 @@ def test_a_claim_without_its_cells_says_so() -> None:
 def test_rows_become_cells_once_without_failed_ones() -> None:
     row = {
         "model": "muscle", "protocol": "sine", "task": "active", "chirp_amplitude": 0.0,
-        "chirp_rate": 0.1, "subject": 1, "repeat": 1, "status": "converged", "vaf": 99.0,
+        "chirp_factor": 0.1, "subject": 1, "repeat": 1, "status": "converged", "vaf": 99.0,
         "ipde": None, "m": 1.0, "m_sem": None, "m_true": 2.0, "dlt_tri": None,
         "dlt_tri_sem": None, "dlt_tri_true": None,
     }  # fmt: skip
     failed = row | {"status": "failed", "vaf": None, "task": "part-passive"}
-    (cell,) = cells([row, row | {"chirp_rate": 0.2}, failed])
+    (cell,) = cells([row, row | {"chirp_factor": 0.2}, failed])
     assert (cell.rate, cell.sem, cell.off, cell.worst) == (None, {}, {"m": -0.5}, ("m", 0.5))
 
 

@@ -1,5 +1,7 @@
 """STUDY.toml: what it may say, and one clear line for what it may not."""
 
+import math
+
 import pytest
 
 from surae.errors import InputError
@@ -55,11 +57,20 @@ def test_the_grid_of_the_thesis() -> None:
     study = parse_study(
         'model = ["muscle", "muscle-tendon"]\n'
         'protocol = ["sine", "multiple-holds", "multi-sine", "multi-sine-holds", "scaled-chirp"]\n'
-        f"chirp_amplitude = [0, 0.1, 0.2, 0.3]\nchirp_rate = {rates}\n"
+        f"chirp_amplitude = [0, 0.1, 0.2, 0.3]\nchirp_factor = {rates}\n"
         'task = ["part-passive", "active"]\n'
     )
     assert study.size == 1840
     assert len({task.key for _, task in planned(study)}) == 1400
+    assert list(study.factors)[:3] == ["protocol", "chirp_amplitude", "chirp_factor"]
+
+
+def test_a_factor_of_the_thesis_is_its_rate(tmp_path) -> None:
+    rates = parse_study(MINIMAL + f"chirp_amplitude = 0.1\nchirp_rate = {0.5 / math.pi}")
+    factors = parse_study(MINIMAL + "chirp_amplitude = 0.1\nchirp_factor = 0.5")
+    (by_rate,), (by_factor,) = planned(rates), planned(factors)
+    assert by_rate[1] == by_factor[1]
+    assert by_factor[0]["chirp_factor"] == 0.5
 
 
 @pytest.mark.parametrize(
@@ -84,6 +95,11 @@ def test_the_grid_of_the_thesis() -> None:
         (MINIMAL + "vmax_factor = -1", "option vmax_factor is -1.0; it must be positive"),
         (MINIMAL + "chirp_amplitude = 2", "protocol sine: chirp amplitude 2 rad: use 0 or more"),
         (MINIMAL + "chirp_amplitude = 0.1\nchirp_rate = 9", "protocol sine: the chirp ends at"),
+        (MINIMAL + "chirp_factor = -1", "chirp_factor is -1: give a factor of 0 or more"),
+        (
+            MINIMAL + "chirp_factor = 0.5\nchirp_rate = 0.1",
+            "chirp_rate and chirp_factor say the same; give one of them",
+        ),
         (MINIMAL + "name = 3", "name is 3; give a text of one line"),
         (MINIMAL + 'name = "a\\nb"', "give a text of one line"),
         (MINIMAL + "subjects = 99999\nrepeats = 99999", "fits are too many; at most 1,000,000"),

@@ -6,7 +6,7 @@ import click
 
 from surae.cli.options import MODEL_NAMES, given, model_options, number, whole_number
 from surae.cli.paths import check_outputs
-from surae.cli.protocol import DEVICE_NAMES, TASK_NAMES
+from surae.cli.protocol import DEVICE_NAMES, TASK_NAMES, chirp_rise, chirp_rise_options
 from surae.errors import InputError
 from surae.files import shown
 
@@ -27,8 +27,7 @@ _MOST_SUBJECTS = 10_000
               help="What the subjects are asked to do.")  # fmt: skip
 @click.option("--chirp-amplitude", default="0.2", show_default=True, metavar="A",
               help="Of the added chirp, in rad.")  # fmt: skip
-@click.option("--chirp-rate", default="0.5", show_default=True, metavar="S",
-              help="Rise of its frequency, in Hz/s.")  # fmt: skip
+@chirp_rise_options
 @click.option("--rate", default="125", show_default=True, metavar="HZ", help="Samples per second.")
 @click.option("--device", metavar=DEVICE_NAMES, help="Adapt the motion to its limits.")
 @click.option("--output", required=True, metavar="B.json", help="Where the baseline goes.")
@@ -42,7 +41,8 @@ def command(
     seed: str | None,
     task: str,
     chirp_amplitude: str,
-    chirp_rate: str,
+    chirp_rate: str | None,
+    chirp_factor: str | None,
     rate: str,
     device: str | None,
     output: str,
@@ -59,7 +59,7 @@ def command(
     if not 0 < part < 1:
         raise InputError(f"--noise {noise}: give a part above 0 and below 1, e.g. 0.05")
     amplitude = number("--chirp-amplitude", chirp_amplitude)
-    rise, rate_hz = number("--chirp-rate", chirp_rate), number("--rate", rate)
+    rise, rate_hz = chirp_rise(chirp_rate, chirp_factor), number("--rate", rate)
     chosen = given(options)
     check_outputs({"--output": output}, [])
 

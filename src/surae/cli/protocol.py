@@ -1,7 +1,8 @@
 """`surae protocol`."""
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
     from surae.protocol import Trajectory
     from surae.protocol.triceps import TricepsPath
 
+Command = Callable[..., Any]
+
 #: Every profile, task and device by name; written out, since help must not import what knows them.
 PROFILE_NAMES = "ramp-and-hold, sine, multiple-holds, multi-sine, multi-sine-holds or scaled-chirp"
 TASK_NAMES = "part-passive|active|passive"
@@ -22,6 +25,26 @@ DEVICE_NAMES = "achilles"
 _MOST_SAMPLES = 1_200_000
 #: The motion is shaped at this rate at least [Hz], whatever rate is asked for.
 _SHAPED_HZ = 2000.0
+
+
+def chirp_rise_options(function: Command) -> Command:
+    """Add --chirp-rate and --chirp-factor, which `chirp_rise` reads."""
+    rate = click.option("--chirp-rate", metavar="R",
+                        help="Rise of its frequency, in Hz/s.  [default: 0.159]")  # fmt: skip
+    factor = click.option("--chirp-factor", metavar="S",
+                          help="Instead, the thesis's s of A·sin(s·t²): S/π Hz/s.")  # fmt: skip
+    return rate(factor(function))
+
+
+def chirp_rise(rate: str | None, factor: str | None) -> float:
+    """Rise of the chirp's frequency [Hz/s] from --chirp-rate or --chirp-factor."""
+    from surae.protocol.chirp import DEFAULT_RATE, chirp_rate
+
+    if rate is not None and factor is not None:
+        raise InputError("--chirp-rate and --chirp-factor say the same; give one of them")
+    if factor is not None:
+        return chirp_rate(number("--chirp-factor", factor))
+    return DEFAULT_RATE if rate is None else number("--chirp-rate", rate)
 
 
 @click.command(
@@ -37,8 +60,7 @@ _SHAPED_HZ = 2000.0
               help="What the subject is asked to do.")  # fmt: skip
 @click.option("--chirp-amplitude", default="0", show_default=True, metavar="A",
               help="Of the added chirp, in rad.")  # fmt: skip
-@click.option("--chirp-rate", default="0.5", show_default=True, metavar="S",
-              help="Rise of its frequency, in Hz/s.")  # fmt: skip
+@chirp_rise_options
 @click.option("--range", "range_", default="-0.9:0.6", show_default=True, metavar="LOW:HIGH",
               help="Full plantarflexion and dorsiflexion of the subject, in rad.")  # fmt: skip
 @click.option("--duration", metavar="S", help="In s.  [default: the profile's own]")
@@ -51,7 +73,8 @@ def command(
     name: str,
     task: str,
     chirp_amplitude: str,
-    chirp_rate: str,
+    chirp_rate: str | None,
+    chirp_factor: str | None,
     range_: str,
     duration: str | None,
     rate: str,
@@ -62,7 +85,7 @@ def command(
 ) -> None:
     """Make a measurement protocol."""
     amplitude = number("--chirp-amplitude", chirp_amplitude)
-    rise = number("--chirp-rate", chirp_rate)
+    rise = chirp_rise(chirp_rate, chirp_factor)
     span = _span(range_)
     seconds = None if duration is None else number("--duration", duration)
     rate_hz = number("--rate", rate)

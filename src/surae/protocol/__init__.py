@@ -1,6 +1,7 @@
 """Measurement protocols: position profiles, effort tasks, device limits, coverage, files."""
 
 from surae.protocol.adaptation import Adaptation
+from surae.protocol.chirp import chirp_rate
 from surae.protocol.coverage import Coverage, coverage
 from surae.protocol.device import DEVICES, Device, named_device
 from surae.protocol.effort import TASKS, Task
@@ -19,6 +20,7 @@ __all__ = [
     "Protocol",
     "Task",
     "Trajectory",
+    "chirp_rate",
     "coverage",
     "generate",
     "named_device",

@@ -1,19 +1,28 @@
 """The added chirp, and how a profile makes room for it inside the range of motion.
 
-The thesis adds the chirp to the basic profile (2.5.1, Figures 7 and 8) and doesn't say what happens
-at the ends of the range. A leg must never be moved beyond its range of motion, so the basic profile
-is mapped on a narrower range, chosen so that profile + chirp just reaches both ends.
+The thesis's chirp is A·sin(s·t²), s its "frequency scale factor" (2.5.1): its frequency is s·t/π
+and rises by s/π Hz/s. The thesis adds it to the basic profile (Figures 7 and 8) and doesn't say
+what happens at the ends of the range. A leg must never be moved beyond its range of motion, so the
+basic profile is mapped on a narrower range, chosen so that profile + chirp just reaches both ends.
 """
 
 import numpy as np
 
 from surae.units import FloatArray
 
+#: Rise of the frequency [Hz/s] where none is given: that of the thesis's factor 0.5, rounded.
+DEFAULT_RATE = 0.159
+
+
+def chirp_rate(factor: float) -> float:
+    """Rise of the frequency [Hz/s] of a chirp A·sin(factor·t²), factor in rad/s²."""
+    return factor / np.pi
+
 
 def chirp(
     t: FloatArray, *, amplitude: float, rate: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Chirp A·sin(π·s·t²), of instantaneous frequency s·t, and its derivatives.
+    """Chirp A·sin(π·r·t²), of instantaneous frequency r·t, and its derivatives.
 
     Parameters
     ----------
@@ -22,7 +31,7 @@ def chirp(
     amplitude : float
         A [rad].
     rate : float
-        s, the rise of the frequency [Hz/s]; the thesis's "frequency scale factor".
+        r, the rise of the frequency [Hz/s]; `chirp_rate` gives it for a factor of the thesis.
 
     Returns
     -------

@@ -7,7 +7,7 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.protocol.adaptation import Adaptation, Motion, fit_device, peaks, refusal
-from surae.protocol.chirp import base_range, chirp
+from surae.protocol.chirp import DEFAULT_RATE, base_range, chirp
 from surae.protocol.device import Device
 from surae.protocol.effort import effort, named_task
 from surae.protocol.profiles import named_profile
@@ -34,7 +34,8 @@ class Protocol:
         Without a device it goes on to the last sample and stops there; a motion that is filtered
         for a device ends at rest.
     chirp_rate : float
-        Rise of the chirp's frequency [Hz/s]; irrelevant at amplitude 0.
+        Rise of the chirp's frequency [Hz/s]; irrelevant at amplitude 0. The thesis's factors are
+        converted by `surae.protocol.chirp_rate`.
     range_of_motion : (float, float)
         The subject's angles of full plantarflexion and full dorsiflexion [rad].
     duration : float or None
@@ -56,7 +57,7 @@ class Protocol:
     profile: str
     task: str = "part-passive"
     chirp_amplitude: float = 0.0
-    chirp_rate: float = 0.5
+    chirp_rate: float = DEFAULT_RATE
     range_of_motion: tuple[float, float] = (-0.9, 0.6)
     duration: float | None = None
     rate_hz: float = 256.0

@@ -103,7 +103,7 @@ def study_curves(rows: Iterable[Row], factors: Sequence[str], x: str | None = No
     }
     x = _factor(varying, x)
     failed, unmoved = len(everything) - len(fits), 0
-    if x == "chirp_rate" and any(row["chirp_amplitude"] for row in fits):
+    if x in ("chirp_rate", "chirp_factor") and any(row["chirp_amplitude"] for row in fits):
         moved = [row for row in fits if row["chirp_amplitude"]]
         fits, unmoved = moved, len(fits) - len(moved)
     values = _ordered(row[x] for row in fits)

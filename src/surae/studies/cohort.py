@@ -29,7 +29,7 @@ from typing import Literal
 import numpy as np
 
 from surae.errors import InputError
-from surae.protocol import Protocol, named_device
+from surae.protocol import Protocol, chirp_rate, named_device
 from surae.studies.imperfections import Imperfections, realistic_imperfections
 from surae.studies.populations import VirtualSubject, stream, virtual_subject
 
@@ -173,7 +173,7 @@ def _member(
 def cohort_protocol(name: str, range_of_motion: tuple[float, float], rate_hz: float) -> Protocol:
     """One of the three protocols as the thesis's device could do it (4.1.5).
 
-    A chirp of 0.2 rad and 0.5 Hz/s is asked for, which the device lowers to 0.1 rad for the
+    A chirp of 0.2 rad and factor 0.5 is asked for, which the device lowers to 0.1 rad for the
     multiple holds; the motion is filtered to stay below 1.5 rad/s.
 
     Raises
@@ -188,7 +188,7 @@ def cohort_protocol(name: str, range_of_motion: tuple[float, float], rate_hz: fl
         profile=name,
         task="passive" if passive else "part-passive",
         chirp_amplitude=0.0 if passive else 0.2,
-        chirp_rate=0.5,
+        chirp_rate=chirp_rate(0.5),
         range_of_motion=range_of_motion,
         rate_hz=rate_hz,
         device=named_device("achilles"),

@@ -10,7 +10,8 @@ from typing import Any
 from surae.errors import InputError
 from surae.files import PathLike, read_bytes, shown
 from surae.model import MODELS, ModelOptions
-from surae.protocol import PROFILES, TASKS, Protocol
+from surae.protocol import PROFILES, TASKS, Protocol, chirp_rate
+from surae.protocol.chirp import DEFAULT_RATE
 from surae.studies.virtual import POPULATIONS
 
 #: More than this is a slip of the keyboard: it would take months.
@@ -114,7 +115,7 @@ def _choices(name: str) -> Callable[[object], Value]:
 FACTORS: dict[str, Factor] = {
     "protocol": Factor(_one_of(PROFILES), ()),
     "chirp_amplitude": Factor(_real("0 rad or more", 0.0), (0.0,)),
-    "chirp_rate": Factor(_real("0 Hz/s or more", 0.0), (0.5,)),
+    "chirp_rate": Factor(_real("0 Hz/s or more", 0.0), (DEFAULT_RATE,)),
     "task": Factor(_one_of(TASKS), ("part-passive",)),
     "population": Factor(_one_of(POPULATIONS), ("healthy",)),
     "subjects": Factor(_whole(1, 999_999), (1,)),
@@ -128,6 +129,10 @@ FACTORS: dict[str, Factor] = {
 #: Model options may be factors too; left out, they are no columns of the table.
 OPTIONS: dict[str, Factor] = {
     field.name: Factor(_choices(field.name), ()) for field in fields(ModelOptions)
+}
+#: What may stand in a factor's place, and in its column: the thesis's A·sin(s·t²) has the rate s/π.
+INSTEAD: dict[str, tuple[str, Factor]] = {
+    "chirp_rate": ("chirp_factor", Factor(_real("a factor of 0 or more", 0.0), ())),
 }
 #: Factors given as a number and counted from 1: `subjects = 3` are subjects 1, 2 and 3.
 _COUNTED = {"subjects": "subject", "repeats": "repeat"}
@@ -158,7 +163,8 @@ def parse_study(text: str) -> Study:
         given = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # also of thousands of digits or brackets
         raise InputError(f"not TOML: {error}") from None
-    known = ("name", *FACTORS, *OPTIONS)
+    factors_of_file = _factors(given)
+    known = ("name", *FACTORS, *(name for name, _ in INSTEAD.values()), *OPTIONS)
     for key in given:
         if key not in known:
             raise InputError(f"unknown setting {key!r}; known settings: {', '.join(known)}")
@@ -166,18 +172,29 @@ def parse_study(text: str) -> Study:
     if not isinstance(name, str) or not name.strip() or not name.isprintable():
         raise InputError(f"name is {name!r}; give a text of one line")
     factors: dict[str, tuple[Value, ...]] = {}
-    for key, factor in (FACTORS | OPTIONS).items():
+    for key, factor in factors_of_file.items():
         if key in given:
             factors[_COUNTED.get(key, key)] = _values(key, given[key], factor)
         elif factor.default:
             factors[_COUNTED.get(key, key)] = factor.default
-        elif key in FACTORS:
+        elif key not in OPTIONS:
             raise InputError(f'{key} is missing; e.g. {key} = "multiple-holds"')
     study = Study(name, factors, text)
     if study.size > MOST_FITS:
         raise InputError(f"{study.size:,} fits are too many; at most {MOST_FITS:,} in one study")
     _check_motions(study)
     return study
+
+
+def _factors(given: Mapping[str, object]) -> dict[str, Factor]:
+    """The factors that a file may give, in the order of the table."""
+    factors: dict[str, Factor] = {}
+    for key, factor in (FACTORS | OPTIONS).items():
+        other, instead = INSTEAD.get(key, ("", factor))
+        if other in given and key in given:
+            raise InputError(f"{key} and {other} say the same; give one of them")
+        factors |= {other: instead} if other in given else {key: factor}
+    return factors
 
 
 def _values(key: str, given: object, factor: Factor) -> tuple[Value, ...]:
@@ -209,19 +226,26 @@ def _checked(key: str, value: object, factor: Factor) -> Value:
 def motion(combination: Mapping[str, Any]) -> Protocol:
     """The protocol of one combination; errors as of `Protocol`."""
     amplitude = combination["chirp_amplitude"]
-    rate = {"chirp_rate": combination["chirp_rate"]} if amplitude > 0.0 else {}
     return Protocol(
         profile=combination["protocol"],
         task=combination["task"],
         chirp_amplitude=amplitude,
+        chirp_rate=rise(combination) if amplitude > 0.0 else DEFAULT_RATE,
         rate_hz=combination["rate_hz"],
-        **rate,
     )
+
+
+def rise(combination: Mapping[str, Any]) -> float:
+    """Rise of the chirp's frequency [Hz/s], by its rate or by the thesis's factor."""
+    if "chirp_factor" in combination:
+        return chirp_rate(combination["chirp_factor"])
+    return float(combination["chirp_rate"])
 
 
 def _check_motions(study: Study) -> None:
     """Refuse a combination whose protocol is impossible, naming it."""
-    names = ("protocol", "chirp_amplitude", "chirp_rate", "task", "rate_hz")
+    rate = "chirp_rate" if "chirp_rate" in study.factors else "chirp_factor"
+    names = ("protocol", "chirp_amplitude", rate, "task", "rate_hz")
     for values in itertools.product(*(study.factors[name] for name in names)):
         try:
             motion(dict(zip(names, values, strict=True)))

@@ -13,7 +13,7 @@ from surae.protocol import TASKS, Protocol, Trajectory, generate
 from surae.protocol.effort import effort
 from surae.recording import read_only
 from surae.studies.program import fingerprint
-from surae.studies.study import OPTIONS, Study, Value, motion
+from surae.studies.study import OPTIONS, Study, Value, motion, rise
 
 #: Motions that a worker keeps, of 0.3 MB each.
 _MOTIONS = 64
@@ -118,8 +118,8 @@ def planned(study: Study) -> Iterator[tuple[dict[str, Value], Task]]:
 def _task(combination: dict[str, Any]) -> Task:
     options = tuple((name, combination[name]) for name in OPTIONS if name in combination)
     rest = {name: value for name, value in combination.items() if name not in OPTIONS}
-    if rest["chirp_amplitude"] == 0.0:
-        rest["chirp_rate"] = None
+    rest["chirp_rate"] = None if rest["chirp_amplitude"] == 0.0 else rise(combination)
+    rest.pop("chirp_factor", None)
     if rest["noise"] == 0.0:
         rest["repeat"] = 1
     return Task(**rest, options=options)

@@ -25,7 +25,7 @@ def demo_recording(trial: int) -> Recording:
     protocol = Protocol(
         profile="multiple-holds",
         chirp_amplitude=0.2,
-        chirp_rate=0.5,
+        chirp_rate=0.159,
         rate_hz=_RATE,
         device=named_device("achilles"),
     )

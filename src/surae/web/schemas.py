@@ -228,7 +228,7 @@ class ProtocolSettings(Strict):
     profile: Annotated[str, StringConstraints(max_length=40)]
     task: Annotated[str, StringConstraints(max_length=40)] = "part-passive"
     chirp_amplitude: Annotated[float, Field(ge=0, le=3, allow_inf_nan=False)] = 0.0
-    chirp_rate: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)] = 0.5
+    chirp_rate: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)] = 0.159
     range: tuple[Number, Number] = (-0.9, 0.6)
     duration: Annotated[float, Field(gt=0, le=600, allow_inf_nan=False)] | None = None
     rate_hz: Annotated[float, Field(gt=0, le=2000, allow_inf_nan=False)] = 256.0

@@ -19,7 +19,13 @@ _ROW, _AROUND = 2.9, 1.5
 _WIDE = 8.0
 #: Names of parameters in a line of the legend.
 _COLUMNS = 8
-_UNITS = {"chirp_amplitude": "rad", "chirp_rate": "Hz/s", "rate_hz": "Hz", "noise": "-"}
+_UNITS = {
+    "chirp_amplitude": "rad",
+    "chirp_rate": "Hz/s",
+    "chirp_factor": "rad/s²",
+    "rate_hz": "Hz",
+    "noise": "-",
+}
 
 
 def study_figure(curves: StudyCurves, caption: str = "") -> Figure:
@@ -35,7 +41,7 @@ def study_figure(curves: StudyCurves, caption: str = "") -> Figure:
     Returns
     -------
     Figure
-        A row for each model: standard errors by parameter, IPDE [%] and VAF [%] by protocol with
+        A row for each model: standard errors by parameter, IPDE [-] and VAF [%] by protocol with
         their spread as a band.
     """
     figure = new_figure(_ROW * len(curves.models) + _AROUND)
@@ -64,7 +70,7 @@ def _row(
 ) -> None:
     unit = _UNITS.get(curves.x, "-") if curves.numeric else ""
     label = f"{curves.x} [{unit}]" if unit else curves.x
-    texts = ("SEM / its mean [-]", "IPDE [%]", "VAF [%]")
+    texts = ("SEM / its mean [-]", "IPDE [-]", "VAF [%]")
     for axes, text in zip(panels, texts, strict=True):
         dress(axes, text, label if lowest else "")
         _ticks(axes, curves)

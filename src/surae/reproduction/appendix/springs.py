@@ -7,7 +7,7 @@ import numpy as np
 
 from surae.assessment.uncertainty.covariance import covariance
 from surae.estimation.least_squares import minimise
-from surae.protocol import DEVICES, Protocol, generate
+from surae.protocol import DEVICES, Protocol, chirp_rate, generate
 from surae.units import FloatArray
 
 #: Position, velocity and acceleration, shape (n,) each.
@@ -59,7 +59,7 @@ def protocol_motion(*, filtered: bool = True) -> Motion:
         Protocol(
             profile="multi-sine-holds",
             chirp_amplitude=0.2,
-            chirp_rate=0.5,
+            chirp_rate=chirp_rate(0.5),
             rate_hz=256.0,
             device=DEVICES["achilles"] if filtered else None,
         )

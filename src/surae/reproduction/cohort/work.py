@@ -11,7 +11,7 @@ from surae.assessment.validation.prediction import predict, predict_others
 from surae.errors import ComputationError
 from surae.estimation import FitResult, fit_problem, make_problem
 from surae.model import ModelOptions, TorqueParts, get_model
-from surae.protocol import Protocol
+from surae.protocol import Protocol, chirp_rate
 from surae.studies.baseline import simulated_baseline
 from surae.studies.cohort import CohortSubject, make_cohort
 from surae.studies.cohort_trials import cohort_inputs
@@ -126,10 +126,10 @@ def baseline_job(
 ) -> dict[str, float]:
     """Mean standard errors of simulations of the protocol that the thesis chose (4.1.5).
 
-    That is the motion before it was adapted to the device: chirp of 0.2 rad and 0.5 Hz/s.
+    That is the motion before it was adapted to the device: chirp of 0.2 rad and factor 0.5.
     """
     return simulated_baseline(
-        Protocol(profile=protocol, chirp_amplitude=0.2, chirp_rate=0.5, rate_hz=rate_hz),
+        Protocol(profile=protocol, chirp_amplitude=0.2, chirp_rate=chirp_rate(0.5), rate_hz=rate_hz),
         model, subjects, seed,
     )  # fmt: skip
 

@@ -19,7 +19,7 @@ from surae.reproduction.protocols.motions import (
 _REACHED = 0.001
 #: Speed that a muscle cannot exceed [l0/s], equation (17).
 _VMAX = 8.0
-#: The rates of the grid end at the one that the thesis calls the highest possible [Hz/s].
+#: The rates of the grid end at the one that the thesis calls the highest possible [-].
 _HIGHEST, _STEP = 0.6, 0.025
 
 
@@ -84,9 +84,9 @@ def _speed() -> Finding:
         name="highest-chirp-rate",
         source="4.1.4",
         text="A chirp rate of 0.6 is the highest before the triceps exceeds 8 optimal lengths/s.",
-        number="0.6 Hz/s",
-        rule="at the chosen amplitude (0.2 rad) the triceps stays below 8 l0/s at 0.6 Hz/s in the "
-        "chosen profiles, and no longer at 0.625 Hz/s",
+        number="0.6",
+        rule="at the chosen amplitude (0.2 rad) the triceps stays below 8 l0/s at 0.6 in the "
+        "chosen profiles, and no longer at 0.625",
     )
     peaks = {
         amplitude: max(_peak(name, amplitude, _HIGHEST) for name in CHOSEN)
@@ -99,10 +99,10 @@ def _speed() -> Finding:
     return judged(
         claim,
         holds,
-        f"at 0.6 Hz/s: {listed} (l0 {1e3 * L0_TRI:g} mm)",
-        why="The chirp's frequency grows to the profile's end (24 Hz after 40 s at 0.6 Hz/s), and "
+        f"at 0.6: {listed} (l0 {1e3 * L0_TRI:g} mm)",
+        why="The chirp's frequency grows to the profile's end (24 Hz after 40 s at 0.6), and "
         f"with it the speed. Where the chirp runs that long, 0.2 rad keeps below 8 l0/s up to "
-        f"about {limit:.2f} Hz/s; the thesis does not say with which amplitude, optimal length "
+        f"about {limit:.2f}; the thesis does not say with which amplitude, optimal length "
         "and duration it found its limit.",
         figure="figure-7",
     )
@@ -130,7 +130,7 @@ def _coverage() -> Finding:
         after >= 5 * before,
         f"{100 * before:.1f} % by ramp and hold, {100 * after:.1f} % by multi-sine with holds",
         why="Its richness is less than fivefold.",
-        remark="As simulated, with the chirp of 0.2 rad and 0.5 Hz/s. Filtered for the manipulator "
+        remark="As simulated, with the chirp of 0.2 rad and 0.5. Filtered for the manipulator "
         f"it visits {100 * filtered:.1f} %: most of what the chirp adds is too fast for it.",
         figure="figure-38",
     )

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from surae.protocol import Trajectory
-from surae.protocol.chirp import chirp
+from surae.protocol.chirp import chirp, chirp_rate
 from surae.protocol.triceps import triceps_path
 from surae.recording import MUSCLES
 from surae.report.figures.style import (
@@ -133,14 +133,14 @@ def _chirp() -> Drawing:
     axes = figure.add_subplot()
     dress(axes, "Angle [rad]", "Time [s]")
     time = np.arange(0.0, 30.0, 1e-3)
-    axes.plot(time, chirp(time, amplitude=0.2, rate=0.3)[0], color=INK, linewidth=0.8)
+    axes.plot(time, chirp(time, amplitude=0.2, rate=chirp_rate(0.3))[0], color=INK, linewidth=0.8)
     axes.set_xlim(0.0, 30.0)
-    heading(axes, "Chirp of 0.2 rad and 0.3 Hz/s")
+    heading(axes, "Chirp of 0.2 rad and 0.3")
     return Drawing(
         name="figure-7",
         title="Figure 7: the added chirp",
-        caption="A·sin(π·s·t²) with A = 0.2 rad and s = 0.3 Hz/s: the frequency at time t is s·t.",
-        alt="An oscillation of constant amplitude whose frequency rises from 0 to 9 Hz in 30 s.",
+        caption="A·sin(s·t²) with A = 0.2 rad and s = 0.3: the frequency at time t is s·t/π.",
+        alt="An oscillation of constant amplitude whose frequency rises from 0 to 2.9 Hz in 30 s.",
         figure=figure,
     )
 

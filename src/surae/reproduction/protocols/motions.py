@@ -2,7 +2,7 @@
 
 from functools import cache
 
-from surae.protocol import DEVICES, Protocol, Trajectory, generate
+from surae.protocol import DEVICES, Protocol, Trajectory, chirp_rate, generate
 
 #: The five basic profiles of the simulation study (2.5.1) after the one in use before it (2.1).
 NAMES = (
@@ -33,7 +33,7 @@ def chirped(profile: str, amplitude: float = AMPLITUDE, rate: float = RATE) -> T
         Protocol(
             profile=profile,
             chirp_amplitude=amplitude,
-            chirp_rate=rate,
+            chirp_rate=chirp_rate(rate),
             rate_hz=RATE_HZ,
         )
     )
@@ -46,7 +46,7 @@ def for_achilles(profile: str) -> Trajectory:
         Protocol(
             profile=profile,
             chirp_amplitude=AMPLITUDE,
-            chirp_rate=RATE,
+            chirp_rate=chirp_rate(RATE),
             rate_hz=RATE_HZ,
             device=DEVICES["achilles"],
         )

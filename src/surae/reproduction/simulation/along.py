@@ -37,7 +37,7 @@ def along_rate(found: Sequence[Cell], model: str, profile: str = "multiple-holds
 def along_amplitude(
     found: Sequence[Cell], model: str, profile: str = "multiple-holds"
 ) -> list[Cell]:
-    """Cells at 0.5 Hz/s against the chirp's amplitude, part-passive; errors as of `cell_at`."""
+    """Cells at 0.5 against the chirp's amplitude, part-passive; errors as of `cell_at`."""
     return [cell_at(found, model, profile, amplitude) for amplitude in AMPLITUDES]
 
 
@@ -47,7 +47,7 @@ def along_profile(found: Sequence[Cell], model: str, names: Sequence[str] = PROF
 
 
 def cell_at(found: Sequence[Cell], model: str, profile: str, amplitude: float) -> Cell:
-    """The cell at 0.5 Hz/s and this amplitude, part-passive; of several subjects the first.
+    """The cell at 0.5 and this amplitude, part-passive; of several subjects the first.
 
     Raises
     ------

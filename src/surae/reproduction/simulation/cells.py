@@ -55,7 +55,7 @@ class Cell:
     amplitude : float
         Of the chirp [rad].
     rate : float or None
-        Of the chirp [Hz/s]; None without chirp.
+        Of the chirp [-]; None without chirp.
     subject, repeat : int
         Numbers of subject and noise.
     vaf : float
@@ -116,7 +116,7 @@ def _cell(row: Mapping[str, Any]) -> Cell:
         profile=row["protocol"],
         task=row["task"],
         amplitude=row["chirp_amplitude"],
-        rate=row["chirp_rate"] if row["chirp_amplitude"] else None,
+        rate=row["chirp_factor"] if row["chirp_amplitude"] else None,
         subject=row["subject"],
         repeat=row["repeat"],
         vaf=row["vaf"],

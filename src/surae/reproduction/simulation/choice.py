@@ -27,7 +27,7 @@ from surae.units import FloatArray
 
 #: Fastest that a muscle moves [l0/s] (2.3.3, 2.5).
 _FASTEST = 8.0
-#: Rates tried [Hz/s].
+#: Rates tried [-].
 _TRIED = tuple(round(0.05 * k, 2) for k in range(1, 41))
 
 PATIENT_PROFILES = Claim(
@@ -37,7 +37,7 @@ PATIENT_PROFILES = Claim(
     "and scaled chirp, as in health.",
     number="the same three lowest",
     rule="Mean rank over SEM and IPDE of both models: these three first, in the patient and in the "
-    "healthy subject (0.2 rad, 0.5 Hz/s).",
+    "healthy subject (0.2 rad, 0.5).",
 )
 PATIENT_AMPLITUDE = Claim(
     name="patient-amplitude",
@@ -45,16 +45,16 @@ PATIENT_AMPLITUDE = Claim(
     text="With a patient's parameters 0.2 rad stays the best amplitude.",
     number="0.2 rad",
     rule="Mean over both models and the two chosen profiles of the normalised SEM lowest at 0.2 "
-    "rad (0.5 Hz/s).",
+    "rad (0.5).",
 )
 PATIENT_RATE = Claim(
     name="patient-rate",
     source="3.1.5",
     text="With a patient's parameters SEM falls with the chirp's rate, and IPDE is lowest around "
-    "0.5 Hz/s.",
-    number="about 0.5 Hz/s",
+    "0.5.",
+    number="about 0.5",
     rule="Mean over both models and the two chosen profiles: normalised SEM lower at the fastest "
-    "rate than at the slowest, IPDE lowest from 0.4 to 0.6 Hz/s (0.2 rad).",
+    "rate than at the slowest, IPDE lowest from 0.4 to 0.6 (0.2 rad).",
 )
 PATIENT_IPDE = Claim(
     name="patient-ipde",
@@ -62,15 +62,14 @@ PATIENT_IPDE = Claim(
     text="With a patient's parameters the IPDE of the scaled chirp differs little from that of the "
     "two chosen profiles.",
     number="less than 0.2",
-    rule="Less than 0.2 from either, in both models (0.2 rad, 0.5 Hz/s).",
+    rule="Less than 0.2 from either, in both models (0.2 rad, 0.5).",
 )
 SPEED = Claim(
     name="fastest-rate",
     source="2.5, 4.1.2",
-    text="A rate of 0.6 Hz/s is the highest possible before muscles reach 8 optimal lengths a "
-    "second.",
-    number="0.6 Hz/s",
-    rule="Highest rate below 8 l0/s, triceps and tibialis, within 0.05 of 0.6 Hz/s for the chosen "
+    text="A rate of 0.6 is the highest possible before muscles reach 8 optimal lengths a second.",
+    number="0.6",
+    rule="Highest rate below 8 l0/s, triceps and tibialis, within 0.05 of 0.6 for the chosen "
     "profiles at 0.2 rad.",
 )
 CHOICE = Claim(
@@ -78,16 +77,16 @@ CHOICE = Claim(
     source="4.1.5",
     text="Multiple holds and multi-sine-holds are the best profiles over both models.",
     number="these two",
-    rule="Mean rank over SEM and IPDE of both models: these two first (0.2 rad, 0.5 Hz/s, "
+    rule="Mean rank over SEM and IPDE of both models: these two first (0.2 rad, 0.5, "
     "part-passive).",
 )
 CHOICE_CHIRP = Claim(
     name="chosen-chirp",
     source="4.1.5",
-    text="A chirp of 0.2 rad and 0.5 Hz/s is the best.",
-    number="0.2 rad, 0.5 Hz/s",
+    text="A chirp of 0.2 rad and 0.5 is the best.",
+    number="0.2 rad, 0.5",
     rule="Mean over both models and the two chosen profiles: normalised SEM lowest at 0.2 rad of "
-    "the four amplitudes, IPDE lowest from 0.4 to 0.6 Hz/s at 0.2 rad.",
+    "the four amplitudes, IPDE lowest from 0.4 to 0.6 at 0.2 rad.",
 )
 CHOICE_TASK = Claim(
     name="chosen-task",
@@ -95,7 +94,7 @@ CHOICE_TASK = Claim(
     text="The part-passive task is the better one.",
     number="part-passive",
     rule="Lower mean of the normalised SEM and lower mean IPDE over both models and the two chosen "
-    "profiles (0.2 rad, 0.5 Hz/s).",
+    "profiles (0.2 rad, 0.5).",
 )
 PATIENTS = (PATIENT_PROFILES, PATIENT_AMPLITUDE, PATIENT_RATE, PATIENT_IPDE)
 CHOICES = (CHOICE, CHOICE_CHIRP, CHOICE_TASK)
@@ -145,8 +144,8 @@ def _best_rate(some: Sequence[Cell]) -> Ruling:
     score, ipde, at = rate_curves(some)
     least = float(at[int(np.nanargmin(ipde))])
     ours = (
-        f"SEM {score[0]:.2f} at {at[0]:g}, {score[-1]:.2f} at {at[-1]:g} Hz/s; IPDE lowest at "
-        f"{least:g} Hz/s, {_at_half(at, ipde) - float(np.nanmin(ipde)):.2f} above it at 0.5 Hz/s"
+        f"SEM {score[0]:.2f} at {at[0]:g}, {score[-1]:.2f} at {at[-1]:g}; IPDE lowest at "
+        f"{least:g}, {_at_half(at, ipde) - float(np.nanmin(ipde)):.2f} above it at 0.5"
     )
     return bool(score[-1] < score[0]) and 0.4 <= least <= 0.6, ours
 
@@ -184,12 +183,17 @@ def fastest_rate(
     """The highest of `rates`, in order, below 8 l0/s in both muscles; None where none is."""
     from surae.model import ModelOptions
     from surae.model.geometry import paths
-    from surae.protocol import Protocol, generate
+    from surae.protocol import Protocol, chirp_rate, generate
 
     def slow(rate: float) -> bool:
         try:
             motion = generate(
-                Protocol(profile=profile, chirp_amplitude=amplitude, chirp_rate=rate, rate_hz=250)
+                Protocol(
+                    profile=profile,
+                    chirp_amplitude=amplitude,
+                    chirp_rate=chirp_rate(rate),
+                    rate_hz=250,
+                )
             )
         except InputError:  # the chirp ends above half the sampling rate
             return False
@@ -218,7 +222,7 @@ def chosen(found: Sequence[Cell]) -> list[Finding]:
         _, ipde, at = rate_curves(some)
         least = float(at[int(np.nanargmin(ipde))])
         near = 0.4 <= least <= 0.6
-        return best and near, f"{score}; IPDE lowest at {least:g} Hz/s"
+        return best and near, f"{score}; IPDE lowest at {least:g}"
 
     def task(some: Sequence[Cell]) -> Ruling:
         sem, ipde = _by_task(some)
@@ -302,5 +306,5 @@ def _amplitudes(values: Sequence[float]) -> str:
 
 def _rate(rate: float | None, rates: Sequence[float]) -> str:
     if rate is None:
-        return f"below {rates[0]:g} Hz/s"
-    return f"{rate:g} Hz/s" + (" or more" if rate == rates[-1] else "")
+        return f"below {rates[0]:g}"
+    return f"{rate:g}" + (" or more" if rate == rates[-1] else "")

@@ -17,7 +17,7 @@ from surae.reproduction.simulation.designs import (
     PROFILES,
 )
 
-#: "Around" a rate of 0.5 Hz/s, and how much IPDE may differ and still be the same (3.1.5).
+#: "Around" a rate of 0.5, and how much IPDE may differ and still be the same (3.1.5).
 _NEAR, _SAME = (0.4, 0.6), 0.2
 #: Printed with two decimals, and so compared to one [-].
 _CLOSE = 0.1
@@ -44,21 +44,21 @@ VALUES = Claim(
     source="3.1.2",
     text="Muscle model: IPDE of the profiles at the chosen chirp.",
     number="multiple holds 2.60, multi-sine-holds 2.64, others 2.70 to 2.80",
-    rule=f"Each within {_CLOSE} of the printed figure or range (0.2 rad, 0.5 Hz/s).",
+    rule=f"Each within {_CLOSE} of the printed figure or range (0.2 rad, 0.5).",
 )
 RANKING = Claim(
     name="ipde-ranking",
     source="3.1.2, 4.1.2",
     text="Muscle model: IPDE is lowest for multiple holds and multi-sine-holds.",
     number="these two lowest",
-    rule="The two lowest of the five (0.2 rad, 0.5 Hz/s).",
+    rule="The two lowest of the five (0.2 rad, 0.5).",
 )
 RATE = Claim(
     name="ipde-rate",
     source="3.1.2, Figures 15, 16C, 16D",
-    text="Muscle model: IPDE is lowest at a rate around 0.5 Hz/s, in every profile.",
-    number="about 0.5 Hz/s",
-    rule="Lowest from 0.4 to 0.6 Hz/s in every profile (0.2 rad).",
+    text="Muscle model: IPDE is lowest at a rate around 0.5, in every profile.",
+    number="about 0.5",
+    rule="Lowest from 0.4 to 0.6 in every profile (0.2 rad).",
 )
 AMPLITUDE = Claim(
     name="ipde-amplitude",
@@ -74,21 +74,21 @@ TENDON = Claim(
     text="Muscle-tendon model: IPDE of multiple holds, multi-sine-holds and scaled chirp is about "
     "the same, that of the sine higher.",
     number="about 3.45; sine 3.80",
-    rule=f"The three within {_SAME} of each other (4.1.3), the sine above (0.2 rad, 0.5 Hz/s).",
+    rule=f"The three within {_SAME} of each other (4.1.3), the sine above (0.2 rad, 0.5).",
 )
 TENDON_VALUES = Claim(
     name="ipde-tendon-values",
     source="3.1.3",
     text="Muscle-tendon model: IPDE of the profiles at the chosen chirp.",
     number="3.45, 3.45, 3.45; sine 3.80",
-    rule=f"Each within {_CLOSE} of the printed figure (0.2 rad, 0.5 Hz/s).",
+    rule=f"Each within {_CLOSE} of the printed figure (0.2 rad, 0.5).",
 )
 TENDON_RATE = Claim(
     name="ipde-tendon-rate",
     source="3.1.3, Figure 15",
-    text="Muscle-tendon model: IPDE is lowest at a rate around 0.5 Hz/s, but for the multi-sine.",
-    number="about 0.5 Hz/s",
-    rule="Lowest from 0.4 to 0.6 Hz/s in the four other profiles (0.2 rad).",
+    text="Muscle-tendon model: IPDE is lowest at a rate around 0.5, but for the multi-sine.",
+    number="about 0.5",
+    rule="Lowest from 0.4 to 0.6 in the four other profiles (0.2 rad).",
 )
 TENDON_AMPLITUDE = Claim(
     name="ipde-tendon-amplitude",
@@ -120,7 +120,7 @@ def task(found: Sequence[Cell]) -> Finding:
         f"{max(apart):+.2f}"
     )
     why = (
-        f"Higher: {'; '.join(higher)}. From 0.3 Hz/s up the IPDE of one profile varies by "
+        f"Higher: {'; '.join(higher)}. From 0.3 up the IPDE of one profile varies by "
         f"{min(spread):.2f} to {max(spread):.2f} (one standard deviation over both tasks), as much "
         "as the tasks differ."
     )
@@ -183,13 +183,13 @@ def chirp(found: Sequence[Cell]) -> list[Finding]:
             jump = max([jump, *(abs(b - a) for a, b in itertools.pairwise(fast))])
             near = min(some, key=lambda cell: abs((cell.rate or 0.0) - 0.5))
             at_half[profile] = near.ipde or 0.0
-        ours = ", ".join(f"{profile} {rate:g}" for profile, rate in best.items()) + " Hz/s"
+        ours = ", ".join(f"{profile} {rate:g}" for profile, rate in best.items()) + ""
         excess = max(at_half[p] - least[p] for p in names)
         text = (
-            f"IPDE at 0.5 Hz/s is at most {excess:.2f} above the lowest: the curve is flat there, "
+            f"IPDE at 0.5 is at most {excess:.2f} above the lowest: the curve is flat there, "
             "and noise decides where its lowest point lies."
             if excess <= _CLOSE
-            else f"IPDE at 0.5 Hz/s is up to {excess:.2f} above the lowest, but from 0.3 Hz/s up "
+            else f"IPDE at 0.5 is up to {excess:.2f} above the lowest, but from 0.3 up "
             f"it jumps by up to {jump:.2f} from one rate to the next: noise decides where the "
             "lowest lies."
         )
@@ -205,7 +205,7 @@ def chirp(found: Sequence[Cell]) -> list[Finding]:
             for (a, low), (b, high) in _steps(found, model, profile)
             if high >= low
         ]
-        text = f"At 0.5 Hz/s it rises from one amplitude to the next in {len(up)} of 15 steps."
+        text = f"At 0.5 it rises from one amplitude to the next in {len(up)} of 15 steps."
         falls = all(later < earlier for earlier, later in itertools.pairwise(means))
         results.append(judged(amplitude_claim, falls, ours, why=text, remark=text))
     return results

@@ -13,7 +13,7 @@ from surae.reproduction.simulation.cells import NOISE
 PROFILES = ("sine", "multiple-holds", "multi-sine", "multi-sine-holds", "scaled-chirp")
 MODELS = ("muscle", "muscle-tendon")
 TASKS = ("part-passive", "active")
-#: Chirp: amplitudes [rad], and the 23 rates [Hz/s] (2.5.1).
+#: Chirp: amplitudes [rad], and the 23 rates [-] (2.5.1).
 AMPLITUDES = (0.0, 0.1, 0.2, 0.3)
 RATES = tuple(round(0.05 + 0.025 * k, 3) for k in range(23))
 #: What the thesis chose (4.1.5).
@@ -60,20 +60,20 @@ def designs(context: Context) -> Designs:
     quick, seed = context.quick, context.seed
     rates = _QUICK_RATES if quick else RATES
     return Designs(
-        grid=_toml("simulation-grid", seed, chirp_rate=rates, task=TASKS),
+        grid=_toml("simulation-grid", seed, chirp_factor=rates, task=TASKS),
         noise=_toml(
             "simulation-noise",
             seed,
             model="muscle",
             chirp_amplitude=NOISE_AMPLITUDE,
-            chirp_rate=(0.3, 0.5, 0.6) if quick else NOISE_RATES,
+            chirp_factor=(0.3, 0.5, 0.6) if quick else NOISE_RATES,
             repeats=NOISE_REPEATS,
         ),
         patients=_toml(
             "simulation-patients",
             seed,
             population="patient",
-            chirp_rate=(0.1, 0.3, 0.5, 0.6) if quick else RATES[::2],
+            chirp_factor=(0.1, 0.3, 0.5, 0.6) if quick else RATES[::2],
         ),
         others=_toml("simulation-others", seed, subjects=_QUICK_SUBJECTS if quick else _SUBJECTS),
         explicit=(_explicit(seed, RATE_HZ), _explicit(seed, 1000, quick)),
@@ -99,7 +99,7 @@ def _toml(name: str, seed: int, **factors: object) -> str:
         "model": MODELS,
         "protocol": PROFILES,
         "chirp_amplitude": AMPLITUDES,
-        "chirp_rate": CHOSEN_RATE,
+        "chirp_factor": CHOSEN_RATE,
         "task": "part-passive",
         "population": "healthy",
         "noise": NOISE,

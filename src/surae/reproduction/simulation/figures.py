@@ -35,7 +35,7 @@ from surae.studies import POPULATIONS
 from surae.units import FloatArray
 
 _SEM = "SEM / its mean [-]"
-_RATE, _AMPLITUDE = "chirp rate [Hz/s]", "chirp amplitude [rad]"
+_RATE, _AMPLITUDE = "chirp rate [-]", "chirp amplitude [rad]"
 _NAMES = tuple(POPULATIONS["healthy"])
 #: A logarithmic axis shows more from this ratio of largest to smallest.
 _WIDE = 8.0
@@ -63,7 +63,7 @@ def drawings(
         Drawing(
             name="figure-12",
             title="Figure 12: SEM against the chirp’s amplitude",
-            caption="Multiple holds, chirp rate of 0.5 Hz/s, part-passive task: SEM of each "
+            caption="Multiple holds, chirp rate of 0.5, part-passive task: SEM of each "
             "parameter over its mean over the amplitudes. The thesis leaves out 0.3 rad for the "
             "muscle-tendon model.",
             alt="Fifteen lines for each model, most falling with the amplitude.",
@@ -89,8 +89,8 @@ def drawings(
             name="figure-15",
             title="Figure 15: IPDE against the chirp’s rate",
             caption="Chirp of 0.2 rad, part-passive task; the thesis shows multiple holds. Grey: "
-            "the thesis’s figures at 0.5 Hz/s.",
-            alt="IPDE of five profiles for each model, falling to about 0.2 Hz/s and flat beyond.",
+            "the thesis’s figures at 0.5.",
+            alt="IPDE of five profiles for each model, falling to about 0.2 and flat beyond.",
             figure=_ipde(grid),
         ),
         Drawing(
@@ -115,7 +115,7 @@ def drawings(
         Drawing(
             name="explicit-scheme",
             title="The thesis’s explicit scheme against an implicit one",
-            caption="1 − VAF of the muscle-tendon model over the chirp’s amplitude at 0.5 Hz/s, "
+            caption="1 − VAF of the muscle-tendon model over the chirp’s amplitude at 0.5, "
             "part-passive, simulated and fitted by the same scheme: explicit Euler (4.4) at two "
             "sampling rates, and an implicit one at 125 Hz. Below the line: the thesis’s success.",
             alt="The explicit scheme lies above the line, the implicit one near or below it.",
@@ -174,7 +174,7 @@ def _profiles(grid: Sequence[Cell], model: str, name: str, title: str) -> Drawin
     return Drawing(
         name=name,
         title=title,
-        caption=f"Chirp of 0.2 rad and 0.5 Hz/s, part-passive task: SEM of each parameter over its "
+        caption=f"Chirp of 0.2 rad and 0.5, part-passive task: SEM of each parameter over its "
         f"mean over the profiles, and the mean over the parameters.{less}",
         alt="Markers of fifteen parameters above each profile, with their mean as a line.",
         figure=figure,

@@ -26,9 +26,9 @@ from surae.reproduction.simulation.goodness import NOISE_SEM
 from surae.reproduction.simulation.ruling import Ruling, under_both
 from surae.reproduction.simulation.torques import at_equal_noise, at_signed_noise
 
-#: From here up the relaxation parameters are said to be flat [Hz/s], and what counts as flat.
+#: From here up the relaxation parameters are said to be flat [-], and what counts as flat.
 _FLAT_FROM, _FLAT = 0.2, 0.15
-#: Above and below these rates [Hz/s] a SEM is fast's and slow's.
+#: Above and below these rates [-] a SEM is fast's and slow's.
 _SLOW, _FAST = 0.1, 0.5
 
 TASK = Claim(
@@ -44,7 +44,7 @@ RATE = Claim(
     source="3.1.2, Figure 11a",
     text="Muscle model: SEM falls with the chirp's rate, most for m.",
     number="falls; m most",
-    rule=f"Mean SEM from {_FAST} Hz/s up below that to {_SLOW} Hz/s for every parameter but "
+    rule=f"Mean SEM from {_FAST} up below that to {_SLOW} for every parameter but "
     "tau_rel and k_rel, with the smallest ratio for m (multiple holds, 0.2 rad).",
 )
 RATE_TENDON = Claim(
@@ -52,15 +52,15 @@ RATE_TENDON = Claim(
     source="3.1.3, Figure 11b",
     text="Muscle-tendon model: SEM tends to fall with the chirp's rate, most for m.",
     number="tends to fall; m most",
-    rule=f"Mean over the parameters of the ratio of mean SEM from {_FAST} Hz/s up to that to "
-    f"{_SLOW} Hz/s below 1, with the smallest ratio for m (multiple holds, 0.2 rad).",
+    rule=f"Mean over the parameters of the ratio of mean SEM from {_FAST} up to that to "
+    f"{_SLOW} below 1, with the smallest ratio for m (multiple holds, 0.2 rad).",
 )
 RATE_RELAXATION = Claim(
     name="rate-relaxation",
     source="3.1.2, 4.1.2, Figure 11a",
-    text="Muscle model: SEM of tau_rel and k_rel stays flat above a rate of about 0.2 Hz/s.",
+    text="Muscle model: SEM of tau_rel and k_rel stays flat above a rate of about 0.2.",
     number="flat",
-    rule=f"Both within ± {100 * _FLAT:g} % of their mean from {_FLAT_FROM} Hz/s up (multiple "
+    rule=f"Both within ± {100 * _FLAT:g} % of their mean from {_FLAT_FROM} up (multiple "
     "holds, 0.2 rad).",
 )
 AMPLITUDE = Claim(
@@ -69,21 +69,21 @@ AMPLITUDE = Claim(
     text="Muscle model: SEM falls with the chirp's amplitude, but for tau_rel and k_rel.",
     number="falls",
     rule="Every other parameter's SEM falls from each amplitude to the next, or rises by less than "
-    "the thesis's 3.75 % of noise (multiple holds, 0.5 Hz/s).",
+    "the thesis's 3.75 % of noise (multiple holds, 0.5).",
 )
 AMPLITUDE_RELAXATION = Claim(
     name="amplitude-relaxation",
     source="3.1.2, Figure 12a",
     text="Muscle model: SEM of tau_rel and k_rel is lowest at 0.1 rad.",
     number="0.1 rad",
-    rule="Lowest at 0.1 rad for both (multiple holds, 0.5 Hz/s).",
+    rule="Lowest at 0.1 rad for both (multiple holds, 0.5).",
 )
 AMPLITUDE_TENDON = Claim(
     name="amplitude-sem-tendon",
     source="3.1.3, Figure 12b",
     text="Muscle-tendon model: SEM is lowest at 0.2 rad of 0, 0.1 and 0.2 rad.",
     number="0.2 rad",
-    rule="Mean of the normalised SEMs lowest at 0.2 rad of the three (multiple holds, 0.5 Hz/s).",
+    rule="Mean of the normalised SEMs lowest at 0.2 rad of the three (multiple holds, 0.5).",
 )
 PROFILE = Claim(
     name="profile-sem",
@@ -91,7 +91,7 @@ PROFILE = Claim(
     text="Muscle model: SEM is highest for the sine and lowest for multi-sine, multi-sine-holds "
     "and scaled chirp.",
     number="sine highest; these three lowest",
-    rule="Mean of the normalised SEMs: the sine last, the three first (0.2 rad, 0.5 Hz/s).",
+    rule="Mean of the normalised SEMs: the sine last, the three first (0.2 rad, 0.5).",
 )
 PROFILE_TENDON = Claim(
     name="profile-sem-tendon",
@@ -100,7 +100,7 @@ PROFILE_TENDON = Claim(
     "multi-sine-holds.",
     number="sine highest; these two lowest",
     rule="Mean of the normalised SEMs over the four profiles of Figure 14: the sine last, the two "
-    "first (0.2 rad, 0.5 Hz/s).",
+    "first (0.2 rad, 0.5).",
 )
 BY_RATE = (RATE, RATE_TENDON, RATE_RELAXATION)
 BY_AMPLITUDE = (AMPLITUDE, AMPLITUDE_RELAXATION, AMPLITUDE_TENDON)
@@ -197,7 +197,7 @@ def rates(found: Sequence[Cell]) -> list[Finding]:
 
 
 def amplitudes(found: Sequence[Cell], others: Sequence[Cell]) -> list[Finding]:
-    """SEM against the chirp's amplitude, multiple holds at 0.5 Hz/s; `others` are more subjects."""
+    """SEM against the chirp's amplitude, multiple holds at 0.5; `others` are more subjects."""
 
     def falls(some: Sequence[Cell]) -> Ruling:
         curves = normalised(along_amplitude(some, "muscle"))

@@ -52,7 +52,7 @@ def under_both(
             " What makes the difference is the noise: 5 % of the torque's mean magnitude, which "
             f"the chirp's inertia raises from {min(sizes):.0f} to {max(sizes):.0f} Nm without "
             f"chirp to {min(large):.0f} to {max(large):.0f} Nm at {max(AMPLITUDES):g} rad, "
-            f"{CHOSEN_RATE:g} Hz/s; all SEMs grow with it, whatever the motion tells."
+            f"{CHOSEN_RATE:g}; all SEMs grow with it, whatever the motion tells."
         )
     text = f"{text} {about}".strip()
     return judged(claim, holds, ours, why=text, remark=text, figure=figure)

@@ -133,7 +133,7 @@ def _chosen(grid: Sequence[Cell], others: Sequence[Cell]) -> Table:
             )
     return Table(
         name="simulation-profiles",
-        title=f"Profiles at the chosen chirp, {CHOSEN_AMPLITUDE:g} rad and {CHOSEN_RATE:g} Hz/s, "
+        title=f"Profiles at the chosen chirp, {CHOSEN_AMPLITUDE:g} rad and {CHOSEN_RATE:g}, "
         "part-passive",
         columns=(
             "model",

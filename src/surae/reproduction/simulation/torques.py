@@ -77,7 +77,7 @@ def torque_sizes(
     chirps: Sequence[Sequence[float | None]],
 ) -> list[list[float]]:
     """Mean magnitude, mean and root mean square [Nm] of the torque at chirps (amplitude, rate)."""
-    from surae.protocol import Protocol, generate
+    from surae.protocol import Protocol, chirp_rate, generate
     from surae.studies import VirtualSubject, virtual_trial
 
     subject, sizes = VirtualSubject(population, 0, truth), []
@@ -86,7 +86,7 @@ def torque_sizes(
         motion = (
             still
             if not amplitude or rate is None
-            else replace(still, chirp_amplitude=amplitude, chirp_rate=rate)
+            else replace(still, chirp_amplitude=amplitude, chirp_rate=chirp_rate(rate))
         )
         trial = virtual_trial(subject, generate(motion), model=model, noise=0.0)
         torque = np.zeros(1) if trial.torque is None else trial.torque

@@ -35,7 +35,7 @@ def run(context: Context) -> Result:
         ),
         notes=(
             "Both integrators solve the same equations (18) to (30) on the same trial of a typical "
-            "healthy subject: multiple holds with a chirp of 0.2 rad and 0.5 Hz/s, part-passive. "
+            "healthy subject: multiple holds with a chirp of 0.2 rad and 0.5, part-passive. "
             "The tendon's strain ε0 is in metres, as the printed equations take it.",
         ),
     )

@@ -8,7 +8,7 @@ import numpy as np
 
 from surae.model import ModelOptions, TendonState, get_model
 from surae.model.simulator import Simulator
-from surae.protocol import Protocol, generate
+from surae.protocol import Protocol, chirp_rate, generate
 from surae.signals import ModelInputs
 from surae.studies.populations import VirtualSubject, virtual_subject
 from surae.studies.virtual import virtual_trial
@@ -39,7 +39,13 @@ def subject() -> VirtualSubject:
 def trial(rate_hz: float, profile: str, amplitude: float, task: str) -> ModelInputs:
     """A trial without noise."""
     trajectory = generate(
-        Protocol(profile=profile, task=task, chirp_amplitude=amplitude, rate_hz=rate_hz)
+        Protocol(
+            profile=profile,
+            task=task,
+            chirp_amplitude=amplitude,
+            chirp_rate=chirp_rate(0.5),
+            rate_hz=rate_hz,
+        )
     )
     return virtual_trial(subject(), trajectory, model="muscle-tendon", noise=0.0)
 

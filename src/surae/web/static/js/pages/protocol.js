@@ -15,7 +15,7 @@ import { sortable } from "../ui/table.js";
 
 const KEPT = "surae.protocol";
 const NUMBERS = ["chirp_amplitude", "chirp_rate", "rate_hz"];
-const START = { settings: { profile: "multi-sine-holds", task: "part-passive", chirp_amplitude: 0.2, chirp_rate: 0.5, range: [-0.9, 0.6], duration: null, rate_hz: 125, device: null, adapt: true }, model: "muscle", population: "healthy", noise: 0.05 };
+const START = { settings: { profile: "multi-sine-holds", task: "part-passive", chirp_amplitude: 0.2, chirp_rate: 0.159, range: [-0.9, 0.6], duration: null, rate_hz: 125, device: null, adapt: true }, model: "muscle", population: "healthy", noise: 0.05 };
 const box = byId("error");
 let choices = null;
 

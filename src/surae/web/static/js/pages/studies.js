@@ -12,7 +12,7 @@ const EXAMPLE = `# How does the size of the chirp change what the fit can tell?
 name = "chirp"
 protocol = "multiple-holds"
 chirp_amplitude = [0.0, 0.1, 0.2]
-chirp_rate = 0.5
+chirp_rate = 0.159
 subjects = 2
 model = "muscle"
 `;
