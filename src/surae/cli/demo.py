@@ -36,7 +36,7 @@ def command(output: str) -> int:
     # The protocol that the thesis chose, on the device it was chosen for.
     achilles = named_device("achilles")
     protocol = Protocol(
-        profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5, device=achilles
+        profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.159, device=achilles
     )
     with work() as progress, compilation_notice():
         progress.describe("simulating a trial")

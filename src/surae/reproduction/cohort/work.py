@@ -129,7 +129,9 @@ def baseline_job(
     That is the motion before it was adapted to the device: chirp of 0.2 rad and factor 0.5.
     """
     return simulated_baseline(
-        Protocol(profile=protocol, chirp_amplitude=0.2, chirp_rate=chirp_rate(0.5), rate_hz=rate_hz),
+        Protocol(
+            profile=protocol, chirp_amplitude=0.2, chirp_rate=chirp_rate(0.5), rate_hz=rate_hz
+        ),
         model, subjects, seed,
     )  # fmt: skip
 
