@@ -60,7 +60,7 @@ def test_a_baseline_survives_its_file_and_that_of_the_fit(fitted, tmp_path) -> N
         ({"sem": {"m": "small"}}, "not a number"),
         ({"sem": 3}, "damaged baseline"),
         ({"options": {"geometry": "flat"}}, "geometry"),
-        ({"surae": "99.0"}, "newer than this one"),
+        ({"format": 99}, "newer than this one"),
     ],
 )
 def test_damaged_baselines(change, says, tmp_path) -> None:

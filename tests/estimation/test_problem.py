@@ -184,11 +184,18 @@ def test_nothing_moves(clean):
     assert "torque never changes" in refused([clean, replace(clean, torque=still)])
 
 
-def test_fixed_may_lie_outside_the_bounds_of_a_fit(clean):
-    problem = make_problem([clean], fixed={"m": 0.0, "k_rel": 7.0})
-    values = dict(zip(problem.spec.names, problem.values(problem.start), strict=True))
-    assert values["m"] == 0.0
-    assert values["k_rel"] == 7.0
+def test_fixed_lies_within_the_bounds_unless_others_are_given(clean):
+    assert "fixed value of k_rel is 7, outside its bounds 0 … 3" in refused(
+        [clean], fixed={"k_rel": 7.0}
+    )
+    problem = make_problem([clean], fixed={"k_rel": 7.0}, bounds={"k_rel": (0.0, 10.0)})
+    assert problem.values(problem.start)[problem.spec.names.index("k_rel")] == 7.0
+
+
+def test_a_mass_that_was_weighed_may_be_any_foots(clean):
+    problem = make_problem([clean], fixed={"m": 0.0})
+    assert problem.values(problem.start)[problem.spec.names.index("m")] == 0.0
+    assert "fixed value of m is 99" in refused([clean], fixed={"m": 99.0})
 
 
 def test_free_adds_a_tendon_parameter(clean):

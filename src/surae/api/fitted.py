@@ -10,7 +10,7 @@ from surae.assessment.saved.fit_json import save_fit
 from surae.assessment.uncertainty.covariance import Covariance
 from surae.assessment.validation.prediction import Prediction, predict_others
 from surae.errors import InputError
-from surae.estimation import FitResult
+from surae.estimation import FitResult, FitSettings
 from surae.files import PathLike
 from surae.model import TendonState, TorqueParts
 from surae.quality import Quality
@@ -45,6 +45,11 @@ class Fit:
     def values(self) -> Mapping[str, float]:
         """Every parameter's value by name, ready for `simulate`."""
         return self.result.values
+
+    @property
+    def settings(self) -> FitSettings:
+        """What was asked; `surae.fit` takes it to ask the same of other recordings."""
+        return self.result.problem.settings
 
     @property
     def status(self) -> str:

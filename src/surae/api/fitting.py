@@ -5,20 +5,17 @@ from typing import Any
 
 from surae.api.fitted import Fit
 from surae.api.quality import check
-from surae.api.recordings import AnyRecording, as_inputs, read_in, several
-from surae.api.recordings import normalise as normalise_emg
+from surae.api.recordings import AnyRecording, read_in, several
 from surae.assessment.assess import assess
 from surae.assessment.saved.baseline_json import load_baseline
 from surae.assessment.saved.fit_json import load_saved
 from surae.assessment.uncertainty.snsem import Baseline, check_baseline
-from surae.errors import InputError
-from surae.estimation import STARTS, fit_problem, fit_robust, make_problem
+from surae.estimation import FitSettings, make_problem, solve
 from surae.estimation.fit import Progress
 from surae.estimation.starts import Follow
 from surae.files import PathLike
-from surae.model import ModelOptions
 from surae.quality import Quality
-from surae.signals import ModelInputs, Weighting, weighted
+from surae.signals import Weighting
 
 #: Median and spread of a parameter's prior by name.
 Priors = Mapping[str, tuple[float, float]]
@@ -26,21 +23,25 @@ Priors = Mapping[str, tuple[float, float]]
 
 def fit(
     recordings: AnyRecording | Sequence[AnyRecording],
-    model: str = "muscle",
+    model: str | FitSettings = "muscle",
     *,
     fixed: Mapping[str, float] | None = None,
-    free: Sequence[str] = (),
+    free: Sequence[str] | None = None,
     start: Mapping[str, float] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     priors: Priors | str | tuple[str, Priors] | None = None,
     weights: Weighting | Sequence[Weighting] | None = None,
     loss: str | None = None,
     baseline: Baseline | PathLike | None = None,
-    prepared: bool = False,
+    body_mass: float | None = None,
+    footplate_mass: float | None = None,
+    foot_share: str | None = None,
+    prepared: bool | None = None,
+    preparation: Mapping[str, Any] | None = None,
     normalise: str | None = None,
     mvc: AnyRecording | Sequence[AnyRecording] = (),
-    starts: int = STARTS,
-    seed: int = 0,
+    starts: int | None = None,
+    seed: int | None = None,
     quality: Sequence[Quality] | None = None,
     progress: Progress | None = None,
     follow: Follow | None = None,
@@ -52,8 +53,9 @@ def fit(
     ----------
     recordings : Recording, ModelInputs, path, or a sequence of them
         Several are one joint fit with shared parameters.
-    model : str
-        Name of the model; `surae.model.MODELS` lists them.
+    model : str or FitSettings
+        Name of the model; `surae.model.MODELS` lists them. Or everything that is asked, as
+        ``other.settings`` of another fit; keywords that are given too go before it.
     fixed : mapping of str to float, optional
         Parameters that are not estimated, e.g. ``{"beta": 1.0}``.
     free : sequence of str, optional
@@ -73,17 +75,27 @@ def fit(
         Let outliers count less than their square; see `surae.estimation.fit_robust`.
     baseline : Baseline or path, optional
         Simulations to compare the standard errors with (snSEM, thesis 2.7).
-    prepared : bool
-        The signals are filtered and at the model's rate already: use them as they are.
+    body_mass : float, optional
+        Fixes m at the foot's share of this mass [kg]; see `surae.foot_mass`.
+    footplate_mass : float, optional
+        What moves with the foot [kg]; by default nothing.
+    foot_share : {"winter", "de-leva-female", "de-leva-male"}, optional
+        Whose share of the body's mass a foot has; by default Winter's.
+    prepared : bool, optional
+        True: the signals are filtered and at the model's rate already, use them as they are.
+    preparation : mapping of str to object, optional
+        Settings of the preparation that differ from those of `surae.Preparation`, e.g.
+        ``{"bessel_hz": 10.0}``; False switches a filter off.
     normalise : {"session", "mvc"}, optional
         Divide EMG by one number for each muscle, so that weights g come out in N: by the largest
         envelope of all recordings, or of `mvc`. `validate` and `Fit.predict` use it again.
     mvc : Recording, ModelInputs, path, or a sequence of them
         Maximum voluntary contractions, for ``normalise="mvc"``.
-    starts : int
-        Number of starts; the first from the default, the others random within the bounds.
-    seed : int
-        Seed of the random starts.
+    starts : int, optional
+        Number of starts, by default 8; the first from the default, the others random within the
+        bounds.
+    seed : int, optional
+        Seed of the random starts, by default 0.
     quality : sequence of Quality, optional
         What `surae.check` found in the recordings; by default they are checked here.
     progress : callable, optional
@@ -103,37 +115,34 @@ def fit(
     InputError
         Something given is unknown, contradictory or unusable.
     """
-    given = [read_in(one) for one in several(recordings)]
-    inputs: Sequence[ModelInputs] = [as_inputs(one, prepared) for one in given]
-    if normalise is not None:
-        inputs = normalise_emg(inputs, normalise, mvc=mvc, prepared=prepared)
-    elif several(mvc):
-        raise InputError("mvc has no effect without normalise='mvc'; give both")
-    population, known = priors if isinstance(priors, tuple) else (None, priors)
-    if isinstance(known, str):
-        population, known = known, None
-    problem = make_problem(
-        inputs if weights is None else weighted(inputs, weights),
+    settings = FitSettings.of(
         model,
         fixed=fixed,
         free=free,
         start=start,
         bounds=bounds,
-        priors=known,
-        population=population,
-        options=ModelOptions.of(**options),
+        priors=priors,
+        weights=weights,
+        loss=loss,
+        body_mass=body_mass,
+        footplate_mass=footplate_mass,
+        foot_share=foot_share,
+        prepared=prepared,
+        preparation=preparation,
+        normalise=normalise,
+        starts=starts,
+        seed=seed,
+        **options,
     )
+    given = [read_in(recording) for recording in several(recordings)]
+    inputs = settings.inputs(given, [read_in(recording) for recording in several(mvc)])
+    problem = make_problem(inputs, settings)
     compared = baseline if isinstance(baseline, Baseline | None) else load_baseline(baseline)
     if compared is not None:
         check_baseline(compared, problem)
-    if loss is None:
-        result = fit_problem(problem, starts=starts, seed=seed, progress=progress, follow=follow)
-    else:
-        result = fit_robust(
-            problem, loss, starts=starts, seed=seed, progress=progress, follow=follow
-        )
-    found = tuple(check(one) for one in given) if quality is None else tuple(quality)
-    return Fit(result, assess(result, compared), found)
+    result = solve(problem, progress=progress, follow=follow)
+    checked = tuple(map(check, given)) if quality is None else tuple(quality)
+    return Fit(result, assess(result, compared), checked)
 
 
 def load(path: PathLike) -> Fit:

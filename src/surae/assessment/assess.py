@@ -13,6 +13,7 @@ from surae.assessment.uncertainty.robust import RobustCovariance, robust_covaria
 from surae.assessment.uncertainty.snsem import Baseline, check_baseline, snsem
 from surae.assessment.verdict import Verdict, judge_interval, judge_singular
 from surae.estimation import FitResult
+from surae.frozen import Comparable
 from surae.model import adapted
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -78,8 +79,8 @@ class ParameterEstimate:
         return self.sem_robust if self.interval is Interval.ROBUST else self.sem
 
 
-@dataclass(frozen=True, slots=True)
-class RecordingQuality:
+@dataclass(frozen=True, slots=True, eq=False)
+class RecordingQuality(Comparable):
     """How well one recording is followed where its samples count: VAF [%], RMSE, bias [Nm].
 
     `vaf_weighted` counts the samples as the fit did; None where all that count count alike.
@@ -96,8 +97,8 @@ class RecordingQuality:
     vaf_weighted: float | None
 
 
-@dataclass(frozen=True, slots=True)
-class Assessment:
+@dataclass(frozen=True, slots=True, eq=False)
+class Assessment(Comparable):
     """What a fit is worth.
 
     Attributes

@@ -1,21 +1,25 @@
 """Parameters from recordings: problem, solver, variable projection, multi-start."""
 
-from surae.estimation.fit import STARTS, fit_problem
+from surae.estimation.fit import fit_problem
 from surae.estimation.losses import LOSSES
 from surae.estimation.outliers import fit_robust
 from surae.estimation.prior import Prior
 from surae.estimation.problem import FitProblem, make_problem
 from surae.estimation.result import FitResult, Outliers, Start
+from surae.estimation.settings import STARTS, FitSettings
+from surae.estimation.solve import solve
 
 __all__ = [
     "LOSSES",
     "STARTS",
     "FitProblem",
     "FitResult",
+    "FitSettings",
     "Outliers",
     "Prior",
     "Start",
     "fit_problem",
     "fit_robust",
     "make_problem",
+    "solve",
 ]

@@ -13,14 +13,13 @@ from surae.estimation.least_squares import Minimum, Outcome, minimise
 from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import Residuals
 from surae.estimation.result import FitResult, Start, is_at_bound
+from surae.estimation.settings import STARTS
 from surae.estimation.starts import Follow, from_start
 from surae.recording import read_only
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
 from surae.versions import versions
 
-#: Starts of a fit unless told otherwise: the default start and seven random ones.
-STARTS = 8
 #: A sum below this part of the torque's own is an exact fit.
 _EXACT = 1e-12
 #: Called after every start with how many are done, how many there are, and the best sum so far.

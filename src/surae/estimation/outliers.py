@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from surae.estimation.fit import STARTS, Progress, fit_problem
+from surae.estimation.fit import Progress, fit_problem
 from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.least_squares import Outcome, minimise
 from surae.estimation.losses import Loss, named_loss, spread
 from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import Residuals
 from surae.estimation.result import FitResult, Outliers
+from surae.estimation.settings import STARTS
 from surae.estimation.starts import Follow
 from surae.recording import read_only
 from surae.signals import ModelInputs

@@ -2,12 +2,15 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from surae.errors import InputError
 from surae.estimation.population import population_priors
 from surae.estimation.prior import Prior, checked_prior
+from surae.estimation.settings import FitSettings
+from surae.frozen import Comparable, FrozenDict
 from surae.model import (
     ModelOptions,
     ModelSpec,
@@ -17,6 +20,7 @@ from surae.model import (
     get_model,
     with_drives,
 )
+from surae.model.anthropometry import MASSES
 from surae.model.parameters import DRIVES
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs
@@ -24,8 +28,8 @@ from surae.signals.estimable import check_estimable
 from surae.units import FloatArray
 
 
-@dataclass(frozen=True, slots=True)
-class FitProblem:
+@dataclass(frozen=True, slots=True, eq=False)
+class FitProblem(Comparable):
     """A least-squares problem over the free parameters of one model and one or more recordings.
 
     Attributes
@@ -44,6 +48,8 @@ class FitProblem:
         Bounds of the free parameters.
     priors : mapping of str to Prior
         What is known of free parameters beforehand.
+    settings : FitSettings
+        What was asked.
     """
 
     spec: ModelSpec
@@ -53,7 +59,8 @@ class FitProblem:
     base: FloatArray
     lower: FloatArray
     upper: FloatArray
-    priors: Mapping[str, Prior] = field(default_factory=dict)
+    priors: Mapping[str, Prior] = field(default_factory=FrozenDict)
+    settings: FitSettings = field(default_factory=FitSettings)
 
     @property
     def columns(self) -> list[int]:
@@ -78,59 +85,39 @@ class FitProblem:
 
 
 def make_problem(
-    inputs: Sequence[ModelInputs],
-    model: str = "muscle",
-    *,
-    fixed: Mapping[str, float] | None = None,
-    free: Sequence[str] = (),
-    start: Mapping[str, float] | None = None,
-    bounds: Mapping[str, tuple[float, float]] | None = None,
-    priors: Mapping[str, tuple[float, float]] | None = None,
-    population: str | None = None,
-    options: ModelOptions | None = None,
+    inputs: Sequence[ModelInputs], model: str | FitSettings = "muscle", **asked: Any
 ) -> FitProblem:
     """Check everything that was asked for and make a problem of it.
 
     Parameters
     ----------
     inputs : sequence of ModelInputs
-        The recordings; several are one joint fit with shared parameters.
-    model : str
-        Name of the model.
-    fixed : mapping of str to float, optional
-        Parameters that are not estimated. They override what a recording prescribes, and may lie
-        outside the bounds of a fit as long as they are physical.
-    free : sequence of str, optional
-        Parameters to estimate beside those that the model frees by itself. ``"reflex"`` stands for
-        all parameters of the reflex that are not fixed.
-    start : mapping of str to float, optional
-        Where to start instead of the defaults.
-    bounds : mapping of str to (lower, upper), optional
-        Bounds instead of the defaults.
-    priors : mapping of str to (median, spread), optional
-        What is known of free parameters beforehand; see `Prior`.
-    population : str, optional
-        Defaults for the priors of the other free parameters; see `population_priors`.
-    options : ModelOptions, optional
-        The model's switches.
+        The recordings, as `FitSettings.inputs` gives them; several are one joint fit with shared
+        parameters. What the settings ask of recordings is done already.
+    model : str or FitSettings
+        Name of the model, or everything that is asked. What is fixed overrides what a recording
+        prescribes.
+    **asked
+        Other settings by name, see `FitSettings.of`.
 
     Raises
     ------
     InputError
         Something asked for is unknown, contradictory or impossible.
     """
-    options = options or ModelOptions()
-    fixed, start, bounds = dict(fixed or {}), dict(start or {}), dict(bounds or {})
+    settings = FitSettings.of(model, **asked)
+    options, fixed, start = settings.options, settings.fixed, settings.start
+    bounds, priors = settings.bounds, settings.priors
     held = {*fixed, *(name for one in inputs for name in one.fixed)}
-    free = _spelled_out(free, held)
-    spec = with_drives(get_model(model), {*held, *start, *bounds, *(priors or {}), *free})
+    free = _spelled_out(settings.free, held)
+    spec = with_drives(get_model(settings.model), {*held, *settings.parameters, *free})
     if not inputs:
         raise InputError("nothing to fit: give at least one recording")
     for one in inputs:
         check_estimable(one)
         _check_weight(one)
         _check_prescribed(one, spec)
-    prescribed = _agreed_fixed(inputs, fixed) | fixed
+    prescribed = {**_agreed_fixed(inputs, fixed), **fixed}
     for names in (prescribed, start, bounds, tuple(free)):
         check_names(names, spec)
     table = adapted(spec.parameters, options, _agreed_unit(inputs))
@@ -141,7 +128,7 @@ def make_problem(
         for name, value in given.items():
             check_value(table[name], value, spec)
 
-    base = {name: p.start for name, p in table.items()} | start | prescribed
+    base = {**{name: p.start for name, p in table.items()}, **start, **prescribed}
     names = tuple(
         name
         for name in spec.names
@@ -152,18 +139,16 @@ def make_problem(
     _check_reflex(names, base)
     limits = {name: (p.lower, p.upper) for name, p in table.items()}
     limits |= {name: _checked_bounds(name, pair, spec) for name, pair in bounds.items()}
-    for name, (low, high) in limits.items():
-        if name in start and not low <= start[name] <= high:
-            raise InputError(
-                f"start of {name} is {start[name]:g}, outside its bounds {low:g} … {high:g}; "
-                "start between them, or give other bounds"
-            )
+    _check_within("start", start, limits)
+    # A mass that was weighed may be any foot's and plate's; the bounds are those of a search.
+    _check_within("fixed value", fixed, limits if "m" in bounds else limits | {"m": MASSES})
     _check_emg(inputs, prescribed, spec)
-    for name in priors or {}:
+    for name in priors:
         if name in table and table[name].signed:
             raise InputError(f"prior of {name}: it is on a logarithm, and {name} may be negative")
+    population = settings.population
     defaults = {} if population is None else population_priors(population, options)
-    believed = {name: pair for name, pair in defaults.items() if name in names} | dict(priors or {})
+    believed = {name: pair for name, pair in defaults.items() if name in names} | dict(priors)
     known = {name: checked_prior(name, pair, names) for name, pair in believed.items()}
     samples = sum(one.counted for one in inputs)
     if samples <= len(names):
@@ -176,7 +161,8 @@ def make_problem(
         base=np.array([np.clip(base[n], *limits[n]) if n in names else base[n] for n in table]),
         lower=np.array([limits[name][0] for name in names], dtype=float),
         upper=np.array([limits[name][1] for name in names], dtype=float),
-        priors=known,
+        priors=FrozenDict(known),
+        settings=settings,
     )
 
 
@@ -189,6 +175,19 @@ def _spelled_out(free: Sequence[str], fixed: Collection[str]) -> tuple[str, ...]
             group = ()
         names += [one for one in group if one not in fixed] or [name]
     return tuple(names)
+
+
+def _check_within(
+    what: str, given: Mapping[str, float], limits: Mapping[str, tuple[float, float]]
+) -> None:
+    """Refuse a value outside its bounds: it is a slip, or the bounds are to be others."""
+    for name, value in given.items():
+        low, high = limits[name]
+        if not low <= value <= high:
+            raise InputError(
+                f"{what} of {name} is {value:g}, outside its bounds {low:g} … {high:g}; give one "
+                "between them, or other bounds"
+            )
 
 
 def _check_reflex(free: Sequence[str], values: Mapping[str, float]) -> None:

@@ -4,11 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from surae.estimation.problem import FitProblem
+from surae.frozen import Comparable
 from surae.units import FloatArray
 
 
-@dataclass(frozen=True, slots=True)
-class Start:
+@dataclass(frozen=True, slots=True, eq=False)
+class Start(Comparable):
     """One start of a multi-start fit and where it ended.
 
     Attributes
@@ -30,8 +31,8 @@ class Start:
     iterations: int
 
 
-@dataclass(frozen=True, slots=True)
-class Outliers:
+@dataclass(frozen=True, slots=True, eq=False)
+class Outliers(Comparable):
     """How a fit let outliers count less.
 
     Attributes
@@ -65,8 +66,8 @@ class Outliers:
         return count / sum(len(w) for w in self.weights)
 
 
-@dataclass(frozen=True, slots=True)
-class FitResult:
+@dataclass(frozen=True, slots=True, eq=False)
+class FitResult(Comparable):
     """The best minimum found.
 
     Attributes

@@ -28,6 +28,8 @@ _CITED = {
 _LIGHTEST, _HEAVIEST = 5.0, 400.0
 #: So are footplates heavier than this [kg].
 _PLATE = 20.0
+#: Between these lies the mass of any foot and plate [kg].
+MASSES = (0.0, max(FOOT_SHARE.values()) * _HEAVIEST + _PLATE)
 
 
 def foot_mass(body_mass: float, footplate: float = 0.0, *, table: str = "winter") -> float:

@@ -7,6 +7,7 @@ from numbers import Real
 import numpy as np
 
 from surae.errors import InputError
+from surae.frozen import Comparable
 from surae.model.options import ModelOptions
 from surae.model.parameters import (
     DRIVE_PARAMETERS,
@@ -31,8 +32,8 @@ _WEIGHTS_2010 = ("e1", "e2", "e3", "e4")
 _GAINS = ("reflex_tri", "reflex_tib")
 
 
-@dataclass(frozen=True, slots=True)
-class ModelSpec:
+@dataclass(frozen=True, slots=True, eq=False)
+class ModelSpec(Comparable):
     """A model as data.
 
     Attributes

@@ -7,14 +7,15 @@ from typing import Protocol
 import numpy as np
 
 from surae.errors import ComputationError
+from surae.frozen import Comparable
 from surae.model.tendon_state import TendonState
 from surae.recording.samples import sample
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 
 
-@dataclass(frozen=True, slots=True)
-class TorqueParts:
+@dataclass(frozen=True, slots=True, eq=False)
+class TorqueParts(Comparable):
     """A modelled torque split into its parts, each of shape (n,) in Nm; they add up to `total`.
 
     What the reflex makes of the neural parts is no further part of the sum.

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surae.frozen import Comparable
 from surae.units import FloatArray
 
 
@@ -45,8 +46,8 @@ class TendonLaw:
         return np.array([tendon_force(float(e), self.curve)[0] for e in elongation])
 
 
-@dataclass(frozen=True, slots=True)
-class TendonState:
+@dataclass(frozen=True, slots=True, eq=False)
+class TendonState(Comparable):
     """What muscle and tendon of both groups do over time; arrays (2, n), triceps surae first.
 
     Attributes

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surae.frozen import Comparable
 from surae.protocol import PROFILES
 from surae.protocol.adaptation import low_pass
 from surae.quality.numeric import BoolArray
@@ -34,8 +35,8 @@ _CHIRP_SHARE = 0.05
 _SLOWEST = 0.08
 
 
-@dataclass(frozen=True, slots=True)
-class Commanded:
+@dataclass(frozen=True, slots=True, eq=False)
+class Commanded(Comparable):
     """A commanded motion, arrays read-only.
 
     Attributes

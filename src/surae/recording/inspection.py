@@ -4,13 +4,13 @@ import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
 
 from surae.errors import InputError
 from surae.files import PathLike
+from surae.frozen import FrozenDict
 from surae.recording import mapping, opensim
 from surae.recording.channels import stated_unit, written_unit
 from surae.recording.describe import load_each, sampling_of
@@ -77,9 +77,9 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
         direction = relation(raw[id(angle)], raw[id(torque)])
     inspection = Inspection(
         channels=tuple(channels),
-        formats=MappingProxyType(formats),
-        roles=MappingProxyType(found),
-        open=MappingProxyType(left),
+        formats=FrozenDict(formats),
+        roles=FrozenDict(found),
+        open=FrozenDict(left),
         missing=missing,
         side=leg,
         side_rule=rule,

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Any, Literal
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy.typing as npt
 
 from surae.errors import InputError
 from surae.files import shown
+from surae.frozen import Comparable, FrozenDict
 from surae.recording.samples import check_samples
 from surae.units import SI, FloatArray, kind
 
@@ -50,8 +50,8 @@ class SourceFile:
     sha256: str
 
 
-@dataclass(frozen=True, slots=True)
-class Channel:
+@dataclass(frozen=True, slots=True, eq=False)
+class Channel(Comparable):
     """One measured signal.
 
     Attributes
@@ -127,10 +127,10 @@ class Recording:
     def __post_init__(self) -> None:
         """Order the channels and make the mappings read-only."""
         ordered = {role: self.channels[role] for role in ROLES if role in self.channels}
-        object.__setattr__(self, "channels", MappingProxyType(ordered))
-        object.__setattr__(self, "fixed", MappingProxyType(dict(self.fixed)))
-        object.__setattr__(self, "prepare", MappingProxyType(dict(self.prepare)))
-        object.__setattr__(self, "device", MappingProxyType(dict(self.device)))
+        object.__setattr__(self, "channels", FrozenDict(ordered))
+        object.__setattr__(self, "fixed", FrozenDict(self.fixed))
+        object.__setattr__(self, "prepare", FrozenDict(self.prepare))
+        object.__setattr__(self, "device", FrozenDict(self.device))
         emg = [channel for role, channel in ordered.items() if kind(role) == "emg"]
         for channel in emg[1:]:
             if channel.unit != emg[0].unit:

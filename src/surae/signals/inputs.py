@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
 
 from surae.files import shown
+from surae.frozen import Comparable, FrozenDict
 from surae.recording import SourceFile
 from surae.units import FloatArray
 
@@ -34,8 +34,8 @@ class EmgReference:
     count: int = 1
 
 
-@dataclass(frozen=True, slots=True)
-class ModelInputs:
+@dataclass(frozen=True, slots=True, eq=False)
+class ModelInputs(Comparable):
     """Prepared signals of one recording, arrays read-only.
 
     Attributes
@@ -93,7 +93,7 @@ class ModelInputs:
 
     def __post_init__(self) -> None:
         """Make the mapping read-only; the arrays are made so by whoever prepares them."""
-        object.__setattr__(self, "fixed", MappingProxyType(dict(self.fixed)))
+        object.__setattr__(self, "fixed", FrozenDict(self.fixed))
 
     @property
     def where(self) -> str:

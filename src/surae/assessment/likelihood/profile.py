@@ -17,6 +17,7 @@ from surae.assessment.likelihood.search import Search
 from surae.errors import InputError
 from surae.estimation import FitProblem, FitResult, fit_problem
 from surae.estimation.least_squares import Outcome
+from surae.frozen import Comparable
 from surae.model import adapted
 from surae.recording import read_only
 from surae.units import FloatArray
@@ -24,8 +25,8 @@ from surae.units import FloatArray
 Status = Literal["closed", "open", "lower-minimum"]
 
 
-@dataclass(frozen=True, slots=True)
-class Profile:
+@dataclass(frozen=True, slots=True, eq=False)
+class Profile(Comparable):
     """Profile of one parameter.
 
     Attributes

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from surae.assessment.posterior.sample import Posterior
-from surae.assessment.saved.json_file import check_version, read_json
+from surae.assessment.saved.json_file import check_format, read_json
 from surae.errors import InputError
 from surae.files import PathLike, shown
 
@@ -103,7 +103,7 @@ def read_profile_intervals(
         The file is missing or damaged, or of another fit.
     """
     data = read_json(path)
-    check_version(data, path)
+    check_format(data, path)
     found: dict[str, ProfileInterval] = {}
     try:
         profiled = data["model"]

@@ -21,6 +21,7 @@ from surae.assessment.uncertainty.covariance import Covariance, covariance, half
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.files import PathLike, write_atomic
+from surae.frozen import Comparable
 from surae.model import adapted
 from surae.recording import read_only
 from surae.units import FloatArray
@@ -73,8 +74,8 @@ class Marginal:
         return self.prior_part > _LITTLE
 
 
-@dataclass(frozen=True, slots=True)
-class Posterior:
+@dataclass(frozen=True, slots=True, eq=False)
+class Posterior(Comparable):
     """Draws from a posterior and what they say.
 
     Attributes

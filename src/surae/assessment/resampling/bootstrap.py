@@ -17,6 +17,7 @@ from surae.assessment.resampling.replicates import ReplicateFile
 from surae.errors import InputError
 from surae.estimation import FitResult, Prior
 from surae.files import PathLike, write_json
+from surae.frozen import Comparable
 from surae.model import adapted
 from surae.recording import read_only
 from surae.signals import ModelInputs
@@ -55,8 +56,8 @@ class BootstrapEstimate:
     ci95: tuple[float, float] | None
 
 
-@dataclass(frozen=True, slots=True)
-class Bootstrap:
+@dataclass(frozen=True, slots=True, eq=False)
+class Bootstrap(Comparable):
     """A block bootstrap of a fit.
 
     Attributes

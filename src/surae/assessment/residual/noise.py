@@ -5,11 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from surae.frozen import Comparable
 from surae.units import FloatArray
 
 
-@dataclass(frozen=True, slots=True)
-class NoiseModel:
+@dataclass(frozen=True, slots=True, eq=False)
+class NoiseModel(Comparable):
     """Stationary noise e[t] = Σ φ[k]·e[t − k] + white noise.
 
     Attributes

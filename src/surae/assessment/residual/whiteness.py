@@ -6,14 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from surae.frozen import Comparable
 from surae.units import FloatArray
 
 #: Probability with which the test calls white noise coloured.
 LEVEL = 0.05
 
 
-@dataclass(frozen=True, slots=True)
-class Whiteness:
+@dataclass(frozen=True, slots=True, eq=False)
+class Whiteness(Comparable):
     """The autocorrelation of a residual, and the test of whether it is more than chance.
 
     Attributes

@@ -1,6 +1,6 @@
 """A baseline for snSEM as a file."""
 
-from surae.assessment.saved.json_file import check_version, read_json
+from surae.assessment.saved.json_file import check_format, read_json
 from surae.assessment.uncertainty.snsem import Baseline, baseline_as_dict, read_baseline
 from surae.errors import InputError
 from surae.files import PathLike, shown, write_json
@@ -26,7 +26,7 @@ def load_baseline(path: PathLike) -> Baseline:
         The file is missing, or is not a baseline.
     """
     data = read_json(path)
-    check_version(data, path)
+    check_format(data, path)
     try:
         return read_baseline(data)
     except KeyError as error:

@@ -10,14 +10,15 @@ import numpy as np
 from surae._version import __version__
 from surae.assessment.assess import Assessment, ParameterEstimate
 from surae.assessment.saved.arrays import decode, encode
-from surae.assessment.saved.json_file import FORMAT, check_version, read_json, real
+from surae.assessment.saved.json_file import FORMAT, check_format, read_json, real
 from surae.assessment.saved.outliers_json import outliers_as_dict, read_outliers
 from surae.assessment.saved.trace_json import read_trace, trace_as_dict
 from surae.assessment.uncertainty.snsem import Baseline, baseline_as_dict, read_baseline
 from surae.errors import InputError
-from surae.estimation import FitProblem, FitResult, Prior, Start
+from surae.estimation import FitProblem, FitResult, FitSettings, Outliers, Prior, Start
 from surae.files import PathLike, shown, write_json
-from surae.model import ModelOptions, check_value, get_model, with_drives
+from surae.frozen import FrozenDict
+from surae.model import ModelOptions, ModelSpec, check_value, get_model, with_drives
 from surae.quality.finding import Quality, quality_of
 
 
@@ -65,7 +66,7 @@ def load_saved(path: PathLike) -> SavedFit:
         The file is missing, damaged, not a fit, or of a newer surae.
     """
     data = read_json(path)
-    check_version(data, path)
+    check_format(data, path)
     try:
         compared = data.get("snsem")
         baseline = None if compared is None else read_baseline(compared["baseline"])
@@ -151,6 +152,7 @@ def as_dict(
         },
         "seconds": result.seconds,
         "versions": dict(result.versions),
+        "settings": problem.settings.as_dict(),
         "free": list(problem.free),
         "priors": {
             name: {"median": prior.median, "spread": prior.spread}
@@ -207,6 +209,7 @@ def _result(data: Mapping[str, Any]) -> FitResult:
     limits = np.array([[table[n]["lower"], table[n]["upper"]] for n in free], dtype=float)
     if not np.isfinite(limits).all():
         raise ValueError("a bound is not a number")
+    outliers = read_outliers(data.get("outliers"), [int(trace["n"]) for trace in traces])
     problem = FitProblem(
         spec=spec,
         options=options,
@@ -221,10 +224,11 @@ def _result(data: Mapping[str, Any]) -> FitResult:
         ),
         lower=limits[:, 0],
         upper=limits[:, 1],
-        priors={
-            str(name): Prior(real(prior["median"]), real(prior["spread"]))
+        priors=FrozenDict(
+            (str(name), Prior(real(prior["median"]), real(prior["spread"])))
             for name, prior in data["priors"].items()
-        },
+        ),
+        settings=_settings(data, spec, outliers),
     )
     residuals = tuple(decode(trace["residual"], (int(trace["n"]),)) for trace in traces)
     sse = _sum(data["sse"])
@@ -255,7 +259,32 @@ def _result(data: Mapping[str, Any]) -> FitResult:
         seed=int(data["seed"]),
         seconds=real(data["seconds"]),
         versions={str(name): str(version) for name, version in data["versions"].items()},
-        outliers=read_outliers(data.get("outliers"), [one.n for one in problem.inputs]),
+        outliers=outliers,
+    )
+
+
+def _settings(data: Mapping[str, Any], spec: ModelSpec, outliers: Outliers | None) -> FitSettings:
+    """What was asked; of format 1, which does not say, what the result tells of it."""
+    if "settings" in data:
+        return FitSettings.from_dict(data["settings"])
+    table, starts = data["parameters"], data["starts"]
+    free = [name for name in spec.names if table[name]["free"]]
+    held = [name for name in spec.free if name not in free]
+    return FitSettings(
+        model=spec.name,
+        options=ModelOptions.of(**data["options"]),
+        fixed={name: real(table[name]["value"]) for name in held},
+        free=tuple(name for name in free if name not in spec.free),
+        start={name: real(starts["all"][0]["initial"][name]) for name in free},
+        bounds={name: (real(table[name]["lower"]), real(table[name]["upper"])) for name in free},
+        priors={
+            name: (real(prior["median"]), real(prior["spread"]))
+            for name, prior in data["priors"].items()
+        },
+        loss=None if outliers is None else outliers.loss,
+        prepared=bool(data["traces"][0]["prepared"]),
+        starts=int(starts["n"]),
+        seed=int(data["seed"]),
     )
 
 

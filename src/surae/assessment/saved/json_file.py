@@ -10,7 +10,7 @@ from surae.errors import InputError
 from surae.files import PathLike, read_bytes, shown
 
 #: Of the file's layout; raised when an older surae could not read it.
-FORMAT = 1
+FORMAT = 2
 
 
 def read_json(path: PathLike) -> dict[str, Any]:
@@ -41,29 +41,16 @@ def read_json(path: PathLike) -> dict[str, Any]:
     return data
 
 
-def check_version(data: Mapping[str, Any], path: PathLike) -> None:
-    """Refuse a file that a newer surae wrote: it may mean what this one does not know."""
-    written = data.get("surae")
-    if written is None:
-        return
+def check_format(data: Mapping[str, Any], path: PathLike) -> None:
+    """Refuse a file whose layout a newer surae made: it may mean what this one does not know."""
     layout = data.get("format", FORMAT)
-    if not isinstance(written, str) or not isinstance(layout, int):
-        raise InputError(f"{shown(path)}: a damaged FIT.json (surae or format); fit again")
-    if _ordered(written) > _ordered(__version__) or layout > FORMAT:
+    if isinstance(layout, bool) or not isinstance(layout, int):
+        raise InputError(f"{shown(path)}: a damaged FIT.json (format); fit again")
+    if layout > FORMAT:
         raise InputError(
-            f"{shown(path)}: written by surae {written} in format {layout}, newer than this one "
-            f"({__version__}, format {FORMAT}); upgrade surae to read it"
+            f"{shown(path)}: written by surae {data.get('surae', '?')} in format {layout}, newer "
+            f"than this one reads ({__version__}, format {FORMAT}); upgrade surae"
         )
-
-
-def _ordered(version: str) -> tuple[int, ...]:
-    """The leading numbers of a version, comparable."""
-    numbers = []
-    for part in version.split("."):
-        if not part.isdecimal():
-            break
-        numbers.append(int(part))
-    return tuple(numbers)
 
 
 def real(value: object) -> float:

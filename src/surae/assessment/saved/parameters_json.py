@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from surae.assessment.saved.json_file import check_version, read_json
+from surae.assessment.saved.json_file import check_format, read_json
 from surae.errors import InputError
 from surae.files import PathLike, shown
 
@@ -41,7 +41,7 @@ def read_parameters(path: PathLike) -> GivenParameters:
         The file is missing, not JSON, or has no table of numbers under ``parameters``.
     """
     data = read_json(path)
-    check_version(data, path)
+    check_format(data, path)
     table = data.get("parameters")
     if not isinstance(table, dict) or not table:
         raise InputError(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surae.frozen import Comparable
 from surae.units import FloatArray
 
 #: A direction is singular when its information is below this part of the strongest one's, the
@@ -14,8 +15,8 @@ _SINGULAR = 1e-10
 _PART = 0.01
 
 
-@dataclass(frozen=True, slots=True)
-class Covariance:
+@dataclass(frozen=True, slots=True, eq=False)
+class Covariance(Comparable):
     """Covariance of the estimates that have one.
 
     Attributes

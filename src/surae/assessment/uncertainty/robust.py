@@ -23,6 +23,7 @@ from surae.assessment.residual.whiteness import Whiteness, autocovariance, most_
 from surae.assessment.uncertainty.covariance import Covariance, InverseRoot, inverse_root
 from surae.estimation import FitResult, Outliers
 from surae.estimation.residuals import Residuals
+from surae.frozen import Comparable
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
 
@@ -30,8 +31,8 @@ from surae.units import FloatArray
 _ROUNDS, _RESTS = 6, 1e-3
 
 
-@dataclass(frozen=True, slots=True)
-class RobustCovariance:
+@dataclass(frozen=True, slots=True, eq=False)
+class RobustCovariance(Comparable):
     """Covariance of the estimates under correlated noise.
 
     Attributes

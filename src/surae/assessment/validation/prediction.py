@@ -8,14 +8,15 @@ import numpy as np
 from surae.assessment.residual.quality import rmse, vaf
 from surae.errors import InputError
 from surae.estimation import FitResult
+from surae.frozen import Comparable
 from surae.model import ModelOptions, ModelSpec, check_finite_torque
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 
 
-@dataclass(frozen=True, slots=True)
-class Prediction:
+@dataclass(frozen=True, slots=True, eq=False)
+class Prediction(Comparable):
     """How well parameters predict a recording they were not fitted to.
 
     Attributes
@@ -53,8 +54,8 @@ class Prediction:
         return self.measured[counted], (self.measured - self.torque)[counted]
 
 
-@dataclass(frozen=True, slots=True)
-class Pooled:
+@dataclass(frozen=True, slots=True, eq=False)
+class Pooled(Comparable):
     """Several predictions as if they were one recording: VAF [%], RMSE and bias [Nm]."""
 
     vaf: float

@@ -1,0 +1,39 @@
+"""A problem solved as its settings ask: least squares, or with outliers counting less."""
+
+from surae.estimation.fit import Progress, fit_problem
+from surae.estimation.outliers import fit_robust
+from surae.estimation.problem import FitProblem
+from surae.estimation.result import FitResult
+from surae.estimation.starts import Follow
+
+
+def solve(
+    problem: FitProblem,
+    *,
+    starts: int | None = None,
+    progress: Progress | None = None,
+    follow: Follow | None = None,
+) -> FitResult:
+    """Find the best minimum of a problem, with the loss, starts and seed of its settings.
+
+    Parameters
+    ----------
+    problem : FitProblem
+        The question.
+    starts : int, optional
+        Number of starts, instead of that of the settings.
+    progress, follow : callable, optional
+        As of `fit_problem`.
+
+    Returns
+    -------
+    FitResult
+        Ctrl-C keeps the best so far.
+    """
+    asked = problem.settings
+    count = asked.starts if starts is None else starts
+    if asked.loss is None:
+        return fit_problem(problem, starts=count, seed=asked.seed, progress=progress, follow=follow)
+    return fit_robust(
+        problem, asked.loss, starts=count, seed=asked.seed, progress=progress, follow=follow
+    )
