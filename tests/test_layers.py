@@ -15,7 +15,17 @@ PACKAGE = Path(surae.__file__).parent
 
 #: From the bottom to the top; modules on one line may use each other, never in a circle.
 LAYERS = (
-    ("_version", "errors", "files", "frozen", "threads", "units", "versions"),
+    (
+        "_version",
+        "errors",
+        "files",
+        "frozen",
+        "processes",
+        "runner",
+        "threads",
+        "units",
+        "versions",
+    ),
     ("recording",),
     ("signals",),
     ("model",),

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from surae.errors import ComputationError, InputError
-from surae.web.http_errors import NO_ROOM, RefusedError
-from surae.web.process import Worker
+from surae.processes import NO_ROOM, Child
+from surae.web.http_errors import RefusedError
 from surae.web.project import Project
 
 
@@ -135,20 +135,12 @@ def test_a_full_disk_is_told(serve, monkeypatch) -> None:
     assert browser.get("/api/subjects").status_code == 200
 
 
-def test_a_job_that_is_cancelled_before_it_begins_does_not() -> None:
-    worker = Worker()
-    end = worker.run({"do": "fit"}, unless=lambda: True)
-    assert end["end"] == "cancelled"
-    assert worker.process is None
-    worker.close()
-    assert worker.run({"do": "fit"})["end"] == "cancelled"  # closed: no process is left behind
-    assert worker.process is None
-
-
 def test_a_mistake_of_ours_tells_no_values() -> None:
-    worker = Worker()
-    end = worker.run({"do": "quality", "path": ["name of a patient"]})
-    worker.close()
-    assert end["end"] == "failed"
+    child = Child()
+    end = child.call(
+        "surae.web.tasks:do", {"task": {"do": "quality", "path": ["name of a patient"]}}
+    )
+    child.close()
+    assert end.how == "failed"
     assert "patient" not in str(end)
-    assert "tasks.py" in end["where"]
+    assert "tasks.py" in end.where

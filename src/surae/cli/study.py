@@ -55,7 +55,7 @@ def run_command(
 
     from surae.cli.progress import compilation_notice, work
     from surae.cli.screen import show_line
-    from surae.studies.engines import Engine
+    from surae.runner import Engine
     from surae.studies.run import run
     from surae.studies.store import Store
 

@@ -1,7 +1,7 @@
 """Studies of a section, through the study engine: what is in the store is not computed again."""
 
 from surae.reproduction.chapter import Context
-from surae.studies.engines import Engine
+from surae.runner import Engine
 from surae.studies.run import run
 from surae.studies.store import Store
 from surae.studies.study import parse_study

@@ -5,11 +5,12 @@ import inspect
 import json
 import os
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from surae.errors import InputError
+from surae.errors import ComputationError, InputError
 from surae.files import read_bytes, shown
 from surae.reproduction.chapter import Context
 
@@ -51,8 +52,7 @@ def run_jobs(
     InputError
         The store is in use by another run, or cannot be written.
     """
-    from joblib import Parallel, delayed
-
+    from surae.runner import Died, Engine, results
     from surae.studies.database import lock
 
     path = context.store(f"{name}.jsonl")
@@ -66,23 +66,18 @@ def run_jobs(
         found = dict(_kept(path))
         rest = [label for label in jobs if keys[label] not in found]
         context.progress(name, len(jobs) - len(rest), len(jobs))
-        with Parallel(
-            n_jobs=min(context.workers, max(len(rest), 1)), return_as="generator_unordered"
-        ) as parallel:
-            calls = (delayed(_called)(function, keys[label], jobs[label]) for label in rest)
-            for done, (key, value) in enumerate(parallel(calls), len(jobs) - len(rest) + 1):
-                _keep(path, key, value)
-                found[key] = value
-                context.progress(name, done, len(jobs))
+        engine = Engine("processes", min(context.workers, max(len(rest), 1)))
+        work = f"{function.__module__}:{function.__qualname__}"
+        with closing(results(work, {label: jobs[label] for label in rest}, engine)) as batches:
+            for label, value in (pair for batch in batches for pair in batch):
+                if isinstance(value, Died):
+                    raise ComputationError(f"{name}, {label}: {value.message}")
+                _keep(path, keys[label], value)
+                found[keys[label]] = value
+                context.progress(name, len(set(found) & set(keys.values())), len(jobs))
     finally:
         held.close()
     return {label: found[keys[label]] for label in jobs}
-
-
-def _called(
-    function: Callable[..., Plain], key: str, settings: Mapping[str, Plain]
-) -> tuple[str, Plain]:
-    return key, function(**settings)
 
 
 def _program(function: Callable[..., Plain], also: tuple[ModuleType, ...]) -> str:

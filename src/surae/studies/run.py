@@ -5,7 +5,8 @@ from contextlib import closing
 from dataclasses import dataclass
 from time import perf_counter
 
-from surae.studies.engines import Engine, outcomes
+from surae.processes import Plain
+from surae.runner import Died, Engine, results
 from surae.studies.store import Store
 from surae.studies.study import Study
 from surae.studies.tasks import Outcome, Task, run_task
@@ -102,5 +103,11 @@ def _computed(tasks: Mapping[str, Task], engine: Engine) -> Generator[list[tuple
             yield [(key, run_task(rest.pop(key)))]
     if not rest:
         return
-    with closing(outcomes(rest, engine)) as found:
-        yield from found
+    calls = {key: task.as_call() for key, task in rest.items()}
+    with closing(results("surae.studies.tasks:outcome_of", calls, engine)) as batches:
+        for batch in batches:
+            yield [(key, _outcome(value)) for key, value in batch]
+
+
+def _outcome(value: Plain | Died) -> Outcome:
+    return Outcome("failed", value.message) if isinstance(value, Died) else Outcome.of(value)

@@ -4,11 +4,12 @@ import hashlib
 import json
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, Self
 
+from surae.errors import ComputationError
 from surae.protocol import TASKS, Protocol, Trajectory, generate
 from surae.protocol.effort import effort
 from surae.recording import read_only
@@ -69,6 +70,10 @@ class Task:
         text = json.dumps([fingerprint(), asdict(self)], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
+    def as_call(self) -> dict[str, Any]:
+        """Keywords for `outcome_of`, as plain data."""
+        return {"key": self.key, "settings": asdict(self)}
+
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
@@ -105,6 +110,11 @@ class Outcome:
     estimates: tuple[Estimate, ...] = ()
     seconds: float = 0.0
 
+    @classmethod
+    def of(cls, plain: Mapping[str, Any]) -> Self:
+        """The outcome that `dataclasses.asdict` made plain data of."""
+        return cls(**{**plain, "estimates": tuple(Estimate(**e) for e in plain["estimates"])})
+
 
 def planned(study: Study) -> Iterator[tuple[dict[str, Value], Task]]:
     """Every combination of a study's factors with its task, in the order of the table.
@@ -123,6 +133,24 @@ def _task(combination: dict[str, Any]) -> Task:
     if rest["noise"] == 0.0:
         rest["repeat"] = 1
     return Task(**rest, options=options)
+
+
+def outcome_of(key: str, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Run the task of some settings, as `run_task` does, wherever it may be; the outcome, plain.
+
+    Raises
+    ------
+    ComputationError
+        The program here is not the one that planned it.
+    """
+    options = tuple((name, value) for name, value in settings["options"])
+    task = Task(**{**settings, "options": options})
+    if task.key != key:
+        raise ComputationError(
+            "a worker has another surae, or other libraries, than the run: install the same "
+            "everywhere and run the same command again: what is finished is kept"
+        )
+    return asdict(run_task(task))
 
 
 def run_task(task: Task) -> Outcome:

@@ -15,8 +15,9 @@ from starlette.types import ASGIApp
 
 from surae._version import __version__
 from surae.errors import InputError, SuraeError
+from surae.processes import FULL, NO_ROOM, one_line, where
 from surae.web.fits import job_kinds
-from surae.web.http_errors import FULL, NO_ROOM, RefusedError, one_line, where
+from surae.web.http_errors import RefusedError
 from surae.web.routes import (
     cohort,
     comparisons,

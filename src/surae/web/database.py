@@ -16,8 +16,9 @@ from typing import Any
 
 from surae.errors import ComputationError, InputError
 from surae.files import shown
+from surae.processes import NO_ROOM
 from surae.studies.database import transaction
-from surae.web.http_errors import NO_ROOM, RefusedError
+from surae.web.http_errors import RefusedError
 
 #: "srwb" as a number: SQLite's mark of whose file it is.
 _APPLICATION = 0x73727762

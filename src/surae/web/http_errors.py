@@ -1,14 +1,6 @@
 """What the workbench refuses, each with its HTTP status and one line that says what to do."""
 
-import errno
-import traceback
-from pathlib import Path
-
 from surae.errors import InputError
-
-#: What a system says when there is no room, and what we say.
-FULL = (errno.ENOSPC, errno.EDQUOT)
-NO_ROOM = "the disk is full; make room and try again, what is finished is kept"
 
 
 class RefusedError(InputError):
@@ -32,15 +24,3 @@ def not_found(what: str) -> RefusedError:
     return RefusedError(
         404, f"there is no such {what}; it may have been deleted, load the page again"
     )
-
-
-def where(error: BaseException) -> str:
-    """An error for a log: its kind and lines of code, not its text, which may name patients."""
-    frames = traceback.extract_tb(error.__traceback__)
-    places = [f"{'/'.join(Path(one.filename).parts[-2:])}:{one.lineno}" for one in frames[-8:]]
-    return f"{type(error).__name__} at {' < '.join(reversed(places))}"
-
-
-def one_line(text: object) -> str:
-    """A message on one line."""
-    return " ".join(str(text).split())

@@ -14,11 +14,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from surae.errors import SuraeError
+from surae.processes import Child, End, where
 from surae.web.cleanup import forget_jobs
 from surae.web.database import Thing, new_id
 from surae.web.events import Events
-from surae.web.http_errors import RefusedError, not_found, where
-from surae.web.process import Worker
+from surae.web.http_errors import RefusedError, not_found
 from surae.web.project import Project, when
 from surae.web.sessions import Session
 
@@ -26,6 +26,8 @@ _log = logging.getLogger("surae.web")
 
 #: Jobs that may wait; more are a script gone wild.
 _WAITING = 500
+#: Computing must not slow down the pages.
+_NICE = 10
 ACTIVE = ("queued", "running")
 #: What a job is called when its task has ended so.
 _ENDS = {
@@ -53,7 +55,7 @@ class _Lane:
     """A queue, and the workers that serve it."""
 
     waiting: deque[str] = field(default_factory=deque)
-    workers: dict[str, Worker] = field(default_factory=dict)
+    workers: dict[str, Child] = field(default_factory=dict)
 
 
 class Jobs:
@@ -209,7 +211,7 @@ class Jobs:
 
     def _serve(self, name: str) -> None:
         """What the thread of one worker does."""
-        lane, worker = self._lanes[name], Worker()
+        lane, worker = self._lanes[name], Child(nice=_NICE)
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._closed or lane.waiting)
@@ -229,7 +231,7 @@ class Jobs:
                     self._cancelled.discard(id_)
         worker.close()
 
-    def _run(self, id_: str, worker: Worker) -> None:
+    def _run(self, id_: str, worker: Child) -> None:
         job = self._project.change("job", id_, state="running", started=time.time())
         self._tell(job)
         for other in list(self._lanes[self._kinds[job["kind"]].lane].waiting):
@@ -242,22 +244,24 @@ class Jobs:
             self._events.tell(f"job:{id_}", "progress", dict(message))
 
         root = str(self._project.folder)  # which may have been copied since it was asked for
-        end = worker.run(
-            {**job["task"], "do": job["kind"], "id": id_, "root": root},
-            heard,
+        end = worker.call(
+            "surae.web.tasks:do",
+            {"task": {**job["task"], "do": job["kind"], "id": id_, "root": root}},
+            hear=heard,
             unless=lambda: id_ in self._cancelled,
         )
         if self._closed:
             return  # marked as interrupted at the next start
         _told(end)
-        state, result = _ENDS[end["end"]], None
-        message = self._project.hidden(str(end.get("message", "")))
-        if end["end"] == "done":
+        state, result = _ENDS[end.how], None
+        message = self._project.hidden(end.message)
+        if end.how == "done":
+            message = self._project.hidden(str(end.value.get("message", "")))
             try:
-                result = self._kinds[job["kind"]].finish(job, end)
+                result = self._kinds[job["kind"]].finish(job, end.value)
             except RefusedError as refusal:  # what it was about is gone
                 state, message = "failed", str(refusal)
-            if end.get("interrupted"):
+            if end.value.get("interrupted"):
                 state = "cancelled"
         elif id_ in self._cancelled:
             state = "cancelled"
@@ -300,7 +304,7 @@ class Jobs:
             )  # fmt: skip
 
 
-def _told(end: Mapping[str, Any]) -> None:
+def _told(end: End) -> None:
     """Log where a task failed that should not have."""
-    if end.get("where"):
-        _log.error("internal error in a worker: %s", end["where"])
+    if end.where:
+        _log.error("internal error in a worker: %s", end.where)

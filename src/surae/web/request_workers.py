@@ -5,11 +5,13 @@ import threading
 from collections.abc import Mapping
 from typing import Any
 
+from surae.processes import Child
 from surae.web.http_errors import RefusedError
-from surae.web.process import Worker
 
 #: Longest that one piece of work may take [s], and the memory that it may use [bytes].
 _SECONDS, _MEMORY = 180.0, 12 * 2**30
+#: Reading must not slow down the pages.
+_NICE = 10
 _log = logging.getLogger("surae.web")
 #: Pieces of work at a time, and how many requests may wait for them.
 _WORKERS, _WAITING = 2, 12
@@ -19,7 +21,7 @@ class RequestWorkers:
     """A few workers for what a request waits for."""
 
     def __init__(self) -> None:
-        self._free = [Worker() for _ in range(_WORKERS)]
+        self._free = [Child(nice=_NICE) for _ in range(_WORKERS)]
         self._all = tuple(self._free)
         self._changed = threading.Condition()
         self._closed = False
@@ -53,13 +55,16 @@ class RequestWorkers:
                 raise RefusedError(503, "the server is shutting down")
             worker = self._free.pop()
         try:
-            end = worker.run({"do": do, "memory": _MEMORY, **task}, None, _SECONDS)
+            end = worker.call(
+                "surae.web.tasks:do", {"task": {"do": do, **task}}, seconds=_SECONDS, memory=_MEMORY
+            )
         finally:
             with self._changed:
                 self._free.append(worker)
                 self._changed.notify()
-        if end["end"] != "done":
-            if end.get("where"):
-                _log.error("internal error in a worker: %s", end["where"])
-            raise RefusedError(400 if end["end"] == "refused" else 422, str(end["message"]))
-        return end
+        if end.how != "done":
+            if end.where:
+                _log.error("internal error in a worker: %s", end.where)
+            raise RefusedError(400 if end.how == "refused" else 422, end.message)
+        value: Mapping[str, Any] = end.value
+        return value

@@ -19,8 +19,9 @@ from starlette.concurrency import run_in_threadpool
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from surae.errors import SuraeError
+from surae.processes import one_line
 from surae.web.asked import Asked, redirect, refuse, respond
-from surae.web.http_errors import RefusedError, one_line
+from surae.web.http_errors import RefusedError
 from surae.web.sessions import Sessions
 
 CSRF_HEADER = "x-csrf-token"

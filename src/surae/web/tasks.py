@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from surae import processes
 from surae.recording import Recording, read
 from surae.web import imports
 from surae.web.draft import fit_keywords, weighting
@@ -220,3 +221,8 @@ TASKS: dict[str, Callable[[Mapping[str, Any], Tell], dict[str, Any]]] = {
     "demo": demo,
     "quality": quality,
 }
+
+
+def do(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Do the task that ``do`` names; what the server calls."""
+    return TASKS[task["do"]](task, processes.tell)

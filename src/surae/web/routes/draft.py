@@ -8,9 +8,10 @@ from surae.errors import InputError
 from surae.model import MODELS
 from surae.model.options import _CHOICES
 from surae.model.parameters import DRIVES, Parameter
+from surae.processes import one_line
 from surae.web.draft import described, empty_draft, normal, parameter_table
 from surae.web.fits import check_draft
-from surae.web.http_errors import RefusedError, one_line
+from surae.web.http_errors import RefusedError
 from surae.web.live import live
 from surae.web.routes.common import ERRORS, Bench, Browser
 from surae.web.schemas import DraftPatch, LiveGiven

@@ -1,0 +1,277 @@
+"""A child process that does calls, one at a time: started, asked, stopped, and made again."""
+
+import atexit
+import os
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from surae.errors import ComputationError, InputError
+from surae.processes.inside import function as function_named
+from surae.processes.inside import is_child
+from surae.processes.messages import received, send
+
+#: What JSON holds, with bytes and arrays of numbers anywhere in it.
+Plain = Any
+Hear = Callable[[Mapping[str, Any]], None]
+
+#: A child that was asked to stop and does not is killed after this [s].
+_PATIENCE = 20.0
+#: A child is made anew after so many calls, whatever its libraries still hold.
+_CALLS = 50
+#: One thread for linear algebra, in the words of the libraries.
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """How a call ended.
+
+    Attributes
+    ----------
+    how : {"done", "refused", "failed", "cancelled", "killed"}
+        "refused" where the input was wrong; "killed" where the process died.
+    value : plain data
+        What the function returned, where it is done.
+    message : str
+        Else why there is none, in a line.
+    where : str
+        The lines of code of an error that should not have been; without its text, which may hold
+        names.
+    """
+
+    how: str
+    value: Plain = None
+    message: str = ""
+    where: str = ""
+
+
+class Child:
+    """One process that does one call at a time; it is made when it is needed, and made again.
+
+    Parameters
+    ----------
+    nice : int
+        By how much it makes way for others.
+    calls : int or None
+        After so many it is made anew; None: never.
+    """
+
+    def __init__(self, nice: int = 0, calls: int | None = _CALLS) -> None:
+        self._nice, self._calls = nice, calls
+        self._process: subprocess.Popen[bytes] | None = None
+        self._owner = 0
+        self._lock = threading.Lock()
+        self._busy = self._killed = self._closed = self._interrupted = False
+        self._done = self._serial = 0
+
+    @property
+    def process(self) -> int | None:
+        """The number of the process; None where there is none."""
+        return None if self._process is None else self._process.pid
+
+    def call(
+        self,
+        function: str,
+        arguments: Mapping[str, Plain],
+        *,
+        hear: Hear | None = None,
+        seconds: float | None = None,
+        memory: int | None = None,
+        unless: Callable[[], bool] = lambda: False,
+    ) -> End:
+        """Call a function and wait for what it returns.
+
+        Parameters
+        ----------
+        function : str
+            ``module:name``.
+        arguments : mapping of str to plain data
+            Its keywords.
+        hear : callable, optional
+            Called with every message that the function tells on the way.
+        seconds : float, optional
+            When it has taken so long, the process is killed.
+        memory : int, optional
+            Address space that it may use [bytes], where the system can limit it.
+        unless : callable, optional
+            Whether it was cancelled before it began; from then on `interrupt` reaches it.
+        """
+        with self._lock:
+            if self._closed or unless():
+                return End("cancelled", message="cancelled before it began")
+            process = self._started()
+            self._busy, self._killed, self._interrupted = True, False, False
+            self._serial += 1
+            serial = self._serial
+        timer = None if seconds is None else _later(seconds, lambda: self._kill(serial))
+        end: End | None = None
+        try:
+            request = {"call": serial, "function": function, "arguments": arguments,
+                       "memory": memory}  # fmt: skip
+            end = _conversation(process, request, hear)
+        finally:
+            if timer is not None:
+                timer.cancel()
+            with self._lock:
+                self._busy = False
+                self._done += 1
+                # Ctrl-C in the middle of an import leaves half a module behind, for good.
+                if end is None or self._interrupted or self._done == self._calls:
+                    self._drop()
+        if end is not None:
+            return end
+        why = "it took too long" if self._killed else "its process was killed or crashed"
+        return End("killed", message=f"{why}; nothing else was touched, try again")
+
+    def interrupt(self) -> None:
+        """Stop the call at work as Ctrl-C does; kill its process when it does not react."""
+        with self._lock:
+            process = self._process
+            if process is None or process.stdin is None or not self._busy:
+                return
+            self._interrupted = True
+            serial = self._serial
+            with suppress(OSError):
+                send(process.stdin, {"interrupt": serial})
+        _later(_PATIENCE, lambda: self._kill(serial))
+
+    def close(self) -> None:
+        """End the process, for good."""
+        with self._lock:
+            self._closed = True
+            self._drop()
+
+    def _started(self) -> "subprocess.Popen[bytes]":
+        if self._owner != os.getpid():  # a copy of this program: the child is the original's
+            self._process, self._owner = None, os.getpid()
+        if self._process is None or self._process.poll() is not None:
+            self._drop()
+            self._process = _start(self._nice)
+            self._done = 0
+        return self._process
+
+    def _kill(self, serial: int) -> None:
+        """Kill the process if that call, not a later one, is still at work."""
+        with self._lock:
+            if self._process is not None and self._busy and serial == self._serial:
+                self._killed = True
+                self._process.kill()
+
+    def _drop(self) -> None:
+        process, self._process = self._process, None
+        if process is None or self._owner != os.getpid():
+            return
+        process.kill()
+        for stream in (process.stdin, process.stdout):
+            if stream is not None:
+                with suppress(OSError):
+                    stream.close()
+        process.wait()
+
+
+def guarded(
+    function: str,
+    arguments: Mapping[str, Plain],
+    *,
+    seconds: float | None = None,
+    memory: int | None = None,
+) -> Plain:
+    """Call a function where it can do no harm: in a child that is kept for the next call.
+
+    In a child the function is called as it is. Parameters as of `Child.call`.
+
+    Raises
+    ------
+    InputError
+        The function's own.
+    ComputationError
+        It failed otherwise, took too long or too much memory, or crashed.
+    """
+    if is_child():
+        return function_named(function)(**arguments)
+    with _keeping:
+        end = _kept().call(function, arguments, seconds=seconds, memory=memory)
+    if end.how == "done":
+        return end.value
+    if end.how == "refused":
+        raise InputError(end.message)
+    raise ComputationError(end.message + (f" ({end.where})" if end.where else ""))
+
+
+_keeping = threading.Lock()
+
+
+@cache
+def _kept() -> Child:
+    """The child of `guarded`."""
+    child = Child()
+    atexit.register(child.close)
+    return child
+
+
+def _later(seconds: float, action: Callable[[], None]) -> threading.Timer:
+    timer = threading.Timer(seconds, action)
+    timer.daemon = True
+    timer.start()
+    return timer
+
+
+def _start(nice: int) -> "subprocess.Popen[bytes]":
+    """A child that waits for calls."""
+    code = (
+        f"import sys; sys.path[:] = {_import_path()!r}; "
+        f"from surae.processes.inside import serve; serve({os.getpid()}, {nice})"
+    )
+    return _starter(os.getpid()).submit(
+        subprocess.Popen,
+        [sys.executable, "-P", "-c", code],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        env={**os.environ, "PYTHONSAFEPATH": "1", **dict.fromkeys(_THREADS, "1")},
+        start_new_session=True,
+    ).result()  # fmt: skip
+
+
+@cache
+def _starter(owner: int) -> ThreadPoolExecutor:
+    """The thread that starts children: Linux ends them with the thread that they come from."""
+    del owner
+    return ThreadPoolExecutor(1, "surae-start")
+
+
+def _import_path() -> list[str]:
+    """Where this program imports from, without the working folder that Python put first."""
+    path = [entry for entry in sys.path if entry and Path(entry).is_absolute()]
+    first = sys.path[0] if sys.path else ""
+    if path and path[0] == first and not sys.flags.safe_path and Path(first) == Path.cwd():
+        del path[0]
+    own = str(Path(__file__).resolve().parents[2])
+    return path if own in path else [*path, own]
+
+
+def _conversation(
+    process: "subprocess.Popen[bytes]", request: Mapping[str, Any], hear: Hear | None
+) -> End | None:
+    """Ask, and hear what happens until the end of it; None where the process died."""
+    assert process.stdin is not None
+    assert process.stdout is not None
+    try:
+        send(process.stdin, request)
+        while True:
+            message = received(process.stdout)
+            if "told" not in message:
+                texts = {name: str(message.get(name, "")) for name in ("message", "where")}
+                return End(str(message.get("how")), message.get("value"), **texts)
+            if hear is not None:
+                hear(message["told"])
+    except (OSError, EOFError):
+        return None

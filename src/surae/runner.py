@@ -1,0 +1,308 @@
+"""Many independent calls of one function: in threads, processes, or the workers of a cluster.
+
+One loop over futures serves all three. A call's result never depends on where it runs, when, or
+beside what.
+"""
+
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Generator, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from queue import SimpleQueue
+from typing import Any, Protocol
+
+from surae.errors import ComputationError, InputError, SuraeError
+from surae.processes import Child, Plain, function, one_line, without_interrupt
+
+#: What there is.
+KINDS = ("processes", "threads", "dask")
+#: What the user does about an engine that failed.
+AGAIN = "run the same command again: what is finished is kept"
+#: How long to wait for a cluster's scheduler, and for its first worker [s].
+_PATIENCE = 10.0
+#: How often to ask a cluster for its size [s].
+_OFTEN = 5.0
+#: How often to look for Ctrl-C where it does not end a wait [s].
+_LOOK = 0.5
+
+#: What is called: a function, or ``module:name`` where it is called elsewhere.
+Work = str | Callable[..., Plain]
+
+
+@dataclass(frozen=True, slots=True)
+class Engine:
+    """Which engine, as plain data.
+
+    Attributes
+    ----------
+    kind : {"processes", "threads", "dask"}
+        Processes survive a call that kills its worker, and scale; threads start at once, and call
+        functions that have no name.
+    workers : int
+        Processes or threads; a cluster has its own.
+    address : str
+        Of the cluster's scheduler.
+    """
+
+    kind: str = "processes"
+    workers: int = 1
+    address: str = ""
+
+    def __post_init__(self) -> None:
+        """Refuse an unknown kind."""
+        if self.kind not in KINDS:
+            raise InputError(f"engine {self.kind!r} is not known; use one of: {', '.join(KINDS)}")
+        if self.workers < 1:
+            raise InputError(f"{self.workers} workers; give at least 1")
+
+
+@dataclass(frozen=True, slots=True)
+class Died:
+    """What came of a call whose workers died, in a line."""
+
+    message: str
+
+
+#: What has come out since the last time, by the calls' keys.
+Batch = list[tuple[str, "Plain | Died"]]
+
+
+def results(
+    work: Work, calls: Mapping[str, Mapping[str, Plain]], engine: Engine
+) -> Generator[Batch]:
+    """Do calls, in any order, and hand over what comes of them.
+
+    A call that was at work when a worker died is done again, alone, so that only the guilty one is
+    blamed: after as many deaths as the engine allows, what comes of it is `Died`.
+
+    Parameters
+    ----------
+    work : str or callable
+        The function.
+    calls : mapping of str to mapping
+        Its keywords, by key.
+    engine : Engine
+        Where it is called.
+
+    Raises
+    ------
+    SuraeError
+        The function's own.
+    InputError
+        The cluster cannot be reached, or dask is not installed.
+    ComputationError
+        The workers are lost.
+    """
+    pool = _started(engine)
+    waiting, suspects = deque(calls), deque[str]()
+    deaths: Counter[str] = Counter()
+    flying: dict[Future[Plain], str] = {}
+    try:
+        while waiting or suspects or flying:
+            alone = bool(suspects)
+            source = suspects if alone else waiting
+            while source and len(flying) < (1 if alone else pool.ahead()):
+                key = source.popleft()
+                with without_interrupt(), _told(pool):
+                    flying[pool.submit(work, calls[key])] = key
+            only = len(flying) == 1
+            done: Batch = []
+            for future in wait(flying, timeout=_LOOK, return_when=FIRST_COMPLETED).done:
+                key = flying.pop(future)
+                try:
+                    with _told(pool):
+                        done.append((key, future.result()))
+                except pool.died:
+                    deaths[key] += only
+                    if deaths[key] < pool.deaths:
+                        suspects.append(key)
+                        continue
+                    times = f" {pool.deaths} times" if pool.deaths > 1 else ""
+                    done.append((key, Died(f"its worker died{times}: out of memory, or killed")))
+            if done:
+                yield done
+    finally:
+        pool.stop()
+
+
+@contextmanager
+def _told(pool: "_Pool") -> Iterator[None]:
+    """An engine's own errors in words."""
+    try:
+        yield
+    except pool.died:
+        raise
+    except SuraeError:
+        raise
+    except Exception as error:
+        if pool.here:
+            raise
+        text = one_line(f"{type(error).__name__}: {error}")
+        raise ComputationError(f"the workers are lost ({text}); {AGAIN}") from error
+
+
+class _Pool(Protocol):
+    """What the loop needs of an engine."""
+
+    #: What its futures raise when a worker died.
+    died: tuple[type[BaseException], ...]
+    #: A call whose worker died this often while it was the only one at work is given up.
+    deaths: int
+    #: Whether an error can only be the function's.
+    here: bool
+
+    def submit(self, work: Work, keywords: Mapping[str, Plain]) -> Future[Plain]:
+        """Hand a call to a worker, a new one where the last ones broke."""
+        ...
+
+    def ahead(self) -> int:
+        """How many calls to hand out at once, so that no worker waits."""
+        ...
+
+    def stop(self) -> None:
+        """End it, with the calls at work."""
+        ...
+
+
+class _Threads:
+    """Threads of this process: the kernels run beside each other, Python does not."""
+
+    died: tuple[type[BaseException], ...] = ()
+    deaths, here = 1, True
+
+    def __init__(self, workers: int) -> None:
+        self._workers = workers
+        self._limits = _limited.__wrapped__()
+        self._executor = ThreadPoolExecutor(workers)
+
+    def submit(self, work: Work, keywords: Mapping[str, Plain]) -> Future[Plain]:
+        return self._executor.submit(_named(work), **keywords)
+
+    def ahead(self) -> int:
+        return 2 * self._workers
+
+    def stop(self) -> None:
+        self._executor.shutdown(cancel_futures=True)
+        self._limits.restore_original_limits()
+
+
+class _DeadError(Exception):
+    """The process of a call died."""
+
+
+class _Processes:
+    """Children, made anew when one dies; a thread waits for each."""
+
+    died: tuple[type[BaseException], ...] = (_DeadError,)
+    deaths, here = 3, False
+
+    def __init__(self, workers: int) -> None:
+        self._children = [Child(calls=None) for _ in range(workers)]
+        self._free: SimpleQueue[Child] = SimpleQueue()
+        for child in self._children:
+            self._free.put(child)
+        self._executor = ThreadPoolExecutor(workers)
+
+    def submit(self, work: Work, keywords: Mapping[str, Plain]) -> Future[Plain]:
+        return self._executor.submit(self._call, work, keywords)
+
+    def _call(self, work: Work, keywords: Mapping[str, Plain]) -> Plain:
+        assert isinstance(work, str)
+        child = self._free.get()
+        try:
+            end = child.call(work, keywords)
+        finally:
+            self._free.put(child)
+        if end.how == "done":
+            return end.value
+        if end.how == "killed":
+            raise _DeadError
+        kind = InputError if end.how == "refused" else ComputationError
+        raise kind(end.message + (f" ({end.where})" if end.where else ""))
+
+    def ahead(self) -> int:
+        return 2 * len(self._children)
+
+    def stop(self) -> None:
+        for child in self._children:
+            child.close()
+        self._executor.shutdown(cancel_futures=True)
+
+
+class _Cluster:
+    """The workers of a Dask cluster; its scheduler does a call again elsewhere when one dies."""
+
+    deaths, here = 1, False  # after those that the scheduler allows
+
+    def __init__(self, address: str) -> None:
+        try:
+            import logging
+
+            from distributed import Client
+            from distributed.scheduler import KilledWorker
+        except ImportError:
+            raise InputError(
+                "a cluster needs dask: install it with `pip install 'surae[cluster]'`"
+            ) from None
+        self.died: tuple[type[BaseException], ...] = (KilledWorker,)
+        for name in ("distributed", "tornado"):  # our own errors say it in one line
+            logging.getLogger(name).setLevel(logging.CRITICAL)
+        cannot = f"no cluster at {address}"
+        try:
+            with without_interrupt():
+                client: Any = Client
+                self._client = client(address, timeout=_PATIENCE, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise InputError(
+                f"{cannot}: {one_line(error)}; give the scheduler's, e.g. tcp://host:8786"
+            ) from None
+        try:
+            self._client.wait_for_workers(1, timeout=_PATIENCE)
+        except TimeoutError:
+            self._client.close()
+            raise ComputationError(f"{cannot} has a worker; start some and {AGAIN}") from None
+        self._executor = self._client.get_executor(pure=False)
+        self._ahead, self._asked = 0, -_OFTEN
+
+    def submit(self, work: Work, keywords: Mapping[str, Plain]) -> Future[Plain]:
+        future: Future[Plain] = self._executor.submit(_in_cluster, work, dict(keywords))
+        return future
+
+    def ahead(self) -> int:
+        if time.monotonic() - self._asked > _OFTEN:  # workers come and go
+            self._ahead = 3 * sum(self._client.nthreads().values()) + 1
+            self._asked = time.monotonic()
+        return self._ahead
+
+    def stop(self) -> None:
+        self._executor.shutdown(wait=False)
+        self._client.close()
+
+
+def _in_cluster(work: Work, keywords: Mapping[str, Plain]) -> Plain:
+    _limited()
+    return _named(work)(**keywords)
+
+
+def _named(work: Work) -> Callable[..., Plain]:
+    return function(work) if isinstance(work, str) else work
+
+
+@cache
+def _limited() -> Any:
+    """One thread for each product: the workers share the cores, and the bits stay the same."""
+    import numpy as np  # loads the library that is to be limited
+    import scipy.linalg  # and its own
+    from threadpoolctl import threadpool_limits
+
+    del np, scipy
+    return threadpool_limits(limits=1)
+
+
+def _started(engine: Engine) -> _Pool:
+    if engine.kind == "dask":
+        return _Cluster(engine.address)
+    return _Threads(engine.workers) if engine.kind == "threads" else _Processes(engine.workers)
