@@ -110,6 +110,7 @@ def results(
                     flying[pool.submit(work, calls[key])] = key
             only = len(flying) == 1
             done: Batch = []
+            wrong: BaseException | None = None
             for future in wait(flying, timeout=_LOOK, return_when=FIRST_COMPLETED).done:
                 key = flying.pop(future)
                 try:
@@ -122,8 +123,12 @@ def results(
                         continue
                     times = f" {pool.deaths} times" if pool.deaths > 1 else ""
                     done.append((key, Died(f"its worker died{times}: out of memory, or killed")))
+                except BaseException as error:
+                    wrong = error
             if done:
                 yield done
+            if wrong is not None:  # after what came beside it
+                raise wrong
     finally:
         pool.stop()
 

@@ -1,5 +1,6 @@
 """A task is its settings and its program: what changes its key, and what its outcome is."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,11 +9,12 @@ import pytest
 
 import surae
 from surae.assessment import assess
+from surae.errors import ComputationError
 from surae.estimation import fit_problem, make_problem
 from surae.protocol import Protocol, generate
 from surae.studies import program, virtual_subject, virtual_trial
 from surae.studies.study import parse_study
-from surae.studies.tasks import planned, run_task
+from surae.studies.tasks import Outcome, outcome_of, planned, run_task
 
 TEXT = 'protocol = "ramp-and-hold"\nrate_hz = 50\nstarts = 1\nchirp_amplitude = 0.2\n'
 
@@ -85,6 +87,16 @@ def test_another_program_has_other_keys(monkeypatch) -> None:
     before = task.key
     monkeypatch.setattr("surae.studies.tasks.fingerprint", lambda: "another")
     assert task.key != before
+
+
+def test_a_worker_gives_the_same_and_refuses_another_program(monkeypatch) -> None:
+    (task,) = tasks(TEXT + 'geometry = "virtual-work"\n')
+    call = json.loads(json.dumps(task.as_call()))
+    outcome = Outcome.of(outcome_of(**call))
+    assert replace(outcome, seconds=0) == replace(run_task(task), seconds=0)
+    monkeypatch.setattr("surae.studies.tasks.fingerprint", lambda: "another")
+    with pytest.raises(ComputationError, match="a worker has another surae"):
+        outcome_of(**call)
 
 
 def test_the_fingerprint_follows_the_sources(tmp_path, monkeypatch) -> None:

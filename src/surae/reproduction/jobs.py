@@ -66,7 +66,8 @@ def run_jobs(
         found = dict(_kept(path))
         rest = [label for label in jobs if keys[label] not in found]
         context.progress(name, len(jobs) - len(rest), len(jobs))
-        engine = Engine("processes", min(context.workers, max(len(rest), 1)))
+        workers = min(context.workers, max(len(rest), 1))
+        engine = Engine("processes" if workers > 1 else "threads", workers)
         work = f"{function.__module__}:{function.__qualname__}"
         with closing(results(work, {label: jobs[label] for label in rest}, engine)) as batches:
             for label, value in (pair for batch in batches for pair in batch):
