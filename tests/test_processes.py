@@ -56,8 +56,8 @@ def messages(n: int) -> int:
 
 
 def sleep() -> str:
-    tell({"at": "work"})
     try:
+        tell({"at": "work"})
         time.sleep(PATIENCE)
     except KeyboardInterrupt:
         return "the best so far"
@@ -460,9 +460,9 @@ def test_a_system_without_posix_signals_interrupts_too() -> None:
 
 
 def busy() -> str:
-    tell({"at": "work"})
     end = time.monotonic() + PATIENCE
     try:
+        tell({"at": "work"})
         while time.monotonic() < end:
             time.sleep(0.01)
     except KeyboardInterrupt:
