@@ -2,10 +2,12 @@
 
 import hashlib
 import json
+import math
 import os
+import re
 import stat
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -26,6 +28,12 @@ def shown(path: PathLike) -> str:
 def sha256(data: bytes) -> str:
     """SHA-256 of `data` as 64 hexadecimal digits."""
     return hashlib.sha256(data).hexdigest()
+
+
+def sha256_of(path: PathLike) -> str:
+    """SHA-256 of a file, read piece by piece."""
+    with Path(path).open("rb") as handle:
+        return hashlib.file_digest(handle, "sha256").hexdigest()
 
 
 def read_bytes(path: PathLike, limit: int = MAX_BYTES) -> bytes:
@@ -90,15 +98,36 @@ def atomic_file(path: PathLike) -> Iterator[BinaryIO]:
             with temporary.open("xb") as handle:
                 yield handle
                 handle.flush()
-                os.fsync(handle.fileno())
+                _sync(handle.fileno())
             if mode is not None:
                 temporary.chmod(stat.S_IMODE(mode))
             temporary.replace(target)
+            _sync_folder(target.parent)
         except BaseException:
             temporary.unlink(missing_ok=True)
             raise
     except OSError as error:
         raise InputError(f"{cannot}: {_reason(error)}") from None
+
+
+def _sync(descriptor: int) -> None:
+    """Have the system put a file on its disk; macOS does so only when it is asked twice."""
+    try:
+        import fcntl
+
+        fcntl.fcntl(descriptor, getattr(fcntl, "F_FULLFSYNC"))  # noqa: B009, only macOS has it
+    except (ImportError, AttributeError, OSError):  # another system, or a disk elsewhere
+        os.fsync(descriptor)
+
+
+def _sync_folder(folder: Path) -> None:
+    """Have a new name outlive a power cut too, where a folder can be opened."""
+    with suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
 
 
 def write_atomic(path: PathLike, data: bytes | str) -> None:
@@ -110,6 +139,41 @@ def write_atomic(path: PathLike, data: bytes | str) -> None:
 def write_json(path: PathLike, data: Mapping[str, Any]) -> None:
     """Write plain data as indented JSON, all of it or nothing; only finite numbers are allowed."""
     write_atomic(path, json.dumps(data, indent=1, allow_nan=False, ensure_ascii=False) + "\n")
+
+
+def is_link(path: Path) -> bool:
+    """Whether a path leads elsewhere: a symbolic link, or a junction of Windows."""
+    return path.is_symlink() or bool(getattr(os.path, "isjunction", lambda _: False)(path))
+
+
+#: Where a spreadsheet may see the start of a formula: also behind what it may take for the end of
+#: a cell, and with the wide signs that some of them take for the narrow ones.
+_FORMULA = re.compile(r"(^|[;,|\t\r\n])(\s*)(?=[=+\-@\uff1d\uff0b\uff0d\uff20]|[\t\r])")
+
+
+def csv_row(cells: Iterable[object]) -> str:
+    """A line of a CSV table: numbers read back as they were, texts run nothing.
+
+    A text that a spreadsheet would take for a formula gets an apostrophe before it, and every text
+    that is not plain stands in quotes.
+
+    Parameters
+    ----------
+    cells : iterable
+        Texts and numbers; None and numbers that are not finite are empty cells.
+    """
+    return ",".join(map(_csv_cell, cells)) + "\n"
+
+
+def _csv_cell(cell: object) -> str:
+    if cell is None or (isinstance(cell, float) and not math.isfinite(cell)):
+        return ""
+    if isinstance(cell, bool | int | float):
+        return repr(float(cell)) if isinstance(cell, float) else str(cell)
+    text = _FORMULA.sub(r"\1\2'", str(cell))
+    if re.search(r"[\s,;|\"']", text):
+        return '"' + text.replace('"', '""') + '"'
+    return text
 
 
 def require_writable(path: PathLike) -> None:

@@ -1,24 +1,63 @@
 """What may be wrong with a project: links, a stranger's content, a full disk, deleted things."""
 
 import errno
+import json
 import os
-import shutil
 import sqlite3
+import threading
 import time
+from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from surae.errors import ComputationError, InputError
 from surae.processes import NO_ROOM, Child
+from surae.web.database import new_id
+from surae.web.events import Events
 from surae.web.http_errors import RefusedError
 from surae.web.project import Project
+from surae.web.rows import KINDS
+from surae.web.sessions import Sessions
+
+SUBJECT = {"code": "S01", "group": "", "notes": "", "body_mass": None}
+
+
+def recording(name: str) -> dict[str, Any]:
+    """What the database keeps of a recording."""
+    return {
+        "name": name, "subject": None, "side": None, "trial": "", "condition": "",
+        "duration_s": 1.0, "emg": None, "fixed": {}, "channels": [], "files": [], "mapping": None,
+        "findings": [],
+    }  # fmt: skip
+
+
+def job(state: str) -> dict[str, Any]:
+    return {
+        "kind": "fit", "label": "x", "state": state, "session": "", "task": {}, "about": None,
+        "message": "", "result": None, "started": None, "ended": None,
+    }  # fmt: skip
+
+
+OTHERS: dict[str, dict[str, Any]] = {
+    "fit": {
+        "name": "x", "model": "muscle", "status": "converged", "vaf": 99.0, "ipde": None,
+        "seconds": 1.0, "recordings": ["f" * 16], "names": ["x"], "starts": 1, "agreeing": 1,
+        "parameters": {}, "settings": {},
+    },
+    "comparison": {"conclusion": "x", "recordings": [], "models": [], "fit": None},
+    "study": {"name": "x", "toml": 'name = "x"\nprotocol = "sine"\n', "rows": 1},
+    "protocol": {"name": "x", "settings": {"profile": "multiple-holds"}},
+    "upload": {"name": "x", "bytes": 1, "sha256": "", "session": "x"},
+    "trash": {"kind": "x", "files": [], "day": 1, "content": None},
+}  # fmt: skip
 
 
 def test_a_link_leads_nowhere(serve, tmp_path) -> None:
     server = serve()
     browser = server.browser()
-    id_ = server.bench.database.add("recording", {"name": "lost"})
+    id_ = server.bench.database.add("recording", recording("lost"))
     path = server.bench.project.path("recordings", id_, ".h5")
     answer = browser.get(f"/api/recordings/{id_}/window")
     assert answer.status_code == 400
@@ -30,13 +69,68 @@ def test_a_link_leads_nowhere(serve, tmp_path) -> None:
     assert "is a link" in answer.json()["error"]
 
 
-def test_a_folder_that_leads_out_of_the_project(tmp_path) -> None:
-    (tmp_path / "p").mkdir()
-    (tmp_path / "other").mkdir(mode=0o755)
-    (tmp_path / "p" / "uploads").symlink_to(tmp_path / "other")
-    with pytest.raises(InputError, match="uploads is a link"):
+@pytest.mark.parametrize(
+    "name",
+    ["uploads", "trash", "recordings/x.h5", "uploads/x", "uploads/x/y", "notes", "project.db",
+     "project.db-wal", "project.db-shm", "project.db.lock"],
+)  # fmt: skip
+def test_links_in_a_project_reach_nothing(tmp_path, name) -> None:
+    """Of a stranger's project: `uploads/x → elsewhere` once had all of elsewhere deleted."""
+    Project(tmp_path / "p").close()
+    mine = tmp_path / "mine"
+    mine.mkdir(mode=0o755)
+    (mine / "thesis.txt").write_text("years of work")
+    link = tmp_path / "p" / name
+    link.parent.mkdir(exist_ok=True)
+    if link.is_dir():
+        link.rmdir()
+    target = mine if name in ("uploads", "trash", "uploads/x", "notes") else mine / "thesis.txt"
+    link.unlink(missing_ok=True)
+    link.symlink_to(target)
+    with pytest.raises(InputError, match=r"is a link, which leads out"):
         Project(tmp_path / "p")
-    assert (tmp_path / "other").stat().st_mode & 0o777 == 0o755
+    assert [one.name for one in mine.iterdir()] == ["thesis.txt"]
+    assert (mine / "thesis.txt").read_text() == "years of work"
+    assert mine.stat().st_mode & 0o777 == 0o755
+
+
+def test_a_database_that_others_share_is_refused(tmp_path) -> None:
+    Project(tmp_path / "p").close()
+    (tmp_path / "q").mkdir()
+    os.link(tmp_path / "p" / "project.db", tmp_path / "q" / "project.db")
+    with pytest.raises(InputError, match="others share it"):
+        Project(tmp_path / "q")
+
+
+def test_a_link_that_came_while_it_ran_is_refused(tmp_path) -> None:
+    project = Project(tmp_path / "p")
+    (tmp_path / "mine").mkdir()
+    key = "a" * 64
+    (tmp_path / "p" / "uploads" / key[:32]).symlink_to(tmp_path / "mine")
+    with pytest.raises(RefusedError, match="is a link"):
+        project.uploads(key)
+    project.close()
+
+
+@pytest.mark.parametrize(
+    "name", ["uploads/2024/patient1.csv", "recordings/0123456789abcdef.h5", "notes.txt"]
+)
+def test_a_folder_of_ones_own_is_no_project(tmp_path, name) -> None:
+    path = tmp_path / "mine" / name
+    path.parent.mkdir(parents=True)
+    path.write_text("mine")
+    before = sorted((tmp_path / "mine").rglob("*"))
+    with pytest.raises(InputError, match=r"holds files .* but no project; begin one"):
+        Project(tmp_path / "mine")
+    assert sorted((tmp_path / "mine").rglob("*")) == before
+    assert path.read_text() == "mine"
+
+
+def test_a_start_that_was_killed_early_can_be_repeated(tmp_path) -> None:
+    (tmp_path / "p" / "uploads").mkdir(parents=True)
+    for name in ("project.db.lock", "project.db"):
+        (tmp_path / "p" / name).touch()
+    Project(tmp_path / "p").close()
 
 
 def test_a_strangers_project_removes_nothing_of_ours(tmp_path) -> None:
@@ -47,9 +141,6 @@ def test_a_strangers_project_removes_nothing_of_ours(tmp_path) -> None:
     with sqlite3.connect(tmp_path / "p" / "project.db") as file:
         file.execute("INSERT INTO session VALUES ('../../mine', 'x', '{}', 0, 0.0)")
     file.close()
-    from surae.web.events import Events
-    from surae.web.sessions import Sessions
-
     project = Project(tmp_path / "p")
     Sessions(project, Events())
     with pytest.raises(RefusedError, match="is no id"):
@@ -63,54 +154,237 @@ def test_a_damaged_project_is_told_in_a_line(tmp_path) -> None:
     path = tmp_path / "p" / "project.db"
     data = path.read_bytes()
     path.write_bytes(data[:4096] + os.urandom(len(data) - 4096))
-    with pytest.raises(ComputationError, match="restore it from a copy"):
+    with pytest.raises(ComputationError, match="or restore a backup"):
         Project(tmp_path / "p")
 
 
 def test_a_new_project_is_for_its_owner(tmp_path) -> None:
-    Project(tmp_path / "p").close()
-    assert (tmp_path / "p").stat().st_mode & 0o077 == 0
-
-
-def deleted(project: Project, kind: str, when: float) -> tuple[str, Path]:
-    """A thing that was deleted, and its file."""
-    folder = {"recording": "recordings", "fit": "fits"}[kind]
-    id_ = project.database.add(kind, {})
-    project.database.write("UPDATE thing SET deleted = ? WHERE id = ?", int(when), id_)
-    path = project.path(folder, id_, ".h5")
-    path.write_text("x")
-    return id_, path
-
-
-def test_what_nobody_can_want_back_is_removed(tmp_path) -> None:
+    """Its files too: somebody may open the folder to others, as where it is copied to."""
+    (tmp_path / "p").mkdir(mode=0o755)
     project = Project(tmp_path / "p")
-    now, month = time.time(), 31 * 86_400.0
-    kept, kept_file = deleted(project, "recording", now)
-    old, old_file = deleted(project, "fit", now - month)
-    _, alone_file = deleted(project, "fit", now)
-    for id_ in (kept, old):
-        project.database.write(
-            "INSERT INTO step (session, done, label, kind, before, after) "
-            "VALUES ('s', 1, 'delete', 'deleted', ?, '{}')",
-            f'{{"kind": "recording", "id": "{id_}"}}',
-        )
-    lost = project.path("recordings", "f" * 16, ".h5")  # by an import that was killed
-    notes = project.folder / "recordings" / "notes.txt"
-    there = project.path("recordings", project.database.add("recording", {}), ".h5")
-    for path in (lost, notes, there):
-        path.write_text("x")
+    project.database.add("subject", SUBJECT)
+    files = [one for one in (tmp_path / "p").iterdir() if one.is_file()]
+    assert {one.name for one in files} >= {"project.db", "project.db-wal", "project.db.lock"}
+    for one in (*files, *(tmp_path / "p").glob("*/")):
+        assert one.stat().st_mode & 0o077 == 0, one
+    project.close()
+
+
+def reopened(folder: Path, days: int, monkeypatch, start: float = 0.0) -> None:
+    """Open a project on so many days, one after the other."""
+    from surae.web import project
+
+    begin = start or time.time()
+    for day in range(days):
+        monkeypatch.setattr(project.time, "time", lambda day=day: begin + 86_400.0 * day)
+        Project(folder).close()
+    monkeypatch.undo()
+
+
+def files(folder: Path) -> set[str]:
+    return {
+        str(path.relative_to(folder))
+        for path in folder.rglob("*")
+        if path.is_file() and not path.name.startswith("project.db")
+    }
+
+
+def filled(folder: Path) -> tuple[str, str, str]:
+    """A project with a recording, one that was deleted, an old upload, and files it knows not."""
+    project = Project(folder)
+    kept, gone, upload = new_id(), new_id(), new_id()
+    session = "b" * 64
+    for id_ in (kept, gone):
+        project.path("recordings", id_, ".h5").write_bytes(b"x")
+        project.add("recording", recording(id_), id_)
+    (project.uploads(session) / upload).write_bytes(b"y")
+    project.database.add("upload", {"name": "a.csv", "bytes": 1, "sha256": "", "session": session},
+                         upload)  # fmt: skip
+    project.database.mark("recording", gone, deleted=True)
+    (folder / "recordings" / "0123456789abcdef.h5").write_bytes(b"mine")
+    (folder / "uploads" / "mine.csv").write_bytes(b"mine")
+    project.close()
+    return kept, gone, upload
+
+
+def test_nothing_is_deleted_but_what_has_been_in_the_trash(tmp_path, monkeypatch) -> None:
+    kept, gone, upload = filled(tmp_path / "p")
+    session = "b" * 32
+    always = {f"recordings/{kept}.h5", "recordings/0123456789abcdef.h5", "uploads/mine.csv"}
+    before = always | {f"recordings/{gone}.h5", f"uploads/{session}/{upload}"}
+    reopened(tmp_path / "p", 31, monkeypatch)
+    assert files(tmp_path / "p") == before
+    now = time.time()
+    reopened(tmp_path / "p", 1, monkeypatch, now + 31 * 86_400)
+    aside = {f"trash/recordings-{gone}.h5", f"trash/uploads-{upload}"}
+    assert files(tmp_path / "p") == always | aside
+    reopened(tmp_path / "p", 30, monkeypatch, now + 32 * 86_400)
+    assert files(tmp_path / "p") == always | aside
+    reopened(tmp_path / "p", 1, monkeypatch, now + 62 * 86_400)
+    assert files(tmp_path / "p") == always
+
+
+@pytest.mark.parametrize("days", [400, 40_000, -400, -15_000])
+def test_a_wrong_clock_removes_nothing(tmp_path, monkeypatch, days) -> None:
+    """Once a start 400 days ahead purged uploads, recordings and sessions."""
+    filled(tmp_path / "p")
+    project = Project(tmp_path / "p")
+    session, cookie = Sessions(project, Events()).make()
+    project.close()
+    before = files(tmp_path / "p")
+    for _ in range(2):
+        reopened(tmp_path / "p", 1, monkeypatch, time.time() + days * 86_400.0)
+    assert files(tmp_path / "p") == before
+    project = Project(tmp_path / "p")
+    assert Sessions(project, Events()).open([cookie]) == session
+    project.close()
+
+
+def test_a_deleted_upload_is_in_the_trash(tmp_path) -> None:
+    _, _, upload = filled(tmp_path / "p")
+    project = Project(tmp_path / "p")
+    project.discard("upload", upload)
+    assert project.database.get("upload", upload) is None
+    assert (tmp_path / "p" / "trash" / f"uploads-{upload}").read_bytes() == b"y"
+    project.close()
+
+
+def test_a_strangers_trash_empties_nothing_of_ours(tmp_path, monkeypatch) -> None:
+    (tmp_path / "mine.txt").write_text("mine")
+    project = Project(tmp_path / "p")
+    names = ["../../mine.txt", "../recordings/0123456789abcdef.h5", str(tmp_path / "mine.txt")]
+    row = {"kind": "upload", "files": names, "day": -100, "content": {}}
+    project.database.add("trash", row)
+    (tmp_path / "p" / "recordings" / "0123456789abcdef.h5").write_text("x")
+    project.close()
+    Project(tmp_path / "p").close()
+    assert (tmp_path / "mine.txt").exists()
+    assert (tmp_path / "p" / "recordings" / "0123456789abcdef.h5").exists()
+
+
+def test_finished_jobs_are_forgotten(tmp_path) -> None:
+    project = Project(tmp_path / "p")
     with project.database.transaction():
         for number in range(600):
-            project.database.add("job", {"state": "done"}, f"{number:016x}")
+            project.database.add("job", job("done"), f"{number:016x}")
     project.close()
-
     project = Project(tmp_path / "p")
-    assert [one.exists() for one in (kept_file, notes, there)] == [True] * 3
-    assert [one.exists() for one in (old_file, alone_file, lost)] == [False] * 3
-    assert project.database.rows("SELECT count(*) FROM step") == [(1,)]
     assert len(project.database.all("job")) == 500
     project.close()
-    shutil.rmtree(tmp_path / "p")
+
+
+#: What a stranger, or a disk, may put where a row's content was.
+BAD = ["{}", "", "{", "[]", "null", "1", '{"name": 1e999}', '{"code": NaN}', "[" * 9000, "\x00"]
+
+
+def test_one_bad_row_is_one_bad_row(serve) -> None:
+    server = serve()
+    database, browser = server.bench.database, server.browser()
+    content = {"subject": SUBJECT, "recording": recording("a"), "job": job("done"), **OTHERS}
+    bad = [(f"{number:016x}"[::-1], 1.0, text) for number, text in enumerate(BAD, 1)]
+    with database.transaction():
+        for kind in KINDS:
+            database.add(kind, content[kind], "0" * 16)
+            late = ("e" * 16, float("inf"), json.dumps(content[kind]))
+            for id_, created, text in (*bad, late, ("../../x", 1.0, "{}")):
+                row = (id_, kind, created, 0, text)
+                database.write("INSERT INTO thing VALUES (?, ?, ?, ?, ?)", *row)
+    damaged = browser.get("/api/damaged").json()["damaged"]
+    assert Counter(one["kind"] for one in damaged) == dict.fromkeys(KINDS, len(BAD) + 2)
+    for kind in ("subjects", "recordings", "fits", "jobs", "comparisons", "studies", "protocols"):
+        answer = browser.get(f"/api/{kind}")
+        assert answer.status_code == 200, answer.text
+        assert [one["id"] for one in answer.json()[kind]] == ["0" * 16], kind
+    for path in ("cohort", "draft", "uploads", "jobs?active=true"):
+        assert browser.get(f"/api/{path}").status_code == 200, path
+    for path in ("recordings", "fits", "comparisons", "studies", "jobs"):
+        assert browser.get(f"/api/{path}/{'e' * 16}").status_code == 409
+    server.close()
+    Project(server.bench.project.folder).close()  # it still opens
+
+
+def test_a_bad_step_or_draft_is_passed_over(serve) -> None:
+    server = serve()
+    browser, database = server.browser(), server.bench.database
+    browser.change(seed=5)
+    ((key,),) = database.rows("SELECT key FROM session")
+    steps = [
+        ("draft", "{"), ("deleted", "{}"), ("draft", "[]"), ("other", "{}"),
+        ("deleted", '{"kind": 1, "id": 2}'), ("draft", '{"seed": "x", "starts": -1}'),
+    ]  # fmt: skip
+    for kind, text in steps:
+        database.write(
+            "INSERT INTO step (session, done, label, kind, before, after) "
+            "VALUES (?, 1, 'x', ?, ?, ?)", key, kind, text, text,
+        )  # fmt: skip
+    assert browser.get("/api/draft").json()["undo"] == "x"
+    assert browser.post("/api/draft/undo").json()["draft"]["seed"] == 5  # the last made no sense
+    assert browser.post("/api/draft/undo").json()["draft"]["seed"] == 0
+    for draft in ('{"model": 7, "seed": 8, "recordings": "x"}', "{", "[]", "9e999"):
+        database.write("UPDATE session SET draft = ?, revision = 'x'", draft)
+        answer = browser.get("/api/draft").json()["draft"]
+        assert (answer["model"], answer["recordings"]) == ("muscle", [])
+        assert browser.get("/api/draft/parameters").status_code == 200
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "CREATE TRIGGER t AFTER INSERT ON thing BEGIN DELETE FROM thing; END",
+        "CREATE VIEW v AS SELECT * FROM thing",
+        "CREATE TABLE other (x)",
+        "CREATE INDEX i ON thing (data)",
+        "DROP INDEX thing_kind",
+        "ALTER TABLE session ADD COLUMN x",
+    ],
+)
+def test_a_project_with_more_than_our_tables_is_refused(tmp_path, statement) -> None:
+    Project(tmp_path / "p").close()
+    with sqlite3.connect(tmp_path / "p" / "project.db") as file:
+        file.execute(statement)
+    file.close()
+    with pytest.raises(InputError, match="what surae did not put there, or lacks"):
+        Project(tmp_path / "p")
+
+
+def test_a_program_that_holds_the_database_keeps_nobody_from_reading(serve) -> None:
+    server = serve()
+    browser = server.browser()
+    browser.change(seed=5)
+    other = sqlite3.connect(server.bench.project.folder / "project.db", isolation_level=None)
+    other.execute("BEGIN IMMEDIATE")
+    try:
+        begin = time.monotonic()
+        write = threading.Thread(target=browser.post, args=("/api/draft/undo",))
+        write.start()
+        time.sleep(0.2)
+        assert browser.get("/api/draft").json()["draft"]["seed"] == 5
+        assert browser.get("/api/recordings").status_code == 200
+        assert write.is_alive()  # they did not wait for it
+        write.join()
+        answer = browser.post("/api/draft/undo")
+        assert answer.status_code == 503
+        assert "another program holds" in answer.json()["error"]
+        assert time.monotonic() - begin < 25.0  # twice two seconds, on a busy computer
+    finally:
+        other.close()
+    assert browser.post("/api/draft/undo").json()["draft"]["seed"] == 0
+
+
+@pytest.mark.parametrize("what", ["folder", "lock", "database"])
+def test_a_project_that_was_taken_away_keeps_nothing(serve, what, tmp_path) -> None:
+    server = serve()
+    browser, folder = server.browser(), server.bench.project.folder
+    if what == "folder":
+        folder.rename(tmp_path / "elsewhere")
+    else:
+        (folder / ("project.db.lock" if what == "lock" else "project.db")).unlink()
+    for answer in (
+        browser.post("/api/subjects", json={"code": "S01"}),
+        browser.post("/api/uploads", params={"name": "a.csv"}, content=b"x"),
+    ):
+        assert answer.status_code == 503
+        assert "was moved or removed" in answer.json()["error"]
 
 
 def test_a_full_disk_is_told(serve, monkeypatch) -> None:
@@ -127,7 +401,7 @@ def test_a_full_disk_is_told(serve, monkeypatch) -> None:
     assert [one for one in folder.rglob("*") if one.is_file()] == []
     pages = server.bench.database.row("PRAGMA page_count")
     assert pages is not None
-    server.bench.database.rows(f"PRAGMA max_page_count = {pages[0]}")
+    server.bench.database.write(f"PRAGMA max_page_count = {pages[0]}")
     long = {"notes": "x" * 4000}
     answers = [browser.post("/api/subjects", json={"code": f"S{i}", **long}) for i in range(9)]
     assert {one.status_code for one in answers} <= {201, 503}

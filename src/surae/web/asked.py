@@ -1,9 +1,8 @@
 """What a request asks for, and answers to it, before any application is involved."""
 
 import json
-from http.cookies import CookieError, SimpleCookie
 from typing import Any
-from urllib.parse import parse_qsl
+from urllib.parse import parse_qsl, quote
 
 from starlette.types import Scope, Send
 
@@ -26,13 +25,15 @@ class Asked:
         found = [value for key, value in self._headers if key == name.encode()]
         return found[0].decode("latin-1") if len(found) == 1 else ""
 
-    def cookie(self, name: str) -> str | None:
-        """A cookie's value."""
-        try:
-            found = SimpleCookie(self.header("cookie")).get(name)
-        except CookieError:
-            return None
-        return None if found is None else found.value
+    def cookies(self, name: str) -> list[str]:
+        """The values of the cookies of exactly this name.
+
+        Other programs on this computer set cookies too, in forms that no parser of all takes, and
+        even by our own names for a part of our addresses.
+        """
+        lines = [value.decode("latin-1") for key, value in self._headers if key == b"cookie"]
+        pairs = (part.strip().partition("=") for line in lines for part in line.split(";"))
+        return [value for key, _, value in pairs if key == name and len(value) <= 200][:5]
 
     @property
     def parameters(self) -> dict[str, str]:
@@ -74,9 +75,11 @@ async def refuse(send: Send, status: int, text: str) -> None:
 
 async def redirect(send: Send, to: str) -> None:
     """Send the browser to another page of ours."""
-    # One slash only: two would lead to another server.
-    place = "/" + to.lstrip("/\\")
-    await respond(send, 303, b"{}", [(b"location", place.encode("ascii", "ignore"))])
+    # One slash only, and nothing that a browser leaves out, such as a tab: two slashes would lead
+    # to another server.
+    path, mark, query = to.partition("?")
+    place = quote("/" + path.lstrip("/\\"), safe="/") + mark + quote(query, safe="=&%+")
+    await respond(send, 303, b"{}", [(b"location", place.encode())])
 
 
 async def respond(

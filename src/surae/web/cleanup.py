@@ -1,33 +1,34 @@
-"""What is thrown away for good when a project is opened: what nobody can want back."""
+"""What is set aside when a project is opened: what was deleted long ago, and old uploads.
 
+Nothing is deleted: things and their files go to the project's ``trash`` folder, and only from there
+for good, after 30 more days on which the project was used. Only what the database says was made
+here is touched.
+"""
+
+import json
 import re
-import shutil
-import time
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
+from surae.files import is_link
 from surae.web.database import Database
+from surae.web.http_errors import RefusedError
+from surae.web.places import FILES, move_to_trash, uploads_of
+from surae.web.rows import plain
 
-#: Deleted things come back with undo for so long, uploads lie so long unused [s].
-_KEPT = 30 * 86_400.0
+#: Days of use: deleted things come back with undo for so long, uploads lie so long unused; and
+#: the trash keeps what came into it.
+KEPT = 30
 #: Finished jobs that are remembered; results are kept whether or not their job is.
-_JOBS = 500
-#: Files that we made: of a thing, or half of one.
-_OURS = re.compile(r"([0-9a-f]{16})\.|\.surae-")
-#: Folders of things, and their kinds.
-_KINDS = {
-    "recordings": "recording",
-    "fits": "fit",
-    "comparisons": "comparison",
-    "studies": "study",
-}
+JOBS = 500
+#: A file in the trash that we put there.
+_TRASHED = re.compile(r"(recordings|fits|comparisons|studies|uploads)-[0-9a-f]{16}[a-z0-9.-]{0,40}")
 
 
-def empty(folder: Path, database: Database) -> None:
-    """Remove deleted things, old uploads and jobs, and files that belong to nothing.
-
-    A deleted thing goes when no history can bring it back, or after 30 days. Files without a thing
-    are left by work that was killed. Nobody else has the project open.
+def clean(folder: Path, database: Database, day: int, old: float | None) -> None:
+    """Set aside what is old; nobody else has the project open.
 
     Parameters
     ----------
@@ -35,46 +36,66 @@ def empty(folder: Path, database: Database) -> None:
         The project's.
     database : Database
         Its content.
+    day : int
+        How many days it was used on.
+    old : float or None
+        What was deleted or uploaded before this time is old [s]; None where nothing is.
     """
-    old = time.time() - _KEPT
-    with database.transaction():
-        database.write(
-            "DELETE FROM step WHERE kind = 'deleted' AND json_extract(before, '$.id') IN "
-            "(SELECT id FROM thing WHERE deleted > 0 AND deleted < ?)",
-            old,
-        )
-        database.write(
-            "DELETE FROM thing WHERE deleted > 0 AND id NOT IN "
-            "(SELECT json_extract(before, '$.id') FROM step WHERE kind = 'deleted')"
-        )
-        database.write("DELETE FROM thing WHERE kind = 'upload' AND created < ?", old)
-        forget_jobs(database)
-        there = {kind: {id_ for (id_,) in database.rows(
-            "SELECT id FROM thing WHERE kind = ?", kind)} for kind in (*_KINDS.values(), "upload")
-        }  # fmt: skip
-    for name, kind in _KINDS.items():
-        for path in (folder / name).iterdir():
-            found = _OURS.match(path.name)
-            if found and found[1] not in there[kind]:
-                _remove(path)
-    for path in (folder / "uploads").glob("*/*"):
-        if path.name not in there["upload"]:
-            _remove(path)
+    database.forget_jobs(JOBS)
+    if old is not None:
+        for kind, id_ in database.rows(
+            "SELECT kind, id FROM thing WHERE (deleted > 0 AND deleted < ?) "
+            "OR (kind = 'upload' AND created < ?)",
+            old, old,
+        ):  # fmt: skip
+            trash(folder, database, day, kind, id_)
+    for id_, text in database.rows("SELECT id, data FROM thing WHERE kind = 'trash'"):
+        with suppress(ValueError, TypeError, KeyError):
+            row = plain(text)
+            if row["day"] + KEPT < day:
+                _empty(folder / "trash", row["files"])
+                database.write("DELETE FROM thing WHERE kind = 'trash' AND id = ?", id_)
 
 
-def forget_jobs(database: Database) -> None:
-    """Remove the oldest of the jobs that are finished."""
-    database.write(
-        "DELETE FROM thing WHERE kind = 'job' AND id IN (SELECT id FROM thing WHERE kind = 'job' "
-        "AND json_extract(data, '$.state') NOT IN ('queued', 'running') "
-        "ORDER BY created DESC LIMIT -1 OFFSET ?)",
-        _JOBS,
+def trash(folder: Path, database: Database, day: int, kind: str, id_: str) -> None:
+    """Put a thing and its files into the trash; its row, whatever it holds, stays there too."""
+    row = database.row(
+        "SELECT created, deleted, data FROM thing WHERE kind = ? AND id = ?", kind, id_
     )
+    if row is None:
+        return
+    content: Any = str(row[2])
+    with suppress(ValueError):
+        content = plain(content)
+    moved = [move_to_trash(folder, path) for path in list(_files(folder, kind, id_, content))]
+    data = {
+        "kind": kind, "created": row[0], "deleted": row[1], "content": content, "files": moved,
+        "day": day,
+    }  # fmt: skip
+    with database.transaction():
+        database.write("DELETE FROM thing WHERE kind = ? AND id = ?", kind, id_)
+        database.write(
+            "INSERT OR REPLACE INTO thing VALUES (?, 'trash', ?, 0, ?)", id_, 0.0, json.dumps(data)
+        )
+        for step, text in database.rows("SELECT id, before FROM step WHERE kind = 'deleted'"):
+            with suppress(ValueError, TypeError, KeyError):
+                if plain(text)["id"] == id_:
+                    database.write("DELETE FROM step WHERE id = ?", step)
 
 
-def _remove(path: Path) -> None:
-    with suppress(OSError):
-        if path.is_dir() and not path.is_symlink():
-            shutil.rmtree(path, ignore_errors=True)
-        else:
-            path.unlink()
+def _files(root: Path, kind: str, id_: str, content: object) -> Iterator[Path]:
+    """The files that were made for a thing."""
+    paths: list[Path] = []
+    if kind in FILES:
+        paths = list((root / FILES[kind][0]).glob(f"{id_}.*"))
+    elif kind == "upload" and isinstance(content, dict):
+        with suppress(RefusedError):
+            paths = [uploads_of(root, content.get("session")) / id_]
+    yield from (one for one in paths if one.is_file() and not is_link(one))
+
+
+def _empty(folder: Path, names: object) -> None:
+    """Delete files of the trash, for good."""
+    for name in names if isinstance(names, list) else []:
+        if isinstance(name, str) and _TRASHED.fullmatch(name):
+            (folder / name).unlink(missing_ok=True)

@@ -1,7 +1,8 @@
 """project.db: what a project knows, in SQLite (write-ahead), safe from a kill at any time.
 
 Everything the users make is a *thing*: an id, a kind, and its content as JSON. Sessions and their
-steps (undo) have tables of their own.
+steps (undo) have tables of their own. One connection writes, another reads, so that a program that
+holds the file from outside keeps nobody from looking.
 """
 
 import json
@@ -9,8 +10,8 @@ import secrets
 import sqlite3
 import threading
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, nullcontext, suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from surae.files import shown
 from surae.processes import NO_ROOM
 from surae.studies.database import transaction
 from surae.web.http_errors import RefusedError
+from surae.web.rows import KINDS, Thing, thing
 
 #: "srwb" as a number: SQLite's mark of whose file it is.
 _APPLICATION = 0x73727762
@@ -26,8 +28,10 @@ _APPLICATION = 0x73727762
 VERSION = 1
 #: Later than any time of deletion.
 _EVER = 2**62
+#: How long to wait for a program that holds the file [s].
+_PATIENCE = 2.0
 
-_TABLES = """
+TABLES = """
 CREATE TABLE thing (
     id TEXT NOT NULL, kind TEXT NOT NULL, created REAL NOT NULL,
     deleted INTEGER NOT NULL,  -- when [s], 0 where it is not
@@ -45,85 +49,86 @@ CREATE TABLE step (
 CREATE INDEX step_session ON step (session, id);
 """
 
-Thing = dict[str, Any]
+#: The state of a job whose row can be read.
+_STATE = "CASE WHEN json_valid(data) THEN json_extract(data, '$.state') END"
 
 
 class Database:
-    """The file, open; one connection that the server's threads share.
+    """The file, open, for all of the server's threads.
 
     Parameters
     ----------
     path : Path
         The file; made where it is missing.
+    still_ours : callable
+        Raises where nothing may be written any more: somebody else has taken the project.
 
     Raises
     ------
     InputError
-        It is none of ours, or of a newer surae.
+        It is none of ours, of a newer surae, or holds more than our tables.
     ComputationError
         It cannot be read or written; of all methods too.
     """
 
-    def __init__(self, path: Path) -> None:
-        self._name, self._lock = shown(path), threading.RLock()
-        with _told(self._name):
-            self._file = sqlite3.connect(
-                path, timeout=30.0, isolation_level=None, check_same_thread=False
-            )
+    def __init__(self, path: Path, still_ours: Callable[[], None] = lambda: None) -> None:
+        self._name, self._still_ours = shown(path), still_ours
+        self._writing, self._reading = threading.RLock(), threading.Lock()
+        self._writer = threading.local()
+        with told(self._name):
+            self._file = connected(path)
             try:
                 self._prepare()
+                self._reader = connected(path)
+                self._reader.execute("PRAGMA query_only = ON")
             except BaseException:
                 self._file.close()
                 raise
 
     def _prepare(self) -> None:
         """Recognise the file before anything of it is changed; make its tables where it is new."""
-        (application,) = self._file.execute("PRAGMA application_id").fetchone()
-        (version,) = self._file.execute("PRAGMA user_version").fetchone()
-        (known,) = self._file.execute("SELECT count(*) FROM sqlite_master").fetchone()
-        if known or application:
-            if application != _APPLICATION:
-                raise InputError(f"{self._name} is no surae project; give another folder")
-            if version > VERSION:
-                raise InputError(
-                    f"{self._name} was written by a newer surae (layout {version}, this one knows "
-                    f"{VERSION}); update surae to open this project"
-                )
+        known = recognised(self._file, self._name)
         self._file.execute("PRAGMA journal_mode = WAL")
         self._file.execute("PRAGMA synchronous = FULL")
+        self._file.execute("PRAGMA fullfsync = ON")  # macOS: to the disk, not to its cache
         if not known:
-            self._file.executescript(
-                f"BEGIN; PRAGMA application_id = {_APPLICATION}; PRAGMA user_version = {VERSION};"
-                f"{_TABLES} COMMIT;"
-            )
+            make_tables(self._file)
 
     def close(self) -> None:
         """Let go of the file."""
-        with self._lock, suppress(sqlite3.Error):
-            self._file.close()
+        for lock, file in ((self._reading, self._reader), (self._writing, self._file)):
+            with lock, suppress(sqlite3.Error):
+                file.close()
 
     @contextmanager
     def transaction(self) -> Iterator[None]:
         """All of what is written within, or nothing; others wait."""
-        with self._lock, _told(self._name):
-            nested = self._file.in_transaction
-            with nullcontext() if nested else transaction(self._file):
+        with self._writing, told(self._name):
+            if self._file.in_transaction:
                 yield
+                return
+            with transaction(self._file):
+                self._still_ours()
+                self._writer.here = True
+                try:
+                    yield
+                finally:
+                    self._writer.here = False
 
     def rows(self, query: str, *values: object) -> list[tuple[Any, ...]]:
-        """All rows of a query."""
-        with self._lock, _told(self._name):
-            return self._file.execute(query, values).fetchall()
+        """All rows of a query; within a transaction, as it sees them."""
+        inside = getattr(self._writer, "here", False)
+        with self._writing if inside else self._reading, told(self._name):
+            file = self._file if inside else self._reader
+            return file.execute(query, values).fetchall()
 
     def row(self, query: str, *values: object) -> tuple[Any, ...] | None:
         """Its first row; None where there is none."""
-        with self._lock, _told(self._name):
-            found: tuple[Any, ...] | None = self._file.execute(query, values).fetchone()
-        return found
+        return next(iter(self.rows(query, *values)), None)
 
     def write(self, query: str, *values: object) -> int:
         """Change something; how many rows were."""
-        with self._lock, _told(self._name):
+        with self.transaction():
             return self._file.execute(query, values).rowcount
 
     def add(self, kind: str, data: Mapping[str, Any], id_: str | None = None) -> str:
@@ -134,53 +139,156 @@ class Database:
         return key
 
     def get(self, kind: str, id_: str, *, deleted: bool = False) -> Thing | None:
-        """A thing with its `id` and `created`; None where there is none, or it was deleted."""
-        found = self.row(
+        """A thing with its `id` and `created`; None where there is none, or it was deleted.
+
+        Raises
+        ------
+        RefusedError
+            Its row is damaged.
+        """
+        row = self.row(
             "SELECT id, created, data FROM thing WHERE id = ? AND kind = ? AND deleted <= ?",
             id_, kind, _EVER if deleted else 0,
         )  # fmt: skip
-        return None if found is None else _thing(found)
+        try:
+            return None if row is None else thing(kind, *row)
+        except ValueError as error:
+            raise RefusedError(
+                409, f"this {kind} is damaged ({error}); `surae project repair` sets it aside"
+            ) from None
 
     def all(self, kind: str) -> list[Thing]:
-        """All things of a kind that are not deleted, the oldest first."""
-        found = self.rows(
-            "SELECT id, created, data FROM thing WHERE kind = ? AND deleted = 0 "
+        """All things of a kind that are whole and not deleted, the oldest first."""
+        return [whole for whole, _ in self._read(kind) if whole is not None]
+
+    def damaged(self) -> list[dict[str, str]]:
+        """Rows that are not as they should be: `kind`, `id`, and the `problem`."""
+        return [problem for kind in KINDS for _, problem in self._read(kind) if problem]
+
+    def _read(self, kind: str, which: str = "1") -> Iterator[tuple[Thing | None, dict[str, str]]]:
+        """Things of a kind; for each that is damaged None, and what is wrong with it."""
+        for row in self.rows(
+            f"SELECT id, created, data FROM thing WHERE kind = ? AND deleted = 0 AND {which} "
             "ORDER BY created, id",
             kind,
-        )
-        return [_thing(row) for row in found]
+        ):
+            try:
+                yield thing(kind, *row), {}
+            except ValueError as error:
+                yield None, {"kind": kind, "id": shown(str(row[0])[:40]), "problem": str(error)}
 
     def update(self, kind: str, id_: str, changes: Mapping[str, Any]) -> Thing | None:
         """Change some of a thing's content; what it is now."""
         with self.transaction():
-            thing = self.get(kind, id_, deleted=True)
-            if thing is None:
+            changed = self.get(kind, id_, deleted=True)
+            if changed is None:
                 return None
-            thing |= changes
-            content = {k: v for k, v in thing.items() if k not in ("id", "created")}
+            changed |= changes
+            content = {k: v for k, v in changed.items() if k not in ("id", "created")}
             text = json.dumps(content, allow_nan=False)
             self.write("UPDATE thing SET data = ? WHERE id = ? AND kind = ?", text, id_, kind)
-        return thing
+        return changed
 
     def mark(self, kind: str, id_: str, *, deleted: bool) -> bool:
-        """Delete a thing, or bring it back; whether there is one."""
-        when = int(time.time()) if deleted else 0
-        found = self.write(
-            "UPDATE thing SET deleted = ? WHERE id = ? AND kind = ?", when, id_, kind
-        )
-        return found > 0
+        """Delete a thing, or bring it back; whether that changed it."""
+        return self.write(
+            "UPDATE thing SET deleted = ? WHERE id = ? AND kind = ? AND (deleted > 0) = ?",
+            int(time.time()) if deleted else 0, id_, kind, not deleted,
+        ) > 0  # fmt: skip
 
     def active(self) -> list[Thing]:
         """Jobs that wait or are at work, the oldest first."""
-        found = self.rows(
-            "SELECT id, created, data FROM thing WHERE kind = 'job' AND deleted = 0 "
-            "AND json_extract(data, '$.state') IN ('queued', 'running') ORDER BY created, id"
+        found = self._read("job", f"{_STATE} IN ('queued', 'running')")
+        return [job for job, _ in found if job is not None]
+
+    def forget_jobs(self, most: int) -> None:
+        """Remove the oldest of the jobs that are finished."""
+        self.write(
+            "DELETE FROM thing WHERE kind = 'job' AND id IN (SELECT id FROM thing WHERE "
+            f"kind = 'job' AND {_STATE} NOT IN ('queued', 'running') "
+            "ORDER BY created DESC LIMIT -1 OFFSET ?)",
+            most,
         )
-        return [_thing(row) for row in found]
+
+
+def connected(path: Path, mode: str = "rw") -> sqlite3.Connection:
+    """A connection that trusts nothing in the file: no function runs because its schema says so."""
+    file = sqlite3.connect(
+        f"{path.absolute().as_uri()}?mode={mode}",
+        uri=True,
+        timeout=_PATIENCE,
+        isolation_level=None,
+        check_same_thread=False,
+    )
+    file.execute("PRAGMA trusted_schema = OFF")
+    file.execute("PRAGMA cell_size_check = ON")
+    defensive = getattr(sqlite3, "SQLITE_DBCONFIG_DEFENSIVE", None)
+    if defensive is not None:  # from Python 3.12
+        file.setconfig(defensive, True)  # type: ignore[attr-defined,unused-ignore]
+    return file
+
+
+def make_tables(file: sqlite3.Connection) -> None:
+    """Make an empty file a project's."""
+    file.executescript(
+        f"BEGIN; PRAGMA application_id = {_APPLICATION}; PRAGMA user_version = {VERSION};"
+        f"{TABLES} COMMIT;"
+    )
+
+
+def recognised(file: sqlite3.Connection, name: str) -> bool:
+    """Whether a file has content, which is a project's, whole, and nothing else.
+
+    Raises
+    ------
+    InputError
+        It is somebody else's, a newer surae's, or holds what we did not put there.
+    ComputationError
+        It is damaged.
+    """
+    (application,) = file.execute("PRAGMA application_id").fetchone()
+    (version,) = file.execute("PRAGMA user_version").fetchone()
+    schema = _schema(file)
+    if not schema and not application:
+        return False
+    if application != _APPLICATION:
+        raise InputError(f"{name} is no surae project; give another folder")
+    if version > VERSION:
+        raise InputError(
+            f"{name} was written by a newer surae (layout {version}, this one knows "
+            f"{VERSION}); update surae to open this project"
+        )
+    fresh = sqlite3.connect(":memory:")
+    fresh.executescript(TABLES)
+    strange = sorted(schema ^ _schema(fresh))
+    fresh.close()
+    if strange:
+        raise InputError(
+            f"{name} holds what surae did not put there, or lacks what it did "
+            f"({strange[0][0]} {shown(strange[0][1])[:60]}); `surae project repair` takes over "
+            "what is ours"
+        )
+    (verdict,) = file.execute("PRAGMA quick_check(1)").fetchone()
+    if verdict != "ok":
+        raise ComputationError(f"{name} is damaged: {' '.join(str(verdict).split())}{_ADVICE}")
+    return True
+
+
+def _schema(file: sqlite3.Connection) -> set[tuple[str, str, str]]:
+    """What there is, but for what SQLite makes itself."""
+    rows = file.execute("SELECT type, name, sql FROM sqlite_master").fetchall()
+    return {
+        (str(kind), str(name), " ".join(str(sql).split()))
+        for kind, name, sql in rows
+        if not (str(name).startswith("sqlite_") and kind in ("table", "index"))
+    }
+
+
+_ADVICE = "; recordings and fits beside it are whole: `surae project repair`, or restore a backup"
 
 
 @contextmanager
-def _told(name: str) -> Iterator[None]:
+def told(name: str) -> Iterator[None]:
     """SQLite's errors in words, `name` being the file's."""
     try:
         yield
@@ -190,16 +298,14 @@ def _told(name: str) -> Iterator[None]:
             raise RefusedError(503, NO_ROOM) from error
         if code == sqlite3.SQLITE_NOTADB:
             raise InputError(f"{name} is no surae project; give another folder") from error
-        advice = ""
-        if code == sqlite3.SQLITE_CORRUPT:
-            advice = "; recordings and fits beside it are whole, restore it from a copy"
+        if code in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
+            raise RefusedError(
+                503, f"another program holds {name}; close it there and try again: nothing is lost"
+            ) from error
+        advice = _ADVICE if code == sqlite3.SQLITE_CORRUPT else ""
         raise ComputationError(f"{name}: {error}{advice}") from error
 
 
 def new_id() -> str:
     """An id that nobody guesses or has."""
     return secrets.token_hex(8)
-
-
-def _thing(row: tuple[Any, ...]) -> Thing:
-    return {**json.loads(row[2]), "id": row[0], "created": row[1]}

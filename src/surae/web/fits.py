@@ -8,11 +8,11 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.report.decimate import extremes
-from surae.web.database import Thing
 from surae.web.draft import normal
 from surae.web.jobs import Kind
 from surae.web.live import plain
 from surae.web.project import when
+from surae.web.rows import Thing
 from surae.web.sessions import Session
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ def keep_fit(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
         "recordings": task["recordings"],
         "settings": task["draft"],
     }
-    id_ = bench.database.add("fit", data, job["id"])
+    id_ = bench.project.add("fit", data, job["id"])
     bench.changed("fits")
     return id_
 
@@ -140,7 +140,7 @@ def keep_comparison(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> s
         "fit": task.get("fit"),
     }
     bench.changed("comparisons")
-    return bench.database.add("comparison", data, job["id"])
+    return bench.project.add("comparison", data, job["id"])
 
 
 def keep_study(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:

@@ -15,11 +15,12 @@ from typing import Any
 
 from surae.errors import SuraeError
 from surae.processes import Child, End, where
-from surae.web.cleanup import forget_jobs
-from surae.web.database import Thing, new_id
+from surae.web.cleanup import JOBS
+from surae.web.database import new_id
 from surae.web.events import Events
 from surae.web.http_errors import RefusedError, not_found
 from surae.web.project import Project, when
+from surae.web.rows import Thing
 from surae.web.sessions import Session
 
 _log = logging.getLogger("surae.web")
@@ -272,7 +273,7 @@ class Jobs:
         job = self._project.change(
             "job", id_, state=state, message=message, result=result, ended=time.time()
         )
-        forget_jobs(self._project.database)
+        self._project.database.forget_jobs(JOBS)
         self._tell(job)
         self._events.tell(f"job:{id_}", "end", self._owned(job))
 

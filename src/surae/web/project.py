@@ -1,22 +1,34 @@
 """A project: one folder that holds all of a laboratory's work, and can be copied and opened."""
 
 import os
-import re
-import shutil
 import sqlite3
+import time
+from collections.abc import Mapping
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from surae.errors import InputError
-from surae.files import PathLike, shown
+from surae.files import PathLike, sha256_of, shown
 from surae.studies.database import lock
-from surae.web.cleanup import empty
-from surae.web.database import Database, Thing, new_id
+from surae.web.cleanup import KEPT, clean, trash
+from surae.web.database import Database, new_id
 from surae.web.http_errors import RefusedError, not_found
+from surae.web.places import (
+    DATABASE,
+    FILES,
+    FOLDERS,
+    file_of,
+    new_private,
+    refuse_foreign,
+    uploads_of,
+)
+from surae.web.rows import ID, Thing, plain
 
-_FOLDERS = ("recordings", "fits", "comparisons", "studies", "uploads")
-_ID, _KEY = re.compile(r"[0-9a-f]{16}"), re.compile(r"[0-9a-f]{32,64}")
+_DAY = 86_400
+#: Days of use that are remembered; a clock that is further ahead than the last number is not used.
+_REMEMBERED, _AHEAD = 400, 40
 
 
 class Project:
@@ -25,36 +37,31 @@ class Project:
     Parameters
     ----------
     folder : path
-        Made where it is missing: ``project.db``, ``recordings/*.h5``, ``fits/*.json``,
-        ``comparisons/*.json``, ``studies/*.db`` and ``uploads/``.
+        Made where it is missing, or begun where it is empty: ``project.db``, ``recordings/*.h5``,
+        ``fits/*.json``, ``comparisons/*.json``, ``studies/*.db``, ``uploads/`` and ``trash/``.
 
     Raises
     ------
     InputError
-        The folder cannot be used, another server has it, or a newer surae wrote it.
+        The folder holds something else, links, or cannot be used; another server has it, or a
+        newer surae wrote it.
     """
 
     def __init__(self, folder: PathLike) -> None:
         self.folder = Path(os.path.realpath(folder))
         where = shown(folder)
         try:
+            refuse_foreign(self.folder, where)
             # What was measured of people is for the one who made the folder to show to others.
             self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            for name in _FOLDERS:
-                if (self.folder / name).is_symlink():
-                    raise InputError(
-                        f"cannot use {where} as a project: its {name} is a link, which leads out "
-                        f"of it; put the folder itself there"
-                    )
-                (self.folder / name).mkdir(exist_ok=True)
-            (self.folder / "uploads").chmod(0o700)
+            for name in (f"{DATABASE}.lock", DATABASE):
+                new_private(self.folder / name)
+            self._lock = lock(self.folder / DATABASE)
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
             raise InputError(
                 f"cannot use {where} as a project: {reason}; give another folder"
             ) from None
-        try:
-            self._lock = lock(self.folder / "project.db")
         except sqlite3.Error as error:
             raise InputError(f"cannot use {where} as a project: {error}") from None
         if self._lock is None:
@@ -62,12 +69,39 @@ class Project:
                 f"{where} is in use by another `surae serve`; stop it, or give another folder"
             )
         try:
-            self.database = Database(self.folder / "project.db")
+            self._places = self._identities()
+            self.database = Database(self.folder / DATABASE, self.still_ours)
+            try:
+                for name in FOLDERS:
+                    (self.folder / name).mkdir(mode=0o700, exist_ok=True)
+                self.id = self._opened()
+            except BaseException:
+                self.database.close()
+                raise
         except BaseException:
             self._lock.close()
             raise
-        self.id = self._named()
-        empty(self.folder, self.database)
+
+    def _identities(self) -> list[tuple[int, int]]:
+        found = (os.lstat(self.folder / name) for name in (DATABASE, f"{DATABASE}.lock"))
+        return [(one.st_dev, one.st_ino) for one in found]
+
+    def still_ours(self) -> None:
+        """Refuse to go on where the folder, or the lock in it, has been taken away.
+
+        Raises
+        ------
+        RefusedError
+            What is written now would be lost, or meet what another server writes.
+        """
+        with suppress(OSError):
+            if self._identities() == self._places:
+                return
+        raise RefusedError(
+            503,
+            "the project's folder, or its lock, was moved or removed while it was open: nothing "
+            "is kept any more; stop the server, and start it where the project is now",
+        )
 
     @property
     def name(self) -> str:
@@ -96,21 +130,56 @@ class Project:
 
     def uploads(self, session: str) -> Path:
         """The private folder of a session's uploads."""
-        folder = self.folder / "uploads" / _checked(session, _KEY)[:32]
+        self.still_ours()
+        folder = uploads_of(self.folder, session)
         folder.mkdir(mode=0o700, exist_ok=True)
         return folder
 
-    def drop_uploads(self, session: str) -> None:
-        """Remove what a session uploaded."""
-        if _KEY.fullmatch(session):  # the project may be a stranger's
-            shutil.rmtree(self.folder / "uploads" / session[:32], ignore_errors=True)
+    def _opened(self) -> str:
+        """Count a day of use, tidy up by that count, and give the project's own id.
 
-    def _named(self) -> str:
-        """The project's own id, made the first time; a copy has the same."""
+        Time is not trusted: what is old is told by the days on which the project was used, of which
+        a wrong clock makes one more at the most. Where it is behind, or far ahead, nothing is
+        tidied up.
+        """
+        today = int(time.time() // _DAY)
         with self.database.transaction():
-            for one in self.database.all("project"):
-                return _checked(one["id"], _ID)
-            return self.database.add("project", {}, new_id())
+            kept: dict[str, Any] = {}
+            for id_, text in self.database.rows("SELECT id, data FROM thing WHERE kind='project'"):
+                own = str(id_)
+                if not ID.fullmatch(own):
+                    raise InputError("its own id is none; `surae project repair` gives it one")
+                with suppress(ValueError):
+                    kept = dict(plain(text))
+                break
+            else:
+                own = self.database.add("project", {}, new_id())
+            used = kept.get("used")
+            if not isinstance(used, list) or not all(type(day) is int for day in used):
+                used = []
+            sane = not used or 0 <= today - used[-1] <= _AHEAD
+            count = kept["days"] if type(kept.get("days")) is int else len(used)
+            if not used or today > used[-1]:
+                used, count = [*used, today][-_REMEMBERED:], count + 1
+                self.database.update("project", own, {"used": used, "days": count})
+        self.day, self._used = count, used
+        if sane:
+            clean(self.folder, self.database, self.day, self.before(KEPT))
+        return own
+
+    def before(self, days: int) -> float | None:
+        """The time since which the project was used on so many days [s]; None where on fewer."""
+        return None if len(self._used) <= days else float(self._used[-days - 1] * _DAY)
+
+    def add(self, kind: str, data: Mapping[str, Any], id_: str) -> str:
+        """Keep a thing whose file is there, with the file's checksum; its id."""
+        folder, suffix = FILES[kind]
+        checksum = sha256_of(self.path(folder, id_, suffix))
+        return self.database.add(kind, {**data, "sha256": checksum}, id_)
+
+    def discard(self, kind: str, id_: str) -> None:
+        """Put a thing that has no history into the trash, with its files."""
+        trash(self.folder, self.database, self.day, kind, id_)
 
     def need(self, kind: str, id_: str) -> Thing:
         """A thing that has to be there.
@@ -132,27 +201,6 @@ class Project:
         if thing is None:
             raise not_found(kind)
         return thing
-
-
-def file_of(root: Path, folder: str, id_: str, suffix: str) -> Path:
-    """The file of a thing in a project's folder.
-
-    Raises
-    ------
-    RefusedError
-        It is none of ours.
-    """
-    path = root / folder / f"{_checked(id_, _ID)}{suffix}"
-    if path.is_symlink():
-        raise RefusedError(409, f"{folder}/{path.name} is a link; put the file itself there")
-    return path
-
-
-def _checked(text: str, form: "re.Pattern[str]") -> str:
-    """A name that is made of our own digits."""
-    if not form.fullmatch(text):
-        raise RefusedError(409, f"{shown(text)[:40]} is no id; the project is damaged")
-    return text
 
 
 def when(seconds: float | None) -> str | None:

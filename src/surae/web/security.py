@@ -141,14 +141,12 @@ class Security:
             await refuse(guarded, 400, "this server does not go by that name (Host)")
         elif request.from_elsewhere and request.is_page:
             await respond(guarded, 200, _AGAIN, [], b"text/html; charset=utf-8")
-        elif request.from_elsewhere:
+        elif request.from_elsewhere or not request.same_origin:
             await refuse(guarded, 403, _ELSEWHERE)
         elif self._token is not None and (
             not self._knows(request) or (request.is_page and "token" in request.parameters)
         ):
             await self._ask_token(request, guarded, cookies, self._token)
-        elif not request.safe and not request.same_origin:
-            await refuse(guarded, 403, _ELSEWHERE)
         elif request.length is not None and request.length > limit:
             await refuse(guarded, 413, _too_large(limit))
         else:
@@ -191,7 +189,9 @@ class Security:
         """Find or make the session, and check its CSRF token; False where it is refused."""
         if request.path.startswith("/static/"):
             return True
-        session = await run_in_threadpool(self._sessions.open, request.cookie(self._session_cookie))
+        session = await run_in_threadpool(
+            self._sessions.open, request.cookies(self._session_cookie)
+        )
         api = request.path.startswith("/api/")
         if (
             session is None
@@ -218,8 +218,10 @@ class Security:
         bearer = request.header("authorization")
         if bearer.startswith("Bearer ") and self._matches(bearer.removeprefix("Bearer ").strip()):
             return True
-        cookie = request.cookie(self._token_cookie) or ""
-        return hmac.compare_digest(cookie.encode(), (self._token or "").encode())
+        return any(
+            hmac.compare_digest(cookie.encode(), (self._token or "").encode())
+            for cookie in request.cookies(self._token_cookie)
+        )
 
     def _matches(self, token: str) -> bool:
         return hmac.compare_digest(_digest(token), self._token or "")

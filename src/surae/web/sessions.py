@@ -3,20 +3,24 @@
 import json
 import secrets
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from hashlib import sha256
 from typing import Any
 
+from surae.errors import SuraeError
 from surae.web.draft import Draft, changed, empty_draft
 from surae.web.events import Events
 from surae.web.http_errors import RefusedError
 from surae.web.project import Project
+from surae.web.rows import draft_parts, plain
 
 #: Steps that can be undone.
 _STEPS = 200
-#: Sessions that did nothing are forgotten after a day, others when unseen for a year [s].
-_IDLE, _UNSEEN = 86_400.0, 365 * 86_400.0
+#: Sessions that did nothing are forgotten after a day on which the project was used, others when
+#: unseen on so many.
+_IDLE, _UNSEEN = 1, 365
 #: `seen` is written no more often than this [s].
 _SEEN = 600.0
 
@@ -38,17 +42,20 @@ class Sessions:
         self.project_id, self.hidden = project.id, project.hidden
         self._forget()
 
-    def open(self, cookie: str | None) -> Session | None:
-        """The session of a cookie; None where there is none."""
-        if not cookie or len(cookie) > 200:
-            return None
-        key = sha256(cookie.encode()).hexdigest()
-        found = self._database.row("SELECT csrf, seen FROM session WHERE key = ?", key)
-        if found is None:
-            return None
-        if time.time() - found[1] > _SEEN:
-            self._database.write("UPDATE session SET seen = ? WHERE key = ?", time.time(), key)
-        return Session(key, found[0])
+    def open(self, cookies: Sequence[str]) -> Session | None:
+        """The session of the first cookie that has one; None where none has."""
+        for cookie in cookies:
+            key = sha256(cookie.encode("utf-8", "surrogateescape")).hexdigest()
+            row = self._database.row("SELECT csrf, seen FROM session WHERE key = ?", key)
+            if row is None or not isinstance(row[0], str):
+                continue
+            if not isinstance(row[1], float) or not 0 <= time.time() - row[1] <= _SEEN:
+                with suppress(SuraeError):  # another program holds the file: reading goes on
+                    self._database.write(
+                        "UPDATE session SET seen = ? WHERE key = ?", time.time(), key
+                    )
+            return Session(key, row[0])
+        return None
 
     def make(self) -> tuple[Session, str]:
         """A new session, and the cookie that opens it, which is kept nowhere here."""
@@ -66,9 +73,8 @@ class Sessions:
 
     def state(self, session: Session) -> dict[str, Any]:
         """The draft, its revision, and what undo and redo would do."""
-        with self._database.transaction():
-            draft, revision = self._read(session)
-            undo, redo = self._next(session, done=1), self._next(session, done=0)
+        draft, revision = self._read(session)
+        undo, redo = self._next(session, done=1), self._next(session, done=0)
         return {
             "revision": revision,
             "undo": None if undo is None else undo[1],
@@ -106,16 +112,18 @@ class Sessions:
             after = {key: made[key] for key in keys}
             last = self._next(session, done=1)
             if merge and last is not None and last[1] == label and last[2] == "draft":
-                before |= json.loads(last[3])
+                before |= plain(last[3])
                 after = {key: made[key] for key in before}
                 self._database.write("DELETE FROM step WHERE id = ?", last[0])
             self._record(session, label, "draft", before, after)
             self._write(session, made, now + 1)
         self._tell(session, now + 1)
 
-    def deleted(self, session: Session, kind: str, id_: str, label: str) -> None:
-        """Note that the session deleted a thing, so that undo brings it back."""
+    def delete(self, session: Session, kind: str, id_: str, label: str) -> None:
+        """Delete a thing, so that undo brings it back."""
         with self._database.transaction():
+            self._database.update(kind, id_, {"deleted_by": session.key})
+            self._database.mark(kind, id_, deleted=True)
             told = {"kind": kind, "id": id_}
             self._record(session, label, "deleted", told, told)
             draft, now = self._read(session)
@@ -139,16 +147,35 @@ class Sessions:
                 raise RefusedError(409, f"there is nothing to {'undo' if back else 'redo'}")
             id_, _, kind, before, after = step
             draft, now = self._read(session)
-            told = json.loads(before if back else after)
+            what = plain(before if back else after)
+            moved = True
             if kind == "draft":
-                draft |= told
+                draft |= draft_parts(what)
             else:
-                self._database.mark(told["kind"], told["id"], deleted=not back)
-            self._database.write("UPDATE step SET done = ? WHERE id = ?", int(not back), id_)
-            self._write(session, draft, now + 1)
+                moved = self._mark(session, what["kind"], what["id"], deleted=not back)
+            if moved:
+                self._database.write("UPDATE step SET done = ? WHERE id = ?", int(not back), id_)
+                self._write(session, draft, now + 1)
+            else:  # it is in the way of the steps before it
+                self._database.write("DELETE FROM step WHERE id = ?", id_)
+        if not moved:
+            raise RefusedError(
+                409,
+                "somebody else has deleted it, or brought it back, meanwhile: it stays so, and "
+                "this step is left out",
+            )
         if kind == "deleted":
-            self._events.tell("project", "changed", {"what": f"{told['kind']}s"})
+            self._events.tell("project", "changed", {"what": f"{what['kind']}s"})
         self._tell(session, now + 1)
+
+    def _mark(self, session: Session, kind: str, id_: str, *, deleted: bool) -> bool:
+        """Delete a thing again, or bring it back if this session deleted it; whether it did."""
+        thing = self._database.get(kind, id_, deleted=True)
+        if thing is None or (not deleted and thing.get("deleted_by", session.key) != session.key):
+            return False
+        if deleted:
+            self._database.update(kind, id_, {"deleted_by": session.key})
+        return self._database.mark(kind, id_, deleted=deleted)
 
     def _record(
         self,
@@ -173,20 +200,33 @@ class Sessions:
         )  # fmt: skip
 
     def _next(self, session: Session, *, done: int) -> tuple[int, str, str, str, str] | None:
-        """The step to take back (done) or to do again."""
+        """The step to take back (done) or to do again; damaged ones are passed over."""
         order = "DESC" if done else "ASC"
-        found = self._database.row(
+        for row in self._database.rows(
             "SELECT id, label, kind, before, after FROM step WHERE session = ? AND done = ? "
-            f"ORDER BY id {order} LIMIT 1",
+            f"ORDER BY id {order} LIMIT {_STEPS}",
             session.key, done,
-        )  # fmt: skip
-        return None if found is None else (found[0], found[1], found[2], found[3], found[4])
+        ):  # fmt: skip
+            id_, label, kind, before, after = row
+            with suppress(ValueError):
+                tables = [plain(text) for text in (before, after)]
+                known = {"draft": (), "deleted": ("kind", "id")}.get(kind)
+                if known is None or not all(isinstance(one, dict) for one in tables):
+                    continue
+                if all(isinstance(one.get(key), str) for one in tables for key in known):
+                    return int(id_), str(label), str(kind), before, after
+        return None
 
     def _read(self, session: Session) -> tuple[Draft, int]:
-        found = self._database.row("SELECT draft, revision FROM session WHERE key = ?", session.key)
-        if found is None:
+        """The draft and its revision; keys of it that make no sense are as in a new one."""
+        row = self._database.row("SELECT draft, revision FROM session WHERE key = ?", session.key)
+        if row is None:
             raise RefusedError(403, "this session has ended; load the page again")
-        return {**empty_draft(), **json.loads(found[0])}, found[1]
+        kept: Any = None
+        with suppress(ValueError):
+            kept = plain(row[0])
+        revision = row[1] if isinstance(row[1], int) and 0 <= row[1] < 2**53 else 0
+        return {**empty_draft(), **draft_parts(kept)}, revision
 
     def _write(self, session: Session, draft: Draft, revision: int) -> None:
         self._database.write(
@@ -198,17 +238,16 @@ class Sessions:
         self._events.tell(f"session:{session.key}", "draft", {"revision": revision})
 
     def _forget(self) -> None:
-        """Remove sessions that nobody will miss, and what they had uploaded."""
-        now = time.time()
+        """Remove sessions that nobody will miss; what they had uploaded goes to the trash."""
+        idle, unseen = self._project.before(_IDLE), self._project.before(_UNSEEN)
         old = self._database.rows(
             "SELECT key FROM session WHERE seen < ? OR (revision = 0 AND seen < ?)",
-            now - _UNSEEN, now - _IDLE,
+            -1.0 if unseen is None else unseen, -1.0 if idle is None else idle,
         )  # fmt: skip
         for (key,) in old:
-            self._project.drop_uploads(key)
+            for upload in self._database.all("upload"):
+                if upload["session"] == key:
+                    self._project.discard("upload", upload["id"])
             with self._database.transaction():
                 self._database.write("DELETE FROM step WHERE session = ?", key)
                 self._database.write("DELETE FROM session WHERE key = ?", key)
-                for upload in self._database.all("upload"):
-                    if upload["session"] == key:
-                        self._database.write("DELETE FROM thing WHERE id = ?", upload["id"])

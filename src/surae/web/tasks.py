@@ -14,7 +14,7 @@ from surae import processes
 from surae.recording import Recording, read
 from surae.web import imports
 from surae.web.draft import fit_keywords, weighting
-from surae.web.project import file_of
+from surae.web.places import file_of
 
 if TYPE_CHECKING:
     from surae.api import Fit

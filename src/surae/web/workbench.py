@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 from surae.files import PathLike
 from surae.recording import Recording
 from surae.web.caches import Cache
-from surae.web.database import Thing
 from surae.web.events import Events
 from surae.web.http_errors import RefusedError
 from surae.web.jobs import Jobs, Kind
 from surae.web.project import Project
 from surae.web.pyramid import Pyramid
 from surae.web.request_workers import RequestWorkers
+from surae.web.rows import Thing
 from surae.web.sessions import Session, Sessions
 
 if TYPE_CHECKING:
@@ -128,8 +128,7 @@ class Workbench:
         self.project.need(kind, id_)
         if self.jobs.of(id_):
             raise RefusedError(409, f"a job is at work on this {kind}; cancel it first")
-        self.database.mark(kind, id_, deleted=True)
-        self.sessions.deleted(session, kind, id_, label)
+        self.sessions.delete(session, kind, id_, label)
         self.changed(f"{kind}s" if kind != "study" else "studies")
 
     def draft(self, session: Session, given: Mapping[str, Any] | None) -> dict[str, Any]:

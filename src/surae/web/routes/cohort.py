@@ -8,10 +8,10 @@ from fastapi import APIRouter, Query, Response
 
 from surae.model import ModelSpec, get_model
 from surae.model.registry import with_drives
-from surae.web.database import Thing
 from surae.web.fits import ranges
 from surae.web.project import when
 from surae.web.routes.common import ERRORS, Bench, Responses, attachment
+from surae.web.rows import Thing
 from surae.web.schemas import Model
 from surae.web.workbench import Workbench
 

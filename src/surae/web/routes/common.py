@@ -1,12 +1,15 @@
 """What every route uses: the workbench, the session, ids, and the errors that are documented."""
 
+import json
 import re
 from typing import Annotated, Any
 
-from fastapi import Depends, Path, Request
+from fastapi import Depends, Header, Path, Request
 
+from surae.files import sha256
 from surae.web.draft import changed, empty_draft
 from surae.web.http_errors import RefusedError
+from surae.web.rows import Thing
 from surae.web.schemas import DraftChange, Error
 from surae.web.sessions import Session
 from surae.web.workbench import Workbench
@@ -29,6 +32,34 @@ def session(request: Request) -> Session:
     if found is None:
         raise RefusedError(403, "no session: GET /api/session first, and send its cookie")
     return found
+
+
+#: What a page has seen of a thing that it changes, as `revision` gives it.
+Seen = Annotated[str | None, Header(alias="If-Match", max_length=80)]
+#: What people write on things.
+_LABELS = ("code", "group", "notes", "body_mass", "name", "subject", "side", "trial", "condition")
+
+
+def revision(thing: Thing) -> str:
+    """Names what people wrote on a thing, so that nobody overwrites what he has not seen."""
+    labels = {key: thing[key] for key in _LABELS if key in thing}
+    return sha256(json.dumps(labels, sort_keys=True).encode())[:16]
+
+
+def refuse_unseen(thing: Thing, seen: str | None) -> None:
+    """Refuse to overwrite what another browser has changed since `seen`.
+
+    Raises
+    ------
+    RefusedError
+        It has; the message says what stands there now.
+    """
+    if seen is None or seen.strip('"') == revision(thing):
+        return
+    now = ", ".join(f"{k} {thing[k]!r}"[:80] for k in _LABELS if thing.get(k) not in (None, ""))
+    raise RefusedError(
+        409, f"somebody else has changed this meanwhile; it is now {now}: look, then change it"
+    )
 
 
 #: "muscle-tendon-" of "muscle-tendon-muscle-tendon-left"; numbers may well come twice.

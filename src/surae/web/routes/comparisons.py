@@ -5,11 +5,11 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
 
-from surae.web.database import Thing
 from surae.web.fits import fit_summary, ranges, submit_comparison
 from surae.web.http_errors import RefusedError
 from surae.web.project import when
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId, chosen_draft
+from surae.web.rows import Thing
 from surae.web.schemas import ComparisonGiven
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["comparisons"])

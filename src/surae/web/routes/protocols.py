@@ -8,10 +8,10 @@ from typing import Any
 from fastapi import APIRouter, Response
 
 from surae.protocol import DEVICES, PROFILES, TASKS, generate, write_csv
-from surae.web.database import Thing
 from surae.web.designer import preview, protocol
 from surae.web.project import when
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId, Responses, attachment
+from surae.web.rows import Thing
 from surae.web.schemas import ProtocolFile, ProtocolGiven, ProtocolPreview, ProtocolSettings
 
 router = APIRouter(prefix="/api/protocols", responses=ERRORS, tags=["protocols"])

@@ -9,17 +9,31 @@ import numpy as np
 from fastapi import APIRouter, Query, Response
 
 from surae.recording import ROLES
-from surae.web.database import Thing
 from surae.web.http_errors import RefusedError
 from surae.web.project import when
 from surae.web.pyramid import Pyramid, Window
-from surae.web.routes.common import ERRORS, Bench, Browser, PathId
+from surae.web.routes.common import (
+    ERRORS,
+    Bench,
+    Browser,
+    PathId,
+    Seen,
+    refuse_unseen,
+    revision,
+)
+from surae.web.rows import Thing
 from surae.web.schemas import Points, RecordingPatch, SubjectGiven, SubjectPatch
 from surae.web.workbench import Workbench
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["recordings"])
 
 Instant = Annotated[float | None, Query(allow_inf_nan=False, ge=-1e9, le=1e9)]
+
+
+@router.get("/damaged")
+def get_damaged(bench: Bench) -> dict[str, Any]:
+    """What of the project's database cannot be used, and why; all else is as it was."""
+    return {"damaged": bench.database.damaged()}
 
 
 @router.get("/subjects")
@@ -47,11 +61,14 @@ def post_subject(given: SubjectGiven, bench: Bench) -> dict[str, Any]:
 
 
 @router.patch("/subjects/{id}")
-def patch_subject(id: PathId, given: SubjectPatch, bench: Bench) -> dict[str, Any]:
-    """Change one."""
+def patch_subject(
+    id: PathId, given: SubjectPatch, bench: Bench, seen: Seen = None
+) -> dict[str, Any]:
+    """Change one, unless another browser has since its `revision` was seen."""
     changes = given.model_dump(exclude_unset=True)
     changes = {k: v for k, v in changes.items() if v is not None or k == "body_mass"}
     with bench.database.transaction():
+        refuse_unseen(bench.project.need("subject", id), seen)
         if "code" in changes:
             _refuse_code(bench, changes["code"], id)
         found = bench.project.change("subject", id, **changes)
@@ -81,6 +98,7 @@ def _subject(one: Thing, recordings: int, fits: int) -> dict[str, Any]:
         **{key: one[key] for key in ("code", "group", "notes", "body_mass")},
         "recordings": recordings,
         "fits": fits,
+        "revision": revision(one),
     }
 
 
@@ -99,8 +117,10 @@ def get_recording(id: PathId, bench: Bench) -> dict[str, Any]:
 
 
 @router.patch("/recordings/{id}")
-def patch_recording(id: PathId, given: RecordingPatch, bench: Bench) -> dict[str, Any]:
-    """Change its labels; what was measured stays."""
+def patch_recording(
+    id: PathId, given: RecordingPatch, bench: Bench, seen: Seen = None
+) -> dict[str, Any]:
+    """Change its labels, unless another browser has meanwhile; what was measured stays."""
     changes = given.model_dump(exclude_unset=True)
     if changes.get("subject") is not None:
         bench.project.need("subject", changes["subject"])
@@ -109,7 +129,9 @@ def patch_recording(id: PathId, given: RecordingPatch, bench: Bench) -> dict[str
             changes[key] = changes[key] or ""
     if changes.get("name", "") is None:
         del changes["name"]
-    found = bench.project.change("recording", id, **changes)
+    with bench.database.transaction():
+        refuse_unseen(bench.project.need("recording", id), seen)
+        found = bench.project.change("recording", id, **changes)
     bench.changed("recordings")
     return shown_recording(bench, found)
 
@@ -135,6 +157,7 @@ def _recording(one: Thing, fits: int) -> dict[str, Any]:
         "created": when(one["created"]),
         **{key: one[key] for key in keys},
         "fits": fits,
+        "revision": revision(one),
     }
 
 

@@ -11,10 +11,10 @@ from surae.errors import SuraeError
 from surae.studies.store import Store
 from surae.studies.study import Study, parse_study
 from surae.studies.table import columns, export, table
-from surae.web.database import Thing
 from surae.web.http_errors import RefusedError
 from surae.web.project import when
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId, Responses, attachment
+from surae.web.rows import Thing
 from surae.web.schemas import StudyGiven
 from surae.web.sessions import Session
 from surae.web.workbench import Workbench

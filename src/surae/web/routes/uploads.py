@@ -8,12 +8,13 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Request, Response
 
 from surae.units import FACTORS, kind
-from surae.web.database import Thing, new_id
+from surae.web.database import new_id
 from surae.web.http_errors import RefusedError, not_found
 from surae.web.imports import file_name
 from surae.web.project import when
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId
 from surae.web.routes.recordings import shown_recording
+from surae.web.rows import Thing
 from surae.web.schemas import ImportGiven
 from surae.web.sessions import Session
 from surae.web.workbench import Workbench
@@ -104,10 +105,9 @@ def get_uploads(bench: Bench, browser: Browser) -> dict[str, Any]:
 
 @router.delete("/uploads/{id}", status_code=204)
 def delete_upload(id: PathId, bench: Bench, browser: Browser) -> Response:
-    """Delete one."""
-    one = _upload(bench, browser, id)
-    bench.database.write("DELETE FROM thing WHERE id = ?", one["id"])
-    (bench.project.uploads(browser.key) / one["id"]).unlink(missing_ok=True)
+    """Put one into the trash."""
+    _upload(bench, browser, id)
+    bench.project.discard("upload", id)
     return Response(status_code=204)
 
 
@@ -207,7 +207,7 @@ def _added(
         "mapping": mapping,
         "findings": found["findings"],
     }
-    bench.database.add("recording", data, id_)
+    bench.project.add("recording", data, id_)
     bench.changed("recordings")
     return shown_recording(bench, bench.project.need("recording", id_))
 

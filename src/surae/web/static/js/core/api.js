@@ -29,8 +29,9 @@ async function checked(response) {
   throw new Refusal(line, response.status);
 }
 
-async function send(method, url, body, raw = false) {
+async function send(method, url, body, raw = false, seen = null) {
   const headers = { "X-CSRF-Token": token() };
+  if (seen) headers["If-Match"] = `"${seen}"`;
   if (!raw) headers["Content-Type"] = "application/json";
   const response = await checked(
     await answer(url, { method, headers, body: raw ? body : JSON.stringify(body ?? {}) }),
@@ -40,7 +41,8 @@ async function send(method, url, body, raw = false) {
 
 export const get = async (url, signal) => (await checked(await answer(url, { signal }))).json();
 export const post = (url, body) => send("POST", url, body);
-export const patch = (url, body) => send("PATCH", url, body);
+/** `seen` is the revision of what this page shows: a later one of somebody else is not overwritten. */
+export const patch = (url, body, seen = null) => send("PATCH", url, body, false, seen);
 export const remove = (url) => send("DELETE", url);
 export const upload = (url, file) => send("POST", url, file, true);
 

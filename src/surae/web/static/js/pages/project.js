@@ -5,7 +5,7 @@ import { button, byId, h, replace, select } from "../core/dom.js";
 import { change } from "../core/draft.js";
 import { onChanged, onJob } from "../core/events.js";
 import { quantity, seconds, vaf, when } from "../core/format.js";
-import { attempt, tell } from "../core/notice.js";
+import { attempt, complain, tell } from "../core/notice.js";
 import { latest } from "../core/pace.js";
 import { demoButton } from "../ui/demo.js";
 import { cancel, ended } from "../ui/jobs.js";
@@ -21,7 +21,7 @@ function subjectOf(recording) {
   const options = [["", "none"], ...people.map((one) => [one.id, one.code])];
   const knob = select({ "aria-label": `Subject of ${recording.name}`, "data-focus": `subject-${recording.id}` }, options, recording.subject ?? "");
   knob.addEventListener("change", () =>
-    attempt(boxes.recordings, () => patch(`/api/recordings/${recording.id}`, { subject: knob.value || null })),
+    attempt(boxes.recordings, () => patch(`/api/recordings/${recording.id}`, { subject: knob.value || null }, recording.revision)),
   );
   return knob;
 }
@@ -93,7 +93,7 @@ async function edit(person) {
   const told = await editSubject(person);
   if (!told) return;
   await attempt(boxes.subjects, async () => {
-    if (person) await patch(`/api/subjects/${person.id}`, told);
+    if (person) await patch(`/api/subjects/${person.id}`, told, person.revision);
     else await post("/api/subjects", told);
     await refresh();
   });
@@ -160,5 +160,10 @@ onChanged(["recordings", "fits", "subjects"], () => refresh());
 onJob(note);
 attempt(boxes.recordings, async () => {
   await refresh();
+  const { damaged } = await get("/api/damaged");
+  if (damaged.length) {
+    const kinds = [...new Set(damaged.map((one) => one.kind))].join(", ");
+    complain(byId("damaged"), `${damaged.length} damaged and left out (${kinds}); \`surae project check\` tells more, all else is whole`);
+  }
   (await get("/api/jobs?active=true")).jobs.forEach(note);
 });

@@ -152,7 +152,7 @@ async function edit() {
       side: side.value || null,
       trial: trial.value,
       condition: condition.value,
-    });
+    }, recording.revision);
     showAbout();
   });
 }

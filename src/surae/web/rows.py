@@ -1,0 +1,222 @@
+"""What the rows of project.db hold, kind by kind: a project may be a stranger's, or damaged.
+
+A row that is not as it should be is shown as damaged; all others are as they were.
+"""
+
+import json
+import re
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from surae.errors import InputError
+from surae.web.schemas import DraftChange, ProtocolSettings
+
+#: A thing: its content with its `id` and `created`.
+Thing = dict[str, Any]
+
+ID = re.compile(r"[0-9a-f]{16}")
+#: Until the year 9999 [s].
+_LAST = 253_402_300_799
+#: Numbers that may be too large for JSON to say again.
+_HUGE = re.compile(r"[eE]\+?[0-9]{3}")
+
+_Id = Annotated[str, Field(pattern=r"^[0-9a-f]{16}$")]
+_Number = Annotated[float, Field(allow_inf_nan=False)]
+_Time = Annotated[float, Field(ge=0, le=_LAST, allow_inf_nan=False)]
+
+
+class _Row(BaseModel):
+    """Nothing is taken for what it is not; what a newer surae adds is left as it is."""
+
+    model_config = ConfigDict(strict=True, extra="allow")
+
+
+class _Subject(_Row):
+    code: str
+    group: str
+    notes: str
+    body_mass: _Number | None
+
+
+class _Channel(_Row):
+    role: str
+    unit: str
+    n: int
+    rate_hz: _Number
+    source: str
+
+
+class _File(_Row):
+    name: str
+    sha256: str
+
+
+class _Recording(_Row):
+    name: str
+    subject: _Id | None
+    side: str | None
+    trial: str
+    condition: str
+    duration_s: _Number
+    emg: str | None
+    fixed: dict[str, _Number]
+    channels: list[_Channel]
+    files: list[_File]
+    mapping: dict[str, Any] | None
+    findings: list[dict[str, Any]] | None = None
+
+
+class _Estimate(_Row):
+    value: _Number | None
+    sem: _Number | None
+    low: _Number | None
+    high: _Number | None
+    verdict: str
+
+
+class _Fit(_Row):
+    name: str
+    model: str
+    status: str
+    vaf: _Number | None
+    ipde: _Number | None
+    seconds: _Number
+    recordings: Annotated[list[_Id], Field(min_length=1)]
+    names: list[str]
+    starts: int
+    agreeing: int | None
+    parameters: dict[str, _Estimate]
+    settings: dict[str, Any]
+    profiles: dict[str, dict[str, Any]] = {}
+
+
+class _Comparison(_Row):
+    conclusion: str
+    recordings: list[_Id]
+    models: list[str]
+    fit: _Id | None = None
+
+
+class _Study(_Row):
+    name: str
+    toml: str
+    rows: int
+
+
+class _Protocol(_Row):
+    name: str
+    settings: dict[str, Any]
+
+
+class _Upload(_Row):
+    name: str
+    bytes: int
+    sha256: str
+    session: str
+
+
+class _Job(_Row):
+    kind: Literal["fit", "profile", "compare", "study"]
+    label: str
+    state: Literal["queued", "running", "done", "failed", "cancelled", "interrupted"]
+    session: str
+    task: dict[str, Any]
+    about: str | None
+    message: str
+    result: str | None
+    started: _Time | None
+    ended: _Time | None
+
+
+class _Trash(_Row):
+    kind: str
+    files: list[str]
+    day: int
+    content: Any
+
+
+#: The form of each kind; others, of a newer surae, are not looked at.
+KINDS: dict[str, type[_Row]] = {
+    "subject": _Subject,
+    "recording": _Recording,
+    "fit": _Fit,
+    "comparison": _Comparison,
+    "study": _Study,
+    "protocol": _Protocol,
+    "upload": _Upload,
+    "job": _Job,
+    "trash": _Trash,
+}
+
+
+def thing(kind: str, id_: object, created: object, text: object) -> Thing:
+    """A row as a thing.
+
+    Raises
+    ------
+    ValueError
+        What is wrong with it, in a few words.
+    """
+    if not isinstance(id_, str) or not ID.fullmatch(id_):
+        raise ValueError("its id is none of ours")
+    if not isinstance(created, float | int) or not 0 <= created <= _LAST:
+        raise ValueError("its time is impossible")
+    content = plain(text)
+    if not isinstance(content, dict):
+        raise ValueError("it holds no table")
+    form = KINDS.get(kind)
+    if form is not None:
+        try:
+            form.model_validate(content)
+            if kind == "protocol":
+                ProtocolSettings(**content["settings"])
+        except ValidationError as error:
+            first = error.errors()[0]
+            place = ".".join(str(part)[:40] for part in first["loc"][:4])
+            raise ValueError(f"{place}: {first['msg']}".removeprefix(": ")) from None
+    if kind == "study":
+        from surae.studies.study import parse_study
+
+        try:
+            parse_study(content["toml"])
+        except InputError as error:
+            raise ValueError(str(error)) from None
+    return {**content, "id": id_, "created": created}
+
+
+def plain(text: object) -> Any:
+    """What a text of JSON holds.
+
+    Raises
+    ------
+    ValueError
+        It is no JSON, or holds numbers that are none.
+    """
+    if not isinstance(text, str):
+        raise ValueError("it is no text")
+    try:
+        data = json.loads(text, parse_constant=_refused)
+        if _HUGE.search(text):
+            json.dumps(data, allow_nan=False)
+    except (ValueError, RecursionError):
+        raise ValueError("it is no JSON that can be read") from None
+    return data
+
+
+def draft_parts(data: object) -> dict[str, Any]:
+    """The keys of a draft that are as they should be."""
+    if not isinstance(data, dict):
+        return {}
+    good = {}
+    for key, value in data.items():
+        try:
+            DraftChange.model_validate({key: value})
+        except ValidationError:
+            continue
+        good[key] = value
+    return good
+
+
+def _refused(name: str) -> float:
+    raise ValueError(name)
