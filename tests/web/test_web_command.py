@@ -33,3 +33,15 @@ def test_wrong_use_is_one_line(arguments, says, tmp_path, monkeypatch) -> None:
 def test_without_its_libraries_it_says_how_to_get_them(monkeypatch) -> None:
     monkeypatch.setattr(module, "find_spec", lambda name: None if name == "fastapi" else object())
     assert 'pip install "surae[web]"' in refused()
+
+
+def test_a_token_need_not_be_seen_in_the_list_of_processes(tmp_path, monkeypatch) -> None:
+    given: dict[str, object] = {}
+    monkeypatch.setattr("surae.web.server.serve", lambda _, **told: given.update(told))
+    (tmp_path / "token").write_text("out of a file\n")
+    CliRunner().invoke(group, ["serve", "--token-file", str(tmp_path / "token")])
+    assert given["token"] == "out of a file"
+    CliRunner().invoke(group, ["serve"], env={"SURAE_TOKEN": "out of the environment"})
+    assert given["token"] == "out of the environment"
+    (tmp_path / "token").write_text("short\n")
+    assert "at least 8" in refused("--token-file", str(tmp_path / "token"))

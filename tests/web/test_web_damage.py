@@ -347,14 +347,14 @@ def test_a_project_with_more_than_our_tables_is_refused(tmp_path, statement) -> 
         Project(tmp_path / "p")
 
 
-def test_a_program_that_holds_the_database_keeps_nobody_from_reading(serve) -> None:
+def test_a_program_that_holds_the_database_keeps_nobody_from_reading(serve, monkeypatch) -> None:
+    monkeypatch.setattr("surae.web.database._PATIENCE", 0.5)
     server = serve()
     browser = server.browser()
     browser.change(seed=5)
     other = sqlite3.connect(server.bench.project.folder / "project.db", isolation_level=None)
     other.execute("BEGIN IMMEDIATE")
     try:
-        begin = time.monotonic()
         write = threading.Thread(target=browser.post, args=("/api/draft/undo",))
         write.start()
         time.sleep(0.2)
@@ -365,7 +365,6 @@ def test_a_program_that_holds_the_database_keeps_nobody_from_reading(serve) -> N
         answer = browser.post("/api/draft/undo")
         assert answer.status_code == 503
         assert "another program holds" in answer.json()["error"]
-        assert time.monotonic() - begin < 25.0  # twice two seconds, on a busy computer
     finally:
         other.close()
     assert browser.post("/api/draft/undo").json()["draft"]["seed"] == 0

@@ -16,9 +16,10 @@ import uvicorn
 
 from surae.web.app import create_app
 from surae.web.imports import file_name
-from surae.web.routes.cohort import _cell
 from surae.web.security import Policy, is_loopback
 from surae.web.workbench import Workbench
+
+from .test_web_damage import OTHERS, SUBJECT, recording
 
 WRITES = [
     ("POST", "/api/draft/undo"),
@@ -65,9 +66,27 @@ def test_this_computer_has_several_names(server, host) -> None:
         {"Sec-Fetch-Site": "same-site"},
     ],
 )
-@pytest.mark.parametrize(("method", "path"), WRITES)
+@pytest.mark.parametrize(("method", "path"), [*WRITES, ("GET", "/api/session"), ("GET", "/")])
 def test_another_site_changes_nothing(browser, headers, method, path) -> None:
-    assert browser.request(method, path, headers=headers).status_code == 403
+    if path != "/" or "Origin" in headers:  # a link gets a page that asks again
+        assert browser.request(method, path, headers=headers).status_code == 403
+
+
+def test_cookies_of_other_programs_do_no_harm(serve) -> None:
+    """Cookies do not know ports: what another program on this computer sets comes here too."""
+    server = serve(token="let me in please")
+    first = httpx.get(server.address + "/api/session?token=let+me+in+please")
+    token = first.headers["set-cookie"].partition(";")[0]
+    cookie = httpx.get(server.address + "/api/session", headers={"Cookie": token})
+    session = cookie.headers["set-cookie"].partition(";")[0]
+    name = session.partition("=")[0]
+    for other in (
+        'other_app={"theme":"dark"}', 'a="', "=", ";;", 'b="x; c=1', "é=ü", f"x{name}=1",
+        f"{name}=" + "x" * 43, f"{name}=\xff",
+    ):  # fmt: skip
+        for given in (f"{other}; {token}; {session}", f"{token}; {session}; {other}"):
+            headers = {"Cookie": given.encode("latin-1")}
+            assert httpx.get(server.address + "/api/draft", headers=headers).status_code == 200
 
 
 @pytest.mark.parametrize("token", [None, "", "wrong", "\xe9".encode("latin-1")])
@@ -209,11 +228,15 @@ def test_a_name_is_on_one_line_and_reads_as_it_is(browser, code) -> None:
     assert browser.post("/api/subjects", json={"code": code}).status_code == 422
 
 
-def test_a_spreadsheet_runs_no_formula() -> None:
-    for text in ("=cmd|' /C calc'!A0", "+1", "-1", "@x", "\t=1"):
-        assert _cell(text) == f"'{text}"
-    assert _cell(-1.5) == "-1.5"
-    assert _cell("S01") == "S01"
+def test_the_cohorts_table_runs_no_formula(serve) -> None:
+    server = serve()
+    database = server.bench.database
+    subject = database.add("subject", {**SUBJECT, "code": "=1+1"})
+    measured = {**recording("a"), "subject": subject, "condition": "x;=2+2", "trial": '"@x'}
+    fit = {**OTHERS["fit"], "recordings": [database.add("recording", measured)]}
+    database.add("fit", fit)
+    lines = server.browser().get("/api/cohort.csv").text.splitlines()
+    assert lines[1].startswith('"\'=1+1",,,"""@x","x;\'=2+2",muscle,converged,99.0,,')
 
 
 @pytest.mark.parametrize("toml", ["a = " + "[" * 50_000, "repeats = " + "9" * 5000])
@@ -251,7 +274,9 @@ def test_a_connection_that_asks_nothing_is_closed(tmp_path, monkeypatch) -> None
     listening = module._listen("127.0.0.1", 0)
     bench = Workbench(tmp_path / "p", 1)
     app = create_app(bench, Policy.of("127.0.0.1"))
-    config = uvicorn.Config(app, http=module._Connection, ws="none", log_level="error")
+    config = uvicorn.Config(
+        app, http=module._Connection, ws="none", log_level="error", limit_concurrency=250
+    )
     server = uvicorn.Server(config)
     thread = threading.Thread(target=server.run, args=([listening],))
     thread.start()
@@ -260,6 +285,11 @@ def test_a_connection_that_asks_nothing_is_closed(tmp_path, monkeypatch) -> None
             slow.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\nX-")
             assert slow.recv(100) == b""
         address = f"http://127.0.0.1:{listening.getsockname()[1]}"
+        monkeypatch.setattr(module, "_PATIENCE", 60.0)
+        with contextlib.ExitStack() as stack:  # 255 of them once locked everybody out for 20 s
+            for _ in range(255):
+                stack.enter_context(socket.create_connection(listening.getsockname(), timeout=60))
+            assert httpx.get(f"{address}/api/session", timeout=60).status_code == 200
         monkeypatch.setattr(module, "_PATIENCE", 1.0)  # this client may be slow, but it asks
         with httpx.Client(base_url=address, timeout=60) as client:
             client.get("/api/session")
@@ -340,6 +370,13 @@ def test_the_token_leads_to_no_other_server(serve) -> None:
     server = serve(token="let me in please")
     answer = httpx.get(server.address + "//evil.example/?token=let+me+in+please")
     assert answer.headers["location"].startswith("/evil.example/")
+    for path in ("%09/evil.example", "/%5cevil.example", "%0d%0aX-Other:1", "%0a/evil.example"):
+        answer = httpx.get(f"{server.address}/{path}?token=let+me+in+please&x=%0d%0a")
+        assert answer.status_code == 303
+        place = answer.headers["location"]
+        assert place[0] == "/"
+        assert place[1] not in "/\\\t\r\n"
+        assert "x-other" not in answer.headers
 
 
 def test_policies() -> None:
@@ -363,6 +400,10 @@ def test_policies() -> None:
         (".hidden", "hidden"),
         ("a\0b\n.csv", "a_b_.csv"),
         ("..", "file"),
+        ("con", "given-con"),
+        ("NUL.csv", "given-NUL.csv"),
+        ("com1 .tar.gz", "given-com1 .tar.gz"),
+        ("console.csv", "console.csv"),
         ("mapping.toml", "given-mapping.toml"),
         ("é" * 300 + ".csv", "é" * 78 + ".csv"),
     ],

@@ -92,3 +92,36 @@ def test_deleted_things_come_back_with_undo(server, trial) -> None:
     assert browser.get(f"/api/recordings/{id_}").status_code == 200
     browser.post("/api/draft/redo")
     assert browser.get(f"/api/recordings/{id_}").status_code == 404
+
+
+def test_undo_does_not_bring_back_what_somebody_else_deleted(server) -> None:
+    one, other = server.browser(), server.browser()
+    id_ = one.post("/api/subjects", json={"code": "mine and yours"}).json()["id"]
+
+    def there() -> bool:
+        return id_ in [p["id"] for p in one.get("/api/subjects").json()["subjects"]]
+
+    one.delete(f"/api/subjects/{id_}")
+    one.post("/api/draft/undo")
+    one.post("/api/draft/redo")
+    one.post("/api/draft/undo")
+    assert there()
+    other.delete(f"/api/subjects/{id_}")
+    for step in ("redo", "undo"):  # neither is its to take
+        answer = one.post(f"/api/draft/{step}")
+        assert answer.status_code == 409
+        assert not there()
+    other.post("/api/draft/undo")
+    assert there()
+
+
+def test_the_later_of_two_who_edit_is_told_what_he_would_overwrite(server) -> None:
+    one, other = server.browser(), server.browser()
+    seen = one.post("/api/subjects", json={"code": "edited by two"}).json()
+    path, seen_too = f"/api/subjects/{seen['id']}", {"If-Match": f'"{seen["revision"]}"'}
+    assert other.patch(path, json={"notes": "left leg"}, headers=seen_too).status_code == 200
+    answer = one.patch(path, json={"notes": "right leg"}, headers=seen_too)
+    assert answer.status_code == 409
+    assert "notes 'left leg'" in answer.json()["error"]
+    now = {"If-Match": f'"{other.patch(path, json={}).json()["revision"]}"'}
+    assert one.patch(path, json={"notes": "both"}, headers=now).status_code == 200

@@ -7,6 +7,7 @@ import click
 
 from surae.cli.options import whole_number
 from surae.errors import InputError
+from surae.files import read_bytes
 
 _NEEDED = ("fastapi", "uvicorn", "pydantic")
 _MIB = 2**20
@@ -17,9 +18,10 @@ _MIB = 2**20
 @click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS",
               help="Address to listen on; any but this computer's own needs a token.")  # fmt: skip
 @click.option("--port", default="8765", show_default=True, metavar="N", help="0: any free one.")
-@click.option(
-    "--token", metavar="T", help="What a browser must know.  [default: made where needed]"
-)
+@click.option("--token", metavar="T", envvar="SURAE_TOKEN",
+              help="What a browser must know; others see it in the list of processes, unless it "
+              "comes from the environment as SURAE_TOKEN.  [default: made where needed]")  # fmt: skip
+@click.option("--token-file", metavar="FILE", help="A file that holds the token.")
 @click.option(
     "--workers", metavar="N", help="Fits at a time.  [default: one for each core but one]"
 )
@@ -31,6 +33,7 @@ def command(
     host: str,
     port: str,
     token: str | None,
+    token_file: str | None,
     workers: str | None,
     max_upload: str,
     open_: bool,
@@ -43,8 +46,11 @@ def command(
     number = whole_number("--port", port, least=0, most=65535) or 0
     count = whole_number("--workers", workers, least=1, most=256)
     largest = whole_number("--max-upload", max_upload, least=1, most=4096) or 512
+    os.environ.pop("SURAE_TOKEN", None)  # no worker needs it
+    if token_file is not None:
+        token = read_bytes(token_file, 4096).decode("utf-8", "replace").strip()
     if token is not None and len(token) < 8:
-        raise InputError("--token is too short; give at least 8 characters, or leave it away")
+        raise InputError("the token is too short; give at least 8 characters, or leave it away")
     missing = [name for name in _NEEDED if find_spec(name) is None]
     if missing:
         raise InputError(

@@ -6,6 +6,7 @@ reach: a mapping can only name files that were uploaded.
 """
 
 import os
+import re
 import shutil
 import tempfile
 import tomllib
@@ -29,6 +30,8 @@ from surae.units import FloatArray
 _MAPPING = "mapping.toml"
 #: Longest name of a file [bytes]; a number may come before it.
 _LONGEST = 160
+#: Names that Windows takes for devices, whatever their ending.
+_RESERVED = re.compile(r"(con|prn|aux|nul|com[0-9¹²³]|lpt[0-9¹²³]|conin\$|conout\$) *(\.|$)", re.I)
 #: Points of a preview.
 _PREVIEW = 200
 
@@ -43,7 +46,7 @@ def file_name(name: str, number: int = 0) -> str:
     while len(kept.encode()) > _LONGEST:  # systems count bytes; the end says what it is
         kept = kept[1:]
     kept = kept.lstrip(" .") or "file"
-    if kept == _MAPPING:
+    if kept == _MAPPING or _RESERVED.match(kept):
         kept = f"given-{kept}"
     return f"{number}-{kept}" if number else kept
 

@@ -7,6 +7,7 @@ import socket
 import sys
 import threading
 import webbrowser
+from typing import ClassVar
 from urllib.parse import quote
 
 import click
@@ -21,8 +22,9 @@ from surae.web.workbench import Workbench
 
 #: Connections that are served at a time; the twenty browsers of a laboratory need a hundred.
 _CONNECTIONS = 250
-#: A connection that has not said within this time what it wants is closed [s].
-_PATIENCE = 20.0
+#: A connection that has not said within this time what it wants is closed [s]; and so is, at once,
+#: the oldest of those that have said nothing where one address has more of them than this.
+_PATIENCE, _SILENT = 5.0, 32
 
 
 def serve(
@@ -66,7 +68,9 @@ def serve(
             timeout_graceful_shutdown=2,
             h11_max_incomplete_event_size=64 * 1024,
         )
-        server = _Server(config, bench, address, open_browser and sys.stdout.isatty())
+        server = _Server(
+            config, bench, address, is_loopback(host), open_browser and sys.stdout.isatty()
+        )
         server.run(sockets=[listening])
     except KeyboardInterrupt:
         pass
@@ -81,10 +85,22 @@ class _Connection(H11Protocol):
     """A connection that may not hold its place without asking for anything."""
 
     _late: asyncio.TimerHandle | None = None
+    #: Those of each address that have not asked for anything, the oldest first.
+    _silent: ClassVar[dict[str, list["_Connection"]]] = {}
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(transport)
         self._wait()
+        # A program that only holds connections open takes their places from its own, not ours.
+        waiting = self._silent.setdefault(self._who, [])
+        waiting.append(self)
+        waiting[:] = [one for one in waiting if one.cycle is None]
+        if len(waiting) > _SILENT:
+            waiting.pop(0).transport.close()
+
+    @property
+    def _who(self) -> str:
+        return self.client[0] if self.client else ""
 
     def on_response_complete(self) -> None:
         self._wait()
@@ -93,6 +109,11 @@ class _Connection(H11Protocol):
     def connection_lost(self, exc: Exception | None) -> None:
         if self._late is not None:
             self._late.cancel()
+        waiting = self._silent.get(self._who, [])
+        if self in waiting:
+            waiting.remove(self)
+        if not waiting:
+            self._silent.pop(self._who, None)
         super().connection_lost(exc)
 
     def _wait(self) -> None:
@@ -110,9 +131,15 @@ class _Server(uvicorn.Server):
     """Says where it is once it answers."""
 
     def __init__(
-        self, config: uvicorn.Config, bench: Workbench, address: str, open_browser: bool
+        self,
+        config: uvicorn.Config,
+        bench: Workbench,
+        address: str,
+        local: bool,
+        open_browser: bool,
     ) -> None:
         super().__init__(config)
+        self._local = local
         self._bench, self._address, self._open = bench, address, open_browser
         self.failed = True
 
@@ -122,6 +149,11 @@ class _Server(uvicorn.Server):
             return
         self.failed = False
         click.echo(f"surae workbench: {self._address}  (Ctrl-C ends it)")
+        if not self._local:
+            click.echo(
+                "surae: others on this network can read along, token and recordings too: http is "
+                "not encrypted; put it behind a server that is, or use an SSH tunnel", err=True
+            )  # fmt: skip
         if self._open:
             threading.Thread(target=webbrowser.open, args=(self._address,), daemon=True).start()
 

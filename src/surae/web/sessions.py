@@ -122,8 +122,7 @@ class Sessions:
     def delete(self, session: Session, kind: str, id_: str, label: str) -> None:
         """Delete a thing, so that undo brings it back."""
         with self._database.transaction():
-            self._database.update(kind, id_, {"deleted_by": session.key})
-            self._database.mark(kind, id_, deleted=True)
+            self._mark(session, kind, id_, deleted=True)
             told = {"kind": kind, "id": id_}
             self._record(session, label, "deleted", told, told)
             draft, now = self._read(session)
@@ -173,9 +172,10 @@ class Sessions:
         thing = self._database.get(kind, id_, deleted=True)
         if thing is None or (not deleted and thing.get("deleted_by", session.key) != session.key):
             return False
-        if deleted:
+        marked = self._database.mark(kind, id_, deleted=deleted)
+        if marked and deleted:
             self._database.update(kind, id_, {"deleted_by": session.key})
-        return self._database.mark(kind, id_, deleted=deleted)
+        return marked
 
     def _record(
         self,

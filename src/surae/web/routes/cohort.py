@@ -1,11 +1,10 @@
 """All subjects in one table."""
 
-import csv
-import io
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Response
 
+from surae.files import csv_row
 from surae.model import ModelSpec, get_model
 from surae.model.registry import with_drives
 from surae.web.fits import ranges
@@ -43,36 +42,19 @@ def get_cohort_csv(bench: Bench, model: Model = "muscle", which: Which = "latest
     """The same table as a file."""
     rows = _rows(bench, model, which)
     names = [p.name for p in _with_found(model, rows).parameters]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    cells = ("", "_sem", "_low", "_high", "_verdict")
-    writer.writerow([*_LABELS, *(name + end for name in names for end in cells)])
+    cells = {"": "value", "_sem": "sem", "_low": "low", "_high": "high", "_verdict": "verdict"}
+    lines = [csv_row([*_LABELS, *(name + end for name in names for end in cells)])]
     for row in rows:
-        found = [row["parameters"].get(name, {}) for name in names]
-        keys = ("value", "sem", "low", "high", "verdict")
-        writer.writerow(
-            [
-                *(_cell(row[key]) for key in _LABELS),
-                *(_cell(one.get(key)) for one in found for key in keys),
-            ]
-        )
+        estimates = [row["parameters"].get(name, {}) for name in names]
+        numbers = (one.get(key) for one in estimates for key in cells.values())
+        lines.append(csv_row([*(row[key] for key in _LABELS), *numbers]))
     headers = attachment(f"cohort-{model}", ".csv")
-    return Response(text.getvalue(), media_type="text/csv", headers=headers)
+    return Response("".join(lines), media_type="text/csv", headers=headers)
 
 
 def _with_found(model: str, rows: list[dict[str, Any]]) -> ModelSpec:
     """The model, with the drives that some fit has estimated."""
     return with_drives(get_model(model), {name for row in rows for name in row["parameters"]})
-
-
-def _cell(value: object) -> str:
-    """A cell; text that a spreadsheet would run as a formula is made harmless."""
-    if value is None:
-        return ""
-    if isinstance(value, float):
-        return repr(value)
-    text = str(value)
-    return f"'{text}" if text[:1] in "=+-@\t\r" and text[:1] else text
 
 
 def _rows(bench: Workbench, model: str, which: str) -> list[dict[str, Any]]:
