@@ -19,8 +19,8 @@ _MIB = 2**20
               help="Address to listen on; any but this computer's own needs a token.")  # fmt: skip
 @click.option("--port", default="8765", show_default=True, metavar="N", help="0: any free one.")
 @click.option("--token", metavar="T", envvar="SURAE_TOKEN",
-              help="What a browser must know; others see it in the list of processes, unless it "
-              "comes from the environment as SURAE_TOKEN.  [default: made where needed]")  # fmt: skip
+              help="What a browser must know; in the list of processes others see it, in the "
+              "environment, as SURAE_TOKEN, not.  [default: made where needed]")  # fmt: skip
 @click.option("--token-file", metavar="FILE", help="A file that holds the token.")
 @click.option(
     "--workers", metavar="N", help="Fits at a time.  [default: one for each core but one]"
