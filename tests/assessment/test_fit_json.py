@@ -136,7 +136,7 @@ def test_the_human_part(result, text):
         assert entry["value"] == p.value
         assert entry["sem"] == p.sem
         assert entry["ci95"] == (None if p.ci95 is None else list(p.ci95))
-        assert entry["verdict"] in ("identified", "weak", "at-bound", "fixed")
+        assert entry["verdict"] in ("identified", "weak", "undetermined", "at-bound", "fixed")
     assert data["parameters"]["m"]["verdict"] == "at-bound"
     assert data["parameters"]["beta"]["verdict"] == "fixed"
     assert data["parameters"]["g2"]["unit"] == "N/V"

@@ -72,17 +72,21 @@ def test_correlation_where_no_residual_is_left():
     np.testing.assert_array_equal(exact.correlation, covariance(R, NAMES[:5], 1.0, 60).correlation)
 
 
-def test_held_parameters_are_taken_as_known():
+def test_what_lies_at_a_bound_is_known_as_well_as_its_bounds_are_apart():
     J, R = regression()
-    found = covariance(R, NAMES[:5], 3.0, 60, held=("b", "e"))
+    narrow = covariance(R, NAMES[:5], 3.0, 60, {"b": 1e-9, "e": 1e-9})
     alone = covariance(np.linalg.qr(J[:, [0, 2, 3]], mode="r"), ("a", "c", "d"), 3.0, 60)
-    assert found.names == ("a", "c", "d")
-    assert found.dof == alone.dof == 57
-    np.testing.assert_allclose(found.matrix, alone.matrix, rtol=1e-10)
+    assert narrow.names == ("a", "c", "d")
+    assert narrow.dof == alone.dof == 57
+    np.testing.assert_allclose(narrow.matrix, alone.matrix, rtol=1e-6)
+    wide = covariance(R, NAMES[:5], 3.0, 60, {"b": 1e9, "e": 1e9})
+    free = covariance(R, NAMES[:5], 3.0 * 55 / 57, 60)
+    kept = np.ix_([0, 2, 3], [0, 2, 3])
+    np.testing.assert_allclose(wide.matrix, free.matrix[kept], rtol=1e-6)
 
 
-def test_everything_held():
-    found = covariance(regression()[1], NAMES[:5], 3.0, 60, held=NAMES[:5])
+def test_everything_at_a_bound():
+    found = covariance(regression()[1], NAMES[:5], 3.0, 60, dict.fromkeys(NAMES[:5], 1.0))
     assert found.names == ()
     assert found.matrix.shape == (0, 0)
     assert found.correlation.shape == (0, 0)

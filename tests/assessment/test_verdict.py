@@ -13,7 +13,7 @@ from surae.assessment.verdict import Verdict, judge_interval
         (0.002, Verdict.IDENTIFIED, "±0.2 %"),
         (0.0996, Verdict.IDENTIFIED, "±9.96 %"),
         (0.1031, Verdict.WEAK, "±10.31 %"),
-        (1.6, Verdict.WEAK, "±160 %"),
+        (1.6, Verdict.UNDETERMINED, "wider than its value"),
     ],
 )
 def test_a_note_never_reads_as_the_other_verdict(relative, verdict, text):

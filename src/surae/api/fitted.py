@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from surae.api.recordings import AnyRecording, as_in_fit
 from surae.api.simulation import parts_of, tendon_of
+from surae.assessment.adequacy import Adequacy
 from surae.assessment.assess import Assessment, ParameterEstimate
 from surae.assessment.saved.fit_json import save_fit
 from surae.assessment.uncertainty.covariance import Covariance
@@ -65,6 +66,11 @@ class Fit:
     def vaf(self) -> float:
         """Variance accounted for over all recordings, equation (31) [%]."""
         return self.assessment.vaf
+
+    @property
+    def adequacy(self) -> Adequacy:
+        """Whether the fit is good enough for its numbers to mean something: grade and reasons."""
+        return self.assessment.adequacy
 
     @property
     def vaf_weighted(self) -> float | None:

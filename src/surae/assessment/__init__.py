@@ -1,5 +1,6 @@
 """What a fit is worth: goodness, uncertainty, identifiability, validation."""
 
+from surae.assessment.adequacy import Adequacy, Grade
 from surae.assessment.assess import (
     Assessment,
     Interval,
@@ -17,11 +18,13 @@ from surae.assessment.validation.prediction import Pooled, Prediction, pooled, p
 from surae.assessment.verdict import Verdict
 
 __all__ = [
+    "Adequacy",
     "Assessment",
     "Baseline",
     "Comparison",
     "Covariance",
     "Finding",
+    "Grade",
     "Interval",
     "ParameterEstimate",
     "Pooled",

@@ -6,12 +6,13 @@ from enum import StrEnum
 
 import numpy as np
 
-from surae.assessment.residual.quality import rmse, vaf, weighted_vaf
+from surae.assessment.adequacy import Adequacy, Grade, judge_adequacy
+from surae.assessment.residual.quality import centred_r2, rmse, vaf, weighted_vaf
 from surae.assessment.residual.whiteness import LEVEL, Whiteness
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width, ipde
 from surae.assessment.uncertainty.robust import RobustCovariance, robust_covariance
 from surae.assessment.uncertainty.snsem import Baseline, check_baseline, snsem
-from surae.assessment.verdict import Verdict, judge_interval, judge_singular
+from surae.assessment.verdict import IDENTIFIED, Verdict, judge_interval, judge_singular
 from surae.estimation import FitResult
 from surae.frozen import Comparable
 from surae.model import adapted
@@ -52,9 +53,16 @@ class ParameterEstimate:
     free, at_bound : bool
         Whether it was estimated, and whether the estimate lies at a bound.
     verdict : Verdict
-        identified, weak, at-bound or fixed.
+        identified, weak, undetermined, at-bound or fixed.
     note : str
         The verdict in a plain sentence.
+    ci95_repeat : tuple of float, or None
+        95 % interval of what another trial of this leg would give: what all its trials share, and
+        is wrong alike in all of them, is not in it.
+    repeatable : bool
+        Whether that interval is within 10 % of the value, and the fit is not inadequate.
+    budget : mapping of str to float
+        Shares of the variance behind `ci95` by source, their sum 1; empty without an interval.
     """
 
     name: str
@@ -72,6 +80,9 @@ class ParameterEstimate:
     at_bound: bool
     verdict: Verdict
     note: str
+    ci95_repeat: tuple[float, float] | None = None
+    repeatable: bool = False
+    budget: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def trusted_sem(self) -> float | None:
@@ -81,9 +92,10 @@ class ParameterEstimate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RecordingQuality(Comparable):
-    """How well one recording is followed where its samples count: VAF [%], RMSE, bias [Nm].
+    """How well one recording is followed where its samples count: VAF, R² [%], RMSE, bias [Nm].
 
-    `vaf_weighted` counts the samples as the fit did; None where all that count count alike.
+    `vaf_weighted` counts the samples as the fit did; None where all that count count alike. `r2` is
+    centred: of the torque's changes.
     """
 
     name: str
@@ -95,6 +107,7 @@ class RecordingQuality(Comparable):
     rmse: float
     bias: float
     vaf_weighted: float | None
+    r2: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,6 +139,8 @@ class Assessment(Comparable):
         Which parameters it leaves out, or why there is none; empty when it has them all.
     recordings : tuple of RecordingQuality
         One for each recording.
+    adequacy : Adequacy
+        Whether the fit is good enough for any of this to mean something.
     baseline : Baseline or None
         Simulations that the standard errors are compared with.
     snsem : mapping of str to (float or None)
@@ -144,6 +159,7 @@ class Assessment(Comparable):
     ipde: float | None
     ipde_note: str
     recordings: tuple[RecordingQuality, ...]
+    adequacy: Adequacy
     baseline: Baseline | None = None
     snsem: Mapping[str, float | None] = field(default_factory=dict)
 
@@ -171,7 +187,7 @@ def assess(result: FitResult, baseline: Baseline | None = None) -> Assessment:
     problem = result.problem
     if baseline is not None:
         check_baseline(baseline, problem)
-    estimated = covariance(result.R, problem.free, result.sse, problem.n, result.at_bound)
+    estimated = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
     robust, white = robust_covariance(result, estimated)
     interval, why = _believed(result, white) if robust else (Interval.THESIS, _NO_VARIANCE)
     pairs = [_counted(*pair) for pair in zip(problem.inputs, result.residuals, strict=True)]
@@ -186,6 +202,7 @@ def assess(result: FitResult, baseline: Baseline | None = None) -> Assessment:
             rmse=rmse(residual),
             bias=float(residual.mean()),
             vaf_weighted=weighted_vaf([(torque, residual, weight)]),
+            r2=centred_r2([(torque, residual)]),
         )
         for one, (torque, residual, weight) in zip(problem.inputs, pairs, strict=True)
     )
@@ -195,7 +212,8 @@ def assess(result: FitResult, baseline: Baseline | None = None) -> Assessment:
     if not several:
         note = "fewer than two parameters have a variance"
     residuals = np.concatenate([residual for _, residual, _ in pairs])
-    parameters = _parameters(result, estimated, robust, interval)
+    adequacy = judge_adequacy(result)
+    parameters = _parameters(result, estimated, robust, interval, adequacy)
     errors = {p.name: p.sem for p in parameters.values() if p.free}
     return Assessment(
         vaf=vaf(np.concatenate([torque for torque, _, _ in pairs]), residuals),
@@ -210,6 +228,7 @@ def assess(result: FitResult, baseline: Baseline | None = None) -> Assessment:
         ipde=ipde(estimated.correlation) if several else None,
         ipde_note=note,
         recordings=recordings,
+        adequacy=adequacy,
         baseline=baseline,
         snsem={} if baseline is None else snsem(baseline, errors, problem.inputs[0].emg_unit),
     )
@@ -247,8 +266,9 @@ def _parameters(
     estimated: Covariance,
     robust: RobustCovariance | None,
     interval: Interval,
+    adequacy: Adequacy,
 ) -> dict[str, ParameterEstimate]:
-    problem = result.problem
+    problem, withheld = result.problem, adequacy.grade is Grade.INADEQUATE
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
     bounds = dict(
         zip(problem.free, zip(problem.lower.tolist(), problem.upper.tolist(), strict=True),
@@ -261,6 +281,7 @@ def _parameters(
         value = result.values[name]
         lower, upper = bounds.get(name, (p.lower, p.upper))
         sem = sem_robust = ci95 = None
+        repeatable = False
         if name not in problem.free:
             verdict, note = Verdict.FIXED, "fixed, not estimated"
         elif name in at_bound:
@@ -281,14 +302,18 @@ def _parameters(
                 if interval is Interval.ROBUST:
                     half = half_width(sem_robust, float(robust.dof[j]))
             ci95 = (value - half, value + half)
-            verdict, note = judge_interval(name, value, half, estimated, p.unit)
+            verdict, note = judge_interval(name, value, half, estimated, p.unit, withheld=withheld)
+            repeatable = half <= IDENTIFIED * abs(value) and not withheld
         elif not np.isfinite(estimated.sigma2):
-            verdict, note = Verdict.WEAK, "no interval: the model gives no finite torque here"
+            verdict, note = (
+                Verdict.UNDETERMINED,
+                "no interval: the model gives no finite torque here",
+            )
         else:
-            verdict, note = Verdict.WEAK, judge_singular(name, estimated.directions)
+            verdict, note = Verdict.UNDETERMINED, judge_singular(name, estimated.directions)
         parameters[name] = ParameterEstimate(
             name, p.unit, p.meaning, p.group, value, sem, sem_robust, ci95,
             interval if ci95 else None, lower, upper, name in problem.free, name in at_bound,
-            verdict, note,
+            verdict, note, ci95, repeatable, {"noise": 1.0} if ci95 else {},
         )  # fmt: skip
     return parameters

@@ -20,12 +20,19 @@ class Verdict(StrEnum):
 
     IDENTIFIED = "identified"
     WEAK = "weak"
+    UNDETERMINED = "undetermined"
     AT_BOUND = "at-bound"
     FIXED = "fixed"
 
 
 def judge_interval(
-    name: str, value: float, half: float, estimated: Covariance, unit: str = "-"
+    name: str,
+    value: float,
+    half: float,
+    estimated: Covariance,
+    unit: str = "-",
+    *,
+    withheld: bool = False,
 ) -> tuple[Verdict, str]:
     """Verdict and sentence of a parameter that has an interval.
 
@@ -39,30 +46,35 @@ def judge_interval(
         Where its strongest partner is looked up.
     unit : str
         Of the estimate, for an interval that is told.
+    withheld : bool
+        Whether the fit is inadequate, so that nothing is claimed.
     """
     relative = half / abs(value) if value else np.inf
     if relative <= IDENTIFIED:
+        if withheld:
+            return Verdict.WEAK, "the fit is inadequate: what it says of a parameter means nothing"
         return Verdict.IDENTIFIED, f"known to ±{_percent(relative)}"
+    verdict = Verdict.WEAK if relative <= 1.0 else Verdict.UNDETERMINED
     # A part of a value that may as well be 0 says nothing.
     nothing = name in OFF_AT_ZERO and half >= abs(value)
     if nothing:
         known = f"not distinguishable from 0 (95 %: {_interval(value, half, unit)})"
-    elif np.isfinite(relative):
+    elif verdict is Verdict.WEAK:
         known = f"known only to ±{_percent(relative)}"
     else:
-        known = "not told from 0"
+        known = "not determined: its interval is wider than its value"
     row = estimated.correlation[estimated.names.index(name)].copy()
     row[estimated.names.index(name)] = 0.0
     partner = int(np.argmax(np.abs(row)))
     if abs(row[partner]) >= _STRONG:
         other = estimated.names[partner]
-        return Verdict.WEAK, (
+        return verdict, (
             f"{known}: trades off with {other} (correlation {row[partner]:+.2f}); fix one of the "
             "two, or measure a movement that tells them apart"
         )
     if nothing:
-        return Verdict.WEAK, known
-    return Verdict.WEAK, f"{known}: it has little influence on this torque"
+        return verdict, known
+    return verdict, f"{known}: it has little influence on this torque"
 
 
 def judge_singular(name: str, directions: Sequence[Sequence[str]]) -> str:

@@ -20,9 +20,11 @@ if TYPE_CHECKING:  # a line is shown without the libraries that compute
 
 #: Style of a verdict, by its text.
 _STYLES = {
-    "identified": "green", "weak": "yellow", "at-bound": "red", "fixed": "dim",
-    "holds": "green", "differs": "red", "cannot be checked": "yellow",
+    "identified": "green", "weak": "yellow", "undetermined": "magenta", "at-bound": "red",
+    "fixed": "dim", "holds": "green", "differs": "red", "cannot be checked": "yellow",
 }  # fmt: skip
+#: Style of the sentence on a whole fit, by its grade.
+_GRADES = {"adequate": "green", "doubtful": "yellow", "inadequate": "bold red"}
 #: How steps begin that are shown: what the user asked for, not what every fit does.
 _TOLD = ("Weights: ", "Mass m ", "EMG normalised: ")
 #: Width where stdout is no terminal and COLUMNS is not set.
@@ -52,12 +54,16 @@ def show_fit(fit: "Fit") -> None:
         against = ["–" if ratio is None else significant(ratio, 3)] if fit.snsem else []
         table.add_row(p.name, text.value, text.interval, p.unit, verdict, *against, *meaning)
     show_line(fit.result.problem.spec.title)
+    with out.capture() as captured:
+        out.print(Text(fit.adequacy.sentence, _GRADES[fit.adequacy.grade]))
+    _write(captured.get())
     _print(out, table)
     for line in _notes(fit, out.width):
         show_line(line)
     for quality in fit.assessment.recordings:
         show_line(
             f"{quality.name}: VAF {percentage(quality.vaf)} %{_weighted(quality.vaf_weighted)}, "
+            f"centred R² {percentage(quality.r2)} %, "
             f"RMSE {significant(quality.rmse, 3)} Nm, "
             f"{quality.n} samples at {quality.rate_hz:g} Hz"
         )
@@ -198,7 +204,7 @@ def _notes(fit: "Fit", width: int) -> list[str]:
     """Why parameters are not identified and what to do, one line for each reason."""
     reasons: dict[str, list[str]] = {}
     for p in fit.parameters.values():
-        if p.verdict in ("weak", "at-bound"):
+        if p.verdict in ("weak", "undetermined", "at-bound"):
             reasons.setdefault(p.note, []).append(p.name)
     lines = []
     for note, names in reasons.items():

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from surae.estimation.problem import FitProblem
 from surae.frozen import Comparable
 from surae.units import FloatArray
@@ -124,6 +126,13 @@ class FitResult(Comparable):
             for name, low, high in zip(p.free, p.lower, p.upper, strict=True)
             if is_at_bound(self.values[name], low, high)
         )
+
+    @property
+    def bounded(self) -> dict[str, float]:
+        """Those at a bound, with the standard deviation of a value anywhere between the bounds."""
+        p = self.problem
+        widths = dict(zip(p.free, (p.upper - p.lower).tolist(), strict=True))
+        return {name: float(widths[name] / np.sqrt(12.0)) for name in self.at_bound}
 
 
 def is_at_bound(value: float, lower: float, upper: float) -> bool:

@@ -19,6 +19,7 @@ _GROUPS = {
 _VERDICTS = {
     Verdict.IDENTIFIED: "identified",
     Verdict.WEAK: "weak",
+    Verdict.UNDETERMINED: "undetermined",
     Verdict.AT_BOUND: "at bound",
     Verdict.FIXED: "fixed",
 }
@@ -116,7 +117,7 @@ def _row(p: ParameterEstimate, prior: Prior | None) -> ParameterRow:
         verdict_text=_VERDICTS[p.verdict],
         note=p.note,
         prior=prior_note(prior, p.value, p.trusted_sem) if prior else "",
-        determined=p.verdict is not Verdict.WEAK or p.ci95 is not None,
+        determined=p.verdict is not Verdict.UNDETERMINED or p.ci95 is not None,
         bar=_bar(p, prior) if p.free and math.isfinite(p.value) else None,
     )
 

@@ -91,8 +91,8 @@ def _counted(assessment: Assessment) -> str:
     free = [p for p in assessment.parameters.values() if p.free]
     identified = _of(assessment, Verdict.IDENTIFIED)
     bound = _of(assessment, Verdict.AT_BOUND)
-    weak = [p for p in _of(assessment, Verdict.WEAK) if p.ci95 is not None]
-    unknown = [p.name for p in _of(assessment, Verdict.WEAK) if p.ci95 is None]
+    weak = _of(assessment, Verdict.WEAK)
+    unknown = [p.name for p in _of(assessment, Verdict.UNDETERMINED)]
     text = (
         f"{_share(len(identified), len(free))} identified: the 95 % interval is within "
         f"±{100 * IDENTIFIED:g} % of the value."

@@ -77,7 +77,7 @@ def simulated_baseline(
         result = fit_problem(make_problem([trial], model, start=truth, options=options), starts=1)
         problem = result.problem
         if result.status != "failed":
-            known = covariance(result.R, problem.free, result.sse, problem.n, result.at_bound)
+            known = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
             for name, variance in zip(known.names, np.diag(known.matrix).tolist(), strict=True):
                 found.setdefault(name, []).append(float(np.sqrt(variance)))
         if progress is not None:

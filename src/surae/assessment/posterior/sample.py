@@ -234,7 +234,7 @@ def sample(
         progress=progress,
     )
     values = read_only(target.parameters(found.draws))
-    white = covariance(result.R, problem.free, result.sse, problem.n, result.at_bound)
+    white = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
     wide = replace(
         white,
         matrix=variance_inflation * white.matrix,

@@ -28,6 +28,28 @@ def vaf(measured: FloatArray, residual: FloatArray) -> float:
     return float(100.0 * (1.0 - missed / (measured @ measured))) if np.isfinite(missed) else np.nan
 
 
+def centred_r2(parts: Sequence[tuple[FloatArray, FloatArray]]) -> float:
+    """Part of the torque's changes that is followed, 100·(1 − Σe²/Σ(T − T̄)²) [%].
+
+    Unlike the VAF it does not reward a model for an offset. Each recording has its own mean.
+
+    Parameters
+    ----------
+    parts : sequence of (measured, residual), each of shape (n,)
+        Of each recording [Nm].
+
+    Returns
+    -------
+    float
+        At most 100; NaN where the residual has no finite sum of squares, or no torque changes.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        missed = sum(float(e @ e) for _, e in parts)
+        changes = sum(float(np.sum((torque - torque.mean()) ** 2)) for torque, _ in parts)
+        value = 100.0 * (1.0 - missed / changes) if changes > 0.0 else np.nan
+    return float(value) if np.isfinite(value) else np.nan
+
+
 def weighted_vaf(parts: Sequence[tuple[FloatArray, FloatArray, FloatArray]]) -> float | None:
     """Variance accounted for with samples that count unequally: (1 − Σwe²/ΣwT²)·100 %.
 

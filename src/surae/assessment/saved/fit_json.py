@@ -106,6 +106,11 @@ def as_dict(
         },
         "interval": str(assessment.interval),
         "interval_note": assessment.interval_note,
+        "adequacy": {
+            "grade": str(assessment.adequacy.grade),
+            "reasons": list(assessment.adequacy.reasons),
+            "r2": _number(assessment.adequacy.r2),
+        },
         "ipde": assessment.ipde,
         "ipde_note": assessment.ipde_note,
         "recordings": [
@@ -117,6 +122,7 @@ def as_dict(
                 "rate_hz": quality.rate_hz,
                 "vaf": _number(quality.vaf),
                 "vaf_weighted": _optional(quality.vaf_weighted),
+                "r2": _number(quality.r2),
                 "rmse_Nm": _number(quality.rmse),
                 "bias_Nm": _number(quality.bias),
                 "residual": {
@@ -182,6 +188,9 @@ def _parameter(p: ParameterEstimate) -> dict[str, Any]:
         "at_bound": p.at_bound,
         "verdict": str(p.verdict),
         "note": p.note,
+        "ci95_repeat": None if p.ci95_repeat is None else list(p.ci95_repeat),
+        "repeatable": p.repeatable,
+        "budget": dict(p.budget),
     }
 
 

@@ -1,6 +1,6 @@
 """Covariance of the estimates, and the directions in which the data say nothing."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,7 +45,11 @@ class Covariance(Comparable):
 
 
 def covariance(
-    R: FloatArray, names: Sequence[str], sse: float, n: int, held: Sequence[str] = ()
+    R: FloatArray,
+    names: Sequence[str],
+    sse: float,
+    n: int,
+    bounded: Mapping[str, float] | None = None,
 ) -> Covariance:
     """Covariance σ²(JᵀJ)⁻¹, equation (33) as decision 1 reads it.
 
@@ -59,8 +63,9 @@ def covariance(
         Sum of squared residuals [Nm²]; σ² = sse/(n − p).
     n : int
         Samples.
-    held : sequence of str
-        Parameters that lie at a bound: the others' covariance takes them as known.
+    bounded : mapping of str to float, optional
+        Parameters that lie at a bound, with the standard deviation of what may be between their
+        bounds: they have no variance of their own, and the others do not take them for known.
 
     Returns
     -------
@@ -68,19 +73,21 @@ def covariance(
         Parameters that take part in a singular direction have no variance and are left out; none
         has one where the model gave no finite numbers.
     """
-    dof = n - sum(name not in held for name in names)
+    bounded = bounded or {}
+    dof = n - len(names) + len(bounded)
     sigma2 = sse / dof
     if not np.isfinite(sse):
         return Covariance((), np.empty((0, 0)), np.empty((0, 0)), (), sigma2, dof)
-    found = inverse_root(R, names, held)
-    rows = found.matrix[found.known]
+    root = inverse_root(R, names, sigma2, bounded)
+    known = [j for j in root.known if names[root.kept[j]] not in bounded]
+    rows = root.matrix[known]
     inverse = rows @ rows.T
     norms = np.sqrt(np.diag(inverse))
     return Covariance(
-        tuple(names[found.kept[j]] for j in found.known),
+        tuple(names[root.kept[j]] for j in known),
         np.asarray(sigma2 * inverse),
         np.asarray(inverse / np.outer(norms, norms)),
-        tuple(tuple(names[found.kept[j]] for j in group) for group in found.groups),
+        tuple(tuple(names[root.kept[j]] for j in group) for group in root.groups),
         sigma2,
         dof,
     )
@@ -93,7 +100,7 @@ class InverseRoot:
     Attributes
     ----------
     kept : tuple of int
-        Parameters that are not held.
+        Positions of its rows' parameters.
     matrix : ndarray, shape (k, r)
         C, one row for each of them; r of the k directions are not singular.
     groups : tuple of tuple of int
@@ -111,15 +118,25 @@ class InverseRoot:
         return [j for j in range(len(self.matrix)) if j not in tied]
 
 
-def inverse_root(R: FloatArray, names: Sequence[str], held: Sequence[str] = ()) -> InverseRoot:
-    """Root of the inverse of RᵀR for the parameters that are not held; see `covariance`."""
-    kept = tuple(j for j, name in enumerate(names) if name not in held)
-    if not kept or not np.isfinite(R).all():
+def inverse_root(
+    R: FloatArray, names: Sequence[str], sigma2: float, bounded: Mapping[str, float]
+) -> InverseRoot:
+    """Root of the inverse of RᵀR, with what is known of parameters at a bound; see `covariance`.
+
+    A parameter at a bound may lie anywhere between its bounds for all that the quadratic can say:
+    that enters as a prior of the width of the interval, and not as knowledge of the value.
+    """
+    if not np.isfinite(R).all():
+        return InverseRoot(tuple(range(len(names))), np.empty((0, 0)), ())
+    # Without noise a prior has no weight beside the data: what lies at its bound is known then.
+    kept = tuple(j for j, name in enumerate(names) if sigma2 > 0 or name not in bounded)
+    if not kept:
         return InverseRoot(kept, np.empty((0, 0)), ())
-    A = R[:, kept]
+    rows = [np.sqrt(sigma2) / bounded.get(name, np.inf) for name in names]
+    A = np.vstack([R, np.diag(rows)])[:, kept]
     norms = np.linalg.norm(A, axis=0)
     scale = np.where(norms > 0, norms, 1.0)
-    _, s, Vt = np.linalg.svd(A / scale)
+    _, s, Vt = np.linalg.svd(A / scale, full_matrices=False)
     singular = s <= _SINGULAR * s[0]
     groups = _inseparable(Vt[singular])
     C = Vt[~singular].T / s[~singular] / scale[:, None]

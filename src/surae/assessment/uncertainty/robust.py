@@ -63,8 +63,8 @@ def robust_covariance(
     variance is their inverse, unless they are there for emphasis (`ModelInputs.emphasised`): then
     the noise is what the residual is without them. A loss for outliers enters as its ψ in place of
     the residual, with the mean of ψ′ as its curvature (Huber and Ronchetti 2009, 7.6). Left-out
-    samples are gaps across which the noise goes on. Parameters at a bound are taken as known. A
-    prior is an observation of its own, with white noise.
+    samples are gaps across which the noise goes on. A prior, and what is known of a parameter at
+    its bound, is an observation of its own, with white noise.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def robust_covariance(
         )
     # The parameters of an edited file may be absurd: then numbers overflow.
     with one_blas_thread(), np.errstate(over="ignore", invalid="ignore"):
-        root = inverse_root(result.R, problem.free, result.at_bound)
+        root = inverse_root(result.R, problem.free, estimated.sigma2, result.bounded)
         x = np.array([result.values[name] for name in problem.free])
         rows = Residuals(problem).data_rows(x)
         edges = pairwise(np.cumsum([0, *(one.n for one in problem.inputs)]).tolist())
@@ -106,8 +106,9 @@ def robust_covariance(
             for one, inputs in zip(seen, problem.inputs, strict=True)
         )
         models = _noise_models(seen)
-        found = _covariance(root, seen, models, estimated, result.outliers)
-        return found if np.isfinite(found.matrix).all() else None, white
+        known = [j for j in root.known if problem.free[root.kept[j]] in estimated.names]
+        robust = _covariance(root, known, seen, models, estimated, result.outliers)
+        return robust if np.isfinite(robust.matrix).all() else None, white
 
 
 def _gains(result: FitResult) -> list[FloatArray | None]:
@@ -210,6 +211,7 @@ def _noise_models(seen: Sequence[_Seen]) -> tuple[NoiseModel, ...]:
 
 def _covariance(
     root: InverseRoot,
+    known: Sequence[int],
     seen: Sequence[_Seen],
     models: Sequence[NoiseModel],
     estimated: Covariance,
@@ -218,7 +220,7 @@ def _covariance(
     told = sum((one.told for one in seen), start=np.zeros(()))
     # Without priors the information is the unit matrix: what is missing of it comes from them.
     prior = np.eye(len(told)) - told
-    C, sigma2 = root.matrix[root.known], estimated.sigma2
+    C, sigma2 = root.matrix[list(known)], estimated.sigma2
     if outliers is not None:
         C = np.asarray(np.linalg.solve(told / outliers.widening + prior, C.T).T)
         sigma2 = outliers.scale**2

@@ -84,7 +84,7 @@ export const roleText = (role) => ROLES[role] ?? role;
 export const EMG = ["emg_ta", "emg_gl", "emg_sol", "emg_gm"];
 export const EMG_SHORT = ["TA", "GL", "SOL", "GM"];
 
-const VERDICTS = { identified: "identified", weak: "weak", "at-bound": "at bound", fixed: "fixed" };
+const VERDICTS = { identified: "identified", weak: "weak", undetermined: "undetermined", "at-bound": "at bound", fixed: "fixed" };
 export const verdictText = (verdict) => VERDICTS[verdict] ?? verdict;
 
 /** A range of values as it is shown to the eye. */

@@ -1,0 +1,258 @@
+"""Whether a fit is good enough for its numbers to mean something: one gate, with reasons.
+
+A parameter of a model that does not follow the torque is known precisely and means nothing, and so
+is one of a leg that did not move. What is looked at, and from where on it matters, was chosen on
+virtual legs (decision 16):
+
+================== =================================================================================
+centred R²         of the torque's changes, not of its offset, which any gravity or zero explains
+movement           an ankle that holds still shows neither stiffness nor an optimal length
+effort             weights that are to be estimated need EMG that changes
+residual structure the part of the residual that angle, velocity and activation explain belongs to
+                   the leg and not to noise: the model leaves something out
+bounds             an estimate at its bound is where the search ended, not what the data say
+cross-prediction   several recordings of a leg should follow one set of parameters alike
+================== =================================================================================
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+import numpy.typing as npt
+
+from surae.assessment.residual.quality import centred_r2
+from surae.estimation import FitResult
+from surae.recording import MUSCLES
+from surae.signals import ModelInputs
+from surae.units import FloatArray
+
+#: Centred R² [%] below which a model does not describe the torque, and from which on it does well.
+_NOT_FOLLOWED, _FOLLOWED = 80.0, 95.0
+#: Movement [rad] between the 1st and 99th percentile: below the first an ankle holds still.
+_STILL, _LITTLE = np.radians(4.0), np.radians(10.0)
+#: EMG counts as effort where its strongest moments are so many times its weakest.
+_EFFORT = 2.0
+#: Part of the torque's variance [%] that a structured residual may have, and from which on it is
+#: too much; and from which part of the residual on it is called structured.
+_LEFT_OUT, _TOO_MUCH, _STRUCTURED = 0.5, 5.0, 0.3
+#: Part of the free parameters that may lie at a bound before nothing else is believed either.
+_MOST_BOUND = 0.5
+#: A recording that is followed so much worse than all together [% of R²] contradicts the others.
+_CONTRADICTS = 5.0
+#: Below this cut-off [Hz] EMG is taken for what the muscle makes of it.
+_ACTIVATION_HZ = 2.0
+
+
+class Grade(StrEnum):
+    """Judgement of a whole fit."""
+
+    ADEQUATE = "adequate"
+    DOUBTFUL = "doubtful"
+    INADEQUATE = "inadequate"
+
+
+@dataclass(frozen=True, slots=True)
+class Adequacy:
+    """Whether a fit is good enough for its numbers to mean something.
+
+    Attributes
+    ----------
+    grade : Grade
+        ``inadequate`` withholds every claim; ``doubtful`` asks for caution.
+    reasons : tuple of str
+        Sentences, the gravest first; empty for an adequate fit.
+    r2 : float
+        Centred R² over all recordings, 100·(1 − Σe²/Σ(T − T̄)²) [%]; NaN without a finite torque.
+    """
+
+    grade: Grade
+    reasons: tuple[str, ...]
+    r2: float
+
+    @property
+    def sentence(self) -> str:
+        """The grade and its reasons in one line."""
+        lead = {
+            Grade.ADEQUATE: "Adequate: the model follows the torque, and what is left is noise.",
+            Grade.DOUBTFUL: "Doubtful: ",
+            Grade.INADEQUATE: "Inadequate, no parameter is identified: ",
+        }[self.grade]
+        return lead + "; ".join(self.reasons) + ("." if self.reasons else "")
+
+
+def judge_adequacy(result: FitResult) -> Adequacy:
+    """Judge a whole fit.
+
+    Parameters
+    ----------
+    result : FitResult
+        What was found.
+
+    Returns
+    -------
+    Adequacy
+        Grade and reasons.
+    """
+    inputs, residuals = result.problem.inputs, result.residuals
+    r2 = centred_r2([_counted(one, e) for one, e in zip(inputs, residuals, strict=True)])
+    if result.status == "failed" or not np.isfinite(r2):
+        return Adequacy(Grade.INADEQUATE, ("the fit failed",), r2)
+    grave: list[str] = []
+    doubts: list[str] = []
+    for reasons in (
+        _goodness(r2),
+        _movement(inputs),
+        _effort(result),
+        _structure(inputs, residuals, r2),
+        _bounds(result),
+        _agreement(inputs, residuals, r2),
+    ):
+        for serious, reason in reasons:
+            (grave if serious else doubts).append(reason)
+    grade = Grade.INADEQUATE if grave else Grade.DOUBTFUL if doubts else Grade.ADEQUATE
+    return Adequacy(grade, (*grave, *doubts), r2)
+
+
+#: Whether it is grave, and the sentence.
+_Reason = tuple[bool, str]
+
+
+def _goodness(r2: float) -> list[_Reason]:
+    if r2 < _NOT_FOLLOWED:
+        return [(True, f"the model does not follow the torque's changes (centred R² {r2:.1f} %)")]
+    if r2 < _FOLLOWED:
+        return [(False, f"the torque's changes are followed only roughly (centred R² {r2:.1f} %)")]
+    return []
+
+
+def _movement(inputs: Sequence[ModelInputs]) -> list[_Reason]:
+    """All recordings together must move: several holds at different angles do."""
+    angle = np.concatenate([one.angle[_mask(one)] for one in inputs])
+    low, high = np.percentile(angle, [1.0, 99.0])
+    text = f"({np.degrees(high - low):.2g}° in all)"
+    if high - low < _STILL:
+        return [(True, f"the ankle hardly moves {text}: nothing tells stiffness from strength")]
+    if high - low < _LITTLE:
+        return [(False, f"the ankle moves little {text}")]
+    return []
+
+
+def _effort(result: FitResult) -> list[_Reason]:
+    """Weights that are free need an EMG that changes."""
+    problem = result.problem
+    silent = []
+    for channel, (muscle, weight) in enumerate(zip(MUSCLES, problem.spec.weights, strict=True)):
+        if weight not in problem.free:
+            continue
+        emg = np.concatenate([one.emg[_mask(one), channel] for one in problem.inputs])
+        weak, strong = np.percentile(emg, [25.0, 99.0])
+        if not strong > max(_EFFORT * weak, 0.0):
+            silent.append(muscle.upper())
+    if not silent:
+        return []
+    return [(False, f"the EMG of {', '.join(silent)} hardly changes: its weight is a guess")]
+
+
+def _structure(
+    inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray], r2: float
+) -> list[_Reason]:
+    share = structure(inputs, residuals)
+    left_out = share * (100.0 - r2)
+    if share < _STRUCTURED or left_out < _LEFT_OUT:
+        return []
+    text = (
+        f"{100 * share:.0f} % of the residual follow angle, velocity or activation "
+        f"({left_out:.1f} % of the torque's variance): the model leaves something out"
+    )
+    return [(left_out > _TOO_MUCH, text)]
+
+
+def _bounds(result: FitResult) -> list[_Reason]:
+    own = [name for name in result.problem.free if name in result.at_bound]
+    if not own:
+        return []
+    many = len(own) > _MOST_BOUND * len(result.problem.free)
+    verb = "lies" if len(own) == 1 else "lie"
+    return [(many, f"{', '.join(own)} {verb} at a bound")]
+
+
+def _agreement(
+    inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray], r2: float
+) -> list[_Reason]:
+    if len(inputs) < 2:
+        return []
+    reasons = []
+    for one, e in zip(inputs, residuals, strict=True):
+        own = centred_r2([_counted(one, e)])
+        if own < r2 - _CONTRADICTS:
+            reasons.append((own < _NOT_FOLLOWED, f"{one.name} is not followed (R² {own:.1f} %)"))
+    return reasons
+
+
+def structure(inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray]) -> float:
+    """Part of the residual's variance that angle, velocity and activation explain, 0 … 1.
+
+    A linear regression in each recording on the angle to its third power, on velocity and its size
+    and sign, and on each muscle's activation and its product with the angle; lessened by what as
+    many regressors explain of noise that is as correlated as the residual.
+
+    Parameters
+    ----------
+    inputs : sequence of ModelInputs
+        The recordings.
+    residuals : sequence of ndarray
+        Measured minus modelled torque of each [Nm].
+    """
+    explained = total = 0.0
+    for one, residual in zip(inputs, residuals, strict=True):
+        mask = _mask(one)
+        e = residual[mask] - residual[mask].mean()
+        sse = float(e @ e)
+        if not np.isfinite(sse) or sse <= 0.0:
+            continue
+        features = _features(one)[mask]
+        features -= features.mean(axis=0)
+        norms = np.linalg.norm(features, axis=0)
+        features = features[:, norms > 0] / norms[norms > 0]
+        u, s, _ = np.linalg.svd(features, full_matrices=False)
+        basis = u[:, s > 1e-6 * s[0]] if len(s) else u
+        lag1 = float(np.clip((e[1:] @ e[:-1]) / sse, 0.0, 0.999))
+        independent = len(e) * (1.0 - lag1) / (1.0 + lag1)
+        k = basis.shape[1]
+        if independent > k + 2:
+            share = float(np.sum((basis.T @ e) ** 2)) / sse
+            share = 1.0 - (1.0 - share) * (independent - 1.0) / (independent - k - 1.0)
+            explained += max(share, 0.0) * sse
+        total += sse
+    return explained / total if total > 0.0 else 0.0
+
+
+def _features(one: ModelInputs) -> FloatArray:
+    """What a residual should not follow, shape (n, k)."""
+    from scipy.signal import butter, sosfiltfilt
+
+    angle = one.angle - one.angle.mean()
+    top = max(float(np.abs(one.velocity).max()), 1e-12)
+    columns = [angle, angle**2, angle**3, one.velocity, np.abs(one.velocity)]
+    columns.append(np.tanh(10.0 * one.velocity / top))
+    if one.rate_hz > 2.5 * _ACTIVATION_HZ and one.n > 20:
+        sos = butter(2, _ACTIVATION_HZ, fs=one.rate_hz, output="sos")
+        active = sosfiltfilt(sos, one.emg, axis=0)
+    else:
+        active = one.emg
+    for channel in active.T:
+        columns += [channel, channel * angle]
+    return np.stack(columns, axis=1)
+
+
+def _mask(one: ModelInputs) -> npt.NDArray[np.bool_]:
+    return np.ones(one.n, dtype=bool) if one.weight is None else one.weight > 0
+
+
+def _counted(one: ModelInputs, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Measured torque and residual where samples count."""
+    torque = np.full(one.n, np.nan) if one.torque is None else one.torque
+    mask = _mask(one)
+    return torque[mask], residual[mask]
