@@ -49,7 +49,7 @@ def test_what_follows_the_angle_is_no_noise(noisy):
     assert structure([noisy], [white]) < 0.05
     slow = np.convolve(rng.standard_normal(noisy.n + 60), np.exp(-np.arange(61) / 10), "valid")
     assert structure([noisy], [slow]) < 0.15
-    assert structure([noisy], [noisy.angle**2 + 0.1 * white]) > 0.9
+    assert structure([noisy], [noisy.angle**2 + 0.1 * white]) > 0.6
 
 
 def test_a_model_that_leaves_much_out_is_not_adequate(noisy):

