@@ -4,10 +4,12 @@ import importlib.util
 import os
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 
 from surae.protocol import Protocol, generate
+from surae.recording import write_csv
 from surae.studies import virtual_subject, virtual_trial
 
 # What fails once fails again, and a busy computer fails nothing.
@@ -62,3 +64,19 @@ def clean(subject, trajectory):
 def noisy(subject, trajectory):
     """A trial with the thesis's noise."""
     return virtual_trial(subject, trajectory, noise=0.05)
+
+
+@pytest.fixture(scope="session")
+def trial_csv(tmp_path_factory) -> Path:
+    """A CSV of a virtual subject: 40 s at 32 Hz, envelopes, with our column names."""
+    motion = generate(
+        Protocol(profile="multi-sine-holds", chirp_amplitude=0.2, chirp_rate=0.1, rate_hz=32.0)
+    )
+    made = virtual_trial(virtual_subject(3), motion, noise=0.0)
+    assert made.torque is not None
+    noise = 0.3 * np.random.default_rng(1).standard_normal(made.n)
+    table = {"time_s": made.time, "angle_rad": made.angle, "torque_Nm": made.torque + noise}
+    table |= {f"emg_{m}_V": made.emg[:, i] for i, m in enumerate(("ta", "gl", "sol", "gm"))}
+    path = tmp_path_factory.mktemp("trial") / "trial.csv"
+    write_csv(path, table, ["emg: envelope"])
+    return path

@@ -156,8 +156,8 @@ def test_the_table_has_its_columns_in_order(path) -> None:
     start = names.index("status")
     assert names[start - 1] == "geometry"
     assert names[start : start + 6] == ["status", "vaf", "ipde", "m", "m_sem", "m_true"]
-    assert names[-4:] == ["pt_tib", "pt_tib_sem", "pt_tib_true", "seconds"]
-    assert len(names) == start + 3 + 3 * 17 + 1
+    assert names[-3:] == ["pt_tib", "pt_tib_sem", "pt_tib_true"]
+    assert len(names) == start + 3 + 3 * 17
     assert "pt_tri" not in columns(parse_study(TEXT))
 
 

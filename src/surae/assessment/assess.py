@@ -194,7 +194,7 @@ def assess(result: FitResult, baseline: Baseline | None = None) -> Assessment:
     recordings = tuple(
         RecordingQuality(
             name=one.name,
-            path=one.files[0].path if one.files else None,
+            path=one.files[0].name if one.files else None,
             sha256=one.files[0].sha256 if one.files else None,
             n=one.n,
             rate_hz=one.rate_hz,

@@ -8,6 +8,7 @@ stopped it.
 
 import io
 import os
+import signal
 import sys
 from contextlib import suppress
 from importlib import import_module
@@ -76,6 +77,7 @@ def group() -> None:
 def main() -> NoReturn:
     """Run the command line and exit."""
     arguments, debug = _debug(sys.argv[1:])
+    _end_in_order()
     if sys.stdout is None:  # closed by whoever called
         sys.stdout = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
     for stream in (sys.stdout, sys.stderr):
@@ -109,6 +111,19 @@ def main() -> NoReturn:
         text = f"{type(error).__name__}: {error}"
         _fail(f"internal error ({text}); run again with --debug and report it", 1, debug)
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _end_in_order() -> None:
+    """Let a polite kill, or a terminal that closes, end us as an error does: half files go."""
+
+    def stop(number: int, frame: object) -> NoReturn:
+        del frame
+        raise SystemExit(128 + number)
+
+    for name in ("SIGTERM", "SIGHUP"):  # Windows has one of them; nohup ignores the other
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) is signal.SIG_DFL:
+            signal.signal(number, stop)
 
 
 def _debug(arguments: list[str]) -> tuple[list[str], bool]:

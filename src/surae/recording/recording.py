@@ -44,10 +44,18 @@ def freeze(values: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class SourceFile:
-    """A file that a recording was read from: its path as given and its SHA-256."""
+    """A file that a recording was read from: its path as given and its SHA-256.
 
-    path: str
+    Folders may be named after patients: what is written says `name`, never `path`.
+    """
+
+    path: str = field(compare=False)
     sha256: str
+
+    @property
+    def name(self) -> str:
+        """The file's own name, without folders of any system."""
+        return self.path.replace("\\", "/").rsplit("/", 1)[-1]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -22,7 +22,7 @@ class Setting:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A recording, its files (path, SHA-256), which samples count, and what was done to it."""
+    """A recording, its files (name, SHA-256), which samples count, and what was done to it."""
 
     recording: str
     files: tuple[tuple[str, str], ...]
@@ -56,7 +56,7 @@ def sources(result: FitResult) -> tuple[Source, ...]:
     return tuple(
         Source(
             recording=one.name,
-            files=tuple((file.path, file.sha256) for file in one.files),
+            files=tuple((file.name, file.sha256) for file in one.files),
             samples=f"{one.n} at {short(one.rate_hz)} Hz",
             left_out=left_out_text(one.time, one.weight),
             steps=one.steps,

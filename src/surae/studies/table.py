@@ -1,13 +1,10 @@
 """The table of a study: one row for each combination of its factors, in a fixed order."""
 
-import csv
-import io
-import math
 from collections.abc import Iterator
 from pathlib import Path
 
 from surae.errors import InputError
-from surae.files import PathLike, atomic_file
+from surae.files import PathLike, atomic_file, csv_row
 from surae.model import MODELS
 from surae.studies.store import Store
 from surae.studies.study import Study, Value, parse_study
@@ -17,12 +14,12 @@ Cell = Value | None
 
 
 def columns(study: Study) -> list[str]:
-    """Names of the columns: factors, goodness, three of every parameter estimated, seconds."""
+    """Names of the columns: factors, goodness, three of every parameter estimated."""
     models = [MODELS[str(name)] for name in study.factors["model"]]
     names = dict.fromkeys(p.name for m in MODELS.values() for p in m.parameters)
     estimated = [name for name in names if any(name in m.free for m in models)]
     parameters = [name + end for name in estimated for end in ("", "_sem", "_true")]
-    return [*study.factors, "status", "vaf", "ipde", *parameters, "seconds"]
+    return [*study.factors, "status", "vaf", "ipde", *parameters]
 
 
 def table(store: Store) -> Iterator[dict[str, Cell]]:
@@ -35,7 +32,6 @@ def table(store: Store) -> Iterator[dict[str, Cell]]:
         for one in outcome.estimates:
             row[one.name], row[f"{one.name}_sem"] = one.value, one.sem
             row[f"{one.name}_true"] = one.true
-        row["seconds"] = outcome.seconds
         yield row
 
 
@@ -54,20 +50,10 @@ def export(store: Store, path: PathLike) -> int:
     if Path(path).suffix.lower() == ".parquet":
         _write_parquet(path, names, rows)
         return len(rows)
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(names)
-    writer.writerows([_text(row[name]) for name in names] for row in rows)
     with atomic_file(path) as handle:
-        handle.write(text.getvalue().encode())
+        handle.write(csv_row(names).encode())
+        handle.writelines(csv_row(row[name] for name in names).encode() for row in rows)
     return len(rows)
-
-
-def _text(cell: Cell) -> str:
-    """A cell of a CSV: the shortest digits that are read back as the same number."""
-    if cell is None or (isinstance(cell, float) and not math.isfinite(cell)):
-        return ""
-    return repr(cell) if isinstance(cell, float) else str(cell)
 
 
 def _write_parquet(path: PathLike, names: list[str], rows: list[dict[str, Cell]]) -> None:

@@ -62,6 +62,8 @@ class RequestWorkers:
             with self._changed:
                 self._free.append(worker)
                 self._changed.notify()
+        if end.how != "done" and self._closed:
+            raise RefusedError(503, "the server is shutting down")
         if end.how != "done":
             if end.where:
                 _log.error("internal error in a worker: %s", end.where)

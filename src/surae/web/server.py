@@ -3,6 +3,7 @@
 import asyncio
 import os
 import secrets
+import signal
 import socket
 import sys
 import threading
@@ -60,7 +61,7 @@ def serve(
             http=_Connection,
             ws="none",
             limit_concurrency=_CONNECTIONS,
-            log_level="error",
+            log_level="critical",  # tracebacks may hold names of patients; ours go to `_log`
             access_log=False,
             server_header=False,
             date_header=False,
@@ -71,6 +72,8 @@ def serve(
         server = _Server(
             config, bench, address, is_loopback(host), open_browser and sys.stdout.isatty()
         )
+        if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
+            signal.signal(signal.SIGHUP, server.handle_exit)  # the terminal was closed
         server.run(sockets=[listening])
     except KeyboardInterrupt:
         pass
@@ -158,7 +161,8 @@ class _Server(uvicorn.Server):
             threading.Thread(target=webbrowser.open, args=(self._address,), daemon=True).start()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        self._bench.events.close()  # streams would never end of themselves
+        # Streams would never end of themselves, and requests would wait for their files.
+        await asyncio.to_thread(self._bench.stop)
         await super().shutdown(sockets)
 
 

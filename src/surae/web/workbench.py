@@ -70,14 +70,18 @@ class Workbench:
         self.jobs.start(kinds)
         threading.Thread(target=_warm, name="warm", daemon=True).start()
 
+    def stop(self) -> None:
+        """End streams, jobs and what requests wait for."""
+        self.events.close()
+        self.workers.close()
+        self.jobs.close()
+
     def close(self) -> None:
         """Let go of everything; once is enough."""
         if self._closed:
             return
         self._closed = True
-        self.events.close()
-        self.jobs.close()
-        self.workers.close()
+        self.stop()
         self.project.close()
 
     def changed(self, what: str) -> None:

@@ -27,7 +27,7 @@ def trace_as_dict(one: ModelInputs, residual: FloatArray) -> dict[str, Any]:
         "prepared": one.prepared,
         "steps": list(one.steps),
         "fixed": dict(one.fixed),
-        "files": [{"path": file.path, "sha256": file.sha256} for file in one.files],
+        "files": [{"path": file.name, "sha256": file.sha256} for file in one.files],
         **{name: encode(getattr(one, name)) for name in _SERIES},
         "emg": encode(one.emg),
         "torque": encode(torque),
@@ -44,7 +44,7 @@ def _reference_as_dict(reference: EmgReference | None) -> dict[str, Any] | None:
         "kind": reference.kind,
         "values_V": dict(zip(MUSCLES, reference.values, strict=True)),
         "recordings": reference.count,
-        "files": [{"path": file.path, "sha256": file.sha256} for file in reference.files],
+        "files": [{"path": file.name, "sha256": file.sha256} for file in reference.files],
     }
 
 

@@ -144,7 +144,7 @@ def predict(
         predictions.append(
             Prediction(
                 one.name,
-                one.files[0].path if one.files else None,
+                one.files[0].name if one.files else None,
                 vaf(one.torque[counted], residual),
                 rmse(residual),
                 float(residual.mean()),
