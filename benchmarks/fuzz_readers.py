@@ -1,6 +1,6 @@
 """Mutated files to every reader: only our errors come out, within bounded memory and time.
 
-    python benchmarks/fuzz_readers.py [--files 10000] [--reader NAME]… [--seconds 10] [--mib 1536]
+    python benchmarks/fuzz_readers.py [--files 10000] [--reader NAME]… [--seconds 30] [--mib 1536]
 
 Every reader runs in a process of its own with a limit on its memory; one that crashes, runs out of
 time or raises anything else is reported with the seed that did it, and the script ends with 1.
@@ -93,7 +93,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--files", type=int, default=10_000)
     parser.add_argument("--reader", choices=sorted(SEEDS), action="append")
-    parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--seconds", type=float, default=30.0)
     parser.add_argument("--mib", type=int, default=1536)
     given = parser.parse_args()
     done = [fuzz(r, given.files, given.seconds, given.mib) for r in given.reader or SEEDS]

@@ -16,16 +16,46 @@ SI = {
     "emg": "V",
     "angular_velocity": "rad/s",
     "angular_acceleration": "rad/s2",
+    "time": "s",
 }
 
 #: Factor from a unit to the SI unit of its kind. "1" is an EMG envelope normalised by its user.
 FACTORS: dict[str, dict[str, float]] = {
     "angle": {"rad": 1.0, "deg": math.pi / 180},
-    "torque": {"Nm": 1.0, "mNm": 1e-3},
+    "torque": {"Nm": 1.0, "mNm": 1e-3, "Nmm": 1e-3},
     "emg": {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "1": 1.0},
     "angular_velocity": {"rad/s": 1.0, "deg/s": math.pi / 180},
     "angular_acceleration": {"rad/s2": 1.0, "deg/s2": math.pi / 180},
+    "time": {"s": 1.0, "ms": 1e-3},
 }
+
+#: How else files spell units, in small letters.
+_SPELLINGS = {
+    **dict.fromkeys(("degree", "degrees", "°"), "deg"),
+    **dict.fromkeys(("radian", "radians"), "rad"),
+    "°/s": "deg/s",
+    **dict.fromkeys(("°/s2", "deg/s^2", "°/s^2"), "deg/s2"),
+    "rad/s^2": "rad/s2",
+    **dict.fromkeys(("n.m", "n·m", "n m", "n*m", "newton meter"), "Nm"),
+    **dict.fromkeys(("n.mm", "n·mm", "n mm", "n*mm", "ntmm"), "Nmm"),
+    **dict.fromkeys(("volt", "volts"), "V"),
+    **dict.fromkeys(("millivolt", "millivolts"), "mV"),
+    **dict.fromkeys(("microvolt", "microvolts"), "uV"),
+    **dict.fromkeys(("sec", "second", "seconds"), "s"),
+    **dict.fromkeys(("msec", "millisecond", "milliseconds"), "ms"),
+}
+_KNOWN = {unit.casefold(): unit for units in FACTORS.values() for unit in units}
+
+
+def plain(text: str) -> str:
+    """A unit or column name with both of Unicode's micro signs written as ``u``."""
+    return text.replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
+
+
+def spelled(text: str) -> str | None:
+    """Our spelling of a unit as a file spells it; None where it is none that is known here."""
+    folded = plain(text.strip()).casefold()
+    return _KNOWN.get(_SPELLINGS.get(folded, folded).casefold())
 
 
 def kind(role: str) -> str:

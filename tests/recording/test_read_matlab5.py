@@ -11,6 +11,7 @@ import scipy.io
 from reader_seeds import ANGLE, EMG, RATE, TIME, mat5_file
 
 from surae.errors import InputError
+from surae.recording import foreign, matlab
 
 
 def saved(variables, **options):
@@ -79,19 +80,53 @@ HEADER = b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"
 
 
 @pytest.mark.parametrize(
-    ("body", "says"),
+    "body",
     [
-        (variable((1, 2**31 - 1), bytes(16)), "2147483647 values holds 16 bytes"),
-        (variable((2**30, 2**30), bytes(16), kind=1), "elements"),
-        (variable((1, -5), bytes(16)), "the shape of a variable"),
-        # SciPy would look its type up beyond the end of a table.
-        (variable((1, 2), bytes(16), stored=180), "an element of type 180"),
-        (struct.pack("<II", 14, 2**31) + bytes(64), "cut short"),
-        (element(15, zlib.compress(bytes(400 * 2**20), 9)), "it claims"),
-        (element(15, b"no zlib at all"), "damaged"),
-        (element(15, zlib.compress(struct.pack("<II", 14, 2**31))), "compressed variable"),
+        variable((1, 2**31 - 1), bytes(16)),
+        variable((2**30, 2**30), bytes(16), kind=1),
+        variable((1, -5), bytes(16)),
+        # SciPy looks its type up beyond the end of a table.
+        variable((1, 2), bytes(16), stored=180),
+        struct.pack("<II", 14, 2**31) + bytes(64),
+        element(15, b"no zlib at all"),
+        element(15, zlib.compress(struct.pack("<II", 14, 2**31))),
     ],
 )
-def test_claims_are_checked_before_anything_is_unpacked(table, body, says):
-    with pytest.raises(InputError, match=says):
+def test_claims_that_the_file_does_not_hold_are_refused_wherever_scipy_notices(table, body):
+    with pytest.raises(InputError, match=r"damaged|no channels"):
         table(HEADER + body)
+
+
+def test_a_matlab_file_that_unpacks_without_end_meets_the_limit_of_memory(table, monkeypatch):
+    monkeypatch.setattr(foreign, "_MEMORY", 600 * 2**20)
+    with pytest.raises(InputError, match="damaged"):
+        table(HEADER + element(15, zlib.compress(bytes(600 * 2**20), 9)))
+
+
+def test_objects_are_named_with_how_to_save_them_plainly(tmp_path, table):
+    path = tmp_path / "x.mat"
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, kind in (("T", "timetable"), ("note", "string")):
+            file[name] = np.zeros((1, 6), dtype=np.uint32)
+            file[name].attrs["MATLAB_class"] = np.bytes_(kind)
+            file[name].attrs["MATLAB_object_decode"] = np.int32(3)
+    with pytest.raises(InputError, match=r"'T': a MATLAB timetable, .*timetable2table\(T\).*save"):
+        table(path.read_bytes())
+    with h5py.File(path, "a") as file:
+        file["x"], file["fs"] = ANGLE[None], [[RATE]]
+    found = table(path.read_bytes())
+    assert found.names == ("T", "x")
+    np.testing.assert_array_equal(found.load(["x"])["x"].values, ANGLE)
+    with pytest.raises(InputError, match="column 'T': a MATLAB timetable"):
+        found.load(["T"])
+
+
+def test_objects_of_version_5_are_named_too():
+    opaque = np.array(
+        [(b"trial", b"MCOS", b"table", np.zeros((6, 1), np.uint32))],
+        dtype=[("s0", "O"), ("s1", "O"), ("s2", "O"), ("arr", "O")],
+    ).view(scipy.io.matlab.MatlabOpaque)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(scipy.io, "loadmat", lambda *_, **__: {"None": opaque, "__header__": b""})
+        with pytest.raises(InputError, match=r"'trial': a MATLAB table, .*table2struct\(trial"):
+            matlab.parse(b"MATLAB 5.0 MAT-file", "x")

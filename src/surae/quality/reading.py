@@ -14,10 +14,10 @@ from surae.quality.timing import axis_findings
 from surae.recording import MUSCLES, Channel, Recording, read, read_only
 from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.formats import open_table
-from surae.recording.naming import NAMES, plain
+from surae.recording.naming import NAMES
 from surae.recording.source import open_source
 from surae.recording.table import Column, Table
-from surae.units import FACTORS
+from surae.units import FACTORS, plain
 
 #: Columns of a recording that hold the commanded angle, and their factor to radians.
 _COMMANDED = {f"commanded_angle_{unit}": factor for unit, factor in FACTORS["angle"].items()}

@@ -21,6 +21,7 @@ from surae._version import __version__
 from surae.errors import InputError
 from surae.files import PathLike, shown, write_json
 from surae.recording.recording import Channel, Recording
+from surae.recording.samples import rounding
 from surae.recording.writing import column_name
 
 _VERSION = "1.11.0"
@@ -31,6 +32,8 @@ _RECORD_BYTES = 61440
 _RATE_ERROR = 1e-6
 #: Samples further from a uniform axis than this many steps are not sampled uniformly.
 _UNIFORM_STEPS = 1e-3
+#: Stamps rounded more coarsely than this [steps] cannot be told from gaps.
+_COARSEST_STEPS = 0.4
 
 _MUSCLES = {
     "emg_ta": "tibialis anterior",
@@ -104,7 +107,9 @@ def _groups(recording: Recording, where: str) -> list[list[Channel]]:
     for one in recording.channels.values():
         step = 1.0 / one.rate_hz
         off = np.max(np.abs(one.time - (one.time[0] + step * np.arange(len(one.time)))))
-        if off > _UNIFORM_STEPS * step:
+        # Stamps as programs write them are rounded, once at the ends and once in between.
+        rounded = rounding(one.time, _COARSEST_STEPS * step) or 0.0
+        if off > max(_UNIFORM_STEPS * step, rounded):
             raise InputError(
                 f"{where}: {one.role} is not sampled uniformly (off by {1e3 * off:.3g} ms); "
                 "prepare the recording first (--prepare), or write .h5"
@@ -242,9 +247,11 @@ def _eight(seconds: float) -> float:
 
 
 def _rate(one: Channel) -> float:
-    """Sampling rate [Hz], whole where it is meant to be."""
-    near = round(one.rate_hz, 6)
-    return float(near) if abs(near / one.rate_hz - 1.0) < 1e-9 else one.rate_hz
+    """Sampling rate [Hz], the roundest that its stamps allow."""
+    rounded = rounding(one.time, _COARSEST_STEPS / one.rate_hz) or 0.0
+    reach = max(1e-9, rounded / (one.time[-1] - one.time[0]))
+    rates = (round(one.rate_hz, decimals) for decimals in (0, 3, 6))
+    return next((r for r in rates if abs(r / one.rate_hz - 1.0) <= reach), one.rate_hz)
 
 
 def _write_table(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:

@@ -1,46 +1,49 @@
-"""C3D: the analog channels of a motion-capture file (https://www.c3d.org), markers left out.
+"""C3D of motion capture (https://www.c3d.org): analog channels, and the coordinates of points.
 
-A channel's value is (raw - OFFSET) · SCALE · GEN_SCALE in UNITS. Frames of points carry a whole
-number of analog samples each; time counts from the first frame of the file, wherever in the trial
-that was.
+ezc3d reads the parameters. The samples are taken from the file here, because ezc3d believes the
+parameters where the header and the file's own size contradict them and then reads other samples
+than those that were written, reads scales that do not exist, and takes an offset without its sign.
+A channel's value is (raw - OFFSET) · SCALE · GEN_SCALE in UNITS. Points are markers, and what
+models compute of them: angles, moments, forces and powers of joints, each with three coordinates.
+Frames of points carry a whole number of analog samples each; time counts from the first frame of
+the file, wherever in the trial that was. Frames in which a point was not seen are left out: gaps
+stay in the times.
 """
 
 import math
 import struct
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import tempfile
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from surae.errors import InputError
-from surae.recording.c3d_parameters import Parameters, read_parameters, to_float
-from surae.recording.recording import freeze
-from surae.recording.samples import sample
+from surae.recording.foreign import Parsed, foreign_table, packed
 from surae.recording.source import Source
-from surae.recording.table import Column, Table
-from surae.recording.timing import instants
+from surae.recording.table import Table
+from surae.recording.untrusted import optional, printable, untrusted
 from surae.units import FloatArray
 
 _BLOCK = 512
-_ANALOG = "ANALOG"
-#: What a count in 16 bits says when it is too small.
+_INTEL, _DEC, _MIPS = 84, 85, 86
+#: A count of frames in 16 bits that ends here may mean more.
 _UNCOUNTED = 65535
-
-
-@dataclass(frozen=True, slots=True)
-class _Layout:
-    """Where the analog samples are, checked against the file's size."""
-
-    first: int
-    frames: int
-    words: int
-    before: int
-    channels: int
-    per_frame: int
-    floats: bool
-    signed: bool
-    processor: int
-    first_frame: int
+#: Zeros that are a frame of any file.
+_FRAME = 2**18
+#: Groups of points that are no places, and the parameter with their unit.
+_KINDS = {
+    "ANGLES": "ANGLE_UNITS",
+    "FORCES": "FORCE_UNITS",
+    "MOMENTS": "MOMENT_UNITS",
+    "POWERS": "POWER_UNITS",
+    "SCALARS": "SCALAR_UNITS",
+}
+#: Parameters continue in others where there are more values than one holds: LABELS2, LABELS3, ...
+_PARTS = 99
 
 
 def recognises(source: Source) -> bool:
@@ -49,106 +52,178 @@ def recognises(source: Source) -> bool:
     if len(data) < 2 * _BLOCK or data[1] != 0x50 or not data[0]:
         return False
     begin = (data[0] - 1) * _BLOCK
-    return len(data) > begin + 4 and data[begin + 3] in (84, 85, 86)
+    return len(data) > begin + 4 and data[begin + 3] in (_INTEL, _DEC, _MIPS)
 
 
 def open_table(source: Source) -> Table:
-    """Read header and parameters.
+    """Read the channels and points.
 
     Raises
     ------
     InputError
-        There are no analog channels, or the file is damaged or cut short.
+        The file holds neither, is damaged, or contradicts itself beyond telling.
     """
-    parameters = read_parameters(source)
-    layout = _layout(source, parameters)
-    count = layout.channels
-    names = _names(parameters.texts(_ANALOG, "LABELS"), count)
-    units = parameters.texts(_ANALOG, "UNITS")[:count]
-    scales = parameters.numbers(_ANALOG, "SCALE")
-    offsets = parameters.numbers(_ANALOG, "OFFSET")
-    general = (parameters.numbers(_ANALOG, "GEN_SCALE") or [1.0])[0]
-    if not layout.signed:
-        offsets = [offset % 65536 for offset in offsets]
-    if len(scales) < count or len(offsets) < count:
-        raise InputError(
-            f"{source.shown}: {count} analog channels, but {min(len(scales), len(offsets))} with "
-            "scale and offset; the file is damaged"
+    return foreign_table(source, "C3D", "c3d")
+
+
+def parse(data: bytes, shown: str) -> dict[str, Any]:
+    """The columns of a file."""
+    with untrusted(shown):
+        parameters = _Parameters(data, shown)
+        layout, doubts = _layout(data, parameters, shown)
+        points, analog = _samples(data, layout)
+        point_hz, analog_hz, doubt = _rates(data, parameters, layout, shown)
+        about = [*doubts, doubt] if doubt else doubts
+        columns = [*_channels(parameters, layout, analog, analog_hz, about)]
+        columns += _points(parameters, layout, points, point_hz, doubts, alone=not columns)
+        if not columns:
+            raise InputError(f"{shown}: this C3D file holds neither analog channels nor points")
+        return packed(columns)
+
+
+class _Parameters:
+    """What the parameters say, as ezc3d reads them; it is shown nothing behind them."""
+
+    def __init__(self, data: bytes, shown: str) -> None:
+        ezc3d = optional("ezc3d", "C3D", shown)
+        begin = (data[0] - 1) * _BLOCK
+        self.processor = data[begin + 3]
+        if self.processor == _MIPS:
+            raise InputError(
+                f"{shown}: C3D as SGI computers wrote it, which ezc3d does not read; save it again "
+                "with the software that made it"
+            )
+        (block,) = struct.unpack_from("<H", data, 16)
+        end = max(begin + data[begin + 2] * _BLOCK, (block - 1) * _BLOCK)
+        with tempfile.TemporaryDirectory(prefix="surae-") as folder:
+            path = Path(folder) / "parameters.c3d"
+            path.write_bytes(data[:end])
+            try:
+                groups = ezc3d.c3d(str(path), ignore_bad_formatting=True)["parameters"]
+            except ValueError:  # it insists on a frame
+                path.write_bytes(data[:end] + bytes(_FRAME))
+                groups = ezc3d.c3d(str(path), ignore_bad_formatting=True)["parameters"]
+        self._groups: Mapping[str, Any] = {name: groups[name] for name in groups}
+
+    def texts(self, group: str, name: str) -> list[str]:
+        """A parameter's texts, empty where it has none."""
+        return [_text(text) for text in self._values(group, name) if isinstance(text, str)]
+
+    def numbers(self, group: str, name: str) -> list[float]:
+        """A parameter's numbers, empty where it has none."""
+        return [float(x) for x in self._values(group, name) if not isinstance(x, str)]
+
+    def whole(self, group: str, name: str) -> int | None:
+        """A count, stored in 16 bits that may be meant without a sign."""
+        number = next(iter(self.numbers(group, name)), math.nan)
+        if not math.isfinite(number):
+            return None
+        return int(number) % 65536 if number < 0 else int(number)
+
+    def _values(self, group: str, name: str) -> Iterator[Any]:
+        """The values of a parameter and its continuations."""
+        for part in range(1, _PARTS):
+            parameter = self._groups.get(group, {}).get(name if part == 1 else f"{name}{part}")
+            if parameter is None:
+                return
+            yield from np.ravel(parameter["value"], order="F").tolist()
+
+
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """Where the samples are."""
+
+    begin: int
+    frames: int
+    points: int
+    channels: int
+    per_frame: int
+    floats: bool
+    signed: bool
+    processor: int
+    point_scale: float
+    first_frame: int
+
+    @property
+    def words(self) -> int:
+        """Numbers of a frame."""
+        return 4 * self.points + self.channels * self.per_frame
+
+    @property
+    def bytes_per_frame(self) -> int:
+        """Size of a frame."""
+        return self.words * (4 if self.floats else 2)
+
+
+def _layout(data: bytes, parameters: _Parameters, shown: str) -> tuple[_Layout, list[str]]:
+    """Header and parameters put together; where they differ, the file's size decides."""
+    head = struct.unpack_from("<4H", data, 2)
+    block, per_frame = struct.unpack_from("<2H", data, 16)
+    scale = _real(data[12:16], parameters) or next(iter(parameters.numbers("POINT", "SCALE")), 1.0)
+    begin = ((parameters.whole("POINT", "DATA_START") or block) - 1) * _BLOCK
+    if not _BLOCK <= begin <= len(data):
+        raise InputError(f"{shown}: the file is cut short or damaged (no data block)")
+    texts = parameters.texts("ANALOG", "FORMAT")
+    points = parameters.whole("POINT", "USED")
+    channels = parameters.whole("ANALOG", "USED")
+    analog = head[1] // per_frame if per_frame else 0
+    ratio = _ratio(parameters)
+    shapes = [
+        (p, c, n)
+        for n in dict.fromkeys((per_frame, ratio))
+        for p in dict.fromkeys((head[0] if points is None else points, head[0]))
+        for c in dict.fromkeys((analog if channels is None else channels, analog))
+        if 4 * p + c * n
+    ]
+    announced = _frames(parameters, head[2], head[3])
+    layouts = [
+        _Layout(begin, n, *shape, scale < 0, not (texts and texts[0].upper() == "UNSIGNED"),
+                parameters.processor, scale, head[2])
+        for n in announced or [_UNCOUNTED]
+        for shape in shapes
+    ]  # fmt: skip
+    if not layouts:
+        raise InputError(f"{shown}: this C3D file holds neither analog channels nor points")
+    exact = [each for each in layouts if _fills(each, data)]
+    first = (exact or layouts)[0]
+    doubts = []
+    if not exact and len({each[:2] for each in shapes}) > 1:
+        said = " or ".join(f"{p} points and {c} channels" for p, c in {e[:2] for e in shapes})
+        raise InputError(f"{shown}: the file contradicts itself: {said}; its size fits neither")
+    if points not in (None, first.points) or (first.per_frame and channels != first.channels):
+        doubts.append(
+            f"the parameters say {points} points and {channels} channels, header and size of the "
+            f"file {first.points} and {first.channels}, which is believed"
         )
-    rate = _rate(source, parameters, layout)
-    n = layout.frames * layout.per_frame
-    described = parameters.texts(_ANALOG, "DESCRIPTIONS")
-    remarks = {name: text for name, text in zip(names, described, strict=False) if text}
-    if layout.first_frame > 1:
-        cropped = f"time 0 is frame {layout.first_frame} of the trial"
-        remarks = {
-            name: "; ".join([*([remarks[name]] if name in remarks else []), cropped])
-            for name in names
-        }
-
-    def load(wanted: Sequence[str]) -> Mapping[str, Column]:
-        time = instants(0.0, rate, n)
-        columns = {}
-        for name in wanted:
-            at = names.index(name)
-            values = _values(source, layout, at, offsets[at], scales[at] * general)
-            columns[name] = Column(name, time, values, "time", sample)
-        return columns
-
-    return Table(
-        file=source.shown,
-        format="C3D",
-        names=names,
-        time_name="time",
-        load=load,
-        units={name: unit for name, unit in zip(names, units, strict=False) if unit},
-        remarks=remarks,
-    )
+    held = (len(data) - begin) // first.bytes_per_frame
+    if not announced or (first.frames >= _UNCOUNTED - 1 and not exact):
+        first = replace(first, frames=held)
+    if held < 1:
+        raise InputError(f"{shown}: the file is cut short: it holds no frame")
+    if held < first.frames:
+        doubts.append(f"the file is cut short: it holds {held} of its {first.frames} frames")
+        first = replace(first, frames=held)
+    elif announced and first.frames != announced[0]:
+        doubts.append(f"{announced[0]} frames are announced, but the file holds {first.frames}")
+    if first.first_frame > 1:
+        doubts.append(f"time 0 is frame {first.first_frame} of the trial")
+    return first, doubts
 
 
-def _layout(source: Source, parameters: Parameters) -> _Layout:
-    """Header and parameters put together; the parameters count where both say it."""
-    data, kind = source.data, parameters.processor
-    order = ">" if kind == 86 else "<"
-    points, per_all, first, last = struct.unpack_from(f"{order}4H", data, 2)
-    block, per_frame = struct.unpack_from(f"{order}2H", data, 16)
-    scale = to_float(data[12:16], kind)
-    points = _whole(parameters, "POINT", "USED", points)
-    channels = _whole(parameters, _ANALOG, "USED", per_all // per_frame if per_frame else 0)
-    if not channels or not per_frame:
-        raise InputError(f"{source.shown}: this C3D file holds no analog channels")
-    begin = (_whole(parameters, "POINT", "DATA_START", block) - 1) * _BLOCK
-    if begin < _BLOCK:
-        raise InputError(f"{source.shown}: the file is damaged (no data block)")
-    floats = scale < 0
-    words = 4 * points + channels * per_frame
-    size = words * (4 if floats else 2)
-    frames = _frames(parameters, last - first + 1 if last >= first else 0)
-    held = max(len(data) - begin, 0) // size
-    if frames < 1 or held < frames:
-        raise InputError(
-            f"{source.shown}: the file is cut short or damaged: it holds {held} of {frames} frames"
-        )
-    if frames == _UNCOUNTED and held > frames + _BLOCK:
-        raise InputError(f"{source.shown}: its count of frames ends at {frames}, but it holds more")
-    # 16-bit counts above 32767: only a file that says so means them.
-    texts = parameters.texts(_ANALOG, "FORMAT")
-    signed = not (texts and texts[0].upper() == "UNSIGNED")
-    return _Layout(
-        begin, frames, words, 4 * points, channels, per_frame, floats, signed, kind, first
-    )
+def _fills(layout: _Layout, data: bytes) -> bool:
+    """Whether the samples end where the file does, apart from the rest of a block."""
+    end = layout.begin + layout.frames * layout.bytes_per_frame
+    return end <= len(data) and (len(data) - end < _BLOCK or not any(data[end:]))
 
 
-def _frames(parameters: Parameters, header: int) -> int:
-    """Number of frames; only the newer parameters count beyond 16 bits."""
+def _frames(parameters: _Parameters, first: int, last: int) -> list[int]:
+    """Numbers of frames that the file states; only the first count beyond 16 bits."""
+    stated = [parameters.whole("POINT", "LONG_FRAMES")]
     if end := parameters.numbers("TRIAL", "ACTUAL_END_FIELD"):
-        begin = parameters.numbers("TRIAL", "ACTUAL_START_FIELD") or [1.0, 0.0]
-        return _long(end) - _long(begin) + 1
-    for name in ("LONG_FRAMES", "FRAMES"):
-        stated = parameters.numbers("POINT", name)
-        if stated and math.isfinite(stated[0]):
-            return int(stated[0]) % 65536 if stated[0] < 0 else int(stated[0])
-    return header
+        begin = parameters.numbers("TRIAL", "ACTUAL_START_FIELD") or [1.0]
+        stated.insert(0, _long(end) - _long(begin) + 1)
+    stated.append(last - first + 1)
+    return list(dict.fromkeys(count for count in stated if count and count > 0))
 
 
 def _long(words: Sequence[float]) -> int:
@@ -157,52 +232,158 @@ def _long(words: Sequence[float]) -> int:
     return low + (high << 16)
 
 
-def _rate(source: Source, parameters: Parameters, layout: _Layout) -> float:
-    """The analog rate [Hz]; where the file states two that differ, none is right."""
-    point = (parameters.numbers("POINT", "RATE") or [0.0])[0]
-    if not point:
-        point = to_float(source.data[20:24], layout.processor)
-    analog = (parameters.numbers(_ANALOG, "RATE") or [point * layout.per_frame])[0]
-    if not (math.isfinite(analog) and analog > 0):
-        raise InputError(f"{source.shown}: analog rate {analog:g} Hz: not a sampling rate")
-    if not math.isclose(analog, point * layout.per_frame, rel_tol=1e-3):
-        raise InputError(
-            f"{source.shown}: analog rate {analog:g} Hz contradicts {point:g} frames/s with "
-            f"{layout.per_frame} samples each; the file is damaged"
-        )
-    return analog
+def _ratio(parameters: _Parameters) -> int:
+    """Analog samples of a frame by the rates that the parameters state; 0 where they don't."""
+    point, analog = (next(iter(parameters.numbers(g, "RATE")), 0.0) for g in ("POINT", "ANALOG"))
+    ratio = analog / point if point else 0.0
+    return round(ratio) if 0.0 < ratio < _UNCOUNTED else 0
 
 
-def _values(source: Source, layout: _Layout, at: int, offset: float, scale: float) -> FloatArray:
-    """One channel in its unit."""
-    order = ">" if layout.processor == 86 else "<"
-    if layout.floats:
-        kind = np.dtype("<u4" if layout.processor == 85 else f"{order}f4")
-    else:
-        kind = np.dtype(f"{order}{'i' if layout.signed else 'u'}2")
-    raw = np.ndarray(
-        shape=(layout.frames, layout.per_frame),
-        dtype=kind,
-        buffer=source.data,
-        offset=layout.first + kind.itemsize * (layout.before + at),
-        strides=(kind.itemsize * layout.words, kind.itemsize * layout.channels),
+def _real(raw: bytes, parameters: _Parameters) -> float:
+    """A 32-bit float of the header, as the file's processor stores it."""
+    if parameters.processor == _DEC:
+        raw = raw[2:] + raw[:2]
+    number: float = struct.unpack("<f", raw)[0]
+    return number / 4 if parameters.processor == _DEC else number
+
+
+def _rates(
+    data: bytes, parameters: _Parameters, layout: _Layout, shown: str
+) -> tuple[float, float, str]:
+    """Rates of frames and of analog samples [Hz], and what is doubtful about the latter."""
+    point = next(iter(parameters.numbers("POINT", "RATE")), 0.0) or _real(data[20:24], parameters)
+    analog = next(iter(parameters.numbers("ANALOG", "RATE")), 0.0)
+    if not point and layout.per_frame:
+        point = analog / layout.per_frame
+    if not (math.isfinite(point) and point > 0):
+        raise InputError(f"{shown}: {point:g} frames/s: not a sampling rate")
+    counted = point * layout.per_frame
+    if math.isclose(analog, counted, rel_tol=1e-3):
+        return point, analog, ""
+    return (
+        point,
+        counted,
+        (
+            f"the file states {analog:g} Hz, but {layout.per_frame} samples in each of {point:g} "
+            f"frames/s are {counted:g} Hz, which is used"
+        ),
     )
+
+
+def _samples(data: bytes, layout: _Layout) -> tuple[FloatArray, FloatArray]:
+    """Points, shape (frames, points, 4), and raw analog samples, shape (n, channels)."""
+    kind = "f4" if layout.floats else "i2" if layout.signed else "u2"
+    swapped = layout.floats and layout.processor == _DEC
+    raw = np.frombuffer(
+        data, f"<{'u4' if swapped else kind}", layout.frames * layout.words, layout.begin
+    ).reshape(layout.frames, layout.words)
     with np.errstate(all="ignore"):
-        if layout.floats and layout.processor == 85:
+        if swapped:
             raw = ((raw << 16) | (raw >> 16)).view("<f4") / np.float32(4)
-        values = raw.astype(np.float64).reshape(-1)
-        values -= offset
-        values *= scale
-    return freeze(values)
+        points = raw[:, : 4 * layout.points]
+        if kind == "u2":  # which says how analog samples are stored
+            points = points.view("<i2")
+        return (
+            points.astype(np.float64).reshape(layout.frames, layout.points, 4),
+            raw[:, 4 * layout.points :].astype(np.float64).reshape(-1, layout.channels or 1),
+        )
 
 
-def _whole(parameters: Parameters, group: str, name: str, default: int) -> int:
-    """A count, stored in 16 bits that may be meant without a sign."""
-    found = parameters.numbers(group, name)
-    return int(found[0]) % 65536 if found and math.isfinite(found[0]) else default
+def _channels(
+    parameters: _Parameters, layout: _Layout, analog: FloatArray, rate_hz: float, doubts: list[str]
+) -> Iterator[Parsed]:
+    """The analog channels."""
+    names = _names(parameters.texts("ANALOG", "LABELS"), "channel", layout.channels)
+    units, described = (parameters.texts("ANALOG", name) for name in ("UNITS", "DESCRIPTIONS"))
+    scales, offsets = (parameters.numbers("ANALOG", name) for name in ("SCALE", "OFFSET"))
+    general = next(iter(parameters.numbers("ANALOG", "GEN_SCALE")), 1.0)
+    for index, name in enumerate(names):
+        remarks = [*described[index : index + 1], *doubts]
+        refused = ""
+        scale, offset = (([*values[index : index + 1], 0.0][0]) for values in (scales, offsets))
+        if index >= len(scales):
+            refused = "the file states no scale for it, so its values have no unit"
+        elif offsets and index >= len(offsets):
+            refused = "the file states no offset for it, so its zero is not known"
+        elif not offsets:
+            remarks.append("no offset is stated: taken as 0")
+        elif scale == 0:
+            remarks.append("its scale is 0, so all its values are")
+        if not layout.signed:
+            offset %= 65536
+        with np.errstate(all="ignore"):
+            values = (analog[:, index] - offset) * (scale * general)
+        yield Parsed(
+            name=name,
+            values=values[:0] if refused else values,
+            time=(0.0, rate_hz),
+            unit="".join(units[index : index + 1]),
+            remark="; ".join(text for text in remarks if text),
+            refused=refused,
+        )
 
 
-def _names(labels: Sequence[str], count: int) -> tuple[str, ...]:
-    """Names of the channels; one without a label is called by its number."""
-    padded = [*labels[:count], *([""] * (count - len(labels)))]
-    return tuple(label or f"channel {index}" for index, label in enumerate(padded, start=1))
+def _points(
+    parameters: _Parameters,
+    layout: _Layout,
+    points: FloatArray,
+    rate_hz: float,
+    doubts: list[str],
+    *,
+    alone: bool,
+) -> Iterator[Parsed]:
+    """The coordinates of points in the frames in which they were seen."""
+    labels = parameters.texts("POINT", "LABELS")
+    names = _names(labels, "point", layout.points)
+    units = {
+        name: "".join(parameters.texts("POINT", unit)[:1])
+        for group, unit in _KINDS.items()
+        for name in parameters.texts("POINT", group)
+    }
+    if alone and not units:
+        doubts = ["a marker: this file holds markers alone, no angle, torque or EMG", *doubts]
+    place = "".join(parameters.texts("POINT", "UNITS")[:1])
+    scale = 1.0 if layout.floats else layout.point_scale
+    lost = np.signbit(points[:, :, 3])
+    if lost.size and lost.all():  # a mark that marks everything says nothing
+        lost[:] = False
+        doubts = [
+            "every frame of every point is marked as lost, yet has values, which are read",
+            *doubts,
+        ]
+    for index, name in enumerate(names):
+        seen = ~(lost[:, index] | np.isnan(points[:, index, :3]).any(axis=1))
+        time: tuple[float, float] | FloatArray = (0.0, rate_hz)
+        remarks = doubts
+        if not seen.all():
+            time = np.flatnonzero(seen) / rate_hz
+            remarks = [*doubts, f"only {len(time)} of {len(seen)} frames have it"]
+        for axis, letter in enumerate("XYZ"):
+            yield Parsed(
+                name=f"{name}.{letter}",
+                values=points[seen, index, axis] * scale,
+                time=time,
+                unit=units.get(labels[index] if index < len(labels) else name, place),
+                remark="; ".join(remarks),
+            )
+
+
+def _names(labels: Sequence[str], kind: str, count: int) -> list[str]:
+    """Names of columns, each once; one without a label is called by its number."""
+    names = [*labels[:count], *([""] * (count - len(labels)))]
+    names = [name or f"{kind} {number}" for number, name in enumerate(names, start=1)]
+    counts: Counter[str] = Counter()
+    unique = []
+    for name in names:
+        counts[name] += 1
+        unique.append(name if counts[name] == 1 else f"{name} #{counts[name]}")
+    return unique
+
+
+def _text(text: str) -> str:
+    """A text in one printable line; ezc3d takes for UTF-8 what may be in another encoding."""
+    raw = text.partition("\0")[0].encode(errors="surrogateescape")
+    try:
+        return printable(raw.decode())
+    except UnicodeDecodeError:
+        return printable(raw.decode("latin-1"))

@@ -6,35 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from surae.errors import InputError
-from surae.recording.naming import plain
 from surae.recording.recording import Channel, freeze
 from surae.recording.roles import heading_unit
 from surae.recording.samples import check_finite, check_samples
 from surae.recording.table import Column, Table
-from surae.units import FACTORS, SI, FloatArray, kind, to_si
-
-#: Other spellings of units in files' headers, in small letters.
-_SPELLINGS = {
-    "degree": "deg",
-    "degrees": "deg",
-    "°": "deg",
-    "radian": "rad",
-    "radians": "rad",
-    "°/s": "deg/s",
-    "°/s2": "deg/s2",
-    "deg/s^2": "deg/s2",
-    "rad/s^2": "rad/s2",
-    "n.m": "Nm",
-    "n·m": "Nm",
-    "n m": "Nm",
-    "n*m": "Nm",
-    "volt": "V",
-    "volts": "V",
-    "millivolt": "mV",
-    "millivolts": "mV",
-    "microvolt": "uV",
-    "microvolts": "uV",
-}
+from surae.units import FACTORS, SI, FloatArray, kind, plain, spelled, to_si
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,11 +47,8 @@ def written_unit(table: Table, name: str, role: str | None = None) -> str | None
 def stated_unit(table: Table, role: str, name: str) -> str | None:
     """The unit that the file itself states for a column used as `role`; None if it is unknown."""
     text = written_unit(table, name, role)
-    if text is None:
-        return None
-    folded = plain(text.strip()).casefold()
-    folded = _SPELLINGS.get(folded, folded).casefold()
-    return next((unit for unit in FACTORS[kind(role)] if unit.casefold() == folded), None)
+    unit = None if text is None else spelled(text)
+    return unit if unit in FACTORS[kind(role)] else None
 
 
 def settle_unit(table: Table, role: str, name: str, unit: str | None, where: str) -> str:

@@ -1,14 +1,22 @@
-"""CSV: a header row that names the columns, then numbers; ``#`` lines are comments."""
+"""CSV: a header row that names the columns, then numbers; ``#`` lines are comments.
+
+Columns are separated by commas, semicolons or tabs; where it is no comma, numbers may have a
+decimal one. A block of lines about the recording may come before the names, and a row of units
+after them, as programs such as Noraxon's export them.
+"""
 
 import csv
+import itertools
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from surae.errors import InputError
-from surae.recording.naming import NAMES, TIMES, plain
+from surae.recording.naming import NAMES, TIMES
 from surae.recording.rows import Rows, split
 from surae.recording.source import Source
 from surae.recording.table import Column, Table, some
+from surae.units import FACTORS, plain, spelled
 
 #: Separators, by preference where the header has as many of several.
 DELIMITERS = (",", ";", "\t")
@@ -17,7 +25,14 @@ _NOTE = re.compile(r"#\s*(name|emg)\s*[:=]\s*(.*?)\s*")
 _EMG = ("raw", "envelope")
 
 #: Names of the time in files that are described by a mapping, beside our own.
-_OTHER_TIME = re.compile(r"(?:time|t)(?:[ _]*[\[(]?(s|sec|seconds|ms)[\])]?)?", re.IGNORECASE)
+_OTHER_TIME = re.compile(r"(?:time|t|zeit|tijd|temps)[\W_]*(\w*)[\W_]*", re.IGNORECASE)
+#: Lines before the names of the columns that a program may write about the recording.
+_LONGEST_PREFACE = 100
+#: Where numbers begin, so many bytes show how they are written.
+_LOOKED_AT = 2**20
+_CELL = rb"(?:^|[;\t])[ \"]*[+-]?\d*%s\d+(?:[eE][+-]?\d+)?[ \"]*(?=[;\t\r\n]|$)"
+_WITH_COMMA = re.compile(_CELL % rb",", re.MULTILINE)
+_WITH_POINT = re.compile(_CELL % rb"\.", re.MULTILINE)
 
 
 def recognises(source: Source) -> bool:
@@ -35,47 +50,94 @@ def open_table(source: Source) -> Table:
         It is no text, has no header, no time, or a comment sets what isn't known.
     """
     source.require_text()
-    header, names, delimiter, notes = _header(source)
-    where = f"{source.shown}: row {header}"
-    if all(_numeric(name) for name in names):
+    head = _header(source)
+    where = f"{source.shown}: row {head.row}"
+    if all(_numeric(name) for name in head.names):
         raise InputError(
             f"{where}: numbers where the names of the columns belong; the first line that is no "
             "comment must name them (time_s, angle_rad, ...)"
         )
-    time, factor = _time(names, where)
-    rows = Rows(source=source, header=header, names=names, delimiter=delimiter)
+    time, factor = _time(head.names, where)
+    if (unit := head.units.get(time)) is not None:
+        factor = FACTORS["time"].get(spelled(unit) or "", factor)
+    comma = head.delimiter != "," and _decimal_comma(source, head.row)
+    rows = Rows(source, head.row, head.names, head.delimiter, "," if comma else ".")
 
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
         return rows.columns(wanted, time, factor)
 
-    others = tuple(name for name in names if name and name != time)
+    others = tuple(name for name in head.names if name and name != time)
+    ours = {name: NAMES[plain(name)][1] for name in others if plain(name) in NAMES}
     return Table(
         file=source.shown,
         format="CSV",
         names=others,
         time_name=time,
         load=load,
-        units={name: NAMES[plain(name)][1] for name in others if plain(name) in NAMES},
-        notes=notes,
-        header=header,
+        units={**{name: unit for name, unit in head.units.items() if unit}, **ours},
+        notes=head.notes,
+        header=head.row,
     )
 
 
-def _header(source: Source) -> tuple[int, tuple[str, ...], str, dict[str, str]]:
-    """Row and names of the header, the delimiter, and what comments before it set."""
+@dataclass(frozen=True, slots=True)
+class _Header:
+    """The names of the columns: last row before the numbers, and what stood before it."""
+
+    row: int
+    names: tuple[str, ...]
+    delimiter: str
+    notes: Mapping[str, str]
+    units: Mapping[str, str] = field(default_factory=dict)
+
+
+def _header(source: Source) -> _Header:
+    """The header: the first line that is no comment, or behind a preface the one with the time."""
     notes: dict[str, str] = {}
+    first: _Header | None = None
     for number, raw in enumerate(source.lines(), start=1):
         line = raw.strip(" \n")
         if line.lstrip().startswith("#"):
             if note := _NOTE.fullmatch(line.strip()):
                 notes[note[1]] = _note(note[1], note[2], f"{source.shown}: row {number}")
-        elif line.strip():
-            delimiter = max(DELIMITERS, key=line.count)
-            try:
-                return number, tuple(split(line, delimiter)), delimiter, notes
-            except csv.Error as error:
-                raise InputError(f"{source.shown}: row {number}: {error}") from None
-    raise InputError(f"{source.shown}: no header: every line is a comment")
+            continue
+        if not line.strip():
+            continue
+        delimiter = max(DELIMITERS, key=line.count)
+        try:
+            names = tuple(split(line, delimiter))
+        except csv.Error as error:
+            if first is not None:
+                continue
+            raise InputError(f"{source.shown}: row {number}: {error}") from None
+        header = _Header(number, names, delimiter, notes)
+        if len(names) > 1 and any(map(_is_time, names)):
+            return _with_units(source, header)
+        first = first or header
+        if number > first.row + _LONGEST_PREFACE or all(_numeric(name) for name in names):
+            break
+    if first is None:
+        raise InputError(f"{source.shown}: no header: every line is a comment")
+    return first
+
+
+def _with_units(source: Source, header: _Header) -> _Header:
+    """The header with a row of units below it, where there is one."""
+    below = next(itertools.islice(source.lines(), header.row, None), "")
+    try:
+        cells = [cell.strip("[]() ") for cell in split(below, header.delimiter)]
+    except csv.Error:
+        return header
+    known = [spelled(cell) is not None for cell in cells]
+    if len(cells) != len(header.names) or not any(known) or any(map(_numeric, cells)):
+        return header
+    return replace(header, row=header.row + 1, units=dict(zip(header.names, cells, strict=True)))
+
+
+def _decimal_comma(source: Source, row: int) -> bool:
+    """Whether the numbers below a row are written with a comma, and none with a point."""
+    body = "".join(itertools.islice(source.lines(), row, row + 1000)).encode()[:_LOOKED_AT]
+    return bool(_WITH_COMMA.search(body)) and not _WITH_POINT.search(body)
 
 
 def _note(key: str, text: str, where: str) -> str:
@@ -89,17 +151,21 @@ def _note(key: str, text: str, where: str) -> str:
     return word
 
 
+def _is_time(name: str) -> bool:
+    """Whether a column's name is one of the time."""
+    match = _OTHER_TIME.fullmatch(name)
+    return match is not None and (not match[1] or spelled(match[1]) in FACTORS["time"])
+
+
 def _time(names: Sequence[str], where: str) -> tuple[str, float]:
     """Name of the time's column and its factor to seconds."""
-    ours = [name for name in names if name in TIMES]
-    others = {name: match for name in names if (match := _OTHER_TIME.fullmatch(name))}
-    candidates = ours or [name for name in names if name in others]
+    candidates = [name for name in names if name in TIMES] or [n for n in names if _is_time(n)]
     if len(candidates) > 1:
         raise InputError(f"{where}: columns {some(candidates)} are all the time; keep one")
     if candidates:
-        name = candidates[0]
-        unit = (others[name][1] or "s").casefold() if name in others else "s"
-        return name, TIMES["time_ms" if unit == "ms" else "time_s"]
+        match = _OTHER_TIME.fullmatch(candidates[0])
+        unit = spelled(match[1]) if match is not None else None
+        return candidates[0], FACTORS["time"][unit or "s"]
     for name in names:
         if name.startswith("time_"):
             raise InputError(

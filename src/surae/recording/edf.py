@@ -1,66 +1,38 @@
-"""EDF, EDF+, BDF and BDF+ (https://www.edfplus.info), read with edfio after its header is checked.
+"""EDF, EDF+, BDF and BDF+ (https://www.edfplus.info), read with edfio.
 
-The check is needed: edfio takes what a header claims, returns uncalibrated counts where a range is
-empty, shortens the recording where the file ends early, and joins the parts of an interrupted
-recording (EDF+D) as if nothing lay between them. Time counts from the first sample, or as the JSON
-says that BIDS keeps beside ``…_emg.bdf``.
+What edfio passes over is looked at here: a signal without calibration, a file that ends early, and
+the gaps of an interrupted recording (EDF+D), whose parts it joins. Time counts from the first
+sample, or as the JSON says that BIDS keeps beside ``…_emg.bdf``.
 """
 
+import json
+import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from surae.errors import InputError
-from surae.recording.damage import guarded, optional
-from surae.recording.recording import freeze
-from surae.recording.samples import sample
-from surae.recording.sidecar import read_sidecar
+from surae.files import read_bytes, shown
+from surae.recording.foreign import Parsed, foreign_table, packed
+from surae.recording.samples import instants
 from surae.recording.source import Source
-from surae.recording.table import Column, Table
-from surae.recording.timing import instants
+from surae.recording.table import Table
+from surae.recording.untrusted import optional, untrusted
 from surae.units import FloatArray
 
 _EDF, _BDF = b"0       ", b"\xffBIOSEMI"
 _BLOCK = 256
-#: Widths of the fields that every signal has, in the header's order.
-_FIELDS = (16, 80, 8, 8, 8, 8, 8, 80, 8, 32)
-_LABEL, _DIMENSION, _RANGES, _SAMPLES = 0, 2, (3, 4, 5, 6), 8
+#: Before the numbers of samples in a header, for each signal.
+_BEFORE_SAMPLES = 216
 #: Records are unpacked in parts of about so many bytes: edfio needs many times a BDF file's size.
 _PART = 2**20
 _ONSET = re.compile(rb"([+-]\d{1,9}(?:\.\d{1,9})?)\x14")
-
-
-@dataclass(frozen=True, slots=True)
-class _Header:
-    """The header, checked: it agrees with itself and with the file's size."""
-
-    binary: bool
-    size: int
-    records: int
-    duration_s: float
-    labels: tuple[str, ...]
-    units: tuple[str, ...]
-    samples: tuple[int, ...]
-    plus: str
-
-    @property
-    def width(self) -> int:
-        """Bytes of a sample."""
-        return 3 if self.binary else 2
-
-    @property
-    def record(self) -> int:
-        """Bytes of a record."""
-        return self.width * sum(self.samples)
-
-    @property
-    def signals(self) -> list[int]:
-        """Which of the columns are signals, not annotations."""
-        notes = f"{'BDF' if self.binary else 'EDF'} Annotations"
-        return [i for i, label in enumerate(self.labels) if label != notes]
+#: Data that BIDS describes in a JSON beside it.
+_BIDS = ("_emg.bdf", "_emg.edf")
 
 
 def recognises(source: Source) -> bool:
@@ -71,162 +43,148 @@ def recognises(source: Source) -> bool:
 
 
 def open_table(source: Source) -> Table:
-    """Read the header.
+    """Read the signals.
 
     Raises
     ------
     InputError
-        It contradicts itself or the file's size, a signal has no calibration, or edfio is missing.
+        The file is damaged or cut short, a signal has no calibration, or edfio is missing.
     """
-    with guarded(source):
-        header = _header(source)
-    index = {header.labels[i]: i for i in reversed(header.signals)}
-    begins = _begins(source, header)
-    beside = read_sidecar(source.path)
+    start_s, envelope = _beside(source.path)
+    name = "BDF" if source.data.startswith(_BDF) else "EDF"
+    table = foreign_table(source, name, "edf", start_s=start_s)
+    return replace(table, notes={"emg": "envelope"}) if envelope else table
 
-    def load(wanted: Sequence[str]) -> Mapping[str, Column]:
-        times: dict[int, FloatArray] = {}
-        values = _values(source, header, [header.signals.index(index[name]) for name in wanted])
-        found = {}
-        for name, signal in zip(wanted, values, strict=True):
-            per_record = header.samples[index[name]]
+
+def parse(data: bytes, shown: str, start_s: float) -> dict[str, Any]:
+    """The signals of a file."""
+    with untrusted(shown):
+        file = _File(data, shown)
+        begins = file.begins()
+        gaps = "" if begins is None else "interrupted: its records do not follow each other"
+        times: dict[int, tuple[float, float] | FloatArray] = {}
+        columns = []
+        for signal, values in zip(file.signals, file.values(), strict=True):
+            per_record = signal.samples_per_data_record
+            rate = per_record / file.duration_s
             if per_record not in times:
-                times[per_record] = _times(header, begins, per_record, beside.start_s)
-            found[name] = Column(name, times[per_record], signal, "time", sample)
-        return found
-
-    gaps = "" if begins is None else "interrupted: its records do not follow each other"
-    return Table(
-        file=source.shown,
-        format="BDF" if header.binary else "EDF",
-        names=tuple(header.labels[i] for i in header.signals),
-        time_name="time",
-        load=load,
-        units={name: header.units[i] for name, i in index.items() if header.units[i]},
-        notes={"emg": "envelope"} if beside.envelope else {},
-        remarks=dict.fromkeys(index, gaps) if gaps else {},
-    )
+                times[per_record] = (start_s, rate)
+                if begins is not None:
+                    within = instants(start_s, rate, per_record)
+                    times[per_record] = (begins[:, None] + within[None, :]).reshape(-1)
+            label, unit = signal.label, signal.physical_dimension
+            columns.append(Parsed(label, values, times[per_record], unit, gaps))
+        return packed(columns)
 
 
-def _header(source: Source) -> _Header:
-    """The header of an EDF or BDF file."""
-    data, where = source.data, source.shown
-    if len(data) < _BLOCK:
-        raise InputError(f"{where}: the file is cut short: its header needs {_BLOCK} bytes")
-    binary = data.startswith(_BDF)
-    count, size = _whole(data[252:256]), _whole(data[184:192])
-    records, duration = _whole(data[236:244]), float(data[244:252])
-    if count < 1 or size != _BLOCK * (count + 1) or size > len(data):
-        raise InputError(f"{where}: the file is damaged: a header of {size} bytes, {count} signals")
-    fields: list[list[bytes]] = []
-    at = _BLOCK
-    for width in _FIELDS:
-        fields.append([data[at + i * width : at + (i + 1) * width] for i in range(count)])
-        at += width * count
-    labels = tuple(_latin(text) for text in fields[_LABEL])
-    samples = tuple(_whole(text) for text in fields[_SAMPLES])
-    header = _Header(
-        binary=binary,
-        size=size,
-        records=records,
-        duration_s=duration,
-        labels=labels,
-        units=tuple(_latin(text) for text in fields[_DIMENSION]),
-        samples=samples,
-        plus=data[192:197].decode("latin-1"),
-    )
-    if not 0 < duration < 1e9 or min(samples) < 1 or not header.signals:
-        raise InputError(f"{where}: no signals with a sampling rate in it")
-    for i in header.signals:
-        low, high, least, most = (float(fields[field][i]) for field in _RANGES)
-        if not np.isfinite([low, high]).all() or low == high or least >= most:
+class _File:
+    """A file as edfio knows it, without its samples."""
+
+    def __init__(self, data: bytes, shown: str) -> None:
+        self._binary = data.startswith(_BDF)
+        self._edfio = optional("edfio", "BDF" if self._binary else "EDF", shown)
+        self._data, self._shown = data, shown
+        self._size = int(data[184:192])
+        if not _BLOCK < self._size <= len(data):
+            raise InputError(f"{shown}: the file is cut short or damaged in its header")
+        self.duration_s = float(data[244:252])
+        if not 0 < self.duration_s < 1e9:
+            raise InputError(f"{shown}: records of {self.duration_s:g} s: no sampling rate")
+        self._head = self._read(0, 0)
+        self.signals = self._head.signals
+        if not self.signals:
+            raise InputError(f"{shown}: it holds no signals, only annotations")
+        for signal in self.signals:
+            low, high = signal.physical_min, signal.physical_max
+            least, most = signal.digital_min, signal.digital_max
+            if not np.isfinite([low, high]).all() or low == high or least >= most:
+                raise InputError(
+                    f"{shown}: column {signal.label!r}: its range ({low:g} to {high:g} for counts "
+                    f"{least:g} to {most:g}) is no calibration"
+                )
+        count = int(data[252:256])
+        at = _BLOCK + _BEFORE_SAMPLES * count
+        self._samples = [int(data[at + 8 * i : at + 8 * i + 8]) for i in range(count)]
+        labels = [data[_BLOCK + 16 * i : _BLOCK + 16 * i + 16].strip() for i in range(count)]
+        self._notes = next((i for i, x in enumerate(labels) if x.endswith(b" Annotations")), None)
+        self._width = 3 if self._binary else 2
+        self._record = self._width * sum(self._samples)
+        if min(self._samples) < 1:
+            raise InputError(f"{shown}: a signal without samples")
+        records, held = int(data[236:244]), (len(data) - self._size) // self._record
+        # -1: still being recorded when it was copied, or never closed.
+        self.records = held if records == -1 else records
+        if held < self.records:
             raise InputError(
-                f"{where}: column {labels[i]!r}: its range ({low:g} to {high:g} for counts "
-                f"{least:g} to {most:g}) is no calibration"
+                f"{shown}: the file is cut short: it holds {held} of its {records} records"
             )
-    held = (len(data) - size) // header.record
-    if records == -1:
-        # Still being recorded when it was copied, or never closed.
-        header = replace(header, records=held)
-    elif held < records:
-        raise InputError(
-            f"{where}: the file is cut short: it holds {held} of its {records} records"
-        )
-    if header.records < 1:
-        raise InputError(f"{where}: it holds no samples")
-    return header
+        if self.records < 1:
+            raise InputError(f"{shown}: it holds no samples")
+
+    def values(self) -> list[FloatArray]:
+        """The signals in their units."""
+        parts: list[list[FloatArray]] = [[] for _ in self.signals]
+        each = max(_PART // self._record, 1)
+        for first in range(0, self.records, each):
+            part = self._read(first, min(each, self.records - first))
+            for values, signal in zip(parts, part.signals, strict=True):
+                values.append(signal.data)
+        return [np.concatenate(values) for values in parts]
+
+    def begins(self) -> FloatArray | None:
+        """Times at which the records begin [s]; None where they follow each other without a gap."""
+        if not self._head.reserved.endswith("+D"):
+            return None
+        if self._notes is None:
+            raise InputError(f"{self._shown}: interrupted (EDF+D), without its records' times")
+        onsets = np.array(list(self._onsets(self._notes)))
+        onsets -= onsets[0]
+        even = np.abs(onsets - self.duration_s * np.arange(self.records)) < 1e-6
+        return None if even.all() else onsets
+
+    def _onsets(self, notes: int) -> Iterator[float]:
+        """The time that stands first in each record's annotations [s]."""
+        skipped = self._size + self._width * sum(self._samples[:notes])
+        for record in range(self.records):
+            at = skipped + record * self._record
+            raw = self._data[at : at + self._width * self._samples[notes]]
+            if (onset := _ONSET.match(raw)) is None:
+                raise InputError(f"{self._shown}: record {record + 1} has no time; it is damaged")
+            yield float(onset[1])
+
+    def _read(self, first: int, count: int) -> Any:
+        """Some of the records, as edfio reads them."""
+        read = self._edfio.read_bdf if self._binary else self._edfio.read_edf
+        head, data = self._data[: self._size], self._data
+        part = b""
+        if count:
+            begin = self._size + first * self._record
+            part = data[begin : begin + count * self._record]
+        whole = head[:236] + str(count).ljust(8).encode() + head[244:] + part
+        return read(whole, header_encoding="latin-1")
 
 
-def _begins(source: Source, header: _Header) -> FloatArray | None:
-    """Times at which the records begin [s]; None where they follow each other without a gap."""
-    if not header.plus.endswith("+D"):
-        return None
-    signals = set(header.signals)
-    first = next((i for i in range(len(header.labels)) if i not in signals), None)
-    if first is None:
-        raise InputError(f"{source.shown}: interrupted (EDF+D), without the times of its records")
-    skipped = header.width * sum(header.samples[:first])
-    length = header.width * header.samples[first]
-    onsets = np.empty(header.records)
-    for record in range(header.records):
-        at = header.size + record * header.record + skipped
-        onset = _ONSET.match(source.data[at : at + length])
-        if onset is None:
-            raise InputError(f"{source.shown}: record {record + 1} has no time; it is damaged")
-        onsets[record] = float(onset[1])
-    onsets -= onsets[0]
-    even = np.abs(onsets - header.duration_s * np.arange(header.records)) < 1e-6
-    return None if even.all() else onsets
+def _beside(path: str) -> tuple[float, bool]:
+    """First instant [s], and whether the EMG is an envelope, as the JSON beside BIDS data says.
 
+    Without it, files of one recording that begin at different times would be laid one upon the
+    other, and an envelope would be rectified once more.
 
-def _times(
-    header: _Header, begins: FloatArray | None, per_record: int, start_s: float
-) -> FloatArray:
-    """Times of a signal's samples [s], the first at `start_s`."""
-    rate = per_record / header.duration_s
-    if begins is None:
-        return instants(start_s, rate, header.records * per_record)
-    within = np.arange(per_record) / rate
-    return freeze((start_s + begins[:, None] + within[None, :]).reshape(-1))
-
-
-def _values(source: Source, header: _Header, wanted: Sequence[int]) -> list[FloatArray]:
-    """The wanted signals in their units."""
-    arrays = [np.empty(header.records * header.samples[header.signals[i]]) for i in wanted]
-    done = [0] * len(wanted)
-    for part in _parts(source, header):
-        for k, i in enumerate(wanted):
-            values = part.signals[i].data
-            arrays[k][done[k] : done[k] + len(values)] = values
-            done[k] += len(values)
-    for k, (array, n) in enumerate(zip(arrays, done, strict=True)):
-        if n != len(array):
-            raise InputError(f"{source.shown}: signal {k + 1} is shorter than its header says")
-    return [freeze(array) for array in arrays]
-
-
-def _parts(source: Source, header: _Header) -> Iterator[Any]:
-    """The file in parts of some records each, as edfio reads them."""
-    edfio = optional("edfio", "BDF" if header.binary else "EDF", source)
-    read = edfio.read_bdf if header.binary else edfio.read_edf
-    each = max(_PART // header.record, 1)
-    data = source.data
-    for first in range(0, header.records, each):
-        count = min(each, header.records - first)
-        begin = header.size + first * header.record
-        head = data[:236] + str(count).ljust(8).encode() + data[244 : header.size]
-        with guarded(source):
-            yield read(
-                head + data[begin : begin + count * header.record], header_encoding="latin-1"
-            )
-
-
-def _whole(text: bytes) -> int:
-    """A whole number of the header."""
-    return int(text.decode("ascii").strip())
-
-
-def _latin(text: bytes) -> str:
-    """A text of the header in one printable line."""
-    plain = text.decode("latin-1").strip()
-    return "".join(letter if letter.isprintable() else "?" for letter in plain)
+    Raises
+    ------
+    InputError
+        It cannot be read or is no JSON object.
+    """
+    beside = Path(path).with_suffix(".json")
+    if not path.casefold().endswith(_BIDS) or not beside.is_file():
+        return 0.0, False
+    try:
+        told = json.loads(read_bytes(beside))
+    except (ValueError, RecursionError):
+        told = None
+    if not isinstance(told, dict):
+        raise InputError(f"{shown(beside)}: no JSON object, which BIDS keeps beside its data")
+    start, filters = told.get("StartTime"), told.get("SoftwareFilters")
+    if not isinstance(start, int | float) or isinstance(start, bool) or not math.isfinite(start):
+        start = 0.0
+    return float(start), isinstance(filters, dict) and "envelope" in filters

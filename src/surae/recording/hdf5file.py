@@ -8,10 +8,13 @@ from typing import Any
 import numpy as np
 
 from surae.errors import InputError
-from surae.recording.damage import guarded, require_plausible
 from surae.recording.source import Source
+from surae.recording.untrusted import untrusted
 from surae.units import FloatArray
 
+#: Compressed, sparse or never written data may claim any size: what is unpacked is at most this
+#: many bytes, and this many times the file's size more.
+_ALWAYS_ALLOWED, _MOST_EXPANDED = 64 * 2**20, 300
 #: Characters of a text that is read.
 _LONGEST_TEXT = 2**20
 
@@ -21,7 +24,7 @@ def opened(source: Source) -> Iterator[Any]:
     """The HDF5 file in the source's bytes; whatever is wrong with it is one InputError."""
     import h5py
 
-    with guarded(source), h5py.File(io.BytesIO(source.data), "r") as file:
+    with untrusted(source.shown), h5py.File(io.BytesIO(source.data), "r") as file:
         yield file
 
 
@@ -32,8 +35,13 @@ def member(group: Any, name: str) -> Any:
     return group[name] if isinstance(group.get(name, getlink=True), h5py.HardLink) else None
 
 
-def numbers(dataset: Any, source: Source, where: str, row: int | None = None) -> FloatArray:
-    """A dataset's numbers, or one row of a matrix, as float64 in one dimension, not checked.
+def is_plain(dataset: Any) -> bool:
+    """Whether a dataset is plain numbers stored in this file, not in others."""
+    return dataset.dtype.kind in "fiu" and not dataset.external and not dataset.is_virtual
+
+
+def numbers(dataset: Any, source: Source, where: str) -> FloatArray:
+    """A dataset's numbers as float64 in one dimension, not checked.
 
     Those that lie in the file as they are needed are not copied: the array is a view of its bytes.
 
@@ -44,24 +52,23 @@ def numbers(dataset: Any, source: Source, where: str, row: int | None = None) ->
     """
     import h5py
 
-    if (
-        not isinstance(dataset, h5py.Dataset)
-        or dataset.dtype.kind not in "fiu"
-        or dataset.external
-        or dataset.is_virtual
-    ):
+    if not isinstance(dataset, h5py.Dataset) or not is_plain(dataset):
         raise InputError(f"{where}: its values are not plain numbers stored in this file")
-    require_plausible(8 * int(dataset.size or 0), source, where)
+    size = 8 * int(dataset.size or 0)
+    if size > _ALWAYS_ALLOWED + _MOST_EXPANDED * len(source.data):
+        raise InputError(
+            f"{where}: it claims {size / 2**20:.0f} MiB, which a file of "
+            f"{len(source.data) / 2**20:.2g} MiB doesn't hold; the file is damaged"
+        )
     offset = dataset.id.get_offset()
     if (
         offset is not None
         and dataset.dtype == np.dtype("<f8")
         and offset + dataset.nbytes <= len(source.data)
     ):
-        stored = np.frombuffer(source.data, dtype="<f8", count=dataset.size, offset=offset)
-        return stored if row is None else stored.reshape(dataset.shape)[row]
+        return np.frombuffer(source.data, dtype="<f8", count=dataset.size, offset=offset)
     with np.errstate(invalid="ignore"):
-        return np.asarray(dataset[() if row is None else row], dtype=np.float64).ravel()
+        return np.asarray(dataset[()], dtype=np.float64).ravel()
 
 
 def fixed_text(item: Any, name: str) -> str | None:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from surae.recording.looks import Look
+from surae.recording.emg_kind import Look
 from surae.recording.roles import Guess, Side
 
 

@@ -14,9 +14,9 @@ from surae.frozen import FrozenDict
 from surae.recording import mapping, opensim
 from surae.recording.channels import stated_unit, written_unit
 from surae.recording.describe import load_each, sampling_of
+from surae.recording.emg_kind import look_of, relation
 from surae.recording.formats import open_table
 from surae.recording.inspected import InspectedChannel, Inspection
-from surae.recording.looks import look_of, relation
 from surae.recording.recording import ROLES
 from surae.recording.roles import CONFIDENCES, Side, guess_role
 from surae.recording.source import open_source

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from surae.errors import InputError
 from surae.files import PathLike, shown, write_atomic
+from surae.recording.emg_kind import amplified
 from surae.recording.inspected import InspectedChannel, Inspection
-from surae.recording.looks import amplified
 from surae.recording.recording import MUSCLES, ROLES
 from surae.recording.roles import unit_is_volts
 from surae.units import FACTORS, kind

@@ -5,232 +5,275 @@ Three ways in which a file says it, tried for every structure and for the file a
 - a structure with ``values`` and ``interval``, as Spike2 exports a channel (``start``, ``units``;
   where its values are whole numbers, they are the converter's counts and ``scale`` and ``offset``
   apply);
-- vectors beside a vector ``time``, ``times``, ``t``, ``time_s`` or ``time_ms`` of the same length;
+- vectors beside a vector ``time``, ``times`` or ``t``, in seconds or with ``_ms`` in milliseconds;
 - vectors beside a number ``fs``, ``rate``, ``rate_hz``, ``sampling_rate`` or ``sample_rate`` [Hz].
+
+Objects of MATLAB's classes, such as tables, can be opened by MATLAB alone; they are named.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import io
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from surae.errors import InputError
-from surae.recording import matlab5, matlab73
-from surae.recording.recording import freeze, read_only
-from surae.recording.samples import sample
+from surae.recording.foreign import Parsed, foreign_table, packed
+from surae.recording.hdf5file import fixed_text, is_plain, member
 from surae.recording.source import Source
-from surae.recording.table import Column, Table
-from surae.recording.timing import instants
-from surae.units import FloatArray
+from surae.recording.table import Table, some
+from surae.recording.untrusted import untrusted
+from surae.units import FACTORS, FloatArray
 
+_MATLAB5 = b"MATLAB 5.0 MAT-file"
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+#: MATLAB puts its own header of this many bytes before HDF5's.
+_USER_BLOCK = 512
 #: Names of a vector of times and its factor to seconds, in small letters.
-_TIMES = {"time": 1.0, "times": 1.0, "t": 1.0, "time_s": 1.0, "time_ms": 1e-3}
-#: Names of a sampling rate [Hz], in small letters.
-_RATES = (
-    "fs",
-    "rate",
-    "rate_hz",
-    "sampling_rate",
-    "sample_rate",
-    "samplerate",
-    "samplingrate",
-    "samplingfrequency",
-)
+_TIMES = dict.fromkeys(("time", "times", "t"), 1.0) | {
+    f"{name}_{unit}": factor for name in ("time", "t") for unit, factor in FACTORS["time"].items()
+}
+#: Names of a sampling rate [Hz], in small letters without ``_``.
+_RATES = ("fs", "rate", "ratehz", "samplingrate", "samplerate", "samplingfrequency")
 _UNITS = ("units", "unit")
 _LONGEST_UNIT = 100
 #: Structures within structures.
 _DEEPEST = 4
-#: Columns of a matrix that are taken as signals of their own.
-_MOST_COLUMNS = 512
+#: Columns of a matrix that are taken as signals of their own; variables in a file.
+_MOST_COLUMNS, _MOST_VARIABLES = 512, 10_000
+#: How to save an object as what everybody can open, by its class; else as its structure.
+_PLAINLY = {
+    "table": 's = table2struct({0}, "ToScalar", true)',
+    "timetable": 's = table2struct(timetable2table({0}), "ToScalar", true); '
+    "s.time = seconds(s.Time - s.Time(1))",
+    "timeseries": "s.time = {0}.Time; s.values = {0}.Data",
+}
+#: Objects that hold no signal.
+_TEXTS = ("string", "categorical", "function_handle", "FileWrapper__")
 
 
 @dataclass(frozen=True, slots=True)
-class _Signal:
-    """A vector of the file and its time axis."""
+class _Object:
+    """A variable of one of MATLAB's classes."""
 
-    values: Callable[[], FloatArray]
-    time: Callable[[], FloatArray]
-    time_name: str = "time"
-    unit: str = ""
-    remark: str = ""
+    class_name: str
+
+    def advice(self, name: str) -> str:
+        """What to do about it."""
+        plainly = _PLAINLY.get(self.class_name, "s = struct({0})").format(name)
+        return (
+            f"a MATLAB {self.class_name}, which only MATLAB can open; save it plainly there: "
+            f'{plainly}; save("plain.mat", "-struct", "s")'
+        )
 
 
 def recognises(source: Source) -> bool:
     """Whether it begins as a MATLAB 5 file does, or as HDF5 with or without MATLAB's header."""
-    return source.data.startswith(matlab5.MAGIC) or matlab73.recognises(source)
+    data = source.data
+    return (
+        data.startswith((_MATLAB5, _HDF5)) or data[_USER_BLOCK : _USER_BLOCK + len(_HDF5)] == _HDF5
+    )
 
 
 def open_table(source: Source) -> Table:
-    """List the signals.
+    """Read the signals.
 
     Raises
     ------
     InputError
         The file is damaged, or holds no vectors with times or a rate.
     """
-    older = source.data.startswith(matlab5.MAGIC)
-    variables = matlab5.read_variables(source) if older else matlab73.read_variables(source)
-    signals = dict(_signals(variables, "", source, 0))
-    if not signals:
-        raise InputError(
-            f"{source.shown}: no channels: expected structures with values and interval, as "
-            "Spike2 exports them, or vectors beside a vector 'time' or a sampling rate 'fs'"
-        )
+    return foreign_table(source, "MATLAB", "matlab")
 
-    def load(wanted: Sequence[str]) -> Mapping[str, Column]:
-        return {
-            name: Column(
-                name,
-                signals[name].time(),
-                signals[name].values(),
-                signals[name].time_name,
-                sample,
-            )
-            for name in wanted
-        }
 
-    return Table(
-        file=source.shown,
-        format="MATLAB",
-        names=tuple(signals),
-        time_name="time",
-        load=load,
-        units={name: one.unit for name, one in signals.items() if one.unit},
-        remarks={name: one.remark for name, one in signals.items() if one.remark},
+def parse(data: bytes, shown: str) -> dict[str, Any]:
+    """The signals of a file."""
+    with untrusted(shown):
+        read = _matlab5 if data.startswith(_MATLAB5) else _matlab73
+        columns = list(_signals(read(data), "", shown, 0))
+        if not any(not column.refused for column in columns):
+            raise InputError(f"{shown}: {_nothing(columns)}")
+        return packed(columns)
+
+
+def _nothing(columns: list[Parsed]) -> str:
+    """Why a file has no signals."""
+    if columns:
+        others = f" ({some([c.name for c in columns[1:]], 3)} likewise)" if columns[1:] else ""
+        return f"{columns[0].name!r}: {columns[0].refused}{others}"
+    return (
+        "no channels: expected structures with values and interval, as Spike2 exports them, or "
+        "vectors beside a vector 'time' or a sampling rate 'fs'"
     )
 
 
-def _signals(
-    variables: Mapping[str, Any], prefix: str, source: Source, depth: int
-) -> Iterator[tuple[str, _Signal]]:
-    """The signals among some variables, with their names."""
+def _matlab5(data: bytes) -> Mapping[str, Any]:
+    """Variables of version 5 to 7.2: numbers, texts, objects, structures as mappings of these."""
+    import scipy.io
+
+    loaded = scipy.io.loadmat(io.BytesIO(data), struct_as_record=False, squeeze_me=True)
+    variables = {}
+    for name, value in loaded.items():
+        if isinstance(value, scipy.io.matlab.MatlabOpaque):
+            names, classes = (np.ravel(value)[0][part] for part in ("s0", "s2"))
+            variables[_name(names)] = _Object(_name(classes))
+        elif not name.startswith("__"):
+            variables[name] = _plain(value)
+    return variables
+
+
+def _name(raw: Any) -> str:
+    return raw.decode("latin-1") if isinstance(raw, bytes) else str(raw)
+
+
+def _plain(value: Any) -> Any:
+    """A structure as a mapping; structures side by side as a list of mappings."""
+    if (class_name := getattr(value, "classname", None)) is not None:
+        return _Object(str(class_name))
+    if (fields := getattr(value, "_fieldnames", None)) is not None:
+        return {name: _plain(getattr(value, name)) for name in fields}
+    if isinstance(value, np.ndarray) and value.dtype == object:
+        return [_plain(element) for element in value.ravel()]
+    # Squeezed by SciPy to a plain number.
+    number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+    return np.atleast_1d(value) if number else value
+
+
+def _matlab73(data: bytes) -> Mapping[str, Any]:
+    """Variables of version 7.3, which is HDF5."""
+    import h5py
+
+    with h5py.File(io.BytesIO(data), "r") as file:
+        return _group(file, [_MOST_VARIABLES], 0)
+
+
+def _group(group: Any, left: list[int], depth: int) -> dict[str, Any]:
+    """Variables of a file or structure, not those that are links to somewhere else."""
+    import h5py
+
+    variables: dict[str, Any] = {}
+    for name in group:
+        left[0] -= 1
+        if left[0] < 0:
+            raise ValueError(f"more than {_MOST_VARIABLES} variables")
+        item = member(group, name)
+        if isinstance(item, h5py.Group) and depth < _DEEPEST and not name.startswith("#"):
+            variables[name] = _group(item, left, depth + 1)
+        elif isinstance(item, h5py.Dataset) and "MATLAB_empty" not in item.attrs:
+            variables[name] = _dataset(item)
+    return variables
+
+
+def _dataset(dataset: Any) -> Any:
+    """An array as MATLAB shows it, whose dimensions HDF5 lists the other way round, or a text."""
+    class_name = fixed_text(dataset, "MATLAB_class")
+    if "MATLAB_object_decode" in dataset.attrs and class_name is not None:
+        return _Object(class_name)
+    if not is_plain(dataset):
+        return np.array("")
+    array = np.asarray(dataset[()]).T
+    if class_name == "char":
+        return "".join(chr(code) for code in np.ravel(array) if 0 < code < 0xD800)
+    return array
+
+
+def _signals(variables: Mapping[str, Any], prefix: str, shown: str, depth: int) -> Iterator[Parsed]:
+    """The signals among some variables."""
     times = {
-        name: value
+        name: _floats(value)
         for name, value in variables.items()
         if name.casefold() in _TIMES and len(shape := _shape(value)) == 1 and shape[0] > 1
     }
-    rate = _rate(variables, f"{source.shown}: {prefix}", needed=not times)
+    seconds = {name: time * _TIMES[name.casefold()] for name, time in times.items()}
+    rate = None if times else _rate(variables, f"{shown}: {prefix}")
     for name, value in variables.items():
         full = prefix + name
-        if isinstance(value, Mapping):
+        if isinstance(value, _Object) and value.class_name not in _TEXTS:
+            yield Parsed(full, np.empty(0), (0.0, 1.0), refused=value.advice(full))
+        elif isinstance(value, Mapping):
             if "values" in value and "interval" in value:
-                yield full, _spike2(value, f"{source.shown}: column {full!r}")
+                yield _spike2(full, value)
             elif depth < _DEEPEST:
-                yield from _signals(value, f"{full}.", source, depth + 1)
+                yield from _signals(value, f"{full}.", shown, depth + 1)
         elif isinstance(value, list):
-            each = [one for one in value if isinstance(one, Mapping)]
-            for index, one in enumerate(each if depth < _DEEPEST else [], start=1):
-                yield from _signals({f"({index})": one}, full, source, depth + 1)
-        elif name not in times and (shape := _shape(value)):
-            for label, part, n in _vectors(full, value, shape):
-                matching = [one for one in times if _shape(times[one]) == (n,)]
-                if matching:
-                    yield label, _timed(part, matching[0], times[matching[0]], prefix)
-                elif rate is not None and n > 1:
-                    yield label, _rated(part, rate, n)
+            each = [element for element in value if isinstance(element, Mapping)]
+            for index, element in enumerate(each if depth < _DEEPEST else [], start=1):
+                yield from _signals({f"({index})": element}, full, shown, depth + 1)
+        elif name not in times and _shape(value):
+            for label, vector in _vectors(full, value):
+                at = next((key for key, time in seconds.items() if len(time) == len(vector)), None)
+                if at is not None:
+                    said = "" if "_" in at else f"{prefix}{at} is taken as seconds"
+                    yield Parsed(label, vector, seconds[at], remark=said, time_name=prefix + at)
+                elif rate is not None and len(vector) > 1:
+                    yield Parsed(label, vector, (0.0, rate))
 
 
-def _vectors(
-    name: str, value: Any, shape: tuple[int, ...]
-) -> Iterator[tuple[str, Callable[[], FloatArray], int]]:
+def _vectors(name: str, value: Any) -> Iterator[tuple[str, npt.NDArray[Any]]]:
     """The vectors of an array: itself, or the columns of a matrix."""
-    if len(shape) == 1:
-        if shape[0] > 1:
-            yield name, lambda: _floats(value), shape[0]
-    elif len(shape) == 2 and shape[1] <= _MOST_COLUMNS:
-        for index in range(shape[1]):
-            yield f"{name}(:,{index + 1})", lambda i=index: _column(value, i), shape[0]  # type: ignore[misc]
+    array = value.squeeze()
+    if array.ndim == 1 and len(array) > 1:
+        yield name, array
+    elif array.ndim == 2 and array.shape[1] <= _MOST_COLUMNS:
+        for index in range(array.shape[1]):
+            yield f"{name}(:,{index + 1})", array[:, index]
 
 
-def _timed(values: Callable[[], FloatArray], name: str, time: Any, prefix: str) -> _Signal:
-    """A vector beside its times."""
-    factor = _TIMES[name.casefold()]
-    return _Signal(
-        values=lambda: freeze(values()),
-        time=lambda: read_only(_floats(time) * factor),
-        time_name=prefix + name,
-        remark="" if "_" in name else f"{prefix}{name} is taken as seconds",
-    )
-
-
-def _rated(values: Callable[[], FloatArray], rate_hz: float, n: int) -> _Signal:
-    """A vector sampled at a rate."""
-    return _Signal(
-        values=lambda: freeze(values()),
-        time=lambda: instants(0.0, rate_hz, n),
-    )
-
-
-def _spike2(channel: Mapping[str, Any], where: str) -> _Signal:
+def _spike2(name: str, channel: Mapping[str, Any]) -> Parsed:
     """A channel as Spike2 exports it."""
     values = channel["values"]
-    shape = _shape(values)
-    if len(shape) != 1:
-        raise InputError(f"{where}: its values are not plain numbers stored in this file")
     start, interval = _number(channel, "start", 0.0), _number(channel, "interval", float("nan"))
-    if not (np.isfinite(start) and np.isfinite(interval) and interval > 0):
-        raise InputError(f"{where}: start {start:g} s, interval {interval:g} s: not a time axis")
-    n = shape[0]
-    counts = values.dtype.kind in "iu"
-    scale, offset = _number(channel, "scale", 1.0), _number(channel, "offset", 0.0)
-
-    def scaled() -> FloatArray:
-        raw = _floats(values)
-        # Stored as the converter's counts, not yet in units.
-        return freeze(raw * scale + offset if counts else raw)
-
-    return _Signal(
-        values=scaled,
-        time=lambda: freeze(start + interval * np.arange(n, dtype=np.float64)),
-        unit=next((text for key in _UNITS if (text := _text(channel.get(key)))), ""),
-        remark=f"counts, scale {scale:g} and offset {offset:g} applied" if counts else "",
-    )
+    refused, remark = "", ""
+    if len(_shape(values)) != 1:
+        refused = "its values are not plain numbers stored in this file"
+    elif not (np.isfinite(start) and np.isfinite(interval) and interval > 0):
+        refused = f"start {start:g} s, interval {interval:g} s: not a time axis"
+    if refused:
+        return Parsed(name, np.empty(0), (0.0, 1.0), refused=refused)
+    signal = _floats(values)
+    if values.dtype.kind in "iu":  # the converter's counts, not yet in units
+        scale, offset = _number(channel, "scale", 1.0), _number(channel, "offset", 0.0)
+        signal = signal * scale + offset
+        remark = f"counts, scale {scale:g} and offset {offset:g} applied"
+    unit = next((text for key in _UNITS if (text := _text(channel.get(key)))), "")
+    time = start + interval * np.arange(len(signal), dtype=np.float64)
+    return Parsed(name, signal, time, unit=unit, remark=remark)
 
 
-def _rate(variables: Mapping[str, Any], where: str, *, needed: bool) -> float | None:
+def _rate(variables: Mapping[str, Any], where: str) -> float | None:
     """The sampling rate among some variables [Hz]."""
-    found = {
+    rates = {
         name: _floats(value).item()
         for name, value in variables.items()
-        if name.casefold() in _RATES and _shape(value) == (1,)
+        if name.casefold().replace("_", "") in _RATES and _shape(value) == (1,)
     }
-    if not found or not needed:
+    if not rates:
         return None
-    rates = set(found.values())
-    rate = rates.pop()
-    if rates or not (np.isfinite(rate) and rate > 0):
-        raise InputError(f"{where}{' and '.join(found)}: not a sampling rate")
+    rate, *others = set(rates.values())
+    if others or not (np.isfinite(rate) and rate > 0):
+        raise InputError(f"{where}{' and '.join(rates)}: not a sampling rate")
     return rate
 
 
 def _shape(value: Any) -> tuple[int, ...]:
     """Shape of an array of numbers, a row or column of a matrix as a vector; empty for no array."""
-    kind = getattr(getattr(value, "dtype", None), "kind", "")
-    if kind not in ("f", "i", "u"):
+    if getattr(getattr(value, "dtype", None), "kind", "") not in ("f", "i", "u"):
         return ()
-    shape = tuple(int(size) for size in value.shape if size != 1)
-    return shape or (1,)
+    return tuple(int(size) for size in value.shape if size != 1) or (1,)
 
 
-def _floats(value: Any) -> FloatArray:
+def _floats(value: npt.NDArray[Any]) -> FloatArray:
     """An array of numbers, its dimensions of one left out."""
-    array = value() if callable(value) else value
     with np.errstate(invalid="ignore"):
-        plain = np.asarray(array, dtype=np.float64).squeeze()
-    return plain.reshape(1) if plain.ndim == 0 else plain
-
-
-def _column(value: Any, index: int) -> FloatArray:
-    """A column of a matrix, converted without the others, which it does not keep in memory."""
-    stored = isinstance(value, matlab73.Stored)
-    return np.array(_floats(value.column(index) if stored else value.squeeze()[:, index]))
+        return np.atleast_1d(np.asarray(value, dtype=np.float64).squeeze())
 
 
 def _number(channel: Mapping[str, Any], name: str, default: float) -> float:
     """A number of a channel, or `default` where it has none of that name."""
     value = channel.get(name)
-    return default if value is None or _shape(value) != (1,) else _floats(value).item()
+    return default if value is None or _shape(value) != (1,) else float(_floats(value)[0])
 
 
 def _text(value: Any) -> str:

@@ -4,15 +4,10 @@ from collections.abc import Mapping
 
 from surae.errors import InputError
 from surae.recording.recording import ROLES
-from surae.units import FACTORS, kind, to_si
+from surae.units import FACTORS, kind, plain, to_si
 
 #: Column names of the time, and their factor to seconds.
-TIMES: Mapping[str, float] = {"time_s": 1.0, "time_ms": 1e-3}
-
-
-def plain(unit: str) -> str:
-    """A unit or column name with both of Unicode's micro signs written as ``u``."""
-    return unit.replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
+TIMES: Mapping[str, float] = {f"time_{unit}": factor for unit, factor in FACTORS["time"].items()}
 
 
 def _suffixes(role: str) -> dict[str, str]:

@@ -14,10 +14,9 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.recording.recording import freeze
-from surae.recording.samples import sample
+from surae.recording.samples import instants, sample
 from surae.recording.source import Source
 from surae.recording.table import Column, Table
-from surae.recording.timing import instants
 from surae.units import FloatArray
 
 _MAGIC = b"POLY SAMPLE FILE"

@@ -2,8 +2,8 @@
 
 from surae.files import PathLike
 from surae.recording import hdf5, mapping, opensim
+from surae.recording.by_name import recording_by_names
 from surae.recording.formats import open_table
-from surae.recording.named import recording_by_names
 from surae.recording.recording import Recording
 from surae.recording.source import open_source
 

@@ -26,8 +26,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-from surae.recording.naming import NAMES, plain
-from surae.units import FACTORS, kind
+from surae.recording.naming import NAMES
+from surae.units import FACTORS, kind, plain, spelled
 
 Confidence = Literal["stated", "named", "likely", "possible"]
 Side = Literal["left", "right"]
@@ -49,6 +49,7 @@ _OTHER_SENSORS = {
     "acc", "accel", "accelerometer", "gyro", "gyroscope", "mag", "imu", "quat", "ecg", "ekg", "eog",
     "eeg", "force", "grf", "cop", "marker", "trigger", "trig", "sync", "keyboard", "dac", "target",
     "setpoint", "command", "reference", "temperature", "battery", "status", "saw", "counter",
+    "forces", "power", "powers", "progress", "progression",
 }  # fmt: skip
 _TORQUE = {"torque", "moment", "drehmoment", "koppel", "torq", "tor"}
 _VELOCITY = {"velocity", "vel", "speed", "omega", "angvel"}
@@ -82,22 +83,25 @@ _SHORT = {
     "sol": "emg_sol",
 }  # fmt: skip
 
-#: Units that show what kind of signal it is, folded.
+#: Units that show what kind of signal it is, though not its factor, in small letters.
 _UNIT_KINDS = {
-    **dict.fromkeys(("nm", "n.m", "n·m", "n m", "n*m", "mnm", "nmm", "ntmm"), "torque"),
-    **dict.fromkeys(("deg", "degree", "degrees", "°", "rad", "radian", "radians"), "angle"),
-    **dict.fromkeys(("v", "mv", "uv", "volt", "volts", "1", "%", "%mvc", "a.u.", "au"), "emg"),
-    **dict.fromkeys(("deg/s", "°/s", "rad/s"), "angular_velocity"),
-    **dict.fromkeys(("deg/s2", "deg/s^2", "°/s2", "rad/s2", "rad/s^2"), "angular_acceleration"),
+    **dict.fromkeys(("nm/kg", "nmm/kg", "n.m/kg", "n.mm/kg"), "torque"),
+    **dict.fromkeys(("%", "%mvc", "a.u.", "au"), "emg"),
 }
 
 _CAMEL = re.compile(
     r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])"
 )
 _BETWEEN = re.compile(r"[^0-9A-Za-z]+")
-#: A unit that a heading ends with: "Angle (deg)", "Moment [N.m]"; "ankle_angle_deg".
-_BRACKETED = re.compile(r".*\S\s*(?:\(\s*([^()]+?)\s*\)|\[\s*([^\[\]]+?)\s*\])")
-_SUFFIXED = re.compile(r".*[^\W_][_ ](deg|rad|Nm|mNm|[mu\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}]V)")
+#: A unit that a heading ends with: "Angle (deg)", "Moment [N.m]", "TA,uV"; "ankle_angle_deg".
+_BRACKETED = re.compile(r".*\S\s*(?:\(\s*([^()]+?)\s*\)|\[\s*([^\[\]]+?)\s*\]|,\s*([^\s,]+))")
+_SUFFIXED = re.compile(
+    r".*[^\W_][_ ](deg|rad|Nm|mNm|Nmm|[mu\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}]V)"
+)
+
+
+#: A coordinate of a point of motion capture.
+_COORDINATE = re.compile(r".+\.([XYZ])")
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,23 +154,36 @@ def guess_role(name: str, unit: str | None = None) -> Guess | None:
     side = next((_SIDES[word] for word in words if word in _SIDES), None)
     said = set(words)
     suggested = unit_kind(unit)
-    for find in (_quantity, _muscle):
-        found = find(said, words)
-        if found is None:
-            continue
-        roles, confidence, why = found
-        if suggested is not None and all(kind(role) != suggested for role in roles):
-            if not (suggested == "emg" and unit_is_volts(unit) and kind(roles[0]) != "emg"):
-                return None
-            why += "; in volts: give the sensor's scale"
-        return Guess(roles, confidence, why, side)
-    if said & (_OTHER_JOINTS | _OTHER_SENSORS | _OTHER_MUSCLES):
+    match = _quantity(said, words) or _muscle(said, words)
+    if match is not None:
+        return _of_unit(*match, side, unit, _COORDINATE.fullmatch(name))
+    known = said & (_OTHER_JOINTS | _OTHER_SENSORS | _OTHER_MUSCLES)
+    if suggested not in ("torque", "angle") or known:
         return None
-    if suggested in ("torque", "angle"):
-        return Guess(
-            (suggested,), "possible", f"only its unit, {unit}, is one of {suggested}", side
-        )
-    return None
+    rule = f"only its unit, {unit}, is one of {suggested}"
+    return Guess((suggested,), "possible", rule, side)
+
+
+def _of_unit(
+    roles: tuple[str, ...],
+    confidence: Confidence,
+    rule: str,
+    side: Side | None,
+    unit: str | None,
+    coordinate: re.Match[str] | None,
+) -> Guess | None:
+    """The guess by a name, unless the unit rules it out."""
+    suggested, emg = unit_kind(unit), roles[0].startswith("emg_")
+    if suggested is not None and all(kind(role) != suggested for role in roles):
+        if emg or not unit_is_volts(unit):
+            return None
+        rule += "; in volts: give the sensor's scale"
+    if coordinate is not None and not emg:
+        if coordinate[1] != "X":
+            confidence, rule = "possible", f"{rule}, but not its first coordinate"
+        else:
+            rule += "; X of three coordinates, the flexion in most models"
+    return Guess(roles, confidence, rule, side)
 
 
 def words_of(name: str) -> tuple[str, ...]:
@@ -177,7 +194,12 @@ def words_of(name: str) -> tuple[str, ...]:
 
 def unit_kind(unit: str | None) -> str | None:
     """The kind of signal that has this unit, None where it is missing or of none of them."""
-    return None if unit is None else _UNIT_KINDS.get(plain(unit.strip()).casefold(), "other")
+    if unit is None:
+        return None
+    known = spelled(unit)
+    if known is None:
+        return _UNIT_KINDS.get(unit.strip().casefold(), "other")
+    return next(sort for sort, units in FACTORS.items() if known in units)
 
 
 def heading_unit(name: str) -> str | None:
@@ -190,13 +212,12 @@ def heading_unit(name: str) -> str | None:
     if found is None:
         return None
     unit = next(text for text in found.groups() if text is not None)
-    return unit if unit != "1" and unit_kind(unit) not in (None, "other") else None
+    return unit if unit != "1" and unit_kind(unit) not in (None, "other", "time") else None
 
 
 def unit_is_volts(unit: str | None) -> bool:
     """Whether a unit is one of voltage, as of a sensor that was not calibrated."""
-    known = {text.casefold() for text in FACTORS["emg"] if text != "1"}
-    return unit is not None and plain(unit.strip()).casefold() in known | {"volt", "volts"}
+    return unit is not None and spelled(unit) in ("V", "mV", "uV")
 
 
 _Found = tuple[tuple[str, ...], Confidence, str]

@@ -32,12 +32,15 @@ class Rows:
         The names in that row.
     delimiter : str or None
         What separates the cells; None for white space of any length.
+    decimal : str
+        What begins the decimals: a point, or a comma, which then is no `delimiter`.
     """
 
     source: Source
     header: int
     names: tuple[str, ...]
     delimiter: str | None
+    decimal: str = "."
 
     def load(self, wanted: Sequence[int]) -> FloatArray:
         """Read the columns with these indices, each as one row of the result.
@@ -86,17 +89,22 @@ class Rows:
     def _plain(self, line: str) -> bool:
         """Whether a row is one that NumPy's parser takes: a number in every cell."""
         try:
-            return len([float(cell) for cell in split(line, self.delimiter)]) == len(self.names)
+            cells = split(self._with_point(line), self.delimiter)
+            return len([float(cell) for cell in cells]) == len(self.names)
         except (ValueError, csv.Error):
             return False
 
+    def _with_point(self, text: str) -> str:
+        """A text in which decimals begin with a point."""
+        return text if self.decimal == "." else text.replace(self.decimal, ".")
+
     def _load_fast(self, wanted: Sequence[int], number: int, line: str) -> FloatArray:
         """Read with NumPy's parser; where it gives up, line by line."""
-        lines = islice(self.source.lines(), number, None)
+        lines = chain((line,), islice(self.source.lines(), number, None))
         rows = (line for line in lines if (text := line.lstrip()) and text[0] != "#")
         try:
             table = np.loadtxt(
-                chain((line,), rows), delimiter=self.delimiter, comments=None, ndmin=2
+                map(self._with_point, rows), delimiter=self.delimiter, comments=None, ndmin=2
             )
         except ValueError:
             return self._load(wanted)
@@ -123,7 +131,7 @@ class Rows:
                 )
             for values, index in zip(columns, wanted, strict=True):
                 try:
-                    values.append(as_number(cells[index]))
+                    values.append(as_number(self._with_point(cells[index])))
                 except ValueError as error:
                     raise InputError(
                         f"{self.source.shown}: column {some([self.names[index]])}, row {number}: "

@@ -1,4 +1,4 @@
-"""The one check that every signal passes, whatever file or array it comes from."""
+"""Samples and their times: the one check that every signal passes, whatever it comes from."""
 
 from collections.abc import Callable
 
@@ -14,6 +14,13 @@ Position = Callable[[int], str]
 def sample(index: int) -> str:
     """Position of a sample in an array or a binary file; the first is sample 1."""
     return f"sample {index + 1}"
+
+
+def instants(start_s: float, rate_hz: float, n: int) -> FloatArray:
+    """Read-only times [s] of `n` samples at `rate_hz`, the first at `start_s`."""
+    time = start_s + np.arange(n, dtype=np.float64) / rate_hz
+    time.setflags(write=False)
+    return time
 
 
 def check_samples(
@@ -71,3 +78,16 @@ def check_finite(values: FloatArray, *, where: str, name: str, position: Positio
         raise InputError(
             f"{where}: {name}, {position(index)}: {values[index]} is not a finite number"
         )
+
+
+def rounding(time: FloatArray, coarsest: float) -> float | None:
+    """The decimal step [s], at most `coarsest`, of which all times are multiples, or None.
+
+    Stamps finer than a ten-thousandth of `coarsest` are not rounded in any way that matters.
+    """
+    digits = int(np.ceil(-np.log10(coarsest)))
+    for decimals in range(digits, digits + 4):
+        scaled = time * 10.0**decimals
+        if np.max(np.abs(scaled - np.round(scaled))) < 1e-4:
+            return float(10.0**-decimals)
+    return None

@@ -1,48 +1,35 @@
-"""XDF of the Lab Streaming Layer (https://github.com/sccn/xdf), read with pyxdf after a check.
+"""XDF of the Lab Streaming Layer (https://github.com/sccn/xdf), read with pyxdf.
 
 Every stream is a set of columns ``stream: channel``. Clocks are synchronised by pyxdf. Time counts
 from the earliest sample of all streams. Regular streams get a uniform time axis by least squares
 over their stamps, which jitter with the network; where stamps lie so far from it that samples must
 be missing, the stream is refused. Irregular streams keep their stamps; streams of words are left
-out.
+out. What pyxdf skips with a message in its log, or fills with the sample before where the file
+ends early, is refused.
 """
 
 import io
 import logging
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from surae.errors import InputError
-from surae.recording import xdf_chunks
-from surae.recording.damage import guarded, optional
-from surae.recording.recording import freeze, read_only
-from surae.recording.samples import sample
+from surae.recording.foreign import Parsed, foreign_table, packed
 from surae.recording.source import Source
-from surae.recording.table import Column, Table
+from surae.recording.table import Table
+from surae.recording.untrusted import optional, printable, untrusted
 from surae.units import FloatArray
 
+_MAGIC = b"XDF:"
 #: A stamp further than this from a uniform axis [s] is no jitter: samples are missing.
 MOST_JITTER_S = 0.05
 
 
-@dataclass(frozen=True, slots=True)
-class _Stream:
-    """One stream of numbers."""
-
-    time: FloatArray
-    values: Any
-    jitter_s: float
-    rate_hz: float | None
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-
-
 def recognises(source: Source) -> bool:
     """Whether it begins as XDF does."""
-    return source.data.startswith(xdf_chunks.MAGIC)
+    return source.data.startswith(_MAGIC)
 
 
 def open_table(source: Source) -> Table:
@@ -53,45 +40,42 @@ def open_table(source: Source) -> Table:
     InputError
         It is damaged or cut short, has no streams of numbers, or pyxdf is missing.
     """
-    pyxdf = optional("pyxdf", "XDF", source)
-    with guarded(source):
-        xdf_chunks.check(source)
-        streams = _streams(_loaded(pyxdf, source), source)
-    names = tuple(name for stream in streams for name in stream.names)
-    where = {
-        name: (stream, i)
-        for stream in reversed(streams)
-        for i, name in reversed(list(enumerate(stream.names)))
-    }
+    return foreign_table(source, "XDF", "xdf")
 
-    def load(wanted: Sequence[str]) -> Mapping[str, Column]:
-        found = {}
-        for name in wanted:
-            stream, column = where[name]
-            if stream.rate_hz is not None and stream.jitter_s > MOST_JITTER_S:
-                raise InputError(
-                    f"{source.shown}: column {name!r}: its time stamps lie up to "
-                    f"{1e3 * stream.jitter_s:.0f} ms from a uniform rate: samples are missing; use "
-                    "a part of the recording without a gap"
-                )
-            found[name] = Column(
-                name, stream.time, read_only(stream.values[:, column]), "time stamp", sample
-            )
-        return found
 
-    return Table(
-        file=source.shown,
-        format="XDF",
-        names=names,
-        time_name="time stamp",
-        load=load,
-        units={name: s.units[i] for name, (s, i) in where.items() if s.units[i]},
-        remarks={
-            name: f"time stamps jittered by up to {1e3 * s.jitter_s:.2g} ms, replaced by a line"
-            for name, (s, _) in where.items()
-            if s.rate_hz is not None
-        },
-    )
+def parse(data: bytes, shown: str) -> dict[str, Any]:
+    """The streams of numbers that have samples."""
+    pyxdf = optional("pyxdf", "XDF", shown)
+    with untrusted(shown):
+        _require_whole(data, shown)
+        streams = [
+            (stream["info"], np.asarray(stream["time_series"]), np.asarray(stream["time_stamps"]))
+            for stream in _loaded(pyxdf, data, shown)
+            if stream["info"]["channel_format"][0] != "string" and len(stream["time_stamps"]) > 1
+        ]
+        if not streams:
+            raise InputError(f"{shown}: no stream of numbers with samples in it")
+        if not all(np.isfinite(stamps).all() for _, _, stamps in streams):
+            raise InputError(f"{shown}: a time stamp is not a finite number")
+        origin = min(float(stamps[0]) for _, _, stamps in streams)
+        return packed(
+            [
+                column
+                for info, values, stamps in streams
+                for column in _columns(info, values, stamps - origin, shown)
+            ]
+        )
+
+
+def _require_whole(data: bytes, shown: str) -> None:
+    """Check that the file ends where its last chunk does."""
+    at = len(_MAGIC)
+    while at < len(data):
+        width = data[at] if data[at] in (1, 4, 8) else 0
+        end = at + 1 + width + int.from_bytes(data[at + 1 : at + 1 + width], "little")
+        if not width or end > len(data) or end == at + 1 + width:
+            raise InputError(f"{shown}: the file is cut short or damaged at byte {at}")
+        at = end
 
 
 class _Complaints(logging.Handler):
@@ -99,14 +83,14 @@ class _Complaints(logging.Handler):
 
     def __init__(self) -> None:
         super().__init__(logging.ERROR)
-        self.found: list[str] = []
+        self.messages: list[str] = []
 
     def emit(self, record: logging.LogRecord) -> None:
         """Keep a message."""
-        self.found.append(record.getMessage())
+        self.messages.append(record.getMessage())
 
 
-def _loaded(pyxdf: Any, source: Source) -> list[Any]:
+def _loaded(pyxdf: Any, data: bytes, shown: str) -> list[Any]:
     """The streams as pyxdf gives them; what it would skip is an error."""
     log, complaints = logging.getLogger("pyxdf"), _Complaints()
     before = log.propagate
@@ -114,67 +98,66 @@ def _loaded(pyxdf: Any, source: Source) -> list[Any]:
     log.propagate = False
     try:
         streams, _ = pyxdf.load_xdf(
-            io.BytesIO(source.data), synchronize_clocks=True, dejitter_timestamps=False
+            io.BytesIO(data), synchronize_clocks=True, dejitter_timestamps=False
         )
     finally:
         log.removeHandler(complaints)
         log.propagate = before
-    if complaints.found:
-        raise InputError(f"{source.shown}: the file is damaged: some of its samples are unreadable")
+    if complaints.messages:
+        raise InputError(f"{shown}: the file is damaged: some of its samples are unreadable")
     return list(streams)
 
 
-def _streams(loaded: Sequence[Any], source: Source) -> list[_Stream]:
-    """The streams of numbers that have samples."""
-    numeric = [s for s in loaded if s["info"]["channel_format"][0] != "string"]
-    numeric = [s for s in numeric if len(s["time_stamps"]) > 1]
-    if not numeric:
-        raise InputError(f"{source.shown}: no stream of numbers with samples in it")
-    stamps = [np.asarray(s["time_stamps"], dtype=np.float64) for s in numeric]
-    if not all(np.isfinite(each).all() for each in stamps):
-        raise InputError(f"{source.shown}: a time stamp is not a finite number")
-    origin = min(float(each[0]) for each in stamps)
-    found = []
-    for stream, raw in zip(numeric, stamps, strict=True):
-        info = stream["info"]
-        regular = float(info["nominal_srate"][0]) > 0
-        time, jitter, rate = raw - origin, 0.0, None
-        if regular:
-            time, jitter, rate = _line(time, source)
-        names, units = _described(info, np.asarray(stream["time_series"]).shape[1])
-        found.append(_Stream(freeze(time), stream["time_series"], jitter, rate, names, units))
-    return found
+def _columns(
+    info: Mapping[str, Any], values: np.ndarray[Any, Any], time: FloatArray, shown: str
+) -> Iterator[Parsed]:
+    """The channels of a stream."""
+    refused = remark = ""
+    if float(info["nominal_srate"][0]) > 0:
+        time, jitter_ms = _line(time, shown)
+        remark = f"time stamps jittered by up to {jitter_ms:.2g} ms, replaced by a line"
+        if jitter_ms > 1e3 * MOST_JITTER_S:
+            refused = (
+                f"its time stamps lie up to {jitter_ms:.0f} ms from a uniform rate: samples are "
+                "missing; use a part of the recording without a gap"
+            )
+    stream = _text(info.get("name"))
+    for index, (label, unit) in enumerate(_described(info, values.shape[1])):
+        yield Parsed(
+            name=f"{stream}: {label}" if stream else label,
+            values=values[:, index],
+            time=time,
+            unit=unit,
+            remark=remark,
+            refused=refused,
+            time_name="time stamp",
+        )
 
 
-def _line(time: FloatArray, source: Source) -> tuple[FloatArray, float, float]:
-    """Uniform times by least squares, the largest distance of a stamp [s], and the rate [Hz]."""
+def _line(time: FloatArray, shown: str) -> tuple[FloatArray, float]:
+    """Uniform times by least squares, and the largest distance of a stamp from them [ms]."""
     index = np.arange(len(time), dtype=np.float64)
     centred = index - index.mean()
     step = float(centred @ time / (centred @ centred))
     if not step > 0:
-        raise InputError(f"{source.shown}: a stream's time stamps don't increase")
+        raise InputError(f"{shown}: a stream's time stamps don't increase")
     fitted = time.mean() + step * centred
-    return fitted, float(np.max(np.abs(time - fitted))), 1.0 / step
+    return fitted, 1e3 * float(np.max(np.abs(time - fitted)))
 
 
-def _described(info: Any, count: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _described(info: Mapping[str, Any], count: int) -> Iterator[tuple[str, str]]:
     """Names and units of a stream's channels."""
-    stream = _text(info.get("name"))
-    described: list[Any] = []
     try:
         described = list(info["desc"][0]["channels"][0]["channel"])
     except (KeyError, IndexError, TypeError):
         described = []
-    labels, units = [], []
-    for i in range(count):
-        one = described[i] if i < len(described) and isinstance(described[i], dict) else {}
-        label = _text(one.get("label")) or f"channel {i + 1}"
-        labels.append(f"{stream}: {label}" if stream else label)
-        units.append(_text(one.get("unit")))
-    return tuple(labels), tuple(units)
+    for index in range(count):
+        channel = described[index] if index < len(described) else {}
+        known = channel if isinstance(channel, dict) else {}
+        yield _text(known.get("label")) or f"channel {index + 1}", _text(known.get("unit"))
 
 
 def _text(values: Any) -> str:
     """The first of some texts, in one printable line."""
     first = values[0] if isinstance(values, list) and values else ""
-    return "".join(c for c in first if c.isprintable()).strip() if isinstance(first, str) else ""
+    return printable(first) if isinstance(first, str) else ""

@@ -7,7 +7,7 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.recording import Channel
-from surae.recording.samples import check_samples
+from surae.recording.samples import check_samples, rounding
 from surae.units import FloatArray
 
 #: A step longer than this many median steps is a gap: at least one sample is missing.
@@ -82,7 +82,7 @@ def timing(channel: Channel, recording: str) -> Timing:
         rate = _whole_rate(step, n, UNIFORM_STEPS * step)
         return Timing(Axis(start, rate, n), jitter, uniform=True)
 
-    resolution = _resolution(time, _COARSEST_STAMPS * step)
+    resolution = rounding(time, _COARSEST_STAMPS * step)
     if resolution is not None:
         rounded = _axis_of_rounded(time, resolution)
         if rounded is not None:
@@ -174,16 +174,3 @@ def _axis_of_rounded(time: FloatArray, resolution: float) -> Axis | None:
     left = time - index / rate
     middle = float(left.max() + left.min()) / 2
     return Axis(middle - (n - 1) / 2 / rate, rate, n)
-
-
-def _resolution(time: FloatArray, coarsest: float) -> float | None:
-    """The decimal step, at most `coarsest`, of which all times are multiples, or None.
-
-    Stamps finer than a ten-thousandth of `coarsest` are not rounded in any way that matters.
-    """
-    digits = int(np.ceil(-np.log10(coarsest)))
-    for decimals in range(digits, digits + 4):
-        scaled = time * 10.0**decimals
-        if np.max(np.abs(scaled - np.round(scaled))) < 1e-4:
-            return float(10.0**-decimals)
-    return None

@@ -2,10 +2,11 @@
 
 from surae.errors import InputError
 from surae.recording.channels import Scaling, channel, settle_unit
-from surae.recording.naming import NAMES, TIMES, plain, role_and_unit
+from surae.recording.naming import NAMES, TIMES, role_and_unit
 from surae.recording.recording import Recording
 from surae.recording.source import Source
 from surae.recording.table import Table, some
+from surae.units import plain
 
 
 def recording_by_names(table: Table, source: Source) -> Recording:
@@ -72,5 +73,12 @@ def _no_angle(table: Table) -> str:
     return (
         f"{table.file}: {table.format} columns don't say which is the angle, the torque, the EMG: "
         "write a TOML mapping, which `surae inspect FILE --output MAP.toml` begins, and read "
-        f"that; columns here: {some(table.names)}"
+        f"that; columns here: {some(table.names)}{_alike(table)}"
     )
+
+
+def _alike(table: Table) -> str:
+    """What is remarked of all columns alike."""
+    remarks = {table.remarks.get(name, "") for name in table.names}
+    only = remarks.pop() if len(remarks) == 1 else ""
+    return f" ({only})" if only else ""

@@ -1,0 +1,136 @@
+"""Formats that a library reads: in a child process, which a broken file may crash or hang.
+
+Such a format's module has, beside `recognises` and `open_table`, a function ``parse(data, shown)``
+that is called in the child and returns what `packed` makes of its columns.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from surae.errors import ComputationError, InputError
+from surae.processes import guarded
+from surae.recording.recording import read_only
+from surae.recording.samples import instants, sample
+from surae.recording.source import Source
+from surae.recording.table import Column, Table
+from surae.units import FloatArray
+
+#: What a reader may take at most [s, bytes], and the more for every byte of the file: pyxdf reads
+#: about 3 MB/s, SciPy and edfio hold a file several times.
+_SECONDS, _MEMORY = 20.0, 2 * 2**30
+_SECONDS_PER_BYTE, _MEMORY_PER_BYTE = 2e-6, 20
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Parsed:
+    """A column as its library read it.
+
+    Attributes
+    ----------
+    name : str
+        Its name in the file.
+    values : ndarray, shape (n,)
+        Its samples.
+    time : tuple of two floats, or ndarray, shape (n,)
+        First instant [s] and rate [Hz], or the time of every sample [s].
+    unit : str
+        As the file spells it, empty where it states none.
+    remark : str
+        What a user should know of it.
+    refused : str
+        Why it must not be used; empty where it may be.
+    time_name : str
+        What the file calls its times.
+    """
+
+    name: str
+    values: npt.NDArray[Any]
+    time: tuple[float, float] | FloatArray
+    unit: str = ""
+    remark: str = ""
+    refused: str = ""
+    time_name: str = "time"
+
+
+def packed(columns: Sequence[Parsed]) -> dict[str, Any]:
+    """Columns as plain data, arrays of times that several share once."""
+    times = {id(c.time): c.time for c in columns if isinstance(c.time, np.ndarray)}
+    places = {key: index for index, key in enumerate(times)}
+    plain = []
+    for column in columns:
+        fields = {name: getattr(column, name) for name in Parsed.__dataclass_fields__}
+        array = isinstance(column.time, np.ndarray)
+        plain.append(fields | {"time": places[id(column.time)] if array else list(column.time)})
+    return {"columns": plain, "times": list(times.values())}
+
+
+def foreign_table(source: Source, format_name: str, module: str, **more: Any) -> Table:
+    """The table that ``surae.recording.<module>:parse`` makes of a file.
+
+    Parameters
+    ----------
+    source : Source
+        The file.
+    format_name : str
+        What the format is called.
+    module : str
+        The module whose ``parse`` reads it.
+    **more
+        Further arguments of ``parse``.
+
+    Raises
+    ------
+    InputError
+        The file is wrong, or its reader crashed, took too long or too much memory.
+    """
+    size = len(source.data)
+    try:
+        plain = guarded(
+            f"surae.recording.{module}:parse",
+            {"data": source.data, "shown": source.shown, **more},
+            seconds=_SECONDS + _SECONDS_PER_BYTE * size,
+            memory=_MEMORY + _MEMORY_PER_BYTE * size,
+        )
+    except ComputationError as error:
+        raise InputError(
+            f"{source.shown}: {format_name} that cannot be read: damaged, or too large "
+            f"({str(error).partition(';')[0]})"
+        ) from None
+    times = [read_only(time) for time in plain["times"]]
+    columns = [_unpacked(fields, times) for fields in plain["columns"]]
+    by_name = {column.name: column for column in reversed(columns)}
+
+    def load(wanted: Sequence[str]) -> Mapping[str, Column]:
+        for name in wanted:
+            if by_name[name].refused:
+                raise InputError(f"{source.shown}: column {name!r}: {by_name[name].refused}")
+        return {name: _loaded(by_name[name]) for name in wanted}
+
+    return Table(
+        file=source.shown,
+        format=format_name,
+        names=tuple(column.name for column in columns),
+        time_name="time",
+        load=load,
+        units={name: column.unit for name, column in by_name.items() if column.unit},
+        remarks={name: column.remark for name, column in by_name.items() if column.remark},
+    )
+
+
+def _unpacked(fields: Mapping[str, Any], times: Sequence[FloatArray]) -> Parsed:
+    """A column that came as plain data."""
+    place = fields["time"]
+    time = times[place] if isinstance(place, int) else (float(place[0]), float(place[1]))
+    return Parsed(**{**fields, "time": time})
+
+
+def _loaded(column: Parsed) -> Column:
+    """A column as numbers with their times."""
+    time = column.time
+    if not isinstance(time, np.ndarray):
+        time = instants(*time, len(column.values))
+    return Column(column.name, time, read_only(column.values), column.time_name, sample)
