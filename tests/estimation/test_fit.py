@@ -256,7 +256,7 @@ def test_interrupted_in_a_later_start_keeps_the_best(noisy, monkeypatch):
     whole = fit_problem(make_problem([noisy]), starts=1)
     calls = whole.starts[0].iterations
     # Within the scan of the second start, and later within its iteration.
-    for later in (3, 25):
+    for later in (8, 20):
         with monkeypatch.context() as patched:
             interrupting(patched, calls + later)
             result = fit_problem(make_problem([noisy]), starts=4)

@@ -4,8 +4,10 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cache
 
 import numpy as np
+import numpy.typing as npt
 from scipy.linalg.lapack import dgeqrf
 
 from surae.estimation.box import box_quadratic
@@ -24,6 +26,8 @@ _RIDGE = 1e-12
 Move = Callable[[FloatArray, FloatArray], FloatArray]
 #: Told of every better point: its parameters and its sum of squares.
 Better = Callable[[FloatArray, float], None]
+#: Whether a point, by its parameters and its sum of squares, is good enough.
+Until = Callable[[FloatArray, float], bool]
 #: A function of the parameters that returns the (p + 1, n) rows of the Jacobian and, last, the
 #: residual. It may be overwritten.
 Rows = Callable[[FloatArray], FloatArray]
@@ -86,9 +90,17 @@ def compress(rows: FloatArray) -> tuple[FloatArray, FloatArray, float]:
     p, n = rows.shape[0] - 1, rows.shape[1]
     factored = dgeqrf(rows.T, lwork=64 * (p + 1), overwrite_a=True)[0]
     full = np.zeros((p + 1, p + 1))
-    full[: min(p + 1, n)] = np.triu(factored[: p + 1])
+    np.copyto(full[: min(p + 1, n)], factored[: p + 1], where=_upper(p + 1)[: min(p + 1, n)])
     rest = float(full[p, p])  # of Python, which overflows without a warning
     return full[:p, :p], full[:p, p], rest * rest
+
+
+@cache
+def _upper(size: int) -> npt.NDArray[np.bool_]:
+    """Where a square matrix may be triangular."""
+    mask = np.triu(np.ones((size, size), dtype=np.bool_))
+    mask.setflags(write=False)
+    return mask
 
 
 def minimise(
@@ -104,6 +116,7 @@ def minimise(
     gtol: float = 1e-10,
     stall: float | None = None,
     better: Better | None = None,
+    until: Until | None = None,
 ) -> Minimum:
     """Minimise the sum of squared residuals within bounds.
 
@@ -136,6 +149,8 @@ def minimise(
         noise the quadratic prediction does not hold: more steps would only chase kinks.
     better : callable, optional
         Called with every point that is better than all before it.
+    until : callable, optional
+        Ends the iteration at the first such point for which it is true.
 
     Returns
     -------
@@ -194,6 +209,9 @@ def minimise(
                     best = here
                     if better is not None:
                         better(best.x, best.sse)
+                    if until is not None and until(best.x, best.sse):
+                        outcome = Outcome.CONVERGED
+                        break
                 recent.append(here.sse)
                 damping = max(damping * np.clip(1 - (2 * monotone - 1) ** 3, 0.1, 10.0), 1e-15)
                 growth = 2.0

@@ -65,7 +65,8 @@ class FitProblem(Comparable):
     @property
     def columns(self) -> list[int]:
         """Positions of the free parameters in the parameter vector."""
-        return [self.spec.names.index(name) for name in self.free]
+        names = self.spec.names
+        return [names.index(name) for name in self.free]
 
     @property
     def start(self) -> FloatArray:

@@ -8,10 +8,11 @@ import numpy as np
 
 from surae.estimation.curved import curved_move
 from surae.estimation.drive_starts import delay_valleys, drives_off, held_off, own_columns
-from surae.estimation.least_squares import Better, Minimum, Outcome, Rows, minimise
+from surae.estimation.least_squares import Better, Minimum, Outcome, Rows, Until, minimise
 from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import Residuals
 from surae.estimation.separable import scan_lengths, solve_linear
+from surae.estimation.valleys import Valleys
 from surae.model import ModelSpec, get_model, with_drives
 from surae.signals import thinned, thinning_factor
 from surae.units import FloatArray
@@ -19,12 +20,17 @@ from surae.units import FloatArray
 #: A failed step ends the iteration when no more than this many noise variances are to be gained:
 #: estimates within a third (√0.1) of a standard error of the minimum. On thinned data less will do.
 _STALL, _STALL_THINNED = 0.1, 1.0
-#: Thinned data keep at least this rate [Hz], enough for a robot's motion, and so many samples.
-_THIN_RATE, _THIN_SAMPLES = 60.0, 500
+#: Thinned data keep at least this rate [Hz] and so many samples: compliant tendons are integrated
+#: and need what is enough for a robot's motion, rigid ones only enough to tell valleys apart.
+_THIN_RATE, _THIN_RATE_RIGID, _THIN_SAMPLES = 60.0, 12.0, 500
+#: A look at thinned data ends when this part of a noise variance is to be gained.
+_LOOK = 0.1
 #: Relaxation times [s] that are tried, with this factor, unless the one found is within `_APART`.
 _RELAXATIONS, _RELAXATION_FACTOR, _APART = (0.3, 5.0), 0.4, 4.0
 #: Told of every better point: the model, all its parameters, and the sum of squares.
 Follow = Callable[[ModelSpec, FloatArray, float], None]
+#: Finds the minimum that a point leads to.
+Descent = Callable[[FloatArray], Minimum]
 
 
 class FromStart(Protocol):
@@ -52,24 +58,85 @@ def from_start(
 
 
 def _direct(problem: FitProblem, residuals: Residuals, follow: Follow | None) -> FromStart:
-    """Descends from the start itself, or from the parent's minimum."""
-    move, stall = curved_move(problem), _STALL / problem.n
-    first, better = _first_look(problem, follow), _better(problem, follow)
+    """Descends from the start itself, or from the parent's minimum.
+
+    Of several starts, those that thinned data lead to the minimum of another one end there.
+    """
+    descend = _descent(problem, residuals, better=_better(problem, follow))
+    if problem.spec.parent is not None and (look := _first_look(problem, follow)) is not None:
+        return _by_looks(problem, residuals, look, Valleys(), descend)
+    straight = _solved_first(problem, residuals, descend)
+    thin = _thinned(problem, _THIN_RATE_RIGID if problem.spec.parent is None else _THIN_RATE)
+    if thin.n == problem.n:
+        return straight
+    # What is known beforehand weighs as much beside fewer samples as beside all of them.
+    few = Residuals(thin, residuals.noise * np.sqrt(thin.n / problem.n))
+    valleys = Valleys()
+    again = _descent(thin, few, glance=True)
+    until = _descent(thin, few, glance=True, until=valleys.leads_to_one)
+    look = _solved_first(thin, few, until)
+    others = _by_looks(problem, residuals, look, valleys, descend)
+    first: list[Minimum] = []
 
     def minimum(initial: FloatArray, *, scan: bool) -> Minimum:
-        rows = residuals.rows
-        if first is not None:
-            before = first(initial, scan=scan)
-            x = before.x
-            if before.outcome is Outcome.INTERRUPTED:
-                return _stopped(problem, rows, x)
-        elif scan:
-            x = scan_lengths(problem, residuals.data_rows, initial)
-        else:
-            x, _ = solve_linear(problem, residuals.data_rows, initial)
+        if not first:
+            first.append(straight(initial, scan=scan))
+            return first[0]
+        if valleys.empty:
+            valleys.add(again(first[0].x), first[0])
+        return others(initial, scan=scan)
+
+    return minimum
+
+
+def _by_looks(
+    problem: FitProblem, residuals: Residuals, look: FromStart, valleys: Valleys, descend: Descent
+) -> FromStart:
+    """Looks at thinned data, and descends on all of them where no other start did."""
+
+    def minimum(initial: FloatArray, *, scan: bool) -> Minimum:
+        before = look(initial, scan=scan)
+        if before.outcome is Outcome.INTERRUPTED:
+            return _stopped(problem, residuals.rows, before.x)
+        known = valleys.minimum(before)
+        if known is not None:
+            return replace(known, iterations=before.iterations)
+        best = descend(before.x)
+        valleys.add(before, best)
+        return best
+
+    return minimum
+
+
+def _descent(
+    problem: FitProblem,
+    residuals: Residuals,
+    *,
+    better: Better | None = None,
+    until: Until | None = None,
+    glance: bool = False,
+) -> Descent:
+    """How a point descends to its minimum; on thinned data, near it."""
+    move = curved_move(problem)
+    stall = (_STALL_THINNED if glance else _STALL) / problem.n
+    ftol = _LOOK / problem.n if glance else 1e-8
+
+    def descend(x: FloatArray) -> Minimum:
         return minimise(
-            rows, x, problem.lower, problem.upper, move=move, stall=stall, better=better
-        )
+            residuals.rows, x, problem.lower, problem.upper,
+            move=move, ftol=ftol, stall=stall, better=better, until=until,
+        )  # fmt: skip
+
+    return descend
+
+
+def _solved_first(problem: FitProblem, residuals: Residuals, descend: Descent) -> FromStart:
+    """Descends from the start with its linear parameters solved."""
+
+    def minimum(initial: FloatArray, *, scan: bool) -> Minimum:
+        if scan:
+            return descend(scan_lengths(problem, residuals.data_rows, initial))
+        return descend(solve_linear(problem, residuals.data_rows, initial)[0])
 
     return minimum
 
@@ -138,14 +205,7 @@ def _better(problem: FitProblem, follow: Follow | None) -> Better | None:
 
 def _first_look(problem: FitProblem, follow: Follow | None = None) -> FromStart | None:
     """The minimum of a model with a parent on thinned data; None for a model without."""
-    factors = [thinning_factor(one, _THIN_RATE, _THIN_SAMPLES) for one in problem.inputs]
-    thin = replace(
-        problem,
-        inputs=tuple(thinned(one, by) for one, by in zip(problem.inputs, factors, strict=True)),
-        priors={},  # a first look needs none
-    )
-    if thin.n <= len(problem.free):  # few samples have a weight, and fewer were kept
-        thin = replace(problem, priors={})
+    thin = replace(_thinned(problem, _THIN_RATE), priors={})  # a first look needs none
     parent = _parent(thin)
     if parent is None:
         return None
@@ -170,6 +230,14 @@ def _first_look(problem: FitProblem, follow: Follow | None = None) -> FromStart 
         return best
 
     return minimum
+
+
+def _thinned(problem: FitProblem, rate_hz: float) -> FitProblem:
+    """The problem with fewer samples, or as it is where too few of them would count."""
+    factors = [thinning_factor(one, rate_hz, _THIN_SAMPLES) for one in problem.inputs]
+    inputs = tuple(thinned(one, by) for one, by in zip(problem.inputs, factors, strict=True))
+    thin = replace(problem, inputs=inputs)
+    return thin if thin.n > len(problem.free) else problem
 
 
 def _other_relaxations(problem: FitProblem, x: FloatArray) -> list[FloatArray]:

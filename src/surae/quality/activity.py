@@ -4,8 +4,8 @@ import numpy as np
 
 from surae.quality.emg import REST_VOLTS
 from surae.quality.finding import Finding, Skipped
-from surae.quality.numeric import BoolArray, runs, smooth
-from surae.quality.reflex import reflex
+from surae.quality.numeric import BoolArray, quantile, quantiles, runs, smooth
+from surae.quality.reflex import Reflex, reflex
 from surae.quality.trial import Trial
 from surae.quality.wording import muscle_name
 from surae.recording import MUSCLES
@@ -40,15 +40,17 @@ def passive_part(trial: Trial) -> tuple[Finding, ...] | Skipped:
     quiet = _quiet_time(trial)
     if float(quiet.sum()) < 2.0 * trial.rate_hz:
         return Skipped("passive-not-passive", "The task has no passive part.")
-    stretched = reflex(trial)
+    stretched: Reflex | None = None
     found = []
     for muscle, envelope in trial.slow.items():
         channel = trial.recording.channels[f"emg_{muscle}"]
-        top = float(np.quantile(envelope, 0.98))
-        rest = float(np.quantile(envelope[quiet], 0.1))
+        top = quantile(envelope, 0.98)
+        rest = quantile(envelope[quiet], 0.1)
         active = quiet & (envelope > max(RELAXED * top, ABOVE_REST * rest))
-        if stretched is not None and muscle != "ta":
-            active &= ~stretched.explained
+        if muscle != "ta" and active.any():
+            stretched = stretched or reflex(trial)
+            if stretched is not None:
+                active &= ~stretched.explained
         # The filter that the level was averaged with is not activity.
         seconds = float(active.sum()) / trial.rate_hz
         if seconds < ACTIVE_SECONDS or top < _rest(channel.unit):
@@ -92,7 +94,7 @@ def active_part(trial: Trial) -> tuple[Finding, ...] | Skipped:
         return Skipped("active-not-active", "No effort was asked for.")
     idle = {m: _idle(trial, m) for m in trial.slow}
     if all(idle.values()):
-        top = max(float(np.quantile(e, 0.98)) for e in trial.slow.values())
+        top = max(quantile(e, 0.98) for e in trial.slow.values())
         unit = trial.recording.channels[f"emg_{next(iter(trial.slow))}"].unit
         return (
             Finding(
@@ -120,7 +122,7 @@ def active_part(trial: Trial) -> tuple[Finding, ...] | Skipped:
 def _idle(trial: Trial, muscle: str) -> bool:
     envelope = trial.slow[muscle]
     unit = trial.recording.channels[f"emg_{muscle}"].unit
-    top, rest = (float(q) for q in np.quantile(envelope, (0.98, 0.05)))
+    top, rest = quantiles(envelope, 0.98, 0.05)
     return top < _rest(unit) or top < VARIES * rest
 
 
@@ -131,7 +133,7 @@ def _rest(unit: str) -> float:
 def _side(trial: Trial, name: str, muscles: tuple[str, ...]) -> Finding:
     long = "triceps surae" if name == "triceps" else muscle_name("ta")
     lost = "g2 to g4 and l0_tri" if name == "triceps" else "g1 and l0_tib"
-    top = max(float(np.quantile(trial.slow[m], 0.98)) for m in muscles)
+    top = max(quantile(trial.slow[m], 0.98) for m in muscles)
     return Finding(
         "active-not-active",
         "warning",
@@ -210,7 +212,7 @@ def _stopped(trial: Trial) -> tuple[Finding, ...]:
 
 
 def _relative(envelope: FloatArray) -> FloatArray:
-    low, high = (float(q) for q in np.quantile(envelope, (0.05, 0.98)))
+    low, high = quantiles(envelope, 0.05, 0.98)
     return (envelope - low) / max(high - low, 1e-300)
 
 
@@ -225,7 +227,7 @@ def co_contraction(trial: Trial) -> tuple[Finding, ...] | Skipped:
     levels = []
     for envelope in (triceps, ta):
         smoothed = envelope if trial.emg_kind == "envelope" else smooth(envelope, width)
-        levels.append(smoothed / max(float(np.quantile(smoothed, 0.98)), 1e-300))
+        levels.append(smoothed / max(quantile(smoothed, 0.98), 1e-300))
     either = np.maximum(*levels) > TOGETHER
     both = np.minimum(*levels) > TOGETHER
     share = float(both.sum()) / max(float(either.sum()), 1.0)
@@ -252,6 +254,6 @@ def co_contraction(trial: Trial) -> tuple[Finding, ...] | Skipped:
 def _silent(trial: Trial) -> bool:
     """Whether nothing stands out of the EMG at all."""
     return all(
-        float(np.quantile(e, 0.98)) < _rest(trial.recording.channels[f"emg_{m}"].unit)
+        quantile(e, 0.98) < _rest(trial.recording.channels[f"emg_{m}"].unit)
         for m, e in trial.slow.items()
     )

@@ -1,11 +1,12 @@
 """The torque of a leg that does nothing at an angle where nothing is stretched."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from surae.model.geometry import arm_tib, arm_tri
-from surae.quality.numeric import BoolArray, smooth
+from surae.quality.numeric import BoolArray, IndexArray, quantile, smooth
 from surae.quality.torque_model import SHORTEST, activation
 from surae.recording import MUSCLES
 from surae.units import FloatArray
@@ -32,10 +33,10 @@ def resting(rate: float, envelopes: dict[str, FloatArray], n: int) -> BoolArray:
     """Samples at which no muscle pulls, nor has just pulled."""
     quiet = np.ones(n, dtype=bool)
     for envelope in envelopes.values():
-        active = activation(np.maximum(envelope - np.quantile(envelope, 0.05), 0.0), rate)
-        top = float(np.quantile(active, 0.99))
+        active = activation(np.maximum(envelope - quantile(envelope, 0.05), 0.0), rate)
+        top = quantile(active, 0.99)
         # Where the EMG hardly varies there is no activity to leave out.
-        if top > 2.0 * float(np.quantile(envelope, 0.05)):
+        if top > 2.0 * quantile(envelope, 0.05):
             quiet &= active < _RESTING * top
     return quiet
 
@@ -85,7 +86,7 @@ def baseline(
         speed = np.tanh(np.gradient(smooth(angle, width), 1.0 / rate))
         for name in ("ta", "triceps"):
             heads = [
-                activation(np.maximum(e - np.quantile(e, 0.05), 0.0), rate)
+                activation(np.maximum(e - quantile(e, 0.05), 0.0), rate)
                 for m, e in envelopes.items()
                 if (m == "ta") == (name == "ta")
             ]
@@ -105,24 +106,41 @@ def _constant(matrix: FloatArray, y: FloatArray) -> Baseline:
     gram = (matrix / scale).T @ (matrix / scale)
     right = (matrix / scale).T @ y
     first, second = len(_K_TRI), len(_K_TRI) + len(_K_TIB)
-    rest = list(range(second, matrix.shape[1]))
-    best, found = -np.inf, 0.0
-    for i in range(first):
-        for j in range(first, second):
-            chosen = [i, j, *rest]
-            weights = _solved(gram, right, chosen)
-            # A muscle that pushes is left out.
-            pulling = [k for k, w in zip((i, j), weights[:2].tolist(), strict=True) if w > 0.0]
-            if len(pulling) < 2:
-                chosen = [*pulling, *rest]
-                weights = _solved(gram, right, chosen)
-            gain = float(weights @ right[chosen])
-            if gain > best:
-                best, found = gain, float(weights[len(pulling)] / scale[second])
+    pairs = np.array([(i, j) for i in range(first) for j in range(first, second)])
+    rest = np.arange(second, matrix.shape[1])
+    best, level = -np.inf, 0.0
+    # A muscle that pushes is left out: then only the other is there, or neither.
+    both = _solved(gram, right, pairs, rest)
+    pulling = both.weights[:, :2] > 0.0
+    alone = np.unique(pairs[pulling & ~np.all(pulling, axis=1, keepdims=True)])[:, None]
+    pull = np.all(pulling, axis=1, keepdims=True)
+    fits = [both.of(pull[:, 0])]
+    if len(alone):
+        fits.append(_solved(gram, right, alone, rest))
+    if not np.any(pulling, axis=1).all():
+        fits.append(_solved(gram, right, np.empty((1, 0), dtype=np.intp), rest))
+    for fit in fits:
+        if len(fit.gain) and float(fit.gain.max()) > best:
+            k = int(np.argmax(fit.gain))
+            best = float(fit.gain[k])
+            level = float(fit.weights[k, fit.weights.shape[1] - len(rest)] / scale[second])
     rest_power = max(float(y @ y) - best, 0.0)
-    return Baseline(found, float(np.sqrt(rest_power / len(y))))
+    return Baseline(level, float(np.sqrt(rest_power / len(y))))
 
 
-def _solved(gram: FloatArray, right: FloatArray, chosen: list[int]) -> FloatArray:
-    square: FloatArray = gram[np.ix_(chosen, chosen)] + 1e-9 * np.eye(len(chosen))
-    return np.asarray(np.linalg.solve(square, right[chosen]), dtype=np.float64)
+class _Fits(NamedTuple):
+    """Weights of several fits, shape (k, c), and what each explains."""
+
+    weights: FloatArray
+    gain: FloatArray
+
+    def of(self, chosen: BoolArray) -> "_Fits":
+        return _Fits(self.weights[chosen], self.gain[chosen])
+
+
+def _solved(gram: FloatArray, right: FloatArray, own: IndexArray, rest: IndexArray) -> _Fits:
+    """One fit for each row of `own`: of those columns and the `rest`."""
+    chosen = np.concatenate([own, np.tile(rest, (len(own), 1))], axis=1)
+    square = gram[chosen[:, :, None], chosen[:, None, :]] + 1e-9 * np.eye(chosen.shape[1])
+    weights = np.linalg.solve(square, right[chosen][:, :, None])[:, :, 0]
+    return _Fits(weights, (weights * right[chosen]).sum(axis=1))

@@ -12,7 +12,7 @@ import numpy as np
 from surae.frozen import Comparable
 from surae.protocol import PROFILES
 from surae.protocol.adaptation import low_pass
-from surae.quality.numeric import BoolArray
+from surae.quality.numeric import BoolArray, quantile
 from surae.recording import Channel, read_only
 from surae.units import FloatArray
 
@@ -27,10 +27,15 @@ _EXACT = 1e-3
 _SHORTEST = 8.0
 #: This close, no other profile and no other chirp is tried.
 _CLOSE = 4e-3
+#: Of so many samples, one says which profiles are worth a closer look.
+_SCREEN = 4
 #: Steps of the axis on which the cut-off of a filter is searched.
-_COARSE = 2048
+_COARSE = 1024
 #: A chirp whose part of the remaining variance is smaller is none.
 _CHIRP_SHARE = 0.05
+#: Samples of the axis on which its line is looked for, enough for 3 Hz/s in a minute, and the part
+#: of the distance of two lines to which it is found.
+_CHIRP_SAMPLES, _CHIRP_LINE = 8192, 0.005
 #: Chirps rise faster than this [Hz/s]; what is slower is a misfit of the profile.
 _SLOWEST = 0.08
 
@@ -75,18 +80,20 @@ def recognised(channel: Channel) -> Commanded | None:
     if len(angle) < 200 or float(seconds[-1]) < _SHORTEST or span == 0.0:
         return None
     candidates = []
+    few = slice(None, None, _SCREEN)
     for profile in PROFILES.values():
         stretches = {1.0} if seconds[-1] < profile.duration + 0.5 else set()
         if abs(seconds[-1] - profile.duration) > 0.5:
             stretches.add(profile.duration / float(channel.time[-1] - channel.time[0]))
         for stretch in stretches:
-            base = profile.position(seconds * stretch)
+            base = profile.position(seconds[few] * stretch)
             if float(np.ptp(base)) > 0.1:
-                residual = _left(angle, _columns(base, seconds))[0]
-                candidates.append((float(np.std(residual)), profile.name, base))
-    candidates.sort(key=lambda one: one[0])
+                residual = _left(angle[few], _columns(base, seconds[few]))[0]
+                candidates.append((float(np.std(residual)), profile.name, stretch))
+    candidates.sort(key=lambda candidate: candidate[0])
     best = (np.inf, "", angle)
-    for _, name, base in candidates[:2]:
+    for _, name, stretch in candidates[:2]:
+        base = PROFILES[name].position(seconds * stretch)
         spread, fitted = _with_chirp(angle, base, seconds)
         if spread < best[0]:
             best = (spread, name, fitted)
@@ -176,7 +183,7 @@ def _left(angle: FloatArray, columns: list[FloatArray]) -> tuple[FloatArray, Flo
     for _ in range(2):
         fitted = _solved(matrix, angle, kept)
         residual = angle - fitted
-        kept = np.abs(residual) <= np.quantile(np.abs(residual), 0.9)
+        kept = np.abs(residual) <= quantile(np.abs(residual), 0.9)
     return residual, fitted
 
 
@@ -199,9 +206,9 @@ def _spread(residual: FloatArray) -> float:
 
 def _chirp(residual: FloatArray, seconds: FloatArray) -> FloatArray | None:
     """The chirp sin(πst²) of unit amplitude that a residual holds, or None."""
-    u = np.linspace(0.0, 0.5 * float(seconds[-1]) ** 2, 8 * len(seconds))
-    at = np.sqrt(2.0 * u)
+    u = np.linspace(0.0, 0.5 * float(seconds[-1]) ** 2, _CHIRP_SAMPLES)
     # A filtered chirp falls as 1/t; times t it is a sine again, if not a whole one.
+    at = np.sqrt(2.0 * u)
     even = np.interp(at, seconds, residual) * at
     spectrum = np.abs(np.fft.rfft(even, 2 * len(even)))
     resolution = 1.0 / (2 * len(even) * float(u[1]))
@@ -209,10 +216,15 @@ def _chirp(residual: FloatArray, seconds: FloatArray) -> FloatArray | None:
     top = int(np.argmax(spectrum[lowest:])) + lowest
     if 2.0 * float(spectrum[top] ** 2) < _CHIRP_SHARE * float(even @ even) * len(even) * 0.5:
         return None
-    best, found = 0.0, None
-    for shift in np.linspace(-1.0, 1.0, 41):
-        wave = np.sin(2.0 * np.pi * (top + shift) * resolution * 0.5 * seconds**2)
-        alike = abs(float(wave @ (residual * seconds)))
-        if alike > best:
-            best, found = alike, wave
-    return found
+    # Between the lines of the spectrum, finer and finer.
+    phase = np.pi * resolution * seconds**2
+    weighted, width = residual * seconds, 0.5
+
+    def alike(line: float) -> float:
+        return abs(float(np.sin(line * phase) @ weighted))
+
+    best = max(np.linspace(top - 1.0, top + 1.0, 5).tolist(), key=alike)
+    while width > _CHIRP_LINE:
+        width /= 2.0
+        best = max((best - width, best, best + width), key=alike)
+    return np.asarray(np.sin(best * phase))

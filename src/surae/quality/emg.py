@@ -3,7 +3,7 @@
 import numpy as np
 
 from surae.quality.finding import Finding
-from surae.quality.numeric import equal_runs, runs, smooth
+from surae.quality.numeric import equal_runs, quantile, runs, smooth
 from surae.quality.trial import Trial
 from surae.quality.wording import muscle_name, quantity, weight_of
 from surae.recording import MUSCLES, Channel
@@ -69,7 +69,7 @@ def missing(trial: Trial) -> tuple[Finding, ...]:
 def flat(trial: Trial) -> tuple[Finding, ...]:
     """Channels, or parts of them, that are constant or far below the others."""
     channels = _channels(trial)
-    tops = {m: float(np.quantile(e, 0.98)) for m, e in trial.slow.items()}
+    tops = {m: quantile(e, 0.98) for m, e in trial.slow.items()}
     strongest = max(tops.values(), default=0.0)
     found: list[Finding] = []
     for muscle, channel in channels.items():
@@ -194,8 +194,8 @@ def offset(trial: Trial) -> tuple[Finding, ...]:
                 "clipped."
             )
         else:
-            level = float(np.quantile(trial.slow[muscle], 0.02))
-            top = float(np.quantile(trial.slow[muscle], 0.98))
+            level = quantile(trial.slow[muscle], 0.02)
+            top = quantile(trial.slow[muscle], 0.98)
             # Where no burst stands out there is no level of rest to speak of.
             known = top > 2.0 * level and (channel.unit != "V" or top > REST_VOLTS)
             ratio = level / top if known else 0.0
@@ -230,7 +230,7 @@ def artefact(trial: Trial) -> tuple[Finding, ...]:
         values = channel.values - float(np.median(channel.values))
         size, apart = np.abs(values), round(0.2 * channel.rate_hz)
         seconds = float(channel.time[-1] - channel.time[0])
-        usual = float(np.quantile(size, max(0.95, 1.0 - _OFTEN / seconds)))
+        usual = quantile(size, max(0.95, 1.0 - _OFTEN / seconds))
         wrong = size > SPIKE[trial.emg_kind] * usual
         for first, last in runs(smooth(wrong.astype(np.float64), apart) > 0.0):
             if last - first > BURST_SECONDS * channel.rate_hz:

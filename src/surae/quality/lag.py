@@ -3,7 +3,7 @@
 import numpy as np
 
 from surae.quality.finding import Finding, Skipped
-from surae.quality.numeric import correlation, shifted, smooth
+from surae.quality.numeric import shifted_correlations, smooth
 from surae.quality.torque_model import LONGEST, TorqueModel
 from surae.quality.trial import Trial
 from surae.quality.wording import muscle_name
@@ -90,7 +90,7 @@ def _lag(trial: Trial, muscle: str) -> float | None:
     others = [trial.fast[m] for m in trial.triceps if m != muscle]
     together = smooth(np.mean([o / max(float(o.max()), 1e-300) for o in others], axis=0), width)
     lags = np.arange(-round(0.6 * trial.rate_hz), round(0.6 * trial.rate_hz) + 1, 2)
-    alike = [correlation(shifted(mine, -int(k)), together) for k in lags]
+    alike = shifted_correlations(mine, together, -lags)
     best = int(np.argmax(alike))
     return float(lags[best]) / trial.rate_hz if alike[best] > _ALIKE else None
 

@@ -1,6 +1,7 @@
 """Mains hum: a line in the EMG's spectrum at 50 or 60 Hz."""
 
 import numpy as np
+import numpy.typing as npt
 
 from surae.quality.finding import Finding, Skipped
 from surae.quality.trial import Trial
@@ -8,6 +9,7 @@ from surae.quality.wording import muscle_name, quantity
 from surae.recording import MUSCLES, Channel
 from surae.units import FloatArray
 
+ComplexArray = npt.NDArray[np.complex128]
 #: Frequencies of mains [Hz].
 MAINS = (50.0, 60.0)
 #: How far from them the line may lie [Hz]: a grid is held within 0.2 Hz.
@@ -25,6 +27,7 @@ def hum(trial: Trial) -> tuple[Finding, ...] | Skipped:
     """Channels with mains hum."""
     found = []
     slow = None
+    carriers: dict[tuple[int, float], list[ComplexArray]] = {}
     for muscle in MUSCLES:
         channel = trial.recording.channels.get(f"emg_{muscle}")
         if channel is None or muscle not in trial.slow:
@@ -32,7 +35,11 @@ def hum(trial: Trial) -> tuple[Finding, ...] | Skipped:
         if channel.rate_hz < 2.2 * MAINS[-1]:
             slow = channel.rate_hz
             continue
-        largest = max((line(channel, mains) for mains in MAINS), key=lambda one: one[0])
+        size = len(channel.values), channel.rate_hz
+        if size not in carriers:
+            carriers[size] = [_carrier(*size, mains) for mains in MAINS]
+        lines = [line(channel, m, c) for m, c in zip(MAINS, carriers[size], strict=True)]
+        largest = max(lines, key=lambda amplitude_and_frequency: amplitude_and_frequency[0])
         amplitude, frequency = largest
         # Bursts raise the root mean square but not the harm done at rest.
         rms = float(np.std(channel.values))
@@ -59,7 +66,14 @@ def hum(trial: Trial) -> tuple[Finding, ...] | Skipped:
     return tuple(found)
 
 
-def line(channel: Channel, mains: float) -> tuple[float, float]:
+def _carrier(n: int, rate: float, mains: float) -> ComplexArray:
+    """What turns the mains frequency into zero, within a Hann window."""
+    return np.asarray(np.hanning(n) * np.exp(-2j * np.pi * mains / rate * np.arange(n)))
+
+
+def line(
+    channel: Channel, mains: float, carrier: ComplexArray | None = None
+) -> tuple[float, float]:
     """Amplitude and frequency [Hz] of the line near a mains frequency; amplitude 0 without."""
     values: FloatArray = channel.values - float(channel.values.mean())
     n, rate = len(values), channel.rate_hz
@@ -67,11 +81,10 @@ def line(channel: Channel, mains: float) -> tuple[float, float]:
         return 0.0, mains
     # Only the band around the line is needed: mixing down and averaging is quicker than a long
     # transform of awkward length.
-    window = np.hanning(n)
+    carrier = _carrier(n, rate, mains) if carrier is None else carrier
     block = max(1, int(rate / (4.0 * _AROUND)))
     kept = n // block * block
-    turning = np.exp(-2j * np.pi * mains * np.arange(n) / rate)
-    mixed = (values * window * turning)[:kept].reshape(-1, block).sum(axis=1)
+    mixed = (values * carrier)[:kept].reshape(-1, block).sum(axis=1)
     power = np.abs(np.fft.fft(mixed)) ** 2
     frequency = np.fft.fftfreq(len(mixed), block / rate)
     near, around = np.abs(frequency) <= _NEAR, (np.abs(frequency) <= _AROUND)
@@ -79,5 +92,5 @@ def line(channel: Channel, mains: float) -> tuple[float, float]:
     peak = int(np.argmax(np.where(near, power, -1.0)))
     if power[peak] <= LINE * usual:
         return 0.0, mains
-    amplitude = 2.0 * float(np.sqrt(power[peak])) / float(window.sum())
+    amplitude = 2.0 * float(np.sqrt(power[peak])) / (0.5 * (n - 1))
     return amplitude, mains + float(frequency[peak])

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.quality.finding import Finding, Skipped
-from surae.quality.numeric import BoolArray, correlation, shifted, smooth
+from surae.quality.numeric import BoolArray, quantile, shifted, smooth
 from surae.quality.trial import Trial
 from surae.recording import MUSCLES
 from surae.units import FloatArray
@@ -98,7 +98,7 @@ def _resting(trial: Trial) -> BoolArray:
         resting: BoolArray = near == 0.0
         if float(resting.sum()) > 4.0 * trial.rate_hz:
             return resting
-    low: BoolArray = slow < max(0.15 * float(np.quantile(slow, 0.98)), float(np.median(slow)))
+    low: BoolArray = slow < max(0.15 * quantile(slow, 0.98), quantile(slow, 0.5))
     return low
 
 
@@ -118,7 +118,10 @@ def _proportional(
             mine = mine - max(float(other @ mine) / power, 0.0) * other
     fast = np.maximum(stretch - 0.1, 0.0)
     lags = np.arange(-round(0.2 * trial.rate_hz), round(0.4 * trial.rate_hz) + 1)
-    alike = np.array([correlation(mine, shifted(fast, int(k))[resting]) for k in lags])
+    late = np.array([shifted(fast, int(k))[resting] for k in lags])
+    late -= late.mean(axis=1)[:, None]
+    scale = np.sqrt((late**2).sum(axis=1)) * float(np.sqrt(((mine - mine.mean()) ** 2).sum()))
+    alike = np.divide(late @ mine, scale, out=np.zeros(len(lags)), where=scale > 0.0)
     best = int(np.argmax(alike))
     delay = float(lags[best]) / trial.rate_hz
     if alike[best] < ALIKE or not EARLIEST - 0.006 <= delay <= LATEST + 0.006:
@@ -162,7 +165,12 @@ def _bursts(trial: Trial, emg: FloatArray, stretch: FloatArray) -> Reflex | None
     """A reflex of short bursts, after the onset or the peak of most stretches."""
     rate = trial.rate_hz
     before, after = round(0.1 * rate), round(0.3 * rate)
-    usual = float(np.quantile(emg, 0.99))
+    usual = quantile(emg, 0.99)
+    total = np.concatenate([[0.0], np.cumsum(emg)])
+
+    def mean(first: int, last: int) -> float:
+        return float(total[last] - total[first]) / (last - first)
+
     for events in (_onsets(trial, stretch), _peaks(trial, stretch)):
         followed: list[float] = []
         looked = 0
@@ -170,13 +178,13 @@ def _bursts(trial: Trial, emg: FloatArray, stretch: FloatArray) -> Reflex | None
         for event in events:
             if event < before or event + after >= len(emg):
                 continue
-            rest = float(np.mean(emg[event - before : event + round(0.01 * rate)]))
+            rest = mean(event - before, event + round(0.01 * rate))
             if rest > 0.1 * usual:
                 continue  # active already
             looked += 1
             window = slice(event + round(0.02 * rate), event + round((LATEST + 0.03) * rate))
             answer = emg[window]
-            later = float(np.mean(emg[event + round(0.2 * rate) : event + after]))
+            later = mean(event + round(0.2 * rate), event + after)
             top = float(answer.max())
             if top > BURST * max(rest, later) and top > 0.03 * usual:
                 followed.append((int(np.argmax(answer)) + window.start - event) / rate)

@@ -6,6 +6,7 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.quality.finding import Finding
+from surae.quality.numeric import quantile
 from surae.recording import Channel, Recording, read_only
 from surae.signals.timebase import GAP_STEPS, UNIFORM_STEPS, timing
 
@@ -43,7 +44,7 @@ def axis_findings(channel: Channel) -> list[Finding]:
     found: list[Finding] = []
     # A gap is at least one sample that is missing; jitter alone moves a step by less than that
     # in most samples, so what the usual scatter of steps explains is jitter.
-    scatter = float(np.quantile(np.abs(steps - step), 0.9))
+    scatter = quantile(np.abs(steps - step), 0.9)
     longest = max(GAP_STEPS * step, step + 6.0 * scatter)
     gaps = np.flatnonzero(steps > longest)
     lost = float((steps[gaps] - step).sum())

@@ -7,7 +7,7 @@ import numpy as np
 from surae.protocol import DEVICES
 from surae.quality.baseline import baseline
 from surae.quality.finding import Finding, Skipped
-from surae.quality.numeric import IndexArray, correlation, equal_runs
+from surae.quality.numeric import IndexArray, correlation, equal_runs, quantile
 from surae.quality.torque_model import passive_columns
 from surae.quality.trial import Trial
 from surae.units import FloatArray
@@ -105,7 +105,7 @@ def artefact(trial: Trial) -> tuple[Finding, ...] | Skipped:
     if model is None:
         return Skipped("torque-artefact", "The trial is too short to know its torque.")
     left = np.abs(model.left)
-    usual = float(np.quantile(left, 0.68))
+    usual = quantile(left, 0.68)
     wrong = left > max(LEFT, LEFT_TIMES * usual)
     if not wrong.any() or float(wrong.mean()) > LEFT_SHARE:
         return ()

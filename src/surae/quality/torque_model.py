@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.model.geometry import arm_tib, arm_tri
-from surae.quality.numeric import responded, smooth
+from surae.quality.numeric import IndexArray, quantile, responded, smooth
 from surae.units import FloatArray
 
 #: Of the activation filter [Hz], which virtual subjects have between 1.6 and 2.4.
@@ -129,7 +129,7 @@ def torque_model(
     groups: dict[str, list[FloatArray]] = {}
     for muscle, envelope in envelopes.items():
         # What an electrode shows at rest moves nothing.
-        active = activation(np.maximum(envelope - np.quantile(envelope, 0.05), 0.0), rate)
+        active = activation(np.maximum(envelope - quantile(envelope, 0.05), 0.0), rate)
         top = float(active.max())
         if top > 0.0:
             groups.setdefault("ta" if muscle == "ta" else "triceps", []).append(active / top)
@@ -146,32 +146,26 @@ def torque_model(
     }
     lags = np.arange(-LONGEST, LONGEST + 1e-9, _STEP)
     # EMG that is late by a lag is in time again when it is advanced by it.
-    averaged = {name: [smooth(c, width) for c in columns] for name, columns in tables.items()}
-    moved = {
-        (name, k): [c[at] for c in columns]
-        for k, at in enumerate(np.clip(keep + round(lag * rate), 0, len(time) - 1) for lag in lags)
-        for name, columns in averaged.items()
-    }
-
-    def left(at: dict[str, int]) -> float:
-        return _solve([*passive, *(c for name, k in at.items() for c in moved[name, k])], y)[1]
-
-    together = np.array([left(dict.fromkeys(groups, k)) for k in range(len(lags))])
+    at = np.clip(keep + np.round(lags * rate).astype(np.intp)[:, None], 0, len(time) - 1)
+    moved = {n: np.array([smooth(c, width)[at] for c in columns]) for n, columns in tables.items()}
+    lagging = _Lagging(passive, moved, y)
+    every = np.arange(len(lags))
+    together = lagging.left(dict.fromkeys(groups, every))
     best = int(np.argmin(together))
     group_lag, group_gain = {}, {}
     if len(groups) > 1:
         for name in groups:
-            others = {other: best for other in groups if other != name}
-            alone_at = np.array([left({name: k, **others}) for k in range(len(lags))])
+            others = {other: np.full(len(lags), best) for other in groups if other != name}
+            alone_at = lagging.left({name: every, **others})
             group_lag[name] = _vertex(lags, alone_at)
             least = float(alone_at.min())
             group_gain[name] = float(together[best]) / least - 1.0 if least > 0.0 else 0.0
-    columns = [*passive, *(c for name in groups for c in moved[name, best])]
+    columns = [*passive, *(c for name in groups for c in moved[name][:, best])]
     weights, rest = _solve(columns, y)
     part, first = {}, len(passive)
     for name in groups:
-        mine = moved[name, best]
-        torque_of = np.column_stack(mine) @ weights[first : first + len(mine)]
+        mine = moved[name][:, best]
+        torque_of = weights[first : first + len(mine)] @ mine
         level = np.mean(mine[: len(groups[name])], axis=0)
         part[name] = float((level * torque_of).sum() / max(float(level.sum()), 1e-300))
         first += len(mine)
@@ -186,8 +180,37 @@ def torque_model(
         gained=1.0 - rest / alone if alone > 0.0 else 0.0,
         sharpness=float(beside / rest - 1.0) if rest > 0.0 else np.inf,
         time=time[keep],
-        left=y - np.column_stack(columns) @ weights,
+        left=y - weights @ np.array(columns),
     )
+
+
+class _Lagging:
+    """The regression at many lags at once: what is passive is taken out of everything first."""
+
+    def __init__(
+        self, passive: list[FloatArray], moved: dict[str, FloatArray], y: FloatArray
+    ) -> None:
+        basis = np.linalg.qr(_scaled(np.array(passive)).T)[0]
+        self._y = y - basis @ (basis.T @ y)
+        self._moved = {}
+        for name, columns in moved.items():
+            scaled = _scaled(columns)
+            self._moved[name] = np.swapaxes(scaled - scaled @ basis @ basis.T, 0, 1)
+
+    def left(self, lags: dict[str, IndexArray]) -> FloatArray:
+        """Sums of squares with each group at its lags, which are equally many."""
+        matrix = np.concatenate([self._moved[name][at] for name, at in lags.items()], axis=1)
+        gram = matrix @ np.swapaxes(matrix, 1, 2)
+        gram += 1e-8 * np.eye(matrix.shape[1])
+        right = matrix @ self._y
+        weights = np.linalg.solve(gram, right[:, :, None])
+        left = self._y - (np.swapaxes(matrix, 1, 2) @ weights)[:, :, 0]
+        return np.asarray((left**2).sum(axis=1))
+
+
+def _scaled(columns: FloatArray) -> FloatArray:
+    norm = np.sqrt((columns**2).sum(axis=-1, keepdims=True))
+    return columns / np.where(norm > 0.0, norm, 1.0)
 
 
 def _solve(columns: list[FloatArray], y: FloatArray) -> tuple[FloatArray, float]:

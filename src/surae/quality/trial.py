@@ -7,7 +7,7 @@ import numpy as np
 
 from surae.protocol.effort import effort, named_task
 from surae.quality.commanded import Commanded, recognised
-from surae.quality.numeric import BoolArray, correlation, smooth
+from surae.quality.numeric import BoolArray, correlation, quantiles, smooth
 from surae.quality.torque_model import TorqueModel, torque_model
 from surae.recording import MUSCLES, Channel, Recording
 from surae.units import FloatArray
@@ -155,7 +155,7 @@ def emg_kind(recording: Recording) -> Literal["raw", "envelope"]:
         return recording.emg
     ratios = []
     for channel in alive:
-        low, middle, high = np.quantile(channel.values, (0.001, 0.5, 0.999))
+        low, middle, high = quantiles(channel.values, 0.001, 0.5, 0.999)
         ratios.append((middle - low) / (high - middle) if high > middle else 1.0)
     if float(np.median(ratios)) < _SYMMETRIC:
         return "envelope"
