@@ -6,6 +6,7 @@ shows as a line in the spectrum over u = t²/2, in which the chirp is a sine.
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -28,7 +29,7 @@ _SHORTEST = 8.0
 #: This close, no other profile and no other chirp is tried.
 _CLOSE = 4e-3
 #: Of so many samples, one says which profiles are worth a closer look.
-_SCREEN = 4
+_SCREEN = 8
 #: Steps of the axis on which the cut-off of a filter is searched.
 _COARSE = 1024
 #: A chirp whose part of the remaining variance is smaller is none.
@@ -86,7 +87,7 @@ def recognised(channel: Channel) -> Commanded | None:
         if abs(seconds[-1] - profile.duration) > 0.5:
             stretches.add(profile.duration / float(channel.time[-1] - channel.time[0]))
         for stretch in stretches:
-            base = profile.position(seconds[few] * stretch)
+            base = np.interp(seconds[few] * stretch, *_shape(profile.name))
             if float(np.ptp(base)) > 0.1:
                 residual = _left(angle[few], _columns(base, seconds[few]))[0]
                 candidates.append((float(np.std(residual)), profile.name, stretch))
@@ -107,6 +108,13 @@ def recognised(channel: Channel) -> Commanded | None:
         angle=read_only(best[2]),
         given=False,
     )
+
+
+@cache
+def _shape(name: str) -> tuple[FloatArray, FloatArray]:
+    """A profile at a few times [s], for a first comparison."""
+    time = np.linspace(0.0, PROFILES[name].duration, _COARSE)
+    return read_only(time), read_only(PROFILES[name].position(time))
 
 
 def _with_chirp(

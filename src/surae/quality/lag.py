@@ -20,6 +20,8 @@ ONE_SIDE = 0.13
 GAIN = 0.05
 #: Part of the torque that EMG must explain, and what lags 0.2 s away must leave more.
 _GAINED, _SHARP = 0.3, 0.15
+#: Of so many samples, one is compared: what is smooth over 0.1 s is known to 20 ms by that.
+_STEP = 2
 #: Correlation of an electrode with the others, when in step.
 _ALIKE = 0.6
 
@@ -86,13 +88,14 @@ def _finding(trial: Trial, muscle: str, lag: float, beside: str) -> Finding:
 def _lag(trial: Trial, muscle: str) -> float | None:
     """By how much a head of the triceps is later than the others [s]."""
     width = round(0.1 * trial.rate_hz)
-    mine = smooth(trial.fast[muscle], width)
+    mine = smooth(trial.fast[muscle], width)[::_STEP]
     others = [trial.fast[m] for m in trial.triceps if m != muscle]
     together = smooth(np.mean([o / max(float(o.max()), 1e-300) for o in others], axis=0), width)
-    lags = np.arange(-round(0.6 * trial.rate_hz), round(0.6 * trial.rate_hz) + 1, 2)
+    together, rate = together[::_STEP], trial.rate_hz / _STEP
+    lags = np.arange(-round(0.6 * rate), round(0.6 * rate) + 1)
     alike = shifted_correlations(mine, together, -lags)
     best = int(np.argmax(alike))
-    return float(lags[best]) / trial.rate_hz if alike[best] > _ALIKE else None
+    return float(lags[best]) / rate if alike[best] > _ALIKE else None
 
 
 def _one_side(trial: Trial) -> tuple[str, float] | None:

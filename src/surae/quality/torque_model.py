@@ -203,9 +203,8 @@ class _Lagging:
         gram = matrix @ np.swapaxes(matrix, 1, 2)
         gram += 1e-8 * np.eye(matrix.shape[1])
         right = matrix @ self._y
-        weights = np.linalg.solve(gram, right[:, :, None])
-        left = self._y - (np.swapaxes(matrix, 1, 2) @ weights)[:, :, 0]
-        return np.asarray((left**2).sum(axis=1))
+        weights = np.linalg.solve(gram, right[:, :, None])[:, :, 0]
+        return np.asarray(float(self._y @ self._y) - (weights * right).sum(axis=1))
 
 
 def _scaled(columns: FloatArray) -> FloatArray:

@@ -1,6 +1,7 @@
 """A recording as the checks look at it: every signal once, on one coarse time axis."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -9,7 +10,7 @@ from surae.protocol.effort import effort, named_task
 from surae.quality.commanded import Commanded, recognised
 from surae.quality.numeric import BoolArray, correlation, quantiles, smooth
 from surae.quality.torque_model import TorqueModel, torque_model
-from surae.recording import MUSCLES, Channel, Recording
+from surae.recording import MUSCLES, Channel, Recording, read_only
 from surae.units import FloatArray
 
 #: Rate at which signals are compared [Hz]: fine enough for a reflex's 25 ms.
@@ -27,6 +28,8 @@ _SYMMETRIC = 0.5
 _RAW_RATE = 500.0
 #: An angle beyond this [rad] is in degrees: no ankle turns by 115°.
 IMPOSSIBLE_ANGLE = 2.0
+#: Step at which the effort of a task is made [s]: bursts rise over a tenth of a second and more.
+_STEP = 0.04
 #: A burst pattern correlated with the EMG by more than this is the task that was shown. Of 400
 #: virtual trials, the right task has 0.75 to 0.99, another one at most 0.45.
 _RECOGNISED = 0.6
@@ -194,11 +197,23 @@ def _asked_effort(
     few = float(late.sum()) < _FEW * (len(time) - 1) / float(since[-1])
     best, found = (_RECOGNISED_FEW if few else _RECOGNISED), None
     for name in ("part-passive", "active"):
-        asked = effort(since, named_task(name))
+        asked = _asked(since, name)
         alike = match(asked, slow, late)
         if alike > best:
             best, found = alike, asked
     return found
+
+
+def _asked(since: FloatArray, task: str) -> FloatArray:
+    """The effort of a task, made once for trials of one length."""
+    few, asked = _few_asked(task, int(since[-1] / _STEP))
+    return np.column_stack([np.interp(since, few, column) for column in asked])
+
+
+@lru_cache(8)
+def _few_asked(task: str, steps: int) -> tuple[FloatArray, FloatArray]:
+    few = _STEP * np.arange(steps + 1.0)
+    return read_only(few), read_only(effort(few, named_task(task)).T.copy())
 
 
 def match(asked: FloatArray, slow: dict[str, FloatArray], where: BoolArray) -> float:
