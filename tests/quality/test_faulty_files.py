@@ -56,7 +56,7 @@ def test_what_cannot_be_read_at_all_is_refused(tmp_path, text) -> None:
 
 
 def test_a_commanded_profile_from_a_file_or_a_column(tmp_path, table) -> None:
-    asked = Protocol(profile="multiple-holds", chirp_amplitude=0.2, rate_hz=125.0)
+    asked = Protocol(profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5, rate_hz=125.0)
     write_csv(generate(asked), tmp_path / "p.csv")
     commanded = table["angle_rad"].copy()
     away = (table["time_s"] > 15.0) & (table["time_s"] < 15.5)
