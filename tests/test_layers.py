@@ -17,6 +17,7 @@ PACKAGE = Path(surae.__file__).parent
 LAYERS = (
     (
         "_version",
+        "database",
         "errors",
         "files",
         "frozen",

@@ -94,7 +94,7 @@ def test_stopping_half_way_ends_the_workers() -> None:
 def test_engines_that_are_none() -> None:
     with pytest.raises(InputError, match="engine 'gpu' is not known; use one of: processes"):
         Engine("gpu")
-    with pytest.raises(InputError, match="0 workers; give at least 1"):
+    with pytest.raises(InputError, match="workers is 0; give at least 1"):
         Engine("threads", 0)
 
 
@@ -102,7 +102,7 @@ def test_engines_that_are_none() -> None:
 def cluster(request, tmp_path, monkeypatch) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
     """A scheduler and two workers, processes of their own, over TCP: its address, the workers."""
     pytest.importorskip("distributed")
-    monkeypatch.setattr("surae.runner._PATIENCE", PATIENCE)  # the workers may start slowly
+    monkeypatch.setattr("surae.runner.engines._PATIENCE", PATIENCE)  # the workers may start slowly
     where = tmp_path / "scheduler.json"
     path = os.pathsep.join([str(Path(__file__).parent), *filter(None, sys.path)])
     settings = os.environ | {"PYTHONPATH": path}
@@ -142,7 +142,7 @@ def test_a_cluster_that_loses_a_worker_half_way(cluster) -> None:
 
 def test_a_cluster_that_is_not_there(monkeypatch) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("surae.runner._PATIENCE", 1.0)
+    monkeypatch.setattr("surae.runner.engines._PATIENCE", 1.0)
     with pytest.raises(InputError, match=r"no cluster at tcp://127\.0\.0\.1:9: .*; give the sch"):
         all_of(CALLS, Engine("dask", address="tcp://127.0.0.1:9"))
 

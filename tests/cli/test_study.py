@@ -61,7 +61,7 @@ def outcomes(path: Path) -> dict[str, tuple[float, ...]]:
         return {}
     file = sqlite3.connect(path, timeout=10)
     try:
-        found = file.execute("SELECT key, finished, seconds, vaf FROM outcome").fetchall()
+        found = file.execute("SELECT key, finished, value FROM result").fetchall()
     except sqlite3.OperationalError:  # killed before there was a table
         return {}
     finally:
@@ -70,11 +70,11 @@ def outcomes(path: Path) -> dict[str, tuple[float, ...]]:
 
 
 def numbers(path: Path) -> list[list[str]]:
-    """The table; how long a fit took is not in it, so that equal studies give equal files."""
+    """The table without its last column, the seconds."""
     with path.open(newline="", encoding="utf-8") as handle:
         rows = list(csv.reader(handle))
-    assert "seconds" not in rows[0]
-    return rows
+    assert rows[0][-1] == "seconds"
+    return [row[:-1] for row in rows]
 
 
 @pytest.fixture(scope="module")
@@ -107,7 +107,16 @@ def test_run_status_export(run, study, undisturbed) -> None:
     assert status.out.startswith("small: 60 of 60 fits (for 72 combinations) done (100 %)\n")
     assert "last run: finished\n" in status.out
     done = run("study", "export", "s.db", "--output", "table.csv")
-    assert (done.code, done.out, done.err) == (0, "table: table.csv, 72 rows\n", "")
+    assert (done.code, done.err) == (0, "")
+    told = re.fullmatch(
+        r"table: table\.csv, 72 rows; without its seconds it has the hash ([0-9a-f]{16})\n",
+        done.out,
+    )
+    assert told
+    run("study", "run", "study.toml", "--store", "t.db", "--engine", "threads")
+    other = run("study", "export", "t.db", "--output", "u.csv").out
+    assert other == done.out.replace("table.csv", "u.csv")  # though it took other times
+    assert (study / "u.csv").read_bytes() != (study / "table.csv").read_bytes()
     table = numbers(study / "table.csv")
     assert table == undisturbed
     assert len(table) == 1 + ROWS
@@ -146,19 +155,21 @@ def test_the_table_never_replaces_the_store(run, study) -> None:
 def test_an_unfinished_study_is_exported_as_far_as_it_is(run, study) -> None:
     run("study", "run", "study.toml", "--store", "s.db", "--engine", "threads")
     file = sqlite3.connect(study / "s.db")
-    file.execute("DELETE FROM outcome WHERE key IN (SELECT key FROM plan WHERE row >= 70)")
+    file.execute("DELETE FROM result WHERE key IN (SELECT key FROM plan WHERE row >= 70)")
     file.commit()
     file.close()
     done = run("study", "export", "s.db", "--output", "table.csv")
-    assert (done.code, done.out) == (0, "table: table.csv, 70 rows\n")
-    assert done.err == "surae: 2 of 72 rows are left out: they are not done yet\n"
+    assert done.code == 0
+    assert done.out.startswith("table: table.csv, 70 rows;")
+    assert done.err == "surae: 2 of 72 rows are left out: they are not done yet, or damaged\n"
 
 
 def test_a_figure_is_drawn_beside_the_table(run, study) -> None:
     run("study", "run", "study.toml", "--store", "s.db", "--engine", "threads")
     done = run("study", "export", "s.db", "--output", "t.csv", "--figure", "f.png")
     assert (done.code, done.err) == (0, "")
-    assert done.out == "table: t.csv, 72 rows\nfigure: f.png\n"
+    assert done.out.startswith("table: t.csv, 72 rows;")
+    assert done.out.endswith("\nfigure: f.png\n")
     assert (study / "f.png").read_bytes().startswith(b"\x89PNG")
     export = ("study", "export", "s.db", "--output", "u.csv")
     done = run(*export, "--figure", "f.svg", "--x", "chirp_rate")
@@ -171,7 +182,8 @@ def test_a_figure_is_drawn_beside_the_table(run, study) -> None:
     )
     refused(run(*export, "--figure", "s.db"), "--figure: s.db must end in")
     file = sqlite3.connect(study / "s.db")
-    file.execute("UPDATE outcome SET status = 'failed', vaf = NULL")
+    lost = "json_set(value, '$.status', 'failed', '$.vaf', NULL)"
+    file.execute(f"UPDATE result SET value = {lost}, failed = 'lost'")
     file.commit()
     file.close()
     refused(run(*export, "--figure", "none.png"), "nothing to draw: 72 rows are done and none has")
@@ -181,6 +193,29 @@ def test_a_figure_is_drawn_beside_the_table(run, study) -> None:
 def test_status_imports_no_library_that_computes(run, study) -> None:
     run("study", "run", "study.toml", "--store", "s.db", "--engine", "threads")
     assert imported("study", "status", "s.db", folder=study) & COMPUTING == set()
+
+
+def test_a_store_is_copied_checked_and_repaired(run, study) -> None:
+    run("study", "run", "study.toml", "--store", "s.db", "--engine", "threads")
+    assert run("study", "backup", "s.db", "c.db").out == "copy: c.db\n"
+    refused(run("study", "backup", "s.db", "c.db"), "c.db is there already; give the copy another")
+    for store in ("s.db", "c.db"):
+        for what in ("check", "repair"):
+            done = run("study", what, store)
+            assert (done.code, done.out, done.err) == (0, "nothing is wrong\n", "")
+    file = sqlite3.connect(study / "s.db")
+    file.execute("UPDATE result SET value = '{' WHERE key = (SELECT max(key) FROM result)")
+    file.commit()
+    file.close()
+    done = run("study", "check", "s.db")
+    assert done.code == 1
+    assert re.fullmatch(
+        r"the result \w{12} is damaged\ndamaged: run `surae study repair s\.db`\n", done.out
+    )
+    done = run("study", "repair", "s.db")
+    assert done.out == "s.db: 59 fits saved; the damaged file is s.db.damaged-1\n"
+    done = run("study", "run", "study.toml", "--store", "s.db", "--engine", "threads")
+    assert "; 1 computed now" in done.out
 
 
 def until_some(folder: Path, process: "subprocess.Popen[str]", least: int) -> int:

@@ -1,9 +1,9 @@
 import pytest
 
+from surae.database import lock
 from surae.errors import InputError
 from surae.reproduction.chapter import Context
 from surae.reproduction.jobs import run_jobs
-from surae.studies.database import lock
 
 CALLS = []
 
@@ -46,16 +46,6 @@ def test_a_stopped_run_keeps_what_was_finished(context) -> None:
     assert CALLS == [0, 1]
 
 
-def test_a_line_cut_in_the_middle_is_computed_again_and_harms_no_other(context) -> None:
-    jobs = {"a": {"x": 1}, "b": {"x": 2}}
-    run_jobs(context, "s", square, jobs)
-    path = context.store("s.jsonl")
-    path.write_bytes(path.read_bytes()[:-5])
-    for _ in range(2):
-        assert run_jobs(context, "s", square, jobs)["b"] == {"square": 4}
-    assert CALLS == [1, 2, 2]
-
-
 def test_progress_starts_where_the_last_run_ended(tmp_path) -> None:
     told = []
     context = Context(folder=tmp_path, progress=lambda *what: told.append(what))
@@ -65,7 +55,7 @@ def test_progress_starts_where_the_last_run_ended(tmp_path) -> None:
 
 
 def test_two_runs_do_not_write_one_store(context) -> None:
-    held = lock(context.store("s.jsonl"))
+    held = lock(context.store("s.db"))
     try:
         with pytest.raises(InputError, match="in use by another run"):
             run_jobs(context, "s", square, {"a": {"x": 1}})

@@ -1,8 +1,12 @@
 """The store: what is in it stays, whatever is asked of it, and only one run writes."""
 
+import json
+import os
+import re
 import sqlite3
 import subprocess
 import sys
+from contextlib import closing
 from dataclasses import replace
 
 import pytest
@@ -26,8 +30,7 @@ def path(tmp_path):
 def fill(path, text=TEXT, outcome=DONE, most=99):
     with Store(path, write=True) as store:
         keys = list(store.plan(parse_study(text)))[:most]
-        store.begin()
-        store.add([(key, outcome) for key in keys])
+        store.keep_outcomes([(key, outcome) for key in keys])
         store.end("finished")
     return keys
 
@@ -40,7 +43,7 @@ def test_what_is_kept_comes_back_to_the_last_bit(path) -> None:
         status = store.status()
     assert [outcome for _, outcome in rows] == [DONE] * 4
     assert rows[0][0]["noise"] == 0.01
-    assert (status.name, status.rows, status.fits, status.done) == ("a", 4, 4, 4)
+    assert (status.name, status.rows, status.calls, status.done) == ("a", 4, 4, 4)
     assert (status.running, status.last) == (None, "finished")
 
 
@@ -51,7 +54,7 @@ def test_a_changed_study_asks_only_for_what_is_new(path) -> None:
         wider = store.plan(parse_study(TEXT.replace("0.01, 0.05", "0.05, 0.1")))
         assert {task.noise for task in wider.values()} == {0.1}
         assert len(wider) == 2
-        assert (store.status().fits, store.status().done) == (4, 2)
+        assert (store.status().calls, store.status().done) == (4, 2)
         assert store.plan(parse_study(TEXT)) == {}  # and back again
 
 
@@ -80,14 +83,14 @@ def test_several_outcomes_are_kept_together_or_not_at_all(path) -> None:
     with Store(path, write=True) as store:
         others = list(store.plan(parse_study(TEXT)))
         with pytest.raises(ComputationError, match="UNIQUE"):
-            store.add([(others[0], DONE), (keys[0], DONE)])
+            store.keep_outcomes([(others[0], DONE), (keys[0], DONE)])
         assert store.status().done == 1
 
 
 def test_only_one_run_writes(path) -> None:
     fill(path)
     with Store(path, write=True) as store:
-        store.begin()
+        store.plan(parse_study(TEXT))
         with pytest.raises(InputError, match=r"in use by another run \(process \d+ on "):
             Store(path, write=True)
         with Store(path) as reader:  # while others may look
@@ -102,7 +105,7 @@ def test_the_lock_goes_with_its_process(path) -> None:
     code = (
         "import os, signal, sys\nfrom surae.studies.store import Store\n"
         "from surae.studies.study import parse_study\n"
-        "s = Store(sys.argv[1], write=True); s.plan(parse_study(sys.argv[2])); s.begin()\n"
+        "s = Store(sys.argv[1], write=True); s.plan(parse_study(sys.argv[2]))\n"
         "os.kill(os.getpid(), signal.SIGKILL)"
     )
     done = subprocess.run([sys.executable, "-c", code, path, TEXT], check=False, timeout=60)
@@ -117,7 +120,7 @@ def test_files_that_are_no_store(path, tmp_path) -> None:
         Store(path)
     path.write_text("not a database, but long enough to be looked at\n" * 50)
     for write in (False, True):
-        with pytest.raises(InputError, match="is not a store of surae's studies"):
+        with pytest.raises(InputError, match="is not a store of surae"):
             Store(path, write=write)
     assert path.read_text().startswith("not a database")
     other = tmp_path / "other.db"
@@ -143,6 +146,154 @@ def test_a_store_of_a_newer_surae_is_refused(path) -> None:
         Store(path)
 
 
+def as_the_first_layout(path) -> None:
+    """Make a store what surae 0.1 wrote."""
+    from surae.runner.layouts import FORMAT
+
+    with Store(path) as store:
+        rows = [(*row, outcome) for row, outcome in zip(
+            store._file.execute("SELECT row, key, label FROM plan ORDER BY row").fetchall(),
+            (outcome for _, outcome in store.rows()), strict=True)]  # fmt: skip
+        about = store.about()
+    path.unlink()
+    with closing(sqlite3.connect(path)) as file, file:
+        file.executescript(FORMAT.tables[1])
+        file.execute(f"PRAGMA application_id = {FORMAT.application}")
+        file.execute("PRAGMA user_version = 1")
+        file.execute("INSERT INTO study VALUES (?, ?)", about[1:])
+        for row, key, label, o in rows:
+            file.execute("INSERT INTO plan VALUES (?, ?, ?)", (row, key, label))
+            estimates = json.dumps([[e.name, e.value, e.sem, e.true] for e in o.estimates])
+            file.execute(
+                "INSERT OR IGNORE INTO outcome VALUES (?, ?, ?, ?, ?, ?, ?, 5.0)",
+                (key, o.status, o.message, o.vaf, o.ipde, estimates, o.seconds),
+            )
+        file.execute("INSERT INTO run VALUES (1, 1.0, 2.0, 'finished', 7, 'here')")
+
+
+def test_a_store_of_surae_0_1_opens_and_goes_on(path) -> None:
+    fill(path, most=3)
+    fill(path, outcome=LOST)
+    with Store(path) as store:
+        before, status = list(store.rows()), store.status()
+    as_the_first_layout(path)
+    content = path.read_bytes()
+    with Store(path) as store:
+        assert list(store.rows()) == before
+        assert store.status() == status
+    assert path.read_bytes() == content  # who only looks changes nothing
+    with Store(path, write=True) as store:
+        assert store.forget_failed() == 1
+        assert len(store.plan(parse_study(TEXT))) == 1
+    with Store(path) as store:
+        assert [outcome for _, outcome in store.rows()] == [DONE] * 3
+
+
+def test_a_store_older_than_all_that_are_known_is_told_so(path) -> None:
+    fill(path)
+    with closing(sqlite3.connect(path)) as file:
+        file.execute("PRAGMA user_version = 0")
+    with pytest.raises(InputError, match=r"written by an older surae \(layout 0, this one knows 1"):
+        Store(path)
+
+
+@pytest.mark.parametrize(
+    "statement",
+    ["CREATE TRIGGER t AFTER INSERT ON result BEGIN DELETE FROM result; END",
+     "CREATE VIEW v AS SELECT 1", "CREATE TABLE more (a)", "ALTER TABLE plan ADD COLUMN more",
+     "CREATE INDEX i ON plan (key)"],
+)  # fmt: skip
+@pytest.mark.parametrize("write", [False, True])
+def test_a_strangers_programs_are_refused(path, statement, write) -> None:
+    fill(path)
+    with closing(sqlite3.connect(path)) as file, file:
+        file.execute(statement)
+    with pytest.raises(InputError, match="holds tables or programs that are not surae's"):
+        Store(path, write=write)
+
+
+@pytest.mark.parametrize("end", [".lock", "-wal", "-shm"])
+def test_links_beside_a_store_lead_nowhere(path, tmp_path, end) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    other = tmp_path / "elsewhere" / "file"
+    path.with_name(path.name + end).symlink_to(other)
+    with pytest.raises(InputError, match=f"s.db{end} is a link"):
+        Store(path, write=True)
+    assert not other.exists()
+
+
+def test_without_its_lock_s_file_the_later_run_takes_over(path) -> None:
+    with Store(path, write=True) as first:
+        tasks = list(first.plan(parse_study(TEXT)))
+        first.keep_outcomes([(tasks[0], DONE)])
+        path.with_name("s.db.lock").unlink()
+        with Store(path, write=True) as second:
+            rest = list(second.plan(parse_study(TEXT)))
+            assert len(rest) == 3
+            with pytest.raises(ComputationError, match="taken over by another run"):
+                first.keep_outcomes([(tasks[1], DONE)])
+            second.keep_outcomes([(key, DONE) for key in rest])
+    with Store(path) as store:
+        assert store.status().done == 4
+
+
+def test_one_bad_row_is_one_bad_row(path) -> None:
+    keys = fill(path)
+    with closing(sqlite3.connect(path)) as file, file:
+        for key, value in zip(keys, ("{", '{"status": 1}', '[{"é": []}]'), strict=False):
+            file.execute("UPDATE result SET value = ? WHERE key = ?", (value, key))
+        file.execute("UPDATE result SET finished = 'never' WHERE key = ?", (keys[3],))
+    with Store(path) as store:
+        assert [outcome for _, outcome in store.rows()] == [DONE]
+        assert store.status().done == 4
+        assert store.damage() == [f"the result {key[:12]} is damaged" for key in sorted(keys[:3])]
+    with Store(path, write=True) as store:  # what is damaged is computed again
+        assert set(store.plan(parse_study(TEXT))) == set(keys[:3])
+
+
+def test_a_copy_is_whole_also_while_a_run_writes(path, tmp_path) -> None:
+    copy = tmp_path / "copy.db"
+    with Store(path, write=True) as store:
+        keys = list(store.plan(parse_study(TEXT)))
+        store.keep_outcomes([(keys[0], DONE)])
+        with Store(path) as reader:
+            reader.backup(copy)
+        store.keep_outcomes([(keys[1], DONE)])
+    with Store(copy) as store:
+        assert (store.status().done, store.damage()) == (1, [])
+    with Store(path) as store, pytest.raises(InputError, match=r"copy\.db is there already"):
+        store.backup(copy)
+    assert {p.name for p in tmp_path.iterdir()} == {"s.db", "s.db.lock", "copy.db"}
+
+
+def test_a_damaged_store_is_told_and_saved_as_far_as_it_can_be_read(path) -> None:
+    text = TEXT.replace("subjects = 2", "subjects = 500")
+    keys = fill(path, text, most=10_000)
+    data = bytearray(path.read_bytes())
+    results = [place.start() // 4096 for place in re.finditer(b"all well", data)]
+    for page in set(results[400:420]):
+        data[page * 4096 : (page + 1) * 4096] = os.urandom(4096)
+    path.write_bytes(data)
+    with Store(path) as store:
+        assert store.damage()
+    with pytest.raises(ComputationError, match="`repair`"), Store(path) as store:
+        list(store.rows())
+    saved, aside = Store.repair(path)
+    assert 0 < saved < len(keys)
+    assert aside.read_bytes() == bytes(data)  # nothing is thrown away
+    with Store(path) as store:
+        assert store.damage() == []
+    with Store(path, write=True) as store:
+        assert len(store.plan(parse_study(text))) == len(keys) - saved
+
+
+def test_a_store_in_use_is_not_repaired(path) -> None:
+    with Store(path, write=True) as store:
+        store.plan(parse_study(TEXT))
+        with pytest.raises(InputError, match="in use by another run"):
+            Store.repair(path)
+
+
 def test_a_store_without_a_study(path) -> None:
     Store(path, write=True).close()
     with Store(path) as store, pytest.raises(InputError, match="holds no study yet"):
@@ -156,8 +307,8 @@ def test_the_table_has_its_columns_in_order(path) -> None:
     start = names.index("status")
     assert names[start - 1] == "geometry"
     assert names[start : start + 6] == ["status", "vaf", "ipde", "m", "m_sem", "m_true"]
-    assert names[-3:] == ["pt_tib", "pt_tib_sem", "pt_tib_true"]
-    assert len(names) == start + 3 + 3 * 17
+    assert names[-4:] == ["pt_tib", "pt_tib_sem", "pt_tib_true", "seconds"]
+    assert len(names) == start + 3 + 3 * 17 + 1
     assert "pt_tri" not in columns(parse_study(TEXT))
 
 
@@ -165,7 +316,7 @@ def test_missing_numbers_are_empty_cells(path, tmp_path) -> None:
     fill(path, outcome=replace(DONE, ipde=None, estimates=(Estimate("m", 0.3, None, 2.0),)), most=1)
     fill(path, outcome=LOST, most=1)
     with Store(path) as store:
-        assert export(store, tmp_path / "t.csv") == 2
+        assert export(store, tmp_path / "t.csv")[0] == 2
         names = list(next(table(store)))
     lines = (tmp_path / "t.csv").read_text().splitlines()
     assert lines[0].split(",") == names
@@ -179,7 +330,7 @@ def test_parquet_holds_the_same(path, tmp_path) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
     fill(path, outcome=replace(DONE, ipde=None))
     with Store(path) as store:
-        assert export(store, tmp_path / "t.parquet") == 4
+        assert export(store, tmp_path / "t.parquet")[0] == 4
         rows = list(table(store))
     assert parquet.read_table(tmp_path / "t.parquet").to_pylist() == rows
 

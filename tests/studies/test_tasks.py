@@ -1,7 +1,7 @@
 """A task is its settings and its program: what changes its key, and what its outcome is."""
 
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -91,7 +91,7 @@ def test_another_program_has_other_keys(monkeypatch) -> None:
 
 def test_a_worker_gives_the_same_and_refuses_another_program(monkeypatch) -> None:
     (task,) = tasks(TEXT + 'geometry = "virtual-work"\n')
-    call = json.loads(json.dumps(task.as_call()))
+    call = json.loads(json.dumps({"key": task.key, "settings": asdict(task)}))
     outcome = Outcome.of(outcome_of(**call))
     assert replace(outcome, seconds=0) == replace(run_task(task), seconds=0)
     monkeypatch.setattr("surae.studies.tasks.fingerprint", lambda: "another")

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 _MOST_WORKERS = 1000
 #: Reasons of failures that `status` lists.
 _REASONS = 5
+#: Lines of damage that `check` lists.
+_MOST_LINES = 20
 
 
 @click.group("study")
@@ -55,14 +57,14 @@ def run_command(
 
     from surae.cli.progress import compilation_notice, work
     from surae.cli.screen import show_line
-    from surae.runner import Engine
+    from surae.runner import Engine, cores
     from surae.studies.run import run
     from surae.studies.store import Store
 
     chosen = (
         Engine("dask", address=dask)
         if dask is not None
-        else Engine(engine or "processes", count or _cores())
+        else Engine(engine or "processes", count or cores())
     )
     with Store(store, write=True) as kept:
         try:
@@ -75,7 +77,7 @@ def run_command(
             except InputError:  # it was still planning
                 raise KeyboardInterrupt from None
             click.echo(
-                f"surae: stopped by the user; {now.done:,} of {now.fits:,} fits are kept: run the "
+                f"surae: stopped by the user; {now.done:,} of {now.calls:,} fits are kept: run the "
                 "same command to go on",
                 err=True,
             )
@@ -100,12 +102,12 @@ def status_command(store: str) -> None:
 
     with Store(store) as kept:
         now = kept.status()
-    part = f" ({100 * now.done / now.fits:.0f} %)" if now.fits else ""
-    show_line(f"{now.name}: {now.done:,} of {_counted(now.fits, now.rows)} done{part}")
+    part = f" ({100 * now.done / now.calls:.0f} %)" if now.calls else ""
+    show_line(f"{now.name}: {now.done:,} of {_counted(now.calls, now.rows)} done{part}")
     if now.running is not None:
         here = now.running
         rate = here.added / here.seconds if here.seconds > 0 else 0.0
-        left = f", about {_span((now.fits - now.done) / rate)} left" if rate else ""
+        left = f", about {_span((now.calls - now.done) / rate)} left" if rate else ""
         show_line(
             f"running for {_span(here.seconds)} (process {here.process} on {here.host}): "
             f"{rate:.1f} fits a second{left}"
@@ -140,17 +142,67 @@ def export_command(store: str, output: str, figure: str | None, x: str | None) -
 
     with Store(store) as kept:
         drawn = _drawn(kept, kind, x) if figure is not None else b""
-        rows, all_rows = export(kept, output), kept.status().rows
+        rows, hash_ = export(kept, output)
+        all_rows = kept.status().rows
     if figure is not None:
         write_atomic(figure, drawn)
-    show_line(f"table: {shown(output)}, {rows:,} rows")
+    show_line(f"table: {shown(output)}, {rows:,} rows; without its seconds it has the hash {hash_}")
     if figure is not None:
         show_line(f"figure: {shown(figure)}")
     if rows < all_rows:
         click.echo(
-            f"surae: {all_rows - rows:,} of {all_rows:,} rows are left out: they are not done yet",
+            f"surae: {all_rows - rows:,} of {all_rows:,} rows are left out: they are not done yet, or damaged",
             err=True,
         )
+
+
+@command.command("backup", short_help="Copy its store, also while it runs.")
+@click.argument("store", metavar="S.db")
+@click.argument("copy", metavar="COPY.db")
+def backup_command(store: str, copy: str) -> None:
+    """Copy a study's store as it is at one moment, also while a run writes to it."""
+    from surae.cli.screen import show_line
+    from surae.studies.store import Store
+
+    with Store(store) as kept:
+        kept.backup(copy)
+    show_line(f"copy: {shown(copy)}")
+
+
+@command.command("check", short_help="Look for damage in its store.")
+@click.argument("store", metavar="S.db")
+def check_command(store: str) -> int:
+    """Look for damage in a study's store; changes nothing."""
+    from surae.cli.screen import show_line
+    from surae.studies.store import Store
+
+    with Store(store) as kept:
+        damage = kept.damage()
+    for line in damage[:_MOST_LINES]:
+        show_line(line)
+    if len(damage) > _MOST_LINES:
+        show_line(f"… and {len(damage) - _MOST_LINES:,} more")
+    show_line(f"damaged: run `surae study repair {shown(store)}`" if damage else "nothing is wrong")
+    return 1 if damage else 0
+
+
+@command.command("repair", short_help="Save what can be read of its store.")
+@click.argument("store", metavar="S.db")
+def repair_command(store: str) -> None:
+    """Make a study's store anew of what can be read; the damaged one stays beside it.
+
+    What could not be read is computed by the next `surae study run`.
+    """
+    from surae.cli.screen import show_line
+    from surae.studies.store import Store
+
+    with Store(store) as kept:
+        whole = not kept.damage()
+    if whole:
+        show_line("nothing is wrong")
+        return
+    saved, aside = Store.repair(store)
+    show_line(f"{shown(store)}: {saved:,} fits saved; the damaged file is {shown(aside.name)}")
 
 
 def _drawn(kept: "Store", kind: str, x: str | None) -> bytes:
@@ -191,9 +243,3 @@ def _span(seconds: float) -> str:
     """A time in h:mm:ss."""
     whole = round(seconds)
     return f"{whole // 3600}:{whole % 3600 // 60:02d}:{whole % 60:02d}"
-
-
-def _cores() -> int:
-    from joblib import cpu_count
-
-    return int(cpu_count())

@@ -11,7 +11,7 @@ _PACKAGE = Path(__file__).resolve().parents[1]
 #: Folders whose code a result depends on.
 _COMPUTING = ("signals", "model", "protocol", "estimation", "assessment", "studies")
 #: Modules of this folder that plan, keep and hand on results, and change none.
-BOOKKEEPING = ("database", "run", "store", "study", "table")
+BOOKKEEPING = ("run", "store", "study", "table")
 _LIBRARIES = ("numba", "numpy", "scipy")
 
 

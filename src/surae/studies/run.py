@@ -1,15 +1,13 @@
 """Run a study: whatever of its plan has no outcome yet is computed and kept."""
 
 from collections.abc import Callable, Generator, Mapping
-from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from time import perf_counter
 
-from surae.processes import Plain
-from surae.runner import Died, Engine, results
+from surae.runner import Batch, Engine, results
 from surae.studies.store import Store
 from surae.studies.study import Study
-from surae.studies.tasks import Outcome, Task, run_task
+from surae.studies.tasks import Task, run_task
 
 #: Called after every fit that is kept: how many of the study are, and how many there are.
 Progress = Callable[[int, int], None]
@@ -67,27 +65,12 @@ def run(
     if retry:
         store.forget_failed()
     tasks = store.plan(study)
+    store.keep(_computed(tasks, engine or Engine()), progress)
     status = store.status()
-    store.begin()
-    how, done = "stopped by an error", status.done
-    try:
-        if progress is not None:
-            progress(done, status.fits)
-        for batch in _computed(tasks, engine or Engine()):
-            store.add(batch)
-            done += len(batch)
-            if progress is not None:
-                progress(done, status.fits)
-        how = "finished"
-    except KeyboardInterrupt:
-        how = "stopped by the user"
-        raise
-    finally:
-        store.end(how)
-    return Finished(status.rows, status.fits, len(tasks), perf_counter() - begin)
+    return Finished(status.rows, status.calls, len(tasks), perf_counter() - begin)
 
 
-def _computed(tasks: Mapping[str, Task], engine: Engine) -> Generator[list[tuple[str, Outcome]]]:
+def _computed(tasks: Mapping[str, Task], engine: Engine) -> Generator[Batch]:
     """The outcomes of tasks as they come, and first one of each model where none is compiled yet.
 
     The compiler works once then, and where its notice is seen, not in every worker.
@@ -100,14 +83,7 @@ def _computed(tasks: Mapping[str, Task], engine: Engine) -> Generator[list[tuple
         for key, task in tasks.items():
             models.setdefault(task.model, key)
         for key in models.values():
-            yield [(key, run_task(rest.pop(key)))]
-    if not rest:
-        return
-    calls = {key: task.as_call() for key, task in rest.items()}
-    with closing(results("surae.studies.tasks:outcome_of", calls, engine)) as batches:
-        for batch in batches:
-            yield [(key, _outcome(value)) for key, value in batch]
-
-
-def _outcome(value: Plain | Died) -> Outcome:
-    return Outcome("failed", value.message) if isinstance(value, Died) else Outcome.of(value)
+            yield [(key, run_task(rest.pop(key)).plain())]
+    if rest:
+        calls = {key: {"key": key, "settings": asdict(task)} for key, task in rest.items()}
+        yield from results("surae.studies.tasks:outcome_of", calls, engine)

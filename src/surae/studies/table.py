@@ -1,5 +1,6 @@
 """The table of a study: one row for each combination of its factors, in a fixed order."""
 
+import hashlib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,12 +15,12 @@ Cell = Value | None
 
 
 def columns(study: Study) -> list[str]:
-    """Names of the columns: factors, goodness, three of every parameter estimated."""
+    """Names of the columns: factors, goodness, three of every parameter estimated, seconds."""
     models = [MODELS[str(name)] for name in study.factors["model"]]
     names = dict.fromkeys(p.name for m in MODELS.values() for p in m.parameters)
     estimated = [name for name in names if any(name in m.free for m in models)]
     parameters = [name + end for name in estimated for end in ("", "_sem", "_true")]
-    return [*study.factors, "status", "vaf", "ipde", *parameters]
+    return [*study.factors, "status", "vaf", "ipde", *parameters, "seconds"]
 
 
 def table(store: Store) -> Iterator[dict[str, Cell]]:
@@ -29,16 +30,24 @@ def table(store: Store) -> Iterator[dict[str, Cell]]:
     for factors, outcome in store.rows():
         row: dict[str, Cell] = dict.fromkeys(names)
         row |= factors | {"status": outcome.status, "vaf": outcome.vaf, "ipde": outcome.ipde}
-        for one in outcome.estimates:
-            row[one.name], row[f"{one.name}_sem"] = one.value, one.sem
-            row[f"{one.name}_true"] = one.true
+        for estimate in outcome.estimates:
+            name = estimate.name
+            row[name], row[f"{name}_sem"] = estimate.value, estimate.sem
+            row[f"{name}_true"] = estimate.true
+        row["seconds"] = outcome.seconds
         yield row
 
 
-def export(store: Store, path: PathLike) -> int:
-    """Write the table, as Parquet where the name ends so, else as CSV; its number of rows.
+def export(store: Store, path: PathLike) -> tuple[int, str]:
+    """Write the table, as Parquet where the name ends so, else as CSV.
 
     Numbers are written so that they are read back without loss; a missing one is an empty cell.
+
+    Returns
+    -------
+    tuple of int and str
+        The number of rows, and their hash without the seconds: equal results have equal hashes,
+        however long they took.
 
     Raises
     ------
@@ -47,13 +56,15 @@ def export(store: Store, path: PathLike) -> int:
     """
     names = columns(parse_study(store.text()))
     rows = list(table(store))
+    lines = [csv_row(names), *(csv_row(row[name] for name in names) for row in rows)]
+    unhurried = [csv_row(names[:-1]), *(csv_row(row[name] for name in names[:-1]) for row in rows)]
+    digest = hashlib.sha256("".join(unhurried).encode()).hexdigest()[:16]
     if Path(path).suffix.lower() == ".parquet":
         _write_parquet(path, names, rows)
-        return len(rows)
-    with atomic_file(path) as handle:
-        handle.write(csv_row(names).encode())
-        handle.writelines(csv_row(row[name] for name in names).encode() for row in rows)
-    return len(rows)
+    else:
+        with atomic_file(path) as handle:
+            handle.writelines(line.encode() for line in lines)
+    return len(rows), digest
 
 
 def _write_parquet(path: PathLike, names: list[str], rows: list[dict[str, Cell]]) -> None:

@@ -70,10 +70,6 @@ class Task:
         text = json.dumps([fingerprint(), asdict(self)], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
-    def as_call(self) -> dict[str, Any]:
-        """Keywords for `outcome_of`, as plain data."""
-        return {"key": self.key, "settings": asdict(self)}
-
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
@@ -110,9 +106,13 @@ class Outcome:
     estimates: tuple[Estimate, ...] = ()
     seconds: float = 0.0
 
+    def plain(self) -> dict[str, Any]:
+        """As plain data."""
+        return asdict(self)
+
     @classmethod
     def of(cls, plain: Mapping[str, Any]) -> Self:
-        """The outcome that `dataclasses.asdict` made plain data of."""
+        """The outcome that `plain` made plain data of."""
         return cls(**{**plain, "estimates": tuple(Estimate(**e) for e in plain["estimates"])})
 
 
@@ -150,7 +150,7 @@ def outcome_of(key: str, settings: Mapping[str, Any]) -> dict[str, Any]:
             "a worker has another surae, or other libraries, than the run: install the same "
             "everywhere and run the same command again: what is finished is kept"
         )
-    return asdict(run_task(task))
+    return run_task(task).plain()
 
 
 def run_task(task: Task) -> Outcome:

@@ -15,10 +15,10 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from surae.database import transaction
 from surae.errors import ComputationError, InputError
 from surae.files import shown
 from surae.processes import NO_ROOM
-from surae.studies.database import transaction
 from surae.web.http_errors import RefusedError
 from surae.web.rows import KINDS, Thing, thing
 

@@ -2,8 +2,7 @@
 
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import nullcontext
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,8 +10,8 @@ from surae.assessment.inflation import described
 from surae.assessment.likelihood.profile import Profile, check_profiled, prior_noise, profile
 from surae.errors import InputError
 from surae.estimation import FitResult
-from surae.estimation.interrupt import postponed_interrupt
 from surae.files import PathLike, write_json
+from surae.runner import in_threads
 from surae.threads import one_blas_thread
 from surae.versions import versions
 
@@ -53,7 +52,7 @@ class Profiles:
     @property
     def noise(self) -> str:
         """What the noise was taken for, in a line; empty without a profile."""
-        factors = {name: one.variance_inflation for name, one in self.profiles.items()}
+        factors = {name: own.variance_inflation for name, own in self.profiles.items()}
         return described(factors, self.inflation_reason) if factors else ""
 
     def as_dict(self) -> dict[str, Any]:
@@ -61,7 +60,7 @@ class Profiles:
         return {
             "surae": self.versions["surae"],
             "model": self.model,
-            "profiles": {name: _plain(one) for name, one in self.profiles.items()},
+            "profiles": {name: _plain(own) for name, own in self.profiles.items()},
             "missing": list(self.missing),
             "variance_inflation_reason": self.inflation_reason,
             "seconds": self.seconds,
@@ -101,8 +100,6 @@ def profiles(
     names, workers, progress
         As of `surae.profile`, and so are what is returned and the errors.
     """
-    from joblib import Parallel, cpu_count, delayed
-
     wanted = tuple(result.problem.free if names is None else names)
     inflation = dict.fromkeys(wanted, 1.0)
     if isinstance(variance_inflation, Mapping):
@@ -116,70 +113,45 @@ def profiles(
             raise InputError(f"{name} is given twice; give it once")
     if not wanted:
         raise InputError(f"nothing to profile; choose from: {', '.join(result.problem.free)}")
-    if workers is not None and workers < 1:
-        raise InputError(f"workers is {workers}; give at least 1")
-    threads = min(workers or cpu_count(), len(wanted))
     begin, stop = time.perf_counter(), threading.Event()
-    found: dict[str, Profile] = {}
+    with one_blas_thread():
+        noise = prior_noise(result.problem)
 
-    def one(name: str, noise: float) -> Profile | None:
-        try:
-            return profile(
-                result,
-                name,
-                variance_inflation=inflation[name],
-                noise=noise,
-                stopped=stop.is_set,
-            )
-        except KeyboardInterrupt:
-            stop.set()
-            return None
+    def profiled(name: str) -> Profile:
+        return profile(
+            result, name, variance_inflation=inflation[name], noise=noise, stopped=stop.is_set
+        )
 
-    # A single worker is the main thread, where Ctrl-C must not come within compiled code; several
-    # are not, and the main thread, which only waits, tells them to stop.
-    patience = postponed_interrupt() if threads == 1 else nullcontext()
-    outputs: Iterable[Profile | None] = ()
-    with one_blas_thread(), patience:
-        try:
-            noise = prior_noise(result.problem)
-            pool = Parallel(n_jobs=threads, backend="threading", return_as="generator_unordered")
-            outputs = pool(delayed(one)(name, noise) for name in wanted)
-            for done in outputs:
-                if done is not None:
-                    found[done.name] = done
-                    if progress is not None:
-                        progress(done.name, len(found), len(wanted))
-        except KeyboardInterrupt:
-            stop.set()
-            for done in outputs:  # what is under way ends at its next evaluation
-                if done is not None:
-                    found[done.name] = done
+    calls = {name: {"name": name} for name in wanted}
+    done = in_threads(profiled, calls, workers, progress, stop)
     return Profiles(
         model=result.problem.spec.name,
-        profiles={name: found[name] for name in wanted if name in found},
-        missing=tuple(name for name in wanted if name not in found),
+        profiles={name: done[name] for name in wanted if name in done},
+        missing=tuple(name for name in wanted if name not in done),
         inflation_reason=inflation_reason,
         seconds=time.perf_counter() - begin,
         versions=versions(),
     )
 
 
-def _plain(one: Profile) -> dict[str, Any]:
+def _plain(profile: Profile) -> dict[str, Any]:
     return {
-        "unit": one.unit,
-        "value": one.value,
-        "sem": one.sem,
-        "variance_inflation": one.variance_inflation,
-        "threshold": one.threshold,
-        "interval": list(one.interval),
-        "open": list(one.reasons),
-        "from_covariance": None if one.from_covariance is None else list(one.from_covariance),
-        "status": one.status,
-        "message": one.message,
-        "lower_minimum": None if one.lower is None else dict(one.lower),
-        "grid": one.values.tolist(),
-        "sse": one.sse.tolist(),
-        "delta_chi2": one.chi2.tolist(),
-        "others": dict(zip(one.others, one.path.T.tolist(), strict=True)),
-        "evaluations": one.evaluations,
+        "unit": profile.unit,
+        "value": profile.value,
+        "sem": profile.sem,
+        "variance_inflation": profile.variance_inflation,
+        "threshold": profile.threshold,
+        "interval": list(profile.interval),
+        "open": list(profile.reasons),
+        "from_covariance": None
+        if profile.from_covariance is None
+        else list(profile.from_covariance),
+        "status": profile.status,
+        "message": profile.message,
+        "lower_minimum": None if profile.lower is None else dict(profile.lower),
+        "grid": profile.values.tolist(),
+        "sse": profile.sse.tolist(),
+        "delta_chi2": profile.chi2.tolist(),
+        "others": dict(zip(profile.others, profile.path.T.tolist(), strict=True)),
+        "evaluations": profile.evaluations,
     }

@@ -5,21 +5,23 @@ import json
 import math
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from surae.assessment.likelihood.profile import prior_noise
 from surae.assessment.resampling.blocks import block_length, draw_blocks
-from surae.assessment.resampling.refit import in_threads, refit
-from surae.assessment.resampling.replicates import ReplicateFile
+from surae.assessment.resampling.refit import refit
 from surae.errors import InputError
 from surae.estimation import FitResult, Prior
-from surae.files import PathLike, write_json
+from surae.files import PathLike, shown, write_json
 from surae.frozen import Comparable
 from surae.model import adapted
 from surae.recording import read_only
+from surae.runner import Engine, Ledger, cores, results
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 from surae.versions import versions
@@ -29,6 +31,8 @@ from surae.versions import versions
 REPLICATES = 1000
 #: Fewer replicates than this have no 2.5th percentile.
 _FEWEST = 40
+#: What its file is called, and how that of surae 0.1, a text, began.
+_KIND, _FORMER = "bootstrap", b'{"bootstrap"'
 #: Called after every replicate with how many are done and how many there are.
 Told = Callable[[int, int], None]
 
@@ -177,18 +181,22 @@ def bootstrap(
         )
     if not np.isfinite(result.sse):
         raise InputError("the fit has no finite torque to draw residuals from; fit again")
-    pools = [_pool(one, e, result) for one, e in zip(problem.inputs, result.residuals, strict=True)]
-    lengths = [_length(one, pool, block_s) for one, pool in zip(problem.inputs, pools, strict=True)]
+    pools = [
+        _pool(inputs, e, result) for inputs, e in zip(problem.inputs, result.residuals, strict=True)
+    ]
+    lengths = [
+        _length(inputs, pool, block_s) for inputs, pool in zip(problem.inputs, pools, strict=True)
+    ]
     noise = prior_noise(problem)
     x = np.clip([result.values[name] for name in problem.free], problem.lower, problem.upper)
 
-    def replicate(number: int) -> tuple[int, list[float] | None]:
+    def replicate(number: int) -> list[float] | None:
         rng = np.random.default_rng([seed, number])
         drawn = replace(
             problem,
             inputs=tuple(
-                _redrawn(one, e, pool, length, rng)
-                for one, e, pool, length in zip(
+                _redrawn(inputs, e, pool, length, rng)
+                for inputs, e, pool, length in zip(
                     problem.inputs, result.residuals, pools, lengths, strict=True
                 )
             ),
@@ -198,28 +206,21 @@ def bootstrap(
                 for name, prior in problem.priors.items()
             },
         )  # fmt: skip
-        found = refit(drawn, x, noise)
-        return number, None if found is None else found.tolist()
+        minimum = refit(drawn, x, noise)
+        return None if minimum is None else minimum.tolist()
 
-    head = {
-        "bootstrap": 1,
-        "fit": _identity(result),
-        "seed": seed,
-        "block": lengths,
-        "parameters": list(problem.free),
-    }
-    with ReplicateFile(store, head) as kept:
-        done = {number: kept.found[number] for number in range(replicates) if number in kept.found}
-        resumed = len(done)
-        left = [number for number in range(replicates) if number not in done]
-
-        def take(made: tuple[int, list[float] | None]) -> None:
-            kept.add(*made)
-            done[made[0]] = made[1]
-            if progress is not None:
-                progress(len(done), replicates)
-
-        in_threads(replicate, left, workers, take)
+    about = json.dumps(
+        {"fit": _identity(result), "seed": seed, "block": lengths, "parameters": problem.free}
+    )
+    threads = Engine("threads", cores() if workers is None else workers)
+    with _replicates(store, about) as kept:
+        plan = [(str(number), number) for number in range(replicates)]
+        there = kept.begin(_KIND, _KIND, about, plan)
+        calls = {key: {"number": number} for key, number in plan if key not in there}
+        resumed = replicates - len(calls)
+        with suppress(KeyboardInterrupt):
+            kept.keep(results(replicate, calls, threads), progress)
+        done = dict(kept.results())
     p = len(problem.free)
     table = np.array(
         [np.full(p, np.nan) if done[i] is None else done[i] for i in sorted(done)], dtype=float
@@ -229,7 +230,9 @@ def bootstrap(
         model=problem.spec.name,
         parameters=_estimates(result, good),
         values=read_only(table),
-        block_s=tuple(b / one.rate_hz for b, one in zip(lengths, problem.inputs, strict=True)),
+        block_s=tuple(
+            b / inputs.rate_hz for b, inputs in zip(lengths, problem.inputs, strict=True)
+        ),
         replicates=replicates,
         missing=replicates - len(done),
         failed=len(table) - len(good),
@@ -238,6 +241,32 @@ def bootstrap(
         seconds=time.perf_counter() - begin,
         versions=versions(),
     )
+
+
+def _replicates(store: PathLike | None, about: str) -> Ledger:
+    """The file of replicates, or memory.
+
+    Raises
+    ------
+    InputError
+        It holds something else.
+    """
+    if store is not None and Path(store).is_file():
+        with Path(store).open("rb") as file:
+            if file.read(len(_FORMER)) == _FORMER:
+                raise InputError(
+                    f"{shown(store)} holds replicates as an older surae kept them; remove it or "
+                    "choose another output"
+                )
+    kept = Ledger(store, write=True)
+    held = kept.about()
+    if held is not None and held[2] != about:
+        kept.close()
+        raise InputError(
+            f"{shown(str(store))} holds replicates of another fit, seed or block length; remove "
+            "it or choose another output"
+        )
+    return kept
 
 
 def _estimates(result: FitResult, good: FloatArray) -> dict[str, BootstrapEstimate]:
@@ -254,44 +283,48 @@ def _estimates(result: FitResult, good: FloatArray) -> dict[str, BootstrapEstima
     return estimates
 
 
-def _pool(one: ModelInputs, residual: FloatArray, result: FitResult) -> FloatArray:
+def _pool(inputs: ModelInputs, residual: FloatArray, result: FitResult) -> FloatArray:
     """What blocks are drawn from: the weighted residual where samples count."""
     n, p = result.problem.n, len(result.problem.free)
-    weighted = residual * _roots(one)
-    if one.weight is not None:
-        weighted = weighted[one.weight > 0]
+    weighted = residual * _roots(inputs)
+    if inputs.weight is not None:
+        weighted = weighted[inputs.weight > 0]
     return np.asarray((weighted - weighted.mean()) * math.sqrt(n / (n - p)))
 
 
-def _length(one: ModelInputs, pool: FloatArray, block_s: float | None) -> int:
+def _length(inputs: ModelInputs, pool: FloatArray, block_s: float | None) -> int:
     if block_s is None:
         return block_length(pool)
-    longest = len(pool) / one.rate_hz / 2
+    longest = len(pool) / inputs.rate_hz / 2
     if not 0 < block_s <= longest:
         raise InputError(
-            f"{one.where}: blocks of {block_s:g} s; give more than 0 and at most half of the "
+            f"{inputs.where}: blocks of {block_s:g} s; give more than 0 and at most half of the "
             f"recording, {longest:.4g} s"
         )
-    return max(round(block_s * one.rate_hz), 1)
+    return max(round(block_s * inputs.rate_hz), 1)
 
 
 def _redrawn(
-    one: ModelInputs, residual: FloatArray, pool: FloatArray, length: int, rng: np.random.Generator
+    inputs: ModelInputs,
+    residual: FloatArray,
+    pool: FloatArray,
+    length: int,
+    rng: np.random.Generator,
 ) -> ModelInputs:
     """The recording with another torque: modelled, and blocks of the residual."""
-    assert one.torque is not None
-    torque = one.torque - residual
+    assert inputs.torque is not None
+    torque = inputs.torque - residual
     drawn = draw_blocks(pool, length, rng)
-    counted = np.ones(one.n, dtype=bool) if one.weight is None else one.weight > 0
-    torque[counted] += drawn / _roots(one)[counted]
-    return replace(one, torque=read_only(torque))
+    counted = np.ones(inputs.n, dtype=bool) if inputs.weight is None else inputs.weight > 0
+    torque[counted] += drawn / _roots(inputs)[counted]
+    return replace(inputs, torque=read_only(torque))
 
 
-def _roots(one: ModelInputs) -> FloatArray:
+def _roots(inputs: ModelInputs) -> FloatArray:
     """What makes the residual stationary: √w, unless weights are there for emphasis."""
-    if one.weight is None or one.emphasised:
-        return np.ones(one.n)
-    return np.asarray(np.sqrt(one.weight))
+    if inputs.weight is None or inputs.emphasised:
+        return np.ones(inputs.n)
+    return np.asarray(np.sqrt(inputs.weight))
 
 
 def _identity(result: FitResult) -> str:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from surae.assessment.likelihood.profile import prior_noise
-from surae.assessment.resampling.refit import in_threads, refit
+from surae.assessment.resampling.refit import refit
 from surae.assessment.residual.noise import NoiseModel, autoregressive
 from surae.assessment.residual.whiteness import autocovariance
 from surae.errors import InputError
@@ -21,6 +21,7 @@ from surae.estimation import FitResult
 from surae.files import PathLike, write_json
 from surae.model import adapted
 from surae.recording import MUSCLES, read_only
+from surae.runner import in_threads
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 from surae.versions import versions
@@ -179,7 +180,7 @@ def emg_bias(
     origin = refit(problem, known, noise, stall=_STALL)
     x = known if origin is None else origin
 
-    def pair(number: int) -> tuple[int, FloatArray | None]:
+    def pair(number: int) -> FloatArray | None:
         rng = np.random.default_rng([seed, number])
         drawn = [
             np.column_stack([model.draw(one.n, rng) for model in channels])
@@ -197,18 +198,18 @@ def emg_bias(
                 )
                 found = refit(noisier, x, noise, stall=_STALL)
                 if found is None:
-                    return number, None
+                    return None
                 path[row] += found / 2
-        return number, _extrapolation() @ (path - x)
+        return np.asarray(_extrapolation() @ (path - x))
 
-    done: dict[int, FloatArray | None] = {}
+    calls = {f"{number:09d}": {"number": number} for number in range(pairs)}
 
-    def take(made: tuple[int, FloatArray | None]) -> None:
-        done[made[0]] = made[1]
+    def told(key: str, done: int, total: int) -> None:
+        del key
         if progress is not None:
-            progress(len(done), pairs)
+            progress(done, total)
 
-    in_threads(pair, range(pairs), workers, take)
+    done = in_threads(pair, calls, workers, told)
     shifts = [-shift for _, shift in sorted(done.items()) if shift is not None]
     return EmgBias(
         parameters=_biases(result, shifts),

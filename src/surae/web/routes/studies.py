@@ -135,7 +135,7 @@ def _shown(bench: Workbench, one: Thing) -> dict[str, Any]:
         try:
             with Store(path) as kept:
                 status = kept.status()
-            done, fits, reasons = status.done, status.fits, dict(status.reasons)
+            done, fits, reasons = status.done, status.calls, dict(status.reasons)
         except SuraeError:  # it is just being planned
             done = 0
     if jobs:

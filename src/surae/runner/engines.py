@@ -4,13 +4,17 @@ One loop over futures serves all three. A call's result never depends on where i
 beside what.
 """
 
+import math
+import os
+import threading
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Generator, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from contextlib import contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from queue import SimpleQueue
 from typing import Any, Protocol
 
@@ -56,7 +60,7 @@ class Engine:
         if self.kind not in KINDS:
             raise InputError(f"engine {self.kind!r} is not known; use one of: {', '.join(KINDS)}")
         if self.workers < 1:
-            raise InputError(f"{self.workers} workers; give at least 1")
+            raise InputError(f"workers is {self.workers}; give at least 1")
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +75,10 @@ Batch = list[tuple[str, "Plain | Died"]]
 
 
 def results(
-    work: Work, calls: Mapping[str, Mapping[str, Plain]], engine: Engine
+    work: Work,
+    calls: Mapping[str, Mapping[str, Plain]],
+    engine: Engine,
+    stop: threading.Event | None = None,
 ) -> Generator[Batch]:
     """Do calls, in any order, and hand over what comes of them.
 
@@ -86,6 +93,8 @@ def results(
         Its keywords, by key.
     engine : Engine
         Where it is called.
+    stop : Event, optional
+        Set when no more is wanted, for calls in threads that look at it.
 
     Raises
     ------
@@ -130,6 +139,8 @@ def results(
             if wrong is not None:  # after what came beside it
                 raise wrong
     finally:
+        if stop is not None:
+            stop.set()
         pool.stop()
 
 
@@ -285,6 +296,44 @@ class _Cluster:
     def stop(self) -> None:
         self._executor.shutdown(wait=False)
         self._client.close()
+
+
+def cores() -> int:
+    """Processors that this program may use."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    count = os.cpu_count() or 1 if affinity is None else len(affinity(0))
+    with suppress(OSError, ValueError):  # a container's share of them
+        quota, period = Path("/sys/fs/cgroup/cpu.max").read_text(encoding="ascii").split()
+        count = min(count, math.ceil(int(quota) / int(period)))
+    return max(count, 1)
+
+
+def in_threads(
+    work: Callable[..., Any],
+    calls: Mapping[str, Mapping[str, Any]],
+    workers: int | None,
+    progress: Callable[[str, int, int], None] | None = None,
+    stop: threading.Event | None = None,
+) -> dict[str, Any]:
+    """Do calls in threads, as many as there are processors where `workers` is None.
+
+    `progress` is called after each with its key, how many are done and how many there are; `stop`
+    is as of `results`.
+
+    Returns
+    -------
+    dict of str to object
+        What was done when all were, or the user stopped it with Ctrl-C, by key.
+    """
+    done: dict[str, Any] = {}
+    threads = Engine("threads", cores() if workers is None else workers)
+    with suppress(KeyboardInterrupt), closing(results(work, calls, threads, stop)) as batches:
+        for batch in batches:
+            for key, value in batch:
+                done[key] = value
+                if progress is not None:
+                    progress(key, len(done), len(calls))
+    return done
 
 
 def _in_cluster(work: Work, keywords: Mapping[str, Plain]) -> Plain:

@@ -1,0 +1,283 @@
+"""A SQLite file of ours: opened, recognised, brought up to date, locked by the one who writes.
+
+A file may be a stranger's: links, tables and programs in it that are not ours are refused.
+"""
+
+import sqlite3
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing, contextmanager, suppress
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+
+from surae.errors import ComputationError, InputError
+
+#: Beside a file, these are SQLite's and ours.
+BESIDE = ("-wal", "-shm", "-journal", ".lock")
+
+
+@dataclass(frozen=True, eq=False)
+class Format:
+    """A kind of file.
+
+    Attributes
+    ----------
+    application : int
+        SQLite's mark of whose file it is.
+    what : str
+        What messages call it.
+    tables : mapping of int to str
+        The statements that make its tables, of every version; the last is the present one.
+    upgrades : mapping of int to callable
+        What brings a file of a version to the next.
+    """
+
+    application: int
+    what: str
+    tables: Mapping[int, str]
+    upgrades: Mapping[int, Callable[[sqlite3.Connection], None]] = field(default_factory=dict)
+
+    @property
+    def version(self) -> int:
+        """The present version of the tables."""
+        return max(self.tables)
+
+
+@contextmanager
+def told(name: str, what: str = "a store of surae") -> Iterator[None]:
+    """SQLite's errors in words, `name` being the file's.
+
+    Raises
+    ------
+    InputError
+        The file is no database.
+    ComputationError
+        It cannot be read or written.
+    """
+    try:
+        yield
+    except sqlite3.Error as error:
+        code = getattr(error, "sqlite_errorcode", 0) & 0xFF
+        if code == sqlite3.SQLITE_NOTADB:
+            raise InputError(f"{name} is not {what}; give another file") from error
+        advice = ""
+        if code in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
+            advice = (
+                "; make room on its disk and run the same command again: what is finished is kept"
+            )
+        if code == sqlite3.SQLITE_CORRUPT:
+            advice = "; restore it from a copy, or save what can be read by its `repair` command"
+        raise ComputationError(f"{name}: {error}{advice}") from error
+
+
+def lock(path: Path) -> sqlite3.Connection | None:
+    """The lock of the one who writes, held until it is closed or the process ends; None if taken.
+
+    SQLite's own exclusive lock on an empty file beside the store: the system lets go of it whatever
+    ends the process, and it is the same on every system.
+
+    Raises
+    ------
+    InputError
+        The lock's file is a link.
+    """
+    refuse_links(path)
+    held = sqlite3.connect(_lock_of(path), timeout=1.0, isolation_level=None,
+                           check_same_thread=False)  # fmt: skip
+    try:
+        held.execute("BEGIN EXCLUSIVE")
+    except sqlite3.OperationalError as error:
+        held.close()
+        if error.sqlite_errorcode != sqlite3.SQLITE_BUSY:
+            raise
+        return None
+    return held
+
+
+def is_locked(path: Path) -> bool:
+    """Whether somebody writes."""
+    if not _lock_of(path).exists():
+        return False
+    look = sqlite3.connect(f"{_lock_of(path).as_uri()}?mode=ro", uri=True, timeout=0.0)
+    try:
+        look.execute("SELECT 1 FROM sqlite_master").fetchall()
+    except sqlite3.OperationalError as error:
+        return error.sqlite_errorcode == sqlite3.SQLITE_BUSY
+    finally:
+        look.close()
+    return False
+
+
+def refuse_links(path: Path) -> None:
+    """Refuse a file that would be written somewhere else than where it lies.
+
+    Raises
+    ------
+    InputError
+        It, or what SQLite keeps beside it, is a link.
+    """
+    for beside in (path, *(path.with_name(path.name + end) for end in BESIDE)):
+        if beside.is_symlink():
+            raise InputError(f"{beside.name} is a link; put the file itself there")
+
+
+def open_to_write(path: Path, name: str, kind: Format) -> sqlite3.Connection:
+    """The file, made where it is missing and brought up to date; the caller has its lock.
+
+    Raises
+    ------
+    InputError
+        It is none of ours, or of a newer surae.
+    """
+    file = _connected(f"{path.as_uri()}?mode=rwc")
+    try:
+        # Looked at before anything of a file that may not be ours is changed.
+        (application,) = file.execute("PRAGMA application_id").fetchone()
+        (known,) = file.execute("SELECT count(*) FROM sqlite_master").fetchone()
+        version = _recognised(file, name, kind) if known or application else 0
+        file.execute("PRAGMA journal_mode = WAL")
+        file.execute("PRAGMA synchronous = FULL")  # what is there outlives a power cut too
+        file.execute("PRAGMA fullfsync = ON")  # on macOS too
+        if not version:
+            make_tables(file, kind)
+        _upgrade(file, kind, version or kind.version)
+    except BaseException:
+        file.close()
+        raise
+    return file
+
+
+def open_to_read(path: Path, name: str, kind: Format) -> sqlite3.Connection:
+    """The file, also while another process writes, and on a medium that is read-only.
+
+    One of an older surae is brought up to date in a copy that is forgotten; it stays as it is.
+
+    Raises
+    ------
+    InputError
+        It is none of ours, or of a newer surae.
+    """
+    refuse_links(path)
+    for mode in ("rw", "ro&immutable=1"):
+        file = _connected(f"{path.as_uri()}?mode={mode}")
+        try:
+            file.execute("PRAGMA query_only = ON")
+            version = _recognised(file, name, kind)
+        except sqlite3.OperationalError as error:
+            file.close()
+            blocked = (sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY)
+            if mode != "rw" or error.sqlite_errorcode & 0xFF not in blocked:
+                raise
+        except BaseException:
+            file.close()
+            raise
+        else:
+            break
+    if version == kind.version:
+        return file
+    with closing(file):
+        newer = sqlite3.connect("", isolation_level=None)  # SQLite's own, on disk if it is large
+        file.backup(newer)
+    _upgrade(newer, kind, version)
+    return newer
+
+
+def make_tables(file: sqlite3.Connection, kind: Format) -> None:
+    """Make a new file one of a kind."""
+    file.executescript(
+        f"BEGIN; PRAGMA application_id = {kind.application}; PRAGMA user_version = {kind.version};"
+        f"{kind.tables[kind.version]} COMMIT;"
+    )
+
+
+@contextmanager
+def transaction(file: sqlite3.Connection) -> Iterator[None]:
+    """All of what is written within, or nothing."""
+    file.execute("BEGIN IMMEDIATE")
+    try:
+        yield
+        file.execute("COMMIT")
+    except BaseException:
+        with suppress(sqlite3.Error):
+            if file.in_transaction:
+                file.execute("ROLLBACK")
+        raise
+
+
+def damage(file: sqlite3.Connection) -> list[str]:
+    """What SQLite finds wrong with a file, a line each."""
+    try:
+        lines = [str(row[0]) for row in file.execute("PRAGMA integrity_check")]
+    except sqlite3.DatabaseError as error:
+        return [str(error)]
+    return [] if lines == ["ok"] else lines
+
+
+def readable_rows(file: sqlite3.Connection, table: str, key: str) -> Iterator[tuple[object, ...]]:
+    """The rows of a table that is damaged, from both ends as far as they can be read."""
+    seen = set()
+    for direction in ("", " DESC"):
+        with suppress(sqlite3.DatabaseError):
+            for row in file.execute(f"SELECT {key}, * FROM {table} ORDER BY {key}{direction}"):
+                if row[0] in seen:
+                    break
+                seen.add(row[0])
+                yield row[1:]
+
+
+def _lock_of(path: Path) -> Path:
+    return path.with_name(f"{path.name}.lock")
+
+
+def _connected(uri: str) -> sqlite3.Connection:
+    file = sqlite3.connect(uri, uri=True, timeout=30.0, isolation_level=None)
+    file.execute("PRAGMA trusted_schema = OFF")
+    file.execute("PRAGMA cell_size_check = ON")
+    return file
+
+
+def _recognised(file: sqlite3.Connection, name: str, kind: Format) -> int:
+    """The version of a file; refused where it is none of ours, newer, or holds more than ours."""
+    if file.execute("PRAGMA application_id").fetchone()[0] != kind.application:
+        raise InputError(f"{name} is not {kind.what}; give another file")
+    version = int(file.execute("PRAGMA user_version").fetchone()[0])
+    if version > kind.version:
+        raise InputError(f"{name} was written by a newer surae; update surae to use it")
+    if version not in kind.tables:
+        raise InputError(
+            f"{name} was written by an older surae (layout {version}, this one knows "
+            f"{min(kind.tables)} to {kind.version}); use it with the surae that wrote it"
+        )
+    if _schema(file) != _schema_of(kind.tables[version]):
+        raise InputError(f"{name} holds tables or programs that are not surae's; use another file")
+    return version
+
+
+def _schema(file: sqlite3.Connection) -> frozenset[tuple[str, str, str]]:
+    rows = file.execute("SELECT type, name, sql FROM sqlite_master WHERE sql IS NOT NULL")
+    return frozenset((kind, name, " ".join(sql.split())) for kind, name, sql in rows)
+
+
+@cache
+def _schema_of(tables: str) -> frozenset[tuple[str, str, str]]:
+    with closing(sqlite3.connect(":memory:")) as file:
+        file.executescript(tables)
+        return _schema(file)
+
+
+def _upgrade(file: sqlite3.Connection, kind: Format, version: int) -> None:
+    for old in range(version, kind.version):
+        with transaction(file):
+            kind.upgrades[old](file)
+            file.execute(f"PRAGMA user_version = {old + 1}")
+
+
+def set_aside(path: Path) -> Path:
+    """Give a file, with what SQLite keeps beside it, another name; nothing is deleted."""
+    number = 1
+    while (aside := path.with_name(f"{path.name}.damaged-{number}")).exists():
+        number += 1
+    for end in ("", *BESIDE[:3]):
+        with suppress(FileNotFoundError):
+            Path(f"{path}{end}").replace(f"{aside}{end}")
+    return aside

@@ -1,0 +1,20 @@
+"""Many calls of one function: run anywhere, stopped at any time, kept, and gone on with."""
+
+from surae.runner.engines import AGAIN, KINDS, Batch, Died, Engine, Work, cores, in_threads, results
+from surae.runner.ledger import Ledger, Running, Status, kept_calls
+
+__all__ = [
+    "AGAIN",
+    "KINDS",
+    "Batch",
+    "Died",
+    "Engine",
+    "Ledger",
+    "Running",
+    "Status",
+    "Work",
+    "cores",
+    "in_threads",
+    "kept_calls",
+    "results",
+]

@@ -1,0 +1,447 @@
+"""One file that keeps what many calls give, from the moment it is there.
+
+SQLite in write-ahead mode: a result is on disk before it counts, whatever ends the program, and
+others can read meanwhile. One run at a time writes. Its lock goes with its process; where somebody
+removes the lock's file all the same, the run that begins later takes over, and the earlier stops.
+"""
+
+import hashlib
+import json
+import os
+import platform
+import sqlite3
+import time
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from surae import database
+from surae.database import told, transaction
+from surae.errors import ComputationError, InputError, SuraeError
+from surae.files import PathLike, require_writable, shown
+from surae.processes import Plain
+from surae.runner.engines import Batch, Died, Engine, results
+from surae.runner.layouts import FORMAT
+
+
+@dataclass(frozen=True, slots=True)
+class Running:
+    """A run at work: its process and host, the results it has added and for how long [s]."""
+
+    process: int
+    host: str
+    added: int
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """How far a plan is.
+
+    Attributes
+    ----------
+    name : str
+        What it is of.
+    rows, calls : int
+        Rows of the plan, and the distinct calls behind them.
+    done : int
+        Calls whose result is there.
+    reasons : mapping of str to int
+        Why calls failed, and how many; the most frequent first.
+    running : Running or None
+        The run at work; None where there is none.
+    last : str
+        How the last run ended; empty while one is at work, or before the first.
+    """
+
+    name: str
+    rows: int
+    calls: int
+    done: int
+    reasons: Mapping[str, int]
+    running: Running | None
+    last: str
+
+
+class Ledger:
+    """The file, open; a context manager.
+
+    Parameters
+    ----------
+    path : path or None
+        The file; None keeps what comes in memory.
+    write : bool
+        For the one run that adds to it, and makes it where it is missing; else only to read.
+
+    Raises
+    ------
+    InputError
+        The file is missing, no store, of a newer surae, or in the hands of another run.
+    ComputationError
+        The file cannot be read or written; of all methods too.
+    """
+
+    #: What is said of a file that nothing was planned in.
+    _NOTHING = "nothing yet"
+
+    def __init__(self, path: PathLike | None, *, write: bool = False) -> None:
+        self._run, self._lock = 0, None
+        if path is None:
+            self._path, self._name = None, "memory"
+            self._file = sqlite3.connect(":memory:", isolation_level=None)
+            database.make_tables(self._file, FORMAT)
+            return
+        self._path, self._name = Path(os.path.realpath(path)), shown(path)
+        if not write:
+            if not self._path.is_file():
+                raise InputError(f"cannot read {self._name}: there is no such file")
+            with told(self._name):
+                self._file = database.open_to_read(self._path, self._name, FORMAT)
+            return
+        require_writable(path)
+        with told(self._name):
+            self._lock = database.lock(self._path)
+            if self._lock is None:
+                raise _in_use(self._path, self._name)
+            try:
+                self._file = database.open_to_write(self._path, self._name, FORMAT)
+            except BaseException:
+                self._lock.close()
+                raise
+
+    def __enter__(self) -> Self:
+        """Open already."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close the file."""
+        self.close()
+
+    def close(self) -> None:
+        """Let go of the file, then of its lock."""
+        with suppress(sqlite3.Error):
+            self._file.close()
+        if self._lock is not None:
+            self._lock.close()
+
+    def about(self) -> tuple[str, str, str] | None:
+        """What is planned: kind, name and text; None before the first plan."""
+        with told(self._name):
+            row = self._row("SELECT kind, name, text FROM about")
+        return (str(row[0]), str(row[1]), str(row[2])) if row else None
+
+    def begin(self, kind: str, name: str, text: str, rows: Iterable[tuple[str, Plain]]) -> set[str]:
+        """Begin a run: keep its plan, keys of calls with their labels; the keys that are done.
+
+        A result that is damaged is no longer one.
+
+        Raises
+        ------
+        InputError
+            The file holds something else.
+        """
+        held = self.about()
+        if held is not None and held[:2] != (kind, name):
+            raise InputError(
+                f"{self._name} holds the {held[0]} {held[1]!r}, not {name!r}; give another store, "
+                f"or the {kind} its name"
+            )
+        with told(self._name), transaction(self._file):
+            self._file.execute("DELETE FROM about")
+            self._file.execute("DELETE FROM plan")
+            self._file.execute("INSERT INTO about VALUES (?, ?, ?)", (kind, name, text))
+            self._file.executemany(
+                "INSERT INTO plan VALUES (?, ?, ?)",
+                ((row, key, json.dumps(label)) for row, (key, label) in enumerate(rows)),
+            )
+            kept = self._file.execute("SELECT key, value, failed FROM result")
+            damaged = [(key,) for key, value, failed in kept if not self._whole(value, failed)]
+            self._file.executemany("DELETE FROM result WHERE key = ?", damaged)
+            cursor = self._file.execute(
+                "INSERT INTO run (started, process, host) VALUES (?, ?, ?)",
+                (time.time(), os.getpid(), platform.node()),
+            )
+            self._run = cursor.lastrowid or 0
+            done = self._file.execute("SELECT key FROM result").fetchall()
+        return {key for (key,) in done}
+
+    def keep(
+        self, batches: Generator[Batch], progress: Callable[[int, int], None] | None = None
+    ) -> int:
+        """Keep results as they come, each from the moment it is there; how many came.
+
+        Parameters
+        ----------
+        batches : generator
+            Of `surae.runner.results`; closed in any case.
+        progress : callable, optional
+            Called with how many of the plan are done and how many there are.
+        """
+        status, added, how = self.status(), 0, "stopped by an error"
+        try:
+            with closing(batches):
+                if progress is not None:
+                    progress(status.done, status.calls)
+                for batch in batches:
+                    self.add(batch)
+                    added += len(batch)
+                    if progress is not None:
+                        progress(status.done + added, status.calls)
+            how = "finished"
+        except KeyboardInterrupt:
+            how = "stopped by the user"
+            raise
+        finally:
+            self.end(how)
+        return added
+
+    def end(self, how: str) -> None:
+        """Note how the run ended; where even that cannot be written, the lock tells."""
+        with suppress(sqlite3.Error):
+            self._file.execute(
+                "UPDATE run SET ended = ?, how = ? WHERE id = ?", (time.time(), how, self._run)
+            )
+
+    def add(self, batch: Batch) -> None:
+        """Put results on disk, all of them or none, by their keys.
+
+        Raises
+        ------
+        ComputationError
+            Another run has taken over.
+        """
+        now = time.time()
+        rows = [
+            (key, "null", value.message, now)
+            if isinstance(value, Died)
+            else (key, json.dumps(value, allow_nan=False), self._reason(value), now)
+            for key, value in batch
+        ]
+        with told(self._name), transaction(self._file):
+            if self._row("SELECT max(id) FROM run")[0] != self._run:
+                raise ComputationError(
+                    f"{self._name} was taken over by another run, as its .lock was removed; this "
+                    "one stops, what it has finished is kept"
+                )
+            self._file.executemany("INSERT INTO result VALUES (?, ?, ?, ?)", rows)
+
+    def _reason(self, value: Plain) -> str | None:
+        """Why a call failed that has a result all the same; None where it did not."""
+        del value
+        return None
+
+    def results(self) -> Iterator[tuple[Plain, Any]]:
+        """The labels of the plan whose result is there and whole, in its order, with it.
+
+        It is as it was given, or `Died`.
+        """
+        with told(self._name):
+            rows = self._file.execute(
+                "SELECT label, value, failed FROM plan JOIN result USING (key) ORDER BY row"
+            )
+            for label, value, failed in rows:
+                try:
+                    yield json.loads(label), self._result(value, failed)
+                except (ValueError, TypeError, LookupError, RecursionError):
+                    continue  # damaged: the next run, or `repair`, computes it again
+
+    def status(self) -> Status:
+        """How far the plan is."""
+        held = self.about()
+        if held is None:
+            raise InputError(f"{self._name} holds {self._NOTHING}")
+        with told(self._name):
+            rows, calls = self._row("SELECT count(*), count(DISTINCT key) FROM plan")
+            here = "FROM result WHERE key IN (SELECT key FROM plan)"
+            (done,) = self._row(f"SELECT count(*) {here}")
+            reasons = self._file.execute(
+                f"SELECT failed, count(*) {here} AND failed IS NOT NULL GROUP BY failed "
+                "ORDER BY count(*) DESC, failed"
+            ).fetchall()
+            run = self._row("SELECT started, how, process, host FROM run ORDER BY id DESC LIMIT 1")
+            running, last = None, ""
+            if run and self._path is not None and database.is_locked(self._path):
+                (added,) = self._row("SELECT count(*) FROM result WHERE finished >= ?", (run[0],))
+                running = Running(run[2], run[3], added, time.time() - run[0])
+            elif run:
+                last = run[1] or "stopped without a word: killed, or the system went down"
+        return Status(held[1], rows, calls, done, dict(reasons), running, last)
+
+    def backup(self, copy: PathLike) -> None:
+        """Copy the file as it is at one moment, also while a run writes to it.
+
+        Raises
+        ------
+        InputError
+            The copy is there already, or cannot be written.
+        """
+        require_writable(copy)
+        target = Path(os.path.realpath(copy))
+        if target.exists():
+            raise InputError(f"{shown(copy)} is there already; give the copy another name")
+        part = target.with_name(f".surae-{os.urandom(8).hex()}.part")
+        with told(shown(copy)):
+            try:
+                with closing(sqlite3.connect(part, isolation_level=None)) as file:
+                    self._file.backup(file)
+                    file.execute("PRAGMA journal_mode = DELETE")  # one file, and whole
+                part.replace(target)
+            finally:
+                part.unlink(missing_ok=True)
+
+    def damage(self) -> list[str]:
+        """What is wrong with the file, a line each."""
+        lines = database.damage(self._file)
+        if lines:
+            return lines
+        with told(self._name):
+            lines = [
+                f"the result {str(key)[:12]} is damaged"
+                for key, value, failed in self._file.execute(
+                    "SELECT key, value, failed FROM result"
+                )
+                if not self._whole(value, failed)
+            ]
+            (labels,) = self._row("SELECT count(*) FROM plan WHERE NOT json_valid(label)")
+        return lines + ([f"{labels} rows of the plan are damaged"] if labels else [])
+
+    @classmethod
+    def repair(cls, path: PathLike) -> tuple[int, Path]:
+        """Make the file anew of what can be read of it; the damaged one stays, under another name.
+
+        Returns
+        -------
+        tuple of int and Path
+            How many results were saved, and where the damaged file is.
+
+        Raises
+        ------
+        InputError
+            It is none of ours, or in use.
+        """
+        target, name = Path(os.path.realpath(path)), shown(path)
+        part = target.with_name(f".surae-{os.urandom(8).hex()}.part")
+        with told(name):
+            lock = database.lock(target)
+        if lock is None:
+            raise _in_use(target, name)
+        with closing(lock):
+            try:
+                with cls(path) as old, cls(part, write=True) as new:
+                    for table, key in (("about", "rowid"), ("plan", "row"), ("run", "id")):
+                        new._fill(table, database.readable_rows(old._file, table, key))
+                    rows = database.readable_rows(old._file, "result", "key")
+                    saved = new._fill("result", (row for row in rows if old._whole(*row[1:3])))
+                    new._file.execute("PRAGMA journal_mode = DELETE")
+                aside = database.set_aside(target)
+                part.replace(target)
+            finally:
+                for end in ("", *database.BESIDE):
+                    part.with_name(part.name + end).unlink(missing_ok=True)
+        return saved, aside
+
+    def _fill(self, table: str, rows: Iterable[tuple[object, ...]]) -> int:
+        """Put rows into a table of ours that is empty; how many."""
+        with told(self._name), transaction(self._file):
+            columns = len(self._file.execute(f"PRAGMA table_info({table})").fetchall())
+            statement = f"INSERT OR IGNORE INTO {table} VALUES ({', '.join('?' * columns)})"
+            return max(self._file.executemany(statement, rows).rowcount, 0)
+
+    def _whole(self, value: object, failed: object) -> bool:
+        """Whether a result as it is kept can be read."""
+        try:
+            self._result(value, failed)
+        except (ValueError, TypeError, LookupError, RecursionError):
+            return False
+        return True
+
+    def _result(self, value: Any, failed: Any) -> object:
+        plain = json.loads(value)
+        return Died(str(failed)) if plain is None and failed else self._read(plain)
+
+    def _read(self, value: Plain) -> object:
+        """What a result means; it is damaged where that cannot be told."""
+        return value
+
+    def _row(self, query: str, values: Sequence[object] = ()) -> tuple[Any, ...]:
+        """The first row of a query; an empty one where there is none."""
+        return tuple(self._file.execute(query, values).fetchone() or ())
+
+
+def _in_use(path: Path, name: str) -> InputError:
+    owner = ""
+    with suppress(SuraeError), Ledger(path) as ledger:
+        row = ledger._row("SELECT process, host FROM run ORDER BY id DESC LIMIT 1")
+        owner = f" (process {row[0]} on {row[1]})" if row else ""
+    return InputError(
+        f"{name} is in use by another run{owner}; wait for it, or stop it and run again"
+    )
+
+
+def kept_calls(
+    path: PathLike,
+    work: Callable[..., Plain],
+    calls: Mapping[str, Mapping[str, Plain]],
+    *,
+    program: str,
+    workers: int = 1,
+    progress: Callable[[int, int], None] | None = None,
+) -> dict[str, Plain]:
+    """Call a function with many settings; what a file holds already is not computed again.
+
+    Parameters
+    ----------
+    path : path
+        The file, of this function alone.
+    work : callable
+        A pure function of a module, called with keywords; what it returns is plain data.
+    calls : mapping of str to mapping
+        Keywords, plain data, by label.
+    program : str
+        What beside them the results depend on: where it changes, they are computed again.
+    workers : int
+        Processes at a time; one call after the other in this process where it is 1.
+    progress : callable, optional
+        Called with how many are done and how many there are.
+
+    Returns
+    -------
+    dict of str to plain data
+        By label, in the order of the calls.
+
+    Raises
+    ------
+    InputError
+        The file is in use by another run, or cannot be written.
+    ComputationError
+        A call killed its worker.
+    """
+    keys = {label: _key(program, keywords) for label, keywords in calls.items()}
+    by_key = {key: label for label, key in keys.items()}
+    with Ledger(path, write=True) as ledger:
+        done = ledger.begin(
+            "calls", work.__qualname__, "", ((key, label) for label, key in keys.items())
+        )
+        rest = {key: calls[label] for key, label in by_key.items() if key not in done}
+        count = min(workers, max(len(rest), 1))
+        engine = Engine("processes" if count > 1 else "threads", count)
+        name = f"{work.__module__}:{work.__qualname__}"
+        ledger.keep(results(work if count == 1 else name, rest, engine), progress)
+        values = dict(ledger.results())
+    for label, value in values.items():
+        if isinstance(value, Died):
+            raise ComputationError(f"{label}: {value.message}")
+    return {label: values[label] for label in calls}
+
+
+def _key(program: str, keywords: Mapping[str, Plain]) -> str:
+    text = json.dumps([program, keywords], sort_keys=True, allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()
