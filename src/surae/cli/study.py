@@ -151,7 +151,8 @@ def export_command(store: str, output: str, figure: str | None, x: str | None) -
         show_line(f"figure: {shown(figure)}")
     if rows < all_rows:
         click.echo(
-            f"surae: {all_rows - rows:,} of {all_rows:,} rows are left out: they are not done yet, or damaged",
+            f"surae: {all_rows - rows:,} of {all_rows:,} rows are left out: they are not done yet, "
+            "or damaged",
             err=True,
         )
 
