@@ -13,7 +13,7 @@ from surae.database import lock
 from surae.errors import InputError
 from surae.files import PathLike, sha256_of, shown
 from surae.web.cleanup import KEPT, clean, trash
-from surae.web.database import Database, Thing, new_id
+from surae.web.database import Database, new_id
 from surae.web.http_errors import RefusedError, not_found
 from surae.web.places import (
     DATABASE,
