@@ -80,7 +80,7 @@ def measured(
     fine: ModelInputs, model: str, truth: dict[str, float], noise: float, rng: np.random.Generator
 ) -> ModelInputs:
     """The trial as it would be recorded: torque of the truth with white noise, at 125 Hz."""
-    tri, tib = paths(fine.angle, fine.velocity, OPTIONS)
+    tri, tib = paths(angle=fine.angle, velocity=fine.velocity, options=OPTIONS)
     emg = later(fine.emg, round(1e3 * truth["emd"])).copy()
     for channel, weight, gain, path in ((2, "g3", "reflex_tri", tri), (0, "g1", "reflex_tib", tib)):
         stretch = later(np.maximum(path.speed, 0.0), round(1e3 * truth["reflex_delay"]))

@@ -6,7 +6,7 @@ from pathlib import Path
 from sphinx.application import Sphinx
 
 from surae.model.parameters import (
-    DRIVE_PARAMETERS,
+    OPTIONAL_PARAMETERS,
     MUSCLE_2010_PARAMETERS,
     MUSCLE_PARAMETERS,
     TENDON_PARAMETERS,
@@ -17,7 +17,7 @@ TABLES: dict[str, Iterable[Parameter]] = {
     "muscle": MUSCLE_PARAMETERS,
     "muscle-2010": MUSCLE_2010_PARAMETERS,
     "tendon": TENDON_PARAMETERS,
-    "drives": DRIVE_PARAMETERS,
+    "drives": OPTIONAL_PARAMETERS,
 }
 
 

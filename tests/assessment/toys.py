@@ -47,7 +47,7 @@ def toy_problem(
     )  # fmt: skip
     names = tuple(start)
     parameters = tuple(Parameter(k, "-", k, "limb", start[k], *bounds[k], False) for k in names)
-    spec = ModelSpec("toy", "toy", parameters, names, lambda _, __: Toy(curve))
+    spec = ModelSpec("toy", "toy", parameters, names, lambda *_: Toy(curve))
     chosen = tuple(free or names)
     return FitProblem(
         spec=spec,

@@ -112,8 +112,8 @@ def test_what_is_fixed_or_cannot_be_off_stays(late, given, kept) -> None:
     problem = make_problem([late], **given)
     off = drives_off(problem)
     values = dict(zip(off.spec.names, off.base.tolist(), strict=True))
-    assert {name: values[name] for name in off.spec.drives} == kept
-    assert not set(off.free) & set(off.spec.drives)
+    assert {name: values[name] for name in off.spec.optional} == kept
+    assert not set(off.free) & set(off.spec.optional)
     x = held_off(problem, off.start)
     np.testing.assert_allclose(
         problem.spec.simulator(late, problem.options).torque(problem.values(x)),

@@ -61,7 +61,7 @@ def recorded(
     """What would be measured of subject `seed` with these drives."""
     truth = dict(virtual_subject(seed).truth(model, OPTIONS))
     given = OFF | drives
-    tri, tib = paths(fine.angle, fine.velocity, OPTIONS)
+    tri, tib = paths(angle=fine.angle, velocity=fine.velocity, options=OPTIONS)
     emg = later(fine.emg, round(1e3 * given["emd"])).copy()
     for channel, weight, gain, path in ((2, "g3", "reflex_tri", tri), (0, "g1", "reflex_tib", tib)):
         late = later(np.maximum(path.speed, 0.0), round(1e3 * given["reflex_delay"]))

@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 
 from surae.errors import InputError
-from surae.model import MODELS, ModelOptions, check_value, get_model, with_drives
+from surae.model import MODELS, ModelOptions, check_value, get_model, with_optional
 from surae.model.activation import filter_step
 from surae.model.delayed import BY_BETA, BY_DELAY, BY_F0, OUT, delayed
-from surae.model.parameters import DRIVE_PARAMETERS, DRIVES
+from surae.model.parameters import OPTIONAL_PARAMETERS, OPTIONAL
 from surae.model.stages import CHANNEL, GAMMA, staged_activation
 
 OPTIONS = ModelOptions()
 DT = 1 / 128
 F0, BETA = 2.3, 0.8
 #: Those that take drives.
-DRIVEN = [name for name, spec in MODELS.items() if spec.driven]
+DRIVEN = list(MODELS)
 every_model = pytest.mark.parametrize("name", DRIVEN)
 
 
@@ -34,7 +34,7 @@ def output(inputs: np.ndarray, delay: float, *, dt: float = DT, lag: float = 0.0
 
 def driven(name: str, inputs, **values: float):
     """The model at its starts with drives, and its vector."""
-    spec = with_drives(get_model(name), values)
+    spec = with_optional(get_model(name), values)
     p = spec.vector({q.name: q.start for q in MODELS[name].parameters} | values, OPTIONS)
     return spec.simulator(inputs, OPTIONS), p
 
@@ -131,7 +131,7 @@ def test_off_is_the_model_as_it_is(name, options, make_inputs) -> None:
     chosen = ModelOptions.of(**options)
     inputs = make_inputs(1, rate_hz=128.0, seconds=3.0)
     spec = MODELS[name]
-    off = with_drives(spec, {"emd", "reflex_tri"})
+    off = with_optional(spec, {"emd", "reflex_tri"})
     starts = {q.name: q.start for q in spec.parameters}
     plain = spec.simulator(inputs, chosen)
     drives = off.simulator(inputs, chosen)
@@ -155,7 +155,7 @@ def test_off_is_the_model_as_it_is(name, options, make_inputs) -> None:
 def test_sensitivities_with_a_delay(name, make_inputs) -> None:
     inputs = make_inputs(2, rate_hz=128.0, seconds=3.0)
     simulator, p = driven(name, inputs, emd=0.0437)
-    names = with_drives(MODELS[name], ("emd",)).names
+    names = with_optional(MODELS[name], ("emd",)).names
     assert names[-1] == "emd"
     free = [j for j, one in enumerate(names) if one in MODELS[name].free] + [len(names) - 1]
     torque, rows = simulator.torque_jacobian(p, free)
@@ -189,7 +189,7 @@ def test_a_delay_of_whole_samples_is_emg_recorded_later(name, make_inputs) -> No
 
 def test_the_explicit_scheme_takes_it_too(make_inputs) -> None:
     inputs = make_inputs(1, rate_hz=1000.0, seconds=1.0)
-    spec = with_drives(get_model("muscle-tendon"), ("emd",))
+    spec = with_optional(get_model("muscle-tendon"), ("emd",))
     options = ModelOptions(integrator="explicit-euler")
     p = spec.vector({q.name: q.start for q in spec.parameters} | {"emd": 0.03}, options)
     late = spec.simulator(inputs, options)
@@ -205,37 +205,37 @@ def test_the_explicit_scheme_takes_it_too(make_inputs) -> None:
 @every_model
 def test_a_model_without_drives_is_itself(name) -> None:
     spec = MODELS[name]
-    assert with_drives(spec, spec.names) is spec
-    assert with_drives(spec, ("anything",)) is spec
-    assert spec.drives == ()
+    assert with_optional(spec, spec.names) is spec
+    assert with_optional(spec, ("anything",)) is spec
+    assert spec.optional == ()
 
 
 @every_model
 def test_drives_are_data_of_the_model(name) -> None:
     spec = MODELS[name]
-    both = with_drives(spec, ("reflex_delay", "emd"))
-    drives = tuple(p.name for p in DRIVE_PARAMETERS)
-    assert both.drives == drives
+    both = with_optional(spec, ("reflex_delay", "emd"))
+    drives = tuple(p.name for p in OPTIONAL_PARAMETERS)
+    assert both.optional == drives
     assert both.names == (*spec.names, *drives)
     assert both.free == spec.free
-    assert with_drives(both, ("m",)) is both
-    assert with_drives(with_drives(spec, ("emd",)), ("reflex_tib",)) == both
+    assert with_optional(both, ("m",)) is both
+    assert with_optional(with_optional(spec, ("emd",)), ("reflex_tib",)) == both
     assert pickle.loads(pickle.dumps(both)) == both
     added = ("reflex_tri", "reflex_tib") if spec.linear else ()
     assert both.linear == (*spec.linear, *added)
-    assert with_drives(spec, ("emd",)).names == (*spec.names, "emd")
+    assert with_optional(spec, ("emd",)).names == (*spec.names, "emd")
 
 
 def test_every_drive_parameter_belongs_to_one_drive() -> None:
-    assert [p.name for p in DRIVE_PARAMETERS] == [one for group in DRIVES.values() for one in group]
-    for p in DRIVE_PARAMETERS:
+    assert [p.name for p in OPTIONAL_PARAMETERS] == [one for group in OPTIONAL.values() for one in group]
+    for p in OPTIONAL_PARAMETERS:
         assert p.lower <= p.start < p.upper
     for name in ("emd", "reflex_tri", "reflex_tib"):  # off
-        assert next(p.start for p in DRIVE_PARAMETERS if p.name == name) == 0.0
+        assert next(p.start for p in OPTIONAL_PARAMETERS if p.name == name) == 0.0
 
 
 def test_no_negative_delay() -> None:
-    spec = with_drives(get_model("muscle"), ("emd",))
+    spec = with_optional(get_model("muscle"), ("emd",))
     with pytest.raises(InputError, match=r"^muscle: emd is -0.01 s; it must be zero or more$"):
         check_value(spec.parameters[-1], -0.01, spec)
 

@@ -59,7 +59,7 @@ def test_virtual_work_starts_from_its_reference() -> None:
 
 @pytest.mark.parametrize("options", [THESIS, VIRTUAL_WORK], ids=["thesis", "virtual-work"])
 def test_dorsiflexion_stretches_the_triceps_and_slackens_the_tibialis(options) -> None:
-    tri, tib = paths(ANGLES, np.ones_like(ANGLES), options)
+    tri, tib = paths(angle=ANGLES, velocity=np.ones_like(ANGLES), options=options)
     assert np.all(np.diff(tri.length) > 0)
     assert np.all(tri.speed > 0)
     assert np.all(np.diff(tib.length) < 0)
@@ -73,7 +73,7 @@ def test_dorsiflexion_stretches_the_triceps_and_slackens_the_tibialis(options) -
 def test_path_signs_and_speeds(options) -> None:
     time = np.linspace(0, 2, 20001)
     angle, velocity = 0.4 * np.sin(3 * time), 1.2 * np.cos(3 * time)
-    tri, tib = paths(angle, velocity, options)
+    tri, tib = paths(angle=angle, velocity=velocity, options=options)
     assert np.array_equal(tri.arm, arm_tri(angle))
     assert np.array_equal(tib.arm, -arm_tib(angle))
     for path in (tri, tib):

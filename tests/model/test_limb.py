@@ -7,19 +7,19 @@ from surae.model.limb import gravity_torque, inertia_torque
 
 
 def test_inertia_by_hand() -> None:
-    assert inertia_torque(np.array([0.0, 2.0, -4.0])) == pytest.approx([0.0, 0.045, -0.09])
+    assert inertia_torque(acceleration=np.array([0.0, 2.0, -4.0])) == pytest.approx([0.0, 0.045, -0.09])
 
 
 def test_gravity_by_hand() -> None:
     # 9.81·0.15 = 1.4715 Nm/kg with the foot level; none with it upright
-    torque = gravity_torque(np.array([0.0, np.pi / 3, np.pi / 2]), 0.0)
+    torque = gravity_torque(angle=np.array([0.0, np.pi / 3, np.pi / 2]), theta_foot=0.0)
     assert torque == pytest.approx([1.4715, 0.73575, 0.0], abs=1e-12)
 
 
 def test_gravity_is_greatest_with_the_foot_level() -> None:
     angles = np.linspace(-0.9, 0.6, 301)
-    torque = gravity_torque(angles, 0.3)
+    torque = gravity_torque(angle=angles, theta_foot=0.3)
     assert angles[np.argmax(torque)] == pytest.approx(0.3, abs=0.005)
     off = np.array([0.1, 0.4])
-    assert gravity_torque(0.3 + off, 0.3) == pytest.approx(gravity_torque(0.3 - off, 0.3))
-    assert gravity_torque(off + 0.7, 0.9) == pytest.approx(gravity_torque(off, 0.2))
+    assert gravity_torque(angle=0.3 + off, theta_foot=0.3) == pytest.approx(gravity_torque(angle=0.3 - off, theta_foot=0.3))
+    assert gravity_torque(angle=off + 0.7, theta_foot=0.9) == pytest.approx(gravity_torque(angle=off, theta_foot=0.2))

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.model import MODELS, ModelOptions, TorqueParts, get_model, with_drives
+from surae.model import MODELS, ModelOptions, TorqueParts, get_model, with_optional
 from surae.model.geometry import paths
 from surae.signals import ModelInputs
 
 OPTIONS = ModelOptions()
 GAINS = {"reflex_tri": 6e3, "reflex_tib": 3e3, "reflex_delay": 0.0637}
 #: Those that take drives.
-DRIVEN = [name for name, spec in MODELS.items() if spec.driven]
+DRIVEN = list(MODELS)
 every_model = pytest.mark.parametrize("name", DRIVEN)
 EXACT = [name for name in DRIVEN if MODELS[name].parent is None]
 
@@ -36,7 +36,7 @@ def ramp(speed: float, *, start: float = 0.5, rate_hz: float = 256.0) -> ModelIn
 
 
 def tied(name: str, inputs: ModelInputs, options: ModelOptions = OPTIONS, **values: float):
-    spec = with_drives(get_model(name), GAINS)
+    spec = with_optional(get_model(name), GAINS)
     starts = {p.name: p.start for p in MODELS[name].parameters}
     return spec.simulator(inputs, options), spec.vector(starts | GAINS | values, options)
 
@@ -101,7 +101,7 @@ def test_on_rigid_tendons_it_is_what_the_gain_adds(name, make_inputs) -> None:
     _, off = tied(name, inputs, reflex_tri=0.0, reflex_tib=0.0)
     added = simulator.torque(p) - simulator.torque(off)
     np.testing.assert_allclose(simulator.parts(p).reflex, added, rtol=0, atol=1e-10)
-    names = with_drives(MODELS[name], GAINS).names
+    names = with_optional(MODELS[name], GAINS).names
     columns = [names.index(one) for one in ("reflex_tri", "reflex_tib")]
     _, rows = simulator.torque_jacobian(off, columns)
     gains = np.array([GAINS["reflex_tri"], GAINS["reflex_tib"]])
@@ -111,7 +111,7 @@ def test_on_rigid_tendons_it_is_what_the_gain_adds(name, make_inputs) -> None:
 def test_the_stretch_is_that_of_the_whole_unit(make_inputs) -> None:
     # An EMG that is the rectified velocity of the unit, late by whole samples, is the reflex.
     inputs = make_inputs(6, rate_hz=128.0, seconds=3.0)
-    tri, tib = paths(inputs.angle, inputs.velocity, OPTIONS)
+    tri, tib = paths(angle=inputs.angle, velocity=inputs.velocity, options=OPTIONS)
     late = 8
     emg = np.zeros((inputs.n, 4))
     for channel, path in ((0, tib), (2, tri)):
@@ -134,11 +134,11 @@ def test_the_stretch_is_that_of_the_whole_unit(make_inputs) -> None:
 def test_sensitivities(name, options, make_inputs) -> None:
     chosen = ModelOptions.of(**options)
     inputs = make_inputs(4, rate_hz=128.0, seconds=3.0)
-    spec = with_drives(MODELS[name], ("emd", "reflex_tri"))
+    spec = with_optional(MODELS[name], ("emd", "reflex_tri"))
     values = {"emd": 0.0312, **GAINS}
     p = spec.vector({q.name: q.start for q in MODELS[name].parameters} | values, chosen)
     simulator = spec.simulator(inputs, chosen)
-    free = [j for j, one in enumerate(spec.names) if one in MODELS[name].free + spec.drives]
+    free = [j for j, one in enumerate(spec.names) if one in MODELS[name].free + spec.optional]
     torque, rows = simulator.torque_jacobian(p, free)
     np.testing.assert_allclose(torque, simulator.torque(p), rtol=0, atol=1e-11)
     for row, j in zip(rows, free, strict=True):
@@ -153,8 +153,8 @@ def test_sensitivities(name, options, make_inputs) -> None:
 def test_a_gain_of_zero_has_a_slope_and_its_delay_none(make_inputs) -> None:
     inputs = make_inputs(4, rate_hz=128.0, seconds=3.0)
     simulator, p = tied("muscle-tendon", inputs, reflex_tri=0.0, reflex_tib=0.0)
-    spec = with_drives(MODELS["muscle-tendon"], GAINS)
-    columns = [spec.names.index(one) for one in spec.drives]
+    spec = with_optional(MODELS["muscle-tendon"], GAINS)
+    columns = [spec.names.index(one) for one in spec.optional]
     gain_tri, gain_tib, delay = simulator.torque_jacobian(p, columns)[1]
     assert gain_tri.max() > 0 > gain_tib.min()
     assert not delay.any()

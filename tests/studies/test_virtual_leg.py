@@ -51,7 +51,7 @@ def test_the_reflex_is_delayed_rectified_above_a_threshold_and_limited():
 def test_the_reflex_is_in_the_triceps_emg_and_drives_the_torque(trajectory, ideal):
     settings = Imperfections(reflex_gain=0.2)
     trial = virtual_trial(SUBJECT, trajectory, noise=0.0, imperfections=settings)
-    tri, _ = paths(trajectory.angle, trajectory.velocity, OPTIONS)
+    tri, _ = paths(angle=trajectory.angle, velocity=trajectory.velocity, options=OPTIONS)
     added = reflex(trajectory.time, tri.speed / SUBJECT.parameters["l0_tri"], settings)
     assert 0.05 < added.max() < 0.5
     np.testing.assert_array_equal(trial.emg[:, 0], ideal.emg[:, 0])

@@ -7,7 +7,7 @@ import pytest
 
 import surae
 from surae.model import get_model
-from surae.model.registry import with_drives
+from surae.model.registry import with_optional
 from surae.protocol import Protocol, generate
 from surae.signals import thinned, thinning_factor
 from surae.studies import virtual_subject, virtual_trial
@@ -94,7 +94,7 @@ def test_a_drive_joins_a_fit_that_is_under_way(chirped) -> None:
     told = []
     following = FitProgress([chirped], ["a" * 16], {"starts": 1}, told.append)
     plain = get_model("muscle")
-    driven = with_drives(plain, ("emd",))
+    driven = with_optional(plain, ("emd",))
     for spec in (plain, driven):
         following._last = 0.0
         values = np.array([0.1 if p.name == "emd" else p.start for p in spec.parameters])

@@ -16,7 +16,7 @@ from surae.model import (
     TorqueParts,
     check_finite_torque,
     get_model,
-    with_drives,
+    with_optional,
 )
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -83,10 +83,10 @@ def simulate(
     ComputationError
         The torque is not finite; the message names the first such sample.
     """
-    spec, chosen = with_drives(get_model(model), parameters), ModelOptions.of(**options)
+    spec, chosen = with_optional(get_model(model), parameters), ModelOptions.of(**options)
     inputs = as_inputs(recording, prepared=True)
     simulator, values = _tied(spec, parameters, inputs, chosen)
-    wanted = (*spec.free, *(name for name in spec.drives if name in parameters))
+    wanted = (*spec.free, *(name for name in spec.optional if name in parameters))
     columns = [spec.names.index(name) for name in wanted]
     with _quietly():
         if not jacobian:
@@ -127,7 +127,7 @@ def simulate_parts(
         The torque is not finite.
     """
     inputs = as_inputs(recording, prepared=True)
-    spec = with_drives(get_model(model), parameters)
+    spec = with_optional(get_model(model), parameters)
     return parts_of(spec, parameters, inputs, ModelOptions.of(**options))
 
 
@@ -160,7 +160,7 @@ def simulate_tendon(
         The model's tendons are rigid, or something given is unknown, missing or unusable.
     """
     inputs = as_inputs(recording, prepared=True)
-    spec = with_drives(get_model(model), parameters)
+    spec = with_optional(get_model(model), parameters)
     return tendon_of(spec, parameters, inputs, ModelOptions.of(**options))
 
 

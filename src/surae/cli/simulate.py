@@ -30,7 +30,7 @@ def command(
     """
     chosen = given(options)
 
-    from surae.model import ModelOptions, get_model, with_drives
+    from surae.model import ModelOptions, get_model, with_optional
     from surae.recording import MUSCLES, columns, read, write_csv
     from surae.signals import prepare
 
@@ -44,7 +44,7 @@ def command(
     from surae.cli.screen import show_line
 
     source = read_parameters(parameters)
-    spec = with_drives(get_model(model or source.model or "muscle"), source.values)
+    spec = with_optional(get_model(model or source.model or "muscle"), source.values)
     settings = dict(source.options) | chosen
     known = ModelOptions.of(**settings)
     try:

@@ -12,8 +12,8 @@ import numpy as np
 from surae.estimation.least_squares import Rows
 from surae.estimation.problem import FitProblem
 from surae.estimation.separable import solve_linear
-from surae.model import get_model, with_drives
-from surae.model.parameters import DRIVES
+from surae.model import get_model, with_optional
+from surae.model.parameters import OPTIONAL
 from surae.units import FloatArray
 
 #: Delays from which the valley where emd makes the delay is looked for, beside none [s].
@@ -26,7 +26,7 @@ _REFLEX_DELAYS = (0.03, 0.05, 0.08, 0.12)
 
 def own_columns(problem: FitProblem) -> list[int]:
     """Positions of the free parameters that are not a drive's."""
-    return [j for j, name in enumerate(problem.free) if name not in problem.spec.drives]
+    return [j for j, name in enumerate(problem.free) if name not in problem.spec.optional]
 
 
 def drives_off(problem: FitProblem) -> FitProblem:
@@ -40,10 +40,10 @@ def drives_off(problem: FitProblem) -> FitProblem:
     given = dict(zip(problem.spec.names, values.tolist(), strict=True))
     kept = [
         name
-        for name in problem.spec.drives
-        if any(name in group and _is_on(group, given) for group in DRIVES.values())
+        for name in problem.spec.optional
+        if any(name in group and _is_on(group, given) for group in OPTIONAL.values())
     ]
-    spec = with_drives(get_model(problem.spec.name), kept)
+    spec = with_optional(get_model(problem.spec.name), kept)
     free = tuple(problem.free[j] for j in own)
     return replace(
         problem,

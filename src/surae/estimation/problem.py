@@ -18,10 +18,10 @@ from surae.model import (
     check_names,
     check_value,
     get_model,
-    with_drives,
+    with_optional,
 )
 from surae.model.anthropometry import MASSES
-from surae.model.parameters import DRIVES
+from surae.model.parameters import OPTIONAL
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs
 from surae.signals.estimable import check_estimable
@@ -111,7 +111,7 @@ def make_problem(
     bounds, priors = settings.bounds, settings.priors
     held = {*fixed, *(name for one in inputs for name in one.fixed)}
     free = _spelled_out(settings.free, held)
-    spec = with_drives(get_model(settings.model), {*held, *settings.parameters, *free})
+    spec = with_optional(get_model(settings.model), {*held, *settings.parameters, *free})
     if not inputs:
         raise InputError("nothing to fit: give at least one recording")
     for one in inputs:
@@ -171,7 +171,7 @@ def _spelled_out(free: Sequence[str], fixed: Collection[str]) -> tuple[str, ...]
     """The names to free, a drive's name replaced by its parameters that are not fixed."""
     names: list[str] = []
     for name in free:
-        group = DRIVES.get(name, ())
+        group = OPTIONAL.get(name, ())
         if name in group:
             group = ()
         names += [one for one in group if one not in fixed] or [name]
@@ -193,7 +193,7 @@ def _check_within(
 
 def _check_reflex(free: Sequence[str], values: Mapping[str, float]) -> None:
     """A reflex that is off has no delay to estimate."""
-    gains = DRIVES["reflex"][:2]
+    gains = OPTIONAL["reflex"][:2]
     if "reflex_delay" in free and not any(name in free or values[name] for name in gains):
         raise InputError(
             f"reflex_delay is free, but the reflex is off: free {' or '.join(gains)} too, or all "

@@ -11,9 +11,9 @@ from surae.errors import InputError
 from surae.estimation.losses import named_loss
 from surae.estimation.population import population_priors
 from surae.frozen import FrozenDict
-from surae.model import ModelOptions, get_model, with_drives
+from surae.model import ModelOptions, get_model, with_optional
 from surae.model.anthropometry import foot_mass, with_foot_mass
-from surae.model.parameters import DRIVES
+from surae.model.parameters import OPTIONAL
 from surae.recording import Recording
 from surae.signals import ModelInputs, Preparation, Weighting, normalise, prepare, weighted
 from surae.signals.normalise import KINDS
@@ -178,19 +178,19 @@ class FitSettings:
         model : str
             Its name.
         """
-        names = with_drives(get_model(model), self._spelled_out()).names
+        names = with_optional(get_model(model), self._spelled_out()).names
         changes: dict[str, Any] = {
             field: {name: value for name, value in getattr(self, field).items() if name in names}
             for field in _NAMED
         }
         changes["free"] = tuple(
-            name for name in self.free if names and set(DRIVES.get(name, (name,))) <= set(names)
+            name for name in self.free if names and set(OPTIONAL.get(name, (name,))) <= set(names)
         )
         return replace(self, model=model, **changes)
 
     def _spelled_out(self) -> set[str]:
         """The parameters that are mentioned, a drive's name replaced by its parameters."""
-        return {name for given in self.parameters for name in DRIVES.get(given, (given,))}
+        return {name for given in self.parameters for name in OPTIONAL.get(given, (given,))}
 
     def inputs(
         self,

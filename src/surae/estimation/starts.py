@@ -13,7 +13,7 @@ from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import Residuals
 from surae.estimation.separable import scan_lengths, solve_linear
 from surae.estimation.valleys import Valleys
-from surae.model import ModelSpec, get_model, with_drives
+from surae.model import ModelSpec, get_model, with_optional
 from surae.signals import thinned, thinning_factor
 from surae.units import FloatArray
 
@@ -262,7 +262,7 @@ def _parent(problem: FitProblem) -> FitProblem | None:
     """The same problem with the parent model; None without one, or with nothing free in it."""
     if problem.spec.parent is None:
         return None
-    spec = with_drives(get_model(problem.spec.parent), problem.spec.drives)
+    spec = with_optional(get_model(problem.spec.parent), problem.spec.optional)
     shared = [name in spec.names for name in problem.free]
     if not any(shared):
         return None

@@ -8,7 +8,7 @@ from surae.model.registry import (
     check_names,
     check_value,
     get_model,
-    with_drives,
+    with_optional,
 )
 from surae.model.simulator import Simulator, TorqueParts, check_finite_torque
 from surae.model.tendon_state import TendonLaw, TendonState
@@ -27,5 +27,5 @@ __all__ = [
     "check_names",
     "check_value",
     "get_model",
-    "with_drives",
+    "with_optional",
 ]

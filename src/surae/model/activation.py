@@ -1,11 +1,26 @@
-"""Activation dynamics: weighted EMG through a second-order filter, equations (12) to (14)."""
+"""Activation dynamics: excitation through a second-order filter with delays, equation (14).
+
+What excites a muscle group is the affair of `surae.model.excitation`; here it is filtered, and with it
+each of its derivatives. The filter is exact for an input linear between samples.
+
+An input that is delayed by part of a sample and interpolated anew would make a torque that has a
+kink wherever the delay is a whole number of samples, and whose amplitude dips in between. The filter
+is linear and knows no absolute time, so its output is shifted instead: it is exact at any instant
+between samples, and has two continuous derivatives by time and therefore by the delay. Its rate is
+among the states, so that ∂α/∂delay = −α' is free.
+"""
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from surae.model.jit import jit
 from surae.units import FloatArray
+
+IntArray = npt.NDArray[np.int64]
 
 # Terms of the series of φ2, and the norm below which it is summed: 14 terms at ½ leave 1e-19.
 _TERMS = 14
@@ -116,3 +131,218 @@ def filter_step(f0: float, beta: float, dt: float) -> tuple[FloatArray, FloatArr
     steps[2, 1, 2] -= 2.0 * steps[0, 0, 2]
     steps[2, 1, 3] -= 2.0 * steps[0, 0, 3]
     return steps[0], steps[1] * (2.0 * math.pi * dt), steps[2]
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """One input of a muscle group's filter, linear between samples; arrays of shape (n,).
+
+    Attributes
+    ----------
+    signal : ndarray
+        The excitation [N].
+    slopes : sequence of (int, ndarray)
+        Its derivatives, each after the column of its parameter; only those that are wanted.
+    delay : float or None
+        How late it comes [s]; None where it has no delay to be moved by.
+    delay_column : int
+        Column of the delay; −1 where its derivative is not wanted.
+    """
+
+    signal: FloatArray
+    slopes: Sequence[tuple[int, FloatArray]] = ()
+    delay: float | None = None
+    delay_column: int = -1
+
+
+@dataclass(frozen=True, slots=True)
+class ActiveState:
+    """Active state of one muscle group at L instants of each of n samples.
+
+    Attributes
+    ----------
+    alpha : ndarray, shape (L, n)
+        α [N].
+    slopes : ndarray, shape (q, L, n)
+        Its derivatives by the wanted parameters that touch it.
+    columns : ndarray of int, shape (q,)
+        Their columns; one may come more than once, and its derivatives then add up.
+    drives : tuple of ndarray, each of shape (L, n)
+        What each drive contributes to α.
+    """
+
+    alpha: FloatArray
+    slopes: FloatArray
+    columns: IntArray
+    drives: tuple[FloatArray, ...]
+
+
+class ActivationFilter:
+    """The filter (14) at one cut-off and damping, which starts at rest.
+
+    Parameters
+    ----------
+    f0, beta : float
+        Cut-off [Hz] and relative damping.
+    dt : float
+        Sample time [s].
+    lags : tuple of float
+        Active states are wanted so long before each sample [s].
+    columns : tuple of int
+        Columns of the two where their derivatives are wanted; else −1, of one or of both.
+    """
+
+    def __init__(
+        self,
+        *,
+        f0: float,
+        beta: float,
+        dt: float,
+        lags: tuple[float, ...],
+        columns: tuple[int, int] = (-1, -1),
+    ) -> None:
+        self._f0, self._beta, self._dt, self._lags = float(f0), float(beta), dt, lags
+        self._columns = columns
+        self._steps: dict[float, list[tuple[FloatArray, int]]] = {}
+
+    def active_state(self, drives: Sequence[Drive]) -> ActiveState:
+        """Active state of a muscle group that these excite.
+
+        Before the recording an input is held at its first sample. That part is a step which no
+        delay moves, the rest begins at zero and is moved: hence smooth in the delay at the start
+        too.
+        """
+        n, lags = len(drives[0].signal), len(self._lags)
+        by_filter = max(self._columns) >= 0
+        count = sum(len(drive.slopes) + (drive.delay_column >= 0) for drive in drives)
+        slopes = np.zeros((count + 2 * by_filter, lags, n))
+        columns: list[int] = []
+        shares = []
+        for drive in drives:
+            rows = np.zeros((3 if by_filter else 1, lags, n))
+            self._respond(drive.signal, drive.delay, rows)
+            shares.append(rows[0])
+            if by_filter:
+                slopes[-2:] += rows[1:]
+            if drive.delay_column >= 0:
+                self._by_delay(drive, slopes[len(columns)])
+                columns.append(drive.delay_column)
+            for column, signal in drive.slopes:
+                place = len(columns)
+                self._respond(signal, drive.delay, slopes[place : place + 1])
+                columns.append(column)
+        if by_filter:
+            columns += self._columns
+        of = np.array(columns, dtype=np.int64)
+        if by_filter and min(self._columns) < 0:
+            slopes, of = slopes[of >= 0], of[of >= 0]
+        return ActiveState(sum(shares[1:], start=shares[0]), slopes, of, tuple(shares))
+
+    def _respond(self, signal: FloatArray, delay: float | None, out: FloatArray) -> None:
+        """Response to one input, and if `out` has three rows its derivatives, into (…, L, n)."""
+        first = 0.0 if delay is None else float(signal[0])
+        for lag, (steps, back) in enumerate(self._instants(delay or 0.0)):
+            if len(out) == 1:
+                _respond(signal, first, steps, back, 0, out[0, lag])
+            else:
+                rows = out[0, lag], out[1, lag], out[2, lag]
+                _respond_with_derivatives(signal, first, steps, back, *rows)
+        if first != 0.0:
+            held = np.zeros_like(out)
+            self._respond(np.ones(len(signal)), None, held)
+            out += first * held
+
+    def _by_delay(self, drive: Drive, out: FloatArray) -> None:
+        """Derivative of the response by the drive's delay, −α', into (L, n)."""
+        for row, (steps, back) in zip(out, self._instants(drive.delay or 0.0), strict=True):
+            _respond(drive.signal, float(drive.signal[0]), steps, back, 1, row)
+        out *= -2.0 * math.pi * self._f0
+
+    def _instants(self, delay: float) -> list[tuple[FloatArray, int]]:
+        if delay not in self._steps:
+            self._steps[delay] = [
+                _steps(self._f0, self._beta, self._dt, lag + delay) for lag in self._lags
+            ]
+        return self._steps[delay]
+
+
+@jit
+def _steps(f0: float, beta: float, dt: float, late: float) -> tuple[FloatArray, int]:
+    """Steps that lead to an instant `late` [s] before each sample, and whole samples to go back.
+
+    They are a step of one sample and one of the part of it that lies before the instant, with their
+    derivatives by f0 and beta, shape (2, 3, 2, 4).
+    """
+    back = math.floor(max(late, 0.0) / dt)
+    after = (back + 1) * dt - late  # the instant lies in (0, dt] after sample i − back − 1
+    if after <= 0.0:  # rounding
+        back, after = back + 1, after + dt
+    share = after / dt
+    steps = np.empty((2, 3, 2, 4))
+    steps[0, 0], steps[0, 1], steps[0, 2] = filter_step(f0, beta, dt)
+    steps[1, 0], steps[1, 1], steps[1, 2] = filter_step(f0, beta, after)
+    # from the inputs at both ends of the sample to those at both ends of its part
+    steps[1, :, :, 2] += (1.0 - share) * steps[1, :, :, 3]
+    steps[1, :, :, 3] *= share
+    return steps, back
+
+
+@jit
+def _four(row: FloatArray) -> tuple[float, float, float, float]:
+    return row[0], row[1], row[2], row[3]
+
+
+@jit
+def _respond(
+    x: FloatArray, first: float, steps: FloatArray, back: int, state: int, out: FloatArray
+) -> None:
+    """The filter's response to x − first at one instant of every sample, from rest.
+
+    `state` is 0 for α, 1 for α'/ω0.
+    """
+    s00, s01, s02, s03 = _four(steps[0, 0, 0])
+    s10, s11, s12, s13 = _four(steps[0, 0, 1])
+    p0, p1, p2, p3 = _four(steps[1, 0, state])
+    v = w = 0.0  # α and α'/ω0
+    for i in range(len(x) - back - 1):
+        before, now = x[i] - first, x[i + 1] - first
+        out[i + back + 1] = p0 * v + p1 * w + (p2 * before + p3 * now)
+        v, w = (
+            s00 * v + s01 * w + (s02 * before + s03 * now),
+            s10 * v + s11 * w + (s12 * before + s13 * now),
+        )
+
+
+@jit
+def _respond_with_derivatives(
+    x: FloatArray, first: float, steps: FloatArray, back: int, out: FloatArray, by_f0: FloatArray,
+    by_beta: FloatArray,
+) -> None:  # fmt: skip
+    """The response α, and its derivatives by f0 and beta."""
+    s00, s01, s02, s03 = _four(steps[0, 0, 0])
+    s10, s11, s12, s13 = _four(steps[0, 0, 1])
+    f00, f01, f02, f03 = _four(steps[0, 1, 0])
+    f10, f11, f12, f13 = _four(steps[0, 1, 1])
+    b00, b01, b02, b03 = _four(steps[0, 2, 0])
+    b10, b11, b12, b13 = _four(steps[0, 2, 1])
+    p0, p1, p2, p3 = _four(steps[1, 0, 0])
+    q0, q1, q2, q3 = _four(steps[1, 1, 0])
+    r0, r1, r2, r3 = _four(steps[1, 2, 0])
+    v = w = v_f = w_f = v_b = w_b = 0.0  # α and α'/ω0, their derivatives by f0 and by beta
+    for i in range(len(x) - back - 1):
+        before, now, j = x[i] - first, x[i + 1] - first, i + back + 1
+        out[j] = p0 * v + p1 * w + (p2 * before + p3 * now)
+        by_f0[j] = p0 * v_f + p1 * w_f + (q0 * v + q1 * w + (q2 * before + q3 * now))
+        by_beta[j] = p0 * v_b + p1 * w_b + (r0 * v + r1 * w + (r2 * before + r3 * now))
+        v_f, w_f = (
+            s00 * v_f + s01 * w_f + (f00 * v + f01 * w + (f02 * before + f03 * now)),
+            s10 * v_f + s11 * w_f + (f10 * v + f11 * w + (f12 * before + f13 * now)),
+        )
+        v_b, w_b = (
+            s00 * v_b + s01 * w_b + (b00 * v + b01 * w + (b02 * before + b03 * now)),
+            s10 * v_b + s11 * w_b + (b10 * v + b11 * w + (b12 * before + b13 * now)),
+        )
+        v, w = (
+            s00 * v + s01 * w + (s02 * before + s03 * now),
+            s10 * v + s11 * w + (s12 * before + s13 * now),
+        )

@@ -2,10 +2,7 @@
 
 import math
 
-import numpy as np
-
 from surae.model.jit import jit
-from surae.units import FloatArray
 
 #: cf, width of the force-length curve, equation (16).
 CF = 0.1
@@ -94,32 +91,3 @@ def force_velocity_partials(speed: float, vmax: float) -> tuple[float, float, fl
         f = 1.0 + slope * speed / below
         d_speed = slope * a * vmax / (below * below)
     return f, d_speed, -speed / vmax * d_speed
-
-
-@jit
-def contraction_gains(
-    arm: FloatArray, length: FloatArray, speed: FloatArray, l0: float, factor: float
-) -> FloatArray:
-    """Active torque per active state, r·f_l·f_v of equations (2), (15) to (17).
-
-    Parameters
-    ----------
-    arm, length, speed : ndarray, shape (n,)
-        Signed moment arm [m], muscle length [m] and lengthening speed [m/s].
-    l0 : float
-        Optimal length [m].
-    factor : float
-        vmax in optimal lengths per second.
-
-    Returns
-    -------
-    ndarray, shape (2, n)
-        Gain [m] and its derivative by l0 [-].
-    """
-    gains = np.empty((2, len(arm)))
-    for i in range(len(arm)):
-        fl, _, fl_l0 = force_length_partials(length[i], l0)
-        fv, _, fv_vmax = force_velocity_partials(speed[i], factor * l0)
-        gains[0, i] = arm[i] * fl * fv
-        gains[1, i] = arm[i] * (fl_l0 * fv + fl * fv_vmax * factor)
-    return gains

@@ -91,7 +91,7 @@ def length_tib(angle: FloatArray, options: ModelOptions) -> tuple[FloatArray, Fl
 
 @dataclass(frozen=True, slots=True)
 class Path:
-    """What a recording's angle does to one muscle group, arrays of shape (n,).
+    """What an ankle angle does to one muscle group, arrays of shape (n,).
 
     Attributes
     ----------
@@ -99,14 +99,23 @@ class Path:
         Moment arm, signed as in equation (1): triceps positive, tibialis negative [m].
     length, speed : ndarray
         Length [m] and lengthening speed [m/s] of the muscle with a rigid tendon.
+    slope : ndarray
+        dx/dθ, lengthening with the angle [m/rad].
+    bend, arm_slope : float
+        Derivatives by the angle of `slope` [m/rad²] and of `arm` [m/rad].
     """
 
     arm: FloatArray
     length: FloatArray
     speed: FloatArray
+    slope: FloatArray
+    bend: float
+    arm_slope: float
 
 
-def paths(angle: FloatArray, velocity: FloatArray, options: ModelOptions) -> tuple[Path, Path]:
+def paths(
+    *, angle: FloatArray, velocity: FloatArray, options: ModelOptions
+) -> tuple[Path, Path]:
     """Paths of the triceps surae and of the tibialis anterior, in this order.
 
     Parameters
@@ -118,7 +127,10 @@ def paths(angle: FloatArray, velocity: FloatArray, options: ModelOptions) -> tup
     """
     x_tri, slope_tri = length_tri(angle, options)
     x_tib, slope_tib = length_tib(angle, options)
+    # by virtual work the slope is the arm and bends with it; the printed product does not bend
+    bends = options.geometry == "virtual-work"
+    by_tri, by_tib = ARM_TRI[1], -ARM_TIB[1]
     return (
-        Path(arm_tri(angle), x_tri, slope_tri * velocity),
-        Path(-arm_tib(angle), x_tib, slope_tib * velocity),
+        Path(arm_tri(angle), x_tri, slope_tri * velocity, slope_tri, bends * by_tri, by_tri),
+        Path(-arm_tib(angle), x_tib, slope_tib * velocity, slope_tib, bends * by_tib, by_tib),
     )

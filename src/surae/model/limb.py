@@ -9,7 +9,7 @@ ARM_LIMB = 0.15
 GRAVITY = 9.81
 
 
-def inertia_torque(acceleration: FloatArray) -> FloatArray:
+def inertia_torque(*, acceleration: FloatArray) -> FloatArray:
     """Inertial torque of a mass of 1 kg, equations (1) and (6): la²·θ''.
 
     Parameters
@@ -25,7 +25,7 @@ def inertia_torque(acceleration: FloatArray) -> FloatArray:
     return ARM_LIMB**2 * acceleration
 
 
-def gravity_torque(angle: FloatArray, theta_foot: float) -> FloatArray:
+def gravity_torque(*, angle: FloatArray, theta_foot: float) -> FloatArray:
     """Gravitational torque of a mass of 1 kg, equation (7): g·la·cos(θ − θ_foot).
 
     Parameters
@@ -42,3 +42,9 @@ def gravity_torque(angle: FloatArray, theta_foot: float) -> FloatArray:
     """
     torque: FloatArray = GRAVITY * ARM_LIMB * np.cos(angle - theta_foot)
     return torque
+
+
+def gravity_slope(*, angle: FloatArray, theta_foot: float) -> FloatArray:
+    """Derivative of `gravity_torque` by the angle [Nm/(kg·rad)]; parameters as there."""
+    slope: FloatArray = -GRAVITY * ARM_LIMB * np.sin(angle - theta_foot)
+    return slope

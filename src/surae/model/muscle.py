@@ -1,79 +1,65 @@
-"""The muscle model (1.0) tied to a recording."""
+"""The muscle model (1.0) tied to a recording: passive tissue and gain times active state."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
-from surae.model import limb
-from surae.model.geometry import paths
+from surae.model.activation import ActiveState, IntArray
+from surae.model.movement import MusclePath
 from surae.model.options import ModelOptions
-from surae.model.rigid import (
-    BETA,
-    F0,
-    N_MUSCLE,
-    G,
-    M,
-    active_state,
-    rigid_forces,
-    rigid_torque,
-    rigid_torque_jacobian,
-)
-from surae.model.simulator import TorqueParts
+from surae.model.parameters import MUSCLE_PARAMETERS
+from surae.model.rigid import exponentials, rigid_forces, rigid_path_slope, rigid_torque
+from surae.model.tied import TiedModel
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 
-_ALL = list(range(N_MUSCLE))
+_NAMES = tuple(p.name for p in MUSCLE_PARAMETERS)
+#: Columns of each group's own parameters, in the order of `surae.model.rigid`.
+GROUP_COLUMNS = tuple(
+    np.array([_NAMES.index(n) for n in (f"k_{g}", f"x0_{g}", f"l0_{g}", "tau_rel", "k_rel")])
+    for g in ("tri", "tib")
+)
 
 
-class MuscleSimulator:
-    """Model 1.0 on one recording; whatever no parameter touches is computed here, once."""
+class MuscleSimulator(TiedModel):
+    """Model 1.0 on one recording."""
 
-    def __init__(self, inputs: ModelInputs, options: ModelOptions) -> None:
-        tri, tib = paths(inputs.angle, inputs.velocity, options)
-        self._inertia = limb.inertia_torque(inputs.acceleration)
-        self._gravity = limb.gravity_torque(inputs.angle, options.theta_foot)
-        self._arms = np.stack([tri.arm, tib.arm])
-        self._lengths = np.stack([tri.length, tib.length])
-        self._speeds = np.stack([tri.speed, tib.speed])
-        self._emg = np.array(inputs.emg, dtype=np.float64, order="C")
-        self._factor = float(options.vmax_factor)
-        self._dt = 1.0 / inputs.rate_hz
-        self._limb = self._inertia + self._gravity
-
-    def _arguments(self, values: FloatArray) -> tuple[Any, ...]:
-        # Copies: for a read-only or strided array numba would compile every kernel once more.
-        p = np.array(values, dtype=np.float64)
-        return (
-            p, self._limb, self._arms, self._lengths, self._speeds, self._emg, self._factor,
-            self._dt,
-        )  # fmt: skip
-
-    def torque(self, values: FloatArray) -> FloatArray:
-        """Modelled torque [Nm], shape (n,)."""
-        return rigid_torque(*self._arguments(values))
-
-    def torque_jacobian(
-        self, values: FloatArray, columns: Sequence[int]
-    ) -> tuple[FloatArray, FloatArray]:
-        """Modelled torque, shape (n,), and its derivatives, one row for each of `columns`."""
-        torque, jacobian = rigid_torque_jacobian(*self._arguments(values))
-        wanted = list(columns)
-        return torque, jacobian if wanted == _ALL else jacobian[wanted]
-
-    def parts(self, values: FloatArray) -> TorqueParts:
-        """The torque split into its parts."""
-        p = np.array(values, dtype=np.float64)
-        alpha = active_state(self._emg, p[G : G + 4], p[F0], p[BETA], self._dt)
-        forces = rigid_forces(p, self._lengths, self._speeds, alpha, self._factor, self._dt)
-        return TorqueParts(
-            tissue_tri=self._arms[0] * forces[0, 0],
-            tissue_tib=self._arms[1] * forces[1, 0],
-            neural_tri=self._arms[0] * forces[0, 1],
-            neural_tib=self._arms[1] * forces[1, 1],
-            inertial=p[M] * self._inertia,
-            gravitational=p[M] * self._gravity,
+    def __init__(
+        self, inputs: ModelInputs, options: ModelOptions, optional: Sequence[str] = ()
+    ) -> None:
+        super().__init__(
+            inputs, options, own=_NAMES, optional=optional, weights=("g1", "g2", "g3", "g4")
         )
 
-    def tendon(self, values: FloatArray) -> None:
-        """Nothing: the tendons are rigid."""
+    def _forces(
+        self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState
+    ) -> FloatArray:
+        own = p[GROUP_COLUMNS[group]]
+        curves = exponentials(own, muscle.length)
+        return rigid_forces(
+            own, *curves, muscle.speed, active.alpha[0], self._factor, self._dt
+        )
+
+    def _contract(
+        self,
+        p: FloatArray,
+        slots: IntArray,
+        group: int,
+        muscle: MusclePath,
+        active: ActiveState,
+        torque: FloatArray,
+        jacobian: FloatArray,
+    ) -> None:
+        columns, alpha = GROUP_COLUMNS[group], active.alpha[0]
+        own = p[columns]
+        curves = exponentials(own, muscle.length)
+        rigid_torque(
+            own, slots[columns], muscle.arm, muscle.length, muscle.speed, *curves, alpha,
+            active.slopes[:, 0], slots[active.columns], self._factor, self._dt, torque, jacobian,
+        )  # fmt: skip
+        for row, column in enumerate(muscle.columns):
+            rigid_path_slope(
+                own, muscle.arm, muscle.length, muscle.speed, *curves, alpha, muscle.arm_slopes[row],
+                muscle.length_slopes[row], muscle.speed_slopes[row], self._factor, self._dt,
+                jacobian[slots[column]],
+            )  # fmt: skip

@@ -27,14 +27,20 @@ from collections.abc import Sequence
 import numpy as np
 
 from surae.errors import InputError
-from surae.model import limb
-from surae.model.geometry import length_tib, length_tri, paths
+from surae.model.activation import ActiveState, IntArray
+from surae.model.contraction import force_length_partials, force_velocity_partials
+from surae.model.geometry import length_tib, length_tri
+from surae.model.jit import jit
+from surae.model.movement import MusclePath
 from surae.model.options import ModelOptions
-from surae.model.rigid_2010 import F0, X0, B, E, K, M, contraction_gain, torque_2010
-from surae.model.simulator import TorqueParts
+from surae.model.parameters import MUSCLE_2010_PARAMETERS
+from surae.model.tied import TiedModel
 from surae.signals import ModelInputs
 from surae.signals.filters import HIGHEST_CUTOFF, butterworth
 from surae.units import FloatArray
+
+_NAMES = tuple(p.name for p in MUSCLE_2010_PARAMETERS)
+_K, _X0, _B, _F0 = (_NAMES.index(name) for name in ("k_tri", "x0_tri", "b_tri", "F0"))
 
 #: What makes an EMG envelope an integrated EMG: −3 dB [Hz] of both passes of a zero-phase
 #: Butterworth low-pass, and the order of one. Zero-phase, so that all delay between EMG and force
@@ -42,10 +48,8 @@ from surae.units import FloatArray
 IEMG_HZ, IEMG_ORDER = 3.0, 2
 
 
-class Muscle2010Simulator:
-    """The model of 2010 on one recording; whatever no parameter touches is computed here, once.
-
-    That includes the integration of the EMG: a recording's envelopes are those of model 1.0.
+class Muscle2010Simulator(TiedModel):
+    """The model of 2010 on one recording; its EMG, the envelopes of model 1.0, is integrated once.
 
     Raises
     ------
@@ -53,56 +57,79 @@ class Muscle2010Simulator:
         The recording is too slow or too short for the low-pass of the EMG.
     """
 
-    def __init__(self, inputs: ModelInputs, options: ModelOptions) -> None:
-        tri, tib = paths(inputs.angle, inputs.velocity, options)
+    def __init__(
+        self, inputs: ModelInputs, options: ModelOptions, optional: Sequence[str] = ()
+    ) -> None:
+        super().__init__(
+            inputs, options, own=_NAMES, optional=optional, weights=("e1", "e2", "e3", "e4"),
+            emg=integrated(inputs), cutoff="f", damping="",
+        )  # fmt: skip
         neutral = np.zeros(1)
-        l0_tri = float(length_tri(neutral, options)[0][0])
-        l0_tib = float(length_tib(neutral, options)[0][0])
-        factor = float(options.vmax_factor)
-        self._inertia = limb.inertia_torque(inputs.acceleration)
-        self._gravity = limb.gravity_torque(inputs.angle, options.theta_foot)
-        self._limb = self._inertia + self._gravity
-        self._arm, self._length, self._speed = tri.arm, tri.length, tri.speed
-        gain_tri = contraction_gain(tri.arm, tri.length, tri.speed, l0_tri, factor)
-        gain_tib = contraction_gain(tib.arm, tib.length, tib.speed, l0_tib, factor)
-        self._gains = np.stack([gain_tib, gain_tri, gain_tri, gain_tri])
-        self._iemg = integrated(inputs)
-        self._dt = 1.0 / inputs.rate_hz
+        self._l0 = [float(length(neutral, options)[0][0]) for length in (length_tri, length_tib)]
+        self._contractions: dict[int, FloatArray] = {}
 
-    def torque(self, values: FloatArray) -> FloatArray:
-        """Modelled torque [Nm], shape (n,)."""
-        return self._run(values)[0]
+    def _forces(
+        self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState
+    ) -> FloatArray:
+        active_force = self._contraction(group, muscle)[0] * active.alpha[0]
+        return np.stack([self._passive(p, group, muscle)[0], active_force])
 
-    def torque_jacobian(
-        self, values: FloatArray, columns: Sequence[int]
+    def _contraction(self, group: int, muscle: MusclePath) -> FloatArray:
+        """From `_contraction`, which no parameter touches where none touches the movement."""
+        if group not in self._contractions or not self._movement.is_fixed:
+            self._contractions[group] = _contraction(
+                muscle.length, muscle.speed, self._l0[group], self._factor
+            )
+        return self._contractions[group]
+
+    def _passive(
+        self, p: FloatArray, group: int, muscle: MusclePath
     ) -> tuple[FloatArray, FloatArray]:
-        """Modelled torque, shape (n,), and its derivatives, one row for each of `columns`."""
-        torque, jacobian = self._run(values)
-        return torque, jacobian[list(columns)]
+        """Passive force [N] and what of it is elastic; the tibialis has no tissue of its own."""
+        if group == 1:
+            return np.zeros_like(muscle.length), np.zeros_like(muscle.length)
+        elastic = np.exp(p[_K] * (muscle.length - p[_X0]))
+        return elastic + p[_B] * muscle.speed + p[_F0], elastic
 
-    def parts(self, values: FloatArray) -> TorqueParts:
-        """The torque split into its parts; the tibialis has no tissue of its own."""
-        elastic = np.exp(values[K] * (self._length - values[X0]))
-        active = self._run(values)[1][E : E + 4]
-        active *= values[E : E + 4, None]
-        return TorqueParts(
-            tissue_tri=self._arm * (elastic + values[B] * self._speed + values[F0]),
-            tissue_tib=np.zeros_like(elastic),
-            neural_tri=active[1:].sum(axis=0),
-            neural_tib=active[0],
-            inertial=values[M] * self._inertia,
-            gravitational=values[M] * self._gravity,
-        )
+    def _contract(
+        self,
+        p: FloatArray,
+        slots: IntArray,
+        group: int,
+        muscle: MusclePath,
+        active: ActiveState,
+        torque: FloatArray,
+        jacobian: FloatArray,
+    ) -> None:
+        alpha, arm = active.alpha[0], muscle.arm
+        contraction = self._contraction(group, muscle)
+        passive, elastic = self._passive(p, group, muscle)
+        gain = arm * contraction[0]
+        torque += arm * passive + gain * alpha
+        if group == 0:
+            jacobian[slots[_K]] = (muscle.length - p[_X0]) * elastic * arm
+            jacobian[slots[_X0]] = -p[_K] * elastic * arm
+            jacobian[slots[_B]], jacobian[slots[_F0]] = arm * muscle.speed, arm
+        for column, slope in zip(active.columns, active.slopes[:, 0], strict=True):
+            jacobian[slots[column]] += gain * slope
+        tissue = group == 0
+        for row, column in enumerate(muscle.columns):
+            longer, faster = muscle.length_slopes[row], muscle.speed_slopes[row]
+            change = tissue * (p[_K] * elastic * longer + p[_B] * faster)
+            change += alpha * (contraction[1] * longer + contraction[2] * faster)
+            total = passive + contraction[0] * alpha
+            jacobian[slots[column]] += muscle.arm_slopes[row] * total + arm * change
 
-    def tendon(self, values: FloatArray) -> None:
-        """Nothing: the tendons are rigid."""
 
-    def _run(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        # A copy: for a read-only or strided array numba would compile the kernel once more.
-        p = np.array(values, dtype=np.float64)
-        return torque_2010(
-            p, self._limb, self._arm, self._length, self._speed, self._iemg, self._gains, self._dt
-        )
+@jit
+def _contraction(length: FloatArray, speed: FloatArray, l0: float, factor: float) -> FloatArray:
+    """f_l·f_v of equations (15) to (17) and its derivatives by length and speed, shape (3, n)."""
+    out = np.empty((3, len(length)))
+    for i in range(len(length)):
+        fl, fl_x, _ = force_length_partials(length[i], l0)
+        fv, fv_v, _ = force_velocity_partials(speed[i], factor * l0)
+        out[0, i], out[1, i], out[2, i] = fl * fv, fl_x * fv, fl * fv_v
+    return out
 
 
 def integrated(inputs: ModelInputs) -> FloatArray:

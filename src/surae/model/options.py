@@ -32,6 +32,9 @@ class ModelOptions:
         Maximum shortening speed in optimal lengths per second.
     x_ref_tri, x_ref_tib : float
         Muscle lengths at θ = 0 of the virtual-work geometry [m].
+    emg_ref : tuple of float, or None
+        EMG levels of TA, GL, SOL, GM [V] at which `emg_shape` changes nothing; the same for all
+        recordings of a leg, e.g. `surae.signals.emg_levels` of them. Only `emg_shape` needs it.
     """
 
     geometry: str = "thesis"
@@ -41,6 +44,7 @@ class ModelOptions:
     vmax_factor: float = 8.0
     x_ref_tri: float = 0.080
     x_ref_tib: float = 0.100
+    emg_ref: tuple[float, float, float, float] | None = None
 
     def __post_init__(self) -> None:
         """Refuse values that are not among the choices or not physical."""
@@ -56,6 +60,19 @@ class ModelOptions:
         for name in ("vmax_factor", "x_ref_tri", "x_ref_tib"):
             if getattr(self, name) <= 0:
                 raise InputError(f"option {name} is {getattr(self, name)}; it must be positive")
+        self._check_levels()
+
+    def _check_levels(self) -> None:
+        """Make a list of levels, as files hold it, a tuple."""
+        if self.emg_ref is None:
+            return
+        levels = tuple(self.emg_ref) if isinstance(self.emg_ref, list | tuple) else ()
+        numbers = [v for v in levels if isinstance(v, Real) and not isinstance(v, bool)]
+        if len(levels) != 4 or len(numbers) != 4 or not all(0 <= v < math.inf for v in numbers):
+            raise InputError(
+                f"option emg_ref is {self.emg_ref!r}; give four levels in V, of TA, GL, SOL, GM"
+            )
+        object.__setattr__(self, "emg_ref", tuple(float(v) for v in numbers))
 
     @classmethod
     def of(cls, **given: Any) -> "ModelOptions":
@@ -72,6 +89,6 @@ class ModelOptions:
                 raise InputError(f"unknown option {name!r}; known options: {', '.join(known)}")
         return cls(**given)
 
-    def as_dict(self) -> dict[str, str | float]:
+    def as_dict(self) -> dict[str, Any]:
         """The options as plain data."""
         return asdict(self)

@@ -18,8 +18,8 @@ class Parameter:
         SI unit; ``"-"`` when dimensionless.
     meaning : str
         What it is, in a few plain words.
-    group : {"limb", "passive", "active", "tendon"}
-        Which part of the torque it acts on.
+    group : {"limb", "passive", "active", "tendon", "measurement"}
+        Which part of the torque it acts on; the last are the laboratory's, not the leg's.
     start : float
         Where a fit starts, and the value of a tendon parameter that is left out.
     lower, upper : float
@@ -97,25 +97,59 @@ TENDON_PARAMETERS: tuple[Parameter, ...] = (
     ),
 )
 
-#: What may drive the muscles beside EMG as it is; off at these starts, and no part of a model that
-#: is not asked for it (`surae.model.registry.with_drives`).
-DRIVE_PARAMETERS: tuple[Parameter, ...] = (
+_ELECTRODES = {
+    "ta": "tibialis anterior",
+    "gl": "gastrocnemius lateralis",
+    "sol": "soleus",
+    "gm": "gastrocnemius medialis",
+}
+#: Crosstalk: part of a muscle's envelope that the electrode of another hears, by their channels.
+CROSSTALK: dict[tuple[int, int], str] = {
+    (i, j): f"xt_{hears}_{of}"
+    for i, hears in enumerate(_ELECTRODES)
+    for j, of in enumerate(_ELECTRODES)
+    if i != j
+}
+_NAMES = tuple(_ELECTRODES)
+
+#: What a model takes beside its own parameters: other drives of the muscles, and what the
+#: laboratory cannot rule out. All are off at these starts (but for the delay of a reflex that is),
+#: and no part of a model that is not asked for them (`surae.model.registry.with_optional`).
+OPTIONAL_PARAMETERS: tuple[Parameter, ...] = (
     _P("emd", "s", "electromechanical delay of the EMG", "active", 0.0, 0.0, 0.2, positive=False),
     _P("reflex_tri", "N·s/m", "reflex gain, triceps surae", "active", 0.0, 0.0, 1e5, False),
     _P("reflex_tib", "N·s/m", "reflex gain, tibialis anterior", "active", 0.0, 0.0, 1e5, False),
     _P("reflex_delay", "s", "delay of the reflex", "active", 0.05, 0.02, 0.15, positive=False),
+    *(
+        _P(name, "-", f"crosstalk of {_NAMES[j]} at {_NAMES[i]}", "measurement", 0.0, 0.0, 0.3, False)
+        for (i, j), name in CROSSTALK.items()
+    ),
+    *(
+        _P(f"emg_rest_{at}", "V", f"EMG level at rest, {muscle}", "measurement", *(0.0, -1e-4, 1e-4), False, True)
+        for at, muscle in _ELECTRODES.items()
+    ),
+    _P("emg_shape", "-", "curvature of EMG to force", "measurement", 0.0, -5.0, 1.0, False, True),
+    _P("torque_zero", "Nm", "zero of the torque", "measurement", 0.0, -30.0, 30.0, False, True),
+    _P("angle_zero", "rad", "zero of the angle", "measurement", 0.0, -0.35, 0.35, False, True),
+    _P("axis", "-", "misalignment of the axes", "measurement", 0.0, -0.2, 0.2, False, True),
 )
-#: Drives by the name under which all their parameters are freed.
-DRIVES: dict[str, tuple[str, ...]] = {
+#: The same by the name under which all parameters of a group are freed.
+OPTIONAL: dict[str, tuple[str, ...]] = {
     "emd": ("emd",),
     "reflex": ("reflex_tri", "reflex_tib", "reflex_delay"),
+    "crosstalk": tuple(CROSSTALK.values()),
+    "emg_rest": tuple(f"emg_rest_{at}" for at in _ELECTRODES),
+    "emg_shape": ("emg_shape",),
+    "torque_zero": ("torque_zero",),
+    "angle_zero": ("angle_zero",),
+    "axis": ("axis",),
 }
 
 #: Parameters that are off at 0: what they stand for is then not there.
 OFF_AT_ZERO = frozenset(
     p.name
     for p in (
-        *MUSCLE_PARAMETERS, *MUSCLE_2010_PARAMETERS, *TENDON_PARAMETERS, *DRIVE_PARAMETERS
+        *MUSCLE_PARAMETERS, *MUSCLE_2010_PARAMETERS, *TENDON_PARAMETERS, *OPTIONAL_PARAMETERS
     )
     if p.lower <= 0.0 <= p.upper
 )  # fmt: skip
@@ -134,6 +168,8 @@ _VIRTUAL_WORK = {
 _SLACK_LENGTH = {"dlt_tri": (0.10, 0.01, 0.5), "dlt_tib": (0.035, 0.005, 0.5)}
 #: The weights of a normalised EMG envelope (unit "1") are forces [N].
 _NORMALISED_WEIGHT = (1e3, 0.0, 2e4)
+#: And their level at rest is a part of 1.
+_NORMALISED_REST = (0.0, -0.2, 0.2)
 
 
 def adapted(
@@ -159,8 +195,9 @@ def adapted(
         for name, (start, lower, upper) in _SLACK_LENGTH.items():
             changes[name] = {"unit": "-", "start": start, "lower": lower, "upper": upper}
     if emg_unit == "1":
-        start, lower, upper = _NORMALISED_WEIGHT
+        units = {"N/V": ("N", *_NORMALISED_WEIGHT), "V": ("-", *_NORMALISED_REST)}
         for p in parameters:
-            if p.unit == "N/V":
-                changes[p.name] = {"unit": "N", "start": start, "lower": lower, "upper": upper}
+            if p.unit in units:
+                fields = ("unit", "start", "lower", "upper")
+                changes[p.name] = dict(zip(fields, units[p.unit], strict=True))
     return {p.name: replace(p, **changes.get(p.name, {})) for p in parameters}  # type: ignore[arg-type]

@@ -10,10 +10,10 @@ from surae.errors import InputError
 from surae.frozen import Comparable
 from surae.model.options import ModelOptions
 from surae.model.parameters import (
-    DRIVE_PARAMETERS,
-    DRIVES,
     MUSCLE_2010_PARAMETERS,
     MUSCLE_PARAMETERS,
+    OPTIONAL,
+    OPTIONAL_PARAMETERS,
     TENDON_PARAMETERS,
     Parameter,
     adapted,
@@ -22,14 +22,13 @@ from surae.model.simulator import Simulator
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 
-#: Ties a model to a recording.
-Tie = Callable[[ModelInputs, ModelOptions], Simulator]
-#: The same for a model with drives, of which the names of the parameters are given.
-TieDriven = Callable[[ModelInputs, ModelOptions, tuple[str, ...]], Simulator]
+#: Ties a model to a recording, with the names of its optional parameters.
+Tie = Callable[[ModelInputs, ModelOptions, tuple[str, ...]], Simulator]
 
 _WEIGHTS = ("g1", "g2", "g3", "g4")
 _WEIGHTS_2010 = ("e1", "e2", "e3", "e4")
-_GAINS = ("reflex_tri", "reflex_tib")
+#: Optional parameters in which the torque is linear.
+_LINEAR = ("reflex_tri", "reflex_tib", "torque_zero")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,8 +45,8 @@ class ModelSpec(Comparable):
         All its parameters, in the order of its parameter vectors.
     free : tuple of str
         Those a fit estimates unless told otherwise; the others keep their `start`.
-    simulator : callable
-        Ties the model to a recording.
+    tie : callable
+        Ties the model to a recording; `simulator` does it for this one.
     parent : str or None
         The simpler model, of the same parameters and fewer, from whose solution a fit of this one
         starts; None for a model whose start is solved for its linear parameters.
@@ -59,29 +58,30 @@ class ModelSpec(Comparable):
         Slack lengths x0 by whose exp(−k·x0) it is linear too, each with its stiffness k.
     scanned : tuple of str
         Those along which the sum of squares, its linear parameters solved, has several valleys.
-    driven : callable or None
-        Ties the model with drives to a recording, see `with_drives`; None where it takes none.
-    drives : tuple of str
-        Parameters of its optional drives, the last of `parameters`; empty without.
+    optional : tuple of str
+        Its optional parameters, the last of `parameters`, see `with_optional`; empty without.
     """
 
     name: str
     title: str
     parameters: tuple[Parameter, ...]
     free: tuple[str, ...]
-    simulator: Tie
+    tie: Tie
     parent: str | None = None
     weights: tuple[str, ...] = _WEIGHTS
     linear: tuple[str, ...] = ()
     slack: Mapping[str, str] = field(default_factory=dict)
     scanned: tuple[str, ...] = ()
-    driven: TieDriven | None = None
-    drives: tuple[str, ...] = ()
+    optional: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of all parameters."""
         return tuple(p.name for p in self.parameters)
+
+    def simulator(self, inputs: ModelInputs, options: ModelOptions) -> Simulator:
+        """The model tied to a recording, with its optional parameters."""
+        return self.tie(inputs, options, self.optional)
 
     def vector(self, given: Mapping[str, float], options: ModelOptions) -> FloatArray:
         """Parameter vector from values by name.
@@ -105,21 +105,10 @@ class ModelSpec(Comparable):
         return np.array([float(given.get(name, p.start)) for name, p in table.items()])
 
 
-@dataclass(frozen=True, slots=True)
-class _Driven:
-    """Ties a model with drives; plain data, so that specs compare and travel to workers."""
+def with_optional(spec: ModelSpec, names: Iterable[str]) -> ModelSpec:
+    """The model with every group of optional parameters of which `names` mentions one.
 
-    tie: TieDriven
-    drives: tuple[str, ...]
-
-    def __call__(self, inputs: ModelInputs, options: ModelOptions) -> Simulator:
-        return self.tie(inputs, options, self.drives)
-
-
-def with_drives(spec: ModelSpec, names: Iterable[str]) -> ModelSpec:
-    """The model with every optional drive of which `names` mentions a parameter.
-
-    A drive brings all its parameters (`DRIVES`), after the model's own, none of them freed.
+    A group is there whole (`OPTIONAL`), after the model's own parameters, none of it freed.
 
     Parameters
     ----------
@@ -131,27 +120,19 @@ def with_drives(spec: ModelSpec, names: Iterable[str]) -> ModelSpec:
     Returns
     -------
     ModelSpec
-        `spec` itself where nothing is to be added: a model without drives costs what it did.
+        `spec` itself where nothing is to be added.
     """
-    if spec.driven is None:
+    mentioned = {*names, *spec.optional}
+    wanted = {p for group in OPTIONAL.values() if mentioned.intersection(group) for p in group}
+    added = tuple(p for p in OPTIONAL_PARAMETERS if p.name in wanted)
+    optional = tuple(p.name for p in added)
+    if optional == spec.optional:
         return spec
-    mentioned = {*names, *spec.drives}
-    wanted = {p for group in DRIVES.values() if mentioned.intersection(group) for p in group}
-    added = tuple(p for p in DRIVE_PARAMETERS if p.name in wanted)
-    drives = tuple(p.name for p in added)
-    if drives == spec.drives:
-        return spec
-    own = tuple(p for p in spec.parameters if p.name not in spec.drives)
-    linear = tuple(name for name in spec.linear if name not in spec.drives)
-    if linear:  # for the torque is linear in whatever the filter's input is linear in
-        linear += tuple(name for name in drives if name in _GAINS)
-    return replace(
-        spec,
-        parameters=own + added,
-        simulator=_Driven(spec.driven, drives),
-        linear=linear,
-        drives=drives,
-    )
+    own = tuple(p for p in spec.parameters if p.name not in spec.optional)
+    linear = tuple(name for name in spec.linear if name not in spec.optional)
+    if linear:  # a model of which this is known
+        linear += tuple(name for name in optional if name in _LINEAR)
+    return replace(spec, parameters=own + added, linear=linear, optional=optional)
 
 
 def check_names(names: Mapping[str, object] | tuple[str, ...], spec: ModelSpec) -> None:
@@ -195,44 +176,26 @@ def check_value(parameter: Parameter, value: float, spec: ModelSpec) -> None:
         raise InputError(f"{spec.name}: {parameter.name} is {value:g}{unit}; it must be {rule}")
 
 
-def _muscle(inputs: ModelInputs, options: ModelOptions) -> Simulator:
+def _muscle(inputs: ModelInputs, options: ModelOptions, optional: tuple[str, ...]) -> Simulator:
     from surae.model.muscle import MuscleSimulator  # numba, only when it is used
 
-    return MuscleSimulator(inputs, options)
+    return MuscleSimulator(inputs, options, optional)
 
 
-def _muscle_2010(inputs: ModelInputs, options: ModelOptions) -> Simulator:
+def _muscle_2010(
+    inputs: ModelInputs, options: ModelOptions, optional: tuple[str, ...]
+) -> Simulator:
     from surae.model.muscle_2010 import Muscle2010Simulator
 
-    return Muscle2010Simulator(inputs, options)
+    return Muscle2010Simulator(inputs, options, optional)
 
 
-def _muscle_tendon(inputs: ModelInputs, options: ModelOptions) -> Simulator:
-    from surae.model.muscle_tendon import muscle_tendon_simulator
-
-    return muscle_tendon_simulator(inputs, options)
-
-
-def _driven_muscle(
-    inputs: ModelInputs, options: ModelOptions, drives: tuple[str, ...]
-) -> Simulator:
-    from surae.model.driven import driven_muscle
-
-    return driven_muscle(inputs, options, drives)
-
-
-def _driven_2010(inputs: ModelInputs, options: ModelOptions, drives: tuple[str, ...]) -> Simulator:
-    from surae.model.driven import driven_muscle_2010
-
-    return driven_muscle_2010(inputs, options, drives)
-
-
-def _driven_tendon(
-    inputs: ModelInputs, options: ModelOptions, drives: tuple[str, ...]
+def _muscle_tendon(
+    inputs: ModelInputs, options: ModelOptions, optional: tuple[str, ...]
 ) -> Simulator:
     from surae.model.muscle_tendon import muscle_tendon_simulator
 
-    return muscle_tendon_simulator(inputs, options, drives)
+    return muscle_tendon_simulator(inputs, options, optional)
 
 
 _FIFTEEN = tuple(p.name for p in MUSCLE_PARAMETERS)
@@ -250,7 +213,6 @@ MODELS: dict[str, ModelSpec] = {
             linear=("m", *_WEIGHTS),
             slack={"x0_tri": "k_tri", "x0_tib": "k_tib"},
             scanned=("l0_tri", "l0_tib"),
-            driven=_driven_muscle,
         ),
         ModelSpec(
             "muscle-2010",
@@ -261,7 +223,6 @@ MODELS: dict[str, ModelSpec] = {
             weights=_WEIGHTS_2010,
             linear=("m", *_WEIGHTS_2010, "b_tri", "F0"),
             slack={"x0_tri": "k_tri"},
-            driven=_driven_2010,
         ),
         ModelSpec(
             "muscle-tendon",
@@ -270,7 +231,6 @@ MODELS: dict[str, ModelSpec] = {
             _FIFTEEN,
             _muscle_tendon,
             "muscle",
-            driven=_driven_tendon,
         ),
         ModelSpec(
             "muscle-tendon-strain",
@@ -279,7 +239,6 @@ MODELS: dict[str, ModelSpec] = {
             (*_FIFTEEN, "dlt_tri", "dlt_tib"),
             _muscle_tendon,
             "muscle",
-            driven=_driven_tendon,
         ),
         ModelSpec(
             "muscle-tendon-toe",
@@ -288,7 +247,6 @@ MODELS: dict[str, ModelSpec] = {
             (*_FIFTEEN, "pt_tri", "pt_tib"),
             _muscle_tendon,
             "muscle",
-            driven=_driven_tendon,
         ),
     )
 }

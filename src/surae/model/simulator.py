@@ -28,6 +28,8 @@ class TorqueParts(Comparable):
         Active contraction of the two groups, signed as in equation (1).
     inertial, gravitational : ndarray
         Foot and footplate.
+    zero : ndarray or None
+        Zero of the torque; None from a model without one.
     reflex_tri, reflex_tib : ndarray or None
         Of `neural_tri` and `neural_tib`, what the reflex drives; None from a model without one.
     """
@@ -40,6 +42,7 @@ class TorqueParts(Comparable):
     gravitational: FloatArray
     reflex_tri: FloatArray | None = None
     reflex_tib: FloatArray | None = None
+    zero: FloatArray | None = None
 
     @property
     def tissue(self) -> FloatArray:
@@ -61,10 +64,11 @@ class TorqueParts(Comparable):
     @property
     def total(self) -> FloatArray:
         """The whole torque [Nm], equation (1)."""
-        return self.tissue + self.neural + self.inertial + self.gravitational
+        total = self.tissue + self.neural + self.inertial + self.gravitational
+        return total if self.zero is None else total + self.zero
 
     def columns(self) -> Mapping[str, FloatArray]:
-        """The parts under the names they have in files, sums of both groups first, reflex last."""
+        """The parts under the names they have in files, sums of both groups first, optional ones last."""
         columns = {
             "tissue_Nm": self.tissue,
             "neural_Nm": self.neural,
@@ -75,12 +79,13 @@ class TorqueParts(Comparable):
             "neural_tri_Nm": self.neural_tri,
             "neural_tib_Nm": self.neural_tib,
         }
-        reflex = {
+        optional = {
+            "torque_zero_Nm": self.zero,
             "reflex_Nm": self.reflex,
             "reflex_tri_Nm": self.reflex_tri,
             "reflex_tib_Nm": self.reflex_tib,
         }
-        return columns | {name: one for name, one in reflex.items() if one is not None}
+        return columns | {name: part for name, part in optional.items() if part is not None}
 
 
 class Simulator(Protocol):

@@ -2,7 +2,7 @@
 
 from surae.signals.estimable import check_estimable
 from surae.signals.inputs import EmgReference, ModelInputs
-from surae.signals.normalise import emg_reference, normalise, normalised
+from surae.signals.normalise import emg_levels, emg_reference, normalise, normalised
 from surae.signals.prepare import prepare
 from surae.signals.settings import Preparation
 from surae.signals.thinning import thinned, thinning_factor
@@ -14,6 +14,7 @@ __all__ = [
     "Preparation",
     "Weighting",
     "check_estimable",
+    "emg_levels",
     "emg_reference",
     "normalise",
     "normalised",

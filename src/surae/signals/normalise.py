@@ -161,3 +161,13 @@ def _largest(envelope: FloatArray, rate_hz: float) -> float:
     width = min(max(round(AVERAGED_S * rate_hz), 1), len(envelope))
     total = np.cumsum(np.concatenate(([0.0], np.abs(envelope))))
     return float(np.max(total[width:] - total[:-width])) / width
+
+
+def emg_levels(inputs: Sequence[ModelInputs]) -> tuple[float, float, float, float]:
+    """EMG levels of a leg that only 1 % of its samples exceed, of TA, GL, SOL, GM [V].
+
+    A reference for `emg_shape` (`ModelOptions.emg_ref`), over all recordings of a session together;
+    0 for a muscle without EMG.
+    """
+    ta, gl, sol, gm = np.percentile(np.concatenate([recording.emg for recording in inputs]), 99.0, 0)
+    return float(ta), float(gl), float(sol), float(gm)

@@ -83,7 +83,7 @@ def simulate_leg(
     ankle, turn = misaligned(plate, imperfections.axis_forward, imperfections.axis_up)
     done = effort(subject, trajectory, imperfections, trial)
     if imperfections.reflex_gain > 0.0:
-        triceps, _ = paths(ankle[0], ankle[1], options)
+        triceps, _ = paths(angle=ankle[0], velocity=ankle[1], options=options)
         stretch = triceps.speed / subject.parameters["l0_tri"]
         done = done.copy()
         done[:, _HEADS] += reflex(trajectory.time, stretch, imperfections)[:, None]

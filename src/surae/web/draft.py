@@ -6,7 +6,7 @@ from typing import Any
 from surae.errors import InputError
 from surae.model import ModelOptions, ModelSpec, adapted, get_model
 from surae.model.parameters import Parameter
-from surae.model.registry import with_drives
+from surae.model.registry import with_optional
 from surae.studies.populations import POPULATIONS, TENDONS
 
 #: Keys whose entries a change adds to or, with None, takes away; it replaces all others.
@@ -49,7 +49,7 @@ def changed(draft: Draft, change: Mapping[str, Any]) -> Draft:
 
 def spec_of(draft: Draft) -> ModelSpec:
     """The model of a draft, with the drives of which it mentions a parameter."""
-    return with_drives(get_model(draft["model"]), draft["parameters"])
+    return with_optional(get_model(draft["model"]), draft["parameters"])
 
 
 def fit_keywords(draft: Draft, prescribed: Mapping[str, float]) -> dict[str, Any]:
@@ -164,7 +164,7 @@ def parameter_table(
                 "normal": normal(name, "healthy"),
                 "patient": normal(name, "patient"),
                 "prescribed": prescribed.get(name),
-                "optional": name in spec.drives,
+                "optional": name in spec.optional,
             }
         )
     return rows

@@ -28,7 +28,7 @@ from surae.errors import InputError
 from surae.estimation import FitProblem, FitResult, fit_problem, make_problem
 from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.least_squares import Outcome
-from surae.model import ModelOptions, ModelSpec, get_model, with_drives
+from surae.model import ModelOptions, ModelSpec, get_model, with_optional
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 from surae.versions import versions
@@ -139,7 +139,7 @@ def is_rigid(spec: ModelSpec) -> bool:
 
 def _checked(models: Sequence[str], fixed: Mapping[str, float]) -> list[ModelSpec]:
     """The models in their order, after all that can be wrong with the choice."""
-    specs = [with_drives(get_model(name), fixed) for name in models]
+    specs = [with_optional(get_model(name), fixed) for name in models]
     for name in models:
         if list(models).count(name) > 1:
             raise InputError(f"model {name!r} is given twice; give it once")

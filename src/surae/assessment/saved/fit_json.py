@@ -18,7 +18,7 @@ from surae.errors import InputError
 from surae.estimation import FitProblem, FitResult, FitSettings, Outliers, Prior, Start
 from surae.files import PathLike, shown, write_json
 from surae.frozen import FrozenDict
-from surae.model import ModelOptions, ModelSpec, check_value, get_model, with_drives
+from surae.model import ModelOptions, ModelSpec, check_value, get_model, with_optional
 from surae.quality.finding import Quality, quality_of
 
 
@@ -205,7 +205,7 @@ def _optional(value: float | None) -> float | None:
 
 def _result(data: Mapping[str, Any]) -> FitResult:
     table = data["parameters"]
-    spec = with_drives(get_model(data["model"]), table)
+    spec = with_optional(get_model(data["model"]), table)
     options = ModelOptions.of(**data["options"])
     free = tuple(name for name in spec.names if table[name]["free"])
     values = {name: real(table[name]["value"]) for name in spec.names}

@@ -98,7 +98,7 @@ def _printed() -> Finding:
         "tendon is taut somewhere in the range of motion",
     )
     angle = np.linspace(-0.9, 0.6, 301)
-    triceps, _ = paths(angle, np.zeros_like(angle), ModelOptions())
+    triceps, _ = paths(angle=angle, velocity=np.zeros_like(angle), options=ModelOptions())
     # x = 0.118 − 1.67 r by equation (9): what the printed (23) subtracts from 0.467 is 1.67 r.
     longest = float((0.467 - (0.118 - triceps.length)).max())
     muscle = subject().parameters["x0_tri"]

@@ -6,7 +6,7 @@ from fastapi import APIRouter, Query, Response
 
 from surae.files import csv_row
 from surae.model import ModelSpec, get_model
-from surae.model.registry import with_drives
+from surae.model.registry import with_optional
 from surae.web.fits import ranges
 from surae.web.project import when
 from surae.web.routes.common import ERRORS, Bench, Responses, attachment
@@ -54,7 +54,7 @@ def get_cohort_csv(bench: Bench, model: Model = "muscle", which: Which = "latest
 
 def _with_found(model: str, rows: list[dict[str, Any]]) -> ModelSpec:
     """The model, with the drives that some fit has estimated."""
-    return with_drives(get_model(model), {name for row in rows for name in row["parameters"]})
+    return with_optional(get_model(model), {name for row in rows for name in row["parameters"]})
 
 
 def _rows(bench: Workbench, model: str, which: str) -> list[dict[str, Any]]:

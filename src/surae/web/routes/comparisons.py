@@ -38,9 +38,9 @@ def get_compare(bench: Bench, fits: Annotated[str, Query(max_length=340)]) -> di
 
 def _described(name: str) -> dict[str, str]:
     from surae.model import MODELS
-    from surae.model.parameters import DRIVE_PARAMETERS
+    from surae.model.parameters import OPTIONAL_PARAMETERS
 
-    known = {p.name: p for p in DRIVE_PARAMETERS}
+    known = {p.name: p for p in OPTIONAL_PARAMETERS}
     known |= {p.name: p for spec in MODELS.values() for p in reversed(spec.parameters)}
     p = known.get(name)
     return {"unit": "" if p is None else p.unit, "meaning": "" if p is None else p.meaning}

@@ -7,7 +7,7 @@ from fastapi import APIRouter, Request
 from surae.errors import InputError
 from surae.model import MODELS
 from surae.model.options import _CHOICES
-from surae.model.parameters import DRIVES, Parameter
+from surae.model.parameters import OPTIONAL, Parameter
 from surae.processes import one_line
 from surae.web.draft import described, empty_draft, normal, parameter_table
 from surae.web.fits import check_draft
@@ -111,7 +111,7 @@ def get_models() -> dict[str, Any]:
         ],
         "options": {name: list(_CHOICES[name]) if name in _CHOICES else value
                     for name, value in defaults.items()},
-        "drives": {name: list(members) for name, members in DRIVES.items()},
+        "drives": {name: list(members) for name, members in OPTIONAL.items()},
         "losses": ["huber", "soft-l1", "tukey"],
         "populations": ["healthy", "patient"],
         "draft": empty_draft(),

@@ -102,32 +102,32 @@ def solve(
         False only when a number is not finite.
     e : float
         The root [m].
-    found : tuple
+    here : tuple
         As from `balance`, at the root to within the last Newton step, forces corrected for it.
     """
     scale = min(1.0 / curve[1], 1.0 / muscle[0], MVSH * MVSHL * muscle[3] / step[2])
     tolerance = TOLERANCE * scale
     e = guess
     for _ in range(NEWTON_STEPS):
-        found = balance(e, muscle, curve, step)
-        if not found[1] > 0.0:
+        here = balance(e, muscle, curve, step)
+        if not here[1] > 0.0:
             break
         # Halley's step, which saves about every fourth evaluation; Newton's where it would not be
-        G, square = found[0], found[1] * found[1]
-        bent = 0.5 * G * _curvature(found, step)
+        G, square = here[0], here[1] * here[1]
+        bent = 0.5 * G * _curvature(here, step)
         if abs(bent) > 0.5 * square:
             bent = 0.0
-        change = -G * found[1] / (square - bent)
+        change = -G * here[1] / (square - bent)
         e += change
         if abs(change) <= tolerance:
-            return True, e, _corrected(found, change, muscle[0])
+            return True, e, _corrected(here, change, muscle[0])
     return _search(tolerance, muscle, curve, step)
 
 
 @jit
-def _curvature(found: Balance, step: Step) -> float:
+def _curvature(here: Balance, step: Step) -> float:
     """Second derivative of the residual, as far as it is the force-velocity curve's [N/m²]."""
-    fl, fv, fv_v = found[6], found[8], found[9] * step[2]
+    fl, fv, fv_v = here[6], here[8], here[9] * step[2]
     if fv < 1.0:  # both branches of (17) are hyperbolas: f'' follows from f and f'
         return -step[5] * fl * 2.0 * fv_v * fv_v / (MVSH + fv)
     top = 1.0 + (1.0 + MVSH * MVSHL) * (FECC - 1.0)
@@ -135,13 +135,13 @@ def _curvature(found: Balance, step: Step) -> float:
 
 
 @jit
-def _corrected(found: Balance, change: float, k: float) -> Balance:
+def _corrected(here: Balance, change: float, k: float) -> Balance:
     """The balance with its forces carried along the last Newton step."""
-    force = max(found[2] + found[3] * change, 0.0)
-    elastic = found[4] * (1.0 - k * change)
+    force = max(here[2] + here[3] * change, 0.0)
+    elastic = here[4] * (1.0 - k * change)
     return (
-        found[0] + found[1] * change, found[1], force, found[3], elastic, found[5], found[6],
-        found[7], found[8], found[9],
+        here[0] + here[1] * change, here[1], force, here[3], elastic, here[5], here[6],
+        here[7], here[8], here[9],
     )  # fmt: skip
 
 
@@ -150,10 +150,10 @@ def _search(
     tolerance: float, muscle: Muscle, curve: TendonCurve, step: Step
 ) -> tuple[bool, float, Balance]:
     """Newton inside a bracket that halves whenever Newton would leave it or slow down."""
-    found = balance(0.0, muscle, curve, step)
-    if found[0] == 0.0:
-        return True, 0.0, found
-    if found[0] > 0.0:  # both slack: the muscle takes up the slack at most at vmax
+    here = balance(0.0, muscle, curve, step)
+    if here[0] == 0.0:
+        return True, 0.0, here
+    if here[0] > 0.0:  # both slack: the muscle takes up the slack at most at vmax
         low, high = step[0] - step[1] + muscle[3] / step[2], 0.0
     else:
         low, high = 0.0, curve[0]
@@ -163,20 +163,20 @@ def _search(
     e = 0.5 * (low + high)
     last = high - low
     for _ in range(SEARCH_STEPS):
-        found = balance(e, muscle, curve, step)
-        if math.isnan(found[0]):
+        here = balance(e, muscle, curve, step)
+        if math.isnan(here[0]):
             break
-        if found[0] < 0.0:
+        if here[0] < 0.0:
             low = e
-        elif found[0] > 0.0:
+        elif here[0] > 0.0:
             high = e
         else:
-            return True, e, found
-        change = -found[0] / found[1]
+            return True, e, here
+        change = -here[0] / here[1]
         if not (low < e + change < high and abs(change) < 0.5 * abs(last)):
             change = 0.5 * (low + high) - e
         last = change
         e += change
         if abs(change) <= tolerance:
-            return True, e, _corrected(found, change, muscle[0])
-    return False, e, found
+            return True, e, _corrected(here, change, muscle[0])
+    return False, e, here

@@ -6,9 +6,6 @@ speed of it, clamped at ±vmax (27), and the speed the next length (28). It divi
 state, is stiff, and where the muscle is hardly active it chatters between the clamps (Figure 45).
 """
 
-import numpy as np
-
-from surae.model.balance import solve
 from surae.model.compliant import (
     ELONGATION,
     EPS0,
@@ -19,13 +16,12 @@ from surae.model.compliant import (
     SPEED,
     TISSUE,
     TOE,
-    IntArray,
 )
 from surae.model.contraction import FECC, MVSH, MVSHL, force_length
+from surae.model.equilibrium import solve
 from surae.model.jit import jit
 from surae.model.passive import elastic_force, relaxation_step
 from surae.model.rigid import K_REL, L0, TAU, X0, K
-from surae.model.stages import ALPHA
 from surae.model.tendon import tendon_curve, tendon_force
 from surae.units import FloatArray
 
@@ -62,54 +58,33 @@ def speed_of(factor: float, vmax: float) -> float:
     return 0.0
 
 
+@jit
 def explicit_states(
-    p: FloatArray, lengths: FloatArray, alphas: FloatArray, strain_lengths: FloatArray,
-    factor: float, dt: float,
-) -> tuple[FloatArray, IntArray]:  # fmt: skip
-    """States of both muscle groups as the thesis integrates them.
+    p: FloatArray, strain_length: float, lengths: FloatArray, alphas: FloatArray, factor: float,
+    dt: float, states: FloatArray,
+) -> int:  # fmt: skip
+    """States of a muscle group as the thesis integrates them.
 
     It starts, as the thesis does, with tendon and tissue in equilibrium and no active state.
 
     Parameters
     ----------
-    p : ndarray, shape (23,)
-        The muscle's fifteen parameters, then ε0, F̄toe, ktoe and Fmax of triceps and tibialis.
-    lengths : ndarray, shape (2, n)
-        Muscle lengths on a rigid tendon, lmt − lt0 [m], triceps first.
-    alphas : ndarray, shape (10, n, 2)
-        Active states; see `surae.model.stages.staged_activation`.
-    strain_lengths : ndarray, shape (2,)
-        What ε0 is multiplied by to be an elongation in metres: 1, or the slack length.
-    factor : float
-        vmax in optimal lengths per second.
-    dt : float
-        Sample time [s].
+    p, strain_length, factor, dt, states
+        As in `surae.model.compliant.compliant_states`.
+    lengths : ndarray, shape (n,)
+        Muscle length on a rigid tendon, lmt − lt0 [m].
+    alphas : ndarray, shape (n,)
+        Active state [N].
 
     Returns
     -------
-    states, unsolved
-        As from `surae.model.compliant.compliant_torque`; only the start is ever solved for.
+    int
+        0 where the start could not be solved, the only thing that ever is, else −1.
     """
-    states = np.full((2, 5, lengths.shape[1]), np.nan)
-    unsolved = np.full(2, -1)
-    for muscle in range(2):
-        unsolved[muscle] = _integrate(
-            muscle, p, lengths[muscle], alphas[ALPHA + muscle], float(strain_lengths[muscle]),
-            factor, dt, states[muscle],
-        )  # fmt: skip
-    return states, unsolved
-
-
-@jit
-def _integrate(
-    muscle: int, p: FloatArray, lengths: FloatArray, alphas: FloatArray, strain_length: float,
-    factor: float, dt: float, states: FloatArray,
-) -> int:  # fmt: skip
-    """One muscle group: fills its states; 0 where the start could not be solved, else −1."""
-    k, x0, l0 = p[K + muscle], p[X0 + muscle], p[L0 + muscle]
+    k, x0, l0 = p[K], p[X0], p[L0]
     vmax = factor * l0
-    eps0, toe = p[EPS0 + muscle] * strain_length, p[TOE + muscle]
-    curve = tendon_curve(eps0, toe, p[K_TOE + muscle], p[F_MAX + muscle])
+    eps0, toe = p[EPS0] * strain_length, p[TOE]
+    curve = tendon_curve(eps0, toe, p[K_TOE], p[F_MAX])
     step = relaxation_step(p[TAU], p[K_REL], dt)
     kept, b0, b1 = step[0], step[1], step[2]
     dc = p[K_REL] / (1.0 + p[K_REL])
@@ -129,7 +104,7 @@ def _integrate(
             z = kept * z + b0 * before + b1 * elastic
         before = elastic
         tissue = max(elastic - z, 0.0)
-        active = max(alphas[i, 1], 0.0)
+        active = max(alphas[i], 0.0)
         speed = speed_of((force - tissue) / (force_length(x, l0) * active), vmax)  # (25) to (27)
         states[LENGTH, i], states[SPEED, i], states[ELONGATION, i] = x, speed, e
         states[FORCE, i], states[TISSUE, i] = force, tissue

@@ -1,0 +1,210 @@
+"""What excites the muscles of a recording: its EMG, as far as that can be believed, and a reflex.
+
+    E_tri(t) = g2·ê2(t − emd) + g3·ê3(t − emd) + g4·ê4(t − emd) + reflex_tri·v_tri(t − reflex_delay)
+    E_tib(t) = g1·ê1(t − emd) + reflex_tib·v_tib(t − reflex_delay)             (12)(13)
+    v        = max(d lmt/dt, 0)                                                [m/s]
+
+Every muscle's own envelope ê is that of its electrode but for what the laboratory cannot rule out:
+a level at rest r (`emg_rest_…`), what electrodes hear of other muscles (`xt_ta_gl`: the electrode of
+the tibialis of the gastrocnemius lateralis), and a force that does not grow as EMG does
+(`emg_shape` A, Lloyd and Besier 2003; −3 to 0 there, 0 is linear):
+
+    u = M⁻¹·(e − r),   ê = e_ref·(exp(A·u/e_ref) − 1)/(exp(A) − 1)
+
+M is 1 on its diagonal. Nothing is clipped: a muscle that is less active than its electrode's rest
+has a small negative ê. The weights keep their unit, for ê = u at 0 and at the reference level e_ref
+(`ModelOptions.emg_ref`; 1 for a normalised EMG). A muscle without EMG hears and is heard of nothing.
+
+lmt is the muscle-tendon unit's length: with it lengthens the muscle on a rigid tendon, and what a
+compliant tendon leaves to the muscle is not known before the force is. `reflex_delay` is all of the
+time from stretch to the filter's input, the loop's and the muscle's own; `emd` is not added to it.
+
+References
+----------
+D. G. Lloyd, T. F. Besier (2003). An EMG-driven musculoskeletal model to estimate muscle forces and
+knee joint moments in vivo. Journal of Biomechanics 36(6):765-776.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.model.activation import Drive
+from surae.model.jit import jit
+from surae.model.movement import MusclePath
+from surae.model.options import ModelOptions
+from surae.model.parameters import CROSSTALK, OPTIONAL
+from surae.model.passive import phi
+from surae.recording import MUSCLES
+from surae.signals import ModelInputs
+from surae.units import FloatArray
+
+#: EMG channels of triceps and tibialis.
+GROUPS = (slice(1, 4), slice(0, 1))
+_GAINS = OPTIONAL["reflex"][:2]
+_RESTS = OPTIONAL["emg_rest"]
+
+
+@dataclass(frozen=True, slots=True)
+class _Envelopes:
+    """Envelopes of the muscles themselves, shape (4, n), and what their derivatives are made of.
+
+    `weighted` are ê, `own` are u, `steep` is ∂ê/∂u and `by_shape` is ∂ê/∂A, each None where it is
+    not needed; `unmixing` is M⁻¹.
+    """
+
+    weighted: FloatArray
+    own: FloatArray
+    unmixing: FloatArray
+    steep: FloatArray | None = None
+    by_shape: FloatArray | None = None
+
+
+class Excitation:
+    """Excitation of one recording's muscles.
+
+    Parameters
+    ----------
+    inputs, options : ModelInputs, ModelOptions
+        Of the recording.
+    at : mapping of str to int
+        Columns of the model's parameters.
+    weights : tuple of str
+        Names of the weights of TA, GL, SOL, GM.
+    emg : ndarray, shape (4, n)
+        Envelopes of their electrodes.
+
+    Raises
+    ------
+    InputError
+        A shape is asked for, and no reference level is given.
+    """
+
+    def __init__(
+        self,
+        inputs: ModelInputs,
+        options: ModelOptions,
+        *,
+        at: Mapping[str, int],
+        weights: tuple[str, ...],
+        emg: FloatArray,
+    ) -> None:
+        self._emg = np.array(emg, dtype=np.float64, order="C")
+        self._at, self._weights = at, [at[name] for name in weights]
+        self._corrections = {at[name] for name in (*_RESTS, *CROSSTALK.values()) if name in at}
+        self._present = np.array([m not in inputs.missing_emg for m in MUSCLES], dtype=float)
+        self._reference = _reference(inputs, options, self._present) if "emg_shape" in at else None
+        self.has_reflex = "reflex_delay" in at
+
+    def drives(
+        self, values: FloatArray, muscles: tuple[MusclePath, ...], wanted: frozenset[int]
+    ) -> tuple[list[Drive], list[Drive]]:
+        """Drives of triceps and tibialis, EMG before reflex, with slopes by the wanted columns."""
+        envelopes = self._envelopes(values)
+        tri, tib = (
+            [self._of_emg(group, values, envelopes, wanted)] for group in range(len(GROUPS))
+        )
+        if self.has_reflex:
+            tri.append(self._of_stretch(0, values, muscles[0], wanted))
+            tib.append(self._of_stretch(1, values, muscles[1], wanted))
+        return tri, tib
+
+    def _value(self, values: FloatArray, name: str) -> float:
+        return float(values[self._at[name]]) if name in self._at else 0.0
+
+    def _envelopes(self, values: FloatArray) -> _Envelopes:
+        own, unmixing = self._emg, np.eye(4)
+        if _RESTS[0] in self._at:
+            rest = np.array([self._value(values, name) for name in _RESTS])
+            own = own - (self._present * rest)[:, None]
+        if CROSSTALK[0, 1] in self._at:
+            mixing = np.eye(4)
+            for (hears, of), name in CROSSTALK.items():
+                mixing[hears, of] = self._present[hears] * self._value(values, name)
+            unmixing = np.linalg.inv(mixing)
+            own = unmixing @ own
+        if self._reference is None:
+            return _Envelopes(own, own, unmixing)
+        column = self._at["emg_shape"]
+        shaped = _shaped(np.ascontiguousarray(own), self._reference, float(values[column]))
+        return _Envelopes(shaped[0], own, unmixing, shaped[1], shaped[2])
+
+    def _of_emg(
+        self, group: int, values: FloatArray, envelopes: _Envelopes, wanted: frozenset[int]
+    ) -> Drive:
+        channels, at = GROUPS[group], self._at
+        columns = self._weights[channels]
+        weights = values[columns]
+        signal = weights @ envelopes.weighted[channels]
+        slopes = [
+            (column, envelope)
+            for column, envelope in zip(columns, envelopes.weighted[channels], strict=True)
+            if column in wanted
+        ]
+        if envelopes.by_shape is not None and at["emg_shape"] in wanted:
+            slopes.append((at["emg_shape"], weights @ envelopes.by_shape[channels]))
+        if self._corrections.intersection(wanted):
+            # ∂E/∂e of each electrode, times what takes it off: all that rest and crosstalk do
+            steep = np.ones((4, 1)) if envelopes.steep is None else envelopes.steep
+            heard = envelopes.unmixing[channels].T @ (weights[:, None] * steep[channels])
+            heard *= -self._present[:, None]
+            for i, name in enumerate(_RESTS):
+                if at.get(name, -1) in wanted and heard[i].any():
+                    slopes.append((at[name], np.array(np.broadcast_to(heard[i], signal.shape))))
+            for (hears, of), name in CROSSTALK.items():
+                if at.get(name, -1) in wanted and heard[hears].any():
+                    slopes.append((at[name], heard[hears] * envelopes.own[of]))
+        if "emd" not in at:
+            return Drive(signal, slopes)
+        column = at["emd"]
+        return Drive(signal, slopes, float(values[column]), column if column in wanted else -1)
+
+    def _of_stretch(
+        self, group: int, values: FloatArray, muscle: MusclePath, wanted: frozenset[int]
+    ) -> Drive:
+        own, delay = self._at[_GAINS[group]], self._at["reflex_delay"]
+        gain, stretch = float(values[own]), np.maximum(muscle.speed, 0.0)
+        slopes = [(own, stretch)] if own in wanted else []
+        slopes += [
+            (column, gain * (muscle.speed > 0.0) * by)
+            for column, by in zip(muscle.columns, muscle.speed_slopes, strict=True)
+        ]
+        return Drive(
+            gain * stretch, slopes, float(values[delay]), delay if delay in wanted else -1
+        )
+
+
+def _reference(inputs: ModelInputs, options: ModelOptions, present: FloatArray) -> FloatArray:
+    """Reference levels e_ref of the four electrodes, shape (4,); 1 for one that is missing."""
+    if inputs.emg_unit == "1":
+        return np.ones(4)
+    if options.emg_ref is None:
+        raise InputError(
+            f"{inputs.where}: emg_shape needs the EMG's reference level; give the option emg_ref, "
+            "four levels in V, e.g. those of surae.signals.emg_levels"
+        )
+    levels = np.where(present > 0, options.emg_ref, 1.0)
+    if not np.all(levels > 0):
+        muscle = MUSCLES[int(np.argmin(levels))]
+        raise InputError(
+            f"{inputs.where}: option emg_ref is {levels.min():g} V for {muscle}, which has EMG; "
+            "its reference level must be positive"
+        )
+    return levels
+
+
+@jit
+def _shaped(own: FloatArray, reference: FloatArray, shape: float) -> FloatArray:
+    """ê with its derivatives by u and by A, shape (3, 4, n): u·φ1(A·u/e_ref)/φ1(A), exact at 0."""
+    out = np.empty((3, *own.shape))
+    whole, _, d_whole, _ = phi(shape)
+    for c in range(own.shape[0]):
+        for i in range(own.shape[1]):
+            u = own[c, i] / reference[c]
+            part, _, d_part, _ = phi(shape * u)
+            out[0, c, i] = own[c, i] * part / whole
+            out[1, c, i] = (part + shape * u * d_part) / whole
+            out[2, c, i] = own[c, i] * (u * d_part - part * d_whole / whole) / whole
+    return out

@@ -1,0 +1,162 @@
+"""A model tied to a recording: what all models have in common, whatever their muscles do.
+
+    T = m·(T_inertia + T_gravity) + Σ r·(F_tissue + F_active) + torque_zero        (1)
+
+A model gives the forces of a muscle group, and its torque with derivatives; movement, excitation
+and activation are the same for all.
+"""
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+
+from surae.model.activation import ActivationFilter, ActiveState, IntArray
+from surae.model.excitation import Excitation
+from surae.model.movement import LegMovement, Movement, MusclePath
+from surae.model.options import ModelOptions
+from surae.model.simulator import TorqueParts
+from surae.signals import ModelInputs
+from surae.units import FloatArray
+
+
+class TiedModel:
+    """Base of the simulators; columns of a jacobian are to be distinct.
+
+    Parameters
+    ----------
+    inputs, options : ModelInputs, ModelOptions
+        Of the recording.
+    own : sequence of str
+        The model's own parameters, the mass first.
+    optional : sequence of str
+        Its optional ones, which follow.
+    weights : tuple of str
+        Weights of the EMG of TA, GL, SOL, GM.
+    emg : ndarray, shape (4, n), optional
+        What they weigh, if it is not the recording's envelopes.
+    cutoff, damping : str
+        Names of the activation filter's; without the latter it is critically damped.
+    lags : tuple of float
+        Active states are wanted so long before each sample [s].
+    """
+
+    def __init__(
+        self,
+        inputs: ModelInputs,
+        options: ModelOptions,
+        *,
+        own: Sequence[str],
+        optional: Sequence[str],
+        weights: tuple[str, ...],
+        emg: FloatArray | None = None,
+        cutoff: str = "f0",
+        damping: str = "beta",
+        lags: tuple[float, ...] = (0.0,),
+    ) -> None:
+        self._at = {name: column for column, name in enumerate((*own, *optional))}
+        self._dt, self._lags = 1.0 / inputs.rate_hz, lags
+        self._factor = float(options.vmax_factor)
+        self._cutoff, self._damping = self._at[cutoff], self._at.get(damping, -1)
+        self._zero = self._at.get("torque_zero")
+        self._movement = Movement(inputs, options, self._at)
+        self._excitation = Excitation(
+            inputs, options, at=self._at, weights=weights, emg=inputs.emg.T if emg is None else emg
+        )
+
+    def torque(self, values: FloatArray) -> FloatArray:
+        """Modelled torque [Nm], shape (n,)."""
+        p = np.array(values, dtype=np.float64)
+        leg = self._movement.at(p)
+        torque: FloatArray = p[0] * (leg.inertia + leg.gravity)
+        for group, active in enumerate(self._active(p, leg)):
+            muscle = leg.muscles[group]
+            torque += muscle.arm * self._forces(p, group, muscle, active).sum(axis=0)
+        if self._zero is not None:
+            torque += p[self._zero]
+        return torque
+
+    def torque_jacobian(
+        self, values: FloatArray, columns: Sequence[int]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Modelled torque, shape (n,), and its derivatives, one row for each of `columns`."""
+        # A copy: for a read-only or strided array numba would compile every kernel once more.
+        p = np.array(values, dtype=np.float64)
+        slots = np.full(len(p), len(columns))
+        slots[list(columns)] = np.arange(len(columns))
+        leg = self._movement.at(p, columns)
+        limb = leg.inertia + leg.gravity
+        torque: FloatArray = p[0] * limb
+        jacobian = np.zeros((len(columns) + 1, len(limb)))  # the last row is of what is not wanted
+        jacobian[slots[0]] = limb
+        if self._zero is not None:
+            torque += p[self._zero]
+            jacobian[slots[self._zero]] = 1.0
+        if "angle_zero" in self._at:
+            jacobian[slots[self._at["angle_zero"]]] = p[0] * leg.gravity_slope
+        for group, active in enumerate(self._active(p, leg, columns)):
+            self._contract(p, slots, group, leg.muscles[group], active, torque, jacobian)
+        return torque, jacobian[:-1]
+
+    def parts(self, values: FloatArray) -> TorqueParts:
+        """The torque split into its parts; of a compliant tendon's, tissue is F_elas·r."""
+        p = np.array(values, dtype=np.float64)
+        leg = self._movement.at(p)
+        split, reflex = [], []
+        for group, active in enumerate(self._active(p, leg)):
+            muscle = leg.muscles[group]
+            split.append(muscle.arm * self._forces(p, group, muscle, active))
+            if self._excitation.has_reflex:
+                alpha, made = active.alpha[-1], active.drives[1][-1]
+                share = np.divide(made, alpha, out=np.zeros_like(alpha), where=alpha != 0.0)
+                reflex.append(share * split[-1][1])
+        (tissue_tri, neural_tri), (tissue_tib, neural_tib) = split
+        return TorqueParts(
+            tissue_tri=tissue_tri,
+            tissue_tib=tissue_tib,
+            neural_tri=neural_tri,
+            neural_tib=neural_tib,
+            inertial=p[0] * leg.inertia,
+            gravitational=p[0] * leg.gravity,
+            reflex_tri=reflex[0] if reflex else None,
+            reflex_tib=reflex[1] if reflex else None,
+            zero=None if self._zero is None else np.full(len(tissue_tri), p[self._zero]),
+        )
+
+    def tendon(self, values: FloatArray) -> None:
+        """Nothing: the tendons are rigid."""
+
+    def _active(
+        self, p: FloatArray, leg: LegMovement, columns: Collection[int] = ()
+    ) -> list[ActiveState]:
+        """Active states of both groups, with their derivatives by `columns`."""
+        wanted = frozenset(columns)
+        f0, beta = self._cutoff, self._damping
+        step = ActivationFilter(
+            f0=p[f0],
+            beta=1.0 if beta < 0 else p[beta],
+            dt=self._dt,
+            lags=self._lags,
+            columns=(f0 if f0 in wanted else -1, beta if beta in wanted else -1),
+        )
+        return [
+            step.active_state(drives) for drives in self._excitation.drives(p, leg.muscles, wanted)
+        ]
+
+    def _forces(
+        self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState
+    ) -> FloatArray:
+        """Passive and active force of a muscle group [N], shape (2, n)."""
+        raise NotImplementedError
+
+    def _contract(
+        self,
+        p: FloatArray,
+        slots: IntArray,
+        group: int,
+        muscle: MusclePath,
+        active: ActiveState,
+        torque: FloatArray,
+        jacobian: FloatArray,
+    ) -> None:
+        """Add a group's torque, and its derivatives to the rows that `slots` has for columns."""
+        raise NotImplementedError
