@@ -6,9 +6,9 @@ from pathlib import Path
 from sphinx.application import Sphinx
 
 from surae.model.parameters import (
-    OPTIONAL_PARAMETERS,
     MUSCLE_2010_PARAMETERS,
     MUSCLE_PARAMETERS,
+    OPTIONAL_PARAMETERS,
     TENDON_PARAMETERS,
     Parameter,
 )

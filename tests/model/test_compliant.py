@@ -165,7 +165,7 @@ def test_2_0_2_1_and_2_2_are_one_model_with_other_parameters_free() -> None:
     tendon = ["dlt_tri", "dlt_tib", "pt_tri", "pt_tib", "kt_tri", "kt_tib", "fmax_tri", "fmax_tib"]
     assert [*HEALTHY, *tendon] == NAMES
     assert SPEC.parameters == strain.parameters == toe.parameters
-    assert SPEC.simulator == strain.simulator == toe.simulator
+    assert SPEC.tie == strain.tie == toe.tie
     assert list(SPEC.free) == [*HEALTHY]
     assert list(strain.free) == [*HEALTHY, "dlt_tri", "dlt_tib"]
     assert list(toe.free) == [*HEALTHY, "pt_tri", "pt_tib"]

@@ -8,13 +8,15 @@ import pytest
 from scipy.optimize import brentq
 
 from surae.model import ModelOptions, adapted, get_model
-from surae.model.balance import TOLERANCE
+from surae.model.activation import ActivationFilter, Drive
 from surae.model.contraction import force_length, force_velocity
+from surae.model.equilibrium import TOLERANCE
 from surae.model.muscle import MuscleSimulator
 from surae.model.muscle_tendon import MuscleTendonSimulator
-from surae.model.rigid import BETA, F0, L0, G, active_state
 from surae.model.tendon import tendon_curve, tendon_force
 from surae.signals import ModelInputs
+
+G, L0, F0, BETA = 7, 11, 13, 14
 
 SPEC = get_model("muscle-tendon")
 NAMES = list(SPEC.names)
@@ -34,7 +36,10 @@ def residual(simulator: MuscleTendonSimulator, p: np.ndarray, inputs: ModelInput
              options: ModelOptions) -> float:  # fmt: skip
     """Largest force the balance (25)(26) misses, beside the forces in it."""
     state = simulator.tendon(p)
-    alpha = active_state(inputs.emg, p[G : G + 4], p[F0], p[BETA], 1 / inputs.rate_hz)
+    step = ActivationFilter(f0=p[F0], beta=p[BETA], dt=1 / inputs.rate_hz, lags=(0.0,))
+    weighted = inputs.emg * p[G : G + 4]
+    excitations = weighted[:, 1:].sum(axis=1), weighted[:, 0].copy()
+    alpha = np.stack([step.active_state([Drive(signal)]).alpha[0] for signal in excitations])
     q = dict(zip(NAMES, p, strict=True))
     worst = 0.0
     for group, (muscle, slack) in enumerate((("tri", 0.415), ("tib", 0.216))):

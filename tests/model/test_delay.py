@@ -2,16 +2,16 @@
 
 import pickle
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from surae.errors import InputError
 from surae.model import MODELS, ModelOptions, check_value, get_model, with_optional
-from surae.model.activation import filter_step
-from surae.model.delayed import BY_BETA, BY_DELAY, BY_F0, OUT, delayed
-from surae.model.parameters import OPTIONAL_PARAMETERS, OPTIONAL
-from surae.model.stages import CHANNEL, GAMMA, staged_activation
+from surae.model.activation import ActivationFilter, Drive, filter_step
+from surae.model.compliant import GAMMA
+from surae.model.parameters import OPTIONAL, OPTIONAL_PARAMETERS
 
 OPTIONS = ModelOptions()
 DT = 1 / 128
@@ -21,15 +21,28 @@ DRIVEN = list(MODELS)
 every_model = pytest.mark.parametrize("name", DRIVEN)
 
 
+#: Rows of what `delayed` gives: the output, and its derivatives by delay, f0 and beta.
+OUT, BY_DELAY, BY_F0, BY_BETA = 0, 1, 2, 3
+
+
 def channels(n: int = 200, seed: int = 0, first: float | None = None) -> np.ndarray:
-    found = np.random.default_rng(seed).random((2, n))
+    emg = np.random.default_rng(seed).random((2, n))
     if first is not None:
-        found[:, 0] = first
-    return found
+        emg[:, 0] = first
+    return emg
+
+
+def delayed(inputs, f0, beta, dt, delay, lags) -> np.ndarray:
+    """Output for each input, and its derivatives, shape (4, k, L, n)."""
+    step = ActivationFilter(f0=f0, beta=beta, dt=dt, lags=lags, columns=(1, 2))
+    active = [step.active_state([Drive(signal, delay=delay, delay_column=0)]) for signal in inputs]
+    assert [one.columns.tolist() for one in active] == [[0, 1, 2]] * len(inputs)
+    rows = [np.concatenate([one.alpha[None], one.slopes]) for one in active]
+    return np.stack(rows, axis=1)
 
 
 def output(inputs: np.ndarray, delay: float, *, dt: float = DT, lag: float = 0.0) -> np.ndarray:
-    return delayed(inputs, F0, BETA, dt, delay, (lag,))[OUT, :, :, 0]
+    return delayed(inputs, F0, BETA, dt, delay, (lag,))[OUT, :, 0]
 
 
 def driven(name: str, inputs, **values: float):
@@ -40,10 +53,18 @@ def driven(name: str, inputs, **values: float):
 
 
 def test_no_delay_is_the_filter_as_it_is() -> None:
-    emg = np.concatenate([channels(seed=1), channels(seed=2)])
-    plain = staged_activation(emg, np.ones(4), F0, BETA, DT, True)[CHANNEL : CHANNEL + 4]
-    late = delayed(emg, F0, BETA, DT, 0.0, ((1 - GAMMA) * DT, 0.0))[OUT]
-    np.testing.assert_allclose(late, plain, rtol=0, atol=1e-13)
+    lags = ((1 - GAMMA) * DT, 0.0)
+    step = ActivationFilter(f0=F0, beta=BETA, dt=DT, lags=lags)
+    whole = filter_step(F0, BETA, DT)[0]
+    for emg in channels(seed=1):
+        plain, state = [0.0], np.zeros(2)
+        for before, now in pairwise(emg):
+            state = whole @ [*state, before, now]
+            plain.append(state[0])
+        alpha = step.active_state([Drive(emg)]).alpha
+        np.testing.assert_allclose(alpha[1], plain, rtol=0, atol=1e-13)
+        late = step.active_state([Drive(emg, delay=0.0)]).alpha
+        np.testing.assert_allclose(late, alpha, rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize("samples", [1, 7])
@@ -60,7 +81,7 @@ def test_between_samples_it_is_that_of_a_rate_at_which_it_falls_on_one(sixteenth
     emg = channels()
     n = emg.shape[1]
     fine_time = np.arange(16 * (n - 1) + 1) / 16
-    fine = np.stack([np.interp(fine_time, np.arange(n), one) for one in emg])
+    fine = np.stack([np.interp(fine_time, np.arange(n), channel) for channel in emg])
     late = output(emg, sixteenths * DT / 16, lag=lag)
     exact = output(fine, sixteenths * DT / 16, dt=DT / 16, lag=lag)[:, ::16]
     np.testing.assert_allclose(late, exact, rtol=0, atol=1e-12)
@@ -100,7 +121,7 @@ def test_two_derivatives_by_the_delay_are_continuous_across_samples() -> None:
     emg = channels()
     around = 5 * DT
     near = 1e-7 * DT
-    left, right = (delayed(emg, F0, BETA, DT, around + s, (0.0,))[..., 0] for s in (-near, near))
+    left, right = (delayed(emg, F0, BETA, DT, around + s, (0.0,))[:, :, 0] for s in (-near, near))
     size = np.abs(left).max(axis=(1, 2))
     assert np.abs(left - right).max(axis=(1, 2))[[OUT, BY_DELAY]] == pytest.approx(
         [0, 0], abs=1e-6 * size[BY_DELAY]
@@ -108,9 +129,7 @@ def test_two_derivatives_by_the_delay_are_continuous_across_samples() -> None:
     # The curvature on either side, from the exact first derivative over a thousandth of a sample;
     # EMG interpolated anew would have a kink, which is a jump in the first derivative already.
     far = 1e-3 * DT
-    at = [
-        delayed(emg, F0, BETA, DT, around + s * far, (0.0,))[BY_DELAY, ..., 0] for s in (-1, 0, 1)
-    ]
+    at = [delayed(emg, F0, BETA, DT, around + s * far, (0.0,))[BY_DELAY, :, 0] for s in (-1, 0, 1)]
     before, after = (at[1] - at[0]) / far, (at[2] - at[1]) / far
     assert np.abs(before - after).max() < 0.01 * np.abs(before).max()
 
@@ -214,7 +233,7 @@ def test_a_model_without_drives_is_itself(name) -> None:
 def test_drives_are_data_of_the_model(name) -> None:
     spec = MODELS[name]
     both = with_optional(spec, ("reflex_delay", "emd"))
-    drives = tuple(p.name for p in OPTIONAL_PARAMETERS)
+    drives = (*OPTIONAL["emd"], *OPTIONAL["reflex"])
     assert both.optional == drives
     assert both.names == (*spec.names, *drives)
     assert both.free == spec.free
@@ -224,10 +243,15 @@ def test_drives_are_data_of_the_model(name) -> None:
     added = ("reflex_tri", "reflex_tib") if spec.linear else ()
     assert both.linear == (*spec.linear, *added)
     assert with_optional(spec, ("emd",)).names == (*spec.names, "emd")
+    everything = with_optional(spec, [group[0] for group in OPTIONAL.values()])
+    assert everything.parameters == (*spec.parameters, *OPTIONAL_PARAMETERS)
+    linear = (*added, "torque_zero") if spec.linear else ()
+    assert everything.linear == (*spec.linear, *linear)
 
 
 def test_every_drive_parameter_belongs_to_one_drive() -> None:
-    assert [p.name for p in OPTIONAL_PARAMETERS] == [one for group in OPTIONAL.values() for one in group]
+    members = [name for group in OPTIONAL.values() for name in group]
+    assert [p.name for p in OPTIONAL_PARAMETERS] == members
     for p in OPTIONAL_PARAMETERS:
         assert p.lower <= p.start < p.upper
     for name in ("emd", "reflex_tri", "reflex_tib"):  # off

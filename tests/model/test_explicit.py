@@ -7,7 +7,7 @@ import pytest
 
 from surae.model import ModelOptions, get_model
 from surae.model.contraction import force_velocity
-from surae.model.explicit import speed_of
+from surae.model.euler import speed_of
 from surae.model.muscle_tendon import (
     MuscleTendonSimulator,
     ThesisSimulator,

@@ -10,8 +10,7 @@ import pytest
 from scipy.signal import StateSpace, butter, lsim, sosfiltfilt
 
 from surae.errors import InputError
-from surae.model import ModelOptions, adapted, check_value, get_model
-from surae.model import rigid_2010 as kernels
+from surae.model import ModelOptions, activation, adapted, check_value, get_model
 from surae.model.muscle_2010 import Muscle2010Simulator, integrated
 from surae.signals import ModelInputs
 
@@ -333,9 +332,9 @@ def test_read_only_and_strided_arrays_do_not_compile_again(make_inputs) -> None:
     strided.angle.flags.writeable = False
     p = np.repeat(vector(), 2)[::2]
     p.flags.writeable = False
-    for one in (inputs, strided):
-        Muscle2010Simulator(one, THESIS).torque(p)
-    for kernel in (kernels.torque_2010, kernels.contraction_gain):
+    for recording in (inputs, strided):
+        Muscle2010Simulator(recording, THESIS).torque(p)
+    for kernel in (contraction.contraction, activation._respond):
         assert len(kernel.signatures) == 1
 
 

@@ -32,7 +32,11 @@ def curved_move(problem: FitProblem) -> Move:
     for muscle, (k_name, x0_name) in enumerate(_GROUPS):
         if k_name in problem.free and x0_name in problem.free:
             longest = max(
-                float(paths(angle=one.angle, velocity=one.velocity, options=problem.options)[muscle].length.max())
+                float(
+                    paths(angle=one.angle, velocity=one.velocity, options=problem.options)[
+                        muscle
+                    ].length.max()
+                )
                 for one in problem.inputs
             )
             groups.append((problem.free.index(k_name), problem.free.index(x0_name), longest))

@@ -1,13 +1,13 @@
 """Activation dynamics: excitation through a second-order filter with delays, equation (14).
 
-What excites a muscle group is the affair of `surae.model.excitation`; here it is filtered, and with it
-each of its derivatives. The filter is exact for an input linear between samples.
+What excites a muscle group is the affair of `surae.model.excitation`; here it is filtered, and with
+it each of its derivatives. The filter is exact for an input linear between samples.
 
 An input that is delayed by part of a sample and interpolated anew would make a torque that has a
-kink wherever the delay is a whole number of samples, and whose amplitude dips in between. The filter
-is linear and knows no absolute time, so its output is shifted instead: it is exact at any instant
-between samples, and has two continuous derivatives by time and therefore by the delay. Its rate is
-among the states, so that ∂α/∂delay = −α' is free.
+kink wherever the delay is a whole number of samples, and whose amplitude dips in between. The
+filter is linear and knows no absolute time, so its output is shifted instead: it is exact at any
+instant between samples, and has two continuous derivatives by time and therefore by the delay. Its
+rate is among the states, so that ∂α/∂delay = −α' is free.
 """
 
 import math
@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.model.jit import jit
+from surae.model.passive import phi
 from surae.units import FloatArray
 
 IntArray = npt.NDArray[np.int64]
@@ -346,3 +347,35 @@ def _respond_with_derivatives(
             s00 * v + s01 * w + (s02 * before + s03 * now),
             s10 * v + s11 * w + (s12 * before + s13 * now),
         )
+
+
+@jit
+def shaped(envelopes: FloatArray, reference: FloatArray, shape: float) -> FloatArray:
+    """Envelopes curved so that 0 and the reference level stay what they are.
+
+    ê = e_ref·(exp(A·e/e_ref) − 1)/(exp(A) − 1) = e·φ1(A·e/e_ref)/φ1(A), exact at A = 0 too.
+
+    Parameters
+    ----------
+    envelopes : ndarray, shape (k, n)
+        e.
+    reference : ndarray, shape (k,)
+        e_ref, in their unit.
+    shape : float
+        A.
+
+    Returns
+    -------
+    ndarray, shape (3, k, n)
+        ê and its derivatives by e and by A.
+    """
+    out = np.empty((3, *envelopes.shape))
+    whole, _, d_whole, _ = phi(shape)
+    for c in range(envelopes.shape[0]):
+        for i in range(envelopes.shape[1]):
+            e, u = envelopes[c, i], envelopes[c, i] / reference[c]
+            part, _, d_part, _ = phi(shape * u)
+            out[0, c, i] = e * part / whole
+            out[1, c, i] = (part + shape * u * d_part) / whole
+            out[2, c, i] = e * (u * d_part - part * d_whole / whole) / whole
+    return out

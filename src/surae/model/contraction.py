@@ -2,7 +2,10 @@
 
 import math
 
+import numpy as np
+
 from surae.model.jit import jit
+from surae.units import FloatArray
 
 #: cf, width of the force-length curve, equation (16).
 CF = 0.1
@@ -91,3 +94,29 @@ def force_velocity_partials(speed: float, vmax: float) -> tuple[float, float, fl
         f = 1.0 + slope * speed / below
         d_speed = slope * a * vmax / (below * below)
     return f, d_speed, -speed / vmax * d_speed
+
+
+@jit
+def contraction(length: FloatArray, speed: FloatArray, l0: float, factor: float) -> FloatArray:
+    """Factor f_l·f_v of equations (15) to (17), with its derivatives by length and speed.
+
+    Parameters
+    ----------
+    length, speed : ndarray, shape (n,)
+        Muscle length [m] and lengthening speed [m/s].
+    l0 : float
+        Optimal length [m].
+    factor : float
+        vmax in optimal lengths per second.
+
+    Returns
+    -------
+    ndarray, shape (3, n)
+        f_l·f_v, its derivatives by length [1/m] and by speed [s/m].
+    """
+    out = np.empty((3, len(length)))
+    for i in range(len(length)):
+        fl, fl_x, _ = force_length_partials(length[i], l0)
+        fv, fv_v, _ = force_velocity_partials(speed[i], factor * l0)
+        out[0, i], out[1, i], out[2, i] = fl * fv, fl_x * fv, fl * fv_v
+    return out

@@ -5,15 +5,16 @@
     v        = max(d lmt/dt, 0)                                                [m/s]
 
 Every muscle's own envelope ê is that of its electrode but for what the laboratory cannot rule out:
-a level at rest r (`emg_rest_…`), what electrodes hear of other muscles (`xt_ta_gl`: the electrode of
-the tibialis of the gastrocnemius lateralis), and a force that does not grow as EMG does
-(`emg_shape` A, Lloyd and Besier 2003; −3 to 0 there, 0 is linear):
+a level at rest r (`emg_rest_…`), what electrodes hear of other muscles (`xt_ta_gl`: that of the
+tibialis of the gastrocnemius lateralis), and a force that does not grow as EMG does (`emg_shape` A,
+Lloyd and Besier 2003; −3 to 0 there, 0 is linear):
 
     u = M⁻¹·(e − r),   ê = e_ref·(exp(A·u/e_ref) − 1)/(exp(A) − 1)
 
 M is 1 on its diagonal. Nothing is clipped: a muscle that is less active than its electrode's rest
 has a small negative ê. The weights keep their unit, for ê = u at 0 and at the reference level e_ref
-(`ModelOptions.emg_ref`; 1 for a normalised EMG). A muscle without EMG hears and is heard of nothing.
+(`ModelOptions.emg_ref`; 1 for a normalised EMG). A muscle without EMG hears nothing and is not
+heard.
 
 lmt is the muscle-tendon unit's length: with it lengthens the muscle on a rigid tendon, and what a
 compliant tendon leaves to the muscle is not known before the force is. `reflex_delay` is all of the
@@ -31,12 +32,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.errors import InputError
-from surae.model.activation import Drive
-from surae.model.jit import jit
+from surae.model.activation import Drive, shaped
 from surae.model.movement import MusclePath
 from surae.model.options import ModelOptions
 from surae.model.parameters import CROSSTALK, OPTIONAL
-from surae.model.passive import phi
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -115,7 +114,8 @@ class Excitation:
         return float(values[self._at[name]]) if name in self._at else 0.0
 
     def _envelopes(self, values: FloatArray) -> _Envelopes:
-        own, unmixing = self._emg, np.eye(4)
+        own: FloatArray = self._emg
+        unmixing: FloatArray = np.eye(4)
         if _RESTS[0] in self._at:
             rest = np.array([self._value(values, name) for name in _RESTS])
             own = own - (self._present * rest)[:, None]
@@ -123,13 +123,13 @@ class Excitation:
             mixing = np.eye(4)
             for (hears, of), name in CROSSTALK.items():
                 mixing[hears, of] = self._present[hears] * self._value(values, name)
-            unmixing = np.linalg.inv(mixing)
+            unmixing = np.asarray(np.linalg.inv(mixing), dtype=np.float64)
             own = unmixing @ own
         if self._reference is None:
             return _Envelopes(own, own, unmixing)
         column = self._at["emg_shape"]
-        shaped = _shaped(np.ascontiguousarray(own), self._reference, float(values[column]))
-        return _Envelopes(shaped[0], own, unmixing, shaped[1], shaped[2])
+        curved = shaped(np.ascontiguousarray(own), self._reference, float(values[column]))
+        return _Envelopes(curved[0], own, unmixing, curved[1], curved[2])
 
     def _of_emg(
         self, group: int, values: FloatArray, envelopes: _Envelopes, wanted: frozenset[int]
@@ -171,9 +171,7 @@ class Excitation:
             (column, gain * (muscle.speed > 0.0) * by)
             for column, by in zip(muscle.columns, muscle.speed_slopes, strict=True)
         ]
-        return Drive(
-            gain * stretch, slopes, float(values[delay]), delay if delay in wanted else -1
-        )
+        return Drive(gain * stretch, slopes, float(values[delay]), delay if delay in wanted else -1)
 
 
 def _reference(inputs: ModelInputs, options: ModelOptions, present: FloatArray) -> FloatArray:
@@ -193,18 +191,3 @@ def _reference(inputs: ModelInputs, options: ModelOptions, present: FloatArray) 
             "its reference level must be positive"
         )
     return levels
-
-
-@jit
-def _shaped(own: FloatArray, reference: FloatArray, shape: float) -> FloatArray:
-    """ê with its derivatives by u and by A, shape (3, 4, n): u·φ1(A·u/e_ref)/φ1(A), exact at 0."""
-    out = np.empty((3, *own.shape))
-    whole, _, d_whole, _ = phi(shape)
-    for c in range(own.shape[0]):
-        for i in range(own.shape[1]):
-            u = own[c, i] / reference[c]
-            part, _, d_part, _ = phi(shape * u)
-            out[0, c, i] = own[c, i] * part / whole
-            out[1, c, i] = (part + shape * u * d_part) / whole
-            out[2, c, i] = own[c, i] * (u * d_part - part * d_whole / whole) / whole
-    return out

@@ -113,9 +113,7 @@ class Path:
     arm_slope: float
 
 
-def paths(
-    *, angle: FloatArray, velocity: FloatArray, options: ModelOptions
-) -> tuple[Path, Path]:
+def paths(*, angle: FloatArray, velocity: FloatArray, options: ModelOptions) -> tuple[Path, Path]:
     """Paths of the triceps surae and of the tibialis anterior, in this order.
 
     Parameters

@@ -4,10 +4,10 @@ The angle that is measured is that of the device. Two parameters say how the joi
 
     θ_joint = angle_zero + (1 + axis)·θ
 
-`angle_zero` is the sensor's zero. `axis` is what an axis of the joint beside that of the device does:
-with the foot on the plate, the joint's centre moves on an arc around the device's axis, and the
-shank, held at a distance L, turns with it; an offset d turns it by about d/L of the foot's angle (2 cm
-at 40 cm: 0.05). No work is lost, T·dθ = T_joint·dθ_joint, so that the device measures (1 + axis) times
+`angle_zero` is the sensor's zero. `axis` is what a joint's axis beside the device's does: with the
+foot on the plate, the joint's centre moves on an arc around the device's axis, and the shank, held
+at a distance L, turns with it; an offset d turns it by about d/L of the foot's angle (2 cm at 40
+cm: 0.05). No work is lost, T·dθ = T_joint·dθ_joint, so that the device measures (1 + axis) times
 the torque of the muscles, the 5 to 9 % of Arampatzis et al. (2007). The foot turns with the plate:
 gravity depends on θ + angle_zero, inertia on the device's own acceleration, neither on `axis`.
 
@@ -84,9 +84,7 @@ class Movement:
         Columns of the model's parameters.
     """
 
-    def __init__(
-        self, inputs: ModelInputs, options: ModelOptions, at: Mapping[str, int]
-    ) -> None:
+    def __init__(self, inputs: ModelInputs, options: ModelOptions, at: Mapping[str, int]) -> None:
         self._inputs, self._options, self._at = inputs, options, at
         self._fixed = None if {"angle_zero", "axis"} & at.keys() else self._moved(0.0, 0.0, {})
 

@@ -36,9 +36,7 @@ class MuscleSimulator(TiedModel):
     ) -> FloatArray:
         own = p[GROUP_COLUMNS[group]]
         curves = exponentials(own, muscle.length)
-        return rigid_forces(
-            own, *curves, muscle.speed, active.alpha[0], self._factor, self._dt
-        )
+        return rigid_forces(own, *curves, muscle.speed, active.alpha[0], self._factor, self._dt)
 
     def _contract(
         self,
@@ -59,7 +57,7 @@ class MuscleSimulator(TiedModel):
         )  # fmt: skip
         for row, column in enumerate(muscle.columns):
             rigid_path_slope(
-                own, muscle.arm, muscle.length, muscle.speed, *curves, alpha, muscle.arm_slopes[row],
-                muscle.length_slopes[row], muscle.speed_slopes[row], self._factor, self._dt,
-                jacobian[slots[column]],
+                own, muscle.arm, muscle.length, muscle.speed, *curves, alpha,
+                muscle.arm_slopes[row], muscle.length_slopes[row], muscle.speed_slopes[row],
+                self._factor, self._dt, jacobian[slots[column]],
             )  # fmt: skip

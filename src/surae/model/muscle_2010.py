@@ -28,9 +28,8 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.model.activation import ActiveState, IntArray
-from surae.model.contraction import force_length_partials, force_velocity_partials
+from surae.model.contraction import contraction
 from surae.model.geometry import length_tib, length_tri
-from surae.model.jit import jit
 from surae.model.movement import MusclePath
 from surae.model.options import ModelOptions
 from surae.model.parameters import MUSCLE_2010_PARAMETERS
@@ -75,9 +74,9 @@ class Muscle2010Simulator(TiedModel):
         return np.stack([self._passive(p, group, muscle)[0], active_force])
 
     def _contraction(self, group: int, muscle: MusclePath) -> FloatArray:
-        """From `_contraction`, which no parameter touches where none touches the movement."""
+        """From `contraction`, which no parameter touches where none touches the movement."""
         if group not in self._contractions or not self._movement.is_fixed:
-            self._contractions[group] = _contraction(
+            self._contractions[group] = contraction(
                 muscle.length, muscle.speed, self._l0[group], self._factor
             )
         return self._contractions[group]
@@ -88,7 +87,8 @@ class Muscle2010Simulator(TiedModel):
         """Passive force [N] and what of it is elastic; the tibialis has no tissue of its own."""
         if group == 1:
             return np.zeros_like(muscle.length), np.zeros_like(muscle.length)
-        elastic = np.exp(p[_K] * (muscle.length - p[_X0]))
+        with np.errstate(over="ignore"):  # the torque is then not finite, which is told
+            elastic = np.exp(p[_K] * (muscle.length - p[_X0]))
         return elastic + p[_B] * muscle.speed + p[_F0], elastic
 
     def _contract(
@@ -102,10 +102,10 @@ class Muscle2010Simulator(TiedModel):
         jacobian: FloatArray,
     ) -> None:
         alpha, arm = active.alpha[0], muscle.arm
-        contraction = self._contraction(group, muscle)
+        factor, by_length, by_speed = self._contraction(group, muscle)
         passive, elastic = self._passive(p, group, muscle)
-        gain = arm * contraction[0]
-        torque += arm * passive + gain * alpha
+        force, gain = passive + factor * alpha, arm * factor
+        torque += arm * force
         if group == 0:
             jacobian[slots[_K]] = (muscle.length - p[_X0]) * elastic * arm
             jacobian[slots[_X0]] = -p[_K] * elastic * arm
@@ -116,20 +116,8 @@ class Muscle2010Simulator(TiedModel):
         for row, column in enumerate(muscle.columns):
             longer, faster = muscle.length_slopes[row], muscle.speed_slopes[row]
             change = tissue * (p[_K] * elastic * longer + p[_B] * faster)
-            change += alpha * (contraction[1] * longer + contraction[2] * faster)
-            total = passive + contraction[0] * alpha
-            jacobian[slots[column]] += muscle.arm_slopes[row] * total + arm * change
-
-
-@jit
-def _contraction(length: FloatArray, speed: FloatArray, l0: float, factor: float) -> FloatArray:
-    """f_l·f_v of equations (15) to (17) and its derivatives by length and speed, shape (3, n)."""
-    out = np.empty((3, len(length)))
-    for i in range(len(length)):
-        fl, fl_x, _ = force_length_partials(length[i], l0)
-        fv, fv_v, _ = force_velocity_partials(speed[i], factor * l0)
-        out[0, i], out[1, i], out[2, i] = fl * fv, fl_x * fv, fl * fv_v
-    return out
+            change += alpha * (by_length * longer + by_speed * faster)
+            jacobian[slots[column]] += muscle.arm_slopes[row] * force + arm * change
 
 
 def integrated(inputs: ModelInputs) -> FloatArray:

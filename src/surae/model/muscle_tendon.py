@@ -92,6 +92,12 @@ class MuscleTendonSimulator(TiedModel):
             unsolved=(first[0], first[1]),
         )
 
+    def _force(
+        self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState
+    ) -> FloatArray:
+        force: FloatArray = self._states(p, group, muscle, active)[FORCE]
+        return force
+
     def _forces(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState
     ) -> FloatArray:
@@ -140,7 +146,7 @@ class MuscleTendonSimulator(TiedModel):
         return states
 
     def _staged(self, length: FloatArray, speed: FloatArray) -> FloatArray:
-        """Lengths, or their slopes, at both stages of every step, shape (…, 2, n): cubic Hermite."""
+        """Lengths or slopes at both stages of every step, shape (…, 2, n): cubic Hermite."""
         s = GAMMA
         staged = np.stack([length, length], axis=-2)
         staged[..., 0, 1:] = (

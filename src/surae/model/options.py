@@ -66,13 +66,14 @@ class ModelOptions:
         """Make a list of levels, as files hold it, a tuple."""
         if self.emg_ref is None:
             return
-        levels = tuple(self.emg_ref) if isinstance(self.emg_ref, list | tuple) else ()
-        numbers = [v for v in levels if isinstance(v, Real) and not isinstance(v, bool)]
-        if len(levels) != 4 or len(numbers) != 4 or not all(0 <= v < math.inf for v in numbers):
+        given: object = self.emg_ref
+        levels: list[Any] = list(given) if isinstance(given, list | tuple) else []
+        numbers = [isinstance(v, Real) and not isinstance(v, bool) for v in levels]
+        if len(levels) != 4 or not all(numbers) or not all(0 <= v < math.inf for v in levels):
             raise InputError(
                 f"option emg_ref is {self.emg_ref!r}; give four levels in V, of TA, GL, SOL, GM"
             )
-        object.__setattr__(self, "emg_ref", tuple(float(v) for v in numbers))
+        object.__setattr__(self, "emg_ref", tuple(float(v) for v in levels))
 
     @classmethod
     def of(cls, **given: Any) -> "ModelOptions":

@@ -112,6 +112,12 @@ CROSSTALK: dict[tuple[int, int], str] = {
 }
 _NAMES = tuple(_ELECTRODES)
 
+
+def _measurement(name: str, unit: str, meaning: str, lower: float, upper: float) -> Parameter:
+    """What the laboratory cannot rule out: nothing at 0, where a fit starts."""
+    return Parameter(name, unit, meaning, "measurement", 0.0, lower, upper, False, lower < 0.0)
+
+
 #: What a model takes beside its own parameters: other drives of the muscles, and what the
 #: laboratory cannot rule out. All are off at these starts (but for the delay of a reflex that is),
 #: and no part of a model that is not asked for them (`surae.model.registry.with_optional`).
@@ -121,17 +127,17 @@ OPTIONAL_PARAMETERS: tuple[Parameter, ...] = (
     _P("reflex_tib", "N·s/m", "reflex gain, tibialis anterior", "active", 0.0, 0.0, 1e5, False),
     _P("reflex_delay", "s", "delay of the reflex", "active", 0.05, 0.02, 0.15, positive=False),
     *(
-        _P(name, "-", f"crosstalk of {_NAMES[j]} at {_NAMES[i]}", "measurement", 0.0, 0.0, 0.3, False)
-        for (i, j), name in CROSSTALK.items()
+        _measurement(name, "-", f"crosstalk of {_NAMES[of]} at {_NAMES[hears]}", 0.0, 0.3)
+        for (hears, of), name in CROSSTALK.items()
     ),
     *(
-        _P(f"emg_rest_{at}", "V", f"EMG level at rest, {muscle}", "measurement", *(0.0, -1e-4, 1e-4), False, True)
+        _measurement(f"emg_rest_{at}", "V", f"EMG at rest, {muscle}", -1e-4, 1e-4)
         for at, muscle in _ELECTRODES.items()
     ),
-    _P("emg_shape", "-", "curvature of EMG to force", "measurement", 0.0, -5.0, 1.0, False, True),
-    _P("torque_zero", "Nm", "zero of the torque", "measurement", 0.0, -30.0, 30.0, False, True),
-    _P("angle_zero", "rad", "zero of the angle", "measurement", 0.0, -0.35, 0.35, False, True),
-    _P("axis", "-", "misalignment of the axes", "measurement", 0.0, -0.2, 0.2, False, True),
+    _measurement("emg_shape", "-", "curvature of force over EMG", -5.0, 1.0),
+    _measurement("torque_zero", "Nm", "zero of the torque", -30.0, 30.0),
+    _measurement("angle_zero", "rad", "zero of the angle", -0.35, 0.35),
+    _measurement("axis", "-", "misalignment of the axes", -0.2, 0.2),
 )
 #: The same by the name under which all parameters of a group are freed.
 OPTIONAL: dict[str, tuple[str, ...]] = {

@@ -1,7 +1,7 @@
 """One muscle group on a rigid tendon: passive tissue and gain times active state, (2) to (17).
 
-Its torque is r·F_elas + gain·α with the gain r·f_l·f_v. The sensitivities of the relaxation obey its
-own recursion, driven by the derivatives of its coefficients, so they are exact for the discrete
+Its torque is r·F_elas + gain·α with the gain r·f_l·f_v. The sensitivities of the relaxation obey
+its own recursion, driven by the derivatives of its coefficients, so they are exact for the discrete
 model.
 """
 
@@ -137,9 +137,7 @@ def rigid_torque(
         gain = r * fl[i] * fv
         gains[i] = gain
         torque[i] += r * force + gain * alpha[i]
-        by_l0[i] += alpha[i] * (
-            gain * (x - l0) * x * bend + r * fl[i] * fv_vmax * factor
-        )
+        by_l0[i] += alpha[i] * (gain * (x - l0) * x * bend + r * fl[i] * fv_vmax * factor)
     for j in range(len(alpha_slots)):
         row = jacobian[alpha_slots[j]]
         for i in range(n):

@@ -68,7 +68,7 @@ class TorqueParts(Comparable):
         return total if self.zero is None else total + self.zero
 
     def columns(self) -> Mapping[str, FloatArray]:
-        """The parts under the names they have in files, sums of both groups first, optional ones last."""
+        """The parts under the names they have in files, sums first, optional ones last."""
         columns = {
             "tissue_Nm": self.tissue,
             "neural_Nm": self.neural,

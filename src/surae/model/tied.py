@@ -68,11 +68,11 @@ class TiedModel:
         p = np.array(values, dtype=np.float64)
         leg = self._movement.at(p)
         torque: FloatArray = p[0] * (leg.inertia + leg.gravity)
-        for group, active in enumerate(self._active(p, leg)):
-            muscle = leg.muscles[group]
-            torque += muscle.arm * self._forces(p, group, muscle, active).sum(axis=0)
         if self._zero is not None:
             torque += p[self._zero]
+        for group, active in enumerate(self._active(p, leg)):
+            muscle = leg.muscles[group]
+            torque += muscle.arm * self._force(p, group, muscle, active)
         return torque
 
     def torque_jacobian(
@@ -141,6 +141,14 @@ class TiedModel:
         return [
             step.active_state(drives) for drives in self._excitation.drives(p, leg.muscles, wanted)
         ]
+
+    def _force(
+        self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState
+    ) -> FloatArray:
+        """Force of a muscle group [N], shape (n,)."""
+        passive, contractile = self._forces(p, group, muscle, active)
+        total: FloatArray = passive + contractile
+        return total
 
     def _forces(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState

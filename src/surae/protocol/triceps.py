@@ -50,6 +50,8 @@ def triceps_path(
     options : ModelOptions, optional
         Which geometry.
     """
-    triceps, _ = paths(angle=trajectory.angle, velocity=trajectory.velocity, options=options or ModelOptions())
+    triceps, _ = paths(
+        angle=trajectory.angle, velocity=trajectory.velocity, options=options or ModelOptions()
+    )
     length, velocity = triceps.length / l0, triceps.speed / l0
     return TricepsPath(l0, read_only(length), read_only(velocity), coverage(length, velocity))

@@ -169,5 +169,7 @@ def emg_levels(inputs: Sequence[ModelInputs]) -> tuple[float, float, float, floa
     A reference for `emg_shape` (`ModelOptions.emg_ref`), over all recordings of a session together;
     0 for a muscle without EMG.
     """
-    ta, gl, sol, gm = np.percentile(np.concatenate([recording.emg for recording in inputs]), 99.0, 0)
+    ta, gl, sol, gm = np.percentile(
+        np.concatenate([recording.emg for recording in inputs]), 99.0, 0
+    )
     return float(ta), float(gl), float(sol), float(gm)

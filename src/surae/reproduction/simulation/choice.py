@@ -197,7 +197,9 @@ def fastest_rate(
             )
         except InputError:  # the chirp ends above half the sampling rate
             return False
-        triceps, tibialis = paths(angle=motion.angle, velocity=motion.velocity, options=ModelOptions())
+        triceps, tibialis = paths(
+            angle=motion.angle, velocity=motion.velocity, options=ModelOptions()
+        )
         fast = max(
             float(np.abs(triceps.speed).max()) / truth["l0_tri"],
             float(np.abs(tibialis.speed).max()) / truth["l0_tib"],

@@ -1,0 +1,193 @@
+"""What the laboratory cannot rule out: crosstalk, rest, shape, zeros and a misaligned axis."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from surae.errors import InputError
+from surae.model import MODELS, ModelOptions, adapted, with_optional
+from surae.model.parameters import CROSSTALK, OPTIONAL, OPTIONAL_PARAMETERS
+from surae.recording import MUSCLES
+from surae.signals import emg_levels
+
+LEVELS = (3e-4, 2e-4, 4e-4, 3e-4)
+OPTIONS = ModelOptions(emg_ref=LEVELS)
+GROUPS = [name for name in OPTIONAL if name not in ("emd", "reflex")]
+CROSSTALK_VALUES = dict(zip(CROSSTALK.values(), np.linspace(0.01, 0.08, 12), strict=True))
+RESTS = dict(zip(OPTIONAL["emg_rest"], (9e-6, -4e-6, 2e-6, 6e-6), strict=True))
+VALUES = {
+    "emd": 0.0312, "reflex_tri": 900.0, "reflex_tib": 500.0, "reflex_delay": 0.0431,
+    **CROSSTALK_VALUES, **RESTS,
+    "emg_shape": -1.3, "torque_zero": 2.0, "angle_zero": 0.04, "axis": 0.06,
+}  # fmt: skip
+every_model = pytest.mark.parametrize("name", MODELS)
+
+
+def tied(name, inputs, options=OPTIONS, **values):
+    """The model at its starts with these optional parameters, and its vector."""
+    spec = with_optional(MODELS[name], values)
+    starts = {p.name: p.start for p in MODELS[name].parameters}
+    return spec.simulator(inputs, options), spec.vector(starts | values, options), spec
+
+
+def torque(name, inputs, options=OPTIONS, **values):
+    simulator, p, _ = tied(name, inputs, options, **values)
+    return simulator.torque(p)
+
+
+@pytest.fixture(scope="module")
+def inputs(make_inputs):
+    return make_inputs(2, rate_hz=128.0, seconds=3.0)
+
+
+@every_model
+@pytest.mark.parametrize("group", GROUPS)
+def test_off_is_the_model_as_it_is(name, group, inputs) -> None:
+    plain, p, spec = tied(name, inputs)
+    off, q, _ = tied(name, inputs, **dict.fromkeys(OPTIONAL[group], 0.0))
+    size = len(spec.names)
+    one, rows = plain.torque_jacobian(p, range(size))
+    other, more = off.torque_jacobian(q, range(size))
+    np.testing.assert_allclose(other, one, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(off.torque(q), one, rtol=0, atol=1e-12)
+    scale = np.abs(rows).max(axis=1, keepdims=True) + 1e-300
+    np.testing.assert_allclose(more / scale, rows / scale, rtol=0, atol=1e-11)
+
+
+@every_model
+@pytest.mark.parametrize("geometry", ["thesis", "virtual-work"])
+@pytest.mark.parametrize("values", [VALUES, dict.fromkeys(VALUES, 0.0) | {"reflex_delay": 0.05}])
+def test_sensitivities(name, geometry, values, inputs) -> None:
+    options = replace(OPTIONS, geometry=geometry)
+    simulator, p, spec = tied(name, inputs, options, **values)
+    assert spec.optional == tuple(p.name for p in OPTIONAL_PARAMETERS)
+    columns = [j for j, one in enumerate(spec.names) if one in spec.optional + MODELS[name].free]
+    modelled, rows = simulator.torque_jacobian(p, columns)
+    np.testing.assert_allclose(modelled, simulator.torque(p), rtol=0, atol=1e-11)
+    np.testing.assert_allclose(modelled, simulator.parts(p).total, rtol=0, atol=1e-10)
+    for row, j in zip(rows, columns, strict=True):
+        if not p[j] and spec.names[j] in ("emd", "reflex_delay"):
+            continue  # no difference across 0; test_delay has its slope there
+
+        def central(h: float, j: int = j) -> np.ndarray:
+            above, below = p.copy(), p.copy()
+            above[j] += h
+            below[j] -= h
+            return (simulator.torque(above) - simulator.torque(below)) / (2 * h)
+
+        step = 1e-5 * (abs(p[j]) or 0.1 * spec.parameters[j].upper)
+        slope = (4 * central(step) - central(2 * step)) / 3
+        rounding = 1e-12 * np.abs(modelled).max() / step
+        assert np.abs(row - slope).max() <= 1e-5 * np.abs(slope).max() + rounding, spec.names[j]
+
+
+@every_model
+def test_rows_of_some_are_those_of_all(name, inputs) -> None:
+    simulator, p, spec = tied(name, inputs, **VALUES)
+    everything = simulator.torque_jacobian(p, range(len(p)))[1]
+    for chosen in (["axis"], ["xt_gl_sol", "emg_rest_ta", "m"], ["emg_shape", "f0", "angle_zero"]):
+        columns = [spec.names.index(one) for one in chosen if one in spec.names]
+        rows = simulator.torque_jacobian(p, columns)[1]
+        np.testing.assert_allclose(rows, everything[columns], rtol=1e-12, atol=1e-12)
+
+
+@every_model
+def test_crosstalk_and_rest_are_taken_out_again(name, inputs) -> None:
+    mixing = np.eye(4)
+    for (hears, of), one in CROSSTALK.items():
+        mixing[hears, of] = CROSSTALK_VALUES[one]
+    heard = inputs.emg @ mixing.T + np.array(list(RESTS.values()))
+    same = torque(name, replace(inputs, emg=heard), **CROSSTALK_VALUES, **RESTS)
+    np.testing.assert_allclose(same, torque(name, inputs), rtol=0, atol=1e-9)
+    assert mixing[MUSCLES.index("ta"), MUSCLES.index("gl")] == CROSSTALK_VALUES["xt_ta_gl"]
+
+
+@pytest.mark.parametrize("shape", [-3.0, -1e-9, 1e-3, 0.7])
+def test_shape_is_that_of_lloyd_and_besier(shape, inputs) -> None:
+    level = np.array(LEVELS)
+    curved = level * np.expm1(shape * inputs.emg / level) / np.expm1(shape)
+    same = torque("muscle", replace(inputs, emg=curved))
+    np.testing.assert_allclose(torque("muscle", inputs, emg_shape=shape), same, rtol=0, atol=1e-9)
+
+
+def test_shape_changes_nothing_at_the_reference_level(inputs) -> None:
+    steady = replace(inputs, emg=np.tile(LEVELS, (inputs.n, 1)))
+    changed = torque("muscle", steady, emg_shape=-2.0)
+    np.testing.assert_allclose(changed, torque("muscle", steady), rtol=0, atol=1e-10)
+
+
+def test_shape_needs_a_level_in_volts_only(inputs) -> None:
+    with pytest.raises(InputError, match=r"emg_shape needs the EMG's reference level; give the op"):
+        tied("muscle", inputs, ModelOptions(), emg_shape=-1.0)
+    with pytest.raises(InputError, match=r"option emg_ref is 0 V for sol, which has EMG"):
+        tied("muscle", inputs, ModelOptions(emg_ref=(1e-4, 1e-4, 0.0, 1e-4)), emg_shape=-1.0)
+    normalised = replace(inputs, emg=inputs.emg / np.array(LEVELS), emg_unit="1")
+    spec = with_optional(MODELS["muscle"], ("emg_shape",))
+    starts = {p.name: p.start for p in spec.parameters} | {"emg_shape": -1.0}
+    forces = {f"g{c + 1}": 1e6 * level for c, level in enumerate(LEVELS)}
+    same = spec.simulator(normalised, ModelOptions()).torque(
+        spec.vector(starts | forces, ModelOptions())
+    )
+    np.testing.assert_allclose(same, torque("muscle", inputs, emg_shape=-1.0), rtol=0, atol=1e-9)
+
+
+def test_a_missing_muscle_hears_nothing_and_is_not_heard(inputs) -> None:
+    emg = inputs.emg.copy()
+    emg[:, 3] = 0.0
+    missing = replace(inputs, emg=emg, missing_emg=("gm",))
+    without = {name: 0.0 if "gm" in name else value for name, value in CROSSTALK_VALUES.items()}
+    rest = {name: 0.0 if "gm" in name else value for name, value in RESTS.items()}
+    options = ModelOptions(emg_ref=(*LEVELS[:3], 0.0))
+    some = torque("muscle", missing, options, **CROSSTALK_VALUES, **RESTS, emg_shape=-1.0)
+    same = torque("muscle", missing, options, **without, **rest, emg_shape=-1.0)
+    np.testing.assert_array_equal(some, same)
+    simulator, p, spec = tied("muscle", missing, options, **CROSSTALK_VALUES, **RESTS)
+    columns = [j for j, name in enumerate(spec.names) if "gm" in name]
+    assert len(columns) == 7
+    assert not simulator.torque_jacobian(p, columns)[1].any()
+
+
+@every_model
+def test_zeros_and_axis_are_of_the_sensors(name, inputs) -> None:
+    higher = torque(name, inputs, torque_zero=3.5)
+    np.testing.assert_allclose(higher, torque(name, inputs) + 3.5, rtol=0, atol=1e-12)
+    shifted = replace(inputs, angle=inputs.angle + 0.07)
+    turned = torque(name, inputs, angle_zero=0.07)
+    np.testing.assert_allclose(turned, torque(name, shifted), rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("geometry", ["thesis", "virtual-work"])
+def test_a_misaligned_axis_loses_no_work(geometry, inputs) -> None:
+    options = replace(OPTIONS, geometry=geometry)
+    simulator, p, _ = tied("muscle", inputs, options, axis=0.08)
+    parts = simulator.parts(p)
+    joint = replace(inputs, angle=1.08 * inputs.angle, velocity=1.08 * inputs.velocity)
+    aligned, q, _ = tied("muscle", joint, options)
+    there = aligned.parts(q)
+    np.testing.assert_allclose(parts.tissue, 1.08 * there.tissue, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(parts.neural, 1.08 * there.neural, rtol=0, atol=1e-10)
+    here, there = (one.parts(v) for one, v in ((simulator, p), tied("muscle", inputs, options)[:2]))
+    np.testing.assert_array_equal(here.inertial, there.inertial)
+    np.testing.assert_array_equal(here.gravitational, there.gravitational)
+
+
+def test_levels_of_a_session(inputs) -> None:
+    levels = emg_levels([inputs, replace(inputs, emg=2 * inputs.emg)])
+    both = np.concatenate([inputs.emg, 2 * inputs.emg])
+    assert levels == pytest.approx(np.percentile(both, 99, axis=0), rel=1e-12)
+    assert ModelOptions(emg_ref=levels).as_dict()["emg_ref"] == levels
+    assert ModelOptions.of(emg_ref=list(levels)) == ModelOptions(emg_ref=levels)
+
+
+@pytest.mark.parametrize("levels", [(1.0, 2.0), (1.0, 2.0, 3.0, -1.0), "1234", (1, 2, 3, True)])
+def test_levels_are_four_numbers(levels) -> None:
+    with pytest.raises(InputError, match=r"^option emg_ref is .*; give four levels in V, of TA, "):
+        ModelOptions(emg_ref=levels)
+
+
+def test_a_normalised_rest_is_a_part_of_one() -> None:
+    spec = with_optional(MODELS["muscle"], ("emg_rest_ta",))
+    in_volts, normalised = (adapted(spec.parameters, OPTIONS, unit) for unit in ("V", "1"))
+    assert (in_volts["emg_rest_ta"].unit, normalised["emg_rest_ta"].unit) == ("V", "-")
+    assert normalised["emg_rest_ta"].upper == 0.2
