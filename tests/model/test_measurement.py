@@ -79,7 +79,10 @@ def test_sensitivities(name, geometry, values, inputs) -> None:
         step = 1e-5 * (abs(p[j]) or 0.1 * spec.parameters[j].upper)
         slope = (4 * central(step) - central(2 * step)) / 3
         rounding = 1e-12 * np.abs(modelled).max() / step
-        assert np.abs(row - slope).max() <= 1e-5 * np.abs(slope).max() + rounding, spec.names[j]
+        error, size = np.abs(row - slope), np.abs(slope).max()
+        # a difference that falls on a clamp (tissue or tendon gone slack) is no derivative
+        assert np.quantile(error, 0.98) <= 1e-6 * size + rounding, spec.names[j]
+        assert error.max() <= 1e-4 * size + rounding, spec.names[j]
 
 
 @every_model
