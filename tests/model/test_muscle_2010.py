@@ -10,7 +10,7 @@ import pytest
 from scipy.signal import StateSpace, butter, lsim, sosfiltfilt
 
 from surae.errors import InputError
-from surae.model import ModelOptions, activation, adapted, check_value, get_model
+from surae.model import ModelOptions, activation, adapted, check_value, contraction, get_model
 from surae.model.muscle_2010 import Muscle2010Simulator, integrated
 from surae.signals import ModelInputs
 
