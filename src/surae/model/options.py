@@ -91,5 +91,5 @@ class ModelOptions:
         return cls(**given)
 
     def as_dict(self) -> dict[str, Any]:
-        """The options as plain data."""
-        return asdict(self)
+        """The options as plain data, without those that are not given."""
+        return {name: value for name, value in asdict(self).items() if value is not None}

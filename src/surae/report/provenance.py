@@ -31,12 +31,17 @@ class Source:
     steps: tuple[str, ...]
 
 
+def _option(value: str | float | tuple[float, ...]) -> str:
+    if isinstance(value, tuple):
+        return " / ".join(short(level) for level in value)
+    return value if isinstance(value, str) else short(value)
+
+
 def settings(result: FitResult, assessment: Assessment) -> tuple[Setting, ...]:
     """Model, options, fixed parameters, changed bounds, starts, seed and time of a fit."""
     problem = result.problem
     options = ", ".join(
-        f"{name} = {value if isinstance(value, str) else short(value)}"
-        for name, value in problem.options.as_dict().items()
+        f"{name} = {_option(value)}" for name, value in problem.options.as_dict().items()
     )
     return (
         Setting("Model", f"{problem.spec.title} ({problem.spec.name})"),

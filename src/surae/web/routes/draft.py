@@ -111,7 +111,7 @@ def get_models() -> dict[str, Any]:
         ],
         "options": {name: list(_CHOICES[name]) if name in _CHOICES else value
                     for name, value in defaults.items()},
-        "drives": {name: list(members) for name, members in OPTIONAL.items()},
+        "drives": {name: list(OPTIONAL[name]) for name in ("emd", "reflex")},
         "losses": ["huber", "soft-l1", "tukey"],
         "populations": ["healthy", "patient"],
         "draft": empty_draft(),
