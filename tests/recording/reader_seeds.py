@@ -13,10 +13,10 @@ import numpy as np
 from surae.errors import InputError
 from surae.recording import Recording, read, write_hdf5
 from surae.recording.channels import Scaling, channel
-from surae.recording.describe import load_each, sampling_of
 from surae.recording.formats import open_table
 from surae.recording.recording import MUSCLES
 from surae.recording.source import open_source
+from surae.recording.table import load_each, sampling_of
 
 N, RATE = 64, 100.0
 TIME = np.arange(N) / RATE

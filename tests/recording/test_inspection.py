@@ -1,5 +1,6 @@
 """Inspections, and the mappings that follow from them."""
 
+import re
 import tomllib
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 import surae
 from surae.errors import InputError
 from surae.recording import inspect, mapping_text, read, write_csv, write_mapping
+from surae.recording.emg_kind import emg_contradictions
 
 
 def emg(n=4000, rate=2000.0, seed=0, offset=0.0):
@@ -108,6 +110,26 @@ def test_what_a_csv_states_of_its_emg_is_taken(tmp_path):
     write_csv(tmp_path / "t.csv", table, ["emg: envelope"])
     found = inspect(tmp_path / "t.csv")
     assert (found.emg, found.emg_rule) == ("envelope", "as the file states")
+
+
+def test_emg_that_is_declared_wrongly_is_named_in_one_set_of_words(tmp_path):
+    time = np.arange(4000) / 2000.0
+    smooth = 1e-4 * np.abs(np.sin(np.linspace(0, 9, 4000)))
+    for signal, declared, says in (
+        (smooth, "raw", r"declared raw but looks like an envelope .*# emg: envelope"),
+        (emg(), "envelope", r"declared an envelope but looks raw .*# emg: raw"),
+    ):
+        table = {"time_s": time, "angle_rad": time, "emg_ta_V": signal}
+        write_csv(tmp_path / "t.csv", table, [f"emg: {declared}"])
+        (line,) = [line for line in inspect(tmp_path / "t.csv").advice if "declared" in line]
+        assert re.search(says, line)
+        assert emg_contradictions(read(tmp_path / "t.csv")) == {
+            "emg_ta": line.replace("'emg_ta_V'", "emg_ta")
+        }
+    for signal, declared in ((smooth, "envelope"), (emg(), "raw"), (np.abs(emg()), "raw")):
+        table = {"time_s": time, "angle_rad": time, "emg_ta_V": signal}
+        write_csv(tmp_path / "t.csv", table, [f"emg: {declared}"])
+        assert emg_contradictions(read(tmp_path / "t.csv")) == {}
 
 
 def columns(tmp_path, name, *names):

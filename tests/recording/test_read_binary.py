@@ -21,7 +21,7 @@ from reader_seeds import (
 
 from surae.errors import InputError
 from surae.recording import c3d, edf, foreign, read, xdf
-from surae.recording.describe import sampling_of
+from surae.recording.table import sampling_of
 from surae.signals import prepare
 
 

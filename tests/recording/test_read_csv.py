@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 from surae.errors import InputError
-from surae.recording import read
+from surae.recording import inspect, read, write_bids
+from surae.recording.formats import open_table
 from surae.recording.rows import Rows
 from surae.recording.source import open_source
+from surae.signals import prepare
 
 HEADER = "time_s,angle_rad,torque_Nm,emg_ta_V"
 GOOD = f"{HEADER}\n0,0.1,1,1e-6\n0.5,0.2,2,2e-6\n1,0.3,3,3e-6\n"
@@ -238,3 +240,79 @@ def test_fast_and_careful_parsing_agree(csv):
     fast = rows.load([2, 0])
     np.testing.assert_array_equal(fast, numbers[:, [2, 0]].T)
     np.testing.assert_array_equal(rows._load([2, 0]), fast)
+
+
+def test_a_european_csv_has_semicolons_and_decimal_commas(tmp_path):
+    path = tmp_path / "t.csv"
+    text = "Zeit [ms];Winkel Ankle Angle (deg);Torque (N.mm);TA (µV)\n"
+    path.write_text(
+        text + "0;1;-2000;3,5\n3,90625;1,5;-1,5e3;-4\n7,8125;-2,25;+500;5\n", encoding="utf-8"
+    )
+    found = open_table(open_source(path))
+    columns = found.load(found.names)
+    np.testing.assert_array_equal(columns["TA (µV)"].values, [3.5, -4, 5])
+    np.testing.assert_array_equal(columns["TA (µV)"].time, [0, 3.90625e-3, 7.8125e-3])
+    roles = inspect(path).roles
+    assert {role: channel.known_unit for role, channel in roles.items()} == {
+        "angle": "deg",
+        "torque": "Nmm",
+        "emg_ta": "uV",
+    }
+    ours = "time_s;angle_deg;torque_Nmm\n0,0;1,0;1000,0\n0,1;2,5;-500\n"
+    path.write_text(ours, encoding="utf-8")
+    channels = read(path).channels
+    np.testing.assert_allclose(channels["angle"].values, np.radians([1.0, 2.5]))
+    np.testing.assert_array_equal(channels["torque"].values, [1.0, -0.5])
+
+
+def test_decimal_commas_beside_points_or_between_commas_are_refused(csv):
+    assert "has a decimal comma" in message(csv("time_s;angle_rad\n0.0;1,5\n0.1;2,5\n"))
+    assert "cells where the header" in message(csv("time_s,angle_rad\n0,0,1,5\n0,1,2,5\n"))
+
+
+def test_a_preface_and_a_row_of_units_as_noraxon_exports_them(tmp_path):
+    path = tmp_path / "t.tsv"
+    rows = "".join(f"{i / 1500:.6f}\t{i}.5\t{-i}\t{i % 7}\n" for i in range(50))
+    path.write_text(
+        "Type:\tEMG\nRecord name:\tFlexion 1\nMeasurement date:\t2024-01-01\n\n"
+        "Time,s\tRT TIB.ANT.,uV\tAnkle Angle,deg\tNote\n" + rows,
+        encoding="utf-8",
+    )
+    found = open_table(open_source(path))
+    assert found.names == ("RT TIB.ANT.,uV", "Ankle Angle,deg", "Note")
+    columns = found.load(found.names)
+    np.testing.assert_array_equal(columns["Ankle Angle,deg"].values, -np.arange(50))
+    assert columns["Note"].position(0) == "row 6"
+    inspection = inspect(path)
+    assert inspection.side == "right"
+    assert {role: c.known_unit for role, c in inspection.roles.items()} == {
+        "angle": "deg",
+        "emg_ta": "uV",
+    }
+    path.write_text("Time\tTA\tAngle\n[ms]\tmV\tdeg\n" + "0\t1\t2\n4\t3\t4\n", encoding="utf-8")
+    found = open_table(open_source(path))
+    assert dict(found.units) == {"TA": "mV", "Angle": "deg"}
+    np.testing.assert_array_equal(found.load(["TA"])["TA"].time, [0, 0.004])
+
+
+@pytest.mark.parametrize(("rate", "decimals"), [(256, 5), (256, 3), (2048, 5), (1000 / 3, 5)])
+def test_time_stamps_rounded_as_programs_write_them_are_uniform(tmp_path, rate, decimals):
+    time = np.arange(20 * round(rate)) / rate
+    rows = "".join(f"{t:.{decimals}f},{np.sin(t):.6f}\n" for t in time)
+    (tmp_path / "t.csv").write_text("time_s,angle_rad\n" + rows, encoding="utf-8")
+    recording = read(tmp_path / "t.csv")
+    assert prepare(recording).rate_hz > 0
+    write_bids(tmp_path / "bids", recording)
+    (bdf,) = (tmp_path / "bids").rglob("*.bdf")
+    found = open_table(open_source(bdf))
+    stamps = found.load([found.names[0]])[found.names[0]].time
+    # The BDF header rounds the duration of a record to eight characters: 1e-6 of the rate.
+    np.testing.assert_allclose(stamps, time, atol=10**-decimals + 2e-5)
+
+
+def test_a_missing_sample_is_no_rounding(tmp_path):
+    time = np.delete(np.arange(400) / 256, 200)
+    rows = "".join(f"{t:.5f},{t:.3f}\n" for t in time)
+    (tmp_path / "t.csv").write_text("time_s,angle_rad\n" + rows, encoding="utf-8")
+    with pytest.raises(InputError, match="not sampled uniformly"):
+        write_bids(tmp_path / "bids", read(tmp_path / "t.csv"))

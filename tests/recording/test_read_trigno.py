@@ -6,7 +6,7 @@ from reader_seeds import csv_file, trigno_file, tsv_file
 
 from surae.errors import InputError
 from surae.recording import read
-from surae.recording.describe import load_each, sampling_of
+from surae.recording.table import load_each, sampling_of
 
 
 def test_every_signal_has_its_own_times_and_unit(table):

@@ -5,9 +5,9 @@ import pytest
 
 from surae.errors import InputError
 from surae.recording import inspect, mapping_text, read
-from surae.recording.describe import sampling_of
 from surae.recording.formats import open_table
 from surae.recording.source import open_source
+from surae.recording.table import sampling_of
 from surae.signals import prepare
 
 

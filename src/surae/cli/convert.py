@@ -37,7 +37,7 @@ def command(recording: str, output: str, prepared: bool) -> None:
 
     from surae.cli.progress import work
     from surae.recording import columns, read, write_bids, write_csv, write_hdf5, write_sto
-    from surae.recording.axis import shared_time
+    from surae.recording.writing import shared_time
 
     with work() as progress:
         progress.describe(f"reading {recording}")

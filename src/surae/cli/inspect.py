@@ -82,8 +82,8 @@ def _show(found: "Inspection") -> None:
         show_line(f"EMG = {found.emg} ({found.emg_rule})")
     remarks: dict[str, list[str]] = {}
     for one in found.channels:
-        if one.remark:
-            remarks.setdefault(one.remark, []).append(one.column)
+        for remark in filter(None, one.remark.split("; ")):
+            remarks.setdefault(remark, []).append(one.column)
     for remark, names in remarks.items():
         show_line(f"- {some(names, 3)}: {remark}")
     for line in found.advice:

@@ -7,8 +7,7 @@ from surae.recording.inspection import inspect
 from surae.recording.mapping_text import mapping_text, write_mapping
 from surae.recording.reading import read
 from surae.recording.recording import MUSCLES, ROLES, Channel, Recording, SourceFile, read_only
-from surae.recording.sto import write_sto
-from surae.recording.writing import columns, write_csv
+from surae.recording.writing import columns, write_csv, write_sto
 
 __all__ = [
     "MUSCLES",

@@ -18,8 +18,8 @@ from surae.recording.source import Source
 from surae.recording.table import Column, Table, some
 from surae.units import FACTORS, plain, spelled
 
-#: Separators, by preference where the header has as many of several.
-DELIMITERS = (",", ";", "\t")
+#: Separators, by preference where several could be it.
+DELIMITERS = ("\t", ";", ",")
 
 _NOTE = re.compile(r"#\s*(name|emg)\s*[:=]\s*(.*?)\s*")
 _EMG = ("raw", "envelope")
@@ -74,7 +74,7 @@ def open_table(source: Source) -> Table:
         names=others,
         time_name=time,
         load=load,
-        units={**{name: unit for name, unit in head.units.items() if unit}, **ours},
+        units={name: head.units[name] for name in others if head.units.get(name)} | ours,
         notes=head.notes,
         header=head.row,
     )
@@ -103,7 +103,7 @@ def _header(source: Source) -> _Header:
             continue
         if not line.strip():
             continue
-        delimiter = max(DELIMITERS, key=line.count)
+        delimiter = _delimiter(source, number, line)
         try:
             names = tuple(split(line, delimiter))
         except csv.Error as error:
@@ -119,6 +119,13 @@ def _header(source: Source) -> _Header:
     if first is None:
         raise InputError(f"{source.shown}: no header: every line is a comment")
     return first
+
+
+def _delimiter(source: Source, row: int, line: str) -> str:
+    """What separates the cells of a header: what the row below has as often, else most often."""
+    below = next(itertools.islice(source.lines(), row, None), "")
+    alike = (d for d in DELIMITERS if d in line and line.count(d) == below.count(d))
+    return next(alike, max(reversed(DELIMITERS), key=line.count))
 
 
 def _with_units(source: Source, header: _Header) -> _Header:

@@ -5,6 +5,7 @@ from typing import Literal
 
 import numpy as np
 
+from surae.recording.recording import Recording
 from surae.recording.table import Column
 from surae.units import FloatArray
 
@@ -20,6 +21,7 @@ _NEGATIVE = 0.1
 _TOGETHER = 0.9
 #: Volts that no skin electrode measures: such EMG was amplified.
 _AMPLIFIED_V = 0.05
+_LIKE = {"raw": "raw", "envelope": "like an envelope"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +44,7 @@ class Look:
     offset: float = 0.0
 
 
-def look_of(column: Column) -> Look:
+def look_of(time: FloatArray, values: FloatArray) -> Look:
     """Tell raw EMG from an envelope by its samples.
 
     Raw EMG is as negative as it is positive and crosses its median hundreds of times a second; an
@@ -50,12 +52,36 @@ def look_of(column: Column) -> Look:
     drift of its electrodes, is raw on an offset.
     """
     with np.errstate(over="ignore", invalid="ignore"):
-        return _look(column)
+        return _look(time, values[np.isfinite(values)])
 
 
-def _look(column: Column) -> Look:
-    values = column.values[np.isfinite(column.values)]
-    span = float(column.time[-1] - column.time[0]) if len(column.time) > 1 else 0.0
+def emg_contradictions(recording: Recording) -> dict[str, str]:
+    """Sentences on EMG channels, by role, that are declared raw but look like envelopes or reverse.
+
+    Inspect, check and fit say it in these words. What could be either contradicts nothing.
+    """
+    looks = {
+        role: look_of(channel.time, channel.values)
+        for role, channel in recording.channels.items()
+        if role.startswith("emg_")
+    }
+    said = {role: contradiction(role, look, recording.emg) for role, look in looks.items()}
+    return {role: sentence for role, sentence in said.items() if sentence}
+
+
+def contradiction(name: str, look: Look, declared: str) -> str:
+    """What is wrong with an EMG that is `declared` raw or an envelope; empty where nothing is."""
+    if look.kind in (None, declared):
+        return ""
+    article = "an envelope" if declared == "envelope" else "raw"
+    return (
+        f"{name} is declared {article} but looks {_LIKE[look.kind]} ({look.rule}): write "
+        f"emg = \"{look.kind}\" in the mapping, or '# emg: {look.kind}' in a CSV"
+    )
+
+
+def _look(time: FloatArray, values: FloatArray) -> Look:
+    span = float(time[-1] - time[0]) if len(time) > 1 else 0.0
     if len(values) < 2 or not np.isfinite(span) or span <= 0 or values.min() == values.max():
         return Look(None, "too few samples, or all the same")
     low, high, middle = float(values.min()), float(values.max()), float(np.median(values))

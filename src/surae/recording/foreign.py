@@ -21,7 +21,7 @@ from surae.units import FloatArray
 
 #: What a reader may take at most [s, bytes], and the more for every byte of the file: pyxdf reads
 #: about 3 MB/s, SciPy and edfio hold a file several times.
-_SECONDS, _MEMORY = 20.0, 2 * 2**30
+_SECONDS, _MEMORY = 10.0, 2 * 2**30
 _SECONDS_PER_BYTE, _MEMORY_PER_BYTE = 2e-6, 20
 
 

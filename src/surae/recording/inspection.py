@@ -13,14 +13,13 @@ from surae.files import PathLike
 from surae.frozen import FrozenDict
 from surae.recording import mapping, opensim
 from surae.recording.channels import stated_unit, written_unit
-from surae.recording.describe import load_each, sampling_of
-from surae.recording.emg_kind import look_of, relation
+from surae.recording.emg_kind import contradiction, look_of, relation
 from surae.recording.formats import open_table
 from surae.recording.inspected import InspectedChannel, Inspection
 from surae.recording.recording import ROLES
 from surae.recording.roles import CONFIDENCES, Side, guess_role
 from surae.recording.source import open_source
-from surae.recording.table import Column, Table, some
+from surae.recording.table import Column, Table, load_each, sampling_of, some
 
 _SIDES = ("left", "right")
 #: What differs between rules of the same kind.
@@ -138,7 +137,9 @@ def _channels(path: str, table: Table) -> list[tuple[InspectedChannel, Column | 
                     low=float(finite.min()) if len(finite) else None,
                     high=float(finite.max()) if len(finite) else None,
                     guess=guess,
-                    look=look_of(column) if role and role.startswith("emg_") else None,
+                    look=look_of(column.time, column.values)
+                    if role and role.startswith("emg_")
+                    else None,
                     remark=remark,
                     usable=usable and sampling.n > 1,
                 ),
@@ -146,6 +147,10 @@ def _channels(path: str, table: Table) -> list[tuple[InspectedChannel, Column | 
             )
         )
     return found
+
+
+def _is_emg(role: str | None) -> bool:
+    return role is not None and role.startswith("emg_")
 
 
 def _plain_candidates(channels: Sequence[InspectedChannel], role: str) -> list[InspectedChannel]:
@@ -265,6 +270,12 @@ def _advice(one: Inspection) -> list[str]:
         "the mapping"
         for role, c in one.roles.items()
         if c.known_unit is None
+    ]
+    lines += [
+        sentence
+        for c in one.roles.values()
+        if c.look is not None and one.emg is not None
+        if (sentence := contradiction(repr(c.column), c.look, one.emg))
     ]
     if one.emg is None and one.emg_rule:
         lines.append(f"whether the EMG is raw is unclear ({one.emg_rule}): write it in the mapping")

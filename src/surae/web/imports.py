@@ -20,9 +20,9 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.recording import Recording, read, write_hdf5
-from surae.recording.describe import load_each
 from surae.recording.formats import open_table
 from surae.recording.source import open_source
+from surae.recording.table import load_each
 from surae.report.decimate import min_max
 from surae.units import FloatArray
 
