@@ -104,22 +104,22 @@ def write_bids(
 def _groups(recording: Recording, where: str) -> list[list[Channel]]:
     """The channels by their time axis."""
     groups: list[list[Channel]] = []
-    for one in recording.channels.values():
-        step = 1.0 / one.rate_hz
-        off = np.max(np.abs(one.time - (one.time[0] + step * np.arange(len(one.time)))))
+    for channel in recording.channels.values():
+        step = 1.0 / channel.rate_hz
+        off = np.max(np.abs(channel.time - (channel.time[0] + step * np.arange(len(channel.time)))))
         # Stamps as programs write them are rounded, once at the ends and once in between.
-        rounded = rounding(one.time, _COARSEST_STEPS * step) or 0.0
+        rounded = rounding(channel.time, _COARSEST_STEPS * step) or 0.0
         if off > max(_UNIFORM_STEPS * step, rounded):
             raise InputError(
-                f"{where}: {one.role} is not sampled uniformly (off by {1e3 * off:.3g} ms); "
+                f"{where}: {channel.role} is not sampled uniformly (off by {1e3 * off:.3g} ms); "
                 "prepare the recording first (--prepare), or write .h5"
             )
         for group in groups:
-            if np.array_equal(group[0].time, one.time):
-                group.append(one)
+            if np.array_equal(group[0].time, channel.time):
+                group.append(channel)
                 break
         else:
-            groups.append([one])
+            groups.append([channel])
     return groups
 
 
@@ -160,7 +160,7 @@ def _write_group(stem: Path, group: Sequence[Channel], recording: Recording, tas
             "EMGPlacementScheme": "Other",
             "EMGPlacementSchemeDescription": "not recorded; channels.tsv names the muscles",
             "EMGReference": "n/a",
-            "EMGChannelCount": sum(one.role in _MUSCLES for one in group),
+            "EMGChannelCount": sum(channel.role in _MUSCLES for channel in group),
             "SamplingFrequency": _rate(first),
             "PowerLineFrequency": "n/a",
             "SoftwareFilters": "n/a" if recording.emg == "raw" else envelope,
@@ -173,22 +173,22 @@ def _write_group(stem: Path, group: Sequence[Channel], recording: Recording, tas
         Path(f"{stem}_channels.tsv"),
         [
             {
-                "name": label_of(one),
-                "type": "EMG" if one.role in _MUSCLES else "MISC",
-                "units": {"V": "uV", "1": "n/a"}.get(one.unit, one.unit),
-                "description": _DESCRIPTIONS.get(one.role, "electromyogram"),
-                "sampling_frequency": f"{_rate(one):.12g}",
-                "target_muscle": _MUSCLES.get(one.role, "n/a"),
+                "name": label_of(channel),
+                "type": "EMG" if channel.role in _MUSCLES else "MISC",
+                "units": {"V": "uV", "1": "n/a"}.get(channel.unit, channel.unit),
+                "description": _DESCRIPTIONS.get(channel.role, "electromyogram"),
+                "sampling_frequency": f"{_rate(channel):.12g}",
+                "target_muscle": _MUSCLES.get(channel.role, "n/a"),
             }
-            for one in group
+            for channel in group
         ],
     )
 
 
-def label_of(one: Channel) -> str:
+def label_of(channel: Channel) -> str:
     """A channel's name in the BDF, at most sixteen characters."""
-    unit = "uV" if one.unit == "V" else one.unit
-    return _SHORT.get(one.role) or column_name(one.role, unit)
+    unit = "uV" if channel.unit == "V" else channel.unit
+    return _SHORT.get(channel.role) or column_name(channel.role, unit)
 
 
 def _write_bdf(path: Path, group: Sequence[Channel]) -> None:
@@ -198,12 +198,12 @@ def _write_bdf(path: Path, group: Sequence[Channel]) -> None:
     duration, exact = _record(n, rate, len(group))
     signals = [
         edfio.BdfSignal(
-            one.values * (1e6 if one.unit == "V" else 1.0),
+            channel.values * (1e6 if channel.unit == "V" else 1.0),
             exact,
-            label=label_of(one),
-            physical_dimension="uV" if one.unit == "V" else one.unit,
+            label=label_of(channel),
+            physical_dimension="uV" if channel.unit == "V" else channel.unit,
         )
-        for one in group
+        for channel in group
     ]
     edfio.Bdf(signals, data_record_duration=duration).write(path)
 
@@ -246,12 +246,12 @@ def _eight(seconds: float) -> float:
     return 0.0
 
 
-def _rate(one: Channel) -> float:
+def _rate(channel: Channel) -> float:
     """Sampling rate [Hz], the roundest that its stamps allow."""
-    rounded = rounding(one.time, _COARSEST_STEPS / one.rate_hz) or 0.0
-    reach = max(1e-9, rounded / (one.time[-1] - one.time[0]))
-    rates = (round(one.rate_hz, decimals) for decimals in (0, 3, 6))
-    return next((r for r in rates if abs(r / one.rate_hz - 1.0) <= reach), one.rate_hz)
+    rounded = rounding(channel.time, _COARSEST_STEPS / channel.rate_hz) or 0.0
+    reach = max(1e-9, rounded / (channel.time[-1] - channel.time[0]))
+    rates = (round(channel.rate_hz, decimals) for decimals in (0, 3, 6))
+    return next((r for r in rates if abs(r / channel.rate_hz - 1.0) <= reach), channel.rate_hz)
 
 
 def _write_table(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:

@@ -100,7 +100,7 @@ def foreign_table(source: Source, format_name: str, module: str, **more: Any) ->
             f"{source.shown}: {format_name} that cannot be read: damaged, or too large "
             f"({str(error).partition(';')[0]})"
         ) from None
-    times = [read_only(time) for time in plain["times"]]
+    times = [_floats(time) for time in plain["times"]]
     columns = [_unpacked(fields, times) for fields in plain["columns"]]
     by_name = {column.name: column for column in reversed(columns)}
 
@@ -133,4 +133,9 @@ def _loaded(column: Parsed) -> Column:
     time = column.time
     if not isinstance(time, np.ndarray):
         time = instants(*time, len(column.values))
-    return Column(column.name, time, read_only(column.values), column.time_name, sample)
+    return Column(column.name, time, _floats(column.values), column.time_name, sample)
+
+
+def _floats(values: npt.NDArray[Any]) -> FloatArray:
+    """Read-only float64, not copied where it came so."""
+    return read_only(values) if values.dtype != np.float64 or values.flags.writeable else values

@@ -164,10 +164,10 @@ def _uniform(time: FloatArray) -> tuple[float, float] | None:
     return None
 
 
-def _same(one: FloatArray, other: FloatArray) -> bool:
+def _same(first: FloatArray, other: FloatArray) -> bool:
     """Whether two arrays are the same, bit by bit."""
-    return len(one) == len(other) and np.array_equal(
-        np.ascontiguousarray(one).view(np.uint64), np.ascontiguousarray(other).view(np.uint64)
+    return len(first) == len(other) and np.array_equal(
+        np.ascontiguousarray(first).view(np.uint64), np.ascontiguousarray(other).view(np.uint64)
     )
 
 
@@ -256,27 +256,29 @@ def _json(file: Any, name: str, where: str) -> Any:
         raise InputError(f"{where}: its attribute {name!r} is no JSON") from None
 
 
-def _fixed(found: Any, where: str) -> dict[str, float]:
+def _fixed(value: Any, where: str) -> dict[str, float]:
     """Prescribed parameter values."""
-    if not isinstance(found, dict) or not all(
-        isinstance(value, int | float) and np.isfinite(value) for value in found.values()
+    if not isinstance(value, dict) or not all(
+        isinstance(value, int | float) and np.isfinite(value) for value in value.values()
     ):
         raise InputError(f"{where}: its attribute 'fixed' is not names and numbers")
-    return {name: float(value) for name, value in found.items()}
+    return {name: float(value) for name, value in value.items()}
 
 
-def _plain(found: Any) -> Any:
+def _plain(value: Any) -> Any:
     """Settings as a TOML gives them: lists become tuples."""
-    if isinstance(found, dict):
-        return {name: _plain(value) for name, value in found.items()}
-    return tuple(map(_plain, found)) if isinstance(found, list) else found
+    if isinstance(value, dict):
+        return {name: _plain(value) for name, value in value.items()}
+    return tuple(map(_plain, value)) if isinstance(value, list) else value
 
 
 def _files(file: Any, where: str) -> list[SourceFile]:
     """The files that the recording was read from before it was written here."""
-    found = _json(file, "files", where)
+    entries = _json(file, "files", where)
     try:
-        return [SourceFile(path=str(one["name"]), sha256=_sha(one["sha256"])) for one in found]
+        return [
+            SourceFile(path=str(entry["name"]), sha256=_sha(entry["sha256"])) for entry in entries
+        ]
     except (TypeError, LookupError, ValueError):
         raise InputError(f"{where}: its attribute 'files' is not names and checksums") from None
 

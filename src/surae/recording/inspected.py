@@ -101,9 +101,11 @@ class Inspection:
     def to_json(self) -> dict[str, Any]:
         """The same as plain data."""
         return {
-            "channels": [_channel_json(one, self) for one in self.channels],
-            "roles": {role: _address(one) for role, one in self.roles.items()},
-            "open": {role: [_address(one) for one in some] for role, some in self.open.items()},
+            "channels": [_channel_json(channel, self) for channel in self.channels],
+            "roles": {role: _address(channel) for role, channel in self.roles.items()},
+            "open": {
+                role: [_address(channel) for channel in some] for role, some in self.open.items()
+            },
             "missing": list(self.missing),
             "side": self.side,
             "side_rule": self.side_rule or None,
@@ -114,26 +116,26 @@ class Inspection:
         }
 
 
-def _address(one: InspectedChannel) -> dict[str, str]:
-    return {"file": one.file, "column": one.column}
+def _address(channel: InspectedChannel) -> dict[str, str]:
+    return {"file": channel.file, "column": channel.column}
 
 
-def _channel_json(one: InspectedChannel, whole: Inspection) -> dict[str, Any]:
-    guess = one.guess
+def _channel_json(channel: InspectedChannel, whole: Inspection) -> dict[str, Any]:
+    guess = channel.guess
     return {
-        **_address(one),
-        "format": whole.formats[one.file],
-        "unit": one.unit,
-        "rate_hz": one.rate_hz,
-        "n": one.n,
-        "start_s": one.start_s,
-        "end_s": one.end_s,
-        "min": one.low,
-        "max": one.high,
-        "role": next((role for role, c in whole.roles.items() if c is one), None),
+        **_address(channel),
+        "format": whole.formats[channel.file],
+        "unit": channel.unit,
+        "rate_hz": channel.rate_hz,
+        "n": channel.n,
+        "start_s": channel.start_s,
+        "end_s": channel.end_s,
+        "min": channel.low,
+        "max": channel.high,
+        "role": next((role for role, c in whole.roles.items() if c is channel), None),
         "could_be": [] if guess is None else list(guess.roles),
         "confidence": None if guess is None else guess.confidence,
         "rule": None if guess is None else guess.rule,
         "side": None if guess is None else guess.side,
-        "remark": one.remark or None,
+        "remark": channel.remark or None,
     }

@@ -62,22 +62,22 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
         formats[str(path)] = table.format
         if "emg" in table.notes:
             notes.add(table.notes["emg"])
-        for one, column in _channels(str(path), table):
-            if column is not None and one.guess is not None and one.guess.role is not None:
-                raw[id(one)] = column
-            channels.append(one)
+        for channel, column in _channels(str(path), table):
+            if column is not None and channel.guess is not None and channel.guess.role is not None:
+                raw[id(channel)] = column
+            channels.append(channel)
     leg, rule = _side(channels, side)
-    found, left = _assigned(channels, leg)
-    missing = tuple(r for r in ROLES[:6] if r not in found and r not in left)
-    emg, emg_rule = _emg(found, left, notes)
+    assigned, left = _assigned(channels, leg)
+    missing = tuple(r for r in ROLES[:6] if r not in assigned and r not in left)
+    emg, emg_rule = _emg(assigned, left, notes)
     direction = ""
-    if {"angle", "torque"} <= found.keys():
-        angle, torque = found["angle"], found["torque"]
+    if {"angle", "torque"} <= assigned.keys():
+        angle, torque = assigned["angle"], assigned["torque"]
         direction = relation(raw[id(angle)], raw[id(torque)])
     inspection = Inspection(
         channels=tuple(channels),
         formats=FrozenDict(formats),
-        roles=FrozenDict(found),
+        roles=FrozenDict(assigned),
         open=FrozenDict(left),
         missing=missing,
         side=leg,
@@ -103,7 +103,7 @@ def _opened(path: PathLike) -> Table:
 def _channels(path: str, table: Table) -> list[tuple[InspectedChannel, Column | None]]:
     """Every channel of a file, with its samples where they can be read."""
     loaded = load_each(table, table.names)
-    found: list[tuple[InspectedChannel, Column | None]] = []
+    described: list[tuple[InspectedChannel, Column | None]] = []
     for name, count in Counter(table.names).items():
         unit, column = written_unit(table, name), loaded[name]
         remark = table.remarks.get(name, "")
@@ -112,7 +112,9 @@ def _channels(path: str, table: Table) -> list[tuple[InspectedChannel, Column | 
             remark, usable = f"{count} columns have this name: rename one", False
         if isinstance(column, InputError):
             reason = str(column).removeprefix(f"{table.file}: ")
-            found.append((InspectedChannel(path, name, unit, remark=reason, usable=False), None))
+            described.append(
+                (InspectedChannel(path, name, unit, remark=reason, usable=False), None)
+            )
             continue
         finite = column.values[np.isfinite(column.values)]
         if len(finite) < len(column.values):
@@ -123,7 +125,7 @@ def _channels(path: str, table: Table) -> list[tuple[InspectedChannel, Column | 
         role = guess.roles[0] if guess else None
         if role is not None:  # a file may state one unit for all signals of a kind
             unit = written_unit(table, name, role)
-        found.append(
+        described.append(
             (
                 InspectedChannel(
                     file=path,
@@ -146,7 +148,7 @@ def _channels(path: str, table: Table) -> list[tuple[InspectedChannel, Column | 
                 column,
             )
         )
-    return found
+    return described
 
 
 def _is_emg(role: str | None) -> bool:
@@ -155,9 +157,9 @@ def _is_emg(role: str | None) -> bool:
 
 def _plain_candidates(channels: Sequence[InspectedChannel], role: str) -> list[InspectedChannel]:
     """The channels whose name says this role most plainly, vague ones left out."""
-    found = [c for c in channels if c.usable and c.guess is not None and c.guess.role == role]
+    candidates = [c for c in channels if c.usable and c.guess is not None and c.guess.role == role]
     for confidence in CONFIDENCES[:-1]:
-        level = [c for c in found if c.guess is not None and c.guess.confidence == confidence]
+        level = [c for c in candidates if c.guess is not None and c.guess.confidence == confidence]
         if level:
             return level
     return []
@@ -183,21 +185,21 @@ def _assigned(
     channels: Sequence[InspectedChannel], leg: Side | None
 ) -> tuple[dict[str, InspectedChannel], dict[str, tuple[InspectedChannel, ...]]]:
     """The channel of each role, and the roles that are left open with what could be them."""
-    found: dict[str, InspectedChannel] = {}
+    assigned: dict[str, InspectedChannel] = {}
     left: dict[str, tuple[InspectedChannel, ...]] = {}
 
-    def fits(one: InspectedChannel) -> bool:
-        said = None if one.guess is None else one.guess.side
+    def fits(channel: InspectedChannel) -> bool:
+        said = None if channel.guess is None else channel.guess.side
         return leg is None or said in (None, leg)
 
     for role in ROLES:
         candidates = [c for c in _plain_candidates(channels, role) if fits(c)]
         if len(candidates) == 1:
-            found[role] = candidates[0]
+            assigned[role] = candidates[0]
         elif candidates:
             left[role] = tuple(candidates)
     for role in ROLES:
-        if role in found or role in left:
+        if role in assigned or role in left:
             continue
         vague = tuple(
             c
@@ -206,16 +208,16 @@ def _assigned(
         )
         if vague:
             left[role] = vague
-    return found, left
+    return assigned, left
 
 
 def _emg(
-    found: Mapping[str, InspectedChannel],
+    assigned: Mapping[str, InspectedChannel],
     left: Mapping[str, Sequence[InspectedChannel]],
     notes: set[str],
 ) -> tuple[Literal["raw", "envelope"] | None, str]:
     """Whether the EMG is raw or an envelope, and how that is known."""
-    looks = {role: c.look for role, c in found.items() if c.look is not None}
+    looks = {role: c.look for role, c in assigned.items() if c.look is not None}
     if not looks:
         looks = {c.column: c.look for some in left.values() for c in some if c.look is not None}
     if not looks:
@@ -236,14 +238,14 @@ def _emg(
     return None, "; ".join(told)
 
 
-def _advice(one: Inspection) -> list[str]:
+def _advice(inspection: Inspection) -> list[str]:
     """What is missing or open, and what to do about it."""
     lines = []
     together: dict[tuple[int, ...], list[str]] = {}
-    for role, candidates in one.open.items():
+    for role, candidates in inspection.open.items():
         together.setdefault(tuple(map(id, candidates)), []).append(role)
     for roles in together.values():
-        candidates = one.open[roles[0]]
+        candidates = inspection.open[roles[0]]
         sides = {c.guess.side for c in candidates if c.guess is not None}
         if sides == {"left", "right"}:
             todo = "give --side left or --side right, or choose in the mapping"
@@ -254,12 +256,12 @@ def _advice(one: Inspection) -> list[str]:
         are = "is" if len(roles) == 1 else "are"
         names = some([c.column for c in candidates])
         lines.append(f"{', '.join(roles)} {are} open: {names}; {todo}")
-    for role in one.missing:
+    for role in inspection.missing:
         if role == "angle":
             lines.append("angle is missing: no recording can be read without it; add its file")
         elif role == "torque":
             lines.append("torque is missing: nothing can be fitted without it; add its file")
-    silent = [role for role in one.missing if role.startswith("emg_")]
+    silent = [role for role in inspection.missing if role.startswith("emg_")]
     if silent:
         lines.append(
             f"no channel of {', '.join(silent)}: the mapping fixes their weights at 0, which is "
@@ -268,22 +270,24 @@ def _advice(one: Inspection) -> list[str]:
     lines += [
         f"{role}: the unit of {c.column!r} is not known (the file says {c.unit or 'none'}): see "
         "the mapping"
-        for role, c in one.roles.items()
+        for role, c in inspection.roles.items()
         if c.known_unit is None
     ]
     lines += [
         sentence
-        for c in one.roles.values()
-        if c.look is not None and one.emg is not None
-        if (sentence := contradiction(repr(c.column), c.look, one.emg))
+        for c in inspection.roles.values()
+        if c.look is not None and inspection.emg is not None
+        if (sentence := contradiction(repr(c.column), c.look, inspection.emg))
     ]
-    if one.emg is None and one.emg_rule:
-        lines.append(f"whether the EMG is raw is unclear ({one.emg_rule}): write it in the mapping")
-    if "angle" in one.roles or "torque" in one.roles:
+    if inspection.emg is None and inspection.emg_rule:
+        lines.append(
+            f"whether the EMG is raw is unclear ({inspection.emg_rule}): write it in the mapping"
+        )
+    if "angle" in inspection.roles or "torque" in inspection.roles:
         lines.append(
             "the directions of angle and torque show in no name: check sign in the mapping "
             "(dorsiflexion positive; torque positive when the triceps pulls)"
         )
-    if one.direction:
-        lines.append(one.direction)
+    if inspection.direction:
+        lines.append(inspection.direction)
     return lines

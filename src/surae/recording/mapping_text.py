@@ -77,8 +77,8 @@ def mapping_text(inspection: Inspection, folder: PathLike = ".") -> str:
             lines += ["", *_entry(role, roles[role], inspection, folder)]
         elif role in left:
             lines += ["", f"# {role} is open: choose one, and take the # away from its lines."]
-            for one in left[role]:
-                lines += _commented(_entry(role, one, inspection, folder))
+            for channel in left[role]:
+                lines += _commented(_entry(role, channel, inspection, folder))
         elif role in ("angle", "torque"):
             lines += ["", f"# {role} is missing: add [channels.{role}] with file, column, unit."]
     lines += ["", *_unused(inspection)]
@@ -99,57 +99,61 @@ def _emg_lines(inspection: Inspection) -> list[str]:
     return [f"emg = {_quoted(inspection.emg)}  # {inspection.emg_rule}"]
 
 
-def _entry(role: str, one: InspectedChannel, inspection: Inspection, folder: PathLike) -> list[str]:
+def _entry(
+    role: str, channel: InspectedChannel, inspection: Inspection, folder: PathLike
+) -> list[str]:
     """One channel's table."""
-    why = "" if one.guess is None else f"{one.guess.confidence}: {_line(one.guess.rule)}"
+    why = (
+        "" if channel.guess is None else f"{channel.guess.confidence}: {_line(channel.guess.rule)}"
+    )
     lines = [
         f"[channels.{role}]  # {why}",
-        f"file = {_quoted(_relative(one.file, folder))}",
-        f"column = {_quoted(one.column)}",
-        *_unit_lines(role, one, inspection),
+        f"file = {_quoted(_relative(channel.file, folder))}",
+        f"column = {_quoted(channel.column)}",
+        *_unit_lines(role, channel, inspection),
     ]
     if role in _SIGN:
-        opensim = role == "torque" and inspection.formats[one.file] == "OpenSim"
+        opensim = role == "torque" and inspection.formats[channel.file] == "OpenSim"
         theirs = "; -1 for OpenSim's own moments, dorsiflexion positive" if opensim else ""
-        lines.append(f"sign = 1  # {_SIGN[role]}{theirs}{_span(role, one)}")
+        lines.append(f"sign = 1  # {_SIGN[role]}{theirs}{_span(role, channel)}")
         if role == "torque" and inspection.direction:
             lines.append(f"# {_line(inspection.direction)}")
     if role in _OFFSET:
         lines.append(f"# offset = 0.0  # {_OFFSET[role]}")
-    if one.look is not None and one.look.offset and inspection.emg == "raw":
-        lines.append(f"offset = {one.look.offset!r}  # check: {one.look.rule}")
+    if channel.look is not None and channel.look.offset and inspection.emg == "raw":
+        lines.append(f"offset = {channel.look.offset!r}  # check: {channel.look.rule}")
     return lines
 
 
-def _unit_lines(role: str, one: InspectedChannel, inspection: Inspection) -> list[str]:
+def _unit_lines(role: str, channel: InspectedChannel, inspection: Inspection) -> list[str]:
     """The unit, where it is known; else what to write."""
     sort = kind(role)
     known = ", ".join(FACTORS[sort])
-    if one.known_unit is not None:
-        lines = [f"unit = {_quoted(one.known_unit)}  # as the file states"]
-        if sort == "emg" and one.high is not None and one.low is not None:
-            volts = FACTORS["emg"][one.known_unit]
-            if one.known_unit != "1" and amplified(one.high, one.low, volts):
-                peak = max(abs(one.high), abs(one.low)) * volts
-                too = "; the offset too times that" if one.look and one.look.offset else ""
+    if channel.known_unit is not None:
+        lines = [f"unit = {_quoted(channel.known_unit)}  # as the file states"]
+        if sort == "emg" and channel.high is not None and channel.low is not None:
+            volts = FACTORS["emg"][channel.known_unit]
+            if channel.known_unit != "1" and amplified(channel.high, channel.low, volts):
+                peak = max(abs(channel.high), abs(channel.low)) * volts
+                too = "; the offset too times that" if channel.look and channel.look.offset else ""
                 lines.append(
                     f"# scale = 0.001  # check: {peak:.2g} V left an amplifier: 1 / its gain here "
                     f"makes weights g comparable{too}"
                 )
         return lines
-    said = "the file states none" if one.unit is None else f"the file says {one.unit!r}"
-    if one.unit is None and sort == "torque" and inspection.formats[one.file] == "OpenSim":
+    said = "the file states none" if channel.unit is None else f"the file says {channel.unit!r}"
+    if channel.unit is None and sort == "torque" and inspection.formats[channel.file] == "OpenSim":
         return ['unit = "Nm"  # check: the file states none; moments of OpenSim are in Nm']
-    if sort == "emg" and one.unit in ("%", "%MVC", "%mvc"):
+    if sort == "emg" and channel.unit in ("%", "%MVC", "%mvc"):
         return ['unit = "1"  # check: the file says %', "scale = 0.01"]
-    smooth = one.look is not None and one.look.kind == "envelope"
-    if sort == "emg" and one.unit is None and smooth and _within(one.high):
+    smooth = channel.look is not None and channel.look.kind == "envelope"
+    if sort == "emg" and channel.unit is None and smooth and _within(channel.high):
         return [
-            f'unit = "1"  # check: the file states none; 0 … {one.high:.3g} is normalised '
+            f'unit = "1"  # check: the file states none; 0 … {channel.high:.3g} is normalised '
             "(weights g come out in N)"
         ]
     scale = ["# scale = 1.0  # from the sensor's volts to that unit"] if unit_is_volts(
-        one.unit
+        channel.unit
     ) and sort != "emg" else []  # fmt: skip
     first = next(iter(FACTORS[sort]))
     return [f"# unit = {_quoted(first)}  # state it: {known} ({_line(said)})", *scale]
@@ -159,24 +163,24 @@ def _within(high: float | None) -> bool:
     return high is not None and _NORMALISED[0] <= high <= _NORMALISED[1]
 
 
-def _span(role: str, one: InspectedChannel) -> str:
+def _span(role: str, channel: InspectedChannel) -> str:
     """The values that it takes, which help to tell its direction."""
-    if one.low is None or one.high is None or role not in ("angle", "torque"):
+    if channel.low is None or channel.high is None or role not in ("angle", "torque"):
         return ""
-    return f"; here {one.low:.4g} … {one.high:.4g} {_line(one.unit or '')}".rstrip()
+    return f"; here {channel.low:.4g} … {channel.high:.4g} {_line(channel.unit or '')}".rstrip()
 
 
 def _unused(inspection: Inspection) -> list[str]:
     """What is not in the mapping, as comments."""
-    used = {id(one) for one in inspection.roles.values()}
-    used |= {id(one) for several in inspection.open.values() for one in several}
-    rest = [one for one in inspection.channels if id(one) not in used]
+    used = {id(channel) for channel in inspection.roles.values()}
+    used |= {id(channel) for several in inspection.open.values() for channel in several}
+    rest = [channel for channel in inspection.channels if id(channel) not in used]
     if not rest:
         return []
     lines = ["# Not used:"]
-    for one in rest[:100]:
-        told = ", ".join(_line(text) for text in (one.unit, one.remark) if text)
-        lines.append(f"#   {_line(one.column)}{f' ({told})' if told else ''}")
+    for channel in rest[:100]:
+        told = ", ".join(_line(text) for text in (channel.unit, channel.remark) if text)
+        lines.append(f"#   {_line(channel.column)}{f' ({told})' if told else ''}")
     return [*lines, f"#   and {len(rest) - 100} more"] if len(rest) > 100 else lines
 
 

@@ -125,38 +125,40 @@ def _opened(source: Source) -> tuple[_Layout, list[_Signal], str]:
         _SIGNAL.unpack_from(data, begin + _HEADER.size + index * _SIGNAL.size)
         for index in range(words)
     ]
-    return layout, _signals([_description(one) for one in described], where), remark
+    return layout, _signals([_description(raw) for raw in described], where), remark
 
 
-def _description(one: tuple[bytes, bytes, float, float, float, float, int]) -> _Signal:
+def _description(raw: tuple[bytes, bytes, float, float, float, float, int]) -> _Signal:
     """A signal as described, its word not yet known."""
-    name, unit, unit_low, unit_high, raw_low, raw_high, _ = one
+    name, unit, unit_low, unit_high, raw_low, raw_high, _ = raw
     scale, offset = _calibration(unit_low, unit_high, raw_low, raw_high)
     return _Signal(_latin(name), _latin(unit), 0, False, scale, offset)
 
 
 def _signals(words: list[_Signal], where: str) -> list[_Signal]:
     """The signals behind the words, pairs joined."""
-    found: list[_Signal] = []
+    signals: list[_Signal] = []
     index = 0
     while index < len(words):
-        one = words[index]
-        if one.name.startswith(_LOW):
-            name = one.name.removeprefix(_LOW).strip()
+        word = words[index]
+        if word.name.startswith(_LOW):
+            name = word.name.removeprefix(_LOW).strip()
             following = words[index + 1].name if index + 1 < len(words) else ""
             if following.strip() != _HIGH + name:
                 raise InputError(
-                    f"{where}: {one.name!r} is not followed by its high word; the file is damaged"
+                    f"{where}: {word.name!r} is not followed by its high word; the file is damaged"
                 )
-            found.append(_Signal(name, one.unit, index, True, one.scale, one.offset))
+            signals.append(_Signal(name, word.unit, index, True, word.scale, word.offset))
             index += 2
         else:
-            found.append(_Signal(one.name, one.unit, index, False, one.scale, one.offset))
+            signals.append(_Signal(word.name, word.unit, index, False, word.scale, word.offset))
             index += 1
-        scale, offset = found[-1].scale, found[-1].offset
+        scale, offset = signals[-1].scale, signals[-1].offset
         if not (math.isfinite(scale) and math.isfinite(offset)):
-            raise InputError(f"{where}: {found[-1].name!r} has no calibration; the file is damaged")
-    return found
+            raise InputError(
+                f"{where}: {signals[-1].name!r} has no calibration; the file is damaged"
+            )
+    return signals
 
 
 def _calibration(
@@ -175,7 +177,7 @@ def _values(source: Source, layout: _Layout, wanted: Sequence[_Signal]) -> Mappi
     """Signals in their units."""
     step = _BLOCK_HEADER + 2 * layout.block_words
     shape = (layout.blocks, layout.block_words // layout.words)
-    found = {signal.name: np.empty(shape) for signal in wanted}
+    values_of = {signal.name: np.empty(shape) for signal in wanted}
     views = [
         np.ndarray(
             shape=shape,
@@ -191,12 +193,12 @@ def _values(source: Source, layout: _Layout, wanted: Sequence[_Signal]) -> Mappi
     with np.errstate(invalid="ignore", over="ignore"):
         for first in range(0, layout.blocks, each):
             for signal, view in zip(wanted, views, strict=True):
-                part = found[signal.name][first : first + each]
+                part = values_of[signal.name][first : first + each]
                 part[:] = view[first : first + each]
                 if (signal.scale, signal.offset) != (1.0, 0.0):
                     part *= signal.scale
                     part += signal.offset
-    return {name: freeze(values.reshape(-1)[: layout.n]) for name, values in found.items()}
+    return {name: freeze(values.reshape(-1)[: layout.n]) for name, values in values_of.items()}
 
 
 def _latin(text: bytes) -> str:

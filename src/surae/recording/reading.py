@@ -53,7 +53,7 @@ def _by_names(table: Table, source: Source) -> Recording:
         raise InputError(
             f"{_where(table, table.time_name)}: the unit is missing; write {' or '.join(TIMES)}"
         )
-    found: dict[str, str] = {}
+    columns_of: dict[str, str] = {}
     units: dict[str, str] = {}
     for name in table.names:
         # Only in our own format does a name that is nearly ours mean a mistake.
@@ -65,22 +65,22 @@ def _by_names(table: Table, source: Source) -> Recording:
         if claim is None:
             continue
         role, unit = claim
-        if found.get(role) == name:
+        if columns_of.get(role) == name:
             raise InputError(f"{_where(table, name)}: the column is there twice; keep one")
-        if role in found:
+        if role in columns_of:
             raise InputError(
-                f"{_where(table, name)}: column {found[role]!r} is the {role} too; keep one"
+                f"{_where(table, name)}: column {columns_of[role]!r} is the {role} too; keep one"
             )
-        found[role] = name
+        columns_of[role] = name
         units[role] = settle_unit(table, role, name, unit, _where(table, name))
-    if "angle" not in found:
+    if "angle" not in columns_of:
         raise InputError(_no_angle(table))
-    columns = table.load(tuple(found.values()))
+    columns = table.load(tuple(columns_of.values()))
     return Recording(
         name=table.notes.get("name", source.name),
         channels={
             role: channel(role, columns[name], Scaling(units[role]), table)
-            for role, name in found.items()
+            for role, name in columns_of.items()
         },
         emg="envelope" if table.notes.get("emg") == "envelope" else "raw",
         files=(source.file,),

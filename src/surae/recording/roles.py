@@ -208,10 +208,10 @@ def heading_unit(name: str) -> str | None:
     Only what is a unit of the signals that are read here counts: "EMG (left)" states none, nor
     does "EMG (1)", which numbers its sensor.
     """
-    found = _BRACKETED.fullmatch(name.strip()) or _SUFFIXED.fullmatch(name.strip())
-    if found is None:
+    match = _BRACKETED.fullmatch(name.strip()) or _SUFFIXED.fullmatch(name.strip())
+    if match is None:
         return None
-    unit = next(text for text in found.groups() if text is not None)
+    unit = next(text for text in match.groups() if text is not None)
     return unit if unit != "1" and unit_kind(unit) not in (None, "other", "time") else None
 
 
@@ -253,9 +253,9 @@ def _muscle(said: set[str], words: tuple[str, ...]) -> _Found | None:
     """EMG of one of the four muscles."""
     if said & (_OTHER_SENSORS | _OTHER_JOINTS):
         return None
-    found = _in_full(said, words)
-    if found is not None or said & _OTHER_MUSCLES:
-        return found
+    match = _in_full(said, words)
+    if match is not None or said & _OTHER_MUSCLES:
+        return match
     short = next((word for word in words if word in _SHORT), None)
     if short is not None:
         rule = f"{short.upper()}, short for {_FULL[_SHORT[short]]}"

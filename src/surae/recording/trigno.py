@@ -68,12 +68,13 @@ def open_table(source: Source) -> Table:
     if not header:
         raise InputError(f"{source.shown}: no row with the names of columns (X[s], ...)")
     signals = _signals(cells, labels, f"{source.shown}: row {header}")
-    by_name = {one.name: one for one in reversed(signals)}
+    by_name = {signal.name: signal for signal in reversed(signals)}
     rows = source.data.count(b"\n") - header
     remarks = {
-        one.name: f"cut short: the header states {one.points} samples, the file has {rows} rows"
-        for one in signals
-        if one.points is not None and one.points > rows
+        signal.name: f"cut short: the header states {signal.points} samples, the file has {rows} "
+        "rows"
+        for signal in signals
+        if signal.points is not None and signal.points > rows
     }
 
     def load(wanted: Sequence[str]) -> Mapping[str, Column]:
@@ -82,10 +83,10 @@ def open_table(source: Source) -> Table:
     return Table(
         file=source.shown,
         format="Trigno",
-        names=tuple(one.name for one in signals),
+        names=tuple(signal.name for signal in signals),
         time_name=cells[0],
         load=load,
-        units={one.name: one.unit for one in signals if one.unit},
+        units={signal.name: signal.unit for signal in signals if signal.unit},
         remarks=remarks,
     )
 
@@ -96,7 +97,7 @@ def _signals(
     """The signals that a row of names lists."""
     while cells and not cells[-1]:
         cells = cells[:-1]
-    found = []
+    signals = []
     for column, name in enumerate(cells):
         if _TIME.fullmatch(name) and column % 2 == 0:
             continue
@@ -108,7 +109,7 @@ def _signals(
         label = labels.get(name)
         if label is not None and label["domain"].strip() != "s":
             raise InputError(f"{where}: {name!r} is a function of {label['domain']!r}, not of time")
-        found.append(
+        signals.append(
             _Signal(
                 name,
                 column,
@@ -116,9 +117,9 @@ def _signals(
                 int(label["points"]) if label else None,
             )
         )
-    if not found or len(cells) % 2:
+    if not signals or len(cells) % 2:
         raise InputError(f"{where}: expected pairs of columns, X[s] and a signal")
-    return found
+    return signals
 
 
 def _columns(source: Source, header: int, wanted: Sequence[_Signal]) -> dict[str, Column]:
@@ -126,11 +127,11 @@ def _columns(source: Source, header: int, wanted: Sequence[_Signal]) -> dict[str
     times, values = [array("d") for _ in wanted], [array("d") for _ in wanted]
     rows: list[list[int]] = [[] for _ in wanted]
     for row, cells in _rows(source, header):
-        for k, one in enumerate(wanted):
-            pair = cells[one.column - 1 : one.column + 1]
+        for k, signal in enumerate(wanted):
+            pair = cells[signal.column - 1 : signal.column + 1]
             if not any(pair):
                 continue
-            where = f"{source.shown}: column {one.name!r}, row {row}"
+            where = f"{source.shown}: column {signal.name!r}, row {row}"
             if len(pair) < 2:
                 raise InputError(f"{where}: the sample is missing")
             if rows[k] and rows[k][-1] != row - 1:
@@ -142,17 +143,17 @@ def _columns(source: Source, header: int, wanted: Sequence[_Signal]) -> dict[str
             times[k].append(at)
             values[k].append(value)
             rows[k] = [rows[k][0] if rows[k] else row, row]
-    found = {}
-    for one, time, signal, span in zip(wanted, times, values, rows, strict=True):
+    columns = {}
+    for signal, time, samples, span in zip(wanted, times, values, rows, strict=True):
         first = span[0] if span else header + 1
-        found[one.name] = Column(
-            one.name,
+        columns[signal.name] = Column(
+            signal.name,
             freeze(np.array(time, dtype=np.float64)),
-            freeze(np.array(signal, dtype=np.float64)),
+            freeze(np.array(samples, dtype=np.float64)),
             "X[s]",
             lambda index, first=first: f"row {first + index}",  # type: ignore[misc]
         )
-    return found
+    return columns
 
 
 def _rows(source: Source, header: int) -> Iterator[tuple[int, list[str]]]:

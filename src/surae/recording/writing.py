@@ -22,8 +22,8 @@ def columns(recording: Recording) -> dict[str, FloatArray]:
     The channels must share the time axis of the angle, which is the one that is given.
     """
     named = {"time_s": recording.channels["angle"].time}
-    for role, one in recording.channels.items():
-        named[column_name(role, one.unit)] = one.values
+    for role, channel in recording.channels.items():
+        named[column_name(role, channel.unit)] = channel.values
     return named
 
 
@@ -127,12 +127,12 @@ def shared_time(recording: Recording, where: str) -> FloatArray:
     """
     channels = list(recording.channels.values())
     time = channels[0].time
-    for one in channels[1:]:
-        if len(one.time) != len(time) or not np.array_equal(one.time, time):
+    for channel in channels[1:]:
+        if len(channel.time) != len(time) or not np.array_equal(channel.time, time):
             raise InputError(
-                f"{where}: {channels[0].role} and {one.role} have times of their own "
-                f"({channels[0].rate_hz:.6g} and {one.rate_hz:.6g} Hz, from "
-                f"{channels[0].time[0]:.6g} and {one.time[0]:.6g} s), but the file has one column "
-                "of times; prepare the recording first (--prepare), or write .h5 or a BIDS folder"
+                f"{where}: {channels[0].role} and {channel.role} have times of their own "
+                f"({channels[0].rate_hz:.6g} and {channel.rate_hz:.6g} Hz, from "
+                f"{channels[0].time[0]:.6g} and {channel.time[0]:.6g} s), but the file has one "
+                "column of times; prepare the recording first (--prepare), or write .h5 or a BIDS folder"
             )
     return time
