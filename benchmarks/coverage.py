@@ -12,7 +12,7 @@ from scipy.signal import lfilter
 
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial
-from surae.studies.coverage import coverage, markdown
+from surae_thesis.coverage import coverage, markdown
 
 
 def main() -> None:

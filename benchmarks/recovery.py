@@ -7,8 +7,8 @@ import numpy as np
 
 from surae.estimation import STARTS
 from surae.protocol import PROFILES, TASKS, Protocol
-from surae.studies.recovery import markdown, recover, summarise
 from surae.studies.virtual import POPULATIONS
+from surae_thesis.recovery import markdown, recover, summarise
 
 
 def main() -> None:

@@ -1,6 +1,7 @@
 """The architecture, enforced: imports only go down, nothing goes round, `import surae` is light."""
 
 import ast
+import importlib
 import json
 import subprocess
 import sys
@@ -12,6 +13,7 @@ import pytest
 import surae
 
 PACKAGE = Path(surae.__file__).parent
+THESIS = PACKAGE.parent / "surae_thesis"
 
 #: From the bottom to the top; modules on one line may use each other, never in a circle.
 LAYERS = (
@@ -36,7 +38,6 @@ LAYERS = (
     ("assessment",),
     ("studies",),
     ("report",),
-    ("reproduction",),
     ("api",),
     ("cli", "__main__"),
     ("web",),
@@ -147,6 +148,49 @@ def test_every_import_of_the_package_leads_somewhere() -> None:
         if name not in edges
     }
     assert missing == set()
+
+
+#: Packages whose public names others build on: those in their `__all__`; and modules that are one
+#: thing, and public as they are.
+PUBLIC_MODULES = ("errors", "files", "runner", "units")
+
+
+def from_surae(source: Path) -> set[tuple[str, str]]:
+    """Modules of surae that a file imports from, and the names that it takes."""
+    nodes = list(ast.walk(ast.parse(source.read_text(encoding="utf-8"))))
+    taken = {
+        (node.module, alias.name)
+        for node in nodes
+        if isinstance(node, ast.ImportFrom) and node.module
+        for alias in node.names
+    }
+    whole = {(a.name, "") for node in nodes if isinstance(node, ast.Import) for a in node.names}
+    return {(m, name) for m, name in taken | whole if m.split(".")[0] == "surae"}
+
+
+def test_the_thesis_is_built_on_what_is_public() -> None:
+    sources = sorted(THESIS.rglob("*.py"))
+    assert len(sources) > 10
+    inner = set()
+    for source in sources:
+        for module, name in from_surae(source):
+            parts = module.split(".")[1:]
+            if not name or (len(parts) == 1 and parts[0] in PUBLIC_MODULES):
+                if len(parts) > 1:
+                    inner.add(f"{source.name}: {module}")
+                continue
+            if name not in getattr(importlib.import_module(module), "__all__", ()):
+                inner.add(f"{source.name}: {module}.{name}")
+    assert inner == set()
+
+
+def test_only_its_command_knows_the_thesis() -> None:
+    users = {
+        source.relative_to(PACKAGE).as_posix()
+        for source in PACKAGE.rglob("*.py")
+        if "surae_thesis" in source.read_text(encoding="utf-8")
+    }
+    assert users == {"cli/reproduce.py"}
 
 
 def test_the_package_itself_imports_its_version_and_errors_only() -> None:

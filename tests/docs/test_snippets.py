@@ -23,7 +23,7 @@ PLACEHOLDERS = {"FILE": "lab.csv", "START:END": "1:2"}
 #: Commands whose options are read but which are not run here, and why.
 READ_ONLY = {
     "surae serve": "serves until it is stopped; tests/web runs it",
-    "surae reproduce": "takes minutes; tests/reproduction runs it",
+    "surae reproduce": "takes minutes; tests/thesis runs it",
     "surae posterior": "takes a minute to converge; tests/cli/test_posterior.py runs it",
     "surae demo": "fits for seconds; tests/cli/test_demo.py runs it",
     "--dask": "needs a cluster; tests/studies runs one",

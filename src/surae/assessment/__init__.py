@@ -11,7 +11,7 @@ from surae.assessment.assess import (
 from surae.assessment.comparison.finding import Comparison, Finding
 from surae.assessment.residual.quality import autocorrelation, rmse, vaf
 from surae.assessment.residual.whiteness import Whiteness, whiteness
-from surae.assessment.uncertainty.covariance import Covariance, ipde
+from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width, ipde
 from surae.assessment.uncertainty.robust import RobustCovariance
 from surae.assessment.uncertainty.snsem import Baseline
 from surae.assessment.validation.prediction import Pooled, Prediction, pooled, predict
@@ -35,6 +35,8 @@ __all__ = [
     "Whiteness",
     "assess",
     "autocorrelation",
+    "covariance",
+    "half_width",
     "ipde",
     "pooled",
     "predict",

@@ -12,7 +12,7 @@ from surae.errors import InputError
 from surae.files import shown, write_atomic
 
 if TYPE_CHECKING:
-    from surae.reproduction.kept import Chapter
+    from surae_thesis.kept import Chapter
 
 #: More workers than this on one computer are a slip of the keyboard.
 _MOST_WORKERS = 1000
@@ -50,21 +50,21 @@ def command(
         from surae.cli.paths import check_outputs
 
         check_outputs({"--markdown": markdown}, ())
-    from surae.reproduction.registry import sections
+    from surae_thesis.section import sections
 
     chosen = sections(only)
 
-    from surae.reproduction.chapter import Context, cores
-    from surae.reproduction.run import make_folder
+    from joblib import cpu_count
+
+    from surae_thesis.section import Context, make_folder, reproduce
 
     folder = Path(output)
     make_folder(folder)
 
     from surae.cli.progress import compilation_notice, work
     from surae.cli.screen import show_line
-    from surae.reproduction.kept import chapters
-    from surae.reproduction.output import markdown as verdicts
-    from surae.reproduction.run import reproduce
+    from surae_thesis.kept import chapters
+    from surae_thesis.writers import markdown as verdicts
 
     begin = time.perf_counter()
     try:
@@ -73,7 +73,7 @@ def command(
                 folder=folder,
                 seed=number or 0,
                 quick=quick,
-                workers=count or cores(),
+                workers=count or int(cpu_count()),
                 progress=progress.parts,
             )
             written = reproduce(
@@ -86,30 +86,32 @@ def command(
             err=True,
         )
         return 130
-    found = chapters(context)
-    _show(found)
+    there = chapters(context)
+    _show(there)
     if markdown is not None:
-        write_atomic(markdown, verdicts(found))
-    show_line(f"{', '.join(one.name for one in chosen)}: {time.perf_counter() - begin:.0f} s")
+        write_atomic(markdown, verdicts(there))
+    show_line(
+        f"{', '.join(section.name for section in chosen)}: {time.perf_counter() - begin:.0f} s"
+    )
     show_line(f"page: {shown(written[0])}")
     for path in written[1:]:
         show_line(f"      {shown(path)}")
     return 0
 
 
-def _show(found: "Sequence[Chapter]") -> None:
+def _show(there: "Sequence[Chapter]") -> None:
     """A table of verdicts for each section, and how many there are."""
     from surae.cli.screen import show_line, show_verdicts
-    from surae.reproduction.kept import counts
+    from surae_thesis.kept import counts
 
-    for chapter in found:
+    for chapter in there:
         show_line(f"{chapter.title} ({chapter.source})")
         show_verdicts(
             ("claim", "thesis", "ours", "verdict"),
             [
-                (one.claim.name, one.claim.number, one.ours or "–", one.verdict)
-                for one in chapter.findings
+                (f.id, f.number, next(iter(f.ours.values()), (False, "–"))[1], f.verdict)
+                for f in chapter.findings
             ],
         )
-    total = counts(found)
+    total = counts(there)
     show_line(", ".join(f"{number} {verdict}" for verdict, number in total.items()))

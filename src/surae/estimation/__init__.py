@@ -1,6 +1,7 @@
 """Parameters from recordings: problem, solver, variable projection, multi-start."""
 
 from surae.estimation.fit import fit_problem
+from surae.estimation.least_squares import minimise
 from surae.estimation.losses import LOSSES
 from surae.estimation.outliers import fit_robust
 from surae.estimation.prior import Prior
@@ -21,5 +22,6 @@ __all__ = [
     "fit_problem",
     "fit_robust",
     "make_problem",
+    "minimise",
     "solve",
 ]

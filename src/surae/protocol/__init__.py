@@ -1,16 +1,19 @@
 """Measurement protocols: position profiles, effort tasks, device limits, coverage, files."""
 
 from surae.protocol.adaptation import Adaptation
-from surae.protocol.chirp import chirp_rate
+from surae.protocol.chirp import chirp, chirp_rate
 from surae.protocol.coverage import Coverage, coverage
 from surae.protocol.device import DEVICES, Device, named_device
-from surae.protocol.effort import TASKS, Task
+from surae.protocol.effort import DIRECTIONS, TASKS, Task
 from surae.protocol.export import write_csv, write_mat
 from surae.protocol.profiles import PROFILES, Profile
 from surae.protocol.protocol import Protocol, Trajectory, generate
+from surae.protocol.triceps import L0_TRI, TricepsPath, triceps_path
 
 __all__ = [
     "DEVICES",
+    "DIRECTIONS",
+    "L0_TRI",
     "PROFILES",
     "TASKS",
     "Adaptation",
@@ -20,10 +23,13 @@ __all__ = [
     "Protocol",
     "Task",
     "Trajectory",
+    "TricepsPath",
+    "chirp",
     "chirp_rate",
     "coverage",
     "generate",
     "named_device",
+    "triceps_path",
     "write_csv",
     "write_mat",
 ]

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 from surae.model import ModelOptions
-from surae.model.geometry import paths
 from surae.protocol.coverage import Coverage, coverage
 from surae.protocol.protocol import Trajectory
 from surae.recording import read_only
@@ -50,6 +49,8 @@ def triceps_path(
     options : ModelOptions, optional
         Which geometry.
     """
+    from surae.model.geometry import paths  # imports the compiler
+
     triceps, _ = paths(
         angle=trajectory.angle, velocity=trajectory.velocity, options=options or ModelOptions()
     )

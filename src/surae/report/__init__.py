@@ -6,13 +6,14 @@ from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
 from surae.files import PathLike, write_atomic
+from surae.report.typeset import has_typst, typeset
 
 if TYPE_CHECKING:  # modules of this package are also used where nothing is computed
     from surae.assessment import Assessment, Prediction
     from surae.estimation import FitResult
     from surae.quality import Quality
 
-__all__ = ["build", "check_report", "write_report"]
+__all__ = ["build", "check_report", "has_typst", "typeset", "write_report"]
 
 
 def build(

@@ -1,6 +1,10 @@
 """Virtual subjects and what is learnt from fitting them."""
 
+from surae.studies.baseline import simulated_baseline
 from surae.studies.imperfections import Imperfections, realistic_imperfections
+from surae.studies.populations import stream
+from surae.studies.program import fingerprint
+from surae.studies.run import study_rows
 from surae.studies.virtual import (
     POPULATIONS,
     VirtualSubject,
@@ -13,7 +17,11 @@ __all__ = [
     "POPULATIONS",
     "Imperfections",
     "VirtualSubject",
+    "fingerprint",
     "realistic_imperfections",
+    "simulated_baseline",
+    "stream",
+    "study_rows",
     "virtual_recording",
     "virtual_subject",
     "virtual_trial",

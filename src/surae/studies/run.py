@@ -4,9 +4,10 @@ from collections.abc import Callable, Generator, Mapping
 from dataclasses import asdict, dataclass
 from time import perf_counter
 
+from surae.files import PathLike
 from surae.runner import Batch, Engine, results
 from surae.studies.store import Store
-from surae.studies.study import Study
+from surae.studies.study import Study, Value, parse_study
 from surae.studies.tasks import Task, run_task
 
 #: Called after every fit that is kept: how many of the study are, and how many there are.
@@ -68,6 +69,40 @@ def run(
     store.keep(_computed(tasks, engine or Engine()), progress)
     status = store.status()
     return Finished(status.rows, status.calls, len(tasks), perf_counter() - begin)
+
+
+def study_rows(
+    text: str, store: PathLike, *, workers: int = 1, progress: Progress | None = None
+) -> list[dict[str, Value | None]]:
+    """The table of a study, computed as far as its store does not have it yet.
+
+    Parameters
+    ----------
+    text : str
+        A STUDY.toml.
+    store : path
+        Where its fits are kept.
+    workers : int
+        Processes.
+    progress : callable, optional
+        Called whenever outcomes have been kept.
+
+    Returns
+    -------
+    list of dict
+        A row by column for each combination of the factors, in the order of the plan.
+
+    Raises
+    ------
+    InputError, ComputationError
+        As of `parse_study` and `run`.
+    """
+    from surae.studies.table import table
+
+    study = parse_study(text)
+    with Store(store, write=True) as kept:
+        run(study, kept, engine=Engine("processes", workers), progress=progress)
+        return list(table(kept))
 
 
 def _computed(tasks: Mapping[str, Task], engine: Engine) -> Generator[Batch]:

@@ -1,18 +1,50 @@
 """The figures of a report, each from plain data; importing this imports matplotlib."""
 
 from surae.report.figures.correlation import correlation_figure
+from surae.report.figures.lines import line, shared_legend
 from surae.report.figures.prediction import prediction_figure
 from surae.report.figures.residual import residual_figure
-from surae.report.figures.style import png, svg
+from surae.report.figures.style import (
+    BLUE,
+    GREY,
+    INK,
+    MUTED,
+    OCHRE,
+    RED,
+    dress,
+    footnote,
+    heading,
+    legend,
+    new_figure,
+    png,
+    svg,
+    trace,
+)
 from surae.report.figures.tendon import tendon_figure
 from surae.report.figures.torque import torque_figure
+from surae.report.traces import traces_of
 
 __all__ = [
+    "BLUE",
+    "GREY",
+    "INK",
+    "MUTED",
+    "OCHRE",
+    "RED",
     "correlation_figure",
+    "dress",
+    "footnote",
+    "heading",
+    "legend",
+    "line",
+    "new_figure",
     "png",
     "prediction_figure",
     "residual_figure",
+    "shared_legend",
     "svg",
     "tendon_figure",
     "torque_figure",
+    "trace",
+    "traces_of",
 ]

@@ -1,0 +1,7 @@
+"""The thesis's results computed again: each claim beside ours, with a verdict.
+
+Built on what `surae` and its packages make public, and on nothing else. A claim is a row of data
+(`claims.Claim`) with one judge; a section (`section.Section`) computes what its claims look at,
+figures and tables. `jobs` keeps what takes long, so that a stopped run goes on; `kept` and
+`writers` write the folder.
+"""

@@ -1,0 +1,145 @@
+"""The cohort fitted our way: recordings of a subject together, tendons freed, against the truth."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.assessment import half_width
+from surae.units import FloatArray
+from surae_thesis.cohort import plan, work
+from surae_thesis.cohort.members import ACTIVE_PROTOCOL
+from surae_thesis.cohort.results import MADE_BY, Fit, Fits
+from surae_thesis.jobs import run_jobs
+from surae_thesis.section import Context
+
+#: Ways to fit together, by name: model, and what it frees beside its own parameters.
+JOINT: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "joint 1.0": ("1.0", ()),
+    "joint 2.0": ("2.0", ()),
+    "joint + ε0": ("2.0", ("dlt_tri",)),
+    "joint + tendons": ("2.0", ("dlt_tri", "dlt_tib", "pt_tri")),
+}
+#: The thesis's ways, of one recording of the multiple holds.
+SINGLE = {"1.0 alone": "1.0", "2.0 alone": "2.0", "2.1 alone": "2.1"}
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """One parameter of one subject beside the truth.
+
+    Attributes
+    ----------
+    subject, name : str
+        Whose, and which parameter.
+    value, true : float
+        Estimate and truth.
+    sem : float or None
+        Standard error, equation (34); None at a bound.
+    white, trusted : bool or None
+        Whether the truth lies in the 95 % interval of equation (34), and in ours; None without.
+    """
+
+    subject: str
+    name: str
+    value: float
+    true: float
+    sem: float | None
+    white: bool | None
+    trusted: bool | None
+
+    @property
+    def error(self) -> float:
+        """Size of the relative error."""
+        return abs(self.value / self.true - 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """One way to fit, over all subjects.
+
+    Attributes
+    ----------
+    name : str
+        What it is called.
+    estimates : tuple of Estimate
+        Of the parameters whose truth is known.
+    held_out : mapping of str to tuple of (str, float)
+        Subject and VAF [%] of the last repetition, predicted, by protocol.
+    first_start : float
+        Share of fits whose default start found the best minimum.
+    vaf : tuple of float
+        Of the fitted recordings [%].
+    """
+
+    name: str
+    estimates: tuple[Estimate, ...]
+    held_out: Mapping[str, tuple[tuple[str, float], ...]]
+    first_start: float
+    vaf: tuple[float, ...]
+
+    def errors(self, names: Sequence[str]) -> FloatArray:
+        """Relative errors of some parameters, sizes only."""
+        return np.array([one.error for one in self.estimates if one.name in names])
+
+    def covered(self, kind: str) -> tuple[float, int]:
+        """Share of ``"white"`` or ``"trusted"`` intervals that hold the truth, and their number."""
+        said = [getattr(one, kind) for one in self.estimates]
+        known = [one for one in said if one is not None]
+        return (float(np.mean(known)) if known else float("nan")), len(known)
+
+
+def joint_jobs(size: plan.Size) -> dict[str, plan.Settings]:
+    """All but the last repetition of all protocols of a subject, which predict the last one."""
+    last = size.repetitions
+    jobs = {}
+    for number, member in enumerate(size.members):
+        trials = [(p, r) for p in member.completed for r in range(1, last)]
+        held = [(p, last) for p in member.completed]
+        for name, (model, free) in JOINT.items():
+            jobs[f"{name}|{member.id}"] = plan.fit_settings(
+                size, number, trials, model, free=free, predicted=held, starts=min(size.starts, 2)
+            )
+    return jobs
+
+
+def ways(context: Context, fits: Fits) -> dict[str, Way]:
+    """Every way to fit, the thesis's first, by name."""
+    found = run_jobs(context, "cohort-joint", work.fit_job, joint_jobs(fits.size), also=MADE_BY)
+    last = fits.size.repetitions
+    several: dict[str, Way] = {}
+    for name, model in SINGLE.items():
+        of_model = {subject: fit for subject, r, fit in fits.of(model, ACTIVE_PROTOCOL) if r == 1}
+        if of_model:
+            several[name] = _way(name, of_model, last)
+    for name in JOINT:
+        of_way = {m.id: found[f"{name}|{m.id}"] for m in fits.members}
+        several[name] = _way(name, of_way, last)
+    return several
+
+
+def _way(name: str, by_subject: Mapping[str, Fit], last: int) -> Way:
+    held: dict[str, list[tuple[str, float]]] = {}
+    for subject, fit in by_subject.items():
+        for one in fit["predicted"]:
+            if one["repetition"] == last and one["vaf"] is not None:
+                held.setdefault(one["protocol"], []).append((subject, one["vaf"]))
+    return Way(
+        name,
+        tuple(e for subject, fit in by_subject.items() for e in _estimates(subject, fit)),
+        {protocol: tuple(several) for protocol, several in held.items()},
+        float(np.mean([fit["first_start"] for fit in by_subject.values()])),
+        tuple(fit["vaf"] for fit in by_subject.values() if fit["vaf"] is not None),
+    )
+
+
+def _estimates(subject: str, fit: Fit) -> Iterator[Estimate]:
+    for name, p in fit["parameters"].items():
+        if not p["free"] or p["true"] is None or p["value"] is None:
+            continue
+        white = trusted = None
+        if p["sem"] is not None:
+            white = abs(p["value"] - p["true"]) <= half_width(p["sem"], fit["n"])
+        if p["ci95"] is not None:
+            trusted = p["ci95"][0] <= p["true"] <= p["ci95"][1]
+        yield Estimate(subject, name, p["value"], p["true"], p["sem"], white, trusted)

@@ -1,0 +1,207 @@
+"""A virtual cohort in the place of the thesis's fourteen subjects (2.6, 3.2), drawn from a seed.
+
+The measured recordings are not public. These subjects stand in: their leg is richer than any model
+that is fitted, and it was chosen before anything was fitted to it. Every number below comes from
+the thesis, from `surae.studies` or is a plausible choice:
+
+==================== ===========================================================================
+tendons              compliant, of the subject's own: ε0 of the triceps 2.8 to 5 % of the slack
+                     length, about the 4 % that Table 2 calls a strain; those of a fit are wrong
+strength             weights twice those of a leg on rigid tendons, women 0.75 times those of men:
+                     so legs on these tendons reach the torques of Figures 18 to 20
+range of motion      −0.95…−0.80 rad to 0.45…0.60 rad, each subject's own limit of comfort
+crosstalk, torque    as `realistic_imperfections`: crosstalk, coloured torque noise, axis a few mm
+noise, axis, knee    off, slow knee motion
+misaligned           with probability 3/14, an ankle axis 12 to 20 mm above the device's (4.4: feet
+                     with "higher ankle rotation points")
+flexible             with probability 3/14, knee flexion of 0.08 to 0.15 rad (4.4: subjects who
+                     "slightly twisted their knee")
+muscles without EMG  10 to 20 % of the activity of those with (4.4: "muscles that are not measured")
+stretch reflex       0.02 to 0.10 of full effort per l0/s
+effort               follows the target 0.1 to 0.4 s late; its level differs by repetition, muscle
+                     group by muscle group (coefficient of variation 15 %), and wanders within it
+==================== ===========================================================================
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.protocol import Protocol, chirp_rate, named_device
+from surae.studies import (
+    Imperfections,
+    VirtualSubject,
+    realistic_imperfections,
+    stream,
+    virtual_subject,
+)
+
+#: Subjects of the thesis, how many of them are women, their ages [years] (2.6).
+SUBJECTS, WOMEN, AGES = 14, 4, (20, 30)
+#: Repetitions of each protocol (3.2.3).
+REPETITIONS = 3
+#: The protocols in the thesis's order, and how many of the subjects completed each (Table 3).
+COMPLETED: Mapping[str, int] = {"ramp-and-hold": 14, "multiple-holds": 14, "multi-sine-holds": 7}
+PASSIVE_PROTOCOL, ACTIVE_PROTOCOL, FAST_PROTOCOL = COMPLETED
+
+#: Weights over those of `surae.studies.POPULATIONS`, which are meant for rigid tendons.
+_STRENGTH = 2.0
+#: Weights of a woman's EMG over those of a man's: plantarflexors and dorsiflexors are about three
+#: quarters as strong.
+_WOMAN = 0.75
+#: Slack length of the triceps's tendon [m] (Table 2).
+SLACK_TRI = 0.415
+_ODD = 3 / 14
+#: Cohorts of different seeds share no subject.
+_SUBJECTS_OF_A_SEED = 1_000_000
+_FIRST = 900_000
+
+
+@dataclass(frozen=True, slots=True)
+class CohortSubject:
+    """One subject of a cohort, as plain data.
+
+    Attributes
+    ----------
+    id : str
+        S01, S02 …
+    sex : {"male", "female"}
+        As in the thesis, ten and four of fourteen.
+    age : int
+        [years].
+    subject : VirtualSubject
+        The leg: parameters and tendons, all known.
+    range_of_motion : (float, float)
+        Limits of comfort in plantarflexion and dorsiflexion [rad].
+    imperfections : Imperfections
+        Of every measurement of this subject.
+    level_variation : float
+        Coefficient of variation of the level of effort between repetitions.
+    completed : tuple of str
+        Names of the protocols that the subject completed.
+    """
+
+    id: str
+    sex: Literal["male", "female"]
+    age: int
+    subject: VirtualSubject
+    range_of_motion: tuple[float, float]
+    imperfections: Imperfections
+    level_variation: float
+    completed: tuple[str, ...]
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What an experimenter would have noted: a misaligned axis, a moving knee."""
+        noted = []
+        if self.imperfections.axis_up >= 0.012:
+            noted.append("ankle axis high")
+        if self.imperfections.knee_motion >= 0.08:
+            noted.append("knee moves")
+        return tuple(noted)
+
+
+def make_cohort(seed: int = 1, subjects: int = SUBJECTS) -> tuple[CohortSubject, ...]:
+    """Draw a cohort.
+
+    Parameters
+    ----------
+    seed : int
+        The same seed always gives the same cohort.
+    subjects : int
+        The first of the fourteen.
+
+    Raises
+    ------
+    InputError
+        More or fewer subjects than there are.
+    """
+    if not 1 <= subjects <= SUBJECTS:
+        raise InputError(f"cohort of {subjects} subjects; use 1 to {SUBJECTS}")
+    rng = np.random.default_rng([seed, SUBJECTS])
+    women = set(rng.permutation(SUBJECTS)[:WOMEN].tolist())
+    ages = rng.integers(AGES[0], AGES[1], SUBJECTS, endpoint=True).tolist()
+    finished = {
+        name: set(rng.permutation(SUBJECTS)[:count].tolist()) for name, count in COMPLETED.items()
+    }
+    return tuple(
+        _member(
+            seed,
+            number,
+            "female" if number in women else "male",
+            ages[number],
+            tuple(name for name in COMPLETED if number in finished[name]),
+        )
+        for number in range(subjects)
+    )
+
+
+def _member(
+    seed: int, number: int, sex: Literal["male", "female"], age: int, completed: tuple[str, ...]
+) -> CohortSubject:
+    drawn = virtual_subject(_SUBJECTS_OF_A_SEED * seed + _FIRST + number, tendons=True)
+    strength = _STRENGTH * (_WOMAN if sex == "female" else 1.0)
+    subject = replace(
+        drawn,
+        parameters={
+            name: value * strength if name in ("g1", "g2", "g3", "g4") else value
+            for name, value in drawn.parameters.items()
+        },
+        # The draw of ε0, 0.028 to 0.050, is taken as a strain here.
+        tendons={**drawn.tendons, "dlt_tri": drawn.tendons["dlt_tri"] * SLACK_TRI},
+    )
+
+    def uniform(name: str, low: float, high: float) -> float:
+        return float(stream(subject, f"cohort: {name}").uniform(low, high))
+
+    usual = realistic_imperfections(subject)
+    misaligned = uniform("misaligned", 0.0, 1.0) < _ODD
+    flexible = uniform("flexible", 0.0, 1.0) < _ODD
+    imperfections = replace(
+        usual,
+        axis_up=uniform("high axis", 0.012, 0.020) if misaligned else usual.axis_up,
+        knee_motion=uniform("moving knee", 0.08, 0.15) if flexible else usual.knee_motion,
+        unmeasured=uniform("unmeasured", 0.10, 0.20),
+        reflex_gain=uniform("reflex", 0.02, 0.10),
+    )
+    return CohortSubject(
+        id=f"S{number + 1:02d}",
+        sex=sex,
+        age=age,
+        subject=subject,
+        range_of_motion=(
+            uniform("plantarflexion", -0.95, -0.80),
+            uniform("dorsiflexion", 0.45, 0.60),
+        ),
+        imperfections=imperfections,
+        level_variation=0.15,
+        completed=completed,
+    )
+
+
+def cohort_protocol(name: str, range_of_motion: tuple[float, float], rate_hz: float) -> Protocol:
+    """One of the three protocols as the thesis's device could do it (4.1.5).
+
+    A chirp of 0.2 rad and factor 0.5 is asked for, which the device lowers to 0.1 rad for the
+    multiple holds; the motion is filtered to stay below 1.5 rad/s.
+
+    Raises
+    ------
+    InputError
+        It is none of the three.
+    """
+    if name not in COMPLETED:
+        raise InputError(f"cohort: protocol {name!r}; use one of: {', '.join(COMPLETED)}")
+    passive = name == PASSIVE_PROTOCOL
+    return Protocol(
+        profile=name,
+        task="passive" if passive else "part-passive",
+        chirp_amplitude=0.0 if passive else 0.2,
+        chirp_rate=chirp_rate(0.5),
+        range_of_motion=range_of_motion,
+        rate_hz=rate_hz,
+        device=named_device("achilles"),
+    )

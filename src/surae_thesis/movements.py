@@ -1,0 +1,237 @@
+"""The movements and efforts of the thesis: Figures 2, 3, 6 to 9 and 36 to 38."""
+
+from dataclasses import dataclass, field
+from functools import cache
+
+import numpy as np
+
+from surae.protocol import (
+    L0_TRI,
+    PROFILES,
+    Adaptation,
+    Protocol,
+    Trajectory,
+    chirp_rate,
+    generate,
+    named_device,
+    triceps_path,
+)
+from surae_thesis.claims import Claim, Ruling, judge
+from surae_thesis.section import Context, Result, Section, Table
+
+#: The five basic profiles of the simulation study (2.5.1) after the one in use before it (2.1).
+NAMES = (
+    "ramp-and-hold", "sine", "multiple-holds", "multi-sine", "multi-sine-holds", "scaled-chirp",
+)  # fmt: skip
+#: The two that were chosen for the subjects, with their chirp (4.1.5).
+CHOSEN = ("multiple-holds", "multi-sine-holds")
+AMPLITUDE, FACTOR = 0.2, 0.5
+#: Fine enough that no peak of a velocity is missed.
+RATE_HZ = 512.0
+#: Full plantarflexion and dorsiflexion count as reached within this part of the range.
+_REACHED = 0.001
+#: Speed that a muscle cannot exceed [l0/s], equation (17), and what Figure 38 shows of it.
+_VMAX, _SHOWN = 8.0, 5.0
+#: The factors of the grid end at the one that the thesis calls the highest possible.
+_HIGHEST, _STEP = 0.6, 0.025
+
+
+@cache
+def basic(profile: str, task: str = "part-passive") -> Trajectory:
+    """A profile without a chirp."""
+    return generate(Protocol(profile=profile, task=task, rate_hz=RATE_HZ))
+
+
+@cache
+def chirped(
+    profile: str, amplitude: float = AMPLITUDE, factor: float = FACTOR, device: str = ""
+) -> Trajectory:
+    """A profile with the chirp, for a device without limits or for the thesis's manipulator."""
+    return generate(
+        Protocol(
+            profile=profile,
+            chirp_amplitude=amplitude,
+            chirp_rate=chirp_rate(factor),
+            rate_hz=RATE_HZ,
+            device=named_device(device) if device else None,
+        )
+    )
+
+
+def for_achilles(profile: str) -> Trajectory:
+    """A chosen profile as the manipulator of the thesis can follow it."""
+    return chirped(profile, device="achilles")
+
+
+def adaptation(profile: str) -> Adaptation:
+    """What was changed for it."""
+    changed = for_achilles(profile).adaptation
+    assert changed is not None  # a device was asked for
+    return changed
+
+
+@dataclass(frozen=True, slots=True)
+class Numbers:
+    """What the claims compare."""
+
+    span: float
+    peaks: dict[float, float]
+    beyond: float
+    shares: dict[str, float] = field(default_factory=dict)
+
+
+def _numbers() -> Numbers:
+    spans = []
+    for motion in [*map(basic, NAMES), *map(chirped, CHOSEN)]:
+        low, high = motion.settings.range_of_motion
+        spans.append(float(np.ptp(motion.angle)) / (high - low))
+    motions = {
+        "before": basic("ramp-and-hold"),
+        "after": chirped("multi-sine-holds"),
+        "filtered": for_achilles("multi-sine-holds"),
+    }
+    return Numbers(
+        min(spans),
+        {a: max(_peak(name, a, _HIGHEST) for name in CHOSEN) for a in (0.1, 0.2, 0.3)},
+        max(_peak(name, AMPLITUDE, _HIGHEST + _STEP) for name in CHOSEN),
+        {name: triceps_path(motion).coverage.share for name, motion in motions.items()},
+    )
+
+
+def _peak(profile: str, amplitude: float, factor: float) -> float:
+    """Highest lengthening or shortening speed of the triceps [l0/s]."""
+    return float(np.abs(triceps_path(chirped(profile, amplitude, factor)).velocity).max())
+
+
+def _speed(n: Numbers) -> Ruling:
+    text = ", ".join(f"{value:.1f} l0/s at {a:g} rad" for a, value in n.peaks.items())
+    holds = n.peaks[AMPLITUDE] <= _VMAX < n.beyond
+    return Ruling(holds, f"at 0.6: {text} (l0 {1e3 * L0_TRI:g} mm)")
+
+
+def _speed_why(n: Numbers) -> str:
+    return (
+        f"At 0.2 rad the triceps stays below 8 l0/s up to a factor of about "
+        f"{_HIGHEST * _VMAX / n.peaks[AMPLITUDE]:.1f}, and with an l0 of "
+        f"{1e3 * L0_TRI * n.peaks[AMPLITUDE] / _VMAX:.0f} mm it would reach the limit at 0.6: the "
+        "thesis does not say with which amplitude and optimal length it found it. Figure 38 ends "
+        "at ±5 l0/s, which the chosen chirp does not pass."
+    )
+
+
+def _plane(n: Numbers) -> Ruling:
+    low, high = n.shares["before"], n.shares["after"]
+    return Ruling(
+        high >= 5 * low,
+        f"{100 * low:.1f} % by ramp and hold, {100 * high:.1f} % by multi-sine with holds",
+    )
+
+
+def _axes(_: Numbers) -> Ruling:
+    velocity = triceps_path(chirped("multi-sine-holds")).velocity
+    low, high = float(velocity.min()), float(velocity.max())
+    return Ruling(low >= -_SHOWN and high <= _SHOWN, f"{low:.1f} … {high:.1f} l0/s")
+
+
+def _device(_: Numbers) -> Ruling:
+    peaks = {name: adaptation(name).peak_velocity for name in CHOSEN}
+    return Ruling(
+        all(before > 1.5 >= after - 1e-9 for before, after in peaks.values()),
+        "; ".join(f"{name}: {a:.1f} to {b:.2f} rad/s" for name, (a, b) in peaks.items()),
+    )
+
+
+def _fading(_: Numbers) -> Ruling:
+    ends = {
+        name: (adaptation(name).chirp_amplitude[1], adaptation(name).chirp_end_amplitude)
+        for name in CHOSEN
+    }
+    return Ruling(
+        all(end < 0.5 * used for used, end in ends.values()),
+        "; ".join(f"{name}: {used:.2g} to {end:.2g} rad" for name, (used, end) in ends.items()),
+    )
+
+
+CLAIMS: tuple[Claim[Numbers], ...] = (
+    Claim("whole-range", "2.5.1, Figures 2, 6 and 8",
+        "Every profile spans the whole range of motion, with and without a chirp.", "0 … 1.5 rad",
+        f"Each profile reaches both ends within {100 * _REACHED:g} % of the range.",
+        lambda n: Ruling(n.span >= 1 - 2 * _REACHED, f"{100 * n.span:.2f} % of the range at least"),
+        "To make room for the chirp, the basic profile is mapped on a narrower range.",
+        "figure-6"),
+    Claim("highest-chirp-factor", "2.5, 4.1.2, 4.1.4",
+        "A factor of 0.6 is the highest before muscles exceed 8 optimal lengths a second.", "0.6",
+        "At the chosen amplitude (0.2 rad) the triceps stays below 8 l0/s at 0.6 in the chosen "
+        "profiles, and no longer at 0.625.", _speed, _speed_why, "figure-38"),
+    Claim("richer-plane", "1.2 and 4.1.5, Figures 3 and 38",
+        "Multi-sine with holds visits far more of the triceps's length–velocity plane than ramp "
+        "and hold.", "two figures, no number",
+        "It visits at least five times as much of the plane of those figures.", _plane,
+        lambda n: "As simulated, with the chirp of 0.2 rad and factor 0.5. Filtered for the "
+        f"manipulator it visits {100 * n.shares['filtered']:.1f} %.", "figure-38"),
+    Claim("within-axes", "4.1.5, Figure 38",
+        "The length–velocity map of the multi-sine with holds lies within Figure 38's axes.",
+        "−5 … 5 l0/s", "The triceps's speed stays within ±5 l0/s, with the chosen chirp.",
+        _axes, "Read as A·sin(π·s·t²), the chirp would pass them threefold.", "figure-38"),
+    Claim("below-overshoot", "4.1.5, Figures 36 and 37",
+        "The chosen profiles move faster than the 1.5 rad/s from which the manipulator "
+        "overshoots, until they are filtered.", "1.5 rad/s",
+        "Their peak velocity is above 1.5 rad/s before and at most that after filtering.",
+        _device, "", "figure-36"),
+    Claim("chirp-fades", "4.1.5, Figures 36 and 37",
+        "Filtered for the manipulator, the chirp loses amplitude as its frequency rises.",
+        "two figures, no number",
+        "At its end the chirp has less than half the amplitude that it began with.", _fading, "",
+        "figure-37"),
+)  # fmt: skip
+
+
+def _durations() -> Table:
+    """What the profiles are, as numbers."""
+    paths = {name: triceps_path(basic(name)) for name in NAMES}
+    return Table(
+        name="profiles",
+        title="The basic profiles, without a chirp",
+        columns=(
+            "profile", "duration [s]", "peak velocity [rad/s]", "peak triceps speed [l0/s]",
+            "length–velocity plane visited [%]",
+        ),
+        rows=tuple(
+            (
+                name, PROFILES[name].duration,
+                round(float(np.abs(basic(name).velocity).max()), 3),
+                round(float(np.abs(path.velocity).max()), 3),
+                round(100 * path.coverage.share, 2),
+            )
+            for name, path in paths.items()
+        ),
+    )  # fmt: skip
+
+
+def run(context: Context) -> Result:
+    """Generate every movement and effort, judge and draw them."""
+    from surae_thesis.movement_figures import drawings
+
+    context.progress("protocols", 0, 1)
+    numbers = _numbers()
+    result = Result(
+        findings=tuple(judge(claim, {"": numbers}) for claim in CLAIMS),
+        figures=drawings(),
+        tables=(_durations(),),
+        notes=(
+            "The thesis prints its movements as figures without tables. Where an instant, a speed "
+            "or a hold's position cannot be read from them it is our choice; the durations, the "
+            "range of motion, the chirp and its placement are the thesis's. Angles run from full "
+            "plantarflexion (0 rad in the thesis's figures) to full dorsiflexion (1.5 rad).",
+        ),
+    )
+    context.progress("protocols", 1, 1)
+    return result
+
+
+SECTION = Section(
+    name="protocols",
+    title="Movements and efforts",
+    source="2.1, 2.5, 4.1.5; Figures 2, 3, 6–9, 36–38",
+    run=run,
+)

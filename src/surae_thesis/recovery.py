@@ -1,0 +1,148 @@
+"""How well a fit finds parameters that are known: bias, spread and honesty of its intervals."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+import surae
+from surae.assessment import Verdict
+from surae.estimation import STARTS
+from surae.protocol import Protocol, generate
+from surae.studies import virtual_subject, virtual_trial
+
+#: An estimate counts as right when it lies within this part of the truth.
+CLOSE = 0.10
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """One parameter of one virtual subject: truth, estimate and what the fit says of it."""
+
+    name: str
+    truth: float
+    value: float
+    sem: float | None
+    identified: bool
+    covered: bool | None
+
+    @property
+    def error(self) -> float:
+        """Relative error."""
+        return (self.value - self.truth) / self.truth
+
+
+@dataclass(frozen=True, slots=True)
+class Recovery:
+    """Fit of one virtual subject: goodness [%], status and every parameter."""
+
+    seed: int
+    vaf: float
+    status: str
+    agreeing: int
+    estimates: tuple[Estimate, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class RecoveryRow:
+    """One parameter over many subjects; errors and standard errors are parts of the truth.
+
+    Attributes
+    ----------
+    name : str
+        The parameter.
+    n : int
+        Estimates with a standard error; all but the two shares are over these.
+    bias, spread : float
+        Mean and standard deviation of the error.
+    sem : float
+        Root mean square of the standard errors.
+    covered : float
+        Share whose 95 % interval holds the truth.
+    identified, close : float
+        Share judged identified, and share within `CLOSE` of the truth, of all subjects.
+    """
+
+    name: str
+    n: int
+    bias: float
+    spread: float
+    sem: float
+    covered: float
+    identified: float
+    close: float
+
+
+def recover(
+    seed: int,
+    protocol: Protocol,
+    *,
+    population: str = "healthy",
+    model: str = "muscle",
+    noise: float = 0.05,
+    starts: int = STARTS,
+) -> Recovery:
+    """Simulate a trial of a virtual subject and fit it from the default settings.
+
+    Parameters
+    ----------
+    seed : int
+        Of the subject.
+    protocol : Protocol
+        The trial.
+    population, model, noise
+        As in `virtual_subject` and `virtual_trial`; the same model simulates and is fitted.
+    starts : int
+        Starts of the fit.
+    """
+    subject = virtual_subject(seed, population)
+    trial = virtual_trial(subject, generate(protocol), model=model, noise=noise)
+    fit = surae.fit(trial, model, starts=starts, quality=())
+    estimates = []
+    for name, truth in subject.parameters.items():
+        p = fit.parameters[name]
+        covered = None if p.ci95 is None else p.ci95[0] <= truth <= p.ci95[1]
+        identified = p.verdict is Verdict.IDENTIFIED
+        estimates.append(Estimate(name, truth, p.value, p.trusted_sem, identified, covered))
+    return Recovery(seed, fit.vaf, fit.status, fit.result.agreeing, tuple(estimates))
+
+
+def summarise(recoveries: Iterable[Recovery]) -> list[RecoveryRow]:
+    """One row for each parameter."""
+    by_name: dict[str, list[Estimate]] = {}
+    for recovery in recoveries:
+        for estimate in recovery.estimates:
+            by_name.setdefault(estimate.name, []).append(estimate)
+    return [_row(name, estimates) for name, estimates in by_name.items()]
+
+
+def _row(name: str, estimates: Sequence[Estimate]) -> RecoveryRow:
+    known = [(e.error, e.sem / e.truth, e.covered) for e in estimates if e.sem is not None]
+    errors, sems, covered = np.array(known, dtype=float).reshape(-1, 3).T
+    some, several = len(known) > 0, len(known) > 1
+    return RecoveryRow(
+        name=name,
+        n=len(known),
+        bias=float(errors.mean()) if some else np.nan,
+        spread=float(errors.std(ddof=1)) if several else np.nan,
+        sem=float(np.sqrt(np.mean(sems**2))) if some else np.nan,
+        covered=float(covered.mean()) if some else np.nan,
+        identified=float(np.mean([e.identified for e in estimates])),
+        close=float(np.mean([abs(e.error) <= CLOSE for e in estimates])),
+    )
+
+
+def markdown(rows: Sequence[RecoveryRow]) -> str:
+    """The rows as a Markdown table, in percent of the truth."""
+    lines = [
+        "| parameter | n | bias % | spread % | SEM % | spread / SEM | in 95 % interval "
+        "| identified | within 10 % |",
+        "|---|--:|--:|--:|--:|--:|--:|--:|--:|",
+    ]
+    lines += [
+        f"| {r.name} | {r.n} | {100 * r.bias:+.2f} | {100 * r.spread:.2f} | {100 * r.sem:.2f} "
+        f"| {r.spread / r.sem:.2f} | {100 * r.covered:.0f} % | {100 * r.identified:.0f} % "
+        f"| {100 * r.close:.0f} % |"
+        for r in rows
+    ]
+    return "\n".join(lines)

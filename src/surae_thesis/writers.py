@@ -1,0 +1,175 @@
+"""The folder of a reproduction: the page, its PDF, and the verdicts as CSV and Markdown."""
+
+import base64
+from collections.abc import Sequence
+from dataclasses import asdict
+from importlib.resources import files
+from pathlib import Path
+
+from surae import __version__
+from surae.files import read_bytes, write_atomic
+from surae.report import has_typst, typeset
+from surae_thesis.claims import Finding
+from surae_thesis.kept import Chapter, chapters, counts, csv_text
+from surae_thesis.section import Cell, Context
+
+#: Names of what is written, beside a PDF where there is typst.
+PAGE, PDF, CSV, MARKDOWN = "reproduction.html", "reproduction.pdf", "verdicts.csv", "verdicts.md"
+#: Classes of the verdicts in the style sheet.
+CLASSES = {
+    "holds": "holds", "holds under a reading": "partly", "differs": "differs",
+    "holds with the thesis's integrator": "partly", "cannot be checked": "unchecked",
+}  # fmt: skip
+_COLUMNS = (
+    "section", "claim", "source", "text", "thesis", "ours", "verdict", "reason", "rule", "figure",
+)  # fmt: skip
+
+
+def write(context: Context) -> list[Path]:
+    """Write the page, the verdicts, and a PDF where typst is installed.
+
+    Returns
+    -------
+    list of Path
+        What was written, the page first.
+
+    Raises
+    ------
+    InputError
+        Something cannot be written.
+    """
+    there = chapters(context)
+    texts: dict[str, str | bytes | None] = {
+        PAGE: page(context, there),
+        CSV: verdicts_csv(there),
+        MARKDOWN: markdown(there),
+        PDF: pdf(context, there),
+    }
+    written = []
+    for name, text in texts.items():
+        if text is not None:
+            write_atomic(context.folder / name, text)
+            written.append(context.folder / name)
+    return written
+
+
+def page(context: Context, there: Sequence[Chapter]) -> str:
+    """The page of these sections, its figures embedded; it asks nothing of the outside."""
+    from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=ChoiceLoader([PackageLoader("surae_thesis"), PackageLoader("surae.report")]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    images = {
+        picture.name: _image(read_bytes(context.folder / "figures" / f"{picture.name}.png"))
+        for chapter in there
+        for picture in chapter.pictures
+    }
+    return environment.get_template("reproduction.html.j2").render(
+        chapters=there,
+        counts=counts(there),
+        images=images,
+        classes=CLASSES,
+        cell=cell_text,
+        seed=context.seed,
+        quick=context.quick,
+        version=__version__,
+    )
+
+
+def pdf(context: Context, there: Sequence[Chapter]) -> bytes | None:
+    """The sections as PDF, texts as data, never as markup; None without typst (``surae[pdf]``)."""
+    if not has_typst():
+        return None
+    content = {
+        "version": __version__,
+        "seed": context.seed,
+        "quick": context.quick,
+        "counts": counts(there),
+        "chapters": [
+            asdict(chapter)
+            | {
+                "tables": [
+                    asdict(table) | {"rows": [[cell_text(cell) for cell in r] for r in table.rows]}
+                    for table in chapter.tables
+                ]
+            }
+            for chapter in there
+        ],
+    }
+    template = files("surae_thesis").joinpath("templates", "reproduction.typ").read_bytes()
+    return typeset(template, context.folder.resolve(), content)
+
+
+def verdicts_csv(there: Sequence[Chapter]) -> str:
+    """All findings as CSV."""
+    rows = [
+        (
+            chapter.name, f.id, f.source, f.statement, f.number, _ours(f), f.said, f.reason,
+            f.rule, f.figure,
+        )
+        for chapter in there
+        for f in chapter.findings
+    ]  # fmt: skip
+    return csv_text(_COLUMNS, rows)
+
+
+def markdown(there: Sequence[Chapter]) -> str:
+    """All findings as Markdown: a table for each section, a column for each view, reasons below."""
+    total = ", ".join(f"{number} {verdict}" for verdict, number in counts(there).items())
+    lines = ["# The thesis’s results, computed again", "", f"Verdicts: {total}.", ""]
+    for chapter in there:
+        lines += [f"## {_plain(chapter.title)}", "", f"Thesis: {_plain(chapter.source)}.", ""]
+        lines += [f"**{_plain(insight)}**\n" for insight in chapter.insights]
+        lines += [f"{_plain(note)}\n" for note in chapter.notes]
+        views = chapter.views
+        heads = ["claim", "thesis", *(name or "ours" for name in views), "verdict"]
+        lines += [_row([_plain(head) for head in heads]), "|" + "---|" * len(heads)]
+        for f in chapter.findings:
+            cells = [f"{f.statement} ({f.source})", f.number]
+            cells += [_view(f, name) for name in views]
+            lines.append(_row([*map(_plain, cells), f"**{_plain(f.said)}**"]))
+        told = [f for f in chapter.findings if f.reason]
+        lines += ["", *(f"- *{_plain(f.statement)}* {_plain(f.reason)}" for f in told), ""]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _view(finding: Finding, name: str) -> str:
+    """Our number in one view, marked where the claim holds there."""
+    if name not in finding.ours:
+        return "–"
+    holds, text = finding.ours[name]
+    return f"✓ {text}" if holds else text
+
+
+def _ours(finding: Finding) -> str:
+    """All our numbers in a line."""
+    return "; ".join(f"{n}: {text}" if n else text for n, (_, text) in finding.ours.items())
+
+
+def _row(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def _plain(text: str) -> str:
+    """Text that is no markup, on one line, in a cell of a table or outside one."""
+    for mark in "\\`|<[_*":
+        text = text.replace(mark, f"\\{mark}")
+    return " ".join(text.split())
+
+
+def cell_text(cell: Cell) -> str:
+    """A cell of a table as text: four digits of a number at most."""
+    if cell is None:
+        return "–"
+    if isinstance(cell, float):
+        return f"{cell:.2f}" if 10.0 <= abs(cell) < 1e4 else f"{cell:.3g}"
+    return str(cell)
+
+
+def _image(data: bytes) -> str:
+    return f"data:image/png;base64,{base64.b64encode(data).decode()}"

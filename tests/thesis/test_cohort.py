@@ -1,0 +1,174 @@
+"""The virtual cohort: who is in it, and recordings that the seed alone determines."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from surae.assessment import vaf
+from surae.errors import ComputationError, InputError
+from surae.model import ModelOptions, get_model
+from surae.protocol import generate, named_device
+from surae.studies import virtual_subject
+from surae_thesis.cohort import members as cohort
+from surae_thesis.cohort.members import COMPLETED, SUBJECTS, cohort_protocol, make_cohort
+from surae_thesis.cohort.trials import (
+    REMOVABLE,
+    TRUE_MODEL,
+    cohort_inputs,
+    cohort_recording,
+)
+
+PASSIVE, HOLDS, FAST = COMPLETED
+COHORT = make_cohort(1)
+ALL_THREE = next(member for member in COHORT if len(member.completed) == 3)
+TWO = next(member for member in COHORT if len(member.completed) == 2)
+
+
+def signals(recording):
+    return {role: channel.values for role, channel in recording.channels.items()}
+
+
+@pytest.mark.parametrize("seed", [1, 2, 77])
+def test_the_cohort_is_composed_as_the_thesis_says(seed):
+    cohort = make_cohort(seed)
+    assert len({one.id for one in cohort}) == len(cohort) == SUBJECTS == 14
+    assert sum(one.sex == "female" for one in cohort) == 4
+    assert all(20 <= one.age <= 30 for one in cohort)
+    counts = {name: sum(name in one.completed for one in cohort) for name in COMPLETED}
+    assert counts == {PASSIVE: 14, HOLDS: 14, FAST: 7}
+
+
+def test_a_seed_is_a_cohort_and_fewer_are_the_first_of_it():
+    assert make_cohort(1) == COHORT
+    assert make_cohort(1, 5) == COHORT[:5]
+    seeds = {one.subject.seed for seed in (1, 2) for one in make_cohort(seed)}
+    assert len(seeds) == 2 * SUBJECTS
+
+
+@pytest.mark.parametrize("subjects", [0, 15])
+def test_there_are_fourteen_at_most(subjects):
+    with pytest.raises(InputError, match="use 1 to 14"):
+        make_cohort(1, subjects)
+
+
+def test_every_leg_is_richer_than_the_models():
+    many = [one for seed in range(20) for one in make_cohort(seed)]
+    for one in many:
+        low, high = one.range_of_motion
+        assert -0.95 <= low <= -0.80
+        assert 0.45 <= high <= 0.60
+        assert one.subject.tendons.keys() == {"dlt_tri", "dlt_tib", "pt_tri", "pt_tib"}
+        flaws = one.imperfections
+        assert 0.10 <= flaws.unmeasured <= 0.20
+        assert 0.02 <= flaws.reflex_gain <= 0.10
+        assert 0.03 <= flaws.crosstalk <= 0.10
+        assert ("knee moves" in one.remarks) == (flaws.knee_motion >= 0.08)
+    share = np.mean([one.imperfections.knee_motion >= 0.08 for one in many])
+    assert share == pytest.approx(3 / 14, abs=0.08)
+
+
+def test_women_are_weaker_and_nothing_else():
+    for one in COHORT:
+        drawn = virtual_subject(one.subject.seed).parameters
+        ratio = {name: value / drawn[name] for name, value in one.subject.parameters.items()}
+        strength = [ratio.pop(name) for name in ("g1", "g2", "g3", "g4")]
+        assert strength == pytest.approx([0.75 if one.sex == "female" else 1.0] * 4)
+        assert set(ratio.values()) == {1.0}
+
+
+@pytest.mark.parametrize("name", COMPLETED)
+def test_protocols_are_those_that_the_device_could_do(name):
+    settings = cohort_protocol(name, (-0.9, 0.6), 200.0)
+    trajectory = generate(settings)
+    assert np.abs(trajectory.velocity).max() < 1.5
+    assert trajectory.effort.any() == (name != PASSIVE)
+    if name == HOLDS:
+        assert trajectory.adaptation.chirp_amplitude == (0.2, 0.1)
+
+
+def test_an_unknown_protocol_is_refused():
+    with pytest.raises(InputError, match="use one of: ramp-and-hold"):
+        cohort_protocol("sine", (-0.9, 0.6), 200.0)
+
+
+def test_a_recording_does_not_depend_on_the_ones_before():
+    first = signals(cohort_recording(ALL_THREE, PASSIVE, 2))
+    cohort_recording(ALL_THREE, FAST, 1)
+    cohort_recording(TWO, PASSIVE, 1)
+    again = signals(cohort_recording(make_cohort(1)[COHORT.index(ALL_THREE)], PASSIVE, 2))
+    assert first.keys() == again.keys()
+    for role, values in first.items():
+        np.testing.assert_array_equal(values, again[role])
+
+
+def test_repetitions_share_the_motion_and_differ_in_effort():
+    one, two = (cohort_inputs(TWO, HOLDS, r, rate_hz=64.0) for r in (1, 2))
+    np.testing.assert_array_equal(one.angle, two.angle)
+    active = one.time > 12.0
+    levels = one.emg[active].mean(axis=0) / two.emg[active].mean(axis=0)
+    assert np.abs(levels - 1.0).max() > 0.03
+    assert np.abs(one.torque).max() < 80.0
+    assert one.name == f"{TWO.id} {HOLDS} 1"
+
+
+def test_the_passive_protocol_has_no_effort():
+    relaxed = cohort_inputs(TWO, PASSIVE, 1, rate_hz=64.0)
+    active = cohort_inputs(TWO, HOLDS, 1, rate_hz=64.0)
+    assert relaxed.emg.max() < 0.2 * active.emg.max()
+
+
+@pytest.mark.parametrize(
+    ("member", "protocol", "repetition", "without", "says"),
+    [
+        (TWO, FAST, 1, (), "did not complete"),
+        (TWO, HOLDS, 0, (), "they count from 1"),
+        (TWO, HOLDS, 1, ("gravity",), "cannot leave out 'gravity'; use one of: tendons"),
+    ],
+)
+def test_what_is_not_there_is_refused(member, protocol, repetition, without, says):
+    with pytest.raises(InputError, match=says):
+        cohort_recording(member, protocol, repetition, without=without)
+
+
+@pytest.fixture(scope="module")
+def full():
+    return signals(cohort_recording(TWO, PASSIVE, 1))
+
+
+@pytest.mark.parametrize("name", REMOVABLE)
+def test_each_imperfection_can_be_left_out_alone(full, name):
+    spared = signals(cohort_recording(TWO, PASSIVE, 1, without=(name,)))
+    np.testing.assert_array_equal(full["angle"], spared["angle"])
+    same_torque = np.array_equal(full["torque"], spared["torque"])
+    same_emg = np.array_equal(full["emg_sol"], spared["emg_sol"])
+    assert same_torque == (name in ("emg-noise", "crosstalk"))
+    # The reflex is triggered by the ankle's motion, which is not the plate's.
+    assert same_emg == (name not in ("emg-noise", "crosstalk", "reflex", "alignment"))
+
+
+def test_without_all_of_them_the_leg_is_the_muscle_tendon_model():
+    inputs = cohort_inputs(TWO, HOLDS, 1, rate_hz=256.0, without=tuple(REMOVABLE))
+    spec, options = get_model(TRUE_MODEL), ModelOptions()
+    truth = spec.vector(dict(TWO.subject.parameters), options)
+    torque = spec.simulator(inputs, options).torque(truth)
+    # What is left: the preparation's filters, which smooth the motion and the torque.
+    assert vaf(inputs.torque, inputs.torque - torque) > 99.5
+
+
+def test_a_trial_that_stops_the_device_is_redone_with_less_effort(monkeypatch):
+    free = signals(cohort_recording(TWO, HOLDS, 1))
+    limit = 0.95 * np.abs(free["torque"]).max()
+    weaker = replace(named_device("achilles"), max_torque=limit)
+    monkeypatch.setattr(cohort, "named_device", lambda _: weaker)
+    redone = signals(cohort_recording(TWO, HOLDS, 1))
+    assert np.abs(redone["torque"]).max() < limit
+    assert np.abs(redone["emg_sol"]).mean() < np.abs(free["emg_sol"]).mean()
+
+
+def test_a_subject_who_cannot_keep_the_limit_is_told(monkeypatch):
+    monkeypatch.setattr(
+        cohort, "named_device", lambda name: replace(named_device(name), max_torque=1.0)
+    )
+    with pytest.raises(ComputationError, match=r"exceeds 1 Nm in 12 attempts"):
+        cohort_recording(TWO, PASSIVE, 1)

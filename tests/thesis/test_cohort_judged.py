@@ -1,0 +1,296 @@
+"""The claims on subjects: fits made up so that each rule must say yes, and no."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from surae.model import get_model
+from surae_thesis.claims import INTEGRATOR, judge
+from surae_thesis.cohort import SECTION, beyond, drawings, plan, subjects
+from surae_thesis.cohort.boxes import Box, Panel, snsem_figure, vaf_figure
+from surae_thesis.cohort.claims import (
+    CLAIMS,
+    METRES,
+    STRAIN,
+    Evidence,
+    described,
+    gains,
+    thesis_mean,
+)
+from surae_thesis.cohort.joint import Estimate, Way
+from surae_thesis.cohort.members import COMPLETED, make_cohort
+from surae_thesis.cohort.panels import spectra_figure, spectrum
+from surae_thesis.cohort.results import Fits, Point, clearly_lower, paired
+from surae_thesis.section import Context
+
+PASSIVE, HOLDS, FAST = COMPLETED
+SIZE = plan.Size(1, 8, 3, tuple(plan.MODELS), 64.0, 1, 1)
+MEMBERS = make_cohort(1, 8)
+#: The thesis's own means: every level must then hold.
+THESIS = {
+    (kind, model, protocol): mean
+    for kind in ("fit", "validation", "onto")
+    for model in plan.MODELS
+    for protocol in COMPLETED
+    if (mean := thesis_mean(kind, model, protocol)) is not None
+}
+
+
+def made_up(shift=None, sem=2.0, bound=True, correlation=0.9, short=0.1):
+    """Fits as the thesis describes them; `shift` moves VAFs by kind, model and protocol."""
+    moved = {key: mean + (shift or {}).get(key, 0.0) for key, mean in THESIS.items()}
+
+    def vaf(kind, model, protocol, subject):
+        noted = any(m.id == subject and m.remarks for m in MEMBERS)
+        own = 0.01 * int(subject[1:])  # subjects differ a little
+        return moved.get((kind, model, protocol), 90.0) + own - (0.4 if noted else 0.0)
+
+    single = {}
+    for label, job in plan.single_fits(SIZE).items():
+        model, subject, protocol, _ = label.split()
+        spec = get_model(job["model"])
+        names = list(spec.free)
+        matrix = np.eye(len(names))
+        for a, b in (("l0_tri", "k_tri"), ("l0_tib", "x0_tib")):
+            i, j = names.index(a), names.index(b)
+            matrix[i, j] = matrix[j, i] = correlation
+        high = {"g1": 4.0, "g2": 4.0, "g3": 4.0, "g4": 4.0, "f0": 0.5, "beta": 0.5}
+        if model in ("2.1", "2.2"):
+            high["m"] = 9.0
+        scale = {"1.0": sem, "2.0": 0.5 * sem, "2.1": 0.6 * sem, "2.2": 0.5 * sem}[model]
+        single[label] = {
+            "status": "converged",
+            "vaf": vaf("fit", model, protocol, subject),
+            "ipde": 2.0,
+            "first_start": True,
+            "parameters": {
+                n: {
+                    "value": 1.2, "sem": scale * high.get(n, 1.0), "free": True, "true": 1.0,
+                    "at_bound": bound and n == "m",
+                }
+                for n in names
+            },
+            "correlation": {"names": names, "matrix": matrix.tolist()},
+            "predicted": [
+                {
+                    "protocol": target, "repetition": r,
+                    "vaf": vaf(
+                        "onto" if (protocol, target) == (HOLDS, PASSIVE) else "validation",
+                        model, target, subject,
+                    ),
+                }
+                for target, r in job["predicted"]
+            ],
+            "sizes": {
+                "neural": 80.0, "tissue": 10.0, "inertial": 1.0, "gravitational": 2.0,
+                "measured": 79.0, "short_at_peaks": short,
+            },
+        }  # fmt: skip
+    baselines = {
+        label: dict.fromkeys(get_model(job["model"]).free, 1.0)
+        for label, job in plan.baselines(SIZE).items()
+    }
+    return Fits(SIZE, MEMBERS, single, baselines)
+
+
+def evidence(fits, apart=(2.0, 3.0)):
+    spared = {
+        label: {"vaf": 99.0 if "torque-noise" in label else 95.0}
+        for label in plan.spared_fits(SIZE)
+    }
+    return Evidence(fits, spared, {"S01": {"measured": 60.0, "printed": 20.0}}, apart)
+
+
+def judged(fits, **numbers):
+    findings = [judge(claim, {METRES: evidence(fits, **numbers)}) for claim, _ in CLAIMS]
+    assert len({finding.id for finding in findings}) == len(findings)
+    return {finding.id: finding for finding in findings}
+
+
+def test_subjects_like_the_thesis_s_pass_every_rule():
+    said = judged(made_up())
+    assert {name: f.ours for name, f in said.items() if f.verdict != "holds"} == {}
+
+
+def test_another_way_takes_the_place_of_the_fits_with_tendons_alone():
+    fits = made_up()
+    others = {label: {**fits.single[label], "vaf": 80.0} for label in plan.explicit_fits(SIZE)}
+    other = evidence(fits).another_way(replace(fits, single=others)).fits
+    assert {p.value for p in other.vaf("2.0", HOLDS)} == {80.0}
+    assert other.vaf("1.0", HOLDS) == fits.vaf("1.0", HOLDS)
+    (claim, views) = next(pair for pair in CLAIMS if pair[0].id == "tendon-fits-worse")
+    assert views == (METRES, STRAIN, INTEGRATOR)
+    better = evidence(made_up(shift={("fit", "2.0", HOLDS): 8.0}))
+    finding = judge(claim, {METRES: better, INTEGRATOR: evidence(other)})
+    assert finding.verdict == "holds with the thesis's integrator"
+
+
+@pytest.mark.parametrize(
+    ("changes", "differ"),
+    [
+        ({"shift": {("fit", "1.0", PASSIVE): -9.0}},
+         {"fit-1-0-ramp-and-hold", "passive-followed-best"}),
+        ({"shift": {("fit", "2.0", HOLDS): 8.0}},
+         {"fit-2-0-multiple-holds", "tendon-fits-worse", "free-strain-fits-better",
+          "free-toe-force-fits-better"}),
+        ({"shift": {("validation", "2.0", HOLDS): 9.0}},
+         {"validation-2-0-multiple-holds", "muscle-predicts-better",
+          "free-strain-predicts-better", "free-toe-force-predicts-better"}),
+        ({"shift": {("onto", "2.0", PASSIVE): 6.0}},
+         {"onto-2-0-ramp-and-hold", "muscle-predicts-passive-better"}),
+        ({"bound": False}, {"mass-at-bounds"}),
+        ({"short": -0.1}, {"peaks-not-reached-1-0", "peaks-not-reached-2-0"}),
+        ({"correlation": 0.1}, {"passive-active-covariances", "optimal-lengths-depend"}),
+        ({"sem": 0.2}, {"snsem-muscle-one-to-ten", "snsem-tendon-about-one"}),
+    ],
+)  # fmt: skip
+def test_each_rule_can_say_no(changes, differ):
+    said = judged(made_up(**changes))
+    said_no = {name: finding for name, finding in said.items() if finding.verdict == "differs"}
+    assert said_no.keys() == differ
+    assert all(finding.ours for finding in said_no.values())
+
+
+def test_what_a_quick_run_leaves_out_cannot_be_checked():
+    fits = made_up()
+    quick = replace(
+        fits,
+        size=replace(SIZE, models=("1.0", "2.0")),
+        single={k: v for k, v in fits.single.items() if k.split()[0] in ("1.0", "2.0")},
+    )
+    said = judged(quick)
+    assert said["fit-2-1-multiple-holds"].verdict == "cannot be checked"
+    assert said["snsem-strain-higher"].verdict == "cannot be checked"
+    assert said["snsem-mass-highest-2-1"].verdict == "cannot be checked"
+    assert said["fit-2-0-multiple-holds"].verdict == "holds"
+
+
+def test_the_cost_of_an_imperfection_is_the_change_without_it():
+    seen = evidence(made_up(shift={("fit", "1.0", HOLDS): 0.0}))
+    first = [p.value for p in seen.fits.vaf("1.0", HOLDS) if p.repetition == 1]
+    changes = gains(seen, "1.0", HOLDS)
+    assert changes["torque-noise"] == pytest.approx(99.0 - np.mean(first))
+    assert changes["knee"] == pytest.approx(95.0 - np.mean(first))
+    assert gains(seen, "2.2", HOLDS) == {}
+    reason = judged(seen.fits)["fit-1-0-multiple-holds"].reason
+    assert f"torque noise {99.0 - np.mean(first):+.2f}" in reason
+
+
+def test_paired_changes_are_of_the_same_recordings():
+    first = [Point("S01", 1, 90.0), Point("S02", 1, 80.0)]
+    second = [Point("S02", 1, 85.0), Point("S03", 1, 70.0)]
+    np.testing.assert_array_equal(paired(first, second), [5.0])
+    assert described(first) == "85.0 % (median 85.0, lowest 80.0, n = 2)"
+
+
+def test_lower_is_clear_only_beyond_what_subjects_differ_by():
+    def of(*means):
+        return [Point(f"S{n}", r, m) for n, m in enumerate(means) for r in (1, 2)]
+
+    assert clearly_lower(of(90.0, 91.0), of(95.0, 96.0))
+    assert not clearly_lower(of(90.0, 98.0), of(95.0, 96.0))
+    assert not clearly_lower(of(95.0, 96.0), of(90.0, 91.0))
+    assert not clearly_lower(of(90.0), of(95.0))  # one subject's repetitions tell no spread
+
+
+def test_spectra_that_are_alike_do_not_differ():
+    fits = made_up()
+    assert judged(fits, apart=(0.2, 0.4))["spectra-of-repetitions-differ"].verdict == "differs"
+
+
+def test_a_spectrum_keeps_the_power():
+    rate = 256.0
+    time = np.arange(0.0, 40.0, 1.0 / rate)
+    frequency, power = spectrum(3.0 * np.sin(2 * np.pi * 5.0 * time), rate)
+    total = np.sum(10.0 ** (power / 10.0)) * frequency[1]
+    assert total == pytest.approx(4.5, rel=0.01)
+    assert frequency[np.argmax(power)] == pytest.approx(5.0, abs=0.15)
+
+
+def test_figures_tell_what_lies_outside_and_what_is_missing():
+    points = [Point("S01", 1, 95.0), Point("S02", 1, 30.0), Point("S02", 2, 96.0)]
+    figure = vaf_figure([Panel("Active", [Box("holds", points, 90.0)], 50.0)], ["S02"])
+    axes = figure.axes[0]
+    assert axes.get_ylabel() == "VAF [%]"
+    assert "1 lower" in {text.get_text() for text in axes.texts}
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "thesis's mean" in names
+    assert "knee moves or ankle misaligned" in names
+    bars = snsem_figure({"m": [1.0, 2.0], "k_tri": []}, {"m": 0, "k_tri": 2}).axes[0]
+    assert [t.get_text() for t in bars.get_xticklabels()] == ["m", "k_tri (2)"]
+    assert len(spectra_figure([np.ones(4096)] * 3, 256.0).axes) == 2
+
+
+def test_every_figure_and_table_of_made_up_fits_is_there():
+    fits = made_up()
+    names = [drawing.name for drawing in drawings.vaf_drawings(fits)]
+    assert names == ["figure-17", "figure-23", "figure-29", "figure-30", "figure-32", "figure-35"]
+    assert [drawing.name for drawing in drawings.snsem_drawings(fits)] == [
+        f"figure-{n}" for n in (21, 22, 26, 27, 33, 34)
+    ]
+    listed = [subjects._members(fits), subjects._costs(evidence(fits)), subjects._fits(fits)]
+    for table in listed:
+        assert all(len(row) == len(table.columns) for row in table.rows)
+    assert listed[2].long
+    assert len(listed[2].rows) == len(fits.single)
+    assert not drawings.example(fits)[1].remarks
+
+
+def way(name, error=0.05, sem=0.01, vaf=98.0, first=1.0):
+    names = (*beyond.SHARED, "dlt_tri", "pt_tri")
+    estimates = tuple(
+        Estimate("S01", n, 1.0 + error, 1.0, sem, error < sem, error < 0.5) for n in names
+    )
+    held = dict.fromkeys((HOLDS, PASSIVE), (("S01", vaf),))
+    return Way(name, estimates, held, first, (vaf,))
+
+
+def made_up_ways(**of_best):
+    names = ("1.0 alone", "2.0 alone", "2.1 alone", "joint 1.0", "joint 2.0", "joint + ε0")
+    return {n: way(n, 0.2) for n in names} | {beyond.BEST: way(beyond.BEST, **of_best)}
+
+
+@pytest.mark.parametrize(
+    ("of_best", "verdict"),
+    [
+        ({"vaf": 99.0}, "holds"),
+        ({"vaf": 97.0}, "differs"),
+        ({"vaf": 99.0, "first": 0.5}, "differs"),
+    ],
+)
+def test_several_tendon_parameters_must_fit_better_without_local_minima(of_best, verdict):
+    numbers = beyond.Numbers(made_up(), made_up_ways(**of_best))
+    said = {claim.id: judge(claim, {"": numbers}).verdict for claim in beyond.CLAIMS}
+    assert said["several-tendon-parameters"] == verdict
+    assert said["low-sem-is-not-right"] == "holds"
+    assert said["below-ideal-one-is-wrong"] == "holds"
+
+
+def test_tables_and_figures_beyond():
+    several = made_up_ways()
+    for table in (beyond._ways_table(several), beyond._parameters_table(several)):
+        assert all(len(row) == len(table.columns) for row in table.rows)
+    assert several[beyond.BEST].covered("trusted") == (1.0, len(several[beyond.BEST].estimates))
+    assert several["1.0 alone"].covered("white")[0] == 0.0
+    assert math.isnan(Way("none", (), {}, 1.0, ()).covered("white")[0])
+    assert [drawing.name for drawing in beyond._drawings(several)] == [
+        "beyond-errors", "beyond-coverage", "beyond-held-out",
+    ]  # fmt: skip
+
+
+@pytest.mark.slow
+def test_the_quick_run_goes_through_and_a_second_one_computes_nothing(tmp_path):
+    told = []
+    context = Context(
+        folder=tmp_path, quick=True, workers=2, progress=lambda *state: told.append(state)
+    )
+    first = SECTION.run(context)
+    assert {f.verdict for f in first.findings} >= {"holds", "differs", "cannot be checked"}
+    told.clear()
+    again = SECTION.run(context)
+    assert all(done == total for _, done, total in told)
+    assert [f.plain() for f in again.findings] == [f.plain() for f in first.findings]
+    best = beyond.SECTION.run(context)
+    assert {table.name for table in best.tables} == {"beyond-ways", "beyond-parameters"}

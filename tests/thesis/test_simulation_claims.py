@@ -1,0 +1,240 @@
+"""Every rule of the simulation study on made-up grids that obey the thesis, and that do not."""
+
+from dataclasses import replace
+from itertools import product
+
+import pytest
+
+from surae_thesis.claims import INTEGRATOR, NotThereError, judge
+from surae_thesis.simulation.claims import CLAIMS
+from surae_thesis.simulation.grid import (
+    AMPLITUDES,
+    EQUAL,
+    MAGNITUDE,
+    MODELS,
+    NOISE,
+    PROFILES,
+    SIGNED,
+    TASKS,
+    Cell,
+    Study,
+    TorqueSize,
+    along_factor,
+    cells,
+    level,
+    scores,
+    select,
+    under,
+)
+
+NAMES = ("m", "k_tri", "tau_rel", "k_rel", "g1")
+GRID_FACTORS = (0.05, 0.1, 0.2, 0.35, 0.5, 0.6)
+#: SEM by profile as the thesis's Figures 13 and 14 rank them.
+RANKS = {
+    "muscle": dict(zip(PROFILES, (5.0, 4.0, 1.0, 2.0, 3.0), strict=True)),
+    "muscle-tendon": dict(zip(PROFILES, (5.0, 1.0, 4.0, 2.0, 3.0), strict=True)),
+}
+IPDE = {
+    "muscle": dict(zip(PROFILES, (2.75, 2.60, 2.78, 2.64, 2.71), strict=True)),
+    "muscle-tendon": dict(zip(PROFILES, (3.80, 3.45, 3.90, 3.44, 3.46), strict=True)),
+}
+
+
+def thesis_sem(place: dict, name: str) -> float:
+    """As the thesis's figures have it."""
+    amplitude, factor = place["amplitude"], place["factor"] or 0.0
+    value = RANKS[place["model"]][place["profile"]]
+    if name in ("tau_rel", "k_rel"):
+        if place["model"] == "muscle":
+            value *= 1.0 + abs(amplitude - 0.1) + (0.1 if 0.0 < factor < 0.2 else 0.0)
+    else:
+        value /= 1.0 + 3.0 * amplitude * (0.1 + factor) * (3.0 if name == "m" else 1.0)
+    if place["model"] == "muscle-tendon" and amplitude == 0.3:
+        value *= 3.0
+    return value * (1.5 if place["task"] == "active" else 1.0)
+
+
+def thesis_ipde(place: dict) -> float:
+    away = abs((place["factor"] or 0.0) - 0.5) + 2.0 * (0.2 - place["amplitude"])
+    task = 0.1 if place["task"] == "active" else 0.0
+    return IPDE[place["model"]][place["profile"]] + away + task
+
+
+def thesis_vaf(place: dict) -> float:
+    if place["model"] == "muscle":
+        return 99.91
+    fails = place["amplitude"] == 0.3 or place["profile"] == "multi-sine"
+    return 99.5 if fails else 99.89
+
+
+def thesis_off(place: dict) -> float:
+    return 0.2 if thesis_vaf(place) < 99.85 else 0.05
+
+
+def grid(sem=thesis_sem, ipde=thesis_ipde, vaf=thesis_vaf, off=thesis_off, subjects=(1,)):
+    made = []
+    for model, profile, task, amplitude, factor, subject in product(
+        MODELS, PROFILES, TASKS, AMPLITUDES, GRID_FACTORS, subjects
+    ):
+        if amplitude == 0.0 and factor != GRID_FACTORS[0]:
+            continue
+        place = {
+            "model": model, "profile": profile, "task": task, "amplitude": amplitude,
+            "factor": factor if amplitude else None, "subject": subject,
+        }  # fmt: skip
+        made.append(
+            Cell(
+                **place, repeat=1, vaf=vaf(place), ipde=ipde(place),
+                sem={name: sem(place, name) for name in NAMES},
+                off={name: off(place) if name == "g1" else 0.0 for name in NAMES},
+                truth={"l0_tri": 0.045, "l0_tib": 0.08},
+                torque=TorqueSize(10.0, 8.0, 12.0),
+            )
+        )  # fmt: skip
+    return tuple(made)
+
+
+def of_model(model, value):
+    """The thesis's SEM, but for one model."""
+    return lambda place, name: (
+        value(place, name) if place["model"] == model else thesis_sem(place, name)
+    )
+
+
+def study(grid_, noise=(), patients=None) -> Study:
+    sick = select(grid_, task="part-passive") if patients is None else patients
+    others = select(grid_, task="part-passive")
+    return Study(grid_, tuple(noise), sick, others, {1000: others})
+
+
+def everything(grid_, noise=None, patients=None) -> dict[str, str]:
+    """Verdicts of every claim, in one view."""
+    numbers = study(grid_, noisy() if noise is None else noise, patients)
+    findings = [judge(claim, {MAGNITUDE: numbers}) for claim, _ in CLAIMS]
+    assert len({finding.id for finding in findings}) == len(findings)
+    return {finding.id: finding.verdict for finding in findings}
+
+
+def test_a_grid_as_the_thesis_describes_it_makes_every_claim_hold() -> None:
+    assert {name for name, verdict in everything(grid()).items() if verdict != "holds"} == set()
+
+
+SPOILT = [
+    ("vaf-muscle", {"vaf": lambda _: 99.80}),
+    ("vaf-tendon", {"vaf": lambda _: 99.99}),
+    ("vaf-tendon", {"vaf": lambda _: 99.0}),
+    ("vaf-threshold", {"off": lambda _: 0.05}),
+    ("tendon-fails-at-large-chirp", {"vaf": lambda _: 99.9}),
+    ("tendon-fails-at-multi-sine", {"vaf": lambda _: 99.9}),
+    ("task-sem", {"sem": lambda _, __: 1.0}),
+    ("task-ipde", {"ipde": lambda _: 3.0}),
+    ("factor-sem", {"sem": of_model("muscle", lambda _, __: 1.0)}),
+    ("factor-sem-tendon", {"sem": of_model("muscle-tendon", lambda _, __: 1.0)}),
+    ("factor-relaxation", {"sem": lambda place, __: place["factor"] or 1.0}),
+    ("amplitude-sem", {"sem": lambda place, __: 1.0 + place["amplitude"]}),
+    ("amplitude-relaxation", {"sem": lambda place, __: 1.0 + place["amplitude"]}),
+    ("amplitude-sem-tendon", {"sem": lambda place, __: 1.0 + place["amplitude"]}),
+    ("profile-sem", {"sem": lambda place, __: 9.0 - RANKS[place["model"]][place["profile"]]}),
+    (
+        "profile-sem-tendon",
+        {"sem": lambda place, __: 9.0 - RANKS[place["model"]][place["profile"]]},
+    ),
+    ("ipde-values", {"ipde": lambda _: 2.2}),
+    ("ipde-ranking", {"ipde": lambda place: 6.0 - IPDE[place["model"]][place["profile"]]}),
+    ("ipde-factor", {"ipde": lambda place: 3.0 - (place["factor"] or 0.0) * -1.0}),
+    ("ipde-amplitude", {"ipde": lambda place: 3.0 + place["amplitude"]}),
+    ("ipde-tendon", {"ipde": lambda _: 3.0}),
+    ("ipde-tendon-values", {"ipde": lambda _: 3.0}),
+    ("ipde-tendon-factor", {"ipde": lambda place: 3.0 + (place["factor"] or 0.0)}),
+    ("ipde-tendon-amplitude", {"ipde": lambda place: 3.0 + place["amplitude"]}),
+    ("chosen-profiles", {"ipde": lambda place: 6.0 - IPDE[place["model"]][place["profile"]]}),
+    ("chosen-chirp", {"sem": lambda place, __: 1.0 + place["amplitude"]}),
+    ("chosen-task", {"sem": lambda place, __: 2.0 - (place["task"] == "active")}),
+]
+
+
+@pytest.mark.parametrize(("name", "spoilt"), SPOILT)
+def test_each_claim_differs_where_the_grid_does(name, spoilt) -> None:
+    assert everything(grid(**spoilt))[name] == "differs"
+
+
+def noisy(vaf=0.0, sem=0.0, ipde=0.0):
+    """Five repeats, the last of which is off by so much."""
+    return [
+        Cell(
+            model="muscle", profile="sine", task="part-passive", amplitude=0.1, factor=factor,
+            subject=1, repeat=repeat, vaf=99.9 + vaf * (repeat == 5),
+            ipde=2.6 + ipde * (repeat == 5), sem={"k_tri": 1.0 + sem * (repeat == 5)},
+            off={"k_tri": 0.0}, truth={"k_tri": 1.0},
+        )
+        for factor in (0.3, 0.6)
+        for repeat in range(1, 6)
+    ]  # fmt: skip
+
+
+def test_noise_holds_below_the_thesis_spread_and_differs_above() -> None:
+    for size, verdict in ((1.0, "holds"), (2.0, "differs")):
+        said = everything(grid(), noisy(0.005 * size, 0.03 * size, 0.015 * size))
+        assert {said[f"noise-{name}"] for name in ("vaf", "sem", "ipde")} == {verdict}
+
+
+def test_patients_follow_the_healthy_or_do_not() -> None:
+    other = grid(
+        sem=lambda place, __: 1.0 + place["amplitude"] + (place["factor"] or 0.0),
+        ipde=lambda place: float(PROFILES.index(place["profile"])),
+    )
+    said = everything(grid(), patients=select(other, task="part-passive"))
+    assert {v for name, v in said.items() if name.startswith("patient-")} == {"differs"}
+
+
+def test_another_reading_takes_the_noise_that_was_added_for_its_own() -> None:
+    torque = TorqueSize(magnitude=10.0, mean=4.0, rms=12.0)
+    added = NOISE * torque.magnitude
+    fitted = replace(
+        grid()[0], torque=torque, vaf=100.0 * (1.0 - added**2 / (torque.rms**2 + added**2))
+    )
+    assert under(fitted, MAGNITUDE, 1.0) is fitted
+    for reading, noise in ((SIGNED, 0.2), (EQUAL, 1.0)):
+        assert level(torque, reading, 1.0) == pytest.approx(noise)
+        other = under(fitted, reading, 1.0)
+        assert other.vaf == pytest.approx(100.0 * (1.0 - noise**2 / (144.0 + noise**2)))
+        assert other.sem["m"] == pytest.approx(fitted.sem["m"] * noise / added)
+        assert other.ipde == fitted.ipde
+
+
+def test_a_claim_that_holds_in_some_columns_names_them() -> None:
+    (claim,) = [claim for claim, _ in CLAIMS if claim.id == "tendon-fails-at-multi-sine"]
+    fine = study(grid(vaf=lambda _: 99.9))
+    assert judge(claim, {MAGNITUDE: fine, SIGNED: study(grid())}).said == (
+        "holds under the signed mean"
+    )
+    assert judge(claim, {MAGNITUDE: fine, INTEGRATOR: study(grid())}).verdict == (
+        "holds with the thesis's integrator"
+    )
+
+
+def test_a_claim_without_its_cells_says_so() -> None:
+    with pytest.raises(NotThereError, match="muscle-tendon model with multiple-holds"):
+        along_factor(select(grid(), model="muscle"), "muscle-tendon")
+    said = everything(select(grid(), task="active"), noise=())
+    assert said["task-sem"] == said["noise-vaf"] == said["factor-sem"] == "cannot be checked"
+
+
+def test_rows_become_cells_once_without_failed_ones() -> None:
+    row = {
+        "model": "muscle", "protocol": "sine", "task": "active", "chirp_amplitude": 0.0,
+        "chirp_factor": 0.1, "subject": 1, "repeat": 1, "status": "converged", "vaf": 99.0,
+        "ipde": None, "m": 1.0, "m_sem": None, "m_true": 2.0, "dlt_tri": None,
+        "dlt_tri_sem": None, "dlt_tri_true": None,
+    }  # fmt: skip
+    failed = row | {"status": "failed", "vaf": None, "task": "part-passive"}
+    (cell,) = cells([row, row | {"chirp_factor": 0.2}, failed])
+    assert (cell.factor, cell.sem, cell.off, cell.worst) == (None, {}, {"m": -0.5}, ("m", 0.5))
+
+
+def test_scores_leave_out_what_no_cell_could_tell() -> None:
+    some = list(select(grid(), model="muscle", task="active", amplitude=0.0))[:2]
+    expected = scores(some)
+    some[0] = replace(some[0], sem={k: v for k, v in some[0].sem.items() if k != "m"})
+    assert scores(some)[0] == pytest.approx(expected[0], rel=0.3)
+    assert scores([replace(cell, sem=dict(cell.sem)) for cell in some]).shape == (2,)

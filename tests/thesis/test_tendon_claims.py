@@ -1,0 +1,76 @@
+"""The tendons section: the schemes are compared by what they compute."""
+
+import numpy as np
+import pytest
+
+from surae_thesis.claims import judge
+from surae_thesis.tendons import (
+    CLAIMS,
+    EPS0,
+    F_MAX,
+    FINEST,
+    Numbers,
+    errors,
+    printed_force,
+    reversals,
+    torque,
+    trial,
+)
+
+
+def verdicts(numbers: Numbers) -> dict[str, str]:
+    return {claim.id: judge(claim, {"": numbers}).verdict for claim in CLAIMS}
+
+
+def test_reversals_are_counted_per_second() -> None:
+    time = np.arange(0.0, 10.0, 1e-3)
+    assert reversals(np.sin(2 * np.pi * 3.0 * time + 0.1), 1000.0) == pytest.approx(6.0, abs=0.1)
+    assert reversals(np.ones(1000), 1000.0) == 0.0
+
+
+@pytest.fixture(scope="module")
+def measured() -> Numbers:
+    return Numbers(errors(quick=True))
+
+
+def test_the_implicit_scheme_is_accurate_where_the_explicit_one_is_not(measured: Numbers) -> None:
+    assert measured.errors["implicit", 125.0] < 0.1
+    assert measured.errors["explicit-euler", 125.0] > 1.0
+    for rate in (125.0, 512.0, 2000.0):
+        assert measured.errors["implicit", rate] < 0.1 * measured.errors["explicit-euler", rate]
+
+
+def test_errors_are_relative_to_the_fine_torque(measured: Numbers) -> None:
+    fine, coarse = trial(FINEST), trial(512.0)
+    reference = torque(fine, "implicit")
+    off = torque(coarse, "explicit-euler") - np.interp(coarse.time, fine.time, reference)
+    ours = 100 * np.sqrt(np.mean(off**2) / np.mean(reference**2))
+    assert measured.errors["explicit-euler", 512.0] == pytest.approx(ours, rel=1e-9)
+
+
+def test_the_verdict_on_the_rate_follows_the_errors(measured: Numbers) -> None:
+    (rate,) = [claim for claim in CLAIMS if claim.id == "muscle-model-rate"]
+    exact = Numbers(dict.fromkeys(measured.errors, 0.01))
+    assert judge(rate, {"": measured}).verdict == "holds"
+    assert judge(rate, {"": exact}).verdict == "differs"
+
+
+def test_the_printed_lengths_leave_no_room(measured: Numbers) -> None:
+    said = verdicts(measured)
+    assert said["printed-initial-lengths"] == "differs"
+    assert said["explicit-oscillates"] == "holds"
+    assert said["slack-length-irrelevant"] == "holds"
+    assert said["toe-region"] == "differs"
+
+
+def test_the_printed_law_knows_its_slack_length() -> None:
+    assert printed_force(np.array([0.40, 0.415, 0.415 + EPS0])) == pytest.approx([0, 0, F_MAX])
+    length = np.linspace(0.42, 0.45, 50)
+    assert np.all(printed_force(length, 0.41) > printed_force(length, 0.415))
+    # As a strain, half the length is twice as stiff: the same force at half the elongation.
+    stretch = np.linspace(0.0, 0.01, 50)
+    np.testing.assert_allclose(
+        printed_force(0.2 + stretch, 0.2, strain=True),
+        printed_force(0.4 + 2.0 * stretch, 0.4, strain=True),
+        rtol=1e-9,
+    )
