@@ -91,6 +91,8 @@ def test_raw_emg_on_an_offset_gets_it_taken_away(tmp_path):
     [
         (emg(), "raw"),
         (emg(offset=0.02), "raw"),
+        (emg(offset=-0.02), "raw"),
+        (-np.abs(emg()), None),
         (np.abs(np.sin(np.linspace(0, 9, 4000))), "envelope"),
         (emg(offset=0.02) + 0.005 * np.sin(np.linspace(0, 9, 4000)), "raw"),
         (0.3 + 0.01 * np.sin(np.linspace(0, 60, 4000)), "envelope"),

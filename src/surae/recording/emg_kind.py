@@ -84,12 +84,15 @@ def _look(time: FloatArray, values: FloatArray) -> Look:
     span = float(time[-1] - time[0]) if len(time) > 1 else 0.0
     if len(values) < 2 or not np.isfinite(span) or span <= 0 or values.min() == values.max():
         return Look(None, "too few samples, or all the same")
-    low, high, middle = float(values.min()), float(values.max()), float(np.median(values))
     mean = float(values.mean())
+    if not np.isfinite(mean):
+        return Look(None, "too large for any EMG")
+    below = float(values.max()) < 0
+    if below:
+        values = -values
+    low, high, middle = float(values.min()), float(values.max()), float(np.median(values))
     crossings = _crossings(values - middle) / span
     rate = f"crosses its median {crossings:.0f} times a second"
-    if high < 0 or not np.isfinite(mean):
-        return Look(None, "negative throughout" if high < 0 else "too large for any EMG")
     if low < -_NEGATIVE * high:
         return Look("raw", f"positive and negative, {rate}")
     if low > _LIFTED * middle:
@@ -99,9 +102,10 @@ def _look(time: FloatArray, values: FloatArray) -> Look:
                 rate = f"crosses its drift {around:.0f} times a second"
             offset = -float(f"{mean:.6g}")
             return Look("raw", f"never near zero, yet fast: {rate}: raw on an offset", offset)
-    if crossings <= _SLOW:
+    if crossings <= _SLOW and not below:
         return Look("envelope", f"not negative and slow: {rate}")
-    return Look(None, f"not negative, yet fast: {rate}: rectified but not smoothed?")
+    rule = f"not negative, yet fast: {rate}: rectified but not smoothed?"
+    return Look(None, "negative throughout" if below else rule)
 
 
 def amplified(high: float, low: float, unit_volts: float) -> bool:

@@ -111,7 +111,8 @@ def _channels(path: str, table: Table) -> list[tuple[InspectedChannel, Column | 
         if count > 1:
             remark, usable = f"{count} columns have this name: rename one", False
         if isinstance(column, InputError):
-            reason = str(column).removeprefix(f"{table.file}: ")
+            reason = str(column).removeprefix(f"{table.file}: ").removeprefix(f"column {name!r}: ")
+            reason = "; ".join(text for text in (reason, remark) if text)
             described.append(
                 (InspectedChannel(path, name, unit, remark=reason, usable=False), None)
             )
