@@ -7,6 +7,7 @@ import pytest
 
 from surae.errors import InputError
 from surae.model import MODELS, ModelOptions, adapted, with_optional
+from surae.model.axis import STRAP, AnkleAxis
 from surae.model.parameters import CROSSTALK, OPTIONAL, OPTIONAL_PARAMETERS
 from surae.recording import MUSCLES
 from surae.signals import emg_levels
@@ -16,10 +17,12 @@ OPTIONS = ModelOptions(emg_ref=LEVELS)
 GROUPS = [name for name in OPTIONAL if name not in ("emd", "reflex")]
 CROSSTALK_VALUES = dict(zip(CROSSTALK.values(), np.linspace(0.01, 0.08, 12), strict=True))
 RESTS = dict(zip(OPTIONAL["emg_rest"], (9e-6, -4e-6, 2e-6, 6e-6), strict=True))
+DRIFTS = dict(zip(OPTIONAL["emg_drift"], (0.2, -0.1, 0.05, 0.3), strict=True))
 VALUES = {
     "emd": 0.0312, "reflex_tri": 900.0, "reflex_tib": 500.0, "reflex_delay": 0.0431,
     **CROSSTALK_VALUES, **RESTS,
-    "emg_shape": -1.3, "torque_zero": 2.0, "angle_zero": 0.04, "axis": 0.06,
+    "emg_shape": -1.3, "torque_zero": 2.0, "angle_zero": 0.04,
+    "axis_forward": 0.011, "axis_up": -0.017, **DRIFTS,
 }  # fmt: skip
 every_model = pytest.mark.parametrize("name", MODELS)
 
@@ -89,7 +92,11 @@ def test_sensitivities(name, geometry, values, inputs) -> None:
 def test_rows_of_some_are_those_of_all(name, inputs) -> None:
     simulator, p, spec = tied(name, inputs, **VALUES)
     everything = simulator.torque_jacobian(p, range(len(p)))[1]
-    for chosen in (["axis"], ["xt_gl_sol", "emg_rest_ta", "m"], ["emg_shape", "f0", "angle_zero"]):
+    for chosen in (
+        ["axis_up"],
+        ["xt_gl_sol", "emg_rest_ta", "m"],
+        ["emg_shape", "f0", "angle_zero"],
+    ):
         columns = [spec.names.index(one) for one in chosen if one in spec.names]
         rows = simulator.torque_jacobian(p, columns)[1]
         np.testing.assert_allclose(rows, everything[columns], rtol=1e-12, atol=1e-12)
@@ -147,7 +154,7 @@ def test_a_missing_muscle_hears_nothing_and_is_not_heard(inputs) -> None:
     np.testing.assert_array_equal(some, same)
     simulator, p, spec = tied("muscle", missing, options, **CROSSTALK_VALUES, **RESTS)
     columns = [j for j, name in enumerate(spec.names) if "gm" in name]
-    assert len(columns) == 7
+    assert len(columns) == 7  # its rest, and the crosstalk of and to it
     assert not simulator.torque_jacobian(p, columns)[1].any()
 
 
@@ -163,16 +170,55 @@ def test_zeros_and_axis_are_of_the_sensors(name, inputs) -> None:
 @pytest.mark.parametrize("geometry", ["thesis", "virtual-work"])
 def test_a_misaligned_axis_loses_no_work(geometry, inputs) -> None:
     options = replace(OPTIONS, geometry=geometry)
-    simulator, p, _ = tied("muscle", inputs, options, axis=0.08)
-    parts = simulator.parts(p)
-    joint = replace(inputs, angle=1.08 * inputs.angle, velocity=1.08 * inputs.velocity)
-    aligned, q, _ = tied("muscle", joint, options)
-    there = aligned.parts(q)
-    np.testing.assert_allclose(parts.tissue, 1.08 * there.tissue, rtol=0, atol=1e-10)
-    np.testing.assert_allclose(parts.neural, 1.08 * there.neural, rtol=0, atol=1e-10)
-    here, there = (one.parts(v) for one, v in ((simulator, p), tied("muscle", inputs, options)[:2]))
-    np.testing.assert_array_equal(here.inertial, there.inertial)
-    np.testing.assert_array_equal(here.gravitational, there.gravitational)
+    turned = torque("muscle", inputs, options, axis_forward=0.012, axis_up=0.02)
+    joint = AnkleAxis(angle=inputs.angle, forward=0.012, up=0.02).joint
+    ankle = replace(
+        inputs,
+        angle=joint.angle,
+        velocity=joint.factor * inputs.velocity,
+        acceleration=joint.factor * inputs.acceleration + joint.bend * inputs.velocity**2,
+    )
+    power = joint.factor * torque("muscle", ankle, options)
+    np.testing.assert_allclose(turned, power, rtol=0, atol=1e-10)
+
+
+def test_angle_of_an_ankle_beside_the_axis() -> None:
+    angle = np.linspace(-1.0, 0.8, 50)
+    for forward, up in ((0.0, 0.0), (0.02, 0.0), (-0.03, 0.03), (0.01, -0.02)):
+        here = AnkleAxis(angle=angle, forward=forward, up=up)
+        strap = STRAP * np.exp(1j * angle)
+        pointing = np.angle(strap - complex(forward, up))
+        at_zero = np.angle(STRAP - complex(forward, up))
+        np.testing.assert_allclose(here.joint.angle, pointing - at_zero, rtol=0, atol=1e-15)
+        h = 1e-5
+        for name in ("angle", "forward", "up"):
+            moved = [
+                AnkleAxis(
+                    angle=angle + s * h * (name == "angle"),
+                    forward=forward + s * h * (name == "forward"),
+                    up=up + s * h * (name == "up"),
+                ).joint
+                for s in (1, -1)
+            ]
+            slope = here.slope(name)
+            for what in ("angle", "factor", "bend"):
+                above, below = (getattr(one, what) for one in moved)
+                numeric = (above - below) / (2 * h)
+                np.testing.assert_allclose(getattr(slope, what), numeric, rtol=1e-6, atol=1e-6)
+        np.testing.assert_allclose(here.slope("angle").angle, here.joint.factor)
+        np.testing.assert_allclose(here.slope("angle").factor, here.joint.bend, atol=1e-15)
+
+
+# Not that of 2010, whose low-pass comes between.
+@pytest.mark.parametrize("name", [name for name in MODELS if name != "muscle-2010"])
+def test_drift_is_taken_out_to_first_order(name, inputs) -> None:
+    elapsed = np.linspace(-0.5, 0.5, inputs.n)
+    drift = np.array([1e-4, -2e-4, 3e-4, 1e-4])
+    drifted = replace(inputs, emg=inputs.emg * (1.0 + np.outer(elapsed, drift)))
+    values = dict(zip(OPTIONAL["emg_drift"], drift, strict=True))
+    plain, off = torque(name, inputs), torque(name, drifted)
+    left = np.abs(torque(name, drifted, **values) - plain).max()
+    assert left < 1e-3 * np.abs(off - plain).max()
 
 
 def test_levels_of_a_session(inputs) -> None:

@@ -5,16 +5,17 @@
     v        = max(d lmt/dt, 0)                                                [m/s]
 
 Every muscle's own envelope ê is that of its electrode but for what the laboratory cannot rule out:
-a level at rest r (`emg_rest_…`), what electrodes hear of other muscles (`xt_ta_gl`: that of the
-tibialis of the gastrocnemius lateralis), and a force that does not grow as EMG does (`emg_shape` A,
-Lloyd and Besier 2003; −3 to 0 there, 0 is linear):
+a level at rest r (`emg_rest_…`), a contact that drifts by d from the recording's begin to its end
+(`emg_drift_…`), what electrodes hear of other muscles (`xt_ta_gl`: that of the tibialis of the
+gastrocnemius lateralis), and a force that does not grow as EMG does (`emg_shape` A, Lloyd and
+Besier 2003; −3 to 0 there, 0 is linear):
 
-    u = M⁻¹·(e − r),   ê = e_ref·(exp(A·u/e_ref) − 1)/(exp(A) − 1)
+    u = M⁻¹·(1 − d·τ)·(e − r),   ê = e_ref·(exp(A·u/e_ref) − 1)/(exp(A) − 1)
 
-M is 1 on its diagonal. Nothing is clipped: a muscle that is less active than its electrode's rest
-has a small negative ê. The weights keep their unit, for ê = u at 0 and at the reference level e_ref
-(`ModelOptions.emg_ref`; 1 for a normalised EMG). A muscle without EMG hears nothing and is not
-heard.
+τ goes from −½ to ½ over the whole recording; M is 1 on its diagonal. Nothing is clipped: a muscle
+that is less active than its electrode's rest has a small negative ê. The weights keep their unit,
+for ê = u at 0 and at the reference level e_ref (`ModelOptions.emg_ref`; 1 for a normalised EMG). A
+muscle without EMG hears nothing and is not heard.
 
 lmt is the muscle-tendon unit's length: with it lengthens the muscle on a rigid tendon, and what a
 compliant tendon leaves to the muscle is not known before the force is. `reflex_delay` is all of the
@@ -33,7 +34,7 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.model.activation import Drive, shaped
-from surae.model.movement import MusclePath
+from surae.model.movement import LegMovement
 from surae.model.options import ModelOptions
 from surae.model.parameters import CROSSTALK, OPTIONAL
 from surae.recording import MUSCLES
@@ -43,19 +44,22 @@ from surae.units import FloatArray
 #: EMG channels of triceps and tibialis.
 GROUPS = (slice(1, 4), slice(0, 1))
 _GAINS = OPTIONAL["reflex"][:2]
-_RESTS = OPTIONAL["emg_rest"]
+_RESTS, _DRIFTS = OPTIONAL["emg_rest"], OPTIONAL["emg_drift"]
 
 
 @dataclass(frozen=True, slots=True)
 class _Envelopes:
     """Envelopes of the muscles themselves, shape (4, n), and what their derivatives are made of.
 
-    `weighted` are ê, `own` are u, `steep` is ∂ê/∂u and `by_shape` is ∂ê/∂A, each None where it is
-    not needed; `unmixing` is M⁻¹.
+    `weighted` are ê, `own` are u and `active` are e − r; `gain` is 1 − d·τ, of one sample where
+    nothing drifts, and `unmixing` is M⁻¹. `steep` is ∂ê/∂u and `by_shape` is ∂ê/∂A, None where the
+    force grows as EMG does.
     """
 
     weighted: FloatArray
     own: FloatArray
+    active: FloatArray
+    gain: FloatArray
     unmixing: FloatArray
     steep: FloatArray | None = None
     by_shape: FloatArray | None = None
@@ -92,13 +96,15 @@ class Excitation:
     ) -> None:
         self._emg = np.array(emg, dtype=np.float64, order="C")
         self._at, self._weights = at, [at[name] for name in weights]
-        self._corrections = {at[name] for name in (*_RESTS, *CROSSTALK.values()) if name in at}
+        corrections = (*_RESTS, *_DRIFTS, *CROSSTALK.values())
+        self._corrections = {at[name] for name in corrections if name in at}
+        self._elapsed = np.linspace(-0.5, 0.5, inputs.n)
         self._present = np.array([m not in inputs.missing_emg for m in MUSCLES], dtype=float)
         self._reference = _reference(inputs, options, self._present) if "emg_shape" in at else None
         self.has_reflex = "reflex_delay" in at
 
     def drives(
-        self, values: FloatArray, muscles: tuple[MusclePath, ...], wanted: frozenset[int]
+        self, values: FloatArray, leg: LegMovement, wanted: frozenset[int]
     ) -> tuple[list[Drive], list[Drive]]:
         """Drives of triceps and tibialis, EMG before reflex, with slopes by the wanted columns."""
         envelopes = self._envelopes(values)
@@ -106,8 +112,8 @@ class Excitation:
             [self._of_emg(group, values, envelopes, wanted)] for group in range(len(GROUPS))
         )
         if self.has_reflex:
-            tri.append(self._of_stretch(0, values, muscles[0], wanted))
-            tib.append(self._of_stretch(1, values, muscles[1], wanted))
+            tri.append(self._of_stretch(0, values, leg, wanted))
+            tib.append(self._of_stretch(1, values, leg, wanted))
         return tri, tib
 
     def _value(self, values: FloatArray, name: str) -> float:
@@ -119,6 +125,11 @@ class Excitation:
         if _RESTS[0] in self._at:
             rest = np.array([self._value(values, name) for name in _RESTS])
             own = own - (self._present * rest)[:, None]
+        active, gain = own, np.ones((4, 1))
+        if _DRIFTS[0] in self._at:
+            drift = np.array([self._value(values, name) for name in _DRIFTS])
+            gain = 1.0 - np.outer(drift, self._elapsed)
+            own = gain * own
         if CROSSTALK[0, 1] in self._at:
             mixing = np.eye(4)
             for (hears, of), name in CROSSTALK.items():
@@ -126,10 +137,10 @@ class Excitation:
             unmixing = np.asarray(np.linalg.inv(mixing), dtype=np.float64)
             own = unmixing @ own
         if self._reference is None:
-            return _Envelopes(own, own, unmixing)
+            return _Envelopes(own, own, active, gain, unmixing)
         column = self._at["emg_shape"]
         curved = shaped(np.ascontiguousarray(own), self._reference, float(values[column]))
-        return _Envelopes(curved[0], own, unmixing, curved[1], curved[2])
+        return _Envelopes(curved[0], own, active, gain, unmixing, curved[1], curved[2])
 
     def _of_emg(
         self, group: int, values: FloatArray, envelopes: _Envelopes, wanted: frozenset[int]
@@ -146,13 +157,17 @@ class Excitation:
         if envelopes.by_shape is not None and at["emg_shape"] in wanted:
             slopes.append((at["emg_shape"], weights @ envelopes.by_shape[channels]))
         if self._corrections.intersection(wanted):
-            # ∂E/∂e of each electrode, times what takes it off: all that rest and crosstalk do
+            # ∂E/∂e of each electrode but for its gain: what takes from it takes so much of E
             steep = np.ones((4, 1)) if envelopes.steep is None else envelopes.steep
             heard = envelopes.unmixing[channels].T @ (weights[:, None] * steep[channels])
             heard *= -self._present[:, None]
             for i, name in enumerate(_RESTS):
                 if at.get(name, -1) in wanted and heard[i].any():
-                    slopes.append((at[name], np.array(np.broadcast_to(heard[i], signal.shape))))
+                    taken = heard[i] * envelopes.gain[i]
+                    slopes.append((at[name], np.array(np.broadcast_to(taken, signal.shape))))
+            for i, name in enumerate(_DRIFTS):
+                if at.get(name, -1) in wanted and heard[i].any():
+                    slopes.append((at[name], heard[i] * self._elapsed * envelopes.active[i]))
             for (hears, of), name in CROSSTALK.items():
                 if at.get(name, -1) in wanted and heard[hears].any():
                     slopes.append((at[name], heard[hears] * envelopes.own[of]))
@@ -162,14 +177,15 @@ class Excitation:
         return Drive(signal, slopes, float(values[column]), column if column in wanted else -1)
 
     def _of_stretch(
-        self, group: int, values: FloatArray, muscle: MusclePath, wanted: frozenset[int]
+        self, group: int, values: FloatArray, leg: LegMovement, wanted: frozenset[int]
     ) -> Drive:
         own, delay = self._at[_GAINS[group]], self._at["reflex_delay"]
-        gain, stretch = float(values[own]), np.maximum(muscle.speed, 0.0)
+        muscle, gain = leg.muscles[group], float(values[own])
+        stretch = np.maximum(muscle.speed, 0.0)
         slopes = [(own, stretch)] if own in wanted else []
         slopes += [
             (column, gain * (muscle.speed > 0.0) * by)
-            for column, by in zip(muscle.columns, muscle.speed_slopes, strict=True)
+            for column, by in zip(leg.columns, muscle.speed_slopes, strict=True)
         ]
         return Drive(gain * stretch, slopes, float(values[delay]), delay if delay in wanted else -1)
 

@@ -1,21 +1,8 @@
 """What a recording's movement does to limb and muscles, as far as its sensors can be believed.
 
-The angle that is measured is that of the device. Two parameters say how the joint's differs:
-
-    θ_joint = angle_zero + (1 + axis)·θ
-
-`angle_zero` is the sensor's zero. `axis` is what a joint's axis beside the device's does: with the
-foot on the plate, the joint's centre moves on an arc around the device's axis, and the shank, held
-at a distance L, turns with it; an offset d turns it by about d/L of the foot's angle (2 cm at 40
-cm: 0.05). No work is lost, T·dθ = T_joint·dθ_joint, so that the device measures (1 + axis) times
-the torque of the muscles, the 5 to 9 % of Arampatzis et al. (2007). The foot turns with the plate:
-gravity depends on θ + angle_zero, inertia on the device's own acceleration, neither on `axis`.
-
-References
-----------
-A. Arampatzis, G. De Monte, G. Morey-Klapsing (2007). Effect of contraction form and contraction
-velocity on the differences between resultant and measured ankle joint moments. Journal of
-Biomechanics 40(7):1622-1628.
+The angle that is measured is that of the device, and of its zero: the joint's is that of
+`surae.model.axis` at θ + angle_zero, with the ankle's axis at (axis_forward, axis_up). Everything
+in the leg follows the joint, and all its torque is felt by the device times dθ_joint/dθ.
 """
 
 from collections.abc import Collection, Mapping
@@ -24,10 +11,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.model import limb
+from surae.model.axis import AnkleAxis, JointAngle
 from surae.model.geometry import Path, paths
 from surae.model.options import ModelOptions
+from surae.model.parameters import OPTIONAL
 from surae.signals import ModelInputs
 from surae.units import FloatArray
+
+_AXIS = OPTIONAL["axis"]
+#: What they are to `AnkleAxis`.
+_TURNING = {"angle_zero": "angle", **dict(zip(_AXIS, ("forward", "up"), strict=True))}
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,16 +31,13 @@ class MusclePath:
     ----------
     arm, length, speed : ndarray, shape (n,)
         Signed moment arm [m], length [m] and lengthening speed [m/s] on a rigid tendon.
-    columns : tuple of int
-        Columns of the wanted parameters that touch it.
     arm_slopes, length_slopes, speed_slopes : ndarray, shape (s, n)
-        Derivatives of the three by those parameters.
+        Derivatives of the three by the parameters of `LegMovement.columns`.
     """
 
     arm: FloatArray
     length: FloatArray
     speed: FloatArray
-    columns: tuple[int, ...]
     arm_slopes: FloatArray
     length_slopes: FloatArray
     speed_slopes: FloatArray
@@ -61,16 +51,19 @@ class LegMovement:
     ----------
     inertia, gravity : ndarray, shape (n,)
         Torques of 1 kg [Nm/kg].
-    gravity_slope : ndarray, shape (n,)
-        Derivative of `gravity` by angle_zero [Nm/(kg·rad)].
     muscles : tuple of MusclePath
         Triceps surae and tibialis anterior.
+    columns : tuple of int
+        Columns of the wanted parameters that touch it.
+    limb_slopes : ndarray, shape (s, n)
+        Derivatives of inertia and gravity together by those parameters.
     """
 
     inertia: FloatArray
     gravity: FloatArray
-    gravity_slope: FloatArray
     muscles: tuple[MusclePath, MusclePath]
+    columns: tuple[int, ...]
+    limb_slopes: FloatArray
 
 
 class Movement:
@@ -85,8 +78,9 @@ class Movement:
     """
 
     def __init__(self, inputs: ModelInputs, options: ModelOptions, at: Mapping[str, int]) -> None:
-        self._inputs, self._options, self._at = inputs, options, at
-        self._fixed = None if {"angle_zero", "axis"} & at.keys() else self._moved(0.0, 0.0, {})
+        self._inputs, self._options = inputs, options
+        self._at = {name: at[name] for name in _TURNING if name in at}
+        self._fixed = None if self._at else self._moved({}, {})
 
     @property
     def is_fixed(self) -> bool:
@@ -97,45 +91,50 @@ class Movement:
         """The movement at these parameters, with its derivatives by the wanted columns."""
         if self._fixed is not None:
             return self._fixed
-        zero, axis = (
-            float(values[self._at[name]]) if name in self._at else 0.0
-            for name in ("angle_zero", "axis")
-        )
-        columns = {
-            name: self._at[name]
-            for name in ("angle_zero", "axis")
-            if name in self._at and self._at[name] in wanted
-        }
-        return self._moved(zero, axis, columns)
+        given = {name: float(values[column]) for name, column in self._at.items()}
+        columns = {name: column for name, column in self._at.items() if column in wanted}
+        return self._moved(given, columns)
 
-    def _moved(self, zero: float, axis: float, columns: Mapping[str, int]) -> LegMovement:
+    def _moved(self, given: Mapping[str, float], columns: Mapping[str, int]) -> LegMovement:
         inputs, options = self._inputs, self._options
-        measured = inputs.angle
-        angle, velocity = zero + (1.0 + axis) * measured, (1.0 + axis) * inputs.velocity
-        tri, tib = paths(angle=angle, velocity=velocity, options=options)
+        velocity, acceleration = inputs.velocity, inputs.acceleration
+        angle = inputs.angle + given.get("angle_zero", 0.0)
+        if _AXIS[0] in given:
+            forward, up = (given[name] for name in _AXIS)
+            axis = AnkleAxis(angle=angle, forward=forward, up=up)
+            joint, slopes = axis.joint, [axis.slope(_TURNING[name]) for name in columns]
+        else:
+            still, same = np.zeros_like(angle), np.ones_like(angle)
+            joint = JointAngle(angle, same, still)
+            slopes = [JointAngle(same, still, still)] * len(columns)
+        turning = joint.factor * velocity
+        swinging = joint.factor * acceleration + joint.bend * velocity**2
+        inertia = limb.inertia_torque(acceleration=swinging)
+        gravity = limb.gravity_torque(angle=joint.angle, theta_foot=options.theta_foot)
+        falling = limb.gravity_slope(angle=joint.angle, theta_foot=options.theta_foot)
+        limb_slopes = np.empty((len(columns), inputs.n))
+        for row, by in enumerate(slopes):
+            swung = by.factor * acceleration + by.bend * velocity**2
+            limb_slopes[row] = by.factor * (inertia + gravity)
+            limb_slopes[row] += joint.factor * (
+                limb.inertia_torque(acceleration=swung) + falling * by.angle
+            )
+        tri, tib = paths(angle=joint.angle, velocity=turning, options=options)
         return LegMovement(
-            inertia=limb.inertia_torque(acceleration=inputs.acceleration),
-            gravity=limb.gravity_torque(angle=measured + zero, theta_foot=options.theta_foot),
-            gravity_slope=limb.gravity_slope(angle=measured + zero, theta_foot=options.theta_foot),
-            muscles=(
-                self._muscle(tri, velocity, axis, columns),
-                self._muscle(tib, velocity, axis, columns),
-            ),
+            inertia=joint.factor * inertia,
+            gravity=joint.factor * gravity,
+            muscles=(_muscle(tri, joint, slopes, velocity), _muscle(tib, joint, slopes, velocity)),
+            columns=tuple(columns.values()),
+            limb_slopes=limb_slopes,
         )
 
-    def _muscle(
-        self, path: Path, velocity: FloatArray, axis: float, columns: Mapping[str, int]
-    ) -> MusclePath:
-        n, gear = len(path.arm), 1.0 + axis
-        slopes = np.empty((3, len(columns), n))
-        for row, name in enumerate(columns):
-            turned = np.ones(n) if name == "angle_zero" else self._inputs.angle  # ∂θ_joint
-            slopes[0, row] = gear * path.arm_slope * turned
-            slopes[1, row] = path.slope * turned
-            slopes[2, row] = path.bend * turned * velocity
-            if name == "axis":
-                slopes[0, row] += path.arm
-                slopes[2, row] += path.slope * self._inputs.velocity
-        return MusclePath(
-            gear * path.arm, path.length, path.speed, tuple(columns.values()), *slopes
-        )
+
+def _muscle(
+    path: Path, joint: JointAngle, slopes: list[JointAngle], velocity: FloatArray
+) -> MusclePath:
+    arm, length, speed = np.empty((3, len(slopes), len(path.arm)))
+    for row, by in enumerate(slopes):
+        arm[row] = by.factor * path.arm + joint.factor * path.arm_slope * by.angle
+        length[row] = path.slope * by.angle
+        speed[row] = (path.bend * by.angle * joint.factor + path.slope * by.factor) * velocity
+    return MusclePath(joint.factor * path.arm, path.length, path.speed, arm, length, speed)

@@ -42,6 +42,7 @@ class MuscleSimulator(TiedModel):
         self,
         p: FloatArray,
         slots: IntArray,
+        turned: IntArray,
         group: int,
         muscle: MusclePath,
         active: ActiveState,
@@ -55,9 +56,9 @@ class MuscleSimulator(TiedModel):
             own, slots[columns], muscle.arm, muscle.length, muscle.speed, *curves, alpha,
             active.slopes[:, 0], slots[active.columns], self._factor, self._dt, torque, jacobian,
         )  # fmt: skip
-        for row, column in enumerate(muscle.columns):
+        for row, slot in enumerate(turned):
             rigid_path_slope(
                 own, muscle.arm, muscle.length, muscle.speed, *curves, alpha,
                 muscle.arm_slopes[row], muscle.length_slopes[row], muscle.speed_slopes[row],
-                self._factor, self._dt, jacobian[slots[column]],
+                self._factor, self._dt, jacobian[slot],
             )  # fmt: skip

@@ -95,6 +95,7 @@ class Muscle2010Simulator(TiedModel):
         self,
         p: FloatArray,
         slots: IntArray,
+        turned: IntArray,
         group: int,
         muscle: MusclePath,
         active: ActiveState,
@@ -113,11 +114,11 @@ class Muscle2010Simulator(TiedModel):
         for column, slope in zip(active.columns, active.slopes[:, 0], strict=True):
             jacobian[slots[column]] += gain * slope
         tissue = group == 0
-        for row, column in enumerate(muscle.columns):
+        for row, slot in enumerate(turned):
             longer, faster = muscle.length_slopes[row], muscle.speed_slopes[row]
             change = tissue * (p[_K] * elastic * longer + p[_B] * faster)
             change += alpha * (by_length * longer + by_speed * faster)
-            jacobian[slots[column]] += muscle.arm_slopes[row] * force + arm * change
+            jacobian[slot] += muscle.arm_slopes[row] * force + arm * change
 
 
 def integrated(inputs: ModelInputs) -> FloatArray:

@@ -108,28 +108,30 @@ class MuscleTendonSimulator(TiedModel):
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState
     ) -> FloatArray:
         """States of a muscle group, shape (5, n)."""
-        nobody = np.zeros(len(p), dtype=np.int64)
-        return self._integrate(p, nobody, group, muscle, active, np.empty((1, 0)))
+        slots = np.zeros(len(p), dtype=np.int64)
+        return self._integrate(p, slots, slots[:0], group, muscle, active, np.empty((1, 0)))
 
     def _contract(
         self,
         p: FloatArray,
         slots: IntArray,
+        turned: IntArray,
         group: int,
         muscle: MusclePath,
         active: ActiveState,
         torque: FloatArray,
         jacobian: FloatArray,
     ) -> None:
-        force = self._integrate(p, slots, group, muscle, active, jacobian)[FORCE]
+        force = self._integrate(p, slots, turned, group, muscle, active, jacobian)[FORCE]
         torque += muscle.arm * force
-        for row, column in enumerate(muscle.columns):
-            jacobian[slots[column]] += muscle.arm_slopes[row] * force
+        for row, slot in enumerate(turned):
+            jacobian[slot] += muscle.arm_slopes[row] * force
 
     def _integrate(
         self,
         p: FloatArray,
         slots: IntArray,
+        turned: IntArray,
         group: int,
         muscle: MusclePath,
         active: ActiveState,
@@ -141,7 +143,7 @@ class MuscleTendonSimulator(TiedModel):
             p[columns], slots[columns], float(self._strain_lengths[group]), muscle.arm,
             self._staged(muscle.length, muscle.speed), active.alpha, active.slopes,
             slots[active.columns], self._staged(muscle.length_slopes, muscle.speed_slopes),
-            slots[list(muscle.columns)], self._factor, self._dt, states, jacobian,
+            turned, self._factor, self._dt, states, jacobian,
         )  # fmt: skip
         return states
 

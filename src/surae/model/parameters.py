@@ -134,10 +134,15 @@ OPTIONAL_PARAMETERS: tuple[Parameter, ...] = (
         _measurement(f"emg_rest_{at}", "V", f"EMG at rest, {muscle}", -1e-4, 1e-4)
         for at, muscle in _ELECTRODES.items()
     ),
+    *(
+        _measurement(f"emg_drift_{at}", "-", f"drift of the EMG, {muscle}", -0.5, 0.5)
+        for at, muscle in _ELECTRODES.items()
+    ),
     _measurement("emg_shape", "-", "curvature of force over EMG", -5.0, 1.0),
     _measurement("torque_zero", "Nm", "zero of the torque", -30.0, 30.0),
     _measurement("angle_zero", "rad", "zero of the angle", -0.35, 0.35),
-    _measurement("axis", "-", "misalignment of the axes", -0.2, 0.2),
+    _measurement("axis_forward", "m", "ankle's axis before the device's", -0.03, 0.03),
+    _measurement("axis_up", "m", "ankle's axis above the device's", -0.03, 0.03),
 )
 #: The same by the name under which all parameters of a group are freed.
 OPTIONAL: dict[str, tuple[str, ...]] = {
@@ -145,10 +150,11 @@ OPTIONAL: dict[str, tuple[str, ...]] = {
     "reflex": ("reflex_tri", "reflex_tib", "reflex_delay"),
     "crosstalk": tuple(CROSSTALK.values()),
     "emg_rest": tuple(f"emg_rest_{at}" for at in _ELECTRODES),
+    "emg_drift": tuple(f"emg_drift_{at}" for at in _ELECTRODES),
     "emg_shape": ("emg_shape",),
     "torque_zero": ("torque_zero",),
     "angle_zero": ("angle_zero",),
-    "axis": ("axis",),
+    "axis": ("axis_forward", "axis_up"),
 }
 
 #: Parameters that are off at 0: what they stand for is then not there.

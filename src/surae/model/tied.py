@@ -91,10 +91,12 @@ class TiedModel:
         if self._zero is not None:
             torque += p[self._zero]
             jacobian[slots[self._zero]] = 1.0
-        if "angle_zero" in self._at:
-            jacobian[slots[self._at["angle_zero"]]] = p[0] * leg.gravity_slope
+        turned = slots[np.array(leg.columns, dtype=np.int64)]
+        for row, slope in zip(turned, leg.limb_slopes, strict=True):
+            jacobian[row] = p[0] * slope
         for group, active in enumerate(self._active(p, leg, columns)):
-            self._contract(p, slots, group, leg.muscles[group], active, torque, jacobian)
+            muscle = leg.muscles[group]
+            self._contract(p, slots, turned, group, muscle, active, torque, jacobian)
         return torque, jacobian[:-1]
 
     def parts(self, values: FloatArray) -> TorqueParts:
@@ -138,9 +140,7 @@ class TiedModel:
             lags=self._lags,
             columns=(f0 if f0 in wanted else -1, beta if beta in wanted else -1),
         )
-        return [
-            step.active_state(drives) for drives in self._excitation.drives(p, leg.muscles, wanted)
-        ]
+        return [step.active_state(drives) for drives in self._excitation.drives(p, leg, wanted)]
 
     def _force(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState
@@ -160,11 +160,15 @@ class TiedModel:
         self,
         p: FloatArray,
         slots: IntArray,
+        turned: IntArray,
         group: int,
         muscle: MusclePath,
         active: ActiveState,
         torque: FloatArray,
         jacobian: FloatArray,
     ) -> None:
-        """Add a group's torque, and its derivatives to the rows that `slots` has for columns."""
+        """Add a group's torque, and its derivatives to the rows that `slots` has for columns.
+
+        `turned` are the rows of the parameters that touch its path.
+        """
         raise NotImplementedError

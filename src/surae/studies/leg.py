@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surae.model import ModelOptions, get_model
+from surae.model.axis import AnkleAxis
 from surae.model.geometry import arm_tri, paths
 from surae.protocol import Trajectory
 from surae.recording import MUSCLES, read_only
@@ -18,8 +19,6 @@ from surae.units import FloatArray
 EMG_FULL = 6e-4
 EMG_REST = 1e-6
 
-#: From the ankle to where the foot is strapped to the plate [m], as `ARM_LIMB` of equation (6).
-STRAP = 0.15
 #: Moment arm of the gastrocnemius at the knee [m]: 12 to 20 mm (Spoor and van Leeuwen 1992,
 #: *J. Biomech.* 25).
 KNEE_ARM = 0.016
@@ -173,10 +172,7 @@ def reflex(time: FloatArray, stretch: FloatArray, imperfections: Imperfections) 
 def misaligned(plate: Motion, forward: float, up: float) -> tuple[Motion, FloatArray | None]:
     """Motion of an ankle whose axis is not the device's, and the factor from its torque.
 
-    The foot is pinned at the ankle and strapped to the plate at R = `STRAP` from the device's axis,
-    where it may slide along the sole. With the ankle at a = (forward, up), the foot points to the
-    strap: θ_ankle(θ) = ∠(R·(cos θ, sin θ) − a) − ∠((R, 0) − a). By virtual work the device feels
-    the ankle's torque times dθ_ankle/dθ; foot and plate count as turning together.
+    `surae.model.axis` says how they turn and what the device feels.
 
     Parameters
     ----------
@@ -195,19 +191,9 @@ def misaligned(plate: Motion, forward: float, up: float) -> tuple[Motion, FloatA
     if forward == up == 0.0:
         return plate, None
     angle, velocity, acceleration = plate
-    along = forward * np.cos(angle) + up * np.sin(angle)
-    across = up * np.cos(angle) - forward * np.sin(angle)
-    away = forward**2 + up**2
-    distance = STRAP**2 + away - 2.0 * STRAP * along
-    turned = np.arctan2(STRAP * np.sin(angle) - up, STRAP * np.cos(angle) - forward)
-    factor = STRAP * (STRAP - along) / distance
-    bend = STRAP * across * (STRAP**2 - away) / distance**2
-    ankle = (
-        turned - np.arctan2(-up, STRAP - forward),
-        factor * velocity,
-        factor * acceleration + bend * velocity**2,
-    )
-    return ankle, factor
+    joint = AnkleAxis(angle=angle, forward=forward, up=up).joint
+    swinging = joint.factor * acceleration + joint.bend * velocity**2
+    return (joint.angle, joint.factor * velocity, swinging), joint.factor
 
 
 def knee_torque(
