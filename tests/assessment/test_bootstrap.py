@@ -131,7 +131,7 @@ def test_replicates_of_another_bootstrap_are_refused(slow_noise, tmp_path):
     store = tmp_path / "b.replicates"
     bootstrap(slow_noise, replicates=2, seed=1, store=store)
     for changes in ({"seed": 2}, {"seed": 1, "block_s": 0.5}):
-        with pytest.raises(InputError, match="another fit, seed or block length"):
+        with pytest.raises(InputError, match="bootstrap of another fit or other settings"):
             bootstrap(slow_noise, replicates=2, store=store, **changes)
 
 

@@ -12,6 +12,7 @@ import pytest
 
 from surae.assessment.likelihood.profile import profile
 from surae.assessment.likelihood.profiles import profiles
+from surae.assessment.resampling.bootstrap import bootstrap
 from surae.errors import InputError
 
 NAMES = ("m", "f0", "l0_tib", "g1")
@@ -71,6 +72,25 @@ def test_ctrl_c_ends_it_soon(fitted, workers, monkeypatch):
     assert time.process_time() - begin < 2.0
     assert set(found.profiles) | set(found.missing) == set(fitted.problem.free)
     assert len(found.missing) >= 8
+
+
+def test_stopped_profiles_go_on(fitted, tmp_path):
+    store = tmp_path / "p.profiles"
+
+    def stop(name, done, total):
+        raise KeyboardInterrupt
+
+    part = profiles(fitted, NAMES, workers=1, store=store, progress=stop)
+    told = []
+    rest = profiles(fitted, NAMES, store=store, progress=lambda *a: told.append(a))
+    assert {name for name, _, _ in told} == set(part.missing)
+    assert [done for _, done, _ in told] == list(range(len(part.profiles) + 1, 5))
+    for name in NAMES:
+        same(rest[name], profile(fitted, name))
+    wider = profiles(fitted, NAMES[:1], store=store, variance_inflation=2.0)
+    assert wider[NAMES[0]].variance_inflation == 2.0
+    with pytest.raises(InputError, match="holds profiles of another fit or other settings"):
+        bootstrap(fitted, replicates=2, store=store)
 
 
 def test_all_by_default(decided):

@@ -22,6 +22,7 @@ def profile(
     *,
     variance_inflation: float | Mapping[str, float] | None = None,
     workers: int | None = None,
+    store: PathLike | None = None,
     progress: ProfileTold | None = None,
 ) -> Profiles:
     """Profile likelihood: intervals that need not be symmetric, nor end where the data set no end.
@@ -38,6 +39,8 @@ def profile(
         correlated over time, and 1 otherwise; see `surae.assessment.inflation`.
     workers : int, optional
         Profiles at a time; by default one for each processor. The numbers do not depend on it.
+    store : path, optional
+        File that profiles are added to as they come, and from which stopped ones go on.
     progress : callable, optional
         Called after every profile with (parameter, profiles done, all profiles).
 
@@ -64,6 +67,7 @@ def profile(
         variance_inflation=variance_inflation,
         inflation_reason=reason,
         workers=workers,
+        store=store,
         progress=progress,
     )
 

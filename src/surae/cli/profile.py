@@ -24,7 +24,7 @@ _MOST_WORKERS = 1000
 @click.option("--variance-inflation", metavar="F",
               help="Factor on the variance of the noise.  [default: each parameter's own, what the "
               "residual's correlation asks for]")  # fmt: skip
-@click.option("--output", metavar="PROFILE.json", help="Write the profiles.")
+@click.option("--output", metavar="PROFILE.json", help="Write the profiles; makes it resumable.")
 @click.option("--figure", metavar="PROFILE.png|svg", help="Draw them.")
 def command(
     fitted: str,
@@ -38,14 +38,16 @@ def command(
 
     The profile holds a parameter at value after value and fits all others again: its 95 % interval
     need not be symmetric, and may be open where the recordings set no limit. Without names, every
-    parameter that was estimated. Ctrl-C keeps the profiles that are complete.
+    parameter that was estimated. Ctrl-C keeps the profiles that are complete; with --output P.json
+    they are also in P.json.profiles, and the same command makes only the others.
     """
     count = whole_number("--workers", workers, least=1, most=_MOST_WORKERS)
     inflation = factor("--variance-inflation", variance_inflation)
     kind = "" if figure is None else Path(figure).suffix.lower()
     if figure is not None and kind not in (".png", ".svg"):
         raise InputError(f"--figure: {shown(figure)} must end in .png or .svg")
-    check_outputs({"--output": output, "--figure": figure}, [fitted])
+    store = None if output is None else f"{output}.profiles"
+    check_outputs({"--output": output, "--figure": figure, "profiles": store}, [fitted])
 
     from surae.api import load, profile  # numba: only when the command is in order
     from surae.cli.progress import compilation_notice, work
@@ -58,7 +60,12 @@ def command(
             progress.describe(f"profiles: {done} of {total} done, {name} last")
 
         found = profile(
-            fit, names or None, variance_inflation=inflation, workers=count, progress=told
+            fit,
+            names or None,
+            variance_inflation=inflation,
+            workers=count,
+            store=store,
+            progress=told,
         )
 
     from surae.cli.screen import show_line

@@ -8,8 +8,8 @@ set no limit.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import dataclass, fields, replace
+from typing import Any, Literal, Self
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from surae.recording import read_only
 from surae.units import FloatArray
 
 Status = Literal["closed", "open", "lower-minimum"]
+_ARRAYS = ("values", "sse", "chi2", "path")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,6 +84,19 @@ class Profile(Comparable):
     lower: Mapping[str, float] | None
     evaluations: int
 
+    def plain(self) -> dict[str, Any]:
+        """As plain data, without loss."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        arrays = {name: values[name].tolist() for name in _ARRAYS}
+        return values | arrays | {"lower": None if self.lower is None else dict(self.lower)}
+
+    @classmethod
+    def of(cls, plain: Mapping[str, Any]) -> Self:
+        """The profile that `plain` made plain data of."""
+        arrays = {name: read_only(np.array(plain[name], dtype=float)) for name in _ARRAYS}
+        tuples = {name: tuple(plain[name]) for name in ("others", "interval", "reasons")}
+        return cls(**{**plain, **arrays, **tuples})
+
     @property
     def from_covariance(self) -> tuple[float, float] | None:
         """The 95 % interval of the covariance, for comparison."""
@@ -137,39 +151,39 @@ def profile(
     check_profiled(result, name, variance_inflation)
     problem = result.problem
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
-    found = Search(
+    search = Search(
         result,
         name,
         variance_inflation=variance_inflation,
         noise=prior_noise(problem) if noise is None else noise,
         stopped=stopped,
     )
-    sse = np.array([point.sse for point in found.points])
-    others = [i for i, one in enumerate(problem.free) if one != name]
-    (low, why_low), (high, why_high) = found.ends
+    sse = np.array([point.sse for point in search.points])
+    others = [i for i, free in enumerate(problem.free) if free != name]
+    (low, why_low), (high, why_high) = search.ends
     status: Status = "open" if low is None or high is None else "closed"
     lower = None
-    if found.lower is not None:
-        lower = dict(zip(problem.free, found.lower.x.tolist(), strict=True))
+    if search.lower is not None:
+        lower = dict(zip(problem.free, search.lower.x.tolist(), strict=True))
         status = "lower-minimum"
     return Profile(
         name=name,
         unit=table[name].unit,
         value=result.values[name],
-        sem=found.sem,
-        values=read_only(np.array([point.value for point in found.points])),
+        sem=search.sem,
+        values=read_only(np.array([point.value for point in search.points])),
         sse=read_only(sse),
-        chi2=read_only((sse - sse.min()) / found.unit),
+        chi2=read_only((sse - sse.min()) / search.unit),
         others=tuple(problem.free[i] for i in others),
-        path=read_only(np.array([point.x[others] for point in found.points])),
+        path=read_only(np.array([point.x[others] for point in search.points])),
         variance_inflation=float(variance_inflation),
-        threshold=found.threshold,
+        threshold=search.threshold,
         interval=(low, high),
         reasons=(why_low, why_high),
         status=status,
-        message=_message(name, found),
+        message=_message(name, search),
         lower=lower,
-        evaluations=found.evaluations,
+        evaluations=search.evaluations,
     )
 
 
@@ -204,24 +218,24 @@ def prior_noise(problem: FitProblem) -> float:
     return float(np.sqrt(plain.sse / (problem.n - len(problem.free))))
 
 
-def _message(name: str, found: Search) -> str:
+def _message(name: str, search: Search) -> str:
     """What a reader has to know of a profile."""
     said = []
-    if found.lower is not None:
+    if search.lower is not None:
         said.append(
-            f"met a lower minimum than the fit's, at {name} = {found.lower.value:g} (Δχ² lower by "
-            f"{found.lower_by:.2g}): fit again from there, or with more starts"
+            f"met a lower minimum than the fit's, at {name} = {search.lower.value:g} (Δχ² lower by "
+            f"{search.lower_by:.2g}): fit again from there, or with more starts"
         )
-    for side, (_, why) in zip(("downwards", "upwards"), found.ends, strict=True):
+    for side, (_, why) in zip(("downwards", "upwards"), search.ends, strict=True):
         if why:
             said.append(f"open {side}: {why}")
-    inside = found.inside
+    inside = search.inside
     if inside[-1] - inside[0] + 1 > len(inside):
         said.append("Δχ² exceeds the threshold between the ends too: the region has parts")
-    astray = sum(not point.converged for point in found.points)
+    astray = sum(not point.converged for point in search.points)
     if astray:
         said.append(
-            f"{astray} of {len(found.points)} points met the iteration limit: Δχ² there may be too "
-            "high"
+            f"{astray} of {len(search.points)} points met the iteration limit: Δχ² there may be "
+            "too high"
         )
     return "; ".join(said) or "both ends found"

@@ -2,19 +2,24 @@
 
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 from surae.assessment.inflation import described
+from surae.assessment.kept import ledger_of
 from surae.assessment.likelihood.profile import Profile, check_profiled, prior_noise, profile
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.files import PathLike, write_json
-from surae.runner import in_threads
+from surae.processes import Plain
+from surae.runner import Batch, Engine, cores, results
 from surae.threads import one_blas_thread
 from surae.versions import versions
 
+#: What their file holds.
+_KIND = "profiles"
 #: Called after every profile with its parameter, how many are done, and how many there are.
 Told = Callable[[str, int, int], None]
 
@@ -85,6 +90,7 @@ def profiles(
     variance_inflation: float | Mapping[str, float] = 1.0,
     inflation_reason: str = "",
     workers: int | None = None,
+    store: PathLike | None = None,
     progress: Told | None = None,
 ) -> Profiles:
     """Profile several parameters of a fit, each in a thread of its own.
@@ -97,6 +103,9 @@ def profiles(
         Divides Δχ², see `profile`; by parameter, 1 for those left out, or the same for all.
     inflation_reason : str
         Why, for the reader.
+    store : path, optional
+        File that profiles are added to as they come; those of the same fit that it already holds
+        are not made again.
     names, workers, progress
         As of `surae.profile`, and so are what is returned and the errors.
     """
@@ -117,13 +126,29 @@ def profiles(
     with one_blas_thread():
         noise = prior_noise(result.problem)
 
-    def profiled(name: str) -> Profile:
+    def profiled(name: str) -> Plain:
         return profile(
             result, name, variance_inflation=inflation[name], noise=noise, stopped=stop.is_set
-        )
+        ).plain()
 
-    calls = {name: {"name": name} for name in wanted}
-    done = in_threads(profiled, calls, workers, progress, stop)
+    def followed(batches: Generator[Batch]) -> Generator[Batch]:
+        for batch in batches:
+            yield batch
+            for key, _ in batch:
+                there.add(key)
+                if progress is not None:
+                    progress(names_by_key[key], len(there), len(wanted))
+
+    names_by_key = {f"{name} {inflation[name]!r}": name for name in wanted}
+    threads = Engine("threads", cores() if workers is None else workers)
+    kept, about = ledger_of(result, store, _KIND, {})
+    with kept:
+        plan = list(names_by_key.items())
+        there = kept.begin(_KIND, _KIND, about, plan) & set(names_by_key)
+        calls = {key: {"name": name} for key, name in plan if key not in there}
+        with suppress(KeyboardInterrupt):
+            kept.keep(followed(results(profiled, calls, threads, stop)))
+        done = {name: Profile.of(plain) for name, plain in kept.results()}
     return Profiles(
         model=result.problem.spec.name,
         profiles={name: done[name] for name in wanted if name in done},

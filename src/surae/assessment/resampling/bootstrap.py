@@ -1,27 +1,25 @@
 """Uncertainty without formulas: fit again and again with blocks of the residual as the noise."""
 
-import hashlib
-import json
 import math
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from surae.assessment.kept import ledger_of
 from surae.assessment.likelihood.profile import prior_noise
 from surae.assessment.resampling.blocks import block_length, draw_blocks
 from surae.assessment.resampling.refit import refit
 from surae.errors import InputError
 from surae.estimation import FitResult, Prior
-from surae.files import PathLike, shown, write_json
+from surae.files import PathLike, write_json
 from surae.frozen import Comparable
 from surae.model import adapted
 from surae.recording import read_only
-from surae.runner import Engine, Ledger, cores, results
+from surae.runner import Engine, cores, results
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 from surae.versions import versions
@@ -31,8 +29,8 @@ from surae.versions import versions
 REPLICATES = 1000
 #: Fewer replicates than this have no 2.5th percentile.
 _FEWEST = 40
-#: What its file is called, and how that of surae 0.1, a text, began.
-_KIND, _FORMER = "bootstrap", b'{"bootstrap"'
+#: What its file holds.
+_KIND = "bootstrap"
 #: Called after every replicate with how many are done and how many there are.
 Told = Callable[[int, int], None]
 
@@ -209,11 +207,10 @@ def bootstrap(
         minimum = refit(drawn, x, noise)
         return None if minimum is None else minimum.tolist()
 
-    about = json.dumps(
-        {"fit": _identity(result), "seed": seed, "block": lengths, "parameters": problem.free}
-    )
-    threads = Engine("threads", cores() if workers is None else workers)
-    with _replicates(store, about) as kept:
+    settings = {"seed": seed, "block": lengths, "parameters": list(problem.free)}
+    kept, about = ledger_of(result, store, _KIND, settings)
+    with kept:
+        threads = Engine("threads", cores() if workers is None else workers)
         plan = [(str(number), number) for number in range(replicates)]
         there = kept.begin(_KIND, _KIND, about, plan)
         calls = {key: {"number": number} for key, number in plan if key not in there}
@@ -241,32 +238,6 @@ def bootstrap(
         seconds=time.perf_counter() - begin,
         versions=versions(),
     )
-
-
-def _replicates(store: PathLike | None, about: str) -> Ledger:
-    """The file of replicates, or memory.
-
-    Raises
-    ------
-    InputError
-        It holds something else.
-    """
-    if store is not None and Path(store).is_file():
-        with Path(store).open("rb") as file:
-            if file.read(len(_FORMER)) == _FORMER:
-                raise InputError(
-                    f"{shown(store)} holds replicates as an older surae kept them; remove it or "
-                    "choose another output"
-                )
-    kept = Ledger(store, write=True)
-    held = kept.about()
-    if held is not None and held[2] != about:
-        kept.close()
-        raise InputError(
-            f"{shown(str(store))} holds replicates of another fit, seed or block length; remove "
-            "it or choose another output"
-        )
-    return kept
 
 
 def _estimates(result: FitResult, good: FloatArray) -> dict[str, BootstrapEstimate]:
@@ -325,16 +296,3 @@ def _roots(inputs: ModelInputs) -> FloatArray:
     if inputs.weight is None or inputs.emphasised:
         return np.ones(inputs.n)
     return np.asarray(np.sqrt(inputs.weight))
-
-
-def _identity(result: FitResult) -> str:
-    """A fit's fingerprint: model, options, estimates and residuals to the last bit."""
-    problem = result.problem
-    text = json.dumps(
-        [problem.spec.name, problem.options.as_dict(), dict(result.values), list(problem.free)],
-        sort_keys=True,
-    )
-    digest = hashlib.sha256(text.encode())
-    for residual in result.residuals:
-        digest.update(np.ascontiguousarray(residual, dtype="<f8").tobytes())
-    return digest.hexdigest()
