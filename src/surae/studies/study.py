@@ -204,7 +204,7 @@ def _values(key: str, given: object, factor: Factor) -> tuple[Value, ...]:
         if key in _COUNTED:
             return tuple(range(1, int(value) + 1))
         return (value,)
-    values = tuple(_checked(key, one, factor) for one in given)
+    values = tuple(_checked(key, element, factor) for element in given)
     if not values:
         raise InputError(f"{key} is an empty list; give at least one value")
     for value in values:

@@ -68,32 +68,32 @@ def fit(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     from surae import api
     from surae.web.fit_progress import FitProgress
 
-    prescribed = {name: value for one in inputs for name, value in one.fixed.items()}
+    prescribed = {name: value for recording in inputs for name, value in recording.fixed.items()}
     keywords = fit_keywords(task["draft"], prescribed)
     news = FitProgress(inputs, task["recordings"], keywords, tell)
     with _compiling(tell):
-        found = api.fit(inputs, progress=news.start, follow=news.point, **keywords)
-    found.save(_file(task, "fits", task["id"], ".json"))
+        fitted = api.fit(inputs, progress=news.start, follow=news.point, **keywords)
+    fitted.save(_file(task, "fits", task["id"], ".json"))
     return {
-        "message": found.message,
-        "interrupted": found.result.starts[-1].outcome == "interrupted",
-        "summary": summary(found),
+        "message": fitted.message,
+        "interrupted": fitted.result.starts[-1].outcome == "interrupted",
+        "summary": summary(fitted),
     }
 
 
-def summary(found: "Fit") -> dict[str, Any]:
+def summary(fitted: "Fit") -> dict[str, Any]:
     """What lists and tables show of a fit."""
     from math import isfinite
 
     return {
-        "model": found.result.problem.spec.name,
-        "status": found.status,
-        "vaf": found.vaf if isfinite(found.vaf) else None,
-        "ipde": found.ipde,
-        "seconds": found.result.seconds,
-        "names": [one.name for one in found.assessment.recordings],
-        "starts": len(found.result.starts),
-        "agreeing": found.result.agreeing,
+        "model": fitted.result.problem.spec.name,
+        "status": fitted.status,
+        "vaf": fitted.vaf if isfinite(fitted.vaf) else None,
+        "ipde": fitted.ipde,
+        "seconds": fitted.result.seconds,
+        "names": [recording.name for recording in fitted.assessment.recordings],
+        "starts": len(fitted.result.starts),
+        "agreeing": fitted.result.agreeing,
         "parameters": {
             p.name: {
                 "value": p.value,
@@ -102,7 +102,7 @@ def summary(found: "Fit") -> dict[str, Any]:
                 "high": None if p.ci95 is None else p.ci95[1],
                 "verdict": str(p.verdict),
             }
-            for p in found.parameters.values()
+            for p in fitted.parameters.values()
         },
     }
 
@@ -117,12 +117,12 @@ def profile(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
         tell({"parameter": name, "done": done, "total": total})
 
     with _compiling(tell):
-        found = api.profile(fitted, task["parameters"], workers=1, progress=told)
-    found.save(_file(task, "fits", task["id"], ".profiles.json"))
-    missing = ", ".join(found.missing)
+        profiles = api.profile(fitted, task["parameters"], workers=1, progress=told)
+    profiles.save(_file(task, "fits", task["id"], ".profiles.json"))
+    missing = ", ".join(profiles.missing)
     return {
-        "message": f"stopped before {missing}" if missing else f"{len(found.profiles)} profiles",
-        "interrupted": bool(found.missing),
+        "message": f"stopped before {missing}" if missing else f"{len(profiles.profiles)} profiles",
+        "interrupted": bool(profiles.missing),
     }
 
 
@@ -132,7 +132,7 @@ def compare(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     from surae import api
     from surae.model import MODELS
 
-    prescribed = {name: value for one in inputs for name, value in one.fixed.items()}
+    prescribed = {name: value for recording in inputs for name, value in recording.fixed.items()}
     keywords = fit_keywords(task["draft"], prescribed)
     known = {p.name for name in task["models"] for p in MODELS[name].parameters}
 
@@ -140,7 +140,7 @@ def compare(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
         tell({"what": what, "done": done, "total": total})
 
     with _compiling(tell):
-        found = api.compare(
+        comparison = api.compare(
             inputs,
             task["models"],
             fixed={n: v for n, v in keywords["fixed"].items() if n in known},
@@ -148,8 +148,8 @@ def compare(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
             progress=told,
             **task["draft"]["options"],
         )
-    found.save(_file(task, "comparisons", task["id"], ".json"))
-    return {"message": found.conclusion, "interrupted": bool(found.missing)}
+    comparison.save(_file(task, "comparisons", task["id"], ".json"))
+    return {"message": comparison.conclusion, "interrupted": bool(comparison.missing)}
 
 
 def study(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:

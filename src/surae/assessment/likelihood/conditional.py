@@ -104,9 +104,9 @@ class Conditional:
             starts.sort(key=self.sse)  # a prediction can leave a narrow valley
         best: Minimum | None = None
         for start in starts:
-            found = self._minimise(start, lower, upper)
-            if found is not None and (best is None or found.sse < best.sse):
-                best = found
+            minimum = self._minimise(start, lower, upper)
+            if minimum is not None and (best is None or minimum.sse < best.sse):
+                best = minimum
             if best is not None and best.outcome is Outcome.CONVERGED:
                 break
         return None if best is None else Point(value, best.x, best.sse, best.R, _settled(best))
@@ -119,20 +119,22 @@ class Conditional:
 
     def free(self, near: FloatArray) -> Point | None:
         """The minimum over all parameters, the held one too, from a point nearby."""
-        found = self._minimise(near, self._problem.lower, self._problem.upper)
-        if found is None:
+        minimum = self._minimise(near, self._problem.lower, self._problem.upper)
+        if minimum is None:
             return None
-        return Point(float(found.x[self._j]), found.x, found.sse, found.R, _settled(found))
+        return Point(
+            float(minimum.x[self._j]), minimum.x, minimum.sse, minimum.R, _settled(minimum)
+        )
 
     def _minimise(self, x: FloatArray, lower: FloatArray, upper: FloatArray) -> Minimum | None:
-        found = minimise(
+        minimum = minimise(
             self._rows, x, lower, upper,
             move=self._move, max_iterations=_MOST, stall=self._stall,
         )  # fmt: skip
-        self.evaluations += found.iterations
-        if found.outcome is Outcome.INTERRUPTED:
+        self.evaluations += minimum.iterations
+        if minimum.outcome is Outcome.INTERRUPTED:
             raise KeyboardInterrupt
-        return None if found.outcome is Outcome.NOT_FINITE else found
+        return None if minimum.outcome is Outcome.NOT_FINITE else minimum
 
     def _rows(self, x: FloatArray) -> FloatArray:
         if self._stopped is not None and self._stopped():
@@ -156,5 +158,5 @@ class Conditional:
         return np.asarray(x)
 
 
-def _settled(found: Minimum) -> bool:
-    return found.outcome is Outcome.CONVERGED
+def _settled(minimum: Minimum) -> bool:
+    return minimum.outcome is Outcome.CONVERGED

@@ -69,7 +69,7 @@ class Search:
         self._j = j = problem.free.index(name)
         self._low, self._high = float(problem.lower[j]), float(problem.upper[j])
         self._minima = Conditional(problem, name, noise, stopped)
-        kept = [i for i, one in enumerate(problem.free) if one not in result.at_bound]
+        kept = [i for i, parameter in enumerate(problem.free) if parameter not in result.at_bound]
         dof = problem.n - len(kept)
         self._sigma2 = result.sse / dof
         self.unit = self._sigma2 * variance_inflation
@@ -95,15 +95,15 @@ class Search:
         return float(np.sqrt(max(point.sse - self._lowest, 0.0) / self.unit))
 
     def _at(self, value: float, near: Point) -> Point | None:
-        found = self._minima.at(value, near.x, near.R)
-        if found is not None:
-            self._lowest = min(self._lowest, found.sse)
-        return found
+        minimum = self._minima.at(value, near.x, near.R)
+        if minimum is not None:
+            self._lowest = min(self._lowest, minimum.sse)
+        return minimum
 
     def _walk_out(self) -> tuple[list[Point], int]:
         """Points on both sides of the fit, and how many lie below it."""
         problem = self._result.problem
-        x = np.array([self._result.values[one] for one in problem.free])
+        x = np.array([self._result.values[parameter] for parameter in problem.free])
         x = np.clip(x, problem.lower, problem.upper)
         self._fit_sse = self._minima.sse(x)
         centre = self._minima.at(float(x[self._j]), x)
@@ -153,25 +153,25 @@ class Search:
                 inwards = abs(i - centre) < abs(before - centre)
                 if not (inwards or improved):
                     break
-                found = self._at(self.points[i].value, self.points[before])
-                improved = found is not None and found.sse < self.points[i].sse
-                if found is not None and improved:
-                    self.points[i] = found
+                minimum = self._at(self.points[i].value, self.points[before])
+                improved = minimum is not None and minimum.sse < self.points[i].sse
+                if minimum is not None and improved:
+                    self.points[i] = minimum
 
     def _lower_minimum(self) -> None:
         """Take the path's lowest point to its minimum, if it is lower than the fit's."""
         best = min(self.points, key=lambda point: point.sse)
         if best.sse >= self._fit_sse - _LOWER * self._sigma2:
             return
-        found = self._minima.free(best.x)
-        if found is not None and found.sse < best.sse:
-            self._insert(found)
-            best = found
+        minimum = self._minima.free(best.x)
+        if minimum is not None and minimum.sse < best.sse:
+            self._insert(minimum)
+            best = minimum
         self.lower, self.lower_by = best, (self._fit_sse - best.sse) / self.unit
 
     def _insert(self, point: Point) -> None:
         self._lowest = min(self._lowest, point.sse)
-        self.points = sorted([*self.points, point], key=lambda one: one.value)
+        self.points = sorted([*self.points, point], key=lambda placed: placed.value)
 
     def _end(self, *, below: bool) -> tuple[float | None, str]:
         """One end of the interval, refined until Δχ² is the threshold, or why there is none."""
@@ -189,11 +189,11 @@ class Search:
             start = near if part < 0.5 else far
             if abs(value - start.value) <= 1e-9 * abs(self._high - self._low):
                 break
-            found = self._at(value, start)
-            if found is None:
+            minimum = self._at(value, start)
+            if minimum is None:
                 break
-            self._insert(found)
-            if abs(self._z(found) ** 2 - self.threshold) <= _ACCURATE * self.threshold:
+            self._insert(minimum)
+            if abs(self._z(minimum) ** 2 - self.threshold) <= _ACCURATE * self.threshold:
                 break
         return value, ""
 

@@ -107,7 +107,7 @@ class EmgBias:
             "method": "SIMEX, quadratic, antithetic pairs",
             "added": list(ADDED),
             "source": self.source,
-            "noise": [dict(one) for one in self.noise],
+            "noise": [dict(levels) for levels in self.noise],
             "pairs": self.pairs,
             "missing": self.missing,
             "seed": self.seed,
@@ -171,8 +171,8 @@ def emg_bias(
     if not np.isfinite(result.sse):
         raise InputError("the fit has no finite torque; fit again")
     models = [
-        [_channel_noise(one, channel, level) for channel in range(len(MUSCLES))]
-        for one in problem.inputs
+        [_channel_noise(recording, channel, level) for channel in range(len(MUSCLES))]
+        for recording in problem.inputs
     ]
     noise = prior_noise(problem)
     known = np.clip([result.values[name] for name in problem.free], problem.lower, problem.upper)
@@ -183,8 +183,8 @@ def emg_bias(
     def pair(number: int) -> FloatArray | None:
         rng = np.random.default_rng([seed, number])
         drawn = [
-            np.column_stack([model.draw(one.n, rng) for model in channels])
-            for one, channels in zip(problem.inputs, models, strict=True)
+            np.column_stack([model.draw(recording.n, rng) for model in channels])
+            for recording, channels in zip(problem.inputs, models, strict=True)
         ]
         path = np.zeros((len(ADDED), len(x)))
         for row, added in enumerate(ADDED):
@@ -192,14 +192,14 @@ def emg_bias(
                 noisier = replace(
                     problem,
                     inputs=tuple(
-                        replace(one, emg=read_only(one.emg + sign * np.sqrt(added) * e))
-                        for one, e in zip(problem.inputs, drawn, strict=True)
+                        replace(recording, emg=read_only(recording.emg + sign * np.sqrt(added) * e))
+                        for recording, e in zip(problem.inputs, drawn, strict=True)
                     ),
                 )
-                found = refit(noisier, x, noise, stall=_STALL)
-                if found is None:
+                minimum = refit(noisier, x, noise, stall=_STALL)
+                if minimum is None:
                     return None
-                path[row] += found / 2
+                path[row] += minimum / 2
         return np.asarray(_extrapolation() @ (path - x))
 
     calls = {f"{number:09d}": {"number": number} for number in range(pairs)}
@@ -217,9 +217,9 @@ def emg_bias(
             {
                 muscle: float(np.sqrt(model.autocovariance[0]))
                 for muscle, model in zip(MUSCLES, channels, strict=True)
-                if muscle not in one.missing_emg
+                if muscle not in recording.missing_emg
             }
-            for one, channels in zip(problem.inputs, models, strict=True)
+            for recording, channels in zip(problem.inputs, models, strict=True)
         ),
         source="quiet part of the EMG" if level is None else f"{100 * level:g} % of each mean",
         pairs=pairs,
@@ -270,12 +270,12 @@ def quiet_noise(emg: FloatArray, rate_hz: float, where: str) -> NoiseModel:
     return autoregressive(gamma * length / (length - 1), samples)
 
 
-def _channel_noise(one: ModelInputs, channel: int, level: float | None) -> NoiseModel:
-    if MUSCLES[channel] in one.missing_emg:
+def _channel_noise(recording: ModelInputs, channel: int, level: float | None) -> NoiseModel:
+    if MUSCLES[channel] in recording.missing_emg:
         return NoiseModel(np.zeros(0), 0.0, np.zeros(1), 1.0)
-    emg = one.emg[:, channel]
+    emg = recording.emg[:, channel]
     if level is None:
-        return quiet_noise(emg, one.rate_hz, one.where)
+        return quiet_noise(emg, recording.rate_hz, recording.where)
     variance = float(level * emg.mean()) ** 2
     return NoiseModel(np.zeros(0), variance, np.array([variance]), float(len(emg)))
 

@@ -31,10 +31,10 @@ def refit(
     ndarray, shape (p,), or None
         None where the model gives no finite numbers.
     """
-    found = minimise(
+    minimum = minimise(
         Residuals(problem, noise).rows, x, problem.lower, problem.upper,
         move=curved_move(problem), max_iterations=_EVALUATIONS, stall=stall / problem.n,
     )  # fmt: skip
-    if found.outcome is Outcome.INTERRUPTED:
+    if minimum.outcome is Outcome.INTERRUPTED:
         raise KeyboardInterrupt
-    return None if found.outcome is Outcome.NOT_FINITE else found.x
+    return None if minimum.outcome is Outcome.NOT_FINITE else minimum.x
