@@ -38,6 +38,7 @@ COMMANDS = {
     "reproduce": ("surae.cli.reproduce", "Compute the thesis's results again, claim by claim."),
     "baseline": ("surae.cli.baseline", "Simulate the standard errors to compare a fit's with."),
     "serve": ("surae.web.command", "Open the workbench in the browser."),
+    "project": ("surae.web.project_command", "Copy, check or mend a project of the workbench."),
     "cite": ("surae.cli.cite", "Print the papers behind a fit's methods."),
     "completion": ("surae.cli.completion", "Print a shell's completion of surae."),
     "doctor": ("surae.cli.doctor", "Say what is installed, and test that it works."),

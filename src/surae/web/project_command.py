@@ -1,0 +1,68 @@
+"""`surae project`."""
+
+import click
+
+from surae.errors import ComputationError
+
+_FOLDER = click.argument("folder", metavar="DIR")
+
+
+@click.group("project")
+def command() -> None:
+    """Look after a project of the workbench: copy it, check it, mend it."""
+
+
+@command.command("backup")
+@_FOLDER
+@click.argument("to", metavar="COPY")
+def backup(folder: str, to: str) -> None:
+    """Copy the project in DIR to the new folder COPY, also while `surae serve` uses it.
+
+    The copy is of one instant, checked file by file, and a project like any other: open it with
+    `surae serve COPY`.
+    """
+    from surae.web import upkeep
+
+    seen = upkeep.backup(folder, to)
+    click.echo(f"{to}: {seen.things} entries and {seen.files} files, all as they were kept")
+
+
+@command.command("check")
+@_FOLDER
+def check(folder: str) -> None:
+    """Check the project in DIR: its database, and every file against its checksum.
+
+    Nothing is changed, and `surae serve` may use it meanwhile. The exit code is 1 where something
+    is wrong.
+    """
+    from surae.web import upkeep
+
+    seen = upkeep.check(folder)
+    for line in seen.problems:
+        click.echo(f"wrong: {line}")
+    for name in seen.orphans:
+        click.echo(f"belongs to nothing: {name}")
+    for name in seen.unsealed:
+        click.echo(f"no checksum was kept of: {name}")
+    click.echo(f"{seen.things} entries, {seen.files} files as they were kept")
+    if seen.problems:
+        count = len(seen.problems)
+        raise ComputationError(
+            f"{count} {'thing is' if count == 1 else 'things are'} wrong; `surae project repair` "
+            "sets them aside, a backup may have them whole"
+        )
+
+
+@command.command("repair")
+@_FOLDER
+def repair(folder: str) -> None:
+    """Set aside what is wrong with the project in DIR, in its folder `trash`; nothing is deleted.
+
+    Stop `surae serve` first.
+    """
+    from surae.web import upkeep
+
+    done = upkeep.repair(folder)
+    for line in done:
+        click.echo(line)
+    click.echo(f"{folder}: {'mended' if done else 'nothing to mend'}")

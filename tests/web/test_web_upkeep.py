@@ -1,0 +1,143 @@
+"""A project copied, checked and mended: what is whole stays, what is not is set aside."""
+
+import os
+import sqlite3
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from surae.cli import group
+from surae.errors import ComputationError, InputError
+from surae.files import sha256
+from surae.web import upkeep
+from surae.web.database import new_id
+from surae.web.project import Project
+
+from .test_web_damage import OTHERS, SUBJECT, files, recording
+
+
+@pytest.fixture
+def filled(tmp_path) -> Project:
+    """A project that is open, with a subject, two recordings, a fit, an upload and a study."""
+    project = Project(tmp_path / "p")
+    database = project.database
+    database.add("subject", SUBJECT, "5" * 16)
+    for id_ in ("a" * 16, "b" * 16):
+        project.path("recordings", id_, ".h5").write_bytes(id_.encode())
+        project.add("recording", recording(id_), id_)
+    project.path("fits", "c" * 16, ".json").write_text("{}")
+    project.add("fit", OTHERS["fit"], "c" * 16)
+    with sqlite3.connect(project.path("studies", "d" * 16, ".db")) as study:
+        study.execute("CREATE TABLE rows (x)")
+        study.execute("INSERT INTO rows VALUES (1)")
+    study.close()
+    database.add("study", OTHERS["study"], "d" * 16)
+    session = "e" * 64
+    (project.uploads(session) / ("f" * 16)).write_bytes(b"raw")
+    upload = {"name": "x.csv", "bytes": 3, "sha256": sha256(b"raw"), "session": session}
+    database.add("upload", upload, "f" * 16)
+    return project
+
+
+def told(*arguments: object) -> tuple[int, str]:
+    done = CliRunner().invoke(group, ["project", *map(str, arguments)])
+    if isinstance(done.exception, InputError | ComputationError):
+        return (2 if isinstance(done.exception, InputError) else 1), str(done.exception)
+    return done.exit_code, done.output
+
+
+def test_a_copy_of_a_project_in_use_is_a_project(filled, tmp_path) -> None:
+    assert told("check", filled.folder) == (0, "7 entries, 5 files as they were kept\n")
+    code, said = told("backup", filled.folder, tmp_path / "copy")
+    assert code == 0, said
+    assert "5 files, all as they were kept" in said
+    filled.database.add("subject", {**SUBJECT, "code": "S02"})  # it goes on
+    assert files(tmp_path / "copy") == files(filled.folder)
+    copy = Project(tmp_path / "copy")
+    assert [one["code"] for one in copy.database.all("subject")] == ["S01"]
+    assert copy.id == filled.id
+    copy.close()
+    assert (tmp_path / "copy" / "project.db").stat().st_mode & 0o077 == 0
+    assert told("backup", filled.folder, tmp_path / "copy")[0] == 2  # it exists
+    assert told("backup", filled.folder, filled.folder / "inside")[0] == 2
+    assert told("backup", tmp_path, tmp_path / "other")[0] == 2  # no project
+    filled.close()
+
+
+def test_what_is_wrong_is_told_and_set_aside(filled) -> None:
+    root, database = filled.folder, filled.database
+    filled.path("recordings", "a" * 16, ".h5").write_bytes(b"changed")
+    filled.path("recordings", "b" * 16, ".h5").unlink()
+    (root / "recordings" / ".surae-0123.part").write_bytes(b"half")
+    (root / "fits" / f"{'9' * 16}.json").write_text("left by a kill")
+    database.write("INSERT INTO thing VALUES (?, 'recording', 1.0, 0, '{}')", "1" * 16)
+    code, said = told("check", root)
+    assert code == 1
+    assert "3 things are wrong" in said
+    lines = upkeep.check(root)
+    assert sorted(line.split(": ")[0] for line in lines.problems) == [
+        f"recording {'1' * 16} is damaged", f"recording {'a' * 16}", f"recording {'b' * 16}",
+    ]  # fmt: skip
+    assert lines.orphans == (f"fits/{'9' * 16}.json", "recordings/.surae-0123.part")
+    with pytest.raises(ComputationError, match="cannot copy"):
+        upkeep.backup(root, root.parent / "copy")
+    assert not (root.parent / "copy").exists()
+    assert [one.name for one in root.parent.iterdir()] == ["p"]  # no half copy either
+    assert "in use" in told("repair", root)[1]
+    filled.close()
+    assert told("repair", root)[0] == 0
+    after = upkeep.check(root)
+    assert [line.split(": ")[0] for line in after.problems] == [f"recording {'a' * 16}"]
+    assert after.orphans == ()
+    trash = {one.name for one in (root / "trash").iterdir()}
+    assert {"project.db-1", "project.db-1-rows.json", "recordings-.surae-0123.part",
+            f"fits-{'9' * 16}.json"} <= trash  # fmt: skip
+    project = Project(root)
+    assert [one["id"] for one in project.database.all("recording")] == ["a" * 16]
+    assert [one["code"] for one in project.database.all("subject")] == ["S01"]
+    project.close()
+
+
+def test_a_strangers_triggers_stay_behind(filled) -> None:
+    filled.close()
+    with sqlite3.connect(filled.folder / "project.db") as file:
+        file.execute("CREATE TRIGGER t AFTER UPDATE ON thing BEGIN DELETE FROM thing; END")
+        file.execute("CREATE TABLE other (x)")
+    file.close()
+    assert "did not put there" in upkeep.check(filled.folder).problems[0]
+    assert told("repair", filled.folder)[0] == 0
+    assert upkeep.check(filled.folder).problems == ()
+    Project(filled.folder).close()
+
+
+def test_what_can_be_read_of_a_damaged_database_is_kept(filled) -> None:
+    with filled.database.transaction():
+        for number in range(300):
+            filled.database.add("subject", {**SUBJECT, "notes": "x" * 500}, f"{number:016x}")
+    filled.close()
+    path = filled.folder / "project.db"
+    data = bytearray(path.read_bytes())
+    data[-4096:] = os.urandom(4096)
+    path.write_bytes(data)
+    assert upkeep.check(filled.folder).problems
+    assert told("repair", filled.folder)[0] == 0
+    project = Project(filled.folder)
+    assert len(project.database.all("subject")) > 30
+    assert (filled.folder / "trash" / "project.db-1").read_bytes() == bytes(data)
+    project.close()
+    path.write_bytes(b"\0" * 8192)
+    code, said = told("repair", filled.folder)
+    assert code != 0
+    assert "restore a backup" in said or "no surae project" in said
+
+
+def test_an_older_projects_files_get_checksums(filled) -> None:
+    id_ = new_id()
+    filled.path("fits", id_, ".json").write_text("{}")
+    filled.database.add("fit", OTHERS["fit"], id_)
+    assert upkeep.check(filled.folder).unsealed == (f"fits/{id_}.json",)
+    filled.close()
+    upkeep.repair(filled.folder)
+    Path(filled.folder / "fits" / f"{id_}.json").write_text("{ }")
+    assert "SHA-256" in upkeep.check(filled.folder).problems[0]
