@@ -151,6 +151,7 @@ class _Server(uvicorn.Server):
         if not self.started:
             return
         self.failed = False
+        self._bench.warm()
         click.echo(f"surae workbench: {self._address}  (Ctrl-C ends it)")
         if not self._local:
             click.echo(

@@ -180,6 +180,14 @@ def report(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     return {}
 
 
+def warm(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
+    """Load what a report needs, which takes longer than the report."""
+    del task, tell
+    from surae.report import html
+
+    return {"warm": html.__name__}
+
+
 def inspect(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Say what is in uploaded files, and guess what each column is."""
     del tell
@@ -216,6 +224,7 @@ TASKS: dict[str, Callable[[Mapping[str, Any], Tell], dict[str, Any]]] = {
     "compare": compare,
     "study": study,
     "report": report,
+    "warm": warm,
     "inspect": inspect,
     "load": load,
     "demo": demo,

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from surae.api import Fit
     from surae.signals import ModelInputs
 
-#: Memory for curves, for what models read, and for fits [bytes].
-_CURVES, _PREPARED, _FITS = 400e6, 400e6, 400e6
+#: Memory for curves, for what models read, for fits and for reports [bytes].
+_CURVES, _PREPARED, _FITS, _REPORTS = 400e6, 400e6, 400e6, 40e6
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +58,7 @@ class Workbench:
         self.sessions = Sessions(self.project, self.events)
         self.jobs = Jobs(self.project, self.events, {"fits": workers, "studies": 1})
         self.workers = RequestWorkers()
+        self.reports: Cache[bytes] = Cache(_REPORTS, len)
         self._closed = False
         self._curves: Cache[Curves] = Cache(_CURVES, lambda one: one.bytes)
         self._prepared: Cache[ModelInputs] = Cache(_PREPARED, lambda one: 80.0 * one.n)
@@ -66,9 +67,19 @@ class Workbench:
         )
 
     def start(self, kinds: Mapping[str, Kind]) -> None:
-        """Begin to work, and load what the first slider will need."""
+        """Begin to work."""
         self.jobs.start(kinds)
-        threading.Thread(target=_warm, name="warm", daemon=True).start()
+
+    def warm(self) -> None:
+        """Load what sliders and reports need, before somebody waits for it."""
+        threading.Thread(target=self._load, name="warm", daemon=True).start()
+
+    def _load(self) -> None:
+        with suppress(Exception):
+            from surae.web.live import warm
+
+            warm()
+            self.workers.ask("warm")
 
     def stop(self) -> None:
         """End streams, jobs and what requests wait for."""
@@ -150,11 +161,3 @@ class Workbench:
         if not draft["recordings"]:
             raise RefusedError(400, "no recording is chosen; choose at least one")
         return [self.project.need("recording", id_) for id_ in draft["recordings"]]
-
-
-def _warm() -> None:
-    """Load, and the first time compile, the models, before somebody waits for them."""
-    with suppress(Exception):
-        from surae.web.live import warm
-
-        warm()

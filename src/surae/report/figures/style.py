@@ -4,6 +4,7 @@ import io
 import re
 from collections.abc import Callable, Sequence
 from textwrap import wrap
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -93,22 +94,27 @@ def shade_left_out(axes: Axes, time: FloatArray, spans: Sequence[tuple[int, int]
 
 def png(figure: Figure, dpi: int = DPI) -> bytes:
     """The figure as PNG of 256 colours: lines and letters need no more."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from PIL import Image  # matplotlib writes its own PNG with it
 
+    figure.set_dpi(dpi)
+    canvas: Any = FigureCanvasAgg(figure)
+    canvas.draw()  # once: to save a figure draws it twice, and writes a file that is read again
+    drawn = Image.frombytes("RGBA", canvas.get_width_height(), canvas.buffer_rgba())
+    small = drawn.convert("RGB").quantize(_COLOURS, dither=Image.Dither.NONE)
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=dpi, pil_kwargs={"compress_level": 1})
-    with Image.open(buffer) as image:
-        small = image.convert("RGB").quantize(_COLOURS, dither=Image.Dither.NONE)
-    buffer = io.BytesIO()
-    small.save(buffer, format="PNG", optimize=True, dpi=(dpi, dpi))
+    small.save(buffer, format="PNG", compress_level=6, dpi=(dpi, dpi))
     return buffer.getvalue()
 
 
 def svg(figure: Figure) -> bytes:
     """The figure as SVG with its letters as outlines; equal figures give equal bytes."""
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
-    text = buffer.getvalue().decode()
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    buffer = io.StringIO()
+    canvas: Any = FigureCanvasSVG(figure)
+    canvas.print_svg(buffer, metadata={"Date": None, "Creator": None})
+    text = buffer.getvalue()
     for number, name in enumerate(dict.fromkeys(_RANDOM_ID.findall(text))):
         text = text.replace(name, f"i{number}")
     return text.encode()

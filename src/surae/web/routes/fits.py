@@ -174,12 +174,15 @@ def get_pdf(id: PathId, bench: Bench) -> Response:
 
 
 def _report(bench: Workbench, id_: str, kind: str) -> tuple[str, bytes]:
-    one = bench.project.need("fit", id_)
-    with tempfile.TemporaryDirectory(prefix="surae-report-") as folder:
-        output = Path(folder) / f"report.{kind}"
-        fit = str(bench.project.path("fits", id_, ".json"))
-        bench.workers.ask("report", fit=fit, output=str(output))
-        return one["name"], output.read_bytes()
+    name, fit = bench.project.need("fit", id_)["name"], bench.project.path("fits", id_, ".json")
+
+    def make() -> bytes:
+        with tempfile.TemporaryDirectory(prefix="surae-report-") as folder:
+            output = Path(folder) / f"report.{kind}"
+            bench.workers.ask("report", fit=str(fit), output=str(output))
+            return output.read_bytes()
+
+    return name, bench.reports.get((id_, kind), make)  # a fit never changes
 
 
 def _framed(page: str) -> dict[str, str]:
