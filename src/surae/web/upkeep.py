@@ -8,9 +8,9 @@ from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from surae.database import lock
 from surae.errors import ComputationError, InputError, SuraeError
 from surae.files import PathLike, sha256_of, shown, write_json
-from surae.studies.database import lock
 from surae.web.database import connected, make_tables, recognised, told
 from surae.web.places import (
     DATABASE,
