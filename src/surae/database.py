@@ -134,7 +134,7 @@ def open_to_write(path: Path, name: str, kind: Format) -> sqlite3.Connection:
         # Looked at before anything of a file that may not be ours is changed.
         (application,) = file.execute("PRAGMA application_id").fetchone()
         (known,) = file.execute("SELECT count(*) FROM sqlite_master").fetchone()
-        version = _recognised(file, name, kind) if known or application else 0
+        version = recognise(file, name, kind) if known or application else 0
         file.execute("PRAGMA journal_mode = WAL")
         file.execute("PRAGMA synchronous = FULL")  # what is there outlives a power cut too
         file.execute("PRAGMA fullfsync = ON")  # on macOS too
@@ -162,7 +162,7 @@ def open_to_read(path: Path, name: str, kind: Format) -> sqlite3.Connection:
         file = _connected(f"{path.as_uri()}?mode={mode}")
         try:
             file.execute("PRAGMA query_only = ON")
-            version = _recognised(file, name, kind)
+            version = recognise(file, name, kind)
         except sqlite3.OperationalError as error:
             file.close()
             blocked = (sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY)
@@ -236,7 +236,7 @@ def _connected(uri: str) -> sqlite3.Connection:
     return file
 
 
-def _recognised(file: sqlite3.Connection, name: str, kind: Format) -> int:
+def recognise(file: sqlite3.Connection, name: str, kind: Format) -> int:
     """The version of a file; refused where it is none of ours, newer, or holds more than ours."""
     if file.execute("PRAGMA application_id").fetchone()[0] != kind.application:
         raise InputError(f"{name} is not {kind.what}; give another file")
@@ -249,7 +249,10 @@ def _recognised(file: sqlite3.Connection, name: str, kind: Format) -> int:
             f"{min(kind.tables)} to {kind.version}); use it with the surae that wrote it"
         )
     if _schema(file) != _schema_of(kind.tables[version]):
-        raise InputError(f"{name} holds tables or programs that are not surae's; use another file")
+        raise InputError(
+            f"{name} holds tables or programs that are not surae's, or lacks some that are; use "
+            "another file, or its `repair` command"
+        )
     return version
 
 

@@ -343,7 +343,7 @@ def test_a_project_with_more_than_our_tables_is_refused(tmp_path, statement) -> 
     with sqlite3.connect(tmp_path / "p" / "project.db") as file:
         file.execute(statement)
     file.close()
-    with pytest.raises(InputError, match="what surae did not put there, or lacks"):
+    with pytest.raises(InputError, match=r"that are not surae.s, or lacks some"):
         Project(tmp_path / "p")
 
 

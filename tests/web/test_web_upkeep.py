@@ -105,7 +105,7 @@ def test_a_strangers_triggers_stay_behind(filled) -> None:
         file.execute("CREATE TRIGGER t AFTER UPDATE ON thing BEGIN DELETE FROM thing; END")
         file.execute("CREATE TABLE other (x)")
     file.close()
-    assert "did not put there" in upkeep.check(filled.folder).problems[0]
+    assert "not surae's" in upkeep.check(filled.folder).problems[0]
     assert told("repair", filled.folder)[0] == 0
     assert upkeep.check(filled.folder).problems == ()
     Project(filled.folder).close()

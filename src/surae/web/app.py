@@ -132,9 +132,9 @@ async def _system_error(request: Request, error: Exception) -> Response:
 async def _invalid(request: Request, error: Exception) -> Response:
     """What is malformed, where; of the request itself nothing is repeated."""
     told = []
-    for one in error.errors()[:3] if isinstance(error, RequestValidationError) else []:
-        place = ".".join(str(part) for part in one["loc"][:6] if part != "body")
-        told.append(f"{place[:120]}: {one['msg']}" if place else str(one["msg"]))
+    for problem in error.errors()[:3] if isinstance(error, RequestValidationError) else []:
+        place = ".".join(str(part) for part in problem["loc"][:6] if part != "body")
+        told.append(f"{place[:120]}: {problem['msg']}" if place else str(problem["msg"]))
     text = one_line("; ".join(told)) or "the request is malformed"
     if request.url.path.startswith("/api/") or request.method != "GET":
         return _answer(request, 422, text.encode("ascii", "replace").decode())

@@ -91,7 +91,7 @@ def _files(root: Path, kind: str, id_: str, content: object) -> Iterator[Path]:
     elif kind == "upload" and isinstance(content, dict):
         with suppress(RefusedError):
             paths = [uploads_of(root, content.get("session")) / id_]
-    yield from (one for one in paths if one.is_file() and not is_link(one))
+    yield from (path for path in paths if path.is_file() and not is_link(path))
 
 
 def _empty(folder: Path, names: object) -> None:

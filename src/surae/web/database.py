@@ -15,23 +15,19 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from surae.database import transaction
+from surae.database import Format, make_tables, recognise, transaction
 from surae.errors import ComputationError, InputError
 from surae.files import shown
 from surae.processes import NO_ROOM
 from surae.web.http_errors import RefusedError
 from surae.web.rows import KINDS, Thing, thing
 
-#: "srwb" as a number: SQLite's mark of whose file it is.
-_APPLICATION = 0x73727762
-#: Of the tables; raised when an older surae could not read them.
-VERSION = 1
 #: Later than any time of deletion.
 _EVER = 2**62
 #: How long to wait for a program that holds the file [s].
 _PATIENCE = 2.0
 
-TABLES = """
+_TABLES = """
 CREATE TABLE thing (
     id TEXT NOT NULL, kind TEXT NOT NULL, created REAL NOT NULL,
     deleted INTEGER NOT NULL,  -- when [s], 0 where it is not
@@ -49,6 +45,8 @@ CREATE TABLE step (
 CREATE INDEX step_session ON step (session, id);
 """
 
+#: The file of a project; "srwb" as a number is SQLite's mark of it.
+FORMAT = Format(0x73727762, "a surae project", {1: _TABLES})
 #: The state of a job whose row can be read.
 _STATE = "CASE WHEN json_valid(data) THEN json_extract(data, '$.state') END"
 
@@ -92,7 +90,7 @@ class Database:
         self._file.execute("PRAGMA synchronous = FULL")
         self._file.execute("PRAGMA fullfsync = ON")  # macOS: to the disk, not to its cache
         if not known:
-            make_tables(self._file)
+            make_tables(self._file, FORMAT)
 
     def close(self) -> None:
         """Let go of the file."""
@@ -198,8 +196,8 @@ class Database:
 
     def active(self) -> list[Thing]:
         """Jobs that wait or are at work, the oldest first."""
-        found = self._read("job", f"{_STATE} IN ('queued', 'running')")
-        return [job for job, _ in found if job is not None]
+        read = self._read("job", f"{_STATE} IN ('queued', 'running')")
+        return [job for job, _ in read if job is not None]
 
     def forget_jobs(self, most: int) -> None:
         """Remove the oldest of the jobs that are finished."""
@@ -228,14 +226,6 @@ def connected(path: Path, mode: str = "rw") -> sqlite3.Connection:
     return file
 
 
-def make_tables(file: sqlite3.Connection) -> None:
-    """Make an empty file a project's."""
-    file.executescript(
-        f"BEGIN; PRAGMA application_id = {_APPLICATION}; PRAGMA user_version = {VERSION};"
-        f"{TABLES} COMMIT;"
-    )
-
-
 def recognised(file: sqlite3.Connection, name: str) -> bool:
     """Whether a file has content, which is a project's, whole, and nothing else.
 
@@ -247,41 +237,14 @@ def recognised(file: sqlite3.Connection, name: str) -> bool:
         It is damaged.
     """
     (application,) = file.execute("PRAGMA application_id").fetchone()
-    (version,) = file.execute("PRAGMA user_version").fetchone()
-    schema = _schema(file)
-    if not schema and not application:
+    (known,) = file.execute("SELECT count(*) FROM sqlite_master").fetchone()
+    if not known and not application:
         return False
-    if application != _APPLICATION:
-        raise InputError(f"{name} is no surae project; give another folder")
-    if version > VERSION:
-        raise InputError(
-            f"{name} was written by a newer surae (layout {version}, this one knows "
-            f"{VERSION}); update surae to open this project"
-        )
-    fresh = sqlite3.connect(":memory:")
-    fresh.executescript(TABLES)
-    strange = sorted(schema ^ _schema(fresh))
-    fresh.close()
-    if strange:
-        raise InputError(
-            f"{name} holds what surae did not put there, or lacks what it did "
-            f"({strange[0][0]} {shown(strange[0][1])[:60]}); `surae project repair` takes over "
-            "what is ours"
-        )
+    recognise(file, name, FORMAT)
     (verdict,) = file.execute("PRAGMA quick_check(1)").fetchone()
     if verdict != "ok":
         raise ComputationError(f"{name} is damaged: {' '.join(str(verdict).split())}{_ADVICE}")
     return True
-
-
-def _schema(file: sqlite3.Connection) -> set[tuple[str, str, str]]:
-    """What there is, but for what SQLite makes itself."""
-    rows = file.execute("SELECT type, name, sql FROM sqlite_master").fetchall()
-    return {
-        (str(kind), str(name), " ".join(str(sql).split()))
-        for kind, name, sql in rows
-        if not (str(name).startswith("sqlite_") and kind in ("table", "index"))
-    }
 
 
 _ADVICE = "; recordings and fits beside it are whole: `surae project repair`, or restore a backup"

@@ -144,34 +144,34 @@ def predicted(trajectory: Trajectory, model: str, population: str, noise: float)
     dof = trial.n - len(spec.free)
     if dof <= 0:
         raise InputError(f"{trial.n} samples cannot tell {len(spec.free)} parameters; measure more")
-    found = covariance(R, spec.free, max(sigma, 1e-12) ** 2 * dof, trial.n)
+    result = covariance(R, spec.free, max(sigma, 1e-12) ** 2 * dof, trial.n)
     return {
         "model": model,
         "population": population,
         "torque_rms": float(np.sqrt(np.mean(torque**2))),
         "noise_Nm": sigma,
-        "ipde": ipde(found.correlation) if len(found.names) > 1 else None,
-        "parameters": _parameters(spec, vector, found),
-        "correlation": {"names": list(found.names), "matrix": found.correlation.tolist()},
+        "ipde": ipde(result.correlation) if len(result.names) > 1 else None,
+        "parameters": _parameters(spec, vector, result),
+        "correlation": {"names": list(result.names), "matrix": result.correlation.tolist()},
         "milliseconds": round(1e3 * (time.perf_counter() - begin), 3),
     }
 
 
-def _parameters(spec: Any, vector: Any, found: Any) -> list[Mapping[str, Any]]:
+def _parameters(spec: Any, vector: Any, result: Any) -> list[Mapping[str, Any]]:
     rows: list[Mapping[str, Any]] = []
     for p, value in zip(spec.parameters, vector.tolist(), strict=True):
         sem = relative = None
         if p.name not in spec.free:
             verdict, note = "fixed", "fixed, not estimated"
-        elif p.name in found.names:
-            j = found.names.index(p.name)
-            sem = float(np.sqrt(found.matrix[j, j]))
-            half = half_width(sem, found.dof)
+        elif p.name in result.names:
+            j = result.names.index(p.name)
+            sem = float(np.sqrt(result.matrix[j, j]))
+            half = half_width(sem, result.dof)
             relative = sem / abs(value) if value else None
-            judged, note = judge_interval(p.name, value, half, found, p.unit)
+            judged, note = judge_interval(p.name, value, half, result, p.unit)
             verdict = str(judged)
         else:
-            verdict, note = "weak", judge_singular(p.name, found.directions)
+            verdict, note = "weak", judge_singular(p.name, result.directions)
         rows.append(
             {
                 "name": p.name, "unit": p.unit, "meaning": p.meaning, "value": value, "sem": sem,

@@ -108,9 +108,9 @@ class Events:
                 self._open[who] -= 1
                 self._open += Counter()  # forgets those that are zero
                 for topic in topics:
-                    found = self._listeners.get(topic, set())
-                    found.discard(listener)
-                    if not found:
+                    listeners = self._listeners.get(topic, set())
+                    listeners.discard(listener)
+                    if not listeners:
                         self._listeners.pop(topic, None)
 
 

@@ -31,7 +31,9 @@ class FitProgress:
         keywords: Mapping[str, Any],
         tell: Tell,
     ) -> None:
-        self._inputs = [thinned(one, thinning_factor(one, _RATE, _SAMPLES)) for one in inputs]
+        self._inputs = [
+            thinned(recording, thinning_factor(recording, _RATE, _SAMPLES)) for recording in inputs
+        ]
         self._ids, self._tell = ids, tell
         known = ModelOptions.__dataclass_fields__
         self._options = ModelOptions.of(**{k: v for k, v in keywords.items() if k in known})
@@ -58,24 +60,30 @@ class FitProgress:
         # A fit may go through simpler models, and through the same one without its drives.
         key = (spec.name, *spec.names)
         if key not in self._simulators:
-            self._simulators[key] = [spec.simulator(one, self._options) for one in self._inputs]
+            self._simulators[key] = [
+                spec.simulator(recording, self._options) for recording in self._inputs
+            ]
         traces, left, whole = [], 0.0, 0.0
         pairs = zip(self._ids, self._inputs, self._simulators[key], strict=True)
-        for id_, one, simulator in pairs:
+        for id_, recording, simulator in pairs:
             with np.errstate(all="ignore"):
                 torque = simulator.torque(values)
-            measured = np.zeros(one.n) if one.torque is None else one.torque
-            counts = np.ones(one.n, dtype=bool) if one.weight is None else one.weight > 0
+            measured = np.zeros(recording.n) if recording.torque is None else recording.torque
+            counts = (
+                np.ones(recording.n, dtype=bool)
+                if recording.weight is None
+                else recording.weight > 0
+            )
             left += float(np.sum((measured - torque)[counts] ** 2))
             whole += float(np.sum(measured[counts] ** 2))
-            shown = Pyramid(one.time, measured).window(None, None, self._points)
+            shown = Pyramid(recording.time, measured).window(None, None, self._points)
             traces.append(
                 {
                     "recording": id_,
                     "t": _plain(shown.time),
                     "measured": _plain(shown.values),
                     "modelled": _plain(
-                        Pyramid(one.time, torque).window(None, None, self._points).values
+                        Pyramid(recording.time, torque).window(None, None, self._points).values
                     ),
                 }
             )

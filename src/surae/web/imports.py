@@ -58,16 +58,16 @@ def _folder(files: Sequence[Upload]) -> Iterator[dict[str, str]]:
     folder = Path(tempfile.mkdtemp(prefix="import-", dir=Path(files[0]["path"]).parent))
     try:
         names: dict[str, str] = {}
-        for one in files:
-            name = file_name(one["name"])
+        for upload in files:
+            name = file_name(upload["name"])
             number = 2
             while name in names.values():
-                name, number = file_name(one["name"], number), number + 1
-            names[one["id"]] = name
+                name, number = file_name(upload["name"], number), number + 1
+            names[upload["id"]] = name
             try:
-                os.link(one["path"], folder / name)
+                os.link(upload["path"], folder / name)
             except OSError:  # a file system without links
-                shutil.copyfile(one["path"], folder / name)
+                shutil.copyfile(upload["path"], folder / name)
         os.chdir(folder)
         yield names
     finally:
@@ -92,63 +92,63 @@ def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
     """Columns of data files with the guesses of `surae.recording.inspection`."""
     from surae.recording.inspection import inspect
 
-    found = inspect(list(names))
+    inspection = inspect(list(names))
     previews: dict[tuple[str, str], Any] = {}
     for name in names:
         table = open_table(open_source(name))
         for column, loaded in load_each(table, list(dict.fromkeys(table.names))).items():
             if not isinstance(loaded, InputError):
                 previews[name, column] = _preview(loaded.time, loaded.values)
-    taken = {id(channel): role for role, channel in found.roles.items()}
+    taken = {id(channel): role for role, channel in inspection.roles.items()}
     columns = [
         {
-            "upload": ids[one.file],
-            "name": one.column,
-            "unit": one.known_unit or one.unit,
-            "rate_hz": one.rate_hz,
-            "n": one.n,
-            "role": taken.get(id(one)),
-            "could_be": [] if one.guess is None else list(one.guess.roles),
-            "rule": None if one.guess is None else one.guess.rule,
+            "upload": ids[channel.file],
+            "name": channel.column,
+            "unit": channel.known_unit or channel.unit,
+            "rate_hz": channel.rate_hz,
+            "n": channel.n,
+            "role": taken.get(id(channel)),
+            "could_be": [] if channel.guess is None else list(channel.guess.roles),
+            "rule": None if channel.guess is None else channel.guess.rule,
             "sign": 1,
-            "low": one.low,
-            "high": one.high,
-            "mean": previews.get((one.file, one.column), {}).get("mean"),
-            "preview": previews.get((one.file, one.column), {"t": [], "v": []}),
-            "usable": one.usable,
-            "remark": one.remark,
+            "low": channel.low,
+            "high": channel.high,
+            "mean": previews.get((channel.file, channel.column), {}).get("mean"),
+            "preview": previews.get((channel.file, channel.column), {"t": [], "v": []}),
+            "usable": channel.usable,
+            "remark": channel.remark,
         }
-        for one in found.channels
+        for channel in inspection.channels
     ]
-    silent = [role for role in found.missing if role.startswith("emg_")]
+    silent = [role for role in inspection.missing if role.startswith("emg_")]
     channels = {
         role: {
-            "upload": ids[one.file],
-            "column": one.column,
-            "unit": one.known_unit,
+            "upload": ids[channel.file],
+            "column": channel.column,
+            "unit": channel.known_unit,
             "sign": 1,
             "scale": 1.0,
-            "offset": 0.0 if one.look is None else one.look.offset,
+            "offset": 0.0 if channel.look is None else channel.look.offset,
         }
-        for role, one in found.roles.items()
+        for role, channel in inspection.roles.items()
     }
     weights = {"emg_ta": "g1", "emg_gl": "g2", "emg_sol": "g3", "emg_gm": "g4"}
     return {
-        "format": " + ".join(dict.fromkeys(found.formats.values())),
+        "format": " + ".join(dict.fromkeys(inspection.formats.values())),
         "columns": columns,
         "mapping": {
             "name": Path(names[0]).stem,
-            "emg": found.emg,
-            "side": found.side,
+            "emg": inspection.emg,
+            "side": inspection.side,
             "channels": channels,
             "fixed": {weights[role]: 0.0 for role in silent},
             "prepare": {},
         },
-        "notes": list(found.advice),
+        "notes": list(inspection.advice),
         "ready": {"angle", "torque"} <= channels.keys()
-        and not found.open
-        and (found.emg is not None or not any(role.startswith("emg_") for role in channels))
-        and all(one["unit"] is not None for one in channels.values()),
+        and not inspection.open
+        and (inspection.emg is not None or not any(role.startswith("emg_") for role in channels))
+        and all(channel["unit"] is not None for channel in channels.values()),
     }
 
 
@@ -234,25 +234,25 @@ def described(recording: Recording) -> dict[str, Any]:
     return {
         "channels": [
             {
-                "role": one.role,
-                "unit": one.unit,
-                "n": len(one.time),
-                "rate_hz": one.rate_hz,
-                "source": one.source,
-                "low": float(one.values.min()),
-                "high": float(one.values.max()),
-                "mean": float(one.values.mean()),
-                "preview": _preview(one.time, one.values),
+                "role": channel.role,
+                "unit": channel.unit,
+                "n": len(channel.time),
+                "rate_hz": channel.rate_hz,
+                "source": channel.source,
+                "low": float(channel.values.min()),
+                "high": float(channel.values.max()),
+                "mean": float(channel.values.mean()),
+                "preview": _preview(channel.time, channel.values),
             }
-            for one in channels
+            for channel in channels
         ],
-        "duration_s": max(float(one.time[-1]) for one in channels)
-        - min(float(one.time[0]) for one in channels),
+        "duration_s": max(float(channel.time[-1]) for channel in channels)
+        - min(float(channel.time[0]) for channel in channels),
         "name": recording.name,
         "emg": recording.emg,
         "side": recording.side,
         "fixed": dict(recording.fixed),
-        "files": [{"name": one.path, "sha256": one.sha256} for one in recording.files],
+        "files": [{"name": channel.path, "sha256": channel.sha256} for channel in recording.files],
         "findings": findings(recording),
     }
 
@@ -263,10 +263,10 @@ def findings(recording: Recording) -> list[dict[str, Any]]:
 
     from surae.quality import check_recording
 
-    found = [asdict(one) for one in check_recording(recording).findings]
+    rows = [asdict(finding) for finding in check_recording(recording).findings]
     return [
-        {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in one.items()}
-        for one in found
+        {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in finding.items()}
+        for finding in rows
     ]
 
 
@@ -283,19 +283,19 @@ def _toml(mapping: Mapping[str, Any], names: Mapping[str, str]) -> str:
         if mapping.get(table):
             lines.append(f"[{table}]")
             lines += [f"{_text(key)} = {_value(v)}" for key, v in mapping[table].items()]
-    for role, one in mapping["channels"].items():
-        if one["upload"] not in names:
+    for role, channel in mapping["channels"].items():
+        if channel["upload"] not in names:
             raise InputError(f"channels.{role}: its file is not among the uploads; upload it")
         lines += [
             f"[channels.{_text(role)}]",
-            f"file = {_text(names[one['upload']])}",
-            f"column = {_text(one['column'])}",
-            f"sign = {int(one['sign'])}",
-            f"scale = {_value(float(one['scale']))}",
-            f"offset = {_value(float(one['offset']))}",
+            f"file = {_text(names[channel['upload']])}",
+            f"column = {_text(channel['column'])}",
+            f"sign = {int(channel['sign'])}",
+            f"scale = {_value(float(channel['scale']))}",
+            f"offset = {_value(float(channel['offset']))}",
         ]
-        if one.get("unit") is not None:
-            lines.append(f"unit = {_text(one['unit'])}")
+        if channel.get("unit") is not None:
+            lines.append(f"unit = {_text(channel['unit'])}")
     return "\n".join(lines) + "\n"
 
 

@@ -21,7 +21,7 @@ _PARTS = ("tissue_tri", "tissue_tib", "neural_tri", "neural_tib", "inertial", "g
 #: Memory for simulators [bytes].
 _KEPT = 300e6
 _simulators: Cache[tuple[ModelInputs, Simulator, threading.Lock]] = Cache(
-    _KEPT, lambda one: 250.0 * one[0].n
+    _KEPT, lambda fewer_inputs: 250.0 * fewer_inputs[0].n
 )
 
 
@@ -82,25 +82,25 @@ def live(
         fewer = thinned(inputs, -(-inputs.n // most)) if inputs.n > most else inputs
         return fewer, spec.simulator(fewer, options), threading.Lock()
 
-    one, simulator, lock = _simulators.get((key, spec.name, spec.names, options), tie)
+    fewer_inputs, simulator, lock = _simulators.get((key, spec.name, spec.names, options), tie)
     with lock, np.errstate(all="ignore"):
         if parts:
             split = simulator.parts(vector)
             torque = split.total
         else:
             torque = simulator.torque(vector)
-    shown = _shown(one.time, points, start, end)
+    shown = _shown(fewer_inputs.time, points, start, end)
     vaf = rmse = None
-    measured = one.torque
+    measured = fewer_inputs.torque
     if measured is not None:
-        counted = _counted(one.time, draft["exclusions"].get(_recording(key), []))
+        counted = _counted(fewer_inputs.time, draft["exclusions"].get(_recording(key), []))
         error = (measured - torque)[counted]
         power = float(np.sum(measured[counted] ** 2))
         left = float(np.sum(error**2))
         if np.isfinite(left) and power > 0:
             vaf, rmse = 100.0 * (1.0 - left / power), float(np.sqrt(left / len(error)))
     return {
-        "t": plain(one.time[shown]),
+        "t": plain(fewer_inputs.time[shown]),
         "modelled": plain(torque[shown]),
         "measured": None if measured is None else plain(measured[shown]),
         "parts": {name: plain(getattr(split, name)[shown]) for name in _PARTS} if parts else None,

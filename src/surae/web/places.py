@@ -38,7 +38,7 @@ def refuse_foreign(folder: Path, where: str) -> None:
     if not folder.exists():
         return
     with os.scandir(folder) as entries:
-        top = {one.name: Path(one.path) for one in entries}
+        top = {entry.name: Path(entry.path) for entry in entries}
     database = folder / DATABASE
     begun = database.is_symlink() or (database.exists() and database.lstat().st_size > 0)
     if not begun:

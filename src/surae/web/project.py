@@ -83,8 +83,8 @@ class Project:
             raise
 
     def _identities(self) -> list[tuple[int, int]]:
-        found = (os.lstat(self.folder / name) for name in (DATABASE, f"{DATABASE}.lock"))
-        return [(one.st_dev, one.st_ino) for one in found]
+        states = (os.lstat(self.folder / name) for name in (DATABASE, f"{DATABASE}.lock"))
+        return [(state.st_dev, state.st_ino) for state in states]
 
     def still_ours(self) -> None:
         """Refuse to go on where the folder, or the lock in it, has been taken away.

@@ -10,8 +10,8 @@ from surae.web.http_errors import RefusedError
 
 #: Longest that one piece of work may take [s], and the memory that it may use [bytes].
 _SECONDS, _MEMORY = 180.0, 12 * 2**30
-#: Reading must not slow down the pages.
-_NICE = 10
+#: Behind the pages, but ahead of fits, which nobody waits for in front of a page.
+_NICE = 3
 _log = logging.getLogger("surae.web")
 #: Pieces of work at a time, and how many requests may wait for them.
 _WORKERS, _WAITING = 2, 12

@@ -273,8 +273,8 @@ def _digest(token: str) -> str:
 
 def _host_name(host: str) -> str:
     """The name in a Host header, without its port; empty where it is malformed."""
-    found = _HOST.fullmatch(host)
-    return "" if found is None else (found["v6"] or found["name"]).lower()
+    match = _HOST.fullmatch(host)
+    return "" if match is None else (match["v6"] or match["name"]).lower()
 
 
 def _is_address(name: str) -> bool:

@@ -97,7 +97,7 @@ class _Connection(H11Protocol):
         # A program that only holds connections open takes their places from its own, not ours.
         waiting = self._silent.setdefault(self._who, [])
         waiting.append(self)
-        waiting[:] = [one for one in waiting if one.cycle is None]
+        waiting[:] = [other for other in waiting if other.cycle is None]
         if len(waiting) > _SILENT:
             waiting.pop(0).transport.close()
 
@@ -170,8 +170,8 @@ class _Server(uvicorn.Server):
 def _listen(host: str, port: int) -> socket.socket:
     """A socket that listens."""
     try:
-        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
-        family, kind, protocol, _, place = found[0]
+        addresses = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
+        family, kind, protocol, _, place = addresses[0]
         made = socket.socket(family, kind, protocol)
         if os.name == "posix":  # elsewhere it would share the port with another server
             made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

@@ -127,7 +127,9 @@ class Sessions:
             self._record(session, label, "deleted", told, told)
             draft, now = self._read(session)
             if kind == "recording" and id_ in draft["recordings"]:
-                draft["recordings"] = [one for one in draft["recordings"] if one != id_]
+                draft["recordings"] = [
+                    recording for recording in draft["recordings"] if recording != id_
+                ]
             self._write(session, draft, now + 1)
         self._tell(session, now + 1)
 
@@ -211,9 +213,9 @@ class Sessions:
             with suppress(ValueError):
                 tables = [plain(text) for text in (before, after)]
                 known = {"draft": (), "deleted": ("kind", "id")}.get(kind)
-                if known is None or not all(isinstance(one, dict) for one in tables):
+                if known is None or not all(isinstance(table, dict) for table in tables):
                     continue
-                if all(isinstance(one.get(key), str) for one in tables for key in known):
+                if all(isinstance(table.get(key), str) for table in tables for key in known):
                     return int(id_), str(label), str(kind), before, after
         return None
 

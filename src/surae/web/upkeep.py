@@ -8,10 +8,10 @@ from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from surae.database import lock
+from surae.database import lock, make_tables
 from surae.errors import ComputationError, InputError, SuraeError
 from surae.files import PathLike, sha256_of, shown, write_json
-from surae.web.database import connected, make_tables, recognised, told
+from surae.web.database import FORMAT, connected, recognised, told
 from surae.web.places import (
     DATABASE,
     FILES,
@@ -144,8 +144,8 @@ def repair(folder: PathLike) -> tuple[str, ...]:
             move_to_trash(root, root / name)
             done.append(f"{name} belongs to nothing: in the trash")
         for kind in FILES:
-            for one in project.database.all(kind):
-                done += _sealed(project, kind, one)
+            for kept in project.database.all(kind):
+                done += _sealed(project, kind, kept)
     finally:
         project.close()
     return tuple(done)
@@ -174,8 +174,8 @@ def _checked(root: Path, file: sqlite3.Connection) -> Checked:
         if kind not in KINDS:
             continue
         try:
-            one = thing(str(kind), id_, created, text)
-            paths = list(_paths(root, str(kind), one))
+            kept = thing(str(kind), id_, created, text)
+            paths = list(_paths(root, str(kind), kept))
         except (ValueError, SuraeError) as error:
             problems.append(f"{name} is damaged: {error}")
             continue
@@ -202,12 +202,12 @@ def _checked(root: Path, file: sqlite3.Connection) -> Checked:
     return Checked(things, whole, tuple(problems), tuple(orphans), tuple(unsealed))
 
 
-def _paths(root: Path, kind: str, one: Thing) -> Iterator[tuple[Path, str | None]]:
+def _paths(root: Path, kind: str, kept: Thing) -> Iterator[tuple[Path, str | None]]:
     """The files of a thing, and the checksum that was kept of each."""
     if kind in FILES:
-        yield file_of(root, FILES[kind][0], one["id"], FILES[kind][1]), one.get("sha256")
+        yield file_of(root, FILES[kind][0], kept["id"], FILES[kind][1]), kept.get("sha256")
     elif kind == "upload":
-        yield uploads_of(root, one["session"]) / one["id"], one["sha256"]
+        yield uploads_of(root, kept["session"]) / kept["id"], kept["sha256"]
 
 
 def _copy(source: Path, target: Path) -> None:
@@ -243,7 +243,7 @@ def _rebuilt(root: Path) -> list[str]:
     fresh.unlink(missing_ok=True)
     with closing(sqlite3.connect(fresh, isolation_level=None)) as new:
         fresh.chmod(0o600)
-        make_tables(new)
+        make_tables(new, FORMAT)
         counts = {name: _rows_into(root / DATABASE, new, name, bad.append) for name in _TABLES}
     if not any(counts.values()):
         fresh.unlink()
@@ -299,14 +299,14 @@ def _rows_into(
     return count
 
 
-def _sealed(project: Project, kind: str, one: Thing) -> Iterator[str]:
+def _sealed(project: Project, kind: str, kept: Thing) -> Iterator[str]:
     """Keep a checksum that is missing; set aside a thing whose file is."""
     folder, suffix = FILES[kind]
-    path = project.path(folder, one["id"], suffix)
+    path = project.path(folder, kept["id"], suffix)
     if kind == "study":
         return
     if not path.is_file():
-        project.discard(kind, one["id"])
-        yield f"{kind} {one['id']}: its file is missing; its entry is in the trash"
-    elif "sha256" not in one:
-        project.change(kind, one["id"], sha256=sha256_of(path))
+        project.discard(kind, kept["id"])
+        yield f"{kind} {kept['id']}: its file is missing; its entry is in the trash"
+    elif "sha256" not in kept:
+        project.change(kind, kept["id"], sha256=sha256_of(path))

@@ -36,8 +36,8 @@ class Curves:
     @property
     def bytes(self) -> float:
         """Memory that they take."""
-        times = {id(one.time): one.time.nbytes for one in self.pyramids.values()}
-        return float(sum(times.values()) + sum(one.bytes for one in self.pyramids.values()))
+        times = {id(kept.time): kept.time.nbytes for kept in self.pyramids.values()}
+        return float(sum(times.values()) + sum(kept.bytes for kept in self.pyramids.values()))
 
 
 class Workbench:
@@ -60,10 +60,10 @@ class Workbench:
         self.workers = RequestWorkers()
         self.reports: Cache[bytes] = Cache(_REPORTS, len)
         self._closed = False
-        self._curves: Cache[Curves] = Cache(_CURVES, lambda one: one.bytes)
-        self._prepared: Cache[ModelInputs] = Cache(_PREPARED, lambda one: 80.0 * one.n)
+        self._curves: Cache[Curves] = Cache(_CURVES, lambda kept: kept.bytes)
+        self._prepared: Cache[ModelInputs] = Cache(_PREPARED, lambda kept: 80.0 * kept.n)
         self._fits: Cache[Fit] = Cache(
-            _FITS, lambda one: sum(250.0 * inputs.n for inputs in one.result.problem.inputs)
+            _FITS, lambda kept: sum(250.0 * inputs.n for inputs in kept.result.problem.inputs)
         )
 
     def start(self, kinds: Mapping[str, Kind]) -> None:
@@ -112,7 +112,7 @@ class Workbench:
 
             recording = read_recording(self.project.path("recordings", id_, ".h5"))
             pyramids = {
-                role: Pyramid(one.time, one.values) for role, one in recording.channels.items()
+                role: Pyramid(kept.time, kept.values) for role, kept in recording.channels.items()
             }
             return Curves(recording, pyramids)
 

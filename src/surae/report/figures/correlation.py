@@ -55,10 +55,10 @@ def correlation_figure(
             if value <= -_SIGNED:
                 corner = [(column - 0.47, row - 0.47), (column - 0.27, row - 0.47),
                           (column - 0.47, row - 0.27)]  # fmt: skip
-                axes.add_patch(Polygon(corner, color=_ink(value), linewidth=0))
+                axes.add_patch(Polygon(corner, color=_ink(value), linewidth=0, in_layout=False))
             axes.text(
                 column, row, _written(value, row == column), ha="center", va="center",
-                fontsize=7, color=_ink(value),
+                fontsize=7, color=_ink(value), in_layout=False,  # cells need no room of their own
             )  # fmt: skip
     for rows, columns in product(_runs(names, passive), _runs(names, active)):
         axes.add_patch(

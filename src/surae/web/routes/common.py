@@ -22,16 +22,16 @@ ERRORS: Responses = {status: {"model": Error} for status in (400, 403, 404, 409,
 
 def workbench(request: Request) -> Workbench:
     """The server's state."""
-    found: Workbench = request.app.state.workbench
-    return found
+    state: Workbench = request.app.state.workbench
+    return state
 
 
 def session(request: Request) -> Session:
     """The browser's session, which `surae.web.security` has found."""
-    found: Session | None = getattr(request.state, "session", None)
-    if found is None:
+    state: Session | None = getattr(request.state, "session", None)
+    if state is None:
         raise RefusedError(403, "no session: GET /api/session first, and send its cookie")
-    return found
+    return state
 
 
 #: What a page has seen of a thing that it changes, as `revision` gives it.

@@ -17,8 +17,8 @@ _STREAM: Responses = {200: {"content": {"text/event-stream": {}}}}
 @router.get("/jobs")
 def get_jobs(bench: Bench, browser: Browser, active: bool = False) -> dict[str, Any]:
     """Jobs, the newest first."""
-    found = bench.database.active() if active else bench.database.all("job")
-    shown = found[::-1]
+    jobs = bench.database.active() if active else bench.database.all("job")
+    shown = jobs[::-1]
     return {"jobs": [bench.jobs.shown(job, browser, traces=False) for job in shown[:500]]}
 
 

@@ -26,11 +26,13 @@ def get_choices() -> dict[str, Any]:
 
     return {
         "profiles": [
-            {"name": one.name, "duration_s": one.duration, "description": one.description}
-            for one in PROFILES.values()
+            {"name": choice.name, "duration_s": choice.duration, "description": choice.description}
+            for choice in PROFILES.values()
         ],
-        "tasks": [{"name": one.name, "description": one.description} for one in TASKS.values()],
-        "devices": [asdict(one) for one in DEVICES.values()],
+        "tasks": [
+            {"name": choice.name, "description": choice.description} for choice in TASKS.values()
+        ],
+        "devices": [asdict(choice) for choice in DEVICES.values()],
         "populations": ["healthy", "patient"],
         "models": list(_SIMULATED),
     }
@@ -51,7 +53,7 @@ def post_csv(given: ProtocolFile) -> Response:
 @router.get("")
 def get_protocols(bench: Bench) -> dict[str, Any]:
     """Those that are kept."""
-    return {"protocols": [_shown(one) for one in bench.database.all("protocol")]}
+    return {"protocols": [_shown(thing) for thing in bench.database.all("protocol")]}
 
 
 @router.post("", status_code=201)
@@ -66,16 +68,16 @@ def post_protocol(given: ProtocolGiven, bench: Bench) -> dict[str, Any]:
 @router.delete("/{id}", status_code=204)
 def delete_protocol(id: PathId, bench: Bench, browser: Browser) -> Response:
     """Delete it; undo brings it back."""
-    one = bench.project.need("protocol", id)
-    bench.delete(browser, "protocol", id, f"delete protocol {one['name']}"[:120])
+    thing = bench.project.need("protocol", id)
+    bench.delete(browser, "protocol", id, f"delete protocol {thing['name']}"[:120])
     return Response(status_code=204)
 
 
 @router.get("/{id}/protocol.csv", response_class=Response, responses=_CSV)
 def get_csv(id: PathId, bench: Bench) -> Response:
     """It as the file for a device, as `surae protocol` writes it."""
-    one = bench.project.need("protocol", id)
-    return _file(ProtocolSettings(**one["settings"]), one["name"])
+    thing = bench.project.need("protocol", id)
+    return _file(ProtocolSettings(**thing["settings"]), thing["name"])
 
 
 def _file(settings: ProtocolSettings, name: str) -> Response:
@@ -87,10 +89,10 @@ def _file(settings: ProtocolSettings, name: str) -> Response:
     return Response(data, media_type="text/csv", headers=attachment(name, ".csv"))
 
 
-def _shown(one: Thing) -> dict[str, Any]:
+def _shown(thing: Thing) -> dict[str, Any]:
     return {
-        "id": one["id"],
-        "name": one["name"],
-        "settings": one["settings"],
-        "created": when(one["created"]),
+        "id": thing["id"],
+        "name": thing["name"],
+        "settings": thing["settings"],
+        "created": when(thing["created"]),
     }

@@ -40,12 +40,16 @@ def get_damaged(bench: Bench) -> dict[str, Any]:
 def get_subjects(bench: Bench) -> dict[str, Any]:
     """All subjects."""
     recordings = bench.database.all("recording")
-    owners = {one["id"]: one["subject"] for one in recordings}
-    fits = [owners.get(one["recordings"][0]) for one in bench.database.all("fit")]
+    owners = {subject["id"]: subject["subject"] for subject in recordings}
+    fits = [owners.get(subject["recordings"][0]) for subject in bench.database.all("fit")]
     return {
         "subjects": [
-            _subject(one, sum(r["subject"] == one["id"] for r in recordings), fits.count(one["id"]))
-            for one in bench.database.all("subject")
+            _subject(
+                subject,
+                sum(r["subject"] == subject["id"] for r in recordings),
+                fits.count(subject["id"]),
+            )
+            for subject in bench.database.all("subject")
         ]
     }
 
@@ -71,34 +75,39 @@ def patch_subject(
         refuse_unseen(bench.project.need("subject", id), seen)
         if "code" in changes:
             _refuse_code(bench, changes["code"], id)
-        found = bench.project.change("subject", id, **changes)
+        subject = bench.project.change("subject", id, **changes)
     bench.changed("subjects")
-    count = sum(one["subject"] == id for one in bench.database.all("recording"))
-    return _subject(found, count, 0)
+    count = sum(recording["subject"] == id for recording in bench.database.all("recording"))
+    return _subject(subject, count, 0)
 
 
 @router.delete("/subjects/{id}", status_code=204)
 def delete_subject(id: PathId, bench: Bench, browser: Browser) -> Response:
     """Delete one without recordings; undo brings it back."""
-    one = bench.project.need("subject", id)
+    subject = bench.project.need("subject", id)
     if any(r["subject"] == id for r in bench.database.all("recording")):
-        raise RefusedError(409, f"subject {one['code']} has recordings; move or delete them first")
-    bench.delete(browser, "subject", id, f"delete subject {one['code']}")
+        raise RefusedError(
+            409, f"subject {subject['code']} has recordings; move or delete them first"
+        )
+    bench.delete(browser, "subject", id, f"delete subject {subject['code']}")
     return Response(status_code=204)
 
 
 def _refuse_code(bench: Workbench, code: str, own: str | None) -> None:
-    if any(one["code"] == code and one["id"] != own for one in bench.database.all("subject")):
+    if any(
+        subject["code"] == code and subject["id"] != own
+        for subject in bench.database.all("subject")
+    ):
         raise RefusedError(409, f"there is a subject {code!r} already; give another code")
 
 
-def _subject(one: Thing, recordings: int, fits: int) -> dict[str, Any]:
+def _subject(subject: Thing, recordings: int, fits: int) -> dict[str, Any]:
     return {
-        "id": one["id"],
-        **{key: one[key] for key in ("code", "group", "notes", "body_mass")},
+        "id": subject["id"],
+        **{key: subject[key] for key in ("code", "group", "notes", "body_mass")},
         "recordings": recordings,
         "fits": fits,
-        "revision": revision(one),
+        "revision": revision(subject),
     }
 
 
@@ -107,7 +116,9 @@ def get_recordings(bench: Bench) -> dict[str, Any]:
     """All recordings."""
     fits = Counter(id_ for fit in bench.database.all("fit") for id_ in set(fit["recordings"]))
     recordings = bench.database.all("recording")
-    return {"recordings": [_recording(one, fits[one["id"]]) for one in recordings]}
+    return {
+        "recordings": [_recording(recording, fits[recording["id"]]) for recording in recordings]
+    }
 
 
 @router.get("/recordings/{id}")
@@ -131,45 +142,47 @@ def patch_recording(
         del changes["name"]
     with bench.database.transaction():
         refuse_unseen(bench.project.need("recording", id), seen)
-        found = bench.project.change("recording", id, **changes)
+        recording = bench.project.change("recording", id, **changes)
     bench.changed("recordings")
-    return shown_recording(bench, found)
+    return shown_recording(bench, recording)
 
 
 @router.delete("/recordings/{id}", status_code=204)
 def delete_recording(id: PathId, bench: Bench, browser: Browser) -> Response:
     """Delete it; undo brings it back."""
-    one = bench.project.need("recording", id)
-    bench.delete(browser, "recording", id, f"delete recording {one['name']}"[:120])
+    recording = bench.project.need("recording", id)
+    bench.delete(browser, "recording", id, f"delete recording {recording['name']}"[:120])
     return Response(status_code=204)
 
 
-def shown_recording(bench: Workbench, one: Thing) -> dict[str, Any]:
+def shown_recording(bench: Workbench, recording: Thing) -> dict[str, Any]:
     """A recording as the API shows it."""
-    return _recording(one, sum(one["id"] in fit["recordings"] for fit in bench.database.all("fit")))
+    return _recording(
+        recording, sum(recording["id"] in fit["recordings"] for fit in bench.database.all("fit"))
+    )
 
 
-def _recording(one: Thing, fits: int) -> dict[str, Any]:
+def _recording(recording: Thing, fits: int) -> dict[str, Any]:
     keys = ("name", "subject", "side", "trial", "condition", "duration_s", "emg", "channels",
             "files", "mapping", "fixed")  # fmt: skip
     return {
-        "id": one["id"],
-        "created": when(one["created"]),
-        **{key: one[key] for key in keys},
+        "id": recording["id"],
+        "created": when(recording["created"]),
+        **{key: recording[key] for key in keys},
         "fits": fits,
-        "revision": revision(one),
+        "revision": revision(recording),
     }
 
 
 @router.get("/recordings/{id}/quality")
 def get_quality(id: PathId, bench: Bench) -> dict[str, Any]:
     """What is questionable about it, where in time, and what to do."""
-    one = bench.project.need("recording", id)
-    if one.get("findings") is None:
+    recording = bench.project.need("recording", id)
+    if recording.get("findings") is None:
         path = str(bench.project.path("recordings", id, ".h5"))
-        found = bench.workers.ask("quality", path=path)["findings"]
-        one = bench.project.change("recording", id, findings=found)
-    return {"findings": one["findings"]}
+        findings = bench.workers.ask("quality", path=path)["findings"]
+        recording = bench.project.change("recording", id, findings=findings)
+    return {"findings": recording["findings"]}
 
 
 @router.get(
@@ -194,9 +207,9 @@ def get_window(
     for name in names:
         if name not in channels:
             raise RefusedError(400, f"no signal {name[:40]!r}; there are: {', '.join(channels)}")
-    found = {name: channels[name][0].window(start, end, points) for name in dict.fromkeys(names)}
-    units = {name: channels[name][1] for name in found}
-    times = [one.time for one, _ in channels.values()]
+    windows = {name: channels[name][0].window(start, end, points) for name in dict.fromkeys(names)}
+    units = {name: channels[name][1] for name in windows}
+    times = [pyramid.time for pyramid, _ in channels.values()]
     span = {
         "start": min(float(t[0]) for t in times) if start is None else start,
         "end": max(float(t[-1]) for t in times) if end is None else end,
@@ -204,42 +217,46 @@ def get_window(
     if format == "json":
         signals_ = [
             {**_header(name, units[name], w), "t": w.time.tolist(), "v": w.values.tolist()}
-            for name, w in found.items()
+            for name, w in windows.items()
         ]
         body = json.dumps({**span, "signals": signals_}, allow_nan=False)
         return Response(body, media_type="application/json")
-    return Response(_binary(span, found, units), media_type="application/octet-stream")
+    return Response(_binary(span, windows, units), media_type="application/octet-stream")
 
 
 def _raw(bench: Workbench, id_: str) -> dict[str, tuple[Pyramid, str]]:
     curves = bench.curves(id_)
     return {
-        role: (one, curves.recording.channels[role].unit) for role, one in curves.pyramids.items()
+        role: (pyramid, curves.recording.channels[role].unit)
+        for role, pyramid in curves.pyramids.items()
     }
 
 
 def _prepared(bench: Workbench, id_: str) -> dict[str, tuple[Pyramid, str]]:
-    one = bench.prepared(id_, False)
-    signals = {"angle": (one.angle, "rad")}
-    if one.torque is not None:
-        signals["torque"] = (one.torque, "Nm")
+    inputs = bench.prepared(id_, False)
+    signals = {"angle": (inputs.angle, "rad")}
+    if inputs.torque is not None:
+        signals["torque"] = (inputs.torque, "Nm")
     for column, role in enumerate(role for role in ROLES if role.startswith("emg_")):
-        if role.removeprefix("emg_") not in one.missing_emg:
-            signals[role] = (np.ascontiguousarray(one.emg[:, column]), one.emg_unit)
-    signals |= {"velocity": (one.velocity, "rad/s"), "acceleration": (one.acceleration, "rad/s2")}
-    return {role: (Pyramid(one.time, values), unit) for role, (values, unit) in signals.items()}
+        if role.removeprefix("emg_") not in inputs.missing_emg:
+            signals[role] = (np.ascontiguousarray(inputs.emg[:, column]), inputs.emg_unit)
+    signals |= {
+        "velocity": (inputs.velocity, "rad/s"),
+        "acceleration": (inputs.acceleration, "rad/s2"),
+    }
+    return {role: (Pyramid(inputs.time, values), unit) for role, (values, unit) in signals.items()}
 
 
 def _header(role: str, unit: str, window: Window) -> dict[str, Any]:
     return {"role": role, "unit": unit, "n": window.n, "reduced": window.reduced}
 
 
-def _binary(span: dict[str, float], found: dict[str, Window], units: dict[str, str]) -> bytes:
+def _binary(span: dict[str, float], windows: dict[str, Window], units: dict[str, str]) -> bytes:
     """A JSON header with its length, then for each signal times (float64) and values (float32)."""
     parts: list[bytes] = []
     headers = []
     at = 0
-    for name, window in found.items():
+    for name, window in windows.items():
         time = window.time.astype("<f8").tobytes()
         values = window.values.astype("<f4").tobytes()
         values += b"\0" * (-len(values) % 8)

@@ -30,7 +30,7 @@ _MOST_FITS = 100_000
 @router.get("")
 def get_studies(bench: Bench) -> dict[str, Any]:
     """All studies."""
-    return {"studies": [_shown(bench, one) for one in bench.database.all("study")]}
+    return {"studies": [_shown(bench, thing) for thing in bench.database.all("study")]}
 
 
 @router.post("", status_code=201)
@@ -58,15 +58,15 @@ def get_study(id: PathId, bench: Bench) -> dict[str, Any]:
 @router.post("/{id}/start", status_code=202)
 def start_study(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Start it, or go on with it; the answer is its job."""
-    one = bench.project.need("study", id)
-    return _start(bench, browser, one, parse_study(one["toml"]))
+    thing = bench.project.need("study", id)
+    return _start(bench, browser, thing, parse_study(thing["toml"]))
 
 
 @router.delete("/{id}", status_code=204)
 def delete_study(id: PathId, bench: Bench, browser: Browser) -> Response:
     """Delete it; undo brings it back."""
-    one = bench.project.need("study", id)
-    bench.delete(browser, "study", id, f"delete study {one['name']}"[:120])
+    thing = bench.project.need("study", id)
+    bench.delete(browser, "study", id, f"delete study {thing['name']}"[:120])
     return Response(status_code=204)
 
 
@@ -75,8 +75,8 @@ def get_table(
     id: PathId, bench: Bench, limit: Annotated[int, Query(ge=1, le=5000)] = 500
 ) -> dict[str, Any]:
     """The rows that are there."""
-    one = bench.project.need("study", id)
-    names = columns(parse_study(one["toml"]))
+    thing = bench.project.need("study", id)
+    names = columns(parse_study(thing["toml"]))
     path = bench.project.path("studies", id, ".db")
     if not path.exists():
         return {"columns": names, "rows": [], "total": 0}
@@ -89,12 +89,12 @@ def get_table(
 @router.get("/{id}/table.csv", response_class=Response, responses=_CSV)
 def get_csv(id: PathId, bench: Bench) -> Response:
     """The table, as `surae study export` writes it."""
-    one = bench.project.need("study", id)
+    thing = bench.project.need("study", id)
     with _kept(bench, id) as kept, tempfile.TemporaryDirectory(prefix="surae-study-") as folder:
         path = Path(folder) / "table.csv"
         export(kept, path)
         data = path.read_bytes()
-    return Response(data, media_type="text/csv", headers=attachment(one["name"], ".csv"))
+    return Response(data, media_type="text/csv", headers=attachment(thing["name"], ".csv"))
 
 
 @router.get("/{id}/figure.svg", response_class=Response, responses=_SVG)
@@ -106,10 +106,10 @@ def get_figure(
     from surae.report.figures.study import study_figure
     from surae.report.study import study_curves
 
-    one = bench.project.need("study", id)
+    thing = bench.project.need("study", id)
     with _kept(bench, id) as kept:
-        curves = study_curves(table(kept), tuple(parse_study(one["toml"]).factors), x)
-    return Response(svg(study_figure(curves, f"{one['name']}:")), media_type="image/svg+xml")
+        curves = study_curves(table(kept), tuple(parse_study(thing["toml"]).factors), x)
+    return Response(svg(study_figure(curves, f"{thing['name']}:")), media_type="image/svg+xml")
 
 
 def _kept(bench: Workbench, id_: str) -> Store:
@@ -119,17 +119,17 @@ def _kept(bench: Workbench, id_: str) -> Store:
     return Store(path)
 
 
-def _start(bench: Workbench, browser: Session, one: Thing, study: Study) -> dict[str, Any]:
-    if bench.jobs.of(one["id"]):
+def _start(bench: Workbench, browser: Session, thing: Thing, study: Study) -> dict[str, Any]:
+    if bench.jobs.of(thing["id"]):
         raise RefusedError(409, "this study is at work already")
-    task = {"study": one["id"], "toml": one["toml"]}
-    job = bench.jobs.submit("study", f"study {study.name}"[:200], browser, task, one["id"])
+    task = {"study": thing["id"], "toml": thing["toml"]}
+    job = bench.jobs.submit("study", f"study {study.name}"[:200], browser, task, thing["id"])
     return bench.jobs.shown(job, browser)
 
 
-def _shown(bench: Workbench, one: Thing) -> dict[str, Any]:
-    jobs = bench.jobs.of(one["id"])
-    path = bench.project.path("studies", one["id"], ".db")
+def _shown(bench: Workbench, thing: Thing) -> dict[str, Any]:
+    jobs = bench.jobs.of(thing["id"])
+    path = bench.project.path("studies", thing["id"], ".db")
     done, fits, reasons = 0, None, dict[str, int]()
     if path.exists():
         try:
@@ -145,15 +145,15 @@ def _shown(bench: Workbench, one: Thing) -> dict[str, Any]:
     else:
         state = "done" if done >= fits else "stopped"
     return {
-        "id": one["id"],
-        "name": one["name"],
-        "created": when(one["created"]),
-        "rows": one["rows"],
+        "id": thing["id"],
+        "name": thing["name"],
+        "created": when(thing["created"]),
+        "rows": thing["rows"],
         "fits": fits,
         "done": done,
         "state": state,
         "job": jobs[0]["id"] if jobs else None,
         "reasons": reasons,
-        "factors": {k: list(v) for k, v in parse_study(one["toml"]).factors.items()},
-        "toml": one["toml"],
+        "factors": {k: list(v) for k, v in parse_study(thing["toml"]).factors.items()},
+        "toml": thing["toml"],
     }

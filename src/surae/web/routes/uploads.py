@@ -100,7 +100,7 @@ def _keep(bench: Workbench, browser: Session, data: Thing, id_: str) -> None:
 @router.get("/uploads")
 def get_uploads(bench: Bench, browser: Browser) -> dict[str, Any]:
     """The session's files."""
-    return {"uploads": [_shown(one) for one in _uploads(bench, browser)]}
+    return {"uploads": [_shown(upload) for upload in _uploads(bench, browser)]}
 
 
 @router.delete("/uploads/{id}", status_code=204)
@@ -121,14 +121,16 @@ def inspect_upload(
     """What is in a file, and in others that belong to it, and a guess of what each column is."""
     if also is not None and not _IDS.match(also):
         raise RefusedError(400, "also: give ids with commas")
-    one = _upload(bench, browser, id)
+    upload = _upload(bench, browser, id)
     others = [] if also is None else [_upload(bench, browser, other) for other in also.split(",")]
-    files = _files(bench, browser, [one, *others])
-    found = bench.workers.ask("inspect", files=files)["found"]
-    if not found["columns"]:  # a mapping: what it names may be among all uploads
-        rest = [u for u in _uploads(bench, browser) if u["id"] != one["id"]]
-        found = bench.workers.ask("inspect", files=_files(bench, browser, [one, *rest]))["found"]
-    return {"id": one["id"], "name": one["name"], **found}
+    files = _files(bench, browser, [upload, *others])
+    result = bench.workers.ask("inspect", files=files)["found"]
+    if not result["columns"]:  # a mapping: what it names may be among all uploads
+        rest = [u for u in _uploads(bench, browser) if u["id"] != upload["id"]]
+        result = bench.workers.ask("inspect", files=_files(bench, browser, [upload, *rest]))[
+            "found"
+        ]
+    return {"id": upload["id"], "name": upload["name"], **result}
 
 
 @router.get("/units")
@@ -151,9 +153,9 @@ def post_import(given: ImportGiven, bench: Bench, browser: Browser) -> dict[str,
     if given.subject is not None:
         bench.project.need("subject", given.subject)
     id_ = new_id()
-    found = _imported(given, bench, browser, str(bench.project.path("recordings", id_, ".h5")))
+    result = _imported(given, bench, browser, str(bench.project.path("recordings", id_, ".h5")))
     return _added(
-        bench, id_, found, given.subject, given.trial or "", given.condition or "",
+        bench, id_, result, given.subject, given.trial or "", given.condition or "",
         given.mapping.model_dump(mode="json"),
     )  # fmt: skip
 
@@ -164,26 +166,29 @@ def post_demo(bench: Bench, browser: Browser) -> dict[str, Any]:
     del browser
     id_, known = new_id(), _virtual(bench)
     trial = 1 + sum(
-        known is not None and one["subject"] == known for one in bench.database.all("recording")
+        known is not None and recording["subject"] == known
+        for recording in bench.database.all("recording")
     )
     path = str(bench.project.path("recordings", id_, ".h5"))
-    found = bench.workers.ask("demo", trial=trial, output=path)["found"]
+    result = bench.workers.ask("demo", trial=trial, output=path)["found"]
     with bench.database.transaction():
         subject = _virtual(bench) or bench.database.add("subject", _VIRTUAL_SUBJECT)
     bench.changed("subjects")
-    return _added(bench, id_, found, subject, f"T{trial}", "", None)
+    return _added(bench, id_, result, subject, f"T{trial}", "", None)
 
 
 def _virtual(bench: Workbench) -> str | None:
     """The subject that is not real, where it has been made."""
-    found = [one["id"] for one in bench.database.all("subject") if one["code"] == _VIRTUAL]
-    return found[0] if found else None
+    ids = [
+        subject["id"] for subject in bench.database.all("subject") if subject["code"] == _VIRTUAL
+    ]
+    return ids[0] if ids else None
 
 
 def _added(
     bench: Workbench,
     id_: str,
-    found: Mapping[str, Any],
+    result: Mapping[str, Any],
     subject: str | None,
     trial: str,
     condition: str,
@@ -191,21 +196,21 @@ def _added(
 ) -> dict[str, Any]:
     """Add a recording, whose file is there, to the project."""
     data = {
-        "name": found["name"],
+        "name": result["name"],
         "subject": subject,
-        "side": found["side"],
+        "side": result["side"],
         "trial": trial,
         "condition": condition,
-        "duration_s": found["duration_s"],
-        "emg": found["emg"],
-        "fixed": found["fixed"],
+        "duration_s": result["duration_s"],
+        "emg": result["emg"],
+        "fixed": result["fixed"],
         "channels": [
-            {key: one[key] for key in ("role", "unit", "n", "rate_hz", "source")}
-            for one in found["channels"]
+            {key: channel[key] for key in ("role", "unit", "n", "rate_hz", "source")}
+            for channel in result["channels"]
         ],
-        "files": found["files"],
+        "files": result["files"],
         "mapping": mapping,
-        "findings": found["findings"],
+        "findings": result["findings"],
     }
     bench.project.add("recording", data, id_)
     bench.changed("recordings")
@@ -216,38 +221,39 @@ def _imported(
     given: ImportGiven, bench: Workbench, browser: Session, output: str | None
 ) -> dict[str, Any]:
     mapping = given.mapping.model_dump(mode="json")
-    wanted = dict.fromkeys(one["upload"] for one in mapping["channels"].values())
+    wanted = dict.fromkeys(upload["upload"] for upload in mapping["channels"].values())
     uploads = [_upload(bench, browser, id_) for id_ in wanted]
     files = _files(bench, browser, uploads)
-    found: dict[str, Any] = bench.workers.ask("load", files=files, mapping=mapping, output=output)[
+    result: dict[str, Any] = bench.workers.ask("load", files=files, mapping=mapping, output=output)[
         "found"
     ]
-    return found
+    return result
 
 
 def _uploads(bench: Workbench, browser: Session) -> list[Thing]:
-    return [one for one in bench.database.all("upload") if one["session"] == browser.key]
+    return [upload for upload in bench.database.all("upload") if upload["session"] == browser.key]
 
 
 def _upload(bench: Workbench, browser: Session, id_: str) -> Thing:
-    one = bench.database.get("upload", id_)
-    if one is None or one["session"] != browser.key:
+    upload = bench.database.get("upload", id_)
+    if upload is None or upload["session"] != browser.key:
         raise not_found("upload")
-    return one
+    return upload
 
 
 def _files(bench: Workbench, browser: Session, uploads: list[Thing]) -> list[dict[str, str]]:
     folder = bench.project.uploads(browser.key)
     return [
-        {"id": one["id"], "path": str(folder / one["id"]), "name": one["name"]} for one in uploads
+        {"id": upload["id"], "path": str(folder / upload["id"]), "name": upload["name"]}
+        for upload in uploads
     ]
 
 
-def _shown(one: Thing) -> dict[str, Any]:
+def _shown(upload: Thing) -> dict[str, Any]:
     return {
-        "id": one["id"],
-        "name": one["name"],
-        "bytes": one["bytes"],
-        "sha256": one["sha256"],
-        "created": when(one["created"]),
+        "id": upload["id"],
+        "name": upload["name"],
+        "bytes": upload["bytes"],
+        "sha256": upload["sha256"],
+        "created": when(upload["created"]),
     }
