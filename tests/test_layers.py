@@ -35,6 +35,7 @@ LAYERS = (
     ("protocol",),
     ("quality",),
     ("estimation",),
+    ("diagnosis",),
     ("assessment",),
     ("studies",),
     ("report",),

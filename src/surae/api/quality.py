@@ -1,16 +1,18 @@
 """Findings on a recording in any form."""
 
 from surae.api.recordings import AnyRecording
+from surae.diagnosis import examined
+from surae.errors import InputError
 from surae.files import PathLike
 from surae.quality import (
     Commanded,
     Quality,
     check_file,
-    check_recording,
+    commanded_column,
     commanded_file,
     recording_of,
 )
-from surae.recording import Recording
+from surae.recording import Recording, read
 from surae.signals import ModelInputs
 
 
@@ -38,7 +40,12 @@ def check(recording: AnyRecording, *, commanded: Commanded | PathLike | None = N
     """
     asked = commanded if isinstance(commanded, Commanded | None) else commanded_file(commanded)
     if isinstance(recording, ModelInputs):
-        return check_recording(recording_of(recording), asked)
-    if isinstance(recording, Recording):
-        return check_recording(recording, asked)
-    return check_file(recording, asked)
+        recording = recording_of(recording)
+    if not isinstance(recording, Recording):
+        path = recording
+        try:
+            recording = read(path)
+        except InputError:
+            return check_file(path, asked)  # what cannot be read may still be looked at
+        asked = asked or commanded_column(path, recording)
+    return examined(recording, asked)

@@ -27,15 +27,16 @@ def command(recordings: tuple[str, ...], as_json: bool, strict: bool, commanded:
     """
     refuse_repeated(recordings)
 
+    from surae.api.quality import check
     from surae.cli.progress import work
-    from surae.quality import check_file, commanded_file
+    from surae.quality import commanded_file
 
     asked = None if commanded is None else commanded_file(commanded)
     found = []
     with work() as progress:
         for path in recordings:
             progress.describe(f"reading and checking {path}")
-            found.append(check_file(path, asked))
+            found.append(check(path, commanded=asked))
     if as_json:
         click.echo(json.dumps(_plain(recordings, found), ensure_ascii=False, indent=2))
     else:

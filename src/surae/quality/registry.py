@@ -13,6 +13,8 @@ from surae.recording import Recording
 
 #: Samples that signals need for anything but their time to be judged.
 _FEWEST = 32
+#: Rate below which nothing but the time is looked at [Hz].
+_SLOWEST = 5.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +53,15 @@ CHECKS: tuple[Check, ...] = (
 #: Of the time axis, which need no signal that can be read.
 TIME_CODES = ("time-gap", "time-jitter", "samples-missing", "trial-too-short")
 
+#: What quick fits say, see `surae.diagnosis`.
+DIAGNOSED_CODES = ("angle-sign", "angle-still", "torque-unit", "emg-unit", "time-unit")
+
 #: Every code that a finding can have.
-CODES: tuple[str, ...] = tuple(code for one in CHECKS for code in one.codes) + TIME_CODES
+CODES: tuple[str, ...] = (
+    *(code for check in CHECKS for code in check.codes),
+    *TIME_CODES,
+    *DIAGNOSED_CODES,
+)
 
 
 def check_recording(recording: Recording, commanded: Commanded | None = None) -> Quality:
@@ -72,7 +81,7 @@ def check_recording(recording: Recording, commanded: Commanded | None = None) ->
     """
     found = [*timing.time_axes(recording), *timing.too_short(recording)]
     skipped: list[Skipped] = []
-    reason = _unfit(recording)
+    reason = unfit(recording)
     if reason is None:
         trial = trial_of(recording, commanded)
         for one in CHECKS:
@@ -91,11 +100,14 @@ def ordered(found: list[Finding]) -> tuple[Finding, ...]:
     return tuple(sorted(found, key=lambda f: (-SEVERITIES.index(f.severity), f.start_s, f.code)))
 
 
-def _unfit(recording: Recording) -> str | None:
+def unfit(recording: Recording) -> str | None:
     """Why the signals cannot be compared; None where they can."""
     channels = recording.channels
     if "angle" not in channels:
         return "There is no angle."
+    slowest = min(c.rate_hz for c in channels.values())
+    if slowest < _SLOWEST:
+        return f"A channel has {slowest:.2g} samples a second: too few to look at."
     start = max(float(c.time[0]) for c in channels.values())
     end = min(float(c.time[-1]) for c in channels.values())
     shared = min(

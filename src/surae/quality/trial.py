@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -114,6 +114,42 @@ def trial_of(recording: Recording, commanded: Commanded | None = None) -> Trial:
     commanded : Commanded, optional
         The profile that was commanded; recognised from the angle where it can be if not given.
     """
+    seen = signals_of(recording)
+    time, rate = seen.time, seen.rate_hz
+    slow = {muscle: smooth(e, round(SLOW * rate)) for muscle, e in seen.fast.items()}
+    velocity = np.gradient(seen.angle, 1.0 / rate) if len(time) > 2 else np.zeros_like(time)
+    model = None
+    if seen.torque is not None:
+        model = torque_model(time, rate, seen.angle, seen.torque, seen.fast)
+    return Trial(
+        recording=recording,
+        emg_kind=seen.emg_kind,
+        time=time,
+        rate_hz=rate,
+        angle=seen.angle,
+        velocity=velocity,
+        torque=seen.torque,
+        fast=seen.fast,
+        slow=slow,
+        commanded=commanded or recognised(recording.channels["angle"]),
+        effort=_asked_effort(time, slow, commanded),
+        model=model,
+    )
+
+
+class Signals(NamedTuple):
+    """A recording's signals on one axis, see `Trial`."""
+
+    emg_kind: Literal["raw", "envelope"]
+    time: FloatArray
+    rate_hz: float
+    angle: FloatArray
+    torque: FloatArray | None
+    fast: dict[str, FloatArray]
+
+
+def signals_of(recording: Recording) -> Signals:
+    """Signals at the instants of one axis, averaged over its step."""
     channels = recording.channels
     rate = min(RATE, *(c.rate_hz for c in channels.values()))
     start = max(float(c.time[0]) for c in channels.values())
@@ -124,30 +160,12 @@ def trial_of(recording: Recording, commanded: Commanded | None = None) -> Trial:
     if float(np.abs(angle).max()) > IMPOSSIBLE_ANGLE:
         angle = np.deg2rad(angle)
     torque = _sampled(channels["torque"], time, rate) if "torque" in channels else None
-    fast, slow = {}, {}
+    fast = {}
     for muscle in MUSCLES:
         channel = channels.get(f"emg_{muscle}")
-        if channel is None or float(np.ptp(channel.values)) == 0.0:
-            continue
-        envelope = _envelope(channel, kind)
-        fast[muscle] = _sampled(channel, time, rate, envelope)
-        slow[muscle] = smooth(fast[muscle], round(SLOW * rate))
-    asked = commanded or recognised(channels["angle"])
-    velocity = np.gradient(angle, 1.0 / rate) if len(time) > 2 else np.zeros_like(angle)
-    return Trial(
-        recording=recording,
-        emg_kind=kind,
-        time=time,
-        rate_hz=rate,
-        angle=angle,
-        velocity=velocity,
-        torque=torque,
-        fast=fast,
-        slow=slow,
-        commanded=asked,
-        effort=_asked_effort(time, slow, commanded),
-        model=None if torque is None else torque_model(time, rate, angle, torque, fast),
-    )
+        if channel is not None and float(np.ptp(channel.values)) > 0.0:
+            fast[muscle] = _sampled(channel, time, rate, _envelope(channel, kind))
+    return Signals(kind, time, rate, angle, torque, fast)
 
 
 def emg_kind(recording: Recording) -> Literal["raw", "envelope"]:
