@@ -16,9 +16,9 @@ from functools import lru_cache
 
 import numpy as np
 
+from surae.diagnosis import examined
 from surae.protocol import Protocol, Trajectory, generate, named_device
 from surae.protocol.effort import effort, named_task
-from surae.quality import check_recording
 from surae.recording import MUSCLES, Recording, read_only
 from surae.studies import virtual_subject, virtual_trial
 from surae.studies.disturbances import raw_emg
@@ -61,8 +61,7 @@ class Signals:
     @property
     def recording(self) -> Recording:
         """As it is read from a file."""
-        # Half of the envelopes are not said to be.
-        kind = "raw" if self.raw or self.rng.random() < 0.5 else "envelope"
+        kind = "raw" if self.raw else "envelope"
         made = Recording.from_arrays(
             self.time, self.angle, self.torque, self.emg, emg_kind=kind, name="virtual"
         )
@@ -383,7 +382,7 @@ FAULTS: dict[str, tuple[Fault, dict[str, object]]] = {
 
 def codes(s: Signals) -> set[str]:
     """What is found, information left out where it is of no fault."""
-    return {f.code for f in check_recording(s.recording).findings}
+    return {f.code for f in examined(s.recording).findings}
 
 
 def main() -> None:

@@ -6,8 +6,13 @@ from sphinx.application import Sphinx
 
 from surae.quality import CHECKS, CODES
 
-#: What the checks of the time axis look for, which the registry lists by code alone.
-_OF_TIME = {
+#: What the checks of the time axis and quick fits look for, which the registry lists by code alone.
+_OTHERS = {
+    "angle-sign": "an angle that is turned, by what a quick fit then explains",
+    "angle-still": "a static hold",
+    "torque-unit": "mNm, or kNm, for Nm",
+    "emg-unit": "mV or µV for V, in one channel or all",
+    "time-unit": "ms or µs for s",
     "time-gap": "samples that are missing",
     "time-jitter": "time stamps that scatter or go back",
     "samples-missing": "samples that are not numbers",
@@ -38,6 +43,12 @@ ADVICE = {
     "time-gap": "use a part without a gap",
     "time-jitter": "time from the device's sample counter, not the computer's clock",
     "samples-missing": "cut the recording to a part without them",
+    "emg-kind": "`# emg: raw` or `# emg: envelope`, as it is",
+    "angle-sign": "`sign = -1` for the angle",
+    "angle-still": "record a trial that moves",
+    "torque-unit": "the torque's `unit`",
+    "emg-unit": "that channel's `unit`",
+    "time-unit": "the unit of time in the column's name",
     "trial-too-short": "record longer, or fix `tau_rel` and `k_rel`",
 }
 
@@ -50,7 +61,7 @@ def table() -> str:
     ValueError
         The gate has a code that this page knows nothing of, or the other way round.
     """
-    sought = {code: check.looks_for for check in CHECKS for code in check.codes} | _OF_TIME
+    sought = {code: check.looks_for for check in CHECKS for code in check.codes} | _OTHERS
     if set(sought) != set(CODES) or set(ADVICE) != set(CODES):
         differ = set(CODES) ^ set(ADVICE) | set(CODES) ^ set(sought)
         raise ValueError(f"docs/_ext/quality_table.py does not fit the gate: {sorted(differ)}")

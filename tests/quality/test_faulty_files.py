@@ -20,7 +20,8 @@ def table(noisy) -> dict[str, np.ndarray]:
 
 def write(path, table) -> None:
     rows = np.column_stack(list(table.values()))
-    np.savetxt(path, rows, delimiter=",", header=",".join(table), comments="", fmt="%.10g")
+    header = f"# emg: envelope\n{','.join(table)}"
+    np.savetxt(path, rows, delimiter=",", header=header, comments="", fmt="%.10g")
 
 
 def codes(quality) -> list[str]:
@@ -45,7 +46,7 @@ def test_missing_samples_are_a_finding_and_the_rest_is_checked(tmp_path, table) 
     quality = surae.check(tmp_path / "nan.csv")
     assert {"samples-missing", "torque-sign"} <= set(codes(quality))
     assert "time-gap" not in codes(quality)
-    assert "row 302" in quality.findings[0].message + quality.findings[1].message
+    assert "row 303" in quality.findings[0].message + quality.findings[1].message
 
 
 @pytest.mark.parametrize("text", ["", "time_s,angle_rad\n0,x\n", "a,b\n1,2\n"])

@@ -55,6 +55,12 @@ def test_every_code_has_a_fault_here_or_a_test_elsewhere(planted) -> None:
     assert set(CODES) - {name.split()[0] for name in FAULTS} == {
         "samples-missing",
         "torque-artefact",
+        "emg-kind",
+        "angle-sign",
+        "angle-still",
+        "torque-unit",
+        "emg-unit",
+        "time-unit",
     }
 
 

@@ -8,10 +8,10 @@ from surae.quality import (
     Commanded,
     Quality,
     check_file,
-    commanded_column,
     commanded_file,
     recording_of,
 )
+from surae.quality.reading import commanded_column
 from surae.recording import Recording, read
 from surae.signals import ModelInputs
 

@@ -3,7 +3,7 @@
 from surae.quality.commanded import Commanded
 from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped, quality_of
 from surae.quality.prepared import recording_of
-from surae.quality.reading import check_file, commanded_column, commanded_file
+from surae.quality.reading import check_file, commanded_file
 from surae.quality.registry import CHECKS, CODES, Check, check_recording
 
 __all__ = [
@@ -17,7 +17,6 @@ __all__ = [
     "Skipped",
     "check_file",
     "check_recording",
-    "commanded_column",
     "commanded_file",
     "quality_of",
     "recording_of",

@@ -7,6 +7,7 @@ from surae.quality.numeric import equal_runs, quantile, runs, smooth
 from surae.quality.trial import Trial
 from surae.quality.wording import muscle_name, quantity, weight_of
 from surae.recording import MUSCLES, Channel
+from surae.signals.emg import NEGATIVE_FRACTION
 
 #: A muscle that never exceeds this [V] is at rest: maximal efforts give 2e-4 V and more.
 REST_VOLTS = 2e-5
@@ -37,6 +38,37 @@ BURST_SECONDS = 0.8
 #: 20 Hz and leaks 0.3 of it; a moving cable or skin makes more than the EMG itself.
 SLOW_SPIKE = 0.9
 _SLOW_WINDOW = 0.04
+
+
+def kind(trial: Trial) -> tuple[Finding, ...]:
+    """EMG that is not what it is declared to be, which a fit would refuse or filter wrongly."""
+    declared = trial.recording.emg
+    for muscle, channel in _channels(trial).items():
+        if muscle not in trial.slow:
+            continue
+        low, high = float(channel.values.min()), float(channel.values.max())
+        if declared == "raw" and trial.emg_kind == "envelope":
+            text, right = "is declared raw, but looks like an envelope", "envelope"
+        elif declared == "envelope" and low < -NEGATIVE_FRACTION * max(high, 0.0):
+            text = f"is declared an envelope, but goes down to {quantity(low, channel)}"
+            right = "raw"
+        else:
+            continue
+        return (
+            Finding(
+                "emg-kind",
+                # Where all signals are prepared, as --prepared says, an envelope is as it should be.
+                "error" if right == "raw" else "info",
+                channel.role,
+                trial.start,
+                trial.end,
+                low,
+                channel.unit,
+                f"The EMG of the {muscle_name(muscle)} {text}.",
+                f"Write '# emg: {right}' in the CSV, or emg = \"{right}\" in the TOML.",
+            ),
+        )
+    return ()
 
 
 def missing(trial: Trial) -> tuple[Finding, ...]:
@@ -259,8 +291,12 @@ def artefact(trial: Trial) -> tuple[Finding, ...]:
                 + ("artefact" if len(spans) == 1 else "artefacts")
                 + f" in the EMG of the {muscle_name(muscle)}, the largest of "
                 f"{quantity(float(size[worst]), channel)} at {channel.time[worst]:.3f} s.",
-                "Fasten cable and electrode; leave that time out with --exclude, or fit with "
-                "--robust.",
+                "Fasten cable and electrode; "
+                + (
+                    "fit with --robust."
+                    if where[-1] - where[0] > 0.5 * len(size)
+                    else "leave that time out with --exclude, or fit with --robust."
+                ),
             )
         )
     return tuple(found)

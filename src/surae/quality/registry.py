@@ -28,6 +28,7 @@ class Check:
 
 #: Of the signals.
 CHECKS: tuple[Check, ...] = (
+    Check(("emg-kind",), emg.kind, "raw EMG declared an envelope, or the other way round"),
     Check(("emg-missing",), emg.missing, "muscles without EMG"),
     Check(("emg-flat",), emg.flat, "EMG that is constant, for a while or throughout"),
     Check(("emg-clipped",), emg.clipped, "EMG at the amplifier's limit"),

@@ -100,7 +100,7 @@ def artefact(trial: Trial) -> tuple[Finding, ...] | Skipped:
     if top > IMPOSSIBLE:
         at = channel.time[size > IMPOSSIBLE]
         text = f"The torque reaches {top:.3g} Nm, more than any ankle makes."
-        return (_artefact(float(at[0]), float(at[-1]), top, text),)
+        return (_artefact(trial, float(at[0]), float(at[-1]), top, text),)
     model = trial.model
     if model is None:
         return Skipped("torque-artefact", "The trial is too short to know its torque.")
@@ -114,10 +114,11 @@ def artefact(trial: Trial) -> tuple[Finding, ...] | Skipped:
         f"In {100 * float(wrong.mean()):.2g} % of the time the torque is up to {top:.3g} Nm from "
         "what angle and EMG explain."
     )
-    return (_artefact(float(at[0]), float(at[-1]), top, text),)
+    return (_artefact(trial, float(at[0]), float(at[-1]), top, text),)
 
 
-def _artefact(start: float, end: float, value: float, text: str) -> Finding:
+def _artefact(trial: Trial, start: float, end: float, value: float, text: str) -> Finding:
+    apart = end - start < 0.5 * (trial.end - trial.start)
     return Finding(
         "torque-artefact",
         "warning",
@@ -127,7 +128,12 @@ def _artefact(start: float, end: float, value: float, text: str) -> Finding:
         value,
         "Nm",
         text,
-        "Look at the torque there; leave that time out with --exclude, or fit with --robust.",
+        "Look at the torque there; "
+        + (
+            "leave that time out with --exclude, or fit with --robust."
+            if apart
+            else "fit with --robust."
+        ),
     )
 
 

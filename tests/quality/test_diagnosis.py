@@ -1,0 +1,127 @@
+"""Wrong signs, units and zeros are named with what fits better, and right ones never."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import surae
+from surae.protocol import Protocol, generate
+from surae.quality import recording_of
+from surae.recording import Recording, read_only
+from surae.studies import virtual_subject, virtual_trial
+
+#: What says that a recording is not what it is said to be.
+CODES = {
+    "angle-sign", "torque-sign", "torque-unit", "emg-unit", "time-unit", "angle-units",
+    "angle-still", "torque-offset",
+}  # fmt: skip
+TRAJECTORY = generate(Protocol(profile="multiple-holds", chirp_amplitude=0.2, rate_hz=128.0))
+
+
+def trial(seed: int, population: str = "healthy") -> Recording:
+    subject = virtual_subject(seed, population)
+    return recording_of(virtual_trial(subject, TRAJECTORY, noise=0.03, seed=seed))
+
+
+def scaled(recording: Recording, roles: tuple[str, ...], factor: float, plus: float = 0.0):
+    channels = dict(recording.channels)
+    for role in roles:
+        values = channels[role].values * factor + plus
+        channels[role] = replace(channels[role], values=read_only(values))
+    return replace(recording, channels=channels)
+
+
+def timed(recording: Recording, factor: float) -> Recording:
+    channels = {
+        role: replace(channel, time=read_only(channel.time * factor))
+        for role, channel in recording.channels.items()
+    }
+    return replace(recording, channels=channels)
+
+
+def told(recording: Recording) -> dict[str, surae.quality.Finding]:
+    findings = surae.check(recording).findings
+    return {finding.code: finding for finding in findings if finding.code in CODES}
+
+
+@pytest.mark.parametrize("population", ["healthy", "patient"])
+@pytest.mark.parametrize(
+    ("turned", "codes"),
+    [
+        ((), set()),
+        (("angle",), {"angle-sign"}),
+        (("torque",), {"torque-sign"}),
+        (("angle", "torque"), {"angle-sign", "torque-sign"}),
+    ],
+)
+def test_turned_signs_are_named_with_what_fits_better(population, turned, codes) -> None:
+    findings = told(scaled(trial(4, population), turned, -1.0))
+    assert set(findings) == codes
+    if turned:
+        first = findings[f"{turned[0]}-sign"]
+        assert f"The {turned[0]} is turned" in first.message
+        assert "R² rises from" in first.message
+        assert first.value > 0.95
+
+
+EMG = ("emg_ta", "emg_gl", "emg_sol", "emg_gm")
+
+
+@pytest.mark.parametrize(
+    ("change", "code", "words"),
+    [
+        (lambda r: scaled(r, ("torque",), 1e3), "torque-unit", "mNm"),
+        (lambda r: scaled(r, ("torque",), 1e-3), "torque-unit", "kNm"),
+        (lambda r: scaled(r, ("emg_sol",), 1e6), "emg-unit", "soleus"),
+        (lambda r: scaled(r, ("emg_ta",), 1e3), "emg-unit", "mV"),
+        (lambda r: scaled(r, EMG, 1e6), "emg-unit", "µV"),
+        (lambda r: scaled(r, EMG, 1e3), "emg-unit", "behind an amplifier"),
+        (lambda r: timed(r, 1e3), "time-unit", "128 Hz"),
+        (lambda r: scaled(r, ("angle",), float(np.rad2deg(1.0))), "angle-units", "degrees"),
+        (lambda r: scaled(r, ("angle",), float(np.deg2rad(1.0))), "angle-units", "R² rises"),
+        (lambda r: scaled(r, ("torque",), 1.0, 15.0), "torque-offset", "Nm"),
+        (lambda r: scaled(r, ("angle",), 1e-3), "angle-still", "static hold"),
+    ],
+)
+def test_wrong_units_and_zeros_are_named_alone(change, code, words) -> None:
+    findings = told(change(trial(4)))
+    assert set(findings) == {code}
+    assert words in findings[code].message
+
+
+def test_a_unit_and_a_sign_that_are_wrong_are_both_named() -> None:
+    changed = scaled(scaled(trial(5), ("torque",), 1e3), ("angle",), -1.0)
+    assert set(told(changed)) == {"torque-unit", "angle-sign"}
+
+
+@pytest.mark.parametrize("seed", range(460000, 460006))
+def test_nothing_is_said_of_right_recordings_with_crosstalk_delay_and_noise(planted, seed) -> None:
+    signals = planted.signals(seed)
+    mixed = np.eye(4) + 0.05 * (1.0 - np.eye(4))
+    late = round(0.04 * signals.rate)
+    emg = signals.emg if signals.raw else signals.emg @ mixed
+    signals.emg = np.vstack([emg[late:], np.repeat(emg[-1:], late, axis=0)])
+    signals.torque = signals.torque + 2.0
+    assert told(signals.recording) == {}
+
+
+def test_a_passive_trial_does_not_tell_which_sign_is_turned() -> None:
+    subject = virtual_subject(6)
+    passive = generate(Protocol(profile="multiple-holds", task="passive", rate_hz=128.0))
+    recording = recording_of(virtual_trial(subject, passive, noise=0.01, seed=6))
+    findings = told(scaled(recording, ("angle",), -1.0))
+    assert {"angle-sign", "torque-sign"} & set(findings)
+    assert told(recording) == {}
+
+
+def test_the_lag_on_periodic_gait_is_not_claimed(shared) -> None:
+    findings = surae.check(shared / "gait" / "walk36.toml").findings
+    assert "electrode-lag" not in {finding.code for finding in findings}
+
+
+def test_the_dynamometers_both_signs(shared) -> None:
+    recording = surae.read(shared / "dynamometer" / "PL_50_01.toml")
+    assert not {"angle-sign", "torque-sign"} & set(told(recording))
+    turned = scaled(recording, ("angle", "torque"), -1.0)
+    assert {"angle-sign", "torque-sign"} <= set(told(turned))
