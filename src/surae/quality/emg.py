@@ -57,7 +57,7 @@ def kind(trial: Trial) -> tuple[Finding, ...]:
         return (
             Finding(
                 "emg-kind",
-                # Where all signals are prepared, as --prepared says, an envelope is as it should be.
+                # An envelope is right where all signals are prepared, as --prepared says.
                 "error" if right == "raw" else "info",
                 channel.role,
                 trial.start,
