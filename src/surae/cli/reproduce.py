@@ -54,8 +54,7 @@ def command(
 
     chosen = sections(only)
 
-    from joblib import cpu_count
-
+    from surae.runner import cores
     from surae_thesis.section import Context, make_folder, reproduce
 
     folder = Path(output)
@@ -73,7 +72,7 @@ def command(
                 folder=folder,
                 seed=number or 0,
                 quick=quick,
-                workers=count or int(cpu_count()),
+                workers=count or cores(),
                 progress=progress.parts,
             )
             written = reproduce(
