@@ -206,7 +206,7 @@ def _adapted(name: str, profile: str, title: str) -> Drawing:
             sign * 1.5, color=OCHRE, linewidth=1.2, linestyle=(0, (5, 2)),
             label="1.5 rad/s" if sign > 0 else "_",
         )  # fmt: skip
-    velocity.set_ylim(-8.5, 8.5)
+    velocity.set_ylim(-10.0, 10.0)
     velocity.set_xlim(0.0, float(after.time[-1]))
     legend(velocity, 3)
     adaptation = after.adaptation

@@ -93,9 +93,11 @@ def _muscle_vaf_why(study: Study) -> str:
 def _tendon_vaf(study: Study) -> Ruling:
     values = _vafs(study, "muscle-tendon")
     good = values[values >= GOOD_VAF]
-    middle = float(np.median(good)) if good.size else np.nan
+    if not good.size:
+        return Ruling(False, f"none of {values.size} cells reaches 99.85 %")
+    middle = float(np.median(good))
     return Ruling(
-        bool(abs(middle - 99.89) <= _AROUND),
+        abs(middle - 99.89) <= _AROUND,
         f"median {middle:.3f} % of the {good.size} of {values.size} cells from 99.85 % up",
     )
 
@@ -135,7 +137,16 @@ def _fails_why(concerned: Callable[[Cell], bool]) -> Callable[[Study], str]:
             f"{sum(not concerned(c) for c in cells)})"
             for rate, cells in study.explicit.items()
         )
-        return f"Simulated and fitted by the thesis's explicit scheme, below are {told}."
+        some = [c for c in select(study.grid, model="muscle-tendon") if concerned(c)]
+        low = [cell for cell in some if cell.vaf < GOOD_VAF]
+        rest = [c for c in select(study.grid, model="muscle-tendon") if not concerned(c)]
+        return (
+            f"In {sum(cell.floor < GOOD_VAF for cell in low)} of the {len(low)} the noise alone "
+            f"leaves less than 99.85 %, and {_below(rest)} of the {len(rest)} other cells are "
+            "below too: the threshold tells how the torque is shaped, not that a fit failed. "
+            f"Simulated and fitted by the thesis's explicit scheme, below are {told}: there our "
+            "solver, which follows derivatives, fails everywhere."
+        )
 
     return why
 
@@ -550,10 +561,6 @@ def _chosen_task(study: Study) -> Ruling:
     )
 
 
-_LARGE = (
-    "The thesis left out 0.3 rad because its muscle-tendon model failed there; solved implicitly "
-    "it does not, and more amplitude tells more."
-)
 _AT = "(0.2 rad, factor 0.5)"
 _LARGE_CHIRP, _MULTI_SINE = (
     lambda cell: cell.amplitude == 0.3,
@@ -698,7 +705,7 @@ CLAIMS: tuple[tuple[Claim[Study], tuple[str, ...]], ...] = (
     (Claim("patient-amplitude", "3.1.5",
         "With a patient's parameters 0.2 rad stays the best amplitude.", "0.2 rad",
         "Mean over both models and the two chosen profiles of the normalised SEM lowest at 0.2 rad "
-        "(factor 0.5).", _patient_amplitude, _LARGE), NOISE_VIEWS),
+        "(factor 0.5).", _patient_amplitude), NOISE_VIEWS),
     (Claim("patient-factor", "3.1.5",
         "With a patient's parameters SEM falls with the chirp's factor, and IPDE is lowest around "
         "0.5.", "about 0.5",
@@ -720,7 +727,7 @@ CLAIMS: tuple[tuple[Claim[Study], tuple[str, ...]], ...] = (
         "0.2 rad, 0.5",
         "Mean over both models and the two chosen profiles: normalised SEM lowest at 0.2 rad of "
         "the four amplitudes, IPDE lowest from 0.4 to 0.6 at 0.2 rad.",
-        _chosen_chirp, _LARGE), NOISE_VIEWS),
+        _chosen_chirp), NOISE_VIEWS),
     (Claim("chosen-task", "4.1.1, 4.1.5", "The part-passive task is the better one.",
         "part-passive",
         "Lower mean of the normalised SEM and lower mean IPDE over both models and the two chosen "

@@ -52,7 +52,7 @@ def _notes(context: Context, rows: list[Row], views: Mapping[str, Study]) -> tup
         f"{len(study.grid):,} distinct fits, since the factor is irrelevant without a chirp; "
         f"{study.failed} rows gave no fit.{quick} One virtual subject (seed {context.seed}), its "
         "parameters drawn from the healthy ranges, since the thesis does not give its own; "
-        f"{subjects} more for what hangs on the one. Two starts per fit, neither of them the "
+        f"{subjects}, it among them, for what hangs on one. Two starts per fit, neither the "
         "truth.",
         "White noise of 5 % of each signal's mean is added to EMG and torque after simulating "
         "(2.5.3). The torque changes its sign, so that its mean can be read as the signed one, "
