@@ -44,6 +44,20 @@ def test_equal_things_have_equal_hashes():
     assert hash(Thing(np.array([0.0]))) == hash(Thing(np.array([-0.0])))
 
 
+@dataclass(frozen=True)
+class Plain:
+    """A dataclass that knows nothing of arrays."""
+
+    table: dict[str, float]
+
+
+def test_plain_dataclasses_within_are_looked_into():
+    thing, same = (Thing(0, parts=(Plain({"a": math.nan}),)) for _ in range(2))
+    assert thing == same
+    assert hash(thing) == hash(same)
+    assert thing != Thing(0, parts=(Plain({"a": 1.0}),))
+
+
 def test_a_frozen_mapping_is_a_mapping():
     table = FrozenDict({"a": 1.0, "b": 2.0})
     assert table == {"a": 1.0, "b": 2.0} == {**table}

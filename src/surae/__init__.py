@@ -39,6 +39,7 @@ if TYPE_CHECKING:
         write_csv,
         write_sto,
     )
+    from surae.settings import FitSettings
     from surae.signals import (
         EmgReference,
         ModelInputs,
@@ -53,6 +54,7 @@ _HOMES = {
     "EmgReference": "surae.signals",
     "Finding": "surae.quality",
     "Fit": "surae.api",
+    "FitSettings": "surae.settings",
     "Inspection": "surae.recording",
     "ModelInputs": "surae.signals",
     "Preparation": "surae.signals",
@@ -89,6 +91,7 @@ __all__ = [
     "EmgReference",
     "Finding",
     "Fit",
+    "FitSettings",
     "InputError",
     "Inspection",
     "ModelInputs",

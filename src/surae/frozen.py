@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar
 
 import numpy as np
@@ -98,6 +98,8 @@ def _same(a: Any, b: Any) -> bool:
         same = len(a) == len(b) and all(map(_same, a, b))
     elif not same and isinstance(a, Mapping) and isinstance(b, Mapping):
         same = a.keys() == b.keys() and all(_same(a[key], b[key]) for key in a)
+    elif not same and is_dataclass(a) and not isinstance(a, Comparable) and type(a) is type(b):
+        same = all(map(_same, _values(a), _values(b)))
     elif not same:
         same = bool(a == b)
     return same
@@ -108,6 +110,8 @@ def _key(value: Any) -> Any:
     if isinstance(value, np.ndarray):
         plain = value + 0.0 if value.dtype.kind == "f" else value  # −0 equals 0
         return value.shape, plain.tobytes()
+    if is_dataclass(value) and not isinstance(value, Comparable):
+        value = _values(value)  # which may hold what has no hash
     if isinstance(value, tuple | list):
         return tuple(map(_key, value))
     if isinstance(value, Mapping):

@@ -6,15 +6,22 @@ import numpy as np
 import pytest
 
 from surae.assessment import Finding
-from surae.assessment.comparison.compare import COMPARED, compare_models
+from surae.assessment.comparison import compare as comparing
+from surae.assessment.comparison.compare import COMPARED, FEW_STARTS
 from surae.assessment.comparison.held_out import prediction_error
 from surae.errors import InputError
-from surae.estimation import fit_problem, make_problem
+from surae.estimation import FitSettings, fit_problem, make_problem, solve
 from surae.model import ModelOptions
 from surae.protocol import Protocol, generate
+from surae.signals import Weighting
 from surae.studies import virtual_subject, virtual_trial
 
 OPTIONS = ModelOptions(tendon_strain="slack-length")
+
+
+def compare_models(inputs, models=COMPARED, progress=None, **asked):
+    settings = FitSettings.of(FitSettings(starts=FEW_STARTS), **asked)
+    return comparing.compare_models(inputs, models, settings, progress)
 
 
 def trial(model: str, seed: int = 1, profile: str = "multiple-holds", noise_seed: int = 0):
@@ -207,17 +214,17 @@ def test_stopped_before_anything_is_known() -> None:
 
 def test_stopped_within_a_fit(monkeypatch) -> None:
     """A fit that was stopped and kept its best so far is no result to compare."""
-    real, calls = fit_problem, []
+    real, calls = solve, []
 
-    def stopped(problem, *, starts, seed=0):
-        found = real(problem, starts=starts, seed=seed)
+    def stopped(problem, *, starts):
+        found = real(problem, starts=starts)
         calls.append(problem)
         if len(calls) < 3:
             return found
         last = replace(found.starts[-1], outcome="interrupted")
         return replace(found, status="failed", starts=(*found.starts[:-1], last))
 
-    monkeypatch.setattr("surae.assessment.comparison.compare.fit_problem", stopped)
+    monkeypatch.setattr("surae.assessment.comparison.compare.solve", stopped)
     found = compare_models([trial("muscle")], ["muscle", "muscle-tendon"], starts=1)
     assert len(calls) == 3
     assert len(found.missing) == 8
@@ -265,3 +272,33 @@ def test_error_rates_over_virtual_subjects(truth, expected) -> None:
         found.append(compare_models([one], options=OPTIONS, starts=1).finding)
     assert not wrong & set(found)
     assert found.count(expected) >= 18
+
+
+def test_everything_that_is_asked_reaches_every_fit() -> None:
+    """Freed parameters, bounds, starts, priors, loss and weights; each model has its own share."""
+    settings = FitSettings.of(
+        free=("emd",),
+        bounds={"dlt_tri": (0.02, 0.3), "m": (1.0, 4.0)},
+        start={"beta": 1.1},
+        priors={"tau_rel": (2.5, 0.5)},
+        loss="huber",
+        weights=Weighting(((0.0, 2.0, 0.0),)),
+        starts=1,
+        tendon_strain="slack-length",
+    )
+    inputs = settings.inputs([trial("muscle")])
+    spoiled = inputs[0].torque.copy()
+    spoiled[1000:1010] += 40.0
+    inputs = [replace(inputs[0], torque=spoiled)]
+    models = ["muscle", "muscle-tendon-strain"]
+    comparison = comparing.compare_models(inputs, models, settings)
+    for model in models:
+        result = solve(make_problem(inputs, settings.for_model(model)))
+        assert dict(comparison.scores[model].values) == dict(result.values)
+        assert result.problem.priors.keys() == {"tau_rel"}
+        assert result.outliers is not None
+    assert [s.n_free for s in comparison.models] == [16, 18]
+    assert comparison.n < trial("muscle").n
+    assert any("AICc counts outliers" in said for said in comparison.cautions)
+    assert comparison.finding is not Finding.COMPLIANT
+    assert comparison.as_dict()["settings"] == settings.as_dict()

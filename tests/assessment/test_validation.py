@@ -9,7 +9,7 @@ from surae.assessment.residual.quality import rmse, vaf
 from surae.assessment.validation.leave_one_out import leave_one_out
 from surae.assessment.validation.prediction import pooled, predict_others
 from surae.errors import InputError
-from surae.estimation import fit_problem, make_problem
+from surae.estimation import FitSettings
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_trial
 
@@ -66,18 +66,15 @@ def test_what_does_not_carry_over(fitted, others) -> None:
 
 
 def test_every_recording_is_predicted_from_all_the_others(noisy, others) -> None:
-    seen, told = [], []
-
-    def fit(some):
-        seen.append([id(one) for one in some])
-        return fit_problem(make_problem(some), starts=1)
-
+    told = []
     found = leave_one_out(
-        [noisy, *others], fit, lambda name, done, total: told.append((name, done, total))
+        [noisy, *others],
+        FitSettings(starts=1),
+        lambda name, done, total: told.append((name, done, total)),
     )
-    assert seen == [
-        [id(others[0]), id(others[1])], [id(noisy), id(others[1])], [id(noisy), id(others[0])]
-    ]  # fmt: skip
+    names = [[one.name for one in left.fit.problem.inputs] for left in found.recordings]
+    each = [noisy.name, *(other.name for other in others)]
+    assert names == [each[1:], [each[0], each[2]], each[:2]]
     assert told == [(noisy.name, 0, 3), (others[0].name, 1, 3), (others[1].name, 2, 3)]
     assert [one.name for one in found.predictions] == [noisy.name, *(o.name for o in others)]
     assert min(one.vaf for one in found.predictions) > 99.5
@@ -88,12 +85,13 @@ def test_every_recording_is_predicted_from_all_the_others(noisy, others) -> None
 
 def test_one_recording_cannot_be_left_out(noisy) -> None:
     with pytest.raises(InputError, match="needs at least two"):
-        leave_one_out([noisy], lambda some: fit_problem(make_problem(some)))
+        leave_one_out([noisy], FitSettings())
 
 
-def test_ctrl_c_stops_leaving_out(noisy, others, fitted) -> None:
+def test_ctrl_c_stops_leaving_out(noisy, others, fitted, monkeypatch) -> None:
     stopped = replace(
         fitted, starts=(*fitted.starts[:-1], replace(fitted.starts[-1], outcome="interrupted"))
     )
+    monkeypatch.setattr("surae.assessment.validation.leave_one_out.solve", lambda _: stopped)
     with pytest.raises(KeyboardInterrupt):
-        leave_one_out([noisy, *others], lambda _: stopped)
+        leave_one_out([noisy, *others], FitSettings())

@@ -1,11 +1,13 @@
 """Options that make no sense: one line that names the option and what to write."""
 
+import math
 import re
 
 import pytest
 
-from surae import api, estimation
-from surae.cli.options import assignments, number, pairs, whole_number
+import surae
+from surae import settings
+from surae.cli.options import Entry, Name, Number, Setting, Span, Whole, number
 from surae.errors import InputError
 from surae.model.registry import MODELS
 
@@ -33,7 +35,7 @@ from .conftest import refused
         (["--start", "zz=1"], ("'zz'", "k_tri")),
         (["--start", "m=10"], ("start of m is 10", "1.2 … 3")),
         (["--start", "m=x"], ("--start m=x", "not a number")),
-        (["--start", "m=2", "--fixed", "m=2"], ("--start m", "--fixed m")),
+        (["--start", "m=2", "--fixed", "m=2"], ("start of m has no effect",)),
         (["--bound", "zz=1:2"], ("'zz'", "k_tri")),
         (["--bound", "m=1"], ("--bound m=1", "name=lower:upper")),
         (["--bound", "m=1:"], ("--bound m=1:", "name=lower:upper")),
@@ -43,15 +45,18 @@ from .conftest import refused
         (["--bound", "m=-1:3"], ("m is -1 kg",)),
         (["--bound", "m=1:inf"], ("m is inf",)),
         (["--bound", "m=1:2", "--bound", "m=1:3"], ("--bound m", "twice")),
-        (["--bound", "m=1:2", "--fixed", "m=2"], ("--bound m", "--fixed m")),
+        (["--bound", "m=1:2", "--fixed", "m=2"], ("bounds of m have no effect",)),
+        (["--fixed", "beta=99"], ("fixed value of beta is 99, outside its bounds 0.2 … 4",)),
+        (["--filter", "bessel=3"], ("setting 'bessel' is not known",)),
+        (["--report", "r.docx"], ("r.docx", ".html or .pdf")),
         (["--starts", "0"], ("--starts 0", "1 to")),
         (["--starts", "1.5"], ("--starts 1.5", "whole number")),
         (["--starts", "1000000000"], ("--starts 1000000000",)),
         (["--seed", "-1"], ("--seed -1", "0 or more")),
         (["--seed", "x"], ("--seed x", "whole number")),
-        (["--geometry", "zz"], ("geometry", "'zz'", "virtual-work")),
-        (["--tendon-strain", "zz"], ("tendon_strain", "'zz'", "slack-length")),
-        (["--integrator", "zz"], ("integrator", "'zz'", "explicit-euler")),
+        (["--geometry", "zz"], ("--geometry", "'zz'", "virtual-work")),
+        (["--tendon-strain", "zz"], ("--tendon-strain", "'zz'", "slack-length")),
+        (["--integrator", "zz"], ("--integrator", "'zz'", "explicit-euler")),
         (["--theta-foot", "x"], ("--theta-foot x", "not a number")),
         (["--theta-foot", "nan"], ("theta_foot is nan", "finite")),
         (["--vmax-factor", "0"], ("vmax_factor is 0", "positive")),
@@ -64,12 +69,16 @@ def test_a_wrong_option(run, files, options, says) -> None:
 
 
 def test_texts_of_values() -> None:
-    assert assignments("--fixed", [" m = 2 ", "beta=1e0"]) == {"m": 2.0, "beta": 1.0}
-    assert pairs("--bound", ["m = 1 : 4"], form="lower:upper", example="m=1:4") == {"m": (1.0, 4.0)}
+    assert Entry("value", "m=1").read(" m = 2 ", "--fixed") == ("m", 2.0)
+    assert Entry("lower:upper", "m=1:4").read("m = 1 : 4", "--bound") == ("m", (1.0, 4.0))
     assert number("x", "-1.5e-3") == -0.0015
-    assert whole_number("--seed", None, least=0) is None
-    assert whole_number("--seed", "0", least=0) == 0
-    assert whole_number("--seed", "12345678901234567890", least=0) == 12345678901234567890
+    assert Number(above=0.0).read("2", "x") == 2.0
+    assert Whole(0).read("12345678901234567890", "--seed") == 12345678901234567890
+    assert Name().read(" m ", "--free") == "m"
+    assert Span().read(":3", "--exclude") == (-math.inf, 3.0, 0.0)
+    assert Span(weight=True).read("3::2", "--weight") == (3.0, math.inf, 2.0)
+    assert Setting().read("bessel_hz=false", "--filter") == ("bessel_hz", False)
+    assert Setting().read("bessel_order=4", "--filter") == ("bessel_order", 4)
     with pytest.raises(InputError, match=r"x: '1,2,3' is not a number$"):
         number("x", "1,2,3")
 
@@ -82,6 +91,6 @@ def test_the_help_lists_every_model(run, command) -> None:
 
 def test_the_help_states_the_true_defaults(run) -> None:
     text = " ".join(run("fit", "--help").out.split())
-    assert f"[default: {estimation.STARTS}] --seed" in text
+    assert f"[default: {settings.STARTS}] --seed" in text
     assert "--seed N Of the random starts. [default: 0]" in text
-    assert api.fit.__kwdefaults__["seed"] == 0
+    assert surae.FitSettings().seed == 0

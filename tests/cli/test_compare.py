@@ -27,7 +27,7 @@ def test_the_figures_are_those_of_the_api(run, files) -> None:
     assert [s["held_out"]["vaf"] for s in written["models"]] == [
         s.held_out.vaf for s in found.models
     ]
-    assert written["options"]["tendon_strain"] == "slack-length"
+    assert written["settings"]["options"]["tendon_strain"] == "slack-length"
     assert written["recordings"] == ["trial.csv"]
 
 
@@ -45,7 +45,7 @@ def test_what_is_shown(run, files) -> None:
 
 
 def test_stopped_by_the_user(run, files, monkeypatch) -> None:
-    real = surae.assessment.comparison.compare.fit_problem
+    real = surae.assessment.comparison.compare.solve
     calls = []
 
     def stopped(*arguments, **options):
@@ -54,7 +54,7 @@ def test_stopped_by_the_user(run, files, monkeypatch) -> None:
             raise KeyboardInterrupt
         return real(*arguments, **options)
 
-    monkeypatch.setattr("surae.assessment.comparison.compare.fit_problem", stopped)
+    monkeypatch.setattr("surae.assessment.comparison.compare.solve", stopped)
     done = run("compare", "trial.csv", *FAST, "--models", "muscle,muscle-tendon", "--output", "c")
     assert done.code == 130
     assert "what is complete is shown and written" in done.err
@@ -69,9 +69,9 @@ def test_stopped_by_the_user(run, files, monkeypatch) -> None:
 
 
 def test_a_comparison_that_failed(run, files, monkeypatch) -> None:
-    real = surae.assessment.comparison.compare.fit_problem
+    real = surae.assessment.comparison.compare.solve
     monkeypatch.setattr(
-        "surae.assessment.comparison.compare.fit_problem",
+        "surae.assessment.comparison.compare.solve",
         lambda problem, **options: replace(real(problem, **options), status="failed"),
     )
     done = run("compare", "trial.csv", *FAST, "--models", "muscle,muscle-tendon", "--output", "c")

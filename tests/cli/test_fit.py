@@ -10,6 +10,8 @@ from surae.cli.progress import Work
 from surae.cli.screen import show_fit
 from surae.model import get_model
 
+from .conftest import refused
+
 FIT = ("fit", "trial.csv", "--prepared", "--starts", "1")
 #: Settles the fit in the valley of the other parameters, but outside what m may be.
 BEYOND = ("--bound", "m=2.9:3")
@@ -137,7 +139,7 @@ def test_a_muscle_without_emg_is_fine_when_its_weight_is_fixed(run, edit) -> Non
 
 
 def test_a_fit_that_fails_is_shown_written_and_exit_1(run, files, monkeypatch) -> None:
-    real = surae.api.fit
+    real = surae.api.fit_inputs
 
     def cut_short(*arguments, **options):
         fit = real(*arguments, **options)
@@ -145,7 +147,7 @@ def test_a_fit_that_fails_is_shown_written_and_exit_1(run, files, monkeypatch) -
         object.__setattr__(fit.result, "message", "no minimum reached")
         return fit
 
-    monkeypatch.setattr("surae.api.fit", cut_short)
+    monkeypatch.setattr("surae.api.fit_inputs", cut_short)
     done = run(*FIT, "--output", "f.json")
     assert done.code == 1
     assert done.err == "surae: the fit failed: no minimum reached\n"
@@ -200,3 +202,7 @@ def test_two_walking_speeds_jointly(run, shared) -> None:
 def test_showing_a_fit_needs_no_terminal(files, capsys) -> None:
     show_fit(surae.load(files / "fit.json"))
     assert "muscle model [1.0]" in capsys.readouterr().out
+
+
+def test_a_fit_in_place_of_a_recording_is_named(run, files) -> None:
+    refused(run("fit", "fit.json"), "fit.json", "this is a fit", "surae validate")

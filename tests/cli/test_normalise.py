@@ -58,10 +58,13 @@ def test_maximum_contractions(files, run, half):
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (("--normalise", "trial"), "use one of: session, mvc"),
-        (("--normalise", "mvc"), "give --mvc FILE"),
-        (("--mvc", "trial.csv"), "no effect without --normalise mvc"),
-        (("--normalise", "session", "--mvc", "trial.csv"), "no effect without --normalise mvc"),
+        (("--normalise", "trial"), "'trial' is not one of"),
+        (("--normalise", "mvc"), "give mvc"),
+        (("--mvc", "trial.csv"), "mvc has no effect without normalise='mvc'"),
+        (
+            ("--normalise", "session", "--mvc", "trial.csv"),
+            "recordings of MVC have no effect on session",
+        ),
         (("--normalise", "mvc", "--mvc", "no.csv"), "no such file"),
     ],
 )

@@ -20,7 +20,7 @@ def command(request, run, files, monkeypatch):
     def never(*arguments: object, **options: object) -> None:
         pytest.fail("the work began")
 
-    for name in ("fit", "simulate_parts", "validate"):
+    for name in ("fit_inputs", "simulate_parts", "validate"):
         monkeypatch.setattr(f"surae.api.{name}", never)
     return lambda output: run(*COMMANDS[request.param], "--output", output)
 

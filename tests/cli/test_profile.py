@@ -22,9 +22,9 @@ def test_profiles_are_shown_written_and_drawn(run, files) -> None:
         assert low < fit.values[name] < high
     assert (files / "p.png").read_bytes().startswith(b"\x89PNG")
     lines = done.out.splitlines()
-    assert lines[0].split("  ")[0] == "parameter"
-    assert [line.split()[0] for line in lines[1:3]] == ["m", "beta"]
-    assert lines[1].endswith("closed")
+    assert lines[1].split("  ")[0] == "parameter"
+    assert [line.split()[0] for line in lines[3:5]] == ["m", "beta"]
+    assert "  closed  " in lines[3]
     noise = f"variance of the noise ×1: {fit.assessment.interval_note}"
     assert noise in lines
     assert content["variance_inflation_reason"] == fit.assessment.interval_note
@@ -77,7 +77,7 @@ def test_without_names_all_that_were_estimated(run, files) -> None:
     found.save(files / "two.json")
     done = run("profile", "two.json", "--workers", "1")
     assert done.code == 0
-    assert [line.split()[0] for line in done.out.splitlines()[1:3]] == ["m", "g1"]
+    assert [line.split()[0] for line in done.out.splitlines()[3:5]] == ["m", "g1"]
     assert "m: open" in done.out  # it lies at its bound
     assert " open … " in done.out or "… open" in done.out
 
@@ -120,4 +120,4 @@ def test_ctrl_c_keeps_what_is_complete(run, files, monkeypatch) -> None:
     content = json.loads((files / "p.json").read_text(encoding="utf-8"))
     assert list(content["profiles"]) == ["m"]
     assert content["missing"] == ["g1", "beta"]
-    assert done.out.splitlines()[1].startswith("m ")
+    assert done.out.splitlines()[3].startswith("m ")

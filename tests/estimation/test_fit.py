@@ -302,7 +302,8 @@ def test_at_a_bound_is_a_millionth_of_the_range(value, expected):
     "fixed", [{"k_tri": 1e6, "x0_tri": 1e-3}, {"g1": 1e300}, {"m": 1e200}, {"m": 1e153}]
 )
 def test_a_model_that_overflows_says_so(fixed, noisy):
-    result = fit_problem(make_problem([noisy], fixed=fixed), starts=2)
+    bounds = {name: (0.5 * value, 2 * value) for name, value in fixed.items()}
+    result = fit_problem(make_problem([noisy], fixed=fixed, bounds=bounds), starts=2)
     assert result.status == "failed"
     assert "overflows" in result.message
     assert "give another start or bounds" in result.message

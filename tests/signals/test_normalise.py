@@ -109,7 +109,7 @@ def test_the_fit_is_the_same_but_for_the_unit_of_the_weights(noisy, tmp_path):
     for each in (fit, again):
         predicted = each.predict(other)
         assert predicted.vaf == pytest.approx(volts.predict(other).vaf, abs=1e-2)
-        (used,) = as_in_fit(each.result.problem.inputs, [other], None)
+        (used,) = as_in_fit(each.result.problem, [other], None)
         np.testing.assert_allclose(used.emg, other.emg / np.array(reference.values), rtol=1e-12)
     own = normalise([other])[0]
     with pytest.raises(InputError, match="by another reference"):

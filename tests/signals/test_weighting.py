@@ -51,7 +51,7 @@ def test_leaving_out_alone_is_no_emphasis() -> None:
     made = one(Weighting(windows=((-math.inf, 2.0, 0.0),)))
     assert not made.emphasised
     assert made.counted == 799
-    assert made.steps == ("Weights: the begin … 2 s left out of the fit.",)
+    assert made.steps == ("Weights: the beginning … 2 s left out of the fit.",)
 
 
 def test_weights_of_the_recording_stay() -> None:

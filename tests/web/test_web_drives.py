@@ -9,6 +9,7 @@ import surae
 from surae.model import get_model
 from surae.model.registry import with_optional
 from surae.protocol import Protocol, generate
+from surae.settings import FitSettings
 from surae.signals import thinned, thinning_factor
 from surae.studies import virtual_subject, virtual_trial
 from surae.web.fit_progress import FitProgress
@@ -76,7 +77,7 @@ def chirped():
 
 def test_a_chirp_is_followed_with_all_its_peaks(chirped) -> None:
     told = []
-    following = FitProgress([chirped], ["a" * 16], {"starts": 1}, told.append)
+    following = FitProgress([chirped], ["a" * 16], FitSettings(starts=1), told.append)
     spec = get_model("muscle")
     following.point(spec, np.array([p.start for p in spec.parameters]), 1.0)
     (trace,) = told[0]["traces"]
@@ -92,7 +93,7 @@ def test_a_chirp_is_followed_with_all_its_peaks(chirped) -> None:
 
 def test_a_drive_joins_a_fit_that_is_under_way(chirped) -> None:
     told = []
-    following = FitProgress([chirped], ["a" * 16], {"starts": 1}, told.append)
+    following = FitProgress([chirped], ["a" * 16], FitSettings(starts=1), told.append)
     plain = get_model("muscle")
     driven = with_optional(plain, ("emd",))
     for spec in (plain, driven):
@@ -107,7 +108,7 @@ def test_a_drive_joins_a_fit_that_is_under_way(chirped) -> None:
 def test_many_recordings_share_the_points(chirped) -> None:
     told = []
     ids = [f"{i:016x}" for i in range(20)]
-    following = FitProgress([chirped] * 20, ids, {"starts": 1}, told.append)
+    following = FitProgress([chirped] * 20, ids, FitSettings(starts=1), told.append)
     spec = get_model("muscle")
     following.point(spec, np.array([p.start for p in spec.parameters]), 1.0)
     assert all(len(one["t"]) <= 400 for one in told[0]["traces"])

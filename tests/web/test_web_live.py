@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 import surae
-from surae.web.draft import empty_draft, fit_keywords
+from surae.settings import FitSettings
+from surae.signals import Weighting
+from surae.web.draft import changed, empty_draft, settings_of, shown, upgraded
 
 from .conftest import least
 
@@ -62,14 +64,10 @@ def test_values_that_overflow_are_no_server_error(browser, recorded) -> None:
     assert answer.json()["vaf"] is None
 
 
-def test_a_draft_asks_for_what_the_command_line_asks_for() -> None:
+def test_a_draft_is_a_request() -> None:
     draft = empty_draft()
-    assert fit_keywords(draft, {}) == {
-        "model": "muscle", "fixed": {}, "free": (), "start": {}, "bounds": {}, "priors": {},
-        "loss": None, "starts": 8, "seed": 0,
-    }  # fmt: skip
-    draft["model"] = "muscle-tendon"
-    draft["parameters"] = {
+    assert settings_of(draft, ["a"]) == FitSettings()
+    rows = {
         "m": {"free": False},
         "beta": {"free": False, "value": 1.0},
         "dlt_tri": {"free": True, "value": 0.05},
@@ -77,10 +75,41 @@ def test_a_draft_asks_for_what_the_command_line_asks_for() -> None:
         "f0": {"prior": {"median": 2.0, "spread": 0.2}},
         "e1": {"free": False, "value": 3.0},
     }
-    draft["population"] = "patient"
-    found = fit_keywords(draft, {})
-    assert found["fixed"] == {"m": 2.0, "beta": 1.0}
-    assert found["free"] == ("dlt_tri",)
-    assert found["start"] == {"dlt_tri": 0.05}
-    assert found["bounds"] == {"k_tri": (50.0, 600.0)}
-    assert found["priors"] == ("patient", {"f0": (2.0, 0.2)})
+    change = {"model": "muscle-tendon", "population": "patient", "parameters": rows}
+    draft = changed(draft, change)
+    asked = settings_of(draft, ["a"])
+    assert asked == FitSettings.of(
+        "muscle-tendon",
+        fixed={"m": 2.0, "beta": 1.0},
+        free=("dlt_tri",),
+        start={"dlt_tri": 0.05},
+        bounds={"k_tri": (50.0, 600.0)},
+        priors=("patient", {"f0": (2.0, 0.2)}),
+    )
+    assert shown(draft)["parameters"] == {
+        **rows, "m": {"free": False, "value": 2.0}, "k_tri": {"lower": 50.0, "upper": 600.0}
+    }  # fmt: skip
+    draft = changed(draft, {"exclusions": {"b": [[1, 2]]}, "parameters": {"beta": None}})
+    assert settings_of(draft, ["a"]) == FitSettings.of(asked, fixed={"m": 2.0})
+    alone = settings_of(draft, ["b"]).weights
+    assert alone == Weighting(((1.0, 2.0, 0.0),))
+    assert settings_of(draft, ["a", "b"]).weights == (Weighting(), alone)
+
+
+def test_drafts_of_before_are_understood() -> None:
+    old = {
+        "recordings": ["a"], "model": "muscle", "options": {"vmax_factor": 9.0}, "prepared": True,
+        "parameters": {"beta": {"free": False, "value": 1.0}, "m": {"value": 2.5}},
+        "population": "healthy", "loss": "huber", "peaks": 4.0, "activity": "emg",
+        "exclusions": {"a": [[3, 4]]}, "body_mass": None, "starts": 3, "seed": 7,
+        "sliders": {"k_tri": 100.0},
+    }  # fmt: skip
+    assert settings_of(upgraded(old), ["a"]) == FitSettings.of(
+        fixed={"beta": 1.0}, start={"m": 2.5}, priors="healthy", loss="huber", prepared=True,
+        weights=Weighting(((3.0, 4.0, 0.0),), 4.0, "emg"), starts=3, seed=7, vmax_factor=9.0,
+    )  # fmt: skip
+    assert upgraded(old)["sliders"] == {"k_tri": 100.0}
+    assert upgraded(upgraded(old)) == upgraded(old)
+    assert upgraded({**old, "options": {"vmax_factor": -1.0}})["recordings"] == ["a"]
+    for damaged in (None, [], {"parameters": 3}):
+        assert upgraded(damaged)["model"] == "muscle"

@@ -48,7 +48,8 @@ def test_maps_are_changed_key_by_key(browser) -> None:
     state = browser.change(parameters={"m": None})
     assert list(state["draft"]["parameters"]) == ["beta"]
     state = browser.change(options={"geometry": "virtual-work"})
-    assert state["draft"]["options"] == {"geometry": "virtual-work"}
+    assert state["draft"]["options"]["geometry"] == "virtual-work"
+    assert state["draft"]["options"]["vmax_factor"] == 8.0
 
 
 def test_the_slower_of_two_tabs_is_told(browser) -> None:

@@ -1,24 +1,22 @@
 """Rigid or elastic tendons, asked of recordings."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
-from surae.api.recordings import AnyRecording, as_inputs, several
+from surae.api.recordings import AnyRecording, read_in, several
 from surae.assessment.comparison.compare import COMPARED, FEW_STARTS, Told, compare_models
 from surae.assessment.comparison.finding import Comparison
-from surae.model import ModelOptions
+from surae.estimation import FitSettings
 
 
 def compare(
     recordings: AnyRecording | Sequence[AnyRecording],
     models: Sequence[str] = COMPARED,
+    settings: FitSettings | None = None,
     *,
-    fixed: Mapping[str, float] | None = None,
-    prepared: bool = False,
-    starts: int = FEW_STARTS,
-    seed: int = 0,
+    mvc: AnyRecording | Sequence[AnyRecording] = (),
     progress: Told | None = None,
-    **options: Any,
+    **asked: Any,
 ) -> Comparison:
     """Rigid or elastic: whether the data need tendons that give way, and what it changes.
 
@@ -31,18 +29,15 @@ def compare(
         Several share all parameters.
     models : sequence of str
         At least one without tendons and one with.
-    fixed : mapping of str to float, optional
-        Parameters that are not estimated, by every model that has them.
-    prepared : bool
-        The signals are filtered and at the model's rate already: use them as they are.
-    starts : int
-        Number of starts of each fit to all data.
-    seed : int
-        Seed of the random starts.
+    settings : FitSettings, optional
+        What every model is asked, as far as it has the parameters, e.g. ``fit.settings``; by
+        default what `fit` asks, from three starts.
+    mvc : Recording, ModelInputs, path, or a sequence of them
+        Maximum voluntary contractions, for ``normalise="mvc"``.
     progress : callable, optional
         Called before every fit with (what it is, fits done, all fits).
-    **options
-        Model options, see `surae.model.ModelOptions`, e.g. ``tendon_strain="slack-length"``.
+    **asked
+        Keywords of `fit`: ``fixed``, ``priors``, ``weights``, ``starts``, model options, …
 
     Returns
     -------
@@ -54,12 +49,7 @@ def compare(
     InputError
         Something given is unknown, contradictory or unusable.
     """
-    return compare_models(
-        [as_inputs(one, prepared) for one in several(recordings)],
-        models,
-        fixed=fixed,
-        options=ModelOptions.of(**options),
-        starts=starts,
-        seed=seed,
-        progress=progress,
-    )
+    whole = FitSettings.of(settings or FitSettings(starts=FEW_STARTS), **asked)
+    given = [read_in(recording) for recording in several(recordings)]
+    inputs = whole.inputs(given, [read_in(recording) for recording in several(mvc)])
+    return compare_models(inputs, models, whole, progress)

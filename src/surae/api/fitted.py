@@ -170,7 +170,7 @@ class Fit:
         InputError
             It has no torque, or EMG that the fit's weights do not go with.
         """
-        inputs = as_in_fit(self.result.problem.inputs, [recording], prepared)
+        inputs = as_in_fit(self.result.problem, [recording], prepared)
         return predict_others(self.result, inputs)[0]
 
     def save(self, path: PathLike) -> None:

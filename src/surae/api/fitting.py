@@ -15,7 +15,7 @@ from surae.estimation.fit import Progress
 from surae.estimation.starts import Follow
 from surae.files import PathLike
 from surae.quality import Quality
-from surae.signals import Weighting
+from surae.signals import ModelInputs, Weighting
 
 #: Median and spread of a parameter's prior by name.
 Priors = Mapping[str, tuple[float, float]]
@@ -136,13 +136,35 @@ def fit(
     )
     given = [read_in(recording) for recording in several(recordings)]
     inputs = settings.inputs(given, [read_in(recording) for recording in several(mvc)])
+    checked = map(check, given) if quality is None else quality
+    return fit_inputs(inputs, settings, tuple(checked), baseline, progress, follow)
+
+
+def fit_inputs(
+    inputs: Sequence[ModelInputs],
+    settings: FitSettings,
+    quality: Sequence[Quality] = (),
+    baseline: Baseline | PathLike | None = None,
+    progress: Progress | None = None,
+    follow: Follow | None = None,
+) -> Fit:
+    """The fit of recordings that have been prepared as its settings ask.
+
+    Parameters
+    ----------
+    inputs : sequence of ModelInputs
+        As `FitSettings.inputs` gives them.
+    settings : FitSettings
+        What is asked.
+    quality, baseline, progress, follow
+        As of `fit`.
+    """
     problem = make_problem(inputs, settings)
     compared = baseline if isinstance(baseline, Baseline | None) else load_baseline(baseline)
     if compared is not None:
         check_baseline(compared, problem)
     result = solve(problem, progress=progress, follow=follow)
-    checked = tuple(map(check, given)) if quality is None else tuple(quality)
-    return Fit(result, assess(result, compared), checked)
+    return Fit(result, assess(result, compared), tuple(quality))
 
 
 def load(path: PathLike) -> Fit:

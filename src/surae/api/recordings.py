@@ -2,8 +2,10 @@
 
 from collections.abc import Iterable, Sequence
 
+from surae.estimation import FitProblem
 from surae.files import PathLike
 from surae.recording import Recording, read
+from surae.settings import FitSettings
 from surae.signals import EmgReference, ModelInputs, normalised, prepare
 from surae.signals import normalise as normalise_inputs
 
@@ -13,8 +15,9 @@ AnyRecording = Recording | ModelInputs | PathLike
 
 def several(recordings: AnyRecording | Sequence[AnyRecording]) -> Sequence[AnyRecording]:
     """A sequence of recordings, of one that is given alone too."""
-    one = isinstance(recordings, Recording | ModelInputs | str) or hasattr(recordings, "__fspath__")
-    return [recordings] if one else recordings  # type: ignore[list-item,return-value]
+    alone = isinstance(recordings, Recording | ModelInputs | str)
+    alone = alone or hasattr(recordings, "__fspath__")
+    return [recordings] if alone else recordings  # type: ignore[list-item,return-value]
 
 
 def read_in(recording: AnyRecording) -> Recording | ModelInputs:
@@ -32,16 +35,18 @@ def as_inputs(recording: AnyRecording, prepared: bool) -> ModelInputs:
 
 
 def as_in_fit(
-    fitted: Sequence[ModelInputs], recordings: Iterable[AnyRecording], prepared: bool | None
+    problem: FitProblem, recordings: Iterable[AnyRecording], prepared: bool | None
 ) -> list[ModelInputs]:
     """Recordings for a model that was fitted to others: prepared and normalised as those were.
 
     Whether they are used as they are, `prepared` may say otherwise. The reference of the fit's EMG
     is used again: one found in these recordings would be of another unit.
     """
-    as_they_are = fitted[0].prepared if prepared is None else prepared
-    inputs = (as_inputs(one, as_they_are) for one in recordings)
-    return [normalised(one, fitted[0].emg_reference) for one in inputs]
+    first = problem.inputs[0]
+    as_they_are = first.prepared if prepared is None else prepared
+    settings = FitSettings.of(problem.settings, prepared=as_they_are)
+    inputs = (settings.prepare(read_in(recording)) for recording in recordings)
+    return [normalised(each, first.emg_reference) for each in inputs]
 
 
 def normalise(

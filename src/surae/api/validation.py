@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from typing import Any
 
 from surae.api.fitted import Fit
-from surae.api.fitting import fit
-from surae.api.recordings import AnyRecording, as_in_fit, as_inputs
+from surae.api.recordings import AnyRecording, as_in_fit, read_in, several
 from surae.assessment.validation.leave_one_out import LeaveOneOut
 from surae.assessment.validation.leave_one_out import Told as LeaveOneOutTold
 from surae.assessment.validation.leave_one_out import leave_one_out as leave_one_out_of
 from surae.assessment.validation.prediction import Prediction, predict_others
+from surae.estimation import FitSettings
 from surae.signals import ModelInputs, Weighting, weighted
 
 
@@ -39,18 +39,17 @@ def validate(
         One for each recording: VAF, RMSE, bias and the predicted torque.
     """
     inputs: Sequence[ModelInputs]
-    inputs = as_in_fit(fitted.result.problem.inputs, recordings, prepared)
+    inputs = as_in_fit(fitted.result.problem, recordings, prepared)
     return predict_others(fitted.result, inputs if weights is None else weighted(inputs, weights))
 
 
 def leave_one_out(
     recordings: Sequence[AnyRecording],
-    model: str = "muscle",
+    model: str | FitSettings = "muscle",
     *,
-    prepared: bool = False,
-    weights: Weighting | Sequence[Weighting] | None = None,
+    mvc: AnyRecording | Sequence[AnyRecording] = (),
     progress: LeaveOneOutTold | None = None,
-    **settings: Any,
+    **asked: Any,
 ) -> LeaveOneOut:
     """Predict every recording with the parameters of a fit of all the others (thesis 2.7).
 
@@ -58,23 +57,22 @@ def leave_one_out(
     ----------
     recordings : sequence of Recording, ModelInputs or path
         At least two recordings of one leg; they may be of different protocols.
-    model : str
-        Name of the model.
-    prepared : bool
-        The signals are filtered and at the model's rate already: use them as they are.
-    weights : Weighting, or sequence of Weighting, optional
-        What samples count in the fits; those of weight 0 are in no prediction's figures either.
+    model : str or FitSettings
+        Name of the model, or everything that is asked, e.g. ``fit.settings``.
+    mvc : Recording, ModelInputs, path, or a sequence of them
+        Maximum voluntary contractions, for ``normalise="mvc"``.
     progress : callable, optional
         Called before every fit with (the recording left out, fits done, all fits).
-    **settings
-        Other keywords of `fit`: ``fixed``, ``priors``, ``loss``, ``starts``, model options, …
+    **asked
+        Keywords of `fit`: ``fixed``, ``priors``, ``loss``, ``starts``, model options, … What
+        weights leave out is in no prediction's figures either.
 
     Returns
     -------
     LeaveOneOut
         A prediction and a fit for each recording, and the figures of all predictions together.
     """
-    inputs: Sequence[ModelInputs] = [as_inputs(one, prepared) for one in recordings]
-    if weights is not None:
-        inputs = weighted(inputs, weights)
-    return leave_one_out_of(inputs, lambda some: fit(some, model, **settings).result, progress)
+    settings = FitSettings.of(model, **asked)
+    given = [read_in(recording) for recording in recordings]
+    inputs = settings.inputs(given, [read_in(recording) for recording in several(mvc)])
+    return leave_one_out_of(inputs, settings, progress)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from surae.cli.paths import refuse_repeated
+from surae.cli.paths import check_recordings
 from surae.files import shown
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ def command(recordings: tuple[str, ...], as_json: bool, strict: bool, commanded:
     file with findings is no failure: the exit status is 0, but with --strict 1 on a warning or
     error. The commanded motion may also be a column commanded_angle_rad of the recording.
     """
-    refuse_repeated(recordings)
+    check_recordings(recordings)
 
     from surae.api.quality import check
     from surae.cli.progress import work

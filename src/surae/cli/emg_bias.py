@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from surae.cli.options import number, whole_number
+from surae.cli.options import SEED, WORKERS, Number, Whole
 from surae.cli.paths import check_outputs
 from surae.files import shown
 
@@ -12,24 +12,27 @@ if TYPE_CHECKING:
     from surae.api import Fit
     from surae.assessment.resampling.emg_bias import EmgBias
 
-#: More pairs and threads than these are slips of the keyboard.
-_MOST, _MOST_WORKERS = 100_000, 1000
+#: More pairs than these are a slip of the keyboard.
+_MOST = 100_000
 
 
 @click.command("emg-bias")
 @click.argument("fitted", metavar="FIT.json")
-@click.option("--noise", metavar="PART",
+@click.option("--noise", type=Number(), metavar="PART",
               help="Of each EMG's mean, white.  [default: the EMG's quiet part]")  # fmt: skip
-@click.option("--pairs", metavar="N", help="Pairs of realisations, 8 fits each.  [default: 10]")
-@click.option("--seed", metavar="N", help="Of the random noise.  [default: 0]")
-@click.option("--workers", metavar="N", help="Fits at a time.  [default: all processors]")
+@click.option("--pairs", type=Whole(1, _MOST), default=10, show_default=True, metavar="N",
+              help="Pairs of realisations, 8 fits each.")  # fmt: skip
+@SEED
+@click.option(
+    "--workers", type=WORKERS, metavar="N", help="Fits at a time.  [default: all processors]"
+)
 @click.option("--output", metavar="BIAS.json", help="Write the biases.")
 def command(
     fitted: str,
-    noise: str | None,
-    pairs: str | None,
-    seed: str | None,
-    workers: str | None,
+    noise: float | None,
+    pairs: int,
+    seed: int,
+    workers: int | None,
     output: str | None,
 ) -> int:
     """Find how far noise of the EMG has shifted each parameter, which no interval shows.
@@ -37,14 +40,9 @@ def command(
     Ever more noise is added to the EMG, and what that does to the estimates is followed back to an
     EMG without noise (simulation and extrapolation). Ctrl-C keeps the pairs that are complete.
     """
-    level = None if noise is None else number(f"--noise {noise}", noise)
-    count = whole_number("--pairs", pairs, least=1, most=_MOST)
-    begin = whole_number("--seed", seed, least=0) or 0
-    threads = whole_number("--workers", workers, least=1, most=_MOST_WORKERS)
     check_outputs({"--output": output}, [fitted])
 
     from surae.api import emg_bias, load  # numba: only when the command is in order
-    from surae.assessment.resampling.emg_bias import PAIRS
     from surae.cli.progress import compilation_notice, work
 
     fit = load(fitted)
@@ -53,30 +51,28 @@ def command(
         def told(done: int, total: int) -> None:
             progress.describe(f"EMG noise: {done} of {total} pairs")
 
-        found = emg_bias(
-            fit, level=level, pairs=count or PAIRS, seed=begin, workers=threads, progress=told
-        )
+        bias = emg_bias(fit, level=noise, pairs=pairs, seed=seed, workers=workers, progress=told)
 
     from surae.cli.screen import show_line, show_table
 
     if output is not None:
-        found.save(output)
-    show_table(*_table(fit, found))
-    show_line(f"EMG noise: {found.source}; {found.pairs - found.missing} pairs, "
-              f"{found.seconds:.1f} s")  # fmt: skip
+        bias.save(output)
+    show_table(*_table(fit, bias))
+    show_line(f"EMG noise: {bias.source}; {bias.pairs - bias.missing} pairs, "
+              f"{bias.seconds:.1f} s")  # fmt: skip
     if output is not None:
         show_line(f"EMG bias: {shown(output)}")
-    if found.missing:
-        click.echo(f"surae: stopped by the user, {found.missing} pairs missing", err=True)
+    if bias.missing:
+        click.echo(f"surae: stopped by the user, {bias.missing} pairs missing", err=True)
         return 130
     return 0
 
 
-def _table(fit: "Fit", found: "EmgBias") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+def _table(fit: "Fit", bias: "EmgBias") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     from surae.report.digits import NONE, significant
 
     rows: list[tuple[str, ...]] = []
-    for p in found.parameters.values():
+    for p in bias.parameters.values():
         sem = fit.parameters[p.name].trusted_sem
         rows.append(
             (

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from surae.cli.paths import check_outputs, refuse_repeated
+from surae.cli.paths import check_outputs, check_recordings
 from surae.errors import InputError
 from surae.files import shown
 
@@ -24,7 +24,7 @@ def command(files: tuple[str, ...], side: str | None, output: str | None, as_jso
     Several files may hold the channels of one recording. Guesses go by names and are never used
     unseen: MAP.toml holds them with comments on what to check, and is what `surae fit` takes.
     """
-    refuse_repeated(files)
+    check_recordings(files)
     if output is not None and not output.lower().endswith(".toml"):
         raise InputError(f"--output: {shown(output)} must end in .toml, which says what it is")
     check_outputs({"--output": output}, files)

@@ -1,140 +1,23 @@
-"""Options that several commands share, and the texts they take."""
+"""Types of options, and the options that several commands share."""
 
-from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from surae import names
 from surae.errors import InputError
+from surae.files import shown
+
+if TYPE_CHECKING:
+    from surae.settings import FitSettings
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_MODEL_OPTIONS = (
-    click.option("--geometry", metavar="thesis|virtual-work", help="How muscle length is read."),
-    click.option("--tendon-strain", metavar="thesis|slack-length", help="How ε0 is read."),
-    click.option("--integrator", metavar="implicit|explicit-euler", help="Muscle-tendon models."),
-    click.option("--theta-foot", metavar="RAD", help="Foot to horizontal at 0 rad."),
-    click.option("--vmax-factor", metavar="F", help="vmax in optimal lengths/s."),
-    click.option("--x-ref-tri", metavar="M", help="Virtual work: triceps at 0 rad."),
-    click.option("--x-ref-tib", metavar="M", help="Virtual work: tibialis at 0 rad."),
-)
-#: Every model by name; written out, since help must not import what knows them.
-MODEL_NAMES = "muscle, muscle-tendon, muscle-tendon-strain, muscle-tendon-toe or muscle-2010"
-_NUMBERS = ("theta_foot", "vmax_factor", "x_ref_tri", "x_ref_tib")
-
-
-def model_options(function: F) -> F:
-    """Add the model options; those given arrive as keyword arguments, the others as None."""
-    for option in reversed(_MODEL_OPTIONS):
-        function = option(function)
-    return function
-
-
-def given(options: dict[str, Any]) -> dict[str, Any]:
-    """The model options that were given, numbers as numbers.
-
-    Raises
-    ------
-    InputError
-        One that should be a number is none.
-    """
-    return {
-        name: number(f"--{name.replace('_', '-')} {value}", value) if name in _NUMBERS else value
-        for name, value in options.items()
-        if value is not None
-    }
-
-
-def assignments(option: str, texts: Sequence[str]) -> dict[str, float]:
-    """Values by name from ``name=value`` texts.
-
-    Raises
-    ------
-    InputError
-        A text has another form, or a name comes twice.
-    """
-    values: dict[str, float] = {}
-    for text in texts:
-        name, equals, value = (part.strip() for part in text.partition("="))
-        if not (name and equals and value):
-            raise InputError(f"{option} {text}: write name=value, e.g. {option} beta=1")
-        _refuse_second(option, name, values)
-        values[name] = number(f"{option} {text}", value)
-    return values
-
-
-def pairs(
-    option: str, texts: Sequence[str], *, form: str, example: str
-) -> dict[str, tuple[float, float]]:
-    """Two numbers by name from ``name=first:second`` texts.
-
-    Parameters
-    ----------
-    option : str
-        Its name, for messages.
-    texts : sequence of str
-        What was given.
-    form, example : str
-        How it is to be written, e.g. ``"lower:upper"`` and ``"m=1:4"``.
-
-    Raises
-    ------
-    InputError
-        A text has another form, or a name comes twice.
-    """
-    found: dict[str, tuple[float, float]] = {}
-    for text in texts:
-        name, _, numbers = (part.strip() for part in text.partition("="))
-        first, colon, second = (part.strip() for part in numbers.partition(":"))
-        if not (name and first and colon and second):
-            raise InputError(f"{option} {text}: write name={form}, e.g. {option} {example}")
-        _refuse_second(option, name, found)
-        found[name] = (number(f"{option} {text}", first), number(f"{option} {text}", second))
-    return found
-
-
-def names(option: str, texts: Sequence[str]) -> tuple[str, ...]:
-    """Names from texts that must be nothing but a name.
-
-    Raises
-    ------
-    InputError
-        A text has a value too.
-    """
-    for text in texts:
-        if "=" in text or not text.strip():
-            raise InputError(f"{option} {text}: write a name without a value, e.g. {option} beta")
-    return tuple(text.strip() for text in texts)
-
-
-def refuse_fixed(option: str, given: Sequence[str], fixed: Sequence[str]) -> None:
-    """Refuse to start or bound what is not estimated: one of the two is a mistake."""
-    for name in given:
-        if name in fixed:
-            raise InputError(f"{option} {name} has no effect beside --fixed {name}; give one")
-
-
-def whole_number(
-    option: str, text: str | None, *, least: int, most: int | None = None
-) -> int | None:
-    """A whole number within limits; None where the option is not given.
-
-    Raises
-    ------
-    InputError
-        It is none, or outside the limits.
-    """
-    if text is None:
-        return None
-    upper = "or more" if most is None else f"to {most}"
-    rule = f"give a whole number, {least} {upper}"
-    try:
-        value = int(text)
-    except ValueError:
-        raise InputError(f"{option} {text}: {rule}") from None
-    if "_" in text or value < least or (most is not None and value > most):
-        raise InputError(f"{option} {text}: {rule}")
-    return value
+MODEL_NAMES = f"{', '.join(names.MODELS[:-1])} or {names.MODELS[-1]}"
+#: More starts, fits or threads than these are slips of the keyboard.
+MOST_STARTS, MOST_FITS, MOST_WORKERS = 10_000, 1_000_000, 1000
 
 
 def number(where: str, text: str) -> float:
@@ -150,32 +33,289 @@ def number(where: str, text: str) -> float:
     except ValueError:
         value = None
     if value is None or "_" in text:  # Python's 1_000 is no number of anybody else's
-        hint = f"; write {text.replace(',', '.')}" if _decimal_comma(text) else ""
+        whole, comma, rest = text.partition(",")
+        decimal = bool(comma) and rest.isdecimal() and whole.lstrip("-+").isdecimal()
+        hint = f"; write {text.replace(',', '.')}" if decimal else ""
         raise InputError(f"{where}: {text!r} is not a number{hint}")
     return value
 
 
-def factor(option: str, text: str | None) -> float | None:
-    """A number above zero from an option; None where it is not given.
+class OptionType(click.ParamType):  # type: ignore[type-arg]
+    """A type of option whose mistakes are one line that says what to write."""
+
+    name = "value"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """What the text stands for; a default is that already."""
+        del ctx
+        option = param.opts[-1] if param is not None else ""
+        return self.read(value, f"{option} {value}") if isinstance(value, str) else value
+
+    def read(self, text: str, where: str) -> Any:
+        """What the text stands for.
+
+        Raises
+        ------
+        InputError
+            It has another form; the message begins with `where`.
+        """
+        raise NotImplementedError
+
+
+class Number(OptionType):
+    """A number, above a limit and below another where they are given."""
+
+    def __init__(self, above: float = -math.inf, below: float = math.inf) -> None:
+        self.above, self.below = above, below
+
+    def read(self, text: str, where: str) -> float:
+        """The number."""
+        value = number(where, text)
+        limited = (self.above, self.below) != (-math.inf, math.inf)
+        if limited and not self.above < value < self.below:
+            upper = "" if self.below == math.inf else f" and below {self.below:g}"
+            lower = f"{self.above:g}" if self.above else "zero"
+            raise InputError(f"{where}: give a number above {lower}{upper}")
+        return value
+
+
+class Whole(OptionType):
+    """A whole number within limits."""
+
+    def __init__(self, least: int, most: int | None = None) -> None:
+        self.least, self.most = least, most
+
+    def read(self, text: str, where: str) -> int:
+        """The number."""
+        upper = "or more" if self.most is None else f"to {self.most}"
+        try:
+            value = int(text)
+        except ValueError:
+            value = self.least - 1
+        if "_" in text or value < self.least or (self.most is not None and value > self.most):
+            raise InputError(f"{where}: give a whole number, {self.least} {upper}")
+        return value
+
+
+class Entry(OptionType):
+    """A name and a number, or a pair of numbers: NAME=VALUE, NAME=FIRST:SECOND."""
+
+    def __init__(self, form: str, example: str) -> None:
+        self.form, self.example, self.count = form, example, form.count(":") + 1
+
+    def read(self, text: str, where: str) -> tuple[str, Any]:
+        """Name, and number or pair of them."""
+        name, equals, rest = (part.strip() for part in text.partition("="))
+        parts = [part.strip() for part in rest.split(":", self.count - 1)]
+        if not (name and equals and all(parts) and len(parts) == self.count):
+            raise InputError(
+                f"{where}: write name={self.form}, e.g. {where.split(maxsplit=1)[0]} {self.example}"
+            )
+        values = tuple(number(where, part) for part in parts)
+        return name, values[0] if self.count == 1 else values
+
+
+class Setting(OptionType):
+    """A name and a number, or false."""
+
+    def read(self, text: str, where: str) -> tuple[str, Any]:
+        """Name and value."""
+        name, value = Entry("value", "bessel_hz=10").read(text.replace("=false", "=nan"), where)
+        if math.isnan(value):
+            return name, False
+        return name, int(value) if name.endswith("_order") and value.is_integer() else value
+
+
+class Name(OptionType):
+    """A name and nothing else."""
+
+    def read(self, text: str, where: str) -> str:
+        """The name."""
+        if "=" in text or not text.strip():
+            name = text.partition("=")[0].strip() or "beta"
+            raise InputError(f"{where}: write a name without a value, as {name}")
+        return text.strip()
+
+
+class Span(OptionType):
+    """A stretch of time, START:END, either of which may be left away; with a weight START:END:W."""
+
+    def __init__(self, *, weight: bool = False) -> None:
+        self.weight = weight
+
+    def read(self, text: str, where: str) -> tuple[float, float, float]:
+        """Start and end [s] and what samples count; 0 where no weight is asked for."""
+        span, colon, weight = text.rpartition(":") if self.weight else (text, ":", "0")
+        if self.weight and not (colon and ":" in span):
+            raise InputError(f"{where}: write start:end:weight, e.g. --weight 3:4.5:2")
+        first, colon, last = (part.strip() for part in span.partition(":"))
+        if not colon or ":" in last or not (first or last):
+            raise InputError(f"{where}: write start:end in s, e.g. --exclude 3:4.5")
+        return (
+            number(where, first) if first else -math.inf,
+            number(where, last) if last else math.inf,
+            number(where, weight.strip()),
+        )
+
+
+class Picture(OptionType):
+    """The file of a figure."""
+
+    def read(self, text: str, where: str) -> str:
+        """Its path."""
+        if not text.lower().endswith((".png", ".svg")):
+            raise InputError(f"{shown(where)} must end in .png or .svg")
+        return text
+
+
+def table(_: click.Context, param: click.Parameter, entries: Any) -> dict[str, Any]:
+    """Entries as a mapping; a name that comes twice is a slip."""
+    made: dict[str, Any] = {}
+    for name, value in entries:
+        if name in made:
+            raise InputError(f"{param.opts[-1]} {name} is given twice; give it once")
+        made[name] = value
+    return made
+
+
+def entries(option: str, form: str, example: str, help: str, metavar: str) -> Callable[[F], F]:
+    """An option that may be given several times, each time for another name."""
+    kind = Entry(form, example)
+    return click.option(
+        option, type=kind, multiple=True, callback=table, metavar=metavar, help=help
+    )
+
+
+def prior_option(help: str) -> Callable[[F], F]:
+    """What is known of parameters beforehand."""
+    return entries("--prior", "median:spread", "tau_rel=3:0.3", help, "NAME=MEDIAN:SPREAD")
+
+
+_MODEL = (
+    *(click.option(f"--{name.replace('_', '-')}", type=click.Choice(choices), help=help)
+      for (name, choices), help in zip(names.CHOICES.items(), (
+          "How muscle length is read.", "How ε0 is read.", "Muscle-tendon models."), strict=True)),
+    click.option("--theta-foot", type=Number(), metavar="RAD", help="Foot to horizontal at 0 rad."),
+    click.option("--vmax-factor", type=Number(), metavar="F", help="vmax in optimal lengths/s."),
+    click.option("--x-ref-tri", type=Number(), metavar="M", help="Virtual work: triceps at 0 rad."),
+    click.option("--x-ref-tib", type=Number(), metavar="M",
+                 help="Virtual work: tibialis at 0 rad."),
+)  # fmt: skip
+_REQUEST = (
+    entries("--fixed", "value", "beta=1", "Do not estimate a parameter.", "NAME=VALUE"),
+    click.option("--free", type=Name(), multiple=True, metavar="NAME",
+                 help="Estimate one that is fixed; emd: a delay of the EMG; reflex: all of a "
+                 "stretch reflex."),
+    entries("--start", "value", "beta=1", "Start somewhere else.", "NAME=VALUE"),
+    entries("--bound", "lower:upper", "m=1:4", "Other bounds.", "NAME=LOW:HIGH"),
+    prior_option("Known beforehand: SPREAD is the relative standard deviation."),
+    click.option("--priors", type=click.Choice(names.POPULATIONS),
+                 help="What is known of a population beforehand; --prior goes before it."),
+    click.option("--body-mass", type=Number(), metavar="KG",
+                 help="Fix m: the foot is 1.45 % of it (Winter)."),
+    click.option("--footplate-mass", type=Number(), metavar="KG",
+                 help="To add to the foot's.  [default: 0]"),
+    click.option("--foot-share", type=click.Choice(names.FOOT_SHARES),
+                 help="Whose share of body mass.  [default: winter]"),
+    click.option("--exclude", type=Span(), multiple=True, metavar="START:END",
+                 help="Seconds to leave out of the fit; either may be left away."),
+    click.option("--weight", type=Span(weight=True), multiple=True, metavar="START:END:W",
+                 help="Seconds whose samples count W times."),
+    click.option("--weight-peaks", type=Number(), metavar="P",
+                 help="A sample at a peak counts 1 + P times as much as one at rest."),
+    click.option("--peaks-of", type=click.Choice(names.ACTIVITIES),
+                 help="Peaks of what.  [default: torque]"),
+    click.option("--robust", is_flag=True, help="Outliers count less: the same as --loss huber."),
+    click.option("--loss", type=click.Choice(names.LOSSES),
+                 help="How outliers count.  [default: squares]"),
+    click.option("--normalise", type=click.Choice(names.NORMALISATIONS),
+                 help="Divide EMG by the largest of all recordings, or of --mvc; g come out in N."),
+    click.option("--filter", type=Setting(), multiple=True, callback=table,
+                 metavar="NAME=VALUE",
+                 help="A setting of the preparation, e.g. bessel_hz=10; false: without it."),
+    click.option("--starts", type=Whole(1, MOST_STARTS), metavar="N",
+                 help="Number of starts of a fit.  [default: 8]"),
+    click.option("--seed", type=Whole(0), metavar="N", help="Of the random starts.  [default: 0]"),
+    *_MODEL,
+)  # fmt: skip
+_MVC = click.option(
+    "--mvc",
+    multiple=True,
+    metavar="FILE",
+    help="A maximum voluntary contraction; may be given several times.",
+)
+
+
+WORKERS = Whole(1, MOST_WORKERS)
+SEED = click.option("--seed", type=Whole(0), default=0, metavar="N",
+                    help="Of what is random.  [default: 0]")  # fmt: skip
+INFLATION = click.option("--variance-inflation", type=Number(above=0.0), metavar="F",
+                         help="Factor on the variance of the noise.  [default: what the residual's "
+                         "correlation asks for]")  # fmt: skip
+
+
+def _collected(options: tuple[Any, ...], into: str) -> Callable[[F], F]:
+    """Add options; those given arrive together, by name, as the keyword `into`."""
+
+    def decorate(function: F) -> F:
+        def command(**given: Any) -> Any:
+            asked = {name: given.pop(name) for name in own}
+            told = {
+                n: v
+                for n, v in asked.items()
+                if v is not None and v is not False and v not in ((), {})
+            }
+            return function(**given, **{into: told})
+
+        command.__doc__ = function.__doc__
+        known = list(getattr(function, "__click_params__", []))
+        for option in reversed(options):
+            option(command)
+        made: list[click.Parameter] = vars(command)["__click_params__"]
+        own = [str(param.name) for param in made]
+        vars(command)["__click_params__"] = [*known, *made]
+        return command  # type: ignore[return-value]
+
+    return decorate
+
+
+def model_options(function: F) -> F:
+    """Add the switches of the models; those given arrive as the mapping `options`."""
+    return _collected(_MODEL, "options")(function)
+
+
+def request_options(function: F) -> F:
+    """Add what a fit may be asked; those given arrive as the mapping `asked`, for `request`."""
+    return _collected(_REQUEST, "asked")(_MVC(function))
+
+
+def request(model: "str | FitSettings", asked: dict[str, Any]) -> "FitSettings":
+    """What a command was asked, as `surae.fit` takes it.
+
+    Parameters
+    ----------
+    model : str or FitSettings
+        The model, or what the options are put in place of.
+    asked : dict
+        What `request_options` collected.
 
     Raises
     ------
     InputError
-        It is no such number.
+        An option contradicts another, or makes no sense.
     """
-    if text is None:
-        return None
-    value = number(f"{option} {text}", text)
-    if not 0 < value < float("inf"):
-        raise InputError(f"{option} {text}: give a number above zero")
-    return value
+    from surae.settings import FitSettings
+    from surae.signals import Weighting
 
-
-def _decimal_comma(text: str) -> bool:
-    whole, comma, rest = text.partition(",")
-    return bool(comma) and rest.isdecimal() and whole.lstrip("-+").isdecimal()
-
-
-def _refuse_second(option: str, name: str, values: dict[str, Any]) -> None:
-    if name in values:
-        raise InputError(f"{option} {name} is given twice; give it once")
+    given = dict(asked)
+    windows = (*given.pop("exclude", ()), *given.pop("weight", ()))
+    peaks, kind = given.pop("weight_peaks", None), given.pop("peaks_of", None)
+    if kind is not None and peaks is None:
+        raise InputError("--peaks-of has no effect without --weight-peaks; give one")
+    if windows or peaks is not None:
+        given["weights"] = Weighting(windows, peaks or 0.0, kind or "torque")
+    if given.pop("robust", False) and given.setdefault("loss", "huber") != "huber":
+        raise InputError(f"--robust means --loss huber, not {given['loss']}; give one of them")
+    given["bounds"], given["population"] = given.pop("bound", {}), given.pop("priors", None)
+    given["priors"], given["preparation"] = given.pop("prior", {}), given.pop("filter", {})
+    return FitSettings.of(model, **given)

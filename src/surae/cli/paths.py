@@ -5,16 +5,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from surae.errors import InputError
-from surae.files import require_writable, shown
+from surae.files import read_bytes, require_writable, shown
 
 
-def refuse_repeated(recordings: Sequence[str]) -> None:
-    """Refuse a recording that is given twice: its samples would count double.
+def check_recordings(recordings: Sequence[str]) -> None:
+    """Refuse what is given in place of recordings by mistake.
 
     Raises
     ------
     InputError
-        Two paths lead to one file.
+        Two paths lead to one file, whose samples would count double; or one is a fit.
     """
     seen = set()
     for path in recordings:
@@ -22,6 +22,11 @@ def refuse_repeated(recordings: Sequence[str]) -> None:
         if real in seen:
             raise InputError(f"{shown(path)} is given twice and would count double; give it once")
         seen.add(real)
+        if Path(path).suffix == ".json" and b'"parameters"' in read_bytes(path):
+            raise InputError(
+                f"{shown(path)}: this is a fit, not a recording; did you mean `surae validate "
+                "FIT.json REC`?"
+            )
 
 
 def check_outputs(outputs: Mapping[str, str | None], inputs: Iterable[str]) -> None:

@@ -1,36 +1,30 @@
 """`surae profile`."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from surae.cli.options import factor, whole_number
+from surae.cli.options import INFLATION, WORKERS, Picture
 from surae.cli.paths import check_outputs
-from surae.errors import InputError
-from surae.files import shown, write_atomic
+from surae.files import shown
 
 if TYPE_CHECKING:
     from surae.assessment.likelihood.profiles import Profiles
-
-#: More threads than this are a slip of the keyboard.
-_MOST_WORKERS = 1000
 
 
 @click.command("profile")
 @click.argument("fitted", metavar="FIT.json")
 @click.argument("names", metavar="[NAME…]", nargs=-1)
-@click.option("--workers", metavar="N", help="Profiles at a time.  [default: all processors]")
-@click.option("--variance-inflation", metavar="F",
-              help="Factor on the variance of the noise.  [default: each parameter's own, what the "
-              "residual's correlation asks for]")  # fmt: skip
+@click.option("--workers", type=WORKERS, metavar="N",
+              help="Profiles at a time.  [default: all processors]")  # fmt: skip
+@INFLATION
 @click.option("--output", metavar="PROFILE.json", help="Write the profiles; makes it resumable.")
-@click.option("--figure", metavar="PROFILE.png|svg", help="Draw them.")
+@click.option("--figure", type=Picture(), metavar="PROFILE.png|svg", help="Draw them.")
 def command(
     fitted: str,
     names: tuple[str, ...],
-    workers: str | None,
-    variance_inflation: str | None,
+    workers: int | None,
+    variance_inflation: float | None,
     output: str | None,
     figure: str | None,
 ) -> int:
@@ -41,11 +35,6 @@ def command(
     parameter that was estimated. Ctrl-C keeps the profiles that are complete; with --output P.json
     they are also in P.json.profiles, and the same command makes only the others.
     """
-    count = whole_number("--workers", workers, least=1, most=_MOST_WORKERS)
-    inflation = factor("--variance-inflation", variance_inflation)
-    kind = "" if figure is None else Path(figure).suffix.lower()
-    if figure is not None and kind not in (".png", ".svg"):
-        raise InputError(f"--figure: {shown(figure)} must end in .png or .svg")
     store = None if output is None else f"{output}.profiles"
     check_outputs({"--output": output, "--figure": figure, "profiles": store}, [fitted])
 
@@ -59,72 +48,63 @@ def command(
         def told(name: str, done: int, total: int) -> None:
             progress.describe(f"profiles: {done} of {total} done, {name} last")
 
-        found = profile(
+        profiles = profile(
             fit,
             names or None,
-            variance_inflation=inflation,
-            workers=count,
+            variance_inflation=variance_inflation,
+            workers=workers,
             store=store,
             progress=told,
         )
 
-    from surae.cli.screen import show_line
+    from surae.cli.screen import show_line, show_table
 
     if output is not None:
-        found.save(output)
-    drawn = figure is not None and bool(found.profiles)
+        profiles.save(output)
+    drawn = figure is not None and bool(profiles.profiles)
     if figure is not None and drawn:
-        from surae.report.figures import png, svg
+        from surae.report.figures import write_figure
         from surae.report.figures.profile import profile_figure
 
-        picture = profile_figure(tuple(found.profiles.values()), found.noise)
-        write_atomic(figure, svg(picture) if kind == ".svg" else png(picture))
-    for line in _table(found):
+        write_figure(figure, profile_figure(tuple(profiles.profiles.values()), profiles.noise))
+    show_table(*_table(profiles))
+    for line in _notes(profiles):
         show_line(line)
     if output is not None:
         show_line(f"profiles: {shown(output)}")
     if figure is not None and drawn:
         show_line(f"figure: {shown(figure)}")
-    if found.missing:
+    if profiles.missing:
         done = "complete profiles are shown" + (" and written" if output is not None else "")
-        left = ", ".join(found.missing)
+        left = ", ".join(profiles.missing)
         click.echo(f"surae: stopped by the user; {done}; not done: {left}", err=True)
         return 130
     return 0
 
 
-def _table(found: "Profiles") -> list[str]:
-    """Intervals of profile and covariance beside each other, then what is to be said of them."""
+def _table(profiles: "Profiles") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Intervals of profile and covariance beside each other."""
     from surae.report.digits import NONE, significant
 
-    heads = ("parameter", "value", "95 % profile", "95 % covariance", "unit", "status")
-    rows = [heads]
-    for one in found.profiles.values():
-        low, high = ("open" if end is None else significant(end, 4) for end in one.interval)
-        parabola = one.from_covariance
+    heads = ("parameter", "value", "95 % profile", "95 % covariance", "status", "unit")
+    rows: list[tuple[str, ...]] = []
+    for p in profiles.profiles.values():
+        low, high = ("open" if end is None else significant(end, 4) for end in p.interval)
+        ends = p.from_covariance
+        parabola = NONE if ends is None else " … ".join(significant(end, 4) for end in ends)
         rows.append(
-            (
-                one.name,
-                significant(one.value, 4),
-                f"{low} … {high}",
-                NONE if parabola is None else " … ".join(significant(end, 4) for end in parabola),
-                one.unit,
-                one.status,
-            )
+            (p.name, significant(p.value, 4), f"{low} … {high}", parabola, str(p.status), p.unit)
         )
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = [
-        "  ".join(
-            cell.rjust(width) if 0 < i < 4 else cell.ljust(width)
-            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    ]
+    return heads, rows
+
+
+def _notes(profiles: "Profiles") -> list[str]:
+    """What is to be said of them."""
     notes = [
-        f"{one.name}: {one.message}"
-        for one in found.profiles.values()
-        if one.status != "closed" or one.message != "both ends found"
+        f"{p.name}: {p.message}"
+        for p in profiles.profiles.values()
+        if p.status != "closed" or p.message != "both ends found"
     ]
-    if found.noise:
-        notes.append(found.noise)
-    return [*lines, "", *notes, f"{len(found.profiles)} profiles in {found.seconds:.1f} s"]
+    if profiles.noise:
+        notes.append(profiles.noise)
+    return [*notes, f"{len(profiles.profiles)} profiles in {profiles.seconds:.1f} s"]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from surae.cli.options import whole_number
+from surae.cli.options import WORKERS, Whole
 from surae.errors import InputError
 from surae.files import shown, write_atomic
 
@@ -24,17 +24,17 @@ _MOST_WORKERS = 1000
 )
 @click.option("--only", multiple=True, metavar="NAME", help="A section; may be given repeatedly.")
 @click.option("--quick", is_flag=True, help="Fewer fits of everything: minutes.")
-@click.option(
-    "--seed", default="1", show_default=True, metavar="N", help="Of everything that is random."
-)
-@click.option("--workers", metavar="N", help="Processes at a time.  [default: one for each core]")
+@click.option("--seed", type=Whole(0, 999_999_999), default=1, show_default=True, metavar="N",
+              help="Of everything that is random.")  # fmt: skip
+@click.option("--workers", type=WORKERS, metavar="N",
+              help="Processes at a time.  [default: one for each core]")  # fmt: skip
 @click.option("--markdown", metavar="FILE.md", help="Write the verdicts there too.")
 def command(
     output: str,
     only: tuple[str, ...],
     quick: bool,
-    seed: str,
-    workers: str | None,
+    seed: int,
+    workers: int | None,
     markdown: str | None,
 ) -> int:
     """Compute the thesis's results again: each claim beside ours, with a verdict.
@@ -42,8 +42,7 @@ def command(
     The folder holds a page with every claim, figure and table, a PDF where typst is installed, and
     the verdicts as CSV and Markdown. A stopped run goes on where it was.
     """
-    number = whole_number("--seed", seed, least=0, most=999_999_999)
-    count = whole_number("--workers", workers, least=1, most=_MOST_WORKERS)
+    number, count = seed, workers
     if not output:
         raise InputError("--output is empty; give the name of a folder")
     if markdown is not None:

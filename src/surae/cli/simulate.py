@@ -4,7 +4,8 @@ from typing import Any
 
 import click
 
-from surae.cli.options import MODEL_NAMES, given, model_options
+from surae import names
+from surae.cli.options import MODEL_NAMES, model_options
 from surae.cli.paths import check_outputs
 from surae.errors import ComputationError, InputError
 from surae.files import shown
@@ -12,14 +13,14 @@ from surae.files import shown
 
 @click.command("simulate")
 @click.argument("recording", metavar="IN.csv")
-@click.option("--model", metavar="M",
+@click.option("--model", type=click.Choice(names.MODELS), metavar="M",
               help=f"{MODEL_NAMES}.  [default: that of FIT.json, else muscle]")  # fmt: skip
 @click.option("--parameters", required=True, metavar="P.json",
               help='{"parameters": {"m": 2.0, …}} or a FIT.json.')  # fmt: skip
 @click.option("--output", required=True, metavar="OUT.csv", help="Where the torque goes.")
 @model_options
 def command(
-    recording: str, model: str | None, parameters: str, output: str, **options: Any
+    recording: str, model: str | None, parameters: str, output: str, options: dict[str, Any]
 ) -> None:
     """Compute the torque that a model gives for the angle and EMG of a recording.
 
@@ -28,8 +29,6 @@ def command(
     P.json may hold emd, a delay of the EMG, and reflex_tri, reflex_tib, reflex_delay, a reflex. A
     FIT.json also says the model and its options, unless they are given here.
     """
-    chosen = given(options)
-
     from surae.model import ModelOptions, get_model, with_optional
     from surae.recording import MUSCLES, columns, read, write_csv
     from surae.signals import prepare
@@ -45,7 +44,7 @@ def command(
 
     source = read_parameters(parameters)
     spec = with_optional(get_model(model or source.model or "muscle"), source.values)
-    settings = dict(source.options) | chosen
+    settings = dict(source.options) | options
     known = ModelOptions.of(**settings)
     try:
         values = spec.vector(source.values, known)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from surae.cli.options import whole_number
+from surae.cli.options import WORKERS
 from surae.cli.paths import check_outputs
 from surae.errors import InputError
 from surae.files import shown, write_atomic
@@ -14,8 +14,6 @@ from surae.files import shown, write_atomic
 if TYPE_CHECKING:
     from surae.studies.store import Store
 
-#: More workers than this on one computer are a slip of the keyboard.
-_MOST_WORKERS = 1000
 #: Reasons of failures that `status` lists.
 _REASONS = 5
 #: Lines of damage that `check` lists.
@@ -30,22 +28,22 @@ def command() -> None:
 @command.command("run", short_help="Run a study, or go on with it.")
 @click.argument("study", metavar="STUDY.toml")
 @click.option("--store", required=True, metavar="S.db", help="Keeps every finished fit.")
-@click.option("--workers", metavar="N", help="Fits at a time.  [default: one for each core]")
+@click.option("--workers", type=WORKERS, metavar="N",
+              help="Fits at a time.  [default: one for each core]")  # fmt: skip
 @click.option(
     "--engine", metavar="processes|threads", help="What the workers are.  [default: processes]"
 )
 @click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster to run on instead.")
 @click.option("--retry", is_flag=True, help="Try again what gave no fit in an earlier run.")
 def run_command(
-    study: str, store: str, workers: str | None, engine: str | None, dask: str | None, retry: bool
+    study: str, store: str, workers: int | None, engine: str | None, dask: str | None, retry: bool
 ) -> int:
     """Run a study, or go on with it: what the store holds is not computed again.
 
     STUDY.toml gives factors, each a value or a list of values; all combinations are fitted. The
     run may be stopped in any way and at any time: run it again and it goes on.
     """
-    count = whole_number("--workers", workers, least=1, most=_MOST_WORKERS)
-    if dask is not None and (count is not None or engine is not None):
+    if dask is not None and (workers is not None or engine is not None):
         raise InputError("--dask brings workers of its own; give it without --workers or --engine")
     if engine not in (None, "processes", "threads"):
         raise InputError(f"--engine {engine}: use processes or threads")
@@ -64,7 +62,7 @@ def run_command(
     chosen = (
         Engine("dask", address=dask)
         if dask is not None
-        else Engine(engine or "processes", count or cores())
+        else Engine(engine or "processes", workers or cores())
     )
     with Store(store, write=True) as kept:
         try:

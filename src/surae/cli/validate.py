@@ -5,24 +5,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from surae.cli.fitting import fit_options, taken
-from surae.cli.options import (
-    MODEL_NAMES,
-    assignments,
-    given,
-    model_options,
-    pairs,
-    whole_number,
-)
-from surae.cli.paths import check_outputs, refuse_repeated
+from surae import names
+from surae.cli.fit import read_all
+from surae.cli.options import MODEL_NAMES, request, request_options
+from surae.cli.paths import check_outputs, check_recordings
 from surae.errors import InputError
 from surae.files import shown, write_json
 
 if TYPE_CHECKING:
     from surae.assessment import Pooled, Prediction
-
-#: More starts than this are a slip of the keyboard.
-_MOST_STARTS = 10_000
+    from surae.settings import FitSettings
 
 
 @click.command("validate")
@@ -34,15 +26,9 @@ _MOST_STARTS = 10_000
               help="Signals as they are, or filtered; by default as in the fit.")  # fmt: skip
 @click.option("--output", metavar="V.json", help="Write the figures.")
 @click.option("--report", metavar="V.html", help="Write the fit's report with the predictions.")
-@click.option("--model", metavar="M", help=f"Leave one out: {MODEL_NAMES}.  [default: muscle]")
-@click.option("--fixed", multiple=True, metavar="NAME=VALUE",
-              help="Leave one out: do not estimate a parameter.")  # fmt: skip
-@click.option("--prior", multiple=True, metavar="NAME=MEDIAN:SPREAD",
-              help="Leave one out: known beforehand.")  # fmt: skip
-@click.option("--starts", metavar="N", help="Leave one out: starts of each fit.  [default: 8]")
-@click.option("--seed", metavar="N", help="Leave one out: of the random starts.  [default: 0]")
-@fit_options
-@model_options
+@click.option("--model", type=click.Choice(names.MODELS), metavar="M",
+              help=f"Leave one out: {MODEL_NAMES}.  [default: muscle]")  # fmt: skip
+@request_options
 def command(
     fitted: str,
     recordings: tuple[str, ...],
@@ -50,7 +36,9 @@ def command(
     prepared: bool | None,
     output: str | None,
     report: str | None,
-    **options: Any,
+    model: str | None,
+    asked: dict[str, Any],
+    mvc: tuple[str, ...],
 ) -> None:
     """Predict the torque of other recordings with the parameters of a fit.
 
@@ -61,14 +49,13 @@ def command(
     if leave_one_out:
         if report is not None:
             raise InputError("--report shows one fit, and --leave-one-out makes several; give one")
-        _leave_one_out((fitted, *recordings), bool(prepared), output, options)
+        settings = request(model or "muscle", asked | {"prepared": bool(prepared)})
+        _leave_one_out((fitted, *recordings), settings, mvc, output)
         return
-    excluded = options["exclude"]
-    for name, value in options.items():
-        if value not in (None, (), False) and name != "exclude":
-            option = "priors" if name == "population" else name.replace("_", "-")
-            raise InputError(f"--{option} has no effect without --leave-one-out")
-    weighting = taken(options | {"exclude": excluded}).weighting
+    for name, value in {**asked, "model": model, "mvc": mvc}.items():
+        if value and name != "exclude":
+            raise InputError(f"--{name.replace('_', '-')} has no effect without --leave-one-out")
+    weighting = request("muscle", asked).weights
 
     from surae.recording import read
     from surae.report import check_report
@@ -88,7 +75,7 @@ def command(
     with compilation_notice():
         predictions = validate(fit, measured, prepared=prepared, weights=weighting)
     if output is not None:
-        _write(output, {"recordings": _table(recordings, predictions)})
+        write_json(output, {"recordings": _table(recordings, predictions)})
     show_predictions(predictions, recordings)
     used = {file.sha256 for one in fit.result.problem.inputs for file in one.files}
     for path, one in zip(recordings, measured, strict=True):
@@ -102,49 +89,38 @@ def command(
 
 
 def _leave_one_out(
-    paths: tuple[str, ...], prepared: bool, output: str | None, options: dict[str, Any]
+    paths: tuple[str, ...], settings: "FitSettings", mvc: tuple[str, ...], output: str | None
 ) -> None:
     """Predict each recording with a fit of the others."""
-    held = assignments("--fixed", options.pop("fixed"))
-    known = pairs("--prior", options.pop("prior"), form="median:spread", example="tau_rel=3:0.3")
-    count = whole_number("--starts", options.pop("starts"), least=1, most=_MOST_STARTS)
-    number = whole_number("--seed", options.pop("seed"), least=0) or 0
-    model = options.pop("model") or "muscle"
-    settings = taken(options, tuple(held))
-    chosen = given(options)
-    refuse_repeated(paths)
+    check_recordings(paths)
 
     from surae.cli.progress import compilation_notice, work
-    from surae.recording import read
-    from surae.signals import prepare
 
-    inputs = [prepare(read(path), prepared=prepared) for path in paths]
-    check_outputs({"--output": output}, [f.path for one in inputs for f in one.files])
-
-    from surae.api import leave_one_out  # numba: only when the input is in order
-    from surae.cli.screen import show_line, show_predictions
-    from surae.estimation import STARTS
-
-    with work() as progress, compilation_notice():
-        found = leave_one_out(
-            settings.prescribed(inputs, prepared),
-            model,
-            fixed=held,
-            priors=settings.priors(known),
-            weights=settings.weighting,
-            loss=settings.loss,
-            starts=count or STARTS,
-            seed=number,
-            progress=lambda name, done, total: progress.describe(
-                f"fitting without {name} ({done + 1} of {total})"
-            ),
-            **chosen,
+    with work() as progress:
+        measured, contractions = read_all(paths, progress), read_all(mvc, progress)
+        check_outputs(
+            {"--output": output},
+            [file.path for one in (*measured, *contractions) for file in one.files],
         )
+        from surae.api import leave_one_out  # numba: only when the input is in order
+        from surae.cli.screen import show_line, show_predictions
+
+        with compilation_notice():
+            found = leave_one_out(
+                measured,
+                settings,
+                mvc=contractions,
+                progress=lambda name, done, total: progress.describe(
+                    f"fitting without {name} ({done + 1} of {total})"
+                ),
+            )
     if output is not None:
         rows = _table(paths, found.predictions)
         for row, one in zip(rows, found.recordings, strict=True):
             row |= {"status": one.fit.status, "parameters": dict(one.fit.values)}
-        _write(output, {"model": model, "recordings": rows, "pooled": _figures(found.pooled)})
+        write_json(
+            output, {"model": settings.model, "recordings": rows, "pooled": _figures(found.pooled)}
+        )
     show_predictions(found.predictions, paths, found.pooled)
     for path, one in zip(paths, found.recordings, strict=True):
         if one.fit.status != "converged":
@@ -159,7 +135,3 @@ def _table(paths: Sequence[str], predictions: Sequence["Prediction"]) -> list[di
 
 def _figures(one: "Prediction | Pooled") -> dict[str, Any]:
     return {"vaf": one.vaf, "rmse_Nm": one.rmse, "bias_Nm": one.bias}
-
-
-def _write(path: str, content: dict[str, Any]) -> None:
-    write_json(path, content)

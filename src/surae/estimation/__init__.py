@@ -7,8 +7,8 @@ from surae.estimation.outliers import fit_robust
 from surae.estimation.prior import Prior
 from surae.estimation.problem import FitProblem, make_problem
 from surae.estimation.result import FitResult, Outliers, Start
-from surae.estimation.settings import STARTS, FitSettings
 from surae.estimation.solve import solve
+from surae.settings import STARTS, FitSettings
 
 __all__ = [
     "LOSSES",

@@ -14,9 +14,9 @@ from surae.estimation.losses import Loss, named_loss, spread
 from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import Residuals
 from surae.estimation.result import FitResult, Outliers
-from surae.estimation.settings import STARTS
 from surae.estimation.starts import Follow
 from surae.recording import read_only
+from surae.settings import STARTS
 from surae.signals import ModelInputs
 from surae.threads import one_blas_thread
 from surae.units import FloatArray

@@ -9,7 +9,6 @@ import numpy as np
 from surae.errors import InputError
 from surae.estimation.population import population_priors
 from surae.estimation.prior import Prior, checked_prior
-from surae.estimation.settings import FitSettings
 from surae.frozen import Comparable, FrozenDict
 from surae.model import (
     ModelOptions,
@@ -23,6 +22,7 @@ from surae.model import (
 from surae.model.anthropometry import MASSES
 from surae.model.parameters import OPTIONAL
 from surae.recording import MUSCLES
+from surae.settings import FitSettings
 from surae.signals import ModelInputs
 from surae.signals.estimable import check_estimable
 from surae.units import FloatArray
@@ -139,6 +139,10 @@ def make_problem(
         raise InputError("every parameter is fixed: nothing to estimate; free at least one")
     _check_reflex(names, base)
     limits = {name: (p.lower, p.upper) for name, p in table.items()}
+    for name in bounds:
+        low, high = limits[name]
+        if name in fixed and low <= fixed[name] <= high:
+            raise InputError(f"bounds of {name} have no effect, as {name} is fixed; give one")
     limits |= {name: _checked_bounds(name, pair, spec) for name, pair in bounds.items()}
     _check_within("start", start, limits)
     # A mass that was weighed may be any foot's and plate's; the bounds are those of a search.

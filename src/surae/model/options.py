@@ -6,12 +6,7 @@ from numbers import Real
 from typing import Any
 
 from surae.errors import InputError
-
-_CHOICES = {
-    "geometry": ("thesis", "virtual-work"),
-    "tendon_strain": ("thesis", "slack-length"),
-    "integrator": ("implicit", "explicit-euler"),
-}
+from surae.names import CHOICES
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +43,7 @@ class ModelOptions:
 
     def __post_init__(self) -> None:
         """Refuse values that are not among the choices or not physical."""
-        for name, allowed in _CHOICES.items():
+        for name, allowed in CHOICES.items():
             value = getattr(self, name)
             if value not in allowed:
                 raise InputError(f"option {name} is {value!r}; use one of: {', '.join(allowed)}")

@@ -3,9 +3,11 @@
 import os
 from collections.abc import Mapping, Sequence
 from datetime import datetime
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from surae.files import PathLike, write_atomic
+from surae.errors import InputError
+from surae.files import PathLike, shown, write_atomic
 from surae.report.typeset import has_typst, typeset
 
 if TYPE_CHECKING:  # modules of this package are also used where nothing is computed
@@ -78,6 +80,7 @@ def write_report(
     ComputationError
         Typst cannot set the PDF.
     """
+    check_report(path)
     what: dict[str, Any] = {
         "versions": versions, "created": created, "predictions": predictions, "quality": quality
     }  # fmt: skip
@@ -105,9 +108,14 @@ def check_report(path: PathLike | None) -> None:
     Raises
     ------
     InputError
-        It is a PDF, and typst is not installed.
+        It is a PDF, and typst is not installed; or of another kind than HTML and PDF.
     """
-    if path is not None and is_pdf(path):
+    if path is None:
+        return
+    ending = Path(path).suffix.lower()
+    if ending not in ("", ".html", ".htm", ".pdf"):
+        raise InputError(f"{shown(path)}: a report is a page or a PDF; give .html or .pdf")
+    if is_pdf(path):
         from surae.report.typeset import require_typst
 
         require_typst()

@@ -12,13 +12,13 @@ from typing import Literal
 import numpy as np
 
 from surae.errors import InputError
+from surae.names import NORMALISATIONS
 from surae.recording import MUSCLES, SourceFile, read_only
 from surae.signals.inputs import EmgReference, ModelInputs
 from surae.units import FloatArray
 
 #: An envelope's peak is that of its average over this time [s], so that no single spike sets it.
 AVERAGED_S = 0.25
-KINDS = ("session", "mvc")
 
 _OF = {"session": "the session's largest envelope", "mvc": "maximum voluntary contractions"}
 
@@ -62,8 +62,8 @@ def normalise(
     """
     if isinstance(reference, EmgReference):
         return tuple(normalised(one, reference) for one in inputs)
-    if reference not in KINDS:
-        raise InputError(f"normalise is {reference!r}; use one of: {', '.join(KINDS)}")
+    if reference not in NORMALISATIONS:
+        raise InputError(f"normalise is {reference!r}; use one of: {', '.join(NORMALISATIONS)}")
     if reference == "mvc" and not mvc:
         raise InputError("normalising by MVC needs recordings of maximum contractions; give mvc")
     if reference == "session" and mvc:

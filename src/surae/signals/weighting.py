@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.errors import InputError
+from surae.names import ACTIVITIES
 from surae.recording import MUSCLES, read_only
 from surae.signals.inputs import ModelInputs
 from surae.units import FloatArray
@@ -17,7 +18,6 @@ from surae.units import FloatArray
 _SMOOTH_S = 0.25
 #: Percentile of the activity that counts as a full peak; an artefact above it counts no more.
 _PEAK = 95.0
-ACTIVITIES = ("torque", "emg")
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,7 +179,7 @@ def _outside(window: tuple[float, float, float], inputs: Sequence[ModelInputs]) 
 
 
 def _span(start: float, end: float) -> str:
-    first = "the begin" if start == -math.inf else f"{start:g}"
+    first = "the beginning" if start == -math.inf else f"{start:g}"
     return f"{first} … {'the end' if end == math.inf else f'{end:g} s'}"
 
 

@@ -171,7 +171,7 @@ def run_task(task: Task) -> Outcome:
 
 def _fit(task: Task) -> Outcome:
     from surae.assessment import assess
-    from surae.estimation import fit_problem, make_problem
+    from surae.estimation import FitSettings, make_problem, solve
     from surae.model import ModelOptions, get_model
     from surae.studies.virtual import virtual_subject, virtual_trial
 
@@ -188,8 +188,8 @@ def _fit(task: Task) -> Outcome:
         noise=task.noise,
         seed=task.repeat,
     )
-    problem = make_problem([trial], task.model, options=options)
-    result = fit_problem(problem, starts=task.starts, seed=task.seed)
+    settings = FitSettings(task.model, options, starts=task.starts, seed=task.seed)
+    result = solve(make_problem([trial], settings))
     if result.starts[-1].outcome == "interrupted":
         raise KeyboardInterrupt
     assessment = assess(result)

@@ -5,7 +5,7 @@ from importlib.util import find_spec
 
 import click
 
-from surae.cli.options import whole_number
+from surae.cli.options import Whole
 from surae.errors import InputError
 from surae.files import read_bytes
 
@@ -17,25 +17,29 @@ _MIB = 2**20
 @click.argument("project", metavar="[PROJECT]", default="surae-project")
 @click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS",
               help="Address to listen on; any but this computer's own needs a token.")  # fmt: skip
-@click.option("--port", default="8765", show_default=True, metavar="N", help="0: any free one.")
+@click.option("--port", type=Whole(0, 65535), default=8765, show_default=True, metavar="N",
+              help="0: any free one.")  # fmt: skip
 @click.option("--token", metavar="T", envvar="SURAE_TOKEN",
               help="What a browser must know; in the list of processes others see it, in the "
               "environment, as SURAE_TOKEN, not.  [default: made where needed]")  # fmt: skip
 @click.option("--token-file", metavar="FILE", help="A file that holds the token.")
 @click.option(
-    "--workers", metavar="N", help="Fits at a time.  [default: one for each core but one]"
+    "--workers",
+    type=Whole(1, 256),
+    metavar="N",
+    help="Fits at a time.  [default: one for each core but one]",
 )
-@click.option("--max-upload", default="512", show_default=True, metavar="MIB",
+@click.option("--max-upload", type=Whole(1, 4096), default=512, show_default=True, metavar="MIB",
               help="Largest file that is taken.")  # fmt: skip
 @click.option("--open/--no-open", "open_", default=True, help="Show it in the browser.")
 def command(
     project: str,
     host: str,
-    port: str,
+    port: int,
     token: str | None,
     token_file: str | None,
-    workers: str | None,
-    max_upload: str,
+    workers: int | None,
+    max_upload: int,
     open_: bool,
 ) -> None:
     """Open the workbench: a web page on this computer, over the project in a folder.
@@ -43,9 +47,6 @@ def command(
     PROJECT is a folder, made where it is missing; it can be copied and opened elsewhere. Nothing
     is asked of the network. Ctrl-C ends it; fits at work can be restarted the next time.
     """
-    number = whole_number("--port", port, least=0, most=65535) or 0
-    count = whole_number("--workers", workers, least=1, most=256)
-    largest = whole_number("--max-upload", max_upload, least=1, most=4096) or 512
     os.environ.pop("SURAE_TOKEN", None)  # no worker needs it
     if token_file is not None:
         token = read_bytes(token_file, 4096).decode("utf-8", "replace").strip()
@@ -63,9 +64,9 @@ def command(
     serve(
         project,
         host=host,
-        port=number,
+        port=port,
         token=token,
-        workers=count or max(1, (os.cpu_count() or 2) - 1),
-        upload_bytes=largest * _MIB,
+        workers=workers or max(1, (os.cpu_count() or 2) - 1),
+        upload_bytes=max_upload * _MIB,
         open_browser=open_,
     )

@@ -1,132 +1,148 @@
-"""What a browser is working on: its content, how it changes, and the fit it asks for."""
+"""What a browser is working on: the request of a fit, its recordings, and the sliders."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
 from typing import Any
 
 from surae.errors import InputError
-from surae.model import ModelOptions, ModelSpec, adapted, get_model
-from surae.model.parameters import Parameter
-from surae.model.registry import with_optional
+from surae.model import ModelSpec, Parameter, adapted, get_model, with_optional
+from surae.settings import FitSettings
+from surae.signals import Weighting
 from surae.studies.populations import POPULATIONS, TENDONS
 
 #: Keys whose entries a change adds to or, with None, takes away; it replaces all others.
-_MERGED = ("parameters", "exclusions", "sliders")
+_MERGED = ("exclusions", "sliders")
+_SETTINGS = tuple(field.name for field in fields(FitSettings))
 
+#: The settings as plain data, with recordings, contractions, spans to leave out, and sliders.
 Draft = dict[str, Any]
 
 
 def empty_draft() -> Draft:
     """What a new session begins with; the settings are those of `surae fit`."""
-    return {
-        "recordings": [],
-        "model": "muscle",
-        "options": {},
-        "prepared": False,
-        "parameters": {},
-        "population": None,
-        "loss": None,
-        "peaks": 0.0,
-        "activity": "torque",
-        "exclusions": {},
-        "body_mass": None,
-        "starts": 8,
-        "seed": 0,
-        "sliders": {},
-    }
+    data: Draft = {"recordings": [], "mvc": [], "exclusions": {}, "sliders": {}}
+    return {**FitSettings().as_dict(), **data}
 
 
 def changed(draft: Draft, change: Mapping[str, Any]) -> Draft:
-    """The draft with a change, itself left as it is."""
+    """The draft with a change, itself left as it is.
+
+    Raises
+    ------
+    InputError
+        No fit could be asked so.
+    """
     made = dict(draft)
     for key, value in change.items():
         if key in _MERGED and isinstance(value, Mapping):
             entries = {**draft[key], **value}
-            made[key] = {name: one for name, one in entries.items() if one is not None}
-        else:
+            made[key] = {name: entry for name, entry in entries.items() if entry is not None}
+        elif key == "options":
+            made[key] = {**FitSettings().options.as_dict(), **value}
+        elif key != "parameters":
             made[key] = value
-    return made
+    for name, told in change.get("parameters", {}).items():
+        _take_row(made, name, told)
+    return {**made, **_settings(made).as_dict()}
+
+
+def _take_row(draft: Draft, name: str, told: Mapping[str, Any] | None) -> None:
+    """Put into a draft what a row of the parameter table says; None: the defaults."""
+    for key in ("fixed", "start", "bounds", "priors"):
+        draft[key] = {other: value for other, value in draft[key].items() if other != name}
+    draft["free"] = [other for other in draft["free"] if other != name]
+    if told is None:
+        return
+    spec = with_optional(get_model(draft["model"]), {name})
+    default = adapted(spec.parameters, _settings(draft).options).get(name)
+    usual, value = name in spec.free, told.get("value")
+    if not told.get("free", usual):
+        if value is not None or default is not None:
+            draft["fixed"][name] = default.start if value is None and default else value
+        return
+    if not usual and told.get("free"):
+        draft["free"].append(name)
+    if value is not None:
+        draft["start"][name] = value
+    low, high = told.get("lower"), told.get("upper")
+    if default is not None and (low is not None or high is not None):
+        draft["bounds"][name] = [
+            default.lower if low is None else low, default.upper if high is None else high
+        ]  # fmt: skip
+    if told.get("prior") is not None:
+        draft["priors"][name] = [told["prior"]["median"], told["prior"]["spread"]]
+
+
+def shown(draft: Draft) -> Draft:
+    """The draft as pages read it: with what it says of each parameter in one place."""
+    rows: dict[str, dict[str, Any]] = {name: {"free": True} for name in draft["free"]}
+    for name, value in draft["fixed"].items():
+        rows.setdefault(name, {}).update(free=False, value=value)
+    for name, value in draft["start"].items():
+        rows.setdefault(name, {})["value"] = value
+    for name, (low, high) in draft["bounds"].items():
+        rows.setdefault(name, {}).update(lower=low, upper=high)
+    for name, (median, spread) in draft["priors"].items():
+        rows.setdefault(name, {})["prior"] = {"median": median, "spread": spread}
+    return {**draft, "parameters": rows}
+
+
+def upgraded(data: object) -> Draft:
+    """A draft as it was kept, by this version or by one before the settings had a form of theirs.
+
+    What makes no sense, and what an older one says and this one cannot take, is left at its
+    default.
+    """
+    empty = empty_draft()
+    if not isinstance(data, Mapping):
+        return empty
+    known = {key: value for key, value in data.items() if key in empty}
+    if "parameters" not in data:
+        return {**empty, **known}
+    try:
+        known["options"] = {**empty["options"], **data["options"]}
+        if data["peaks"]:
+            known["weights"] = {"windows": [], "peaks": data["peaks"], "activity": data["activity"]}
+        return changed({**empty, **known}, {"parameters": data["parameters"]})
+    except (InputError, KeyError, TypeError, ValueError, AttributeError):
+        return {**empty, "recordings": data.get("recordings", [])}
+
+
+def settings_of(draft: Draft, recordings: Sequence[str]) -> FitSettings:
+    """What a draft asks of these recordings, given by their ids, for its model.
+
+    Parameters of a model that the session had chosen before are left out.
+    """
+    settings = _settings(draft).for_model(draft["model"])
+    spans = [draft["exclusions"].get(id_, ()) for id_ in recordings]
+    if not any(spans):
+        return settings
+    shared = settings.weights if isinstance(settings.weights, Weighting) else Weighting()
+    each = tuple(
+        replace(shared, windows=(*shared.windows, *((float(a), float(b), 0.0) for a, b in own)))
+        for own in spans
+    )
+    return replace(settings, weights=each[0] if len(each) == 1 else each)
+
+
+def _settings(draft: Draft) -> FitSettings:
+    """The draft's settings, without what it says of single recordings."""
+    return FitSettings.from_dict({key: draft[key] for key in _SETTINGS})
 
 
 def spec_of(draft: Draft) -> ModelSpec:
     """The model of a draft, with the drives of which it mentions a parameter."""
-    return with_optional(get_model(draft["model"]), draft["parameters"])
-
-
-def fit_keywords(draft: Draft, prescribed: Mapping[str, float]) -> dict[str, Any]:
-    """The keywords of `surae.fit` that a draft asks for, recordings and weights apart.
-
-    Parameters
-    ----------
-    draft : dict
-        The draft.
-    prescribed : mapping of str to float
-        What the recordings fix themselves.
-    """
-    spec = spec_of(draft)
-    options = ModelOptions.of(**draft["options"])
-    table = adapted(spec.parameters, options)
-    fixed: dict[str, float] = {}
-    start: dict[str, float] = {}
-    bounds: dict[str, tuple[float, float]] = {}
-    priors: dict[str, tuple[float, float]] = {}
-    free = []
-    for name, told in draft["parameters"].items():
-        if name not in table:  # of another model that the session had chosen before
-            continue
-        default, value = table[name], told.get("value")
-        if not told.get("free", name in spec.free and name not in prescribed):
-            if value is not None:
-                fixed[name] = value
-            elif name in spec.free and name not in prescribed:
-                fixed[name] = default.start
-            continue
-        if name not in spec.free:
-            free.append(name)
-        if value is not None:
-            start[name] = value
-        if told.get("lower") is not None or told.get("upper") is not None:
-            low, high = told.get("lower"), told.get("upper")
-            bounds[name] = (
-                default.lower if low is None else low,
-                default.upper if high is None else high,
-            )
-        if told.get("prior") is not None:
-            priors[name] = (told["prior"]["median"], told["prior"]["spread"])
-    population = draft["population"]
-    return {
-        "model": draft["model"],
-        "fixed": fixed,
-        "free": tuple(free),
-        "start": start,
-        "bounds": bounds,
-        "priors": priors if population is None else (population, priors),
-        "loss": draft["loss"],
-        "starts": draft["starts"],
-        "seed": draft["seed"],
-        **draft["options"],
-    }
-
-
-def weighting(draft: Draft, recording: str) -> Any:
-    """The `Weighting` of one recording; None where all its samples count alike."""
-    from surae.signals import Weighting
-
-    spans = draft["exclusions"].get(recording, [])
-    if not spans and not draft["peaks"]:
-        return None
-    windows = tuple((float(start), float(end), 0.0) for start, end in spans)
-    return Weighting(windows=windows, peaks=draft["peaks"], activity=draft["activity"])
+    return with_optional(get_model(draft["model"]), _settings(draft).mentioned)
 
 
 def values_of(draft: Draft, emg_unit: str, prescribed: Mapping[str, float]) -> dict[str, float]:
     """The value of every parameter before a fit: slider, else fixed or start, else default."""
     spec = spec_of(draft)
-    table = adapted(spec.parameters, ModelOptions.of(**draft["options"]), emg_unit)
+    table = adapted(spec.parameters, _settings(draft).options, emg_unit)
     values = {name: float(p.start) for name, p in table.items()}
     values |= {name: float(value) for name, value in prescribed.items() if name in table}
-    for name, told in draft["parameters"].items():
-        if name in table and told.get("value") is not None:
-            values[name] = float(told["value"])
+    for told in (draft["start"], draft["fixed"]):
+        values |= {name: float(value) for name, value in told.items() if name in table}
     values |= {name: float(v) for name, v in draft["sliders"].items() if name in table}
     return values
 
@@ -136,12 +152,12 @@ def parameter_table(
 ) -> list[dict[str, Any]]:
     """The parameters of the draft's model as a page shows them."""
     spec = spec_of(draft)
-    table = adapted(spec.parameters, ModelOptions.of(**draft["options"]), emg_unit)
+    table = adapted(spec.parameters, _settings(draft).options, emg_unit)
     now = values_of(draft, emg_unit, prescribed)
     priors = _population(draft)
-    rows = []
+    rows, told_of = [], shown(draft)["parameters"]
     for name, p in table.items():
-        told = draft["parameters"].get(name, {})
+        told = told_of.get(name, {})
         default = described(p, name in spec.free)
         if name in prescribed:
             default |= {"free": False, "value": prescribed[name]}
@@ -183,12 +199,9 @@ def normal(name: str, population: str) -> list[float] | None:
 
 def _population(draft: Draft) -> dict[str, dict[str, float]]:
     """Default priors that the draft asks for."""
-    if draft["population"] is None:
-        return {}
     from surae.estimation.population import population_priors
 
-    try:
-        known = population_priors(draft["population"], ModelOptions.of(**draft["options"]))
-    except InputError:
+    if draft["population"] is None:
         return {}
+    known = population_priors(draft["population"], _settings(draft).options)
     return {name: {"median": m, "spread": s} for name, (m, s) in known.items()}

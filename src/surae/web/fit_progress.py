@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from surae.model import ModelOptions, ModelSpec, Simulator
+from surae.model import ModelSpec, Simulator
+from surae.settings import FitSettings
 from surae.signals import ModelInputs, thinned, thinning_factor
 from surae.units import FloatArray
 from surae.web.pyramid import Pyramid
@@ -28,16 +29,15 @@ class FitProgress:
         self,
         inputs: Sequence[ModelInputs],
         ids: Sequence[str],
-        keywords: Mapping[str, Any],
+        settings: FitSettings,
         tell: Tell,
     ) -> None:
         self._inputs = [
             thinned(recording, thinning_factor(recording, _RATE, _SAMPLES)) for recording in inputs
         ]
         self._ids, self._tell = ids, tell
-        known = ModelOptions.__dataclass_fields__
-        self._options = ModelOptions.of(**{k: v for k, v in keywords.items() if k in known})
-        self._starts, self._start, self._iteration = int(keywords["starts"]), 1, 0
+        self._options = settings.options
+        self._starts, self._start, self._iteration = settings.starts, 1, 0
         self._points = min(_POINTS, max(_ALL // len(self._inputs), 100))
         self._last, self._simulators = 0.0, dict[tuple[str, ...], list[Simulator]]()
         self._best: tuple[ModelSpec, FloatArray, float] | None = None

@@ -8,7 +8,7 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.report.decimate import extremes
-from surae.web.draft import normal
+from surae.web.draft import normal, settings_of, shown, upgraded
 from surae.web.jobs import Kind
 from surae.web.live import plain
 from surae.web.project import when
@@ -17,6 +17,8 @@ from surae.web.sessions import Session
 
 if TYPE_CHECKING:
     from surae.api import Fit
+    from surae.settings import FitSettings
+    from surae.signals import ModelInputs
     from surae.web.workbench import Workbench
 
 _PARTS = ("tissue_tri", "tissue_tib", "neural_tri", "neural_tib", "inertial", "gravitational")
@@ -57,38 +59,23 @@ def submit_comparison(
     )
 
 
-def check_draft(bench: "Workbench", draft: Mapping[str, Any]) -> None:
+def check_draft(bench: "Workbench", draft: dict[str, Any]) -> None:
     """Refuse a draft that no fit can be made of, with the line that the fit would give."""
-    from dataclasses import replace
-
     from surae.estimation import make_problem
-    from surae.model import ModelOptions
-    from surae.model.anthropometry import with_foot_mass
-    from surae.signals import weighted
-    from surae.web.draft import fit_keywords, weighting
 
-    inputs = [bench.prepared(id_, draft["prepared"]) for id_ in draft["recordings"]]
-    if draft["body_mass"] is not None:
-        inputs = list(with_foot_mass(inputs, draft["body_mass"]))
-    for number, id_ in enumerate(draft["recordings"]):
-        how = weighting(dict(draft), id_)
-        if how is not None:
-            inputs[number] = weighted([inputs[number]], replace(how, peaks=0.0))[0]
-    prescribed = {name: value for one in inputs for name, value in one.fixed.items()}
-    keywords = fit_keywords(dict(draft), prescribed)
-    priors = keywords["priors"]
-    population, known = priors if isinstance(priors, tuple) else (None, priors)
-    make_problem(
-        inputs,
-        keywords["model"],
-        fixed=keywords["fixed"],
-        free=keywords["free"],
-        start=keywords["start"],
-        bounds=keywords["bounds"],
-        priors=known,
-        population=population,
-        options=ModelOptions.of(**draft["options"]),
+    settings, inputs = prepared_draft(bench, draft)
+    make_problem(inputs, settings)
+
+
+def prepared_draft(
+    bench: "Workbench", draft: dict[str, Any]
+) -> "tuple[FitSettings, tuple[ModelInputs, ...]]":
+    """What a draft asks, and what a model reads of its recordings."""
+    settings = settings_of(draft, draft["recordings"])
+    inputs, contractions = (
+        [bench.prepared(id_, settings) for id_ in draft[key]] for key in ("recordings", "mvc")
     )
+    return settings, settings.inputs(inputs, contractions)
 
 
 def job_kinds(bench: "Workbench") -> dict[str, Kind]:
@@ -197,7 +184,7 @@ def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
         "fit": {key: value for key, value in whole.items() if key not in _LONG},
         "steps": steps,
         "normal": {name: ranges(name) for name in whole["parameters"]},
-        "settings": fit["settings"],
+        "settings": shown(upgraded(fit["settings"])),
         "profiles": fit.get("profiles", {}),
         "comparisons": comparisons,
     }

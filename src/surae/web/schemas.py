@@ -1,10 +1,10 @@
 """What requests may hold, checked before anything is done with it."""
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
-from surae.model import MODELS
+from surae import names
 from surae.recording import ROLES
 
 #: No control characters, nor those that break lines or turn the direction of writing.
@@ -25,13 +25,30 @@ Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,39}$")
 Number = Annotated[float, Field(allow_inf_nan=False, ge=-1e12, le=1e12)]
 Positive = Annotated[float, Field(allow_inf_nan=False, gt=0, le=1e12)]
 Seconds = Annotated[float, Field(allow_inf_nan=False, ge=-1e9, le=1e9)]
+Count = Annotated[float, Field(ge=0, le=1e6, allow_inf_nan=False)]
 Points = Annotated[int, Field(ge=10, le=2000)]
 if TYPE_CHECKING:
-    Model = str
+    Model: TypeAlias = str
+    Population: TypeAlias = str
+    FootShare: TypeAlias = str
+    Loss: TypeAlias = str
+    Normalisation: TypeAlias = str
+    Activity: TypeAlias = str
+    Geometry: TypeAlias = str
+    TendonStrain: TypeAlias = str
+    Integrator: TypeAlias = str
 else:
-    Model = Literal[tuple(MODELS)]
+    Model, Population, Loss = (
+        Literal[known] for known in (names.MODELS, names.POPULATIONS, names.LOSSES)
+    )
+    FootShare, Normalisation, Activity = (
+        Literal[known] for known in (names.FOOT_SHARES, names.NORMALISATIONS, names.ACTIVITIES)
+    )
+    Geometry, TendonStrain, Integrator = (Literal[known] for known in names.CHOICES.values())
 Role = Literal[ROLES]  # type: ignore[valid-type]
-Population = Literal["healthy", "patient"]
+
+
+Numbers = Annotated[dict[Name, Number], Field(max_length=60)]
 
 
 class Strict(BaseModel):
@@ -49,9 +66,9 @@ class Error(BaseModel):
 class Options(Strict):
     """Model options, see `surae.model.ModelOptions`."""
 
-    geometry: Literal["thesis", "virtual-work"] | None = None
-    tendon_strain: Literal["thesis", "slack-length"] | None = None
-    integrator: Literal["implicit", "explicit-euler"] | None = None
+    geometry: Geometry | None = None
+    tendon_strain: TendonStrain | None = None
+    integrator: Integrator | None = None
     theta_foot: Number | None = None
     vmax_factor: Annotated[float, Field(gt=0, le=1e3, allow_inf_nan=False)] | None = None
     x_ref_tri: Annotated[float, Field(gt=0, le=10, allow_inf_nan=False)] | None = None
@@ -79,23 +96,44 @@ Span = tuple[Seconds, Seconds]
 Spans = Annotated[list[Span], Field(max_length=500)]
 
 
+class WeightingGiven(Strict):
+    """What samples count, see `surae.Weighting`."""
+
+    windows: Annotated[list[tuple[Seconds | None, Seconds | None, Count]], Field(max_length=500)]
+    peaks: Count = 0.0
+    activity: Activity = "torque"
+
+
 class DraftChange(Strict):
-    """Keys of a draft; those left out stay as they are."""
+    """Keys of a draft, which are those of `surae.FitSettings` and what it is asked of.
+
+    Those left out stay as they are. `parameters` are rows of the table: each stands for what all
+    keys say of a parameter, and None for its defaults.
+    """
 
     recordings: Annotated[list[Id], Field(max_length=50)] | None = None
+    mvc: Annotated[list[Id], Field(max_length=50)] | None = None
+    exclusions: Annotated[dict[Id, Spans | None], Field(max_length=50)] | None = None
+    sliders: Annotated[dict[Name, Number | None], Field(max_length=60)] | None = None
+    parameters: Annotated[dict[Name, ParameterGiven | None], Field(max_length=60)] | None = None
     model: Model | None = None
     options: Options | None = None
-    prepared: bool | None = None
-    parameters: Annotated[dict[Name, ParameterGiven | None], Field(max_length=60)] | None = None
+    fixed: Numbers | None = None
+    free: Annotated[list[Name], Field(max_length=60)] | None = None
+    start: Numbers | None = None
+    bounds: Annotated[dict[Name, tuple[Number, Number]], Field(max_length=60)] | None = None
+    priors: Annotated[dict[Name, tuple[Positive, Positive]], Field(max_length=60)] | None = None
     population: Population | None = None
-    loss: Literal["huber", "soft-l1", "tukey"] | None = None
-    peaks: Annotated[float, Field(ge=0, le=1e6, allow_inf_nan=False)] | None = None
-    activity: Literal["torque", "emg"] | None = None
-    exclusions: Annotated[dict[Id, Spans | None], Field(max_length=50)] | None = None
     body_mass: Annotated[float, Field(ge=5, le=400, allow_inf_nan=False)] | None = None
+    footplate_mass: Annotated[float, Field(ge=0, le=20, allow_inf_nan=False)] | None = None
+    foot_share: FootShare | None = None
+    weights: WeightingGiven | None = None
+    loss: Loss | None = None
+    normalise: Normalisation | None = None
+    prepared: bool | None = None
+    preparation: Annotated[dict[Name, bool | int | Number], Field(max_length=20)] | None = None
     starts: Annotated[int, Field(ge=1, le=1000)] | None = None
     seed: Annotated[int, Field(ge=0, le=2**31)] | None = None
-    sliders: Annotated[dict[Name, Number | None], Field(max_length=60)] | None = None
 
     def plain(self) -> dict[str, Any]:
         """The keys that were given, without what was left out within them."""
@@ -107,7 +145,7 @@ class DraftChange(Strict):
         return plain
 
 
-_NULLABLE = ("population", "loss", "body_mass")
+_NULLABLE = ("population", "loss", "body_mass", "weights", "normalise")
 
 
 class DraftPatch(Strict):

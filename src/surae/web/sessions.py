@@ -10,7 +10,7 @@ from hashlib import sha256
 from typing import Any
 
 from surae.errors import SuraeError
-from surae.web.draft import Draft, changed, empty_draft
+from surae.web.draft import Draft, changed, empty_draft, shown, upgraded
 from surae.web.events import Events
 from surae.web.http_errors import RefusedError
 from surae.web.project import Project
@@ -79,7 +79,7 @@ class Sessions:
             "revision": revision,
             "undo": None if undo is None else undo[1],
             "redo": None if redo is None else redo[1],
-            "draft": draft,
+            "draft": shown(draft),
         }
 
     def change(
@@ -151,7 +151,7 @@ class Sessions:
             what = plain(before if back else after)
             moved = True
             if kind == "draft":
-                draft |= draft_parts(what)
+                draft |= {key: part for key, part in draft_parts(what).items() if key in draft}
             else:
                 moved = self._mark(session, what["kind"], what["id"], deleted=not back)
             if moved:
@@ -228,7 +228,7 @@ class Sessions:
         with suppress(ValueError):
             kept = plain(row[0])
         revision = row[1] if isinstance(row[1], int) and 0 <= row[1] < 2**53 else 0
-        return {**empty_draft(), **draft_parts(kept)}, revision
+        return {**empty_draft(), **draft_parts(upgraded(kept))}, revision
 
     def _write(self, session: Session, draft: Draft, revision: int) -> None:
         self._database.write(

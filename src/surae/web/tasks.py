@@ -4,7 +4,7 @@ Each takes a task of plain data and a function that tells what happens, and retu
 """
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING, Any
 from surae import processes
 from surae.recording import Recording, read
 from surae.web import imports
-from surae.web.draft import fit_keywords, weighting
+from surae.web.draft import settings_of, upgraded
 from surae.web.places import file_of
 
 if TYPE_CHECKING:
     from surae.api import Fit
+    from surae.settings import FitSettings
     from surae.signals import ModelInputs
 
 Tell = Callable[[Mapping[str, Any]], None]
@@ -34,25 +35,25 @@ def _file(task: Mapping[str, Any], folder: str, id_: str, suffix: str) -> Path:
     return file_of(Path(task["root"]), folder, id_, suffix)
 
 
-def _prepared(task: Mapping[str, Any], tell: Tell) -> "list[ModelInputs]":
-    """The recordings of a task, prepared, with their weights."""
-    from surae.signals import prepare, weighted
-
-    draft, inputs = task["draft"], []
-    for id_ in task["recordings"]:
+def _read(task: Mapping[str, Any], ids: Sequence[str], tell: Tell) -> list[Recording]:
+    """Recordings of the project."""
+    recordings = []
+    for id_ in ids:
         tell({"phase": "reading"})
-        recording = read_recording(_file(task, "recordings", id_, ".h5"))
-        tell({"phase": "preparing"})
-        inputs.append(prepare(recording, prepared=draft["prepared"]))
-    if draft["body_mass"] is not None:
-        from surae.model.anthropometry import with_foot_mass
+        recordings.append(read_recording(_file(task, "recordings", id_, ".h5")))
+    return recordings
 
-        inputs = list(with_foot_mass(inputs, draft["body_mass"]))
-    for number, id_ in enumerate(task["recordings"]):
-        how = weighting(draft, id_)
-        if how is not None:
-            inputs[number] = weighted([inputs[number]], how)[0]
-    return inputs
+
+def _asked(
+    task: Mapping[str, Any], tell: Tell
+) -> "tuple[FitSettings, list[Recording], tuple[ModelInputs, ...]]":
+    """What the draft of a task asks, its recordings, and what a model reads of them."""
+    draft = upgraded(task["draft"])
+    settings = settings_of(draft, task["recordings"])
+    recordings = _read(task, task["recordings"], tell)
+    contractions = _read(task, draft["mvc"], tell)
+    tell({"phase": "preparing"})
+    return settings, recordings, settings.inputs(recordings, contractions)
 
 
 def _compiling(tell: Tell) -> AbstractContextManager[None]:
@@ -64,15 +65,14 @@ def _compiling(tell: Tell) -> AbstractContextManager[None]:
 
 def fit(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Fit, as `surae fit` does, and write FIT.json."""
-    inputs = _prepared(task, tell)
+    settings, recordings, inputs = _asked(task, tell)
     from surae import api
     from surae.web.fit_progress import FitProgress
 
-    prescribed = {name: value for recording in inputs for name, value in recording.fixed.items()}
-    keywords = fit_keywords(task["draft"], prescribed)
-    news = FitProgress(inputs, task["recordings"], keywords, tell)
+    quality = [api.check(recording) for recording in recordings]
+    news = FitProgress(inputs, task["recordings"], settings, tell)
     with _compiling(tell):
-        fitted = api.fit(inputs, progress=news.start, follow=news.point, **keywords)
+        fitted = api.fit_inputs(inputs, settings, quality, progress=news.start, follow=news.point)
     fitted.save(_file(task, "fits", task["id"], ".json"))
     return {
         "message": fitted.message,
@@ -128,26 +128,14 @@ def profile(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
 
 def compare(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Compare models with rigid and compliant tendons on the same recordings."""
-    inputs = _prepared(task, tell)
+    settings, _, inputs = _asked(task, tell)
     from surae import api
-    from surae.model import MODELS
-
-    prescribed = {name: value for recording in inputs for name, value in recording.fixed.items()}
-    keywords = fit_keywords(task["draft"], prescribed)
-    known = {p.name for name in task["models"] for p in MODELS[name].parameters}
 
     def told(what: str, done: int, total: int) -> None:
         tell({"what": what, "done": done, "total": total})
 
     with _compiling(tell):
-        comparison = api.compare(
-            inputs,
-            task["models"],
-            fixed={n: v for n, v in keywords["fixed"].items() if n in known},
-            seed=keywords["seed"],
-            progress=told,
-            **task["draft"]["options"],
-        )
+        comparison = api.compare_inputs(inputs, task["models"], settings, told)
     comparison.save(_file(task, "comparisons", task["id"], ".json"))
     return {"message": comparison.conclusion, "interrupted": bool(comparison.missing)}
 

@@ -20,6 +20,7 @@ from surae.web.sessions import Session, Sessions
 
 if TYPE_CHECKING:
     from surae.api import Fit
+    from surae.settings import FitSettings
     from surae.signals import ModelInputs
 
 #: Memory for curves, for what models read, for fits and for reports [bytes].
@@ -118,14 +119,11 @@ class Workbench:
 
         return self._curves.get(id_, make)
 
-    def prepared(self, id_: str, as_they_are: bool) -> "ModelInputs":
-        """What a model reads of a recording."""
-        from surae.signals import prepare
-
+    def prepared(self, id_: str, settings: "FitSettings") -> "ModelInputs":
+        """What a model reads of a recording, prepared as a fit asks, EMG in its own unit."""
         self.project.need("recording", id_)
-        return self._prepared.get(
-            (id_, as_they_are), lambda: prepare(self.recording(id_), prepared=as_they_are)
-        )
+        key = (id_, settings.prepared, settings.preparation)
+        return self._prepared.get(key, lambda: settings.prepare(self.recording(id_)))
 
     def fit(self, id_: str) -> "Fit":
         """A fit of the project, as it was saved."""

@@ -25,17 +25,17 @@ def changes(scores: Sequence[ModelScore], worth: Mapping[str, Assessment]) -> tu
     rigid = best_of(scores, rigid=True)
     if rigid is None:
         return ()
-    found = [
+    changed = [
         change
         for score in scores
         if not score.rigid and score.aicc is not None
         for change in _changed(score.model, worth[rigid.model], worth[score.model])
     ]
-    return tuple(sorted(found, key=lambda c: -math.inf if c.percent is None else -abs(c.percent)))
+    return tuple(sorted(changed, key=lambda c: -math.inf if c.percent is None else -abs(c.percent)))
 
 
 def _changed(model: str, rigid: Assessment, compliant: Assessment) -> list[Change]:
-    found = []
+    changed = []
     for name, before in rigid.parameters.items():
         after = compliant.parameters.get(name)
         if after is None or not (before.free and after.free):
@@ -45,5 +45,7 @@ def _changed(model: str, rigid: Assessment, compliant: Assessment) -> list[Chang
         change = after.value - before.value
         if abs(change) > half:
             percent = 100 * change / before.value if before.value else None
-            found.append(Change(model, name, after.unit, before.value, after.value, percent, half))
-    return found
+            changed.append(
+                Change(model, name, after.unit, before.value, after.value, percent, half)
+            )
+    return changed

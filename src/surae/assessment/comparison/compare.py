@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -25,10 +25,10 @@ from surae.assessment.comparison.held_out import (
 )
 from surae.assessment.comparison.information import aicc, effective_samples
 from surae.errors import InputError
-from surae.estimation import FitProblem, FitResult, fit_problem, make_problem
+from surae.estimation import FitProblem, FitResult, FitSettings, make_problem, solve
 from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.least_squares import Outcome
-from surae.model import ModelOptions, ModelSpec, get_model, with_optional
+from surae.model import ModelSpec, get_model
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 from surae.versions import versions
@@ -46,7 +46,7 @@ class _Work:
     """What is known of one model so far."""
 
     problem: FitProblem
-    found: FitResult | None = None
+    result: FitResult | None = None
     missed: list[float] = field(default_factory=list)
 
     @property
@@ -57,11 +57,7 @@ class _Work:
 def compare_models(
     inputs: Sequence[ModelInputs],
     models: Sequence[str] = COMPARED,
-    *,
-    fixed: Mapping[str, float] | None = None,
-    options: ModelOptions | None = None,
-    starts: int = FEW_STARTS,
-    seed: int = 0,
+    settings: FitSettings | None = None,
     progress: Told | None = None,
 ) -> Comparison:
     """Compare models of rigid and of compliant tendons on the same data.
@@ -72,10 +68,12 @@ def compare_models(
     Parameters
     ----------
     inputs : sequence of ModelInputs
-        The recordings.
-    options : ModelOptions, optional
-        The models' switches.
-    models, fixed, starts, seed, progress
+        The recordings, as `FitSettings.inputs` gives them.
+    models : sequence of str
+        At least one without tendons and one with.
+    settings : FitSettings, optional
+        What every model is asked, as far as it has the parameters.
+    progress : callable, optional
         As of `surae.compare`, and so are the errors.
 
     Returns
@@ -85,24 +83,15 @@ def compare_models(
         finding. When not even the first fit is complete, KeyboardInterrupt is raised.
     """
     begin = time.perf_counter()
-    fixed, options = dict(fixed or {}), options or ModelOptions()
-    works = [
-        _Work(
-            make_problem(
-                inputs,
-                spec.name,
-                fixed={name: value for name, value in fixed.items() if name in spec.names},
-                options=options,
-            )
-        )
-        for spec in _checked(models, fixed)
-    ]
+    settings = settings or FitSettings(starts=FEW_STARTS)
+    works = [_Work(make_problem(inputs, asked)) for asked in _asked(models, settings)]
     parts = folds(inputs)
-    missing = _fit_all(works, parts, starts, seed, progress)
-    done = [work for work in works if work.found is not None]
-    n = works[0].problem.n
-    n_effective = _effective(done)
-    scores = _scores(done, parts, n, n_effective)
+    missing = _fit_all(works, parts, progress)
+    done = [work for work in works if work.result is not None]
+    results = [work.result for work in works if work.result is not None]
+    squares, n = _mean_squares(results), works[0].problem.n
+    n_effective = _effective(results, squares)
+    scores = _scores(done, parts, squares, n, n_effective)
     finding: Finding | None = None
     text = f"No conclusion: stopped before the end; missing: {', '.join(missing)}."
     if not missing:
@@ -111,11 +100,11 @@ def compare_models(
         finding=finding,
         conclusion=text,
         rule=RULE,
-        cautions=cautions(scores),
+        cautions=cautions(scores, settings.loss),
         models=scores,
         changes=changes(
             scores,
-            {work.name: assess(work.found) for work in done if work.found is not None},
+            {result.problem.spec.name: assess(result) for result in results},
         ),
         missing=missing,
         recordings=tuple(one.where for one in inputs),
@@ -123,10 +112,7 @@ def compare_models(
         n_effective=n_effective,
         scheme=_scheme(inputs),
         folds=tuple(part.name for part in parts),
-        options=options.as_dict(),
-        fixed=fixed,
-        starts=starts,
-        seed=seed,
+        settings=settings,
         seconds=time.perf_counter() - begin,
         versions=versions(),
     )
@@ -137,26 +123,25 @@ def is_rigid(spec: ModelSpec) -> bool:
     return not any(p.group == "tendon" for p in spec.parameters)
 
 
-def _checked(models: Sequence[str], fixed: Mapping[str, float]) -> list[ModelSpec]:
-    """The models in their order, after all that can be wrong with the choice."""
-    specs = [with_optional(get_model(name), fixed) for name in models]
+def _asked(models: Sequence[str], settings: FitSettings) -> list[FitSettings]:
+    """What each model is asked, after all that can be wrong with the choice."""
+    asked = [settings.for_model(name) for name in models]
     for name in models:
         if list(models).count(name) > 1:
             raise InputError(f"model {name!r} is given twice; give it once")
-    if {is_rigid(spec) for spec in specs} != {True, False}:
+    if {is_rigid(get_model(name)) for name in models} != {True, False}:
         raise InputError(
             "a comparison needs a model without tendons and one with: give muscle and at least one "
             f"of {', '.join(COMPARED[1:])}"
         )
-    for name in fixed:
-        if not any(name in spec.names for spec in specs):
-            known = ", ".join(dict.fromkeys(n for spec in specs for n in spec.names))
-            raise InputError(f"none of the models has a parameter {name!r}; they have: {known}")
-    return specs
+    for name in settings.parameters.difference(*(each.parameters for each in asked)):
+        known = ", ".join(dict.fromkeys(n for model in models for n in get_model(model).names))
+        raise InputError(f"none of the models has a parameter {name!r}; they have: {known}")
+    return asked
 
 
 def _fit_all(
-    works: Sequence[_Work], parts: Sequence[Fold], starts: int, seed: int, progress: Told | None
+    works: Sequence[_Work], parts: Sequence[Fold], progress: Told | None
 ) -> tuple[str, ...]:
     """Do every fit, those to all data first. Returns what a Ctrl-C left undone."""
     tasks: list[tuple[_Work, Fold | None]] = [(work, None) for work in works]
@@ -168,7 +153,7 @@ def _fit_all(
             for work, part in tasks:
                 if progress is not None:
                     progress(names[done], done, len(tasks))
-                _fit(work, part, starts, seed)
+                _fit(work, part)
                 done += 1
         except KeyboardInterrupt:
             if not done:
@@ -176,21 +161,22 @@ def _fit_all(
     return tuple(names[done:])
 
 
-def _fit(work: _Work, part: Fold | None, starts: int, seed: int) -> None:
+def _fit(work: _Work, part: Fold | None) -> None:
     """One fit; raises KeyboardInterrupt where it was stopped before its minimum."""
-    if part is None or work.found is None:
-        found = fit_problem(work.problem, starts=starts, seed=seed)
-        _refuse_interrupted(found, starts)
-        work.found = found
+    if part is None or work.result is None:
+        work.result = _whole(work.problem, work.problem.settings.starts)
     else:
-        found = fit_problem(without(work.problem, part, work.found), starts=1)
-        _refuse_interrupted(found, 1)
-        work.missed.append(_sum_of_squares(prediction_error(found, part)))
+        result = _whole(without(work.problem, part, work.result), 1)
+        work.missed.append(_sum_of_squares(prediction_error(result, part)))
 
 
-def _refuse_interrupted(found: FitResult, starts: int) -> None:
-    if len(found.starts) < starts or found.starts[-1].outcome == Outcome.INTERRUPTED:
+def _whole(problem: FitProblem, starts: int) -> FitResult:
+    """The fit of a problem from so many starts; an interrupted one is none."""
+    result = solve(problem, starts=starts)
+    unfinished = len(result.starts) < starts and result.status != "failed"
+    if unfinished or result.starts[-1].outcome == Outcome.INTERRUPTED:
         raise KeyboardInterrupt
+    return result
 
 
 def _sum_of_squares(values: FloatArray) -> float:
@@ -199,35 +185,56 @@ def _sum_of_squares(values: FloatArray) -> float:
     return total if math.isfinite(total) else math.inf
 
 
-def _mean_square(found: FitResult) -> float:
-    return found.sse / found.problem.n
+def _mean_squares(results: Sequence[FitResult]) -> list[float]:
+    """Mean squared residual of every fit, as the criterion takes it.
+
+    Where outliers count less, those of the model with the least noise do so for all models:
+    weights of its own would let every model forgive itself what it cannot follow.
+    """
+    robust = [(r.outliers.scale, i) for i, r in enumerate(results) if r.outliers is not None]
+    if not robust:
+        return [result.sse / result.problem.n for result in results]
+    shared = results[min(robust)[1]].problem
+    with np.errstate(over="ignore", invalid="ignore"):
+        return [
+            sum(
+                float(np.sum((1.0 if one.weight is None else one.weight) * e**2))
+                for one, e in zip(shared.inputs, result.residuals, strict=True)
+            )
+            / shared.n
+            for result in results
+        ]
 
 
-def _effective(done: Sequence[_Work]) -> float | None:
+def _effective(results: Sequence[FitResult], squares: Sequence[float]) -> float | None:
     """Effective samples, the same for all models, from the residual of the best."""
-    best: tuple[float, FitResult] | None = None
-    for work in done:
-        if work.found is None or work.found.status == "failed":
-            continue
-        score = aicc(_mean_square(work.found), work.problem.n, len(work.problem.free))
-        if score is not None and (best is None or score < best[0]):
-            best = (score, work.found)
-    if best is None:
+    scored = [
+        (score, i)
+        for i, (result, square) in enumerate(zip(results, squares, strict=True))
+        if (score := _criterion(result, square, result.problem.n)) is not None
+    ]
+    if not scored:
         return None
-    pairs = zip(best[1].problem.inputs, best[1].residuals, strict=True)
+    best = results[min(scored)[1]]
+    pairs = zip(best.problem.inputs, best.residuals, strict=True)
     return effective_samples([e if one.weight is None else e[one.weight > 0] for one, e in pairs])
 
 
 def _scores(
-    done: Sequence[_Work], parts: Sequence[Fold], n: int, n_effective: float | None
+    done: Sequence[_Work],
+    parts: Sequence[Fold],
+    squares: Sequence[float],
+    n: int,
+    n_effective: float | None,
 ) -> tuple[ModelScore, ...]:
-    found = [work.found for work in done if work.found is not None]
-    plain = [_criterion(one, n) for one in found]
-    corrected = [_criterion(one, n_effective) for one in found]
+    results = [work.result for work in done if work.result is not None]
+    pairs = list(zip(results, squares, strict=True))
+    plain = [_criterion(result, square, n) for result, square in pairs]
+    corrected = [_criterion(result, square, n_effective) for result, square in pairs]
     predicted = _predicted(done, parts, corrected)
     scores = []
-    for work, one, p, c in zip(done, found, plain, corrected, strict=True):
-        spec, worth = work.problem.spec, assess(one)
+    for work, result, p, c in zip(done, results, plain, corrected, strict=True):
+        spec, worth = work.problem.spec, assess(result)
         held = predicted.get(work.name)
         note = "" if held else "a prediction overflows, or a part has no torque"
         scores.append(
@@ -235,9 +242,9 @@ def _scores(
                 model=spec.name,
                 title=spec.title,
                 rigid=is_rigid(spec),
-                status=one.status,
-                message=one.message,
-                at_bound=one.at_bound,
+                status=result.status,
+                message=result.message,
+                at_bound=result.at_bound,
                 n_free=len(work.problem.free),
                 vaf=_finite(worth.vaf),
                 rmse=_finite(worth.rmse),
@@ -247,16 +254,16 @@ def _scores(
                 delta_plain=_above_best(p, plain),
                 held_out=held,
                 held_out_note=note if len(work.missed) == len(parts) else "stopped by the user",
-                values=dict(one.values),
+                values=dict(result.values),
             )
         )
     return tuple(scores)
 
 
-def _criterion(found: FitResult, samples: float | None) -> float | None:
-    if samples is None or found.status == "failed":
+def _criterion(result: FitResult, square: float, samples: float | None) -> float | None:
+    if samples is None or result.status == "failed":
         return None
-    return aicc(_mean_square(found), samples, len(found.problem.free))
+    return aicc(square, samples, len(result.problem.free))
 
 
 def _predicted(
@@ -278,7 +285,7 @@ def _predicted(
 
 
 def _above_best(value: float | None, values: Sequence[float | None]) -> float | None:
-    known = [one for one in values if one is not None]
+    known = [other for other in values if other is not None]
     return None if value is None else value - min(known)
 
 

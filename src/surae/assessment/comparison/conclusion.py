@@ -74,7 +74,7 @@ def _without_figures(scores: Sequence[ModelScore]) -> tuple[Finding | None, str]
     return None, f"No conclusion: the fit of {bare} model failed."
 
 
-def cautions(scores: Sequence[ModelScore]) -> tuple[str, ...]:
+def cautions(scores: Sequence[ModelScore], loss: str | None = None) -> tuple[str, ...]:
     """What weakens a conclusion, one sentence each."""
     said = [f"{s.model}: the fit failed: {s.message}." for s in scores if s.status == "failed"]
     said += [
@@ -87,6 +87,11 @@ def cautions(scores: Sequence[ModelScore]) -> tuple[str, ...]:
         said.append(
             f"Even the best model accounts for only {max(vafs):.1f} % of the torque: what every "
             "model lacks may be mistaken for a tendon, or hide one."
+        )
+    if loss is not None:
+        said.append(
+            "AICc counts outliers as the model with the least noise does; held-out data count "
+            "them fully."
         )
     return tuple(said)
 

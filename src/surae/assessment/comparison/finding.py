@@ -5,7 +5,9 @@ from dataclasses import asdict, dataclass
 from enum import StrEnum
 
 from surae.assessment.comparison.held_out import HeldOut
+from surae.estimation import FitSettings
 from surae.files import PathLike, write_json
+from surae.frozen import Comparable
 
 
 class Finding(StrEnum):
@@ -16,8 +18,8 @@ class Finding(StrEnum):
     OPEN = "cannot-tell"
 
 
-@dataclass(frozen=True, slots=True)
-class ModelScore:
+@dataclass(frozen=True, slots=True, eq=False)
+class ModelScore(Comparable):
     """One model on the data.
 
     Attributes
@@ -101,8 +103,8 @@ class Change:
     half_width: float
 
 
-@dataclass(frozen=True, slots=True)
-class Comparison:
+@dataclass(frozen=True, slots=True, eq=False)
+class Comparison(Comparable):
     """Models on the same data, and what follows for the tendons.
 
     Attributes
@@ -131,12 +133,8 @@ class Comparison:
         How data were held out.
     folds : tuple of str
         What was left out in turn.
-    options : mapping
-        The models' switches.
-    fixed : mapping of str to float
-        Parameters that were not estimated, where a model has them.
-    starts, seed : int
-        Starts of each fit to all data, and the seed of the random ones.
+    settings : FitSettings
+        What every model was asked, as far as it has the parameters.
     seconds : float
         Wall time.
     versions : mapping of str to str
@@ -155,10 +153,7 @@ class Comparison:
     n_effective: float | None
     scheme: str
     folds: tuple[str, ...]
-    options: Mapping[str, str | float]
-    fixed: Mapping[str, float]
-    starts: int
-    seed: int
+    settings: FitSettings
     seconds: float
     versions: Mapping[str, str]
 
@@ -174,7 +169,8 @@ class Comparison:
 
     def as_dict(self) -> dict[str, object]:
         """The comparison as plain data, as it is saved."""
-        return {"surae": self.versions["surae"], **asdict(self)}
+        settings = self.settings.as_dict()
+        return {"surae": self.versions["surae"], **asdict(self), "settings": settings}
 
     def save(self, path: PathLike) -> None:
         """Write the comparison as JSON, all of it or nothing.

@@ -51,7 +51,7 @@ def effective_samples(residuals: Iterable[FloatArray]) -> float:
     float
         At most the number of samples.
     """
-    return sum(len(one) / _correlation_time(one) for one in residuals)
+    return sum(len(e) / _correlation_time(e) for e in residuals)
 
 
 def _correlation_time(residual: FloatArray) -> float:

@@ -5,11 +5,9 @@ from dataclasses import dataclass
 
 from surae.assessment.validation.prediction import Pooled, Prediction, pooled, predict_others
 from surae.errors import InputError
-from surae.estimation import FitResult
+from surae.estimation import FitResult, FitSettings, make_problem, solve
 from surae.signals import ModelInputs
 
-#: Fits some of the recordings.
-Fitter = Callable[[Sequence[ModelInputs]], FitResult]
 #: Called before every fit with (the recording left out, fits done, all fits).
 Told = Callable[[str, int, int], None]
 
@@ -40,20 +38,20 @@ class LeaveOneOut:
     @property
     def predictions(self) -> tuple[Prediction, ...]:
         """The predictions alone."""
-        return tuple(one.prediction for one in self.recordings)
+        return tuple(left.prediction for left in self.recordings)
 
 
 def leave_one_out(
-    inputs: Sequence[ModelInputs], fit: Fitter, progress: Told | None = None
+    inputs: Sequence[ModelInputs], settings: FitSettings, progress: Told | None = None
 ) -> LeaveOneOut:
     """Predict every recording with a fit of all the others.
 
     Parameters
     ----------
     inputs : sequence of ModelInputs
-        At least two recordings of one leg.
-    fit : callable
-        Makes the fit of the recordings it is given.
+        At least two recordings of one leg, as `FitSettings.inputs` gives them.
+    settings : FitSettings
+        What the fits are asked.
     progress : callable, optional
         Called before every fit.
 
@@ -70,9 +68,9 @@ def leave_one_out(
     for number, held in enumerate(inputs):
         if progress is not None:
             progress(held.name, number, len(inputs))
-        found = fit([*inputs[:number], *inputs[number + 1 :]])
-        if found.starts[-1].outcome == "interrupted":
+        result = solve(make_problem([*inputs[:number], *inputs[number + 1 :]], settings))
+        if result.starts[-1].outcome == "interrupted":
             raise KeyboardInterrupt
-        (prediction,) = predict_others(found, [held])
-        made.append(LeftOut(prediction, found))
-    return LeaveOneOut(tuple(made), pooled([one.prediction for one in made]))
+        (prediction,) = predict_others(result, [held])
+        made.append(LeftOut(prediction, result))
+    return LeaveOneOut(tuple(made), pooled([left.prediction for left in made]))

@@ -19,6 +19,7 @@ from surae.report.figures.style import (
     png,
     svg,
     trace,
+    write_figure,
 )
 from surae.report.figures.tendon import tendon_figure
 from surae.report.figures.torque import torque_figure
@@ -47,4 +48,5 @@ __all__ = [
     "torque_figure",
     "trace",
     "traces_of",
+    "write_figure",
 ]

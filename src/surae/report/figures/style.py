@@ -1,6 +1,7 @@
 """The look that all figures share, and their bytes; matplotlib's global state is left alone."""
 
 import io
+import os
 import re
 from collections.abc import Callable, Sequence
 from textwrap import wrap
@@ -9,6 +10,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from surae.files import PathLike, write_atomic
 from surae.report.decimate import min_max
 from surae.units import FloatArray
 
@@ -118,3 +120,14 @@ def svg(figure: Figure) -> bytes:
     for number, name in enumerate(dict.fromkeys(_RANDOM_ID.findall(text))):
         text = text.replace(name, f"i{number}")
     return text.encode()
+
+
+def write_figure(path: PathLike, figure: Figure) -> None:
+    """Write the figure, as SVG where the name ends in ``.svg`` and else as PNG.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    write_atomic(path, (svg if os.fspath(path).lower().endswith(".svg") else png)(figure))

@@ -1,16 +1,18 @@
 """The session: its draft, undo and redo, its models, and the torque under the sliders."""
 
+from dataclasses import asdict
 from typing import Any
 
 from fastapi import APIRouter, Request
 
+from surae import names
 from surae.errors import InputError
 from surae.model import MODELS
-from surae.model.options import _CHOICES
 from surae.model.parameters import OPTIONAL, Parameter
 from surae.processes import one_line
-from surae.web.draft import described, empty_draft, normal, parameter_table
-from surae.web.fits import check_draft
+from surae.signals import Preparation, normalised
+from surae.web.draft import described, empty_draft, normal, parameter_table, settings_of
+from surae.web.fits import check_draft, prepared_draft
 from surae.web.http_errors import RefusedError
 from surae.web.live import live
 from surae.web.routes.common import ERRORS, Bench, Browser
@@ -79,8 +81,8 @@ def get_parameters(bench: Bench, browser: Browser) -> dict[str, Any]:
     draft = bench.sessions.draft(browser)
     problem, unit, prescribed = None, "V", dict[str, float]()
     try:
-        recordings = bench.draft_recordings(draft)
-        inputs = [bench.prepared(one["id"], draft["prepared"]) for one in recordings]
+        bench.draft_recordings(draft)
+        _, inputs = prepared_draft(bench, draft)
         unit = inputs[0].emg_unit
         prescribed = {name: value for one in inputs for name, value in one.fixed.items()}
         check_draft(bench, draft)
@@ -109,11 +111,14 @@ def get_models() -> dict[str, Any]:
             }
             for spec in MODELS.values()
         ],
-        "options": {name: list(_CHOICES[name]) if name in _CHOICES else value
+        "options": {name: list(names.CHOICES[name]) if name in names.CHOICES else value
                     for name, value in defaults.items()},
         "drives": {name: list(OPTIONAL[name]) for name in ("emd", "reflex")},
-        "losses": ["huber", "soft-l1", "tukey"],
-        "populations": ["healthy", "patient"],
+        "losses": names.LOSSES,
+        "populations": names.POPULATIONS,
+        "normalisations": names.NORMALISATIONS,
+        "foot_shares": names.FOOT_SHARES,
+        "preparation": asdict(Preparation()),
         "draft": empty_draft(),
     }  # fmt: skip
 
@@ -137,9 +142,13 @@ def post_live(given: LiveGiven, bench: Bench, browser: Browser) -> dict[str, Any
     id_ = given.recording or next(iter(draft["recordings"]), None)
     if id_ is None:
         raise RefusedError(400, "no recording is chosen; choose one")
-    inputs = bench.prepared(id_, draft["prepared"])
+    settings = settings_of(draft, ())
+    inputs = bench.prepared(id_, settings)
+    if settings.normalise is not None:  # the reference is that of all recordings
+        _, every = prepared_draft(bench, draft)
+        inputs = normalised(inputs, every[0].emg_reference)
     found = live(
         inputs, draft, given.values, points=given.points, parts=given.parts, start=given.start,
-        end=given.end, key=(id_, draft["prepared"]),
+        end=given.end, key=(id_, settings.prepared, settings.preparation, inputs.emg_reference),
     )  # fmt: skip
     return {"recording": id_, **found}

@@ -135,10 +135,9 @@ def post_validate(id: PathId, given: ValidateGiven, bench: Bench) -> dict[str, A
     from surae import api
 
     fitted, found = bench.fit(id), []
-    as_they_are = fitted.result.problem.inputs[0].prepared
     for other in dict.fromkeys(given.recordings):
         name = bench.project.need("recording", other)["name"]
-        inputs = bench.prepared(other, as_they_are)
+        inputs = bench.prepared(other, fitted.settings)
         (one,) = api.validate(fitted, [inputs])
         assert inputs.torque is not None  # else it could not be validated
         shown = extremes([inputs.torque, one.torque], _SHOWN)

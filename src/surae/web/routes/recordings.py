@@ -9,6 +9,7 @@ import numpy as np
 from fastapi import APIRouter, Query, Response
 
 from surae.recording import ROLES
+from surae.settings import FitSettings
 from surae.web.http_errors import RefusedError
 from surae.web.project import when
 from surae.web.pyramid import Pyramid, Window
@@ -233,7 +234,7 @@ def _raw(bench: Workbench, id_: str) -> dict[str, tuple[Pyramid, str]]:
 
 
 def _prepared(bench: Workbench, id_: str) -> dict[str, tuple[Pyramid, str]]:
-    inputs = bench.prepared(id_, False)
+    inputs = bench.prepared(id_, FitSettings())
     signals = {"angle": (inputs.angle, "rad")}
     if inputs.torque is not None:
         signals["torque"] = (inputs.torque, "Nm")

@@ -108,7 +108,7 @@ const showTable = latest(async () => {
 function showDraft() {
   if (!models) return;
   showRecordings();
-  settingsForm(byId("settings"), byId("more-settings"), models, draft(), (what, label) => store(what, label));
+  settingsForm(byId("settings"), byId("more-settings"), models, draft(), (what, label) => store(what, label), recordings);
   showTable();
 }
 

@@ -85,12 +85,12 @@ byId("resume").addEventListener("click", () =>
     const values = Object.fromEntries(
       Object.entries(result.fit.parameters).filter(([, p]) => p.value !== null).map(([name, p]) => [name, p.value]),
     );
-    const { recordings, model, options, prepared, parameters, population, loss, peaks, activity, body_mass, starts, seed } = result.settings;
+    const { parameters, exclusions, sliders, ...asked } = result.settings;
     // Entries that this browser has and the fit had not are taken away.
     const now = draftState()?.draft ?? (await loadDraft()).draft;
     const only = (key, wanted) => ({ ...Object.fromEntries(Object.keys(now[key]).map((name) => [name, null])), ...wanted });
     await change(
-      { recordings, model, options, prepared, parameters: only("parameters", parameters), population, loss, peaks, activity, body_mass, starts, seed, sliders: only("sliders", values) },
+      { ...asked, exclusions: only("exclusions", exclusions), sliders: only("sliders", values) },
       `settings of ${result.summary.name}`,
     );
     location.href = "/fit";

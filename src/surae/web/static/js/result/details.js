@@ -4,7 +4,7 @@ import { byId, h, replace, scroll } from "../core/dom.js";
 import { number, rate, vaf } from "../core/format.js";
 
 export function showDetails({ fit, settings, steps }) {
-  const plain = Object.entries(settings ?? {}).filter(([key, value]) => !["recordings", "sliders", "exclusions", "parameters"].includes(key) && value !== null && value !== "" && !(typeof value === "object" && !Object.keys(value).length));
+  const plain = Object.entries(settings ?? {}).filter(([key, value]) => !["recordings", "mvc", "sliders", "exclusions", "parameters", "fixed", "free", "start", "bounds", "priors", "footplate_mass"].includes(key) && value !== null && value !== "" && !(typeof value === "object" && !Object.keys(value).length));
   const told = Object.entries(settings?.parameters ?? {});
   const windows = Object.values(settings?.exclusions ?? {}).flat();
   replace(

@@ -139,7 +139,9 @@ function makeRow(first, on) {
     const now = { free: p.free, value: p.value, lower: p.lower, upper: p.upper, prior: p.prior, ...changes };
     const made = {};
     for (const key of ["free", "value", "lower", "upper"]) if (now[key] !== p.default[key]) made[key] = now[key];
+    if (made.lower !== undefined || made.upper !== undefined) Object.assign(made, { lower: now.lower, upper: now.upper });
     if (now.prior && (changes.prior !== undefined || p.own)) made.prior = now.prior;
+    if (Object.keys(made).length) made.free = now.free; // which a recording may prescribe
     return Object.keys(made).length || p.optional ? made : null; // an optional one is there while it is mentioned
   }
   const numeric = (input, fallback) => (input.value.trim() === "" ? fallback : Number(input.value));

@@ -8,15 +8,13 @@ from typing import Any
 import numpy as np
 
 from surae.errors import InputError
-from surae.estimation.losses import named_loss
-from surae.estimation.population import population_priors
 from surae.frozen import FrozenDict
 from surae.model import ModelOptions, get_model, with_optional
 from surae.model.anthropometry import foot_mass, with_foot_mass
 from surae.model.parameters import OPTIONAL
+from surae.names import LOSSES, NORMALISATIONS, POPULATIONS
 from surae.recording import Recording
 from surae.signals import ModelInputs, Preparation, Weighting, normalise, prepare, weighted
-from surae.signals.normalise import KINDS
 
 #: Starts of a fit unless told otherwise: the default start and seven random ones.
 STARTS = 8
@@ -115,12 +113,15 @@ class FitSettings:
             if number < least:
                 raise InputError(f"{name} is {number}; give at least {least}")
             object.__setattr__(self, name, int(number))
-        if self.loss is not None:
-            named_loss(self.loss)
-        if self.normalise not in (None, *KINDS):
-            raise InputError(f"normalise is {self.normalise!r}; use one of: {', '.join(KINDS)}")
-        if self.population is not None:
-            population_priors(self.population)
+        for name, known in (
+            ("loss", LOSSES), ("normalise", NORMALISATIONS), ("population", POPULATIONS)
+        ):  # fmt: skip
+            if getattr(self, name) not in (None, *known):
+                rule = f"use one of: {', '.join(known)}"
+                raise InputError(f"{name} is {getattr(self, name)!r}; {rule}")
+        for name in self.start:
+            if name in self.fixed:
+                raise InputError(f"start of {name} has no effect, as {name} is fixed; give one")
         Preparation().updated(self.preparation)
         self._check_mass()
 
@@ -147,6 +148,11 @@ class FitSettings:
             Fields, and switches of the model by their own names. None: not given. `priors` may be
             the name of a population too, or a pair of it and a mapping.
 
+        Returns
+        -------
+        FitSettings
+            What is asked.
+
         Raises
         ------
         InputError
@@ -167,8 +173,14 @@ class FitSettings:
 
     @property
     def parameters(self) -> frozenset[str]:
-        """Names of all parameters that are mentioned."""
+        """Names of all parameters and drives that are given."""
         return frozenset(self.free).union(*(getattr(self, name) for name in _NAMED))
+
+    @property
+    def mentioned(self) -> frozenset[str]:
+        """The same, a drive's name replaced by those of its parameters."""
+        given = self.parameters
+        return frozenset(name for drive in given for name in OPTIONAL.get(drive, (drive,)))
 
     def for_model(self, model: str) -> "FitSettings":
         """The same for another model, without what it has no parameter for.
@@ -177,20 +189,21 @@ class FitSettings:
         ----------
         model : str
             Its name.
+
+        Returns
+        -------
+        FitSettings
+            What it can be asked.
         """
-        names = with_optional(get_model(model), self._spelled_out()).names
+        names = with_optional(get_model(model), self.mentioned).names
         changes: dict[str, Any] = {
             field: {name: value for name, value in getattr(self, field).items() if name in names}
             for field in _NAMED
         }
         changes["free"] = tuple(
-            name for name in self.free if names and set(OPTIONAL.get(name, (name,))) <= set(names)
+            name for name in self.free if set(OPTIONAL.get(name, (name,))) <= set(names)
         )
         return replace(self, model=model, **changes)
-
-    def _spelled_out(self) -> set[str]:
-        """The parameters that are mentioned, a drive's name replaced by its parameters."""
-        return {name for given in self.parameters for name in OPTIONAL.get(given, (given,))}
 
     def inputs(
         self,
@@ -206,21 +219,38 @@ class FitSettings:
         mvc : sequence of Recording or ModelInputs
             Maximum voluntary contractions, for ``normalise="mvc"``.
 
+        Returns
+        -------
+        tuple of ModelInputs
+            For `make_problem`.
+
         Raises
         ------
         InputError
             A recording cannot be prepared so.
         """
-        made: tuple[ModelInputs, ...] = tuple(self._prepared(recording) for recording in recordings)
+        made: tuple[ModelInputs, ...] = tuple(self.prepare(recording) for recording in recordings)
         if self.normalise is not None:
-            made = normalise(made, self.normalise, mvc=[self._prepared(each) for each in mvc])
+            made = normalise(made, self.normalise, mvc=[self.prepare(each) for each in mvc])
         elif mvc:
             raise InputError("mvc has no effect without normalise='mvc'; give both")
         if self.body_mass is not None:
             made = with_foot_mass(made, self.body_mass, self.footplate_mass, table=self.foot_share)
         return made if self.weights is None else weighted(made, self.weights)
 
-    def _prepared(self, recording: Recording | ModelInputs) -> ModelInputs:
+    def prepare(self, recording: Recording | ModelInputs) -> ModelInputs:
+        """What the model reads of one recording, before EMG is normalised and samples weighted.
+
+        Parameters
+        ----------
+        recording : Recording or ModelInputs
+            Model inputs are prepared already.
+
+        Returns
+        -------
+        ModelInputs
+            The signals on one time axis.
+        """
         if isinstance(recording, ModelInputs):
             return recording
         how = Preparation().updated(self.preparation)
@@ -233,6 +263,16 @@ class FitSettings:
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> "FitSettings":
         """The settings that `as_dict` made plain.
+
+        Parameters
+        ----------
+        data : mapping
+            What it gave.
+
+        Returns
+        -------
+        FitSettings
+            The same settings.
 
         Raises
         ------

@@ -1,0 +1,24 @@
+"""The names that users choose among, written once: help shows them without loading what they name.
+
+`tests/test_names.py` holds them to what they name.
+"""
+
+MODELS = (
+    "muscle",
+    "muscle-tendon",
+    "muscle-tendon-strain",
+    "muscle-tendon-toe",
+    "muscle-2010",
+)
+LOSSES = ("huber", "soft-l1", "tukey")
+POPULATIONS = ("healthy", "patient")
+NORMALISATIONS = ("session", "mvc")
+FOOT_SHARES = ("winter", "de-leva-female", "de-leva-male")
+#: What a peak is one of, where peaks count more.
+ACTIVITIES = ("torque", "emg")
+#: Switches of the models that are a choice; the first is the default.
+CHOICES = {
+    "geometry": ("thesis", "virtual-work"),
+    "tendon_strain": ("thesis", "slack-length"),
+    "integrator": ("implicit", "explicit-euler"),
+}

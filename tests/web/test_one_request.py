@@ -1,0 +1,190 @@
+"""One request: Python, command line and workbench reach every field of it, and fit the same."""
+
+import json
+import math
+from dataclasses import fields
+from typing import Any
+
+import pytest
+
+import surae
+from surae.cli import group
+from surae.protocol import Protocol, generate
+from surae.recording import MUSCLES
+from surae.settings import FitSettings
+from surae.signals import Weighting
+from surae.studies import virtual_subject, virtual_trial
+from surae.web.draft import changed, empty_draft, settings_of
+from surae.web.schemas import DraftChange
+
+WEIGHTS = Weighting(((-math.inf, 1.0, 0.0), (3.0, 4.0, 2.0)), 4.0, "emg")
+#: How each field is reached: keywords of `surae.fit`, options of `surae fit`, keys of a draft.
+REACHED: dict[str, tuple[dict[str, Any], str, dict[str, Any]]] = {
+    "model": ({"model": "muscle-tendon"}, "--model muscle-tendon", {"model": "muscle-tendon"}),
+    "options": (
+        {"geometry": "virtual-work", "vmax_factor": 9.0},
+        "--geometry virtual-work --vmax-factor 9",
+        {"options": {"geometry": "virtual-work", "vmax_factor": 9.0}},
+    ),
+    "fixed": (
+        {"fixed": {"beta": 1.0}},
+        "--fixed beta=1",
+        {"parameters": {"beta": {"free": False, "value": 1.0}}},
+    ),
+    "free": ({"free": ["emd"]}, "--free emd", {"parameters": {"emd": {"free": True}}}),
+    "start": ({"start": {"m": 2.1}}, "--start m=2.1", {"parameters": {"m": {"value": 2.1}}}),
+    "bounds": (
+        {"bounds": {"tau_rel": (0.2, 20.0)}},
+        "--bound tau_rel=0.2:20",
+        {"parameters": {"tau_rel": {"lower": 0.2, "upper": 20.0}}},
+    ),
+    "priors": (
+        {"priors": {"f0": (2.0, 0.2)}},
+        "--prior f0=2:0.2",
+        {"parameters": {"f0": {"prior": {"median": 2.0, "spread": 0.2}}}},
+    ),
+    "population": ({"priors": "patient"}, "--priors patient", {"population": "patient"}),
+    "body_mass": ({"body_mass": 70.0}, "--body-mass 70", {"body_mass": 70.0}),
+    "footplate_mass": (
+        {"body_mass": 70.0, "footplate_mass": 1.0},
+        "--body-mass 70 --footplate-mass 1",
+        {"body_mass": 70.0, "footplate_mass": 1.0},
+    ),
+    "foot_share": (
+        {"body_mass": 70.0, "foot_share": "de-leva-male"},
+        "--body-mass 70 --foot-share de-leva-male",
+        {"body_mass": 70.0, "foot_share": "de-leva-male"},
+    ),
+    "weights": (
+        {"weights": WEIGHTS},
+        "--exclude :1 --weight 3:4:2 --weight-peaks 4 --peaks-of emg",
+        {"weights": {"windows": [[None, 1, 0], [3, 4, 2]], "peaks": 4, "activity": "emg"}},
+    ),
+    "loss": ({"loss": "tukey"}, "--loss tukey", {"loss": "tukey"}),
+    "normalise": ({"normalise": "session"}, "--normalise session", {"normalise": "session"}),
+    "prepared": ({"prepared": True}, "--prepared", {"prepared": True}),
+    "preparation": (
+        {"preparation": {"bessel_hz": 10.0, "emg_highpass_hz": False}},
+        "--filter bessel_hz=10 --filter emg_highpass_hz=false",
+        {"preparation": {"bessel_hz": 10, "emg_highpass_hz": False}},
+    ),
+    "starts": ({"starts": 3}, "--starts 3", {"starts": 3}),
+    "seed": ({"seed": 5}, "--seed 5", {"seed": 5}),
+}
+
+
+@pytest.fixture(scope="module")
+def trial(tmp_path_factory):
+    """A CSV of a virtual subject at 64 Hz, envelopes, and the same again."""
+    motion = generate(Protocol(profile="multiple-holds", chirp_amplitude=0.1, rate_hz=64.0))
+    made = virtual_trial(virtual_subject(3), motion)
+    columns = {"time_s": made.time, "angle_rad": made.angle, "torque_Nm": made.torque}
+    columns |= {f"emg_{m}_V": made.emg[:, i] for i, m in enumerate(MUSCLES)}
+    folder = tmp_path_factory.mktemp("request")
+    for name in ("trial.csv", "second.csv"):
+        surae.write_csv(folder / name, columns, ["emg: envelope"])
+    return folder / "trial.csv"
+
+
+def of_draft(**change: Any) -> FitSettings:
+    """What the workbench asks after a change of its draft, as requests make it."""
+    draft = changed(empty_draft(), DraftChange.model_validate(change).plain())
+    return settings_of(json.loads(json.dumps(draft)), ["a"])
+
+
+def asked(monkeypatch, name: str, call: Any) -> FitSettings:
+    """The settings that reach a function of the API, which is not called."""
+    caught: list[FitSettings] = []
+
+    def catch(*arguments: Any, **more: Any) -> None:
+        caught.extend(x for x in (*arguments, *more.values()) if isinstance(x, FitSettings))
+        raise surae.SuraeError("caught")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(name, catch)
+        with pytest.raises(surae.SuraeError, match="caught"):
+            call()
+    (settings,) = caught
+    return settings
+
+
+def test_every_field_is_here() -> None:
+    assert set(REACHED) == {field.name for field in fields(FitSettings)}
+
+
+@pytest.mark.parametrize("name", REACHED)
+def test_every_field_is_reached_from_everywhere(name, trial, monkeypatch) -> None:
+    keywords, options, change = REACHED[name]
+    wanted = FitSettings.of(**keywords)
+    assert getattr(wanted, name) != getattr(FitSettings(), name)
+    command = ["fit", str(trial), *options.split()]
+    of_command = asked(
+        monkeypatch, "surae.api.fit_inputs", lambda: group.main(command, standalone_mode=False)
+    )
+    of_python = asked(
+        monkeypatch, "surae.api.fitting.fit_inputs", lambda: surae.fit(trial, **keywords)
+    )
+    assert of_command == of_python == of_draft(**change) == wanted
+
+
+@pytest.mark.parametrize("name", sorted(set(REACHED) - {"model"}))
+def test_comparisons_and_leave_one_out_take_every_field(name, trial, monkeypatch) -> None:
+    keywords, options, _ = REACHED[name]
+    for function, call, command in (
+        ("surae.api.comparison.compare_models", surae.compare, ["compare", str(trial)]),
+        (
+            "surae.api.validation.leave_one_out_of",
+            lambda trial, **asked: surae.leave_one_out([trial], **asked),
+            ["validate", "--leave-one-out", str(trial), str(trial.with_name("second.csv"))],
+        ),
+    ):
+        of_python = asked(monkeypatch, function, lambda call=call: call(trial, **keywords))
+        line = [*command, *options.split()]
+        of_command = asked(
+            monkeypatch,
+            function,
+            lambda line=line: group.main(line, standalone_mode=False),
+        )
+        assert getattr(of_python, name) == getattr(FitSettings.of(**keywords), name)
+        assert of_command == of_python
+
+
+def test_all_three_write_the_same_fit(browser, trial, tmp_path, monkeypatch) -> None:
+    told = {name: how for name, how in REACHED.items() if name not in ("model", "prepared")}
+    told["normalise"] = ({"normalise": "mvc"}, "--normalise mvc", {"normalise": "mvc"})
+    told["start"] = ({"start": {"k_tri": 200.0}}, "--start k_tri=200",
+                     {"parameters": {"k_tri": {"value": 200.0}}})  # fmt: skip
+    keywords: dict[str, Any] = {}
+    options: list[str] = []
+    change: dict[str, Any] = {"parameters": {}}
+    for name, (in_python, in_command, by_draft) in told.items():
+        keywords |= in_python
+        if name not in ("footplate_mass", "foot_share"):
+            options += in_command.split()
+        rows = by_draft.get("parameters", {})
+        change |= {**by_draft, "parameters": change["parameters"] | rows}
+    keywords |= {"priors": ("patient", told["priors"][0]["priors"])}
+    options += ["--footplate-mass", "1", "--foot-share", "de-leva-male"]
+
+    monkeypatch.chdir(trial.parent)
+    surae.fit(trial.name, mvc=trial.name, **keywords).save(tmp_path / "python.json")
+    command = ["fit", trial.name, "--mvc", trial.name, *options, "--output"]
+    group.main([*command, str(tmp_path / "command.json")], standalone_mode=False)
+    id_ = browser.recording(trial)
+    browser.change(recordings=[id_], mvc=[id_], **change)
+    job = browser.job(browser.post("/api/fits", json={}))
+    assert job["state"] == "done", job
+    by_browser = browser.get(f"/api/fits/{job['result']}/fit.json").json()
+
+    by_python, by_command = (
+        json.loads((tmp_path / name).read_text(encoding="utf-8"))
+        for name in ("python.json", "command.json")
+    )
+    for fit in (by_python, by_command, by_browser):
+        assert fit.pop("seconds") > 0
+        assert FitSettings.from_dict(fit["settings"]) == FitSettings.of(**keywords)
+    assert by_command == by_python
+    assert by_browser == by_python
+    browser.change(starts=1)
+    again = surae.fit(trial, surae.load(tmp_path / "python.json").settings, mvc=trial)
+    assert again.values == surae.load(tmp_path / "command.json").values
