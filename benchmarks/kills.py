@@ -28,7 +28,7 @@ from web import made
 SURAE = [sys.executable, "-P", "-m", "surae"]
 STUDY = (
     'name = "kills"\nprotocol = ["sine", "multi-sine"]\nrate_hz = 20\nstarts = 1\nnoise = 0.05\n'
-    "subjects = 50\n"
+    "subjects = 2000\n"
 )
 #: How long a process may live on [s].
 PATIENCE = 5.0
@@ -144,26 +144,34 @@ class Study:
         command = [*SURAE, "study", "run", "study.toml", "--store", "study.db", "--workers", "2"]
 
         def wait(process: subprocess.Popen[str]) -> None:
-            with suppress(subprocess.TimeoutExpired):
-                process.wait(self.chance.uniform(0.5, 9.0))
+            end = time.monotonic() + 60.0
+            while process.poll() is None and time.monotonic() < end and self.kept() <= self.done:
+                time.sleep(0.1)  # until there is something more to lose
+            time.sleep(self.chance.uniform(0.0, 3.0))
 
         lived = killed(command, self.folder, wait)
-        if (self.folder / "study.db").exists():
-            with Store(self.folder / "study.db") as store:
-                try:
-                    done = store.status().done
-                except InputError:  # killed before there was a plan
-                    done = 0
-            if done < self.done:
-                raise SystemExit(f"outcomes lost: {self.done} before, {done} now")
-            self.done = done
+        done = self.kept()
+        if done < self.done:
+            raise SystemExit(f"outcomes lost: {self.done} before, {done} now")
+        self.done = done
         return lived
+
+    def kept(self) -> int:
+        """The outcomes that are there."""
+        if not (self.folder / "study.db").exists():
+            return 0
+        try:
+            with Store(self.folder / "study.db") as store:
+                return store.status().done
+        except InputError:  # before there is a plan
+            return 0
 
 
 def main() -> None:
     """Kill, look, and say how it went."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--kills", type=int, default=100)
+    parser.add_argument("--only", choices=("workbench", "study"))
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
     chance = random.Random(given.seed)
@@ -173,8 +181,8 @@ def main() -> None:
         bench, study = Workbench(folder, trial, chance), Study(folder, chance)
         lives = []
         for number in range(given.kills):
-            one = study if number % 3 == 2 else bench
-            lives.append(one.once())
+            turn = given.only or ("study" if number % 3 == 2 else "workbench")
+            lives.append(study.once() if turn == "study" else bench.once())
             kept = ", ".join(f"{len(ids)} {what}" for what, ids in bench.kept.items())
             print(
                 f"{number + 1} kills: {kept}, {study.done} outcomes kept; the last process lived "
