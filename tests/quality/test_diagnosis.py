@@ -9,6 +9,7 @@ import surae
 from surae.protocol import Protocol, generate
 from surae.quality import recording_of
 from surae.recording import Recording, read_only
+from surae.signals import prepare
 from surae.studies import virtual_subject, virtual_trial
 
 #: What says that a recording is not what it is said to be.
@@ -125,3 +126,30 @@ def test_the_dynamometers_both_signs(shared) -> None:
     assert not {"angle-sign", "torque-sign"} & set(told(recording))
     turned = scaled(recording, ("angle", "torque"), -1.0)
     assert {"angle-sign", "torque-sign"} <= set(told(turned))
+
+
+def test_a_fit_of_milliseconds_says_so(tmp_path) -> None:
+    with pytest.raises(surae.InputError, match="in ms, these are 35 s at 128 Hz"):
+        surae.fit(timed(trial(4), 1e3), starts=1)
+
+
+def test_raw_emg_on_an_offset_is_taken_as_it_is(planted) -> None:
+    signals = planted.signals(70010)
+    assert signals.raw
+    signals.emg = signals.emg + 0.05
+    recording = signals.recording
+    assert min(recording.channels[role].values.min() for role in EMG) > 0.0
+    assert "emg-offset" in {finding.code for finding in surae.check(recording).findings}
+    prepared = prepare(recording)
+    assert prepared.emg[:, 1].min() < 1e-4  # the offset is gone
+
+
+@pytest.mark.parametrize(("declared", "severity"), [("raw", "info"), ("envelope", "error")])
+def test_emg_that_is_not_as_declared_is_a_finding(planted, declared, severity) -> None:
+    smooth = recording_of(virtual_trial(virtual_subject(4), TRAJECTORY, noise=0.0))
+    recording = planted.signals(70010).recording if declared == "envelope" else smooth
+    recording = replace(recording, emg=declared)
+    (finding,) = [f for f in surae.check(recording).findings if f.code == "emg-kind"]
+    assert finding.severity == severity
+    other = "envelope" if declared == "raw" else "raw"
+    assert f'emg = "{other}"' in finding.advice

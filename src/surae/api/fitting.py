@@ -4,17 +4,19 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from surae.api.fitted import Fit
-from surae.api.quality import check
+from surae.api.quality import check, explained
 from surae.api.recordings import AnyRecording, read_in, several
 from surae.assessment.assess import assess
 from surae.assessment.saved.baseline_json import load_baseline
 from surae.assessment.saved.fit_json import load_saved
 from surae.assessment.uncertainty.snsem import Baseline, check_baseline
+from surae.errors import InputError
 from surae.estimation import FitSettings, make_problem, solve
 from surae.estimation.fit import Progress
 from surae.estimation.starts import Follow
 from surae.files import PathLike
 from surae.quality import Quality
+from surae.recording import Recording
 from surae.signals import ModelInputs, Weighting
 
 #: Median and spread of a parameter's prior by name.
@@ -135,9 +137,21 @@ def fit(
         **options,
     )
     given = [read_in(recording) for recording in several(recordings)]
-    inputs = settings.inputs(given, [read_in(recording) for recording in several(mvc)])
+    inputs = inputs_for(settings, given, [read_in(recording) for recording in several(mvc)])
     checked = map(check, given) if quality is None else quality
     return fit_inputs(inputs, settings, tuple(checked), baseline, progress, follow)
+
+
+def inputs_for(
+    settings: FitSettings,
+    recordings: Sequence[Recording | ModelInputs],
+    mvc: Sequence[Recording | ModelInputs] = (),
+) -> Sequence[ModelInputs]:
+    """What settings make of recordings; an error says too what is wrong with their units."""
+    try:
+        return settings.inputs(recordings, mvc)
+    except InputError as error:
+        raise explained(error, recordings) from None
 
 
 def fit_inputs(

@@ -1,7 +1,9 @@
 """Findings on a recording in any form."""
 
+from collections.abc import Iterable
+
 from surae.api.recordings import AnyRecording
-from surae.diagnosis import examined
+from surae.diagnosis import examined, wrong_units
 from surae.errors import InputError
 from surae.files import PathLike
 from surae.quality import (
@@ -14,6 +16,18 @@ from surae.quality import (
 from surae.quality.reading import commanded_column
 from surae.recording import Recording, read
 from surae.signals import ModelInputs
+
+
+def explained(error: InputError, recordings: Iterable[Recording | ModelInputs]) -> InputError:
+    """The error that a recording cannot be used, with what is wrong with its units."""
+    said = [
+        finding.message
+        for recording in recordings
+        if isinstance(recording, Recording)
+        for finding in wrong_units(recording)[0]
+        if finding.severity == "error"
+    ]
+    return InputError(" ".join([f"{error}.", *said])) if said else error
 
 
 def check(recording: AnyRecording, *, commanded: Commanded | PathLike | None = None) -> Quality:

@@ -49,8 +49,8 @@ def command(
     settings = request(model, asked | {"prepared": prepared})
     check_recordings(recordings)
 
+    from surae.api.quality import check
     from surae.cli.progress import compilation_notice, work
-    from surae.quality import check_recording
     from surae.report import check_report
 
     check_report(report)
@@ -59,7 +59,7 @@ def command(
         quality = []
         for path, recording in zip(recordings, measured, strict=True):
             progress.describe(f"checking {path}")
-            quality.append(check_recording(recording))
+            quality.append(check(recording))
             if strict:
                 refuse_errors(path, quality[-1])
         contractions = read_all(mvc, progress)
@@ -68,8 +68,9 @@ def command(
             [*([] if baseline is None else [baseline]),
              *(file.path for one in (*measured, *contractions) for file in one.files)],
         )  # fmt: skip
-        inputs = settings.inputs(measured, contractions)
-        from surae.api import fit_inputs  # numba: only when the input is in order
+        from surae.api.fitting import fit_inputs, inputs_for  # numba: only now
+
+        inputs = inputs_for(settings, measured, contractions)
 
         with compilation_notice():
             fit = fit_inputs(inputs, settings, quality, baseline, progress.starts)

@@ -7,7 +7,7 @@ from surae.quality.numeric import equal_runs, quantile, runs, smooth
 from surae.quality.trial import Trial
 from surae.quality.wording import muscle_name, quantity, weight_of
 from surae.recording import MUSCLES, Channel
-from surae.signals.emg import NEGATIVE_FRACTION
+from surae.recording.emg_kind import emg_contradictions
 
 #: A muscle that never exceeds this [V] is at rest: maximal efforts give 2e-4 V and more.
 REST_VOLTS = 2e-5
@@ -43,31 +43,24 @@ _SLOW_WINDOW = 0.04
 def kind(trial: Trial) -> tuple[Finding, ...]:
     """EMG that is not what it is declared to be, which a fit would refuse or filter wrongly."""
     declared = trial.recording.emg
-    for muscle, channel in _channels(trial).items():
-        if muscle not in trial.slow:
-            continue
-        low, high = float(channel.values.min()), float(channel.values.max())
-        if declared == "raw" and trial.emg_kind == "envelope":
-            text, right = "is declared raw, but looks like an envelope", "envelope"
-        elif declared == "envelope" and low < -NEGATIVE_FRACTION * max(high, 0.0):
-            text = f"is declared an envelope, but goes down to {quantity(low, channel)}"
-            right = "raw"
-        else:
-            continue
-        return (
-            Finding(
-                "emg-kind",
-                # An envelope is right where all signals are prepared, as --prepared says.
-                "error" if right == "raw" else "info",
-                channel.role,
-                trial.start,
-                trial.end,
-                low,
-                channel.unit,
-                f"The EMG of the {muscle_name(muscle)} {text}.",
-                f"Write '# emg: {right}' in the CSV, or emg = \"{right}\" in the TOML.",
-            ),
-        )
+    for role, sentence in emg_contradictions(trial.recording).items():
+        if role.removeprefix("emg_") in trial.slow:
+            channel = trial.recording.channels[role]
+            said, _, advice = sentence.partition(": ")
+            return (
+                Finding(
+                    "emg-kind",
+                    # An envelope is right where all signals are prepared, as --prepared says.
+                    "error" if declared == "envelope" else "info",
+                    role,
+                    trial.start,
+                    trial.end,
+                    float(channel.values.min()),
+                    channel.unit,
+                    f"{said}.",
+                    f"{advice[:1].upper()}{advice[1:]}.",
+                ),
+            )
     return ()
 
 

@@ -4,6 +4,7 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.recording import Channel
+from surae.recording.emg_kind import look_of
 from surae.signals.filters import butterworth
 from surae.signals.resample import Uniform
 from surae.signals.settings import Preparation
@@ -36,7 +37,9 @@ def envelope(source: Uniform, settings: Preparation) -> Uniform:
 def refuse_not_raw(channel: Channel, source: Uniform, settings: Preparation) -> None:
     """Raise InputError where raw EMG is an envelope, or too slow for the high-pass filter."""
     lowest, highest = float(channel.values.min()), float(channel.values.max())
-    if lowest >= 0.0 and highest > lowest:
+    # On a constant offset, which the filter takes away, raw EMG has no negative sample either.
+    lifted = lowest >= 0.0 and look_of(channel.time, channel.values).kind == "raw"
+    if lowest >= 0.0 and highest > lowest and not lifted:
         raise InputError(
             f"{source.where}: raw EMG without a negative sample looks like an envelope; write "
             f"'# emg: envelope' in the CSV, emg = \"envelope\" in the TOML, or use --prepared if "

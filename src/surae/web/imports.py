@@ -261,9 +261,9 @@ def findings(recording: Recording) -> list[dict[str, Any]]:
     """What is questionable about a recording."""
     from dataclasses import asdict
 
-    from surae.quality import check_recording
+    from surae.api.quality import check
 
-    rows = [asdict(finding) for finding in check_recording(recording).findings]
+    rows = [asdict(finding) for finding in check(recording).findings]
     return [
         {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in finding.items()}
         for finding in rows
