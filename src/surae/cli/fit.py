@@ -68,7 +68,8 @@ def command(
             [*([] if baseline is None else [baseline]),
              *(file.path for one in (*measured, *contractions) for file in one.files)],
         )  # fmt: skip
-        from surae.api.fitting import fit_inputs, inputs_for  # numba: only now
+        from surae.api import fit_inputs  # numba: only when the input is in order
+        from surae.api.fitting import inputs_for
 
         inputs = inputs_for(settings, measured, contractions)
 
