@@ -109,8 +109,14 @@ def smooth_emg(time: np.ndarray, f0: float, beta: float) -> tuple[np.ndarray, np
         emg += wave.imag
         answer = wave * w**2 / (s**2 + 2 * beta * w * s + w**2)
         forced += np.stack([answer.imag, (answer * s / w).imag])
-    free = np.array([[0.0, w], [-w, -2 * beta * w]])
-    return emg, forced[0] - np.array([(expm(free * t) @ forced[:, 0])[0] for t in time])
+    # what starts at rest is the forced answer less the free one of its first state
+    step = expm(np.array([[0.0, w], [-w, -2 * beta * w]]) * (time[1] - time[0]))
+    free = np.empty_like(forced)
+    state = forced[:, 0]
+    for i in range(len(time)):
+        free[:, i] = state
+        state = step @ state
+    return emg, forced[0] - free[0]
 
 
 @pytest.mark.parametrize("beta", DAMPINGS)

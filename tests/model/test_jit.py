@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -54,8 +55,33 @@ def test_another_source_is_another_folder(fresh, source) -> None:
 
 def test_a_new_source_is_another_folder(fresh) -> None:
     before = folder_now()
-    (fresh / "estimation" / "another_kernel.py").write_text("x = 1\n", encoding="utf-8")
+    source = fresh / "estimation" / "another_kernel.py"
+    source.write_text("from surae.model.jit import jit\nx = 1\n", encoding="utf-8")
     assert folder_now() != before
+
+
+@pytest.mark.parametrize(
+    "source", ["model/registry.py", "model/parameters.py", "estimation/fit.py"]
+)
+def test_a_sentence_elsewhere_compiles_nothing_again(fresh, source) -> None:
+    before = folder_now()
+    text = (fresh / source).read_text(encoding="utf-8")
+    (fresh / source).write_text(text + "\n# changed\n", encoding="utf-8")
+    assert folder_now() == before
+
+
+def test_folders_that_nobody_uses_are_removed(fresh, tmp_path) -> None:
+    root = tmp_path / "cache" / "surae"
+    ages = {"kernels-new": 0.5, "kernels-a": 3.0, "kernels-b": 30.0, "kernels-c": 90.0}
+    for name, days in ages.items():
+        (root / name).mkdir(parents=True)
+        (root / name / "code.nbc").write_bytes(b"machine code")
+        then = time.time() - 86400 * days
+        os.utime(root / name, (then, then))
+    (root / "not-ours").mkdir()
+    now = folder_now()
+    left = {path.name for path in root.iterdir()}
+    assert left == {now.name, "kernels-new", "kernels-a", "not-ours"}
 
 
 def test_other_versions_are_another_folder(fresh, monkeypatch) -> None:
@@ -210,13 +236,16 @@ def imports(source: Path) -> list[tuple[str, str]]:
 
 def test_every_kernel_lies_in_a_folder_that_names_the_cache() -> None:
     sources = [s for s in PACKAGE.rglob("*.py") if ("surae.model.jit", "jit") in imports(s)]
+    assert all(jit._IMPORT in source.read_bytes() for source in sources)
+    modules = {".".join(("surae", *s.relative_to(PACKAGE).with_suffix("").parts)) for s in sources}
+    kernels = {*modules, "surae.model.jit"}
     hashed = {PACKAGE / folder for folder in jit._KERNEL_FOLDERS}
     assert len(sources) >= 4
     assert {source.parent for source in sources} <= hashed
     for source in sources:  # nor do kernels read constants from elsewhere in the package
         for module, name in imports(source):
             if module.startswith("surae."):
-                inside = module.split(".")[1] in jit._KERNEL_FOLDERS
+                inside = module in kernels
                 assert inside or name.endswith("Array"), f"{source.name} imports {name}"
 
 

@@ -2,16 +2,19 @@
 
 Numba's own cache looks only at the file of the decorated function: when a helper in another file
 changes, it serves the old machine code. Our cache folder is therefore named by a hash of every
-kernel source together with the versions that produced the code.
+source that has kernels together with the versions that produced the code. Folders of other sources
+and versions are removed when nobody has used them for a while.
 """
 
 import hashlib
 import os
 import platform
+import shutil
 import stat
 import tempfile
+import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -23,6 +26,10 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _KERNEL_FOLDERS = ("model", "estimation")
+#: What a source that has kernels says; they may take constants from such sources only.
+_IMPORT = b"from surae.model.jit import jit\n"
+#: So many folders are kept, and any that was used within so many days.
+_KEPT, _KEPT_DAYS = 3, 2.0
 
 
 @cache
@@ -33,7 +40,9 @@ def cache_folder() -> Path:
         digest.update(version.encode())
     for kernels in _KERNEL_FOLDERS:
         for source in sorted((_PACKAGE / kernels).glob("*.py")):
-            digest.update(source.name.encode() + source.read_bytes())
+            text = source.read_bytes()
+            if _IMPORT in text or source.name == "jit.py":
+                digest.update(source.name.encode() + text)
     name = f"kernels-{digest.hexdigest()[:16]}"
     base = os.environ.get("SURAE_CACHE") or os.environ.get("XDG_CACHE_HOME")
     try:
@@ -45,7 +54,19 @@ def cache_folder() -> Path:
     except (OSError, RuntimeError):  # a read-only home, or none at all
         folder = _private_folder() / name
         folder.mkdir(exist_ok=True)
+    with suppress(OSError):
+        os.utime(folder)  # it is in use
+        _remove_unused(folder.parent)
     return folder
+
+
+def _remove_unused(root: Path) -> None:
+    """Remove folders of kernels that nobody has used for long, but for the last ones."""
+    used = {path: path.lstat().st_mtime for path in root.glob("kernels-*") if path.is_dir()}
+    oldest = time.time() - _KEPT_DAYS * 86400.0
+    for path in sorted(used, key=used.__getitem__, reverse=True)[_KEPT:]:
+        if used[path] < oldest and not path.is_symlink():
+            shutil.rmtree(path, ignore_errors=True)
 
 
 def _private_folder() -> Path:
@@ -59,9 +80,9 @@ def _private_folder() -> Path:
     try:
         folder.mkdir(mode=0o700)
     except FileExistsError:
-        found = folder.lstat()
-        private = stat.S_ISDIR(found.st_mode) and not found.st_mode & 0o022
-        if found.st_uid != os.getuid() or not private:  # somebody else may have put it there
+        status = folder.lstat()
+        private = stat.S_ISDIR(status.st_mode) and not status.st_mode & 0o022
+        if status.st_uid != os.getuid() or not private:  # somebody else may have put it there
             return Path(tempfile.mkdtemp(prefix="surae-"))
     return folder
 

@@ -6,6 +6,7 @@ from enum import StrEnum
 
 import numpy as np
 
+from surae.assessment.identifiability.advice import advice_on, trade_off
 from surae.assessment.identifiability.collinearity import (
     collinear_sets,
     index,
@@ -16,7 +17,6 @@ from surae.assessment.identifiability.directions import SINGULAR, Direction, dir
 from surae.assessment.uncertainty.covariance import half_width
 from surae.assessment.verdict import IDENTIFIED
 from surae.estimation import FitResult
-from surae.model.advice import advice_on, trade_off
 from surae.recording import read_only
 from surae.units import FloatArray
 

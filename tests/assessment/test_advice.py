@@ -2,19 +2,28 @@
 
 import pytest
 
+from surae.assessment.identifiability.advice import (
+    OPTIONAL_ADVICE,
+    PARAMETER_ADVICE,
+    TRADE_OFFS,
+    trade_off,
+)
 from surae.model import MODELS
-from surae.model.advice import PARAMETER_ADVICE, TRADE_OFFS, trade_off
+from surae.model.parameters import OPTIONAL_PARAMETERS
 
 
 def test_every_parameter_has_advice_and_no_advice_is_left_over():
     names = {name for spec in MODELS.values() for name in spec.names}
     assert set(PARAMETER_ADVICE) == names
+    assert set(OPTIONAL_ADVICE) == {p.name for p in OPTIONAL_PARAMETERS}
     for known in TRADE_OFFS:
         assert known.names | known.beside <= names
         assert not known.names & known.beside
 
 
-@pytest.mark.parametrize("text", [*PARAMETER_ADVICE.values(), *(t.advice for t in TRADE_OFFS)])
+@pytest.mark.parametrize(
+    "text", [*PARAMETER_ADVICE.values(), *OPTIONAL_ADVICE.values(), *(t.advice for t in TRADE_OFFS)]
+)
 def test_advice_is_part_of_a_sentence(text):
     assert text == text.strip()
     assert not text.endswith(".")

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from surae.model.parameters import OPTIONAL
+
 
 @dataclass(frozen=True, slots=True)
 class TradeOff:
@@ -64,18 +66,28 @@ PARAMETER_ADVICE: dict[str, str] = {
     "fmax_tib": "fix it, and let the strain factor vary instead",
 }
 
-#: The same of the optional drives.
-DRIVE_ADVICE: dict[str, str] = {
+_ONE_BY_ONE = "efforts of one muscle at a time, which show what the other electrodes hear of it"
+#: The same of the optional parameters, a group's where they all ask for the same.
+OPTIONAL_ADVICE: dict[str, str] = {
     "emd": "faster bursts of effort, or fix it at a measured delay",
     "reflex_tri": "faster stretches of the relaxed triceps, at several speeds",
     "reflex_tib": "faster stretches of the relaxed tibialis, at several speeds",
     "reflex_delay": "faster and shorter stretches at rest, held for half a second after each",
+    **dict.fromkeys(OPTIONAL["crosstalk"], _ONE_BY_ONE),
+    **dict.fromkeys(OPTIONAL["emg_rest"], "a part in which all muscles are at rest"),
+    **dict.fromkeys(OPTIONAL["emg_drift"], "the same efforts early and late in the trial"),
+    "emg_shape": "weak and strong efforts of the same muscle",
+    "torque_zero": "measure the zero of the torque's sensor, without a foot, and fix it",
+    "angle_zero": "measure the angle at which the foot is perpendicular to the shank, and fix it",
+    **dict.fromkeys(
+        OPTIONAL["axis"], "measure where the ankle lies from the device's axis, and fix it"
+    ),
 }
 
 
 def advice_on(name: str) -> str | None:
     """What tells more of a parameter, as an imperative; None where nothing is known."""
-    return PARAMETER_ADVICE.get(name) or DRIVE_ADVICE.get(name)
+    return PARAMETER_ADVICE.get(name) or OPTIONAL_ADVICE.get(name)
 
 
 #: The best known ones; the first that holds a parameter and one it trades off with is told.
