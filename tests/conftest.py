@@ -25,8 +25,14 @@ SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"
 
 
 @pytest.fixture(scope="session")
+def references() -> Path:
+    """The folder of reference solutions, made for the models by other means; see its README."""
+    return Path(__file__).parent / "data" / "reference"
+
+
+@pytest.fixture(scope="session")
 def shared() -> Path:
-    """The folder of reference solutions and measured recordings kept beside the repository."""
+    """The folder of measured recordings kept beside the repository."""
     if not SHARED.is_dir():
         pytest.skip("no reference data: the folder ../shared/data is not beside the repository")
     return SHARED

@@ -109,15 +109,14 @@ def test_unknown_models_and_options(run, files) -> None:
 
 
 @pytest.mark.parametrize("case", ["muscle_healthy", "muscle_patient"])
-def test_reference_solutions(run, shared, tmp_path, case) -> None:
-    reference = shared / "reference"
-    spec = json.loads((reference / f"{case}.json").read_text(encoding="utf-8"))
+def test_reference_solutions(run, references, tmp_path, case) -> None:
+    spec = json.loads((references / f"{case}.json").read_text(encoding="utf-8"))
     (tmp_path / "p.json").write_text(json.dumps({"parameters": spec["parameters"]}))
     done = run(
-        "simulate", reference / f"{case}.csv", "--model", spec["model"],
+        "simulate", references / f"{case}.csv", "--model", spec["model"],
         "--parameters", "p.json", "--output", "out.csv",
     )  # fmt: skip
     assert done.code == 0
-    exact = columns(reference / f"{case}.csv")["torque_Nm"]
+    exact = columns(references / f"{case}.csv")["torque_Nm"]
     error = columns(tmp_path / "out.csv")["torque_Nm"] - exact
     assert np.sqrt((error**2).sum() / (exact**2).sum()) < 0.005

@@ -68,8 +68,7 @@ def sampled(inputs: ModelInputs, rate_hz: float, emg: np.ndarray | None = None) 
     )  # fmt: skip
 
 
-def reference(shared: Path, name: str) -> tuple[ModelInputs, ModelOptions, np.ndarray]:
-    folder = shared / "reference"
+def reference(folder: Path, name: str) -> tuple[ModelInputs, ModelOptions, np.ndarray]:
     case = json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))
     table = np.loadtxt(folder / f"{name}.csv", delimiter=",", skiprows=1)
     time, zero = table[:, 0], np.zeros(len(table))
@@ -84,8 +83,8 @@ def reference(shared: Path, name: str) -> tuple[ModelInputs, ModelOptions, np.nd
 
 
 @pytest.mark.parametrize("name", ["tendon_thesis", "tendon_slack_length"])
-def test_reference_solution(shared, name) -> None:
-    inputs, options, p = reference(shared, name)
+def test_reference_solution(references, name) -> None:
+    inputs, options, p = reference(references, name)
     assert inputs.torque is not None
     size = rms(inputs.torque)
     error = MuscleTendonSimulator(inputs, options).torque(p) - inputs.torque

@@ -56,8 +56,7 @@ def setup(case, make_inputs) -> tuple[ModelInputs, ModelOptions, np.ndarray]:
     return make_inputs(3, rate_hz=rate), ModelOptions.of(**options), vector(**changes)
 
 
-def reference(shared: Path, name: str, every: int) -> tuple[ModelInputs, ModelOptions, np.ndarray]:
-    folder = shared / "reference"
+def reference(folder: Path, name: str, every: int) -> tuple[ModelInputs, ModelOptions, np.ndarray]:
     case = json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))
     table = np.loadtxt(folder / f"{name}.csv", delimiter=",", skiprows=1)[::every]
     time, angle = table[:, 0], table[:, 1]
@@ -79,8 +78,8 @@ def reference(shared: Path, name: str, every: int) -> tuple[ModelInputs, ModelOp
 
 @pytest.mark.parametrize("every", [1, 2], ids=["256 Hz", "128 Hz"])
 @pytest.mark.parametrize("name", ["muscle_healthy", "muscle_patient"])
-def test_reference_solution(shared, name, every) -> None:
-    inputs, options, p = reference(shared, name, every)
+def test_reference_solution(references, name, every) -> None:
+    inputs, options, p = reference(references, name, every)
     assert inputs.torque is not None
     error = rms(MuscleSimulator(inputs, options).torque(p) - inputs.torque)
     assert error < 0.005 * rms(inputs.torque)

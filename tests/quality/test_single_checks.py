@@ -272,9 +272,9 @@ def test_channels_that_share_no_time_are_not_compared() -> None:
     assert all("share" in one.reason for one in quality.skipped)
 
 
-def test_the_reference_solutions_are_clean(shared) -> None:
+def test_the_reference_solutions_are_clean(references) -> None:
     for name in ("muscle_healthy", "muscle_patient", "tendon_thesis", "tendon_slack_length"):
-        quality = surae.check(shared / "reference" / f"{name}.csv")
+        quality = surae.check(references / f"{name}.csv")
         # Their envelopes are prepared, and declared nowhere.
         assert [finding.code for finding in quality.findings] == ["emg-kind"]
         assert quality.clean

@@ -128,8 +128,8 @@ def test_the_content_decides_not_the_name(csv):
     assert read(csv(GOOD, "trial.toml")).channels["angle"].values[0] == 0.1
 
 
-def test_reference_files(shared):
-    for path in sorted((shared / "reference").glob("*.csv")):
+def test_reference_files(references):
+    for path in sorted(references.glob("*.csv")):
         recording = read(path)
         assert len(recording.channels) == 6
         table = np.loadtxt(path, delimiter=",", skiprows=1)

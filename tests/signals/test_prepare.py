@@ -321,8 +321,8 @@ def test_trial_without_torque_is_not_estimable() -> None:
         check_estimable(inputs)
 
 
-def test_reference_trial_prepared(shared: Path) -> None:
-    table = np.loadtxt(shared / "reference" / "muscle_healthy.csv", delimiter=",", skiprows=1)
+def test_reference_trial_prepared(references: Path) -> None:
+    table = np.loadtxt(references / "muscle_healthy.csv", delimiter=",", skiprows=1)
     roles = ("angle", "torque", "emg_ta", "emg_gl", "emg_sol", "emg_gm")
     signals = {role: (table[:, 0], table[:, i + 1]) for i, role in enumerate(roles)}
     inputs = prepare(recording(signals), prepared=True)
