@@ -51,12 +51,12 @@ def _force(x, speed, alpha, k, x0, l0, tau, k_rel, rate):  # type: ignore[no-unt
 def fit(problem: FitProblem) -> tuple[OptimizeResult, FloatArray]:
     """Fit from the default start; the result and the covariance of the parameters."""
     (inputs,) = problem.inputs
-    found = least_squares(
+    minimum = least_squares(
         lambda p: torque(p, inputs) - inputs.torque,
         problem.start,
         bounds=(problem.lower, problem.upper),
         x_scale="jac",
     )
-    n, k = found.jac.shape
-    covariance = 2 * found.cost / (n - k) * np.linalg.inv(found.jac.T @ found.jac)
-    return found, np.asarray(covariance)
+    n, k = minimum.jac.shape
+    covariance = 2 * minimum.cost / (n - k) * np.linalg.inv(minimum.jac.T @ minimum.jac)
+    return minimum, np.asarray(covariance)

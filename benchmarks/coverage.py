@@ -51,14 +51,16 @@ def main() -> None:
             return np.concatenate([rows[..., :1] / sd, later], axis=-1)
 
         begin = time.perf_counter()
-        found = coverage(clean, subject.parameters, noise, whiten, realisations=given.realisations)
+        outcome = coverage(
+            clean, subject.parameters, noise, whiten, realisations=given.realisations
+        )
         seconds = time.perf_counter() - begin
         title = "White noise" if rho == 0 else f"AR(1) noise, ρ = {rho:g}"
         print(
-            f"## {title}\n\nRobust intervals in {100 * found.robust:.0f} % of the fits; "
+            f"## {title}\n\nRobust intervals in {100 * outcome.robust:.0f} % of the fits; "
             f"{1e3 * seconds / given.realisations:.0f} ms a realisation.\n"
         )
-        print(markdown(found.rows) + "\n", flush=True)
+        print(markdown(outcome.rows) + "\n", flush=True)
 
 
 if __name__ == "__main__":

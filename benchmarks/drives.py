@@ -112,16 +112,16 @@ def errors(
         }
         truth = dict(virtual_subject(seed).truth(model, OPTIONS)) | drawn
         recorded = [
-            measured(active_trial(seed) if one == "active" else fast_stretches(), model, truth,
+            measured(active_trial(seed) if kind == "active" else fast_stretches(), model, truth,
                      noise, rng)
-            for one in trials
+            for kind in trials
         ]  # fmt: skip
         fixed = {name: truth[name] for name in known}
-        found = assess(
+        assessed = assess(
             fit_problem(make_problem(recorded, model, free=freed, fixed=fixed), starts=starts)
         )
         for name in (*drawn, "f0"):
-            p = found.parameters.get(name)
+            p = assessed.parameters.get(name)
             if p is not None and p.free:
                 covered = None if p.ci95 is None else p.ci95[0] <= truth[name] <= p.ci95[1]
                 yield name, truth[name], p.value, p.trusted_sem, covered

@@ -59,10 +59,10 @@ def table(strain: str) -> None:
     fine_time = np.arange(fine.shape[1]) / FINE
 
     def errors(rate_hz: float, options: ModelOptions) -> FloatArray:
-        found = forces(rate_hz, options)
-        t = np.arange(found.shape[1]) / rate_hz
-        true = np.stack([np.interp(t, fine_time, one) for one in fine])
-        share: FloatArray = np.mean((found - true) ** 2, axis=1) / np.mean(true**2, axis=1)
+        computed = forces(rate_hz, options)
+        t = np.arange(computed.shape[1]) / rate_hz
+        true = np.stack([np.interp(t, fine_time, force) for force in fine])
+        share: FloatArray = np.mean((computed - true) ** 2, axis=1) / np.mean(true**2, axis=1)
         return np.asarray(np.sqrt(share))
 
     print(f"\nTendon force error, ε0 of mode {strain!r}: RMS, % of the force's RMS\n")

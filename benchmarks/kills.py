@@ -36,14 +36,14 @@ PATIENCE = 5.0
 
 def family(mark: str) -> list[int]:
     """Processes that carry a mark in their environment, as children inherit it."""
-    found = []
+    carriers = []
     for entry in Path("/proc").iterdir():
         with suppress(OSError):
             if entry.name.isdigit() and mark.encode() in (entry / "environ").read_bytes():
                 state = (entry / "stat").read_text().rsplit(")", 1)[1].split()[0]
                 if state != "Z" and int(entry.name) != os.getpid():
-                    found.append(int(entry.name))
-    return found
+                    carriers.append(int(entry.name))
+    return carriers
 
 
 def killed(
@@ -101,7 +101,7 @@ class Workbench:
             client.headers["X-CSRF-Token"] = client.get("/api/session").json()["csrf"]
             self.cookies = dict(client.cookies)
             for what, ids in self.kept.items():
-                there = {one["id"] for one in client.get(f"/api/{what}").json()[what]}
+                there = {thing["id"] for thing in client.get(f"/api/{what}").json()[what]}
                 if not ids <= there:
                     raise SystemExit(f"{what} lost: {ids - there}")
             # In the middle of a request, not between two.
@@ -122,8 +122,8 @@ class Workbench:
             data, name = self.trial.read_bytes(), {"name": "trial.csv"}
             upload = client.post("/api/uploads", params=name, content=data).json()["id"]
             self.kept["uploads"].add(upload)
-            found = client.get(f"/api/uploads/{upload}/inspect").json()
-            imported = client.post("/api/imports", json={"mapping": found["mapping"]})
+            inspected = client.get(f"/api/uploads/{upload}/inspect").json()
+            imported = client.post("/api/imports", json={"mapping": inspected["mapping"]})
             if imported.status_code == 201:
                 recording = imported.json()["id"]
                 self.kept["recordings"].add(recording)

@@ -397,11 +397,11 @@ def main() -> None:
     false: Counter[str] = Counter()
     clean = 0
     for seed in seeds:
-        found = codes(signals(seed))
-        clean += not found
-        false.update(found)
-        if found and chosen.missed:
-            print("  clean", seed, sorted(found))
+        reported = codes(signals(seed))
+        clean += not reported
+        false.update(reported)
+        if reported and chosen.missed:
+            print("  clean", seed, sorted(reported))
     print(f"| fault | found in {len(seeds)} with it | in {len(seeds)} without | others beside it |")
     print("|---|---|---|---|")
     # Another range, so that no recording is counted on both sides.
@@ -413,13 +413,13 @@ def main() -> None:
         for seed in range(chosen.first + 1000 * number, chosen.first + 1000 * number + len(seeds)):
             s = signals(seed, **needs)  # type: ignore[arg-type]
             plant(s)
-            found = codes(s)
-            hits += code in found
-            beside.update(found - {code})
-            if chosen.missed and code not in found:
+            reported = codes(s)
+            hits += code in reported
+            beside.update(reported - {code})
+            if chosen.missed and code not in reported:
                 print("  missed", name, seed, s.raw, s.trajectory.settings.profile,
                       s.trajectory.settings.task, s.trajectory.settings.chirp_amplitude,
-                      s.trajectory.settings.device is not None, sorted(found))  # fmt: skip
+                      s.trajectory.settings.device is not None, sorted(reported))  # fmt: skip
         others = ", ".join(f"{c} {k}" for c, k in beside.most_common(5) if k > 0.05 * len(seeds))
         print(f"| {name} | {hits} | {false[code]} | {others} |", flush=True)
     print(f"\n{clean} of {len(seeds)} clean recordings have no finding, "

@@ -33,7 +33,7 @@ def main() -> None:
             rate_hz=given.rate,
         )
         begin = time.perf_counter()
-        found = [
+        recoveries = [
             recover(
                 seed,
                 protocol,
@@ -45,22 +45,22 @@ def main() -> None:
             for seed in range(given.subjects)
         ]
         seconds = time.perf_counter() - begin
-        vaf = np.array([one.vaf for one in found])
-        identified = [e for one in found for e in one.estimates if e.identified]
+        vaf = np.array([leg.vaf for leg in recoveries])
+        identified = [e for leg in recoveries for e in leg.estimates if e.identified]
         close = np.mean([abs(e.error) <= 0.1 for e in identified])
-        agreeing = np.mean([one.agreeing for one in found])
+        agreeing = np.mean([leg.agreeing for leg in recoveries])
         print(f"## {profile}, chirp 0.2 rad, 0.5 Hz/s, {given.task}, {given.rate:g} Hz\n")
         print(
             f"{given.subjects} {given.population} subjects, model {given.model}, "
             f"{100 * given.noise:g} % noise on EMG and torque, {given.starts} starts "
             f"({agreeing:.1f} agree on average), {seconds / given.subjects:.2f} s per subject.\n"
             f"VAF median {np.median(vaf):.3f} %, lowest {vaf.min():.3f} %; "
-            f"{sum(one.status == 'converged' for one in found)} converged, "
-            f"{sum(one.status == 'at-bounds' for one in found)} with a parameter at a bound.\n"
+            f"{sum(leg.status == 'converged' for leg in recoveries)} converged, "
+            f"{sum(leg.status == 'at-bounds' for leg in recoveries)} with a parameter at a bound.\n"
             f"Of {len(identified)} parameters judged identified, {100 * close:.1f} % lie within "
             "10 % of the truth.\n"
         )
-        print(markdown(summarise(found)) + "\n")
+        print(markdown(summarise(recoveries)) + "\n")
 
 
 if __name__ == "__main__":

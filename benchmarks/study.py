@@ -52,7 +52,7 @@ def measured(study: str, folder: Path, *options: str) -> tuple[float, float, lis
         while process.poll() is None:
             try:
                 tree = [top, *top.children(recursive=True)]
-                peak = max(peak, sum(one.memory_info().rss for one in tree))
+                peak = max(peak, sum(member.memory_info().rss for member in tree))
             except psutil.NoSuchProcess:
                 pass
             time.sleep(0.2)

@@ -62,10 +62,10 @@ def test_fit(
 
     result, assessed = benchmark(ours)
     with threadpool_limits(limits=1, user_api="blas"):  # the same for both, and faster for both
-        found, theirs_covariance = baseline.fit(problem)
+        best, theirs_covariance = baseline.fit(problem)
         ratios = paired(ours, lambda: baseline.fit(problem), _PAIRS)
         alike = paired(plain, lambda: baseline.fit(problem), _PAIRS)
-    assert result.sse <= 2 * found.cost * (1 + 1e-4)
+    assert result.sse <= 2 * best.cost * (1 + 1e-4)
     sem = np.sqrt(np.diag(theirs_covariance))
     for name, theirs in zip(problem.free, sem, strict=True):
         ratio(f"  {name}: SEM {assessed.parameters[name].sem:.4g}, baseline {theirs:.4g}")
@@ -76,6 +76,6 @@ def test_fit(
     ratio(
         "baseline fit / surae fit with its whole assessment, correlated residuals looked for: "
         f"median {statistics.median(ratios):.1f} ({min(ratios):.1f} … {max(ratios):.1f} in "
-        f"{_PAIRS} pairs); baseline: {found.nfev} Jacobians, VAF residual {2 * found.cost:.5g}, "
+        f"{_PAIRS} pairs); baseline: {best.nfev} Jacobians, VAF residual {2 * best.cost:.5g}, "
         f"ours {result.sse:.5g}"
     )

@@ -74,7 +74,7 @@ def test_fit_against_the_thesis(profile: str, ratio: Callable[[str], None]) -> N
     mine = fit_problem(ours, starts=1)
     middle = time.perf_counter()
     with threadpool_limits(limits=1, user_api="blas"):
-        found = least_squares(
+        best = least_squares(
             residual,
             theirs.start,
             bounds=(theirs.lower, theirs.upper),
@@ -86,8 +86,8 @@ def test_fit_against_the_thesis(profile: str, ratio: Callable[[str], None]) -> N
     power = float(inputs.torque @ inputs.torque)
     ratio(
         f"{profile}: explicit scheme at {_THESIS_RATE:g} Hz with finite differences / ours: "
-        f"{spent / (middle - begin):.0f} ({spent:.1f} s, {found.nfev} steps, VAF "
-        f"{100 * (1 - 2 * found.cost / power):.2f} %; ours {mine.seconds:.2f} s, residual variance "
+        f"{spent / (middle - begin):.0f} ({spent:.1f} s, {best.nfev} steps, VAF "
+        f"{100 * (1 - 2 * best.cost / power):.2f} %; ours {mine.seconds:.2f} s, residual variance "
         f"{mine.sse / ours.n:.3g} Nm²)"
     )
 

@@ -134,11 +134,11 @@ def measure(address: str, pid: int, trial: Path, folder: Path, asked: argparse.N
     results: list[str] = []
     each = max(asked.fits // asked.clients, 1)
 
-    def work(one: Client) -> None:
-        results.extend(one.fit(recording) for _ in range(each))
+    def work(client: Client) -> None:
+        results.extend(client.fit(recording) for _ in range(each))
 
     begin = time.perf_counter()
-    threads = [threading.Thread(target=work, args=(one,)) for one in clients]
+    threads = [threading.Thread(target=work, args=(client,)) for client in clients]
     for thread in threads:
         thread.start()
     pages, sliders = [], []

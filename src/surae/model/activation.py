@@ -213,14 +213,14 @@ class ActivationFilter:
         delay moves, the rest begins at zero and is moved: hence smooth in the delay at the start
         too.
         """
-        n, lags = len(drives[0].signal), len(self._lags)
+        shape = len(self._lags), len(drives[0].signal)
         by_filter = max(self._columns) >= 0
         count = sum(len(drive.slopes) + (drive.delay_column >= 0) for drive in drives)
-        slopes = np.zeros((count + 2 * by_filter, lags, n))
+        slopes = np.zeros((count + 2 * by_filter, *shape))
         columns: list[int] = []
         shares = []
         for drive in drives:
-            rows = np.zeros((3 if by_filter else 1, lags, n))
+            rows = np.zeros((3 if by_filter else 1, *shape))
             self._respond(drive.signal, drive.delay, rows)
             shares.append(rows[0])
             if by_filter:

@@ -83,15 +83,17 @@ def with_foot_mass(
         As `foot_mass`, or a recording prescribes m already.
     """
     m = foot_mass(body_mass, footplate, table=table)
-    for one in inputs:
-        if "m" in one.fixed:
+    for recording in inputs:
+        if "m" in recording.fixed:
             raise InputError(
-                f"{one.where}: prescribes m = {one.fixed['m']:g} kg itself; leave the body mass out"
+                f"{recording.where}: prescribes m = {recording.fixed['m']:g} kg itself; leave the "
+                "body mass out"
             )
     step = (
         f"Mass m fixed at {m:.4g} kg: {100 * FOOT_SHARE[table]:.3g} % of {body_mass:g} kg body "
         f"mass ({_CITED[table]})" + (f" and {footplate:g} kg footplate." if footplate else ".")
     )
     return tuple(
-        replace(one, fixed={**one.fixed, "m": m}, steps=(*one.steps, step)) for one in inputs
+        replace(recording, fixed={**recording.fixed, "m": m}, steps=(*recording.steps, step))
+        for recording in inputs
     )

@@ -135,7 +135,7 @@ class Excitation:
             for (hears, of), name in CROSSTALK.items():
                 mixing[hears, of] = self._present[hears] * self._value(values, name)
             unmixing = np.asarray(np.linalg.inv(mixing), dtype=np.float64)
-            own = unmixing @ own
+            own = np.einsum("ij,jn->in", unmixing, own)
         if self._reference is None:
             return _Envelopes(own, own, active, gain, unmixing)
         column = self._at["emg_shape"]
@@ -148,18 +148,21 @@ class Excitation:
         channels, at = GROUPS[group], self._at
         columns = self._weights[channels]
         weights = values[columns]
-        signal = weights @ envelopes.weighted[channels]
+        # einsum, not BLAS: its threads cost more than they save on so few rows
+        signal = np.einsum("c,cn->n", weights, envelopes.weighted[channels])
         slopes = [
             (column, envelope)
             for column, envelope in zip(columns, envelopes.weighted[channels], strict=True)
             if column in wanted
         ]
         if envelopes.by_shape is not None and at["emg_shape"] in wanted:
-            slopes.append((at["emg_shape"], weights @ envelopes.by_shape[channels]))
+            bent = np.einsum("c,cn->n", weights, envelopes.by_shape[channels])
+            slopes.append((at["emg_shape"], bent))
         if self._corrections.intersection(wanted):
             # ∂E/∂e of each electrode but for its gain: what takes from it takes so much of E
             steep = np.ones((4, 1)) if envelopes.steep is None else envelopes.steep
-            heard = envelopes.unmixing[channels].T @ (weights[:, None] * steep[channels])
+            unmixing = weights[:, None] * envelopes.unmixing[channels]
+            heard = np.einsum("ci,cn->in", unmixing, steep[channels])
             heard *= -self._present[:, None]
             for i, name in enumerate(_RESTS):
                 if at.get(name, -1) in wanted and heard[i].any():

@@ -61,17 +61,17 @@ def normalise(
         `reference`.
     """
     if isinstance(reference, EmgReference):
-        return tuple(normalised(one, reference) for one in inputs)
+        return tuple(normalised(recording, reference) for recording in inputs)
     if reference not in NORMALISATIONS:
         raise InputError(f"normalise is {reference!r}; use one of: {', '.join(NORMALISATIONS)}")
     if reference == "mvc" and not mvc:
         raise InputError("normalising by MVC needs recordings of maximum contractions; give mvc")
     if reference == "session" and mvc:
         raise InputError("recordings of MVC have no effect on session normalisation; use 'mvc'")
-    for one in (*inputs, *mvc):
-        _require_volts(one)
-    found = emg_reference(mvc or inputs, "mvc" if mvc else "session")
-    return tuple(normalised(one, found) for one in inputs)
+    for recording in (*inputs, *mvc):
+        _require_volts(recording)
+    largest = emg_reference(mvc or inputs, "mvc" if mvc else "session")
+    return tuple(normalised(recording, largest) for recording in inputs)
 
 
 def emg_reference(
@@ -87,9 +87,9 @@ def emg_reference(
     values: list[float | None] = []
     for column, muscle in enumerate(MUSCLES):
         peaks = [
-            _Peak(_largest(one.emg[:, column], one.rate_hz), one.where)
-            for one in inputs
-            if muscle not in one.missing_emg
+            _Peak(_largest(recording.emg[:, column], recording.rate_hz), recording.where)
+            for recording in inputs
+            if muscle not in recording.missing_emg
         ]
         if not peaks:
             values.append(None)
@@ -98,16 +98,16 @@ def emg_reference(
         if not best.value > 0:
             raise InputError(f"{best.where}: emg_{muscle} is zero throughout; check its channel")
         values.append(best.value)
-    files: dict[str, SourceFile] = {f.sha256: f for one in inputs for f in one.files}
+    files: dict[str, SourceFile] = {f.sha256: f for recording in inputs for f in recording.files}
     return EmgReference(kind, tuple(values), tuple(files.values()), len(inputs))
 
 
-def normalised(one: ModelInputs, reference: EmgReference | None) -> ModelInputs:
+def normalised(recording: ModelInputs, reference: EmgReference | None) -> ModelInputs:
     """A recording's EMG in parts of a reference, as the recordings of a fit have it.
 
     Parameters
     ----------
-    one : ModelInputs
+    recording : ModelInputs
         The recording; one that has this reference already is returned as it is.
     reference : EmgReference or None
         None: nothing is to be done.
@@ -117,18 +117,18 @@ def normalised(one: ModelInputs, reference: EmgReference | None) -> ModelInputs:
     InputError
         Its EMG was normalised otherwise, or a muscle has no reference.
     """
-    if reference is None or one.emg_reference == reference:
-        return one
-    _require_volts(one)
+    if reference is None or recording.emg_reference == reference:
+        return recording
+    _require_volts(recording)
     factors = np.ones(len(MUSCLES))
     told = []
     for column, (muscle, value) in enumerate(zip(MUSCLES, reference.values, strict=True)):
-        if muscle in one.missing_emg:
+        if muscle in recording.missing_emg:
             continue
         if value is None:
             raise InputError(
-                f"{one.where}: emg_{muscle} has no reference: no recording that it was taken from "
-                "has this muscle; add one, or leave the channel out"
+                f"{recording.where}: emg_{muscle} has no reference: no recording that it was taken "
+                "from has this muscle; add one, or leave the channel out"
             )
         factors[column] = value
         told.append(f"{muscle} {value:.4g} V")
@@ -138,20 +138,20 @@ def normalised(one: ModelInputs, reference: EmgReference | None) -> ModelInputs:
         f"{AVERAGED_S:g} s): {', '.join(told)}."
     )
     return replace(
-        one,
-        emg=read_only(one.emg / factors),
+        recording,
+        emg=read_only(recording.emg / factors),
         emg_unit="1",
         emg_reference=reference,
-        steps=(*one.steps, step),
+        steps=(*recording.steps, step),
     )
 
 
-def _require_volts(one: ModelInputs) -> None:
+def _require_volts(recording: ModelInputs) -> None:
     """Refuse EMG that was normalised before."""
-    if one.emg_unit == "V":
+    if recording.emg_unit == "V":
         return
     raise InputError(
-        f"{one.where}: its EMG is normalised already, by another reference; normalise all "
+        f"{recording.where}: its EMG is normalised already, by another reference; normalise all "
         "recordings of a session together, from volts"
     )
 

@@ -116,14 +116,14 @@ def _as_they_are(recording: Recording) -> _Signals:
     name, channels = recording.where, recording.channels
     angle = channels["angle"]
     timings = {role: timing(channel, name) for role, channel in channels.items()}
-    found = timings["angle"]
+    stamps = timings["angle"]
     instead = "prepare them on one uniform time axis, or leave out --prepared (prepared=False)"
-    if not found.uniform:
+    if not stamps.uniform:
         raise InputError(
             f"{name}: prepared signals are not sampled uniformly (time stamps are off by up to "
-            f"{1e3 * found.jitter_s:.3g} ms); {instead}"
+            f"{1e3 * stamps.jitter_s:.3g} ms); {instead}"
         )
-    tolerance = SAME_STEPS / found.axis.rate_hz
+    tolerance = SAME_STEPS / stamps.axis.rate_hz
     for role, channel in channels.items():
         same = len(channel.time) == len(angle.time)
         if not same or np.max(np.abs(channel.time - angle.time)) > tolerance:
@@ -134,10 +134,10 @@ def _as_they_are(recording: Recording) -> _Signals:
         if role.startswith("emg_"):
             refuse_negative(channel, f"{name}: {role}")
     return _Signals(
-        rate_hz=found.axis.rate_hz,
-        time=angle.time if found.jitter_s <= tolerance else found.axis.time,
+        rate_hz=stamps.axis.rate_hz,
+        time=angle.time if stamps.jitter_s <= tolerance else stamps.axis.time,
         by_role={role: channel.values for role, channel in channels.items()},
-        steps=[f"All signals are used as they are, at {found.axis.rate_hz:.6g} Hz."],
+        steps=[f"All signals are used as they are, at {stamps.axis.rate_hz:.6g} Hz."],
     )
 
 
@@ -203,17 +203,17 @@ def _negative_share(emg: FloatArray) -> float:
 
 def _jitter_step(role: str, source: Uniform) -> str:
     """What was made of time stamps that are not uniform; empty where they are."""
-    found = source.timing
-    off = f"{1e3 * found.jitter_s:.3g} ms"
-    if not found.uniform:
+    stamps = source.timing
+    off = f"{1e3 * stamps.jitter_s:.3g} ms"
+    if not stamps.uniform:
         return (
             f"{role}: time stamps jitter by up to {off}; interpolated on a uniform axis of "
-            f"{found.axis.rate_hz:.6g} Hz (quintic spline)."
+            f"{stamps.axis.rate_hz:.6g} Hz (quintic spline)."
         )
-    if found.jitter_s * found.axis.rate_hz > UNIFORM_STEPS:
+    if stamps.jitter_s * stamps.axis.rate_hz > UNIFORM_STEPS:
         return (
             f"{role}: time stamps are rounded (by up to {off}); taken as uniform at "
-            f"{found.axis.rate_hz:.6g} Hz."
+            f"{stamps.axis.rate_hz:.6g} Hz."
         )
     return ""
 

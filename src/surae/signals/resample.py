@@ -55,12 +55,12 @@ def uniform(channel: Channel, recording: str) -> Uniform:
     InputError
         As of `timing`.
     """
-    found = timing(channel, recording)
+    stamps = timing(channel, recording)
     where = f"{recording}: {channel.role}"
     values = channel.values
-    if not found.uniform:
-        values = _spline(channel.time, values, found.axis.time, where)
-    return Uniform(where, found.axis, values, found)
+    if not stamps.uniform:
+        values = _spline(channel.time, values, stamps.axis.time, where)
+    return Uniform(where, stamps.axis, values, stamps)
 
 
 def needs_antialias(source: Axis, target: Axis) -> bool:

@@ -87,27 +87,27 @@ def weighted(
     if len(each) != len(inputs):
         raise InputError(f"{len(each)} weightings for {len(inputs)} recordings; give one for each")
     used: set[int] = set()
-    found = []
-    for one, how in zip(inputs, each, strict=True):
-        made, touched = _weighted(one, how)
+    all_weighted = []
+    for recording, how in zip(inputs, each, strict=True):
+        made, touched = _weighted(recording, how)
         used |= touched
         missed = set() if shared else set(range(len(how.windows))) - touched
         for number in sorted(missed):
-            raise InputError(_outside(how.windows[number], [one]))
-        found.append(made)
+            raise InputError(_outside(how.windows[number], [recording]))
+        all_weighted.append(made)
     if isinstance(weighting, Weighting):
         for number, window in enumerate(weighting.windows):
             if number not in used:
                 raise InputError(_outside(window, inputs))
-    return tuple(found)
+    return tuple(all_weighted)
 
 
-def _weighted(one: ModelInputs, how: Weighting) -> tuple[ModelInputs, set[int]]:
+def _weighted(recording: ModelInputs, how: Weighting) -> tuple[ModelInputs, set[int]]:
     """One recording with weights, and the windows that hold a sample of it."""
-    weight = np.ones(one.n) if one.weight is None else one.weight.copy()
+    weight = np.ones(recording.n) if recording.weight is None else recording.weight.copy()
     touched, steps = set(), []
     for number, (start, end, factor) in enumerate(how.windows):
-        within = (one.time >= start) & (one.time <= end)
+        within = (recording.time >= start) & (recording.time <= end)
         if not within.any():
             continue
         touched.add(number)
@@ -115,51 +115,51 @@ def _weighted(one: ModelInputs, how: Weighting) -> tuple[ModelInputs, set[int]]:
         told = "left out of the fit" if factor == 0 else f"counts {factor:g} times"
         steps.append(f"Weights: {_span(start, end)} {told}.")
     if not weight.any():
-        raise InputError(f"{one.where}: the windows leave no sample to count; leave out less")
+        raise InputError(f"{recording.where}: the windows leave no sample to count; leave out less")
     if how.peaks > 0:
-        factors = 1.0 + how.peaks * activity(one, how.activity, weight > 0)
+        factors = 1.0 + how.peaks * activity(recording, how.activity, weight > 0)
         weight *= factors / factors[weight > 0].mean()
         steps.append(
             f"Weights: a peak of the {'EMG' if how.activity == 'emg' else 'torque'} counts "
             f"{1 + how.peaks:g} times as much as rest."
         )
     if not steps:
-        return one, touched
+        return recording, touched
     counted = weight[weight > 0]
     alike = bool(np.all(counted == counted[0]))
     made = replace(
-        one,
+        recording,
         weight=read_only(weight),
-        emphasised=one.emphasised or not alike,
-        steps=(*one.steps, *steps),
+        emphasised=recording.emphasised or not alike,
+        steps=(*recording.steps, *steps),
     )
     return made, touched
 
 
 def activity(
-    one: ModelInputs, kind: str, counted: npt.NDArray[np.bool_] | None = None
+    recording: ModelInputs, kind: str, counted: npt.NDArray[np.bool_] | None = None
 ) -> FloatArray:
     """How active a recording is over time, from 0 at rest to 1 at a peak, shape (n,).
 
     Parameters
     ----------
-    one : ModelInputs
+    recording : ModelInputs
         The recording.
     kind : {"torque", "emg"}
         The size of the torque, or the mean of the EMG envelopes, each over its own peak.
     counted : ndarray of bool, shape (n,), optional
         Samples that tell how high a peak is.
     """
-    mask = np.ones(one.n, dtype=bool) if counted is None else counted
+    mask = np.ones(recording.n, dtype=bool) if counted is None else counted
     if kind == "torque":
-        if one.torque is None:
-            raise InputError(f"{one.where}: there is no torque whose peaks could count")
-        return _scaled(np.abs(one.torque), one.rate_hz, mask)
-    recorded = [c for c, muscle in enumerate(MUSCLES) if muscle not in one.missing_emg]
+        if recording.torque is None:
+            raise InputError(f"{recording.where}: there is no torque whose peaks could count")
+        return _scaled(np.abs(recording.torque), recording.rate_hz, mask)
+    recorded = [c for c, muscle in enumerate(MUSCLES) if muscle not in recording.missing_emg]
     if not recorded:
-        raise InputError(f"{one.where}: there is no EMG whose peaks could count")
-    levels = [_scaled(np.abs(one.emg[:, c]), one.rate_hz, mask) for c in recorded]
-    return _scaled(np.mean(levels, axis=0), one.rate_hz, mask)
+        raise InputError(f"{recording.where}: there is no EMG whose peaks could count")
+    levels = [_scaled(np.abs(recording.emg[:, c]), recording.rate_hz, mask) for c in recorded]
+    return _scaled(np.mean(levels, axis=0), recording.rate_hz, mask)
 
 
 def _scaled(level: FloatArray, rate_hz: float, mask: npt.NDArray[np.bool_]) -> FloatArray:
@@ -174,7 +174,10 @@ def _scaled(level: FloatArray, rate_hz: float, mask: npt.NDArray[np.bool_]) -> F
 
 
 def _outside(window: tuple[float, float, float], inputs: Sequence[ModelInputs]) -> str:
-    spans = ", ".join(f"{one.where}: {one.time[0]:g} … {one.time[-1]:g} s" for one in inputs)
+    spans = ", ".join(
+        f"{recording.where}: {recording.time[0]:g} … {recording.time[-1]:g} s"
+        for recording in inputs
+    )
     return f"window {_span(window[0], window[1])} holds no sample ({spans})"
 
 
