@@ -220,17 +220,18 @@ class ActivationFilter:
         columns: list[int] = []
         shares = []
         for drive in drives:
-            rows = np.zeros((3 if by_filter else 1, *shape))
-            self._respond(drive.signal, drive.delay, rows)
-            shares.append(rows[0])
+            shares.append(np.zeros(shape))
+            rows = [shares[-1]]
             if by_filter:
+                rows.extend(slopes[-2:] if len(shares) == 1 else np.zeros((2, *shape)))
+            self._respond(drive.signal, drive.delay, rows)
+            if by_filter and len(shares) > 1:
                 slopes[-2:] += rows[1:]
             if drive.delay_column >= 0:
                 self._by_delay(drive, slopes[len(columns)])
                 columns.append(drive.delay_column)
             for column, signal in drive.slopes:
-                place = len(columns)
-                self._respond(signal, drive.delay, slopes[place : place + 1])
+                self._respond(signal, drive.delay, [slopes[len(columns)]])
                 columns.append(column)
         if by_filter:
             columns += self._columns
@@ -239,19 +240,20 @@ class ActivationFilter:
             slopes, of = slopes[of >= 0], of[of >= 0]
         return ActiveState(sum(shares[1:], start=shares[0]), slopes, of, tuple(shares))
 
-    def _respond(self, signal: FloatArray, delay: float | None, out: FloatArray) -> None:
-        """Response to one input, and if `out` has three rows its derivatives, into (…, L, n)."""
+    def _respond(self, signal: FloatArray, delay: float | None, rows: list[FloatArray]) -> None:
+        """Response to one input, and if there are three rows its derivatives, each (L, n)."""
         first = 0.0 if delay is None else float(signal[0])
         for lag, (steps, back) in enumerate(self._instants(delay or 0.0)):
-            if len(out) == 1:
-                _respond(signal, first, steps, back, 0, out[0, lag])
+            if len(rows) == 1:
+                _respond(signal, first, steps, back, 0, rows[0][lag])
             else:
-                rows = out[0, lag], out[1, lag], out[2, lag]
-                _respond_with_derivatives(signal, first, steps, back, *rows)
+                at_lag = (row[lag] for row in rows)
+                _respond_with_derivatives(signal, first, steps, back, *at_lag)
         if first != 0.0:
-            held = np.zeros_like(out)
+            held = list(np.zeros((len(rows), *rows[0].shape)))
             self._respond(np.ones(len(signal)), None, held)
-            out += first * held
+            for moving, still in zip(rows, held, strict=True):
+                np.add(moving, first * still, out=moving)
 
     def _by_delay(self, drive: Drive, out: FloatArray) -> None:
         """Derivative of the response by the drive's delay, −α', into (L, n)."""

@@ -66,6 +66,7 @@ class MuscleTendonSimulator(TiedModel):
         self._slack = np.array([SLACK_TRI, SLACK_TIB])
         in_metres = options.tendon_strain == "thesis"
         self._strain_lengths = np.ones(2) if in_metres else self._slack
+        self._staged: dict[int, tuple[FloatArray, FloatArray]] = {}
 
     def tendon(self, values: FloatArray) -> TendonState:  # type: ignore[override]
         """Lengths, velocities and forces of muscles and tendons over time."""
@@ -138,16 +139,25 @@ class MuscleTendonSimulator(TiedModel):
         jacobian: FloatArray,
     ) -> FloatArray:
         columns = _COLUMNS[group]
+        lengths, slopes = self._stages(group, muscle)
         states = np.full((5, len(muscle.length)), np.nan)
         compliant_states(
             p[columns], slots[columns], float(self._strain_lengths[group]), muscle.arm,
-            self._staged(muscle.length, muscle.speed), active.alpha, active.slopes,
-            slots[active.columns], self._staged(muscle.length_slopes, muscle.speed_slopes),
-            turned, self._factor, self._dt, states, jacobian,
+            lengths, active.alpha, active.slopes, slots[active.columns], slopes, turned,
+            self._factor, self._dt, states, jacobian,
         )  # fmt: skip
         return states
 
-    def _staged(self, length: FloatArray, speed: FloatArray) -> FloatArray:
+    def _stages(self, group: int, muscle: MusclePath) -> tuple[FloatArray, FloatArray]:
+        """Lengths and their slopes at the stages; once, where no parameter touches them."""
+        if group not in self._staged or not self._movement.is_fixed:
+            self._staged[group] = (
+                self._at_stages(muscle.length, muscle.speed),
+                self._at_stages(muscle.length_slopes, muscle.speed_slopes),
+            )
+        return self._staged[group]
+
+    def _at_stages(self, length: FloatArray, speed: FloatArray) -> FloatArray:
         """Lengths or slopes at both stages of every step, shape (…, 2, n): cubic Hermite."""
         s = GAMMA
         staged = np.stack([length, length], axis=-2)
