@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from surae.report.content import make_content
-from surae.report.digits import estimate, percentage, significant, standard_error
+from surae.report.formatting import estimate, percentage, significant, standard_error
 from surae.report.traces import traces_of
 from surae.report.wording import closeness
 

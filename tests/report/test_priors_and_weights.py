@@ -8,8 +8,8 @@ import pytest
 from surae.assessment import whiteness
 from surae.estimation import Prior, fit_problem, make_problem
 from surae.recording import read_only
+from surae.report.excluded import excluded_spans, excluded_text
 from surae.report.figures import residual_figure, torque_figure
-from surae.report.left_out import left_out_spans, left_out_text
 from surae.report.priors import prior_note, prior_text
 from surae.report.traces import traces_of
 
@@ -71,20 +71,20 @@ def test_a_prior_that_decides_is_said_to():
 
 
 def test_spans_of_weight_zero():
-    assert left_out_spans(None) == ()
-    assert left_out_spans(np.ones(3)) == ()
-    assert left_out_spans(np.array([0.0, 0.0, 0.5, 1.0, 0.0, 2.0, 0.0])) == ((0, 1), (4, 4), (6, 6))
-    assert left_out_spans(np.zeros(2)) == ((0, 1),)
+    assert excluded_spans(None) == ()
+    assert excluded_spans(np.ones(3)) == ()
+    assert excluded_spans(np.array([0.0, 0.0, 0.5, 1.0, 0.0, 2.0, 0.0])) == ((0, 1), (4, 4), (6, 6))
+    assert excluded_spans(np.zeros(2)) == ((0, 1),)
 
 
 def test_spans_in_words():
     time = np.arange(40) / 10
     weight = np.ones(40)
-    assert left_out_text(time, weight) == ""
+    assert excluded_text(time, weight) == ""
     weight[5:8] = weight[20] = 0.0
-    assert left_out_text(time, weight) == "4 of 40 samples, weight 0: 0.5 … 0.7 s, 2 s"
+    assert excluded_text(time, weight) == "4 of 40 samples, weight 0: 0.5 … 0.7 s, 2 s"
     weight[::2] = 0.0
-    text = left_out_text(time, weight)
+    text = excluded_text(time, weight)
     assert text.startswith("22 of 40 samples, weight 0: 0 s, 0.2 s, 0.4 … 0.8 s, 1 s,")
     assert text.endswith("and 12 spans more")
 
@@ -93,13 +93,13 @@ def test_what_was_left_out_is_said_twice_and_hatched(informed):
     content = content_of(informed)
     expected = "51 of 1000 samples, weight 0: 2 … 2.49 s, 3 s"
     facts = {fact.label: fact.value for fact in content.recordings[0].facts}
-    assert facts["Left out of the fit"] == content.sources[0].left_out == expected
+    assert facts["Left out of the fit"] == content.sources[0].excluded == expected
     assert informed.page.count(expected) == 2
     traces = traces_of(informed.result)[0]
     white = whiteness(traces.residual[traces.counted], 100.0)
     for figure in (
         torque_figure(traces),
-        residual_figure(traces.time, traces.residual, white, traces.left_out),
+        residual_figure(traces.time, traces.residual, white, traces.excluded),
     ):
         hatched = [p for axes in figure.axes for p in axes.patches if p.get_hatch()]
         assert len(hatched) == 2
@@ -115,7 +115,7 @@ def test_what_was_left_out_is_in_no_number(informed):
     rms = float(np.sqrt(np.mean(traces.measured[traces.counted] ** 2)))
     assert note == f"torque itself {rms:.3g} Nm"
     white = whiteness(traces.residual[traces.counted], 100.0)
-    histogram = residual_figure(traces.time, traces.residual, white, traces.left_out).axes[2]
+    histogram = residual_figure(traces.time, traces.residual, white, traces.excluded).axes[2]
     assert histogram.get_xlim()[1] < 10
     assert "passes for white noise" in informed.page
 

@@ -5,8 +5,8 @@ import pytest
 
 from surae.estimation import fit_problem, make_problem
 from surae.recording import read_only
-from surae.report.digits import significant
 from surae.report.figures import png, tendon_figure
+from surae.report.formatting import significant
 from surae.report.tendons import tendon_rows
 from surae.report.traces import traces_of
 

@@ -74,7 +74,7 @@ def command(
     from surae.assessment.saved.baseline_json import save_baseline
     from surae.cli.progress import compilation_notice, work
     from surae.cli.screen import show_line
-    from surae.report.digits import standard_error
+    from surae.report.formatting import standard_error
     from surae.studies.baseline import make_baseline
 
     with work() as progress, compilation_notice():

@@ -80,7 +80,7 @@ def command(
 
 
 def _table(drawn: "Bootstrap") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    from surae.report.digits import estimate
+    from surae.report.formatting import estimate
 
     rows: list[tuple[str, ...]] = []
     for p in drawn.parameters.values():

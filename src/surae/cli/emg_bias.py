@@ -69,7 +69,7 @@ def command(
 
 
 def _table(fit: "Fit", bias: "EmgBias") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    from surae.report.digits import NONE, significant
+    from surae.report.formatting import NONE, significant
 
     rows: list[tuple[str, ...]] = []
     for p in bias.parameters.values():

@@ -102,7 +102,7 @@ def _table(
     drawn: "Posterior", compared: "dict[str, Agreement]"
 ) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """The intervals of posterior, covariance and profile beside each other, and diagnostics."""
-    from surae.report.digits import NONE, significant
+    from surae.report.formatting import NONE, significant
 
     def interval(ends: Sequence[float | None] | None) -> str:
         if ends is None:

@@ -84,7 +84,7 @@ def command(
 
 def _table(profiles: "Profiles") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Intervals of profile and covariance beside each other."""
-    from surae.report.digits import NONE, significant
+    from surae.report.formatting import NONE, significant
 
     heads = ("parameter", "value", "95 % profile", "95 % covariance", "status", "unit")
     rows: list[tuple[str, ...]] = []

@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from surae.files import shown
-from surae.report.digits import estimate, percentage, significant
+from surae.report.formatting import estimate, percentage, significant
 
 if TYPE_CHECKING:  # a line is shown without the libraries that compute
     from surae.api import Fit

@@ -10,7 +10,7 @@ from surae.assessment import Assessment, Interval, Prediction, Verdict
 from surae.estimation import FitResult
 from surae.quality import Quality
 from surae.report.correlations import CorrelationSection, correlation_section
-from surae.report.digits import NONE, percentage, significant
+from surae.report.formatting import NONE, percentage, significant
 from surae.report.identifiability import IdentifiabilitySection, identifiability_section
 from surae.report.parameters import ParameterGroup, parameter_groups
 from surae.report.predictions import PredictionSection, prediction_section
@@ -139,12 +139,12 @@ def make_content(
     quality : sequence of Quality
         What was found in each recording before the fit.
     """
-    torque = np.concatenate([one.measured[one.counted] for one in traces])
+    torque = np.concatenate([trial.measured[trial.counted] for trial in traces])
     rms = float(np.sqrt(np.mean(torque**2)))
     groups = parameter_groups(assessment, result.problem.priors)
     return Content(
         title=result.problem.spec.title,
-        names=tuple(one.name for one in assessment.recordings),
+        names=tuple(recording.name for recording in assessment.recordings),
         created=created.strftime("%Y-%m-%d %H:%M %Z").strip(),
         status=result.status,
         status_text=_STATUS.get(result.status, result.status),
@@ -180,7 +180,7 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> tuple[KeyFigu
     identified = sum(p.verdict is Verdict.IDENTIFIED for p in parameters)
     failed = result.status == "failed"
     robust = assessment.interval is Interval.ROBUST and not failed
-    coloured = not all(one.white for one in assessment.whiteness)
+    coloured = not all(whiteness.white for whiteness in assessment.whiteness)
     return (
         KeyFigure(
             "Variance accounted for",
@@ -209,11 +209,11 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> tuple[KeyFigu
 
 def _glance(groups: tuple[ParameterGroup, ...]) -> tuple[Glance, ...]:
     rows = [row for group in groups for row in group.rows]
-    found = {row.verdict: row.verdict_text for row in rows}
+    texts = {row.verdict: row.verdict_text for row in rows}
     return tuple(
         Glance(
             verdict,
-            found[verdict],
+            texts[verdict],
             tuple(
                 (row.name, f"{row.value} {row.unit}".rstrip() if row.determined else "undetermined")
                 for row in rows

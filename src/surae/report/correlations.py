@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from surae.assessment import Assessment
-from surae.report.digits import NONE, signed, significant
+from surae.report.formatting import NONE, signed, significant
 
 #: Correlation from which a pair of parameters is named.
 _STRONG = 0.9

@@ -2,7 +2,7 @@
 
 from surae.assessment import Assessment
 from surae.estimation import FitResult
-from surae.report.digits import percentage, short, significant
+from surae.report.formatting import percentage, short, significant
 
 #: Share of samples that count less than half from which they are no stray artefacts; Gaussian noise
 #: has 0.7 % of them under Huber's loss.
@@ -12,7 +12,7 @@ MANY = 0.05
 def emphasis_text(result: FitResult, assessment: Assessment) -> str:
     """A paragraph of the summary; empty where every sample counts as any other."""
     texts = []
-    if any(one.emphasised for one in result.problem.inputs):
+    if any(recording.emphasised for recording in result.problem.inputs):
         texts.append("The fit was told to follow some samples more closely than others.")
     if result.outliers is not None:
         share = 100 * result.outliers.share

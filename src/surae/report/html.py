@@ -54,17 +54,21 @@ def render(
     )
     return environment.get_template("report.html.j2").render(
         content=content,
-        torque=[_image(png(torque_figure(one)), "png") for one in traces],
+        torque=[_image(png(torque_figure(trial)), "png") for trial in traces],
         residual=[
-            _image(png(residual_figure(one.time, one.residual, w, one.left_out)), "png")
-            for one, w in zip(traces, assessment.whiteness, strict=True)
+            _image(png(residual_figure(trial.time, trial.residual, w, trial.excluded)), "png")
+            for trial, w in zip(traces, assessment.whiteness, strict=True)
         ],
         tendon=[
-            None if one.tendon is None else _image(png(tendon_figure(one, one.tendon), 150), "png")
-            for one in traces
+            None
+            if trial.tendon is None
+            else _image(png(tendon_figure(trial, trial.tendon), 150), "png")
+            for trial in traces
         ],
         correlation=_heat_map(content.correlation),
-        predictions=[_image(png(prediction_figure(one)), "png") for one in predictions],
+        predictions=[
+            _image(png(prediction_figure(prediction)), "png") for prediction in predictions
+        ],
     )
 
 

@@ -9,7 +9,7 @@ from surae.assessment.identifiability.identified import Identified, identifiabil
 from surae.assessment.inflation import described, variance_inflation
 from surae.assessment.verdict import IDENTIFIED
 from surae.estimation import FitResult
-from surae.report.digits import NONE, significant
+from surae.report.formatting import NONE, significant
 
 #: Directions and collinear sets that are shown at most.
 _DIRECTIONS, _SETS = 6, 6
@@ -65,30 +65,34 @@ class IdentifiabilitySection:
 def identifiability_section(result: FitResult, assessment: Assessment) -> IdentifiabilitySection:
     """Describe weak combinations and what each parameter needs; verdicts are the assessment's."""
     inflation = variance_inflation(assessment)
-    found = identifiability(result, variance_inflation=inflation.common)
-    if not found.parameters:
+    identified = identifiability(result, variance_inflation=inflation.common)
+    if not identified.parameters:
         return IdentifiabilitySection("The model gives no finite torque here.", (), (), ())
-    weak = [one for one in found.directions if one.uncertainty is None or one.uncertainty > _WEAK]
-    shown = weak[:_DIRECTIONS] or list(found.directions[:1])
+    weak = [
+        direction
+        for direction in identified.directions
+        if direction.uncertainty is None or direction.uncertainty > _WEAK
+    ]
+    shown = weak[:_DIRECTIONS] or list(identified.directions[:1])
     sets = [
         f"{', '.join(names)} ({significant(gamma, 3) if gamma < float('inf') else '∞'})"
-        for names, gamma in found.collinear[:_SETS]
+        for names, gamma in identified.collinear[:_SETS]
     ]
-    if len(found.collinear) > _SETS:
-        sets.append(f"and {len(found.collinear) - _SETS} more")
-    condition = "infinite" if found.condition is None else significant(found.condition, 2)
-    gamma = "infinite" if found.gamma is None else significant(found.gamma, 3)
-    ranked = sorted(found.parameters.values(), key=lambda one: one.rank)
+    if len(identified.collinear) > _SETS:
+        sets.append(f"and {len(identified.collinear) - _SETS} more")
+    condition = "infinite" if identified.condition is None else significant(identified.condition, 2)
+    gamma = "infinite" if identified.gamma is None else significant(identified.gamma, 3)
+    ranked = sorted(identified.parameters.values(), key=lambda parameter: parameter.rank)
     return IdentifiabilitySection(
         text=(
             f"Condition number of the scaled information matrix: {condition}. Collinearity index "
             f"of all parameters that are not at a bound: {gamma}; sets from {COLLINEAR:g} on are "
-            "hardly told apart."
+            "hardly identified apart."
         )
         + _noise(inflation.common, inflation.reason),
-        directions=tuple(_direction(one) for one in shown),
+        directions=tuple(_direction(direction) for direction in shown),
         sets=tuple(sets),
-        rows=tuple(_row(one, assessment) for one in ranked),
+        rows=tuple(_row(parameter, assessment) for parameter in ranked),
     )
 
 
@@ -99,26 +103,28 @@ def _noise(factor: float, reason: str) -> str:
     return f" Standard errors here: {described({'all': factor}, reason)}."
 
 
-def _direction(one: Direction) -> DirectionRow:
-    scale = 1.0 if one.uncertainty is None else one.uncertainty
-    changes = [f"{name} {_signed(scale * part)}" for name, part in one.changes.items()]
+def _direction(direction: Direction) -> DirectionRow:
+    scale = 1.0 if direction.uncertainty is None else direction.uncertainty
+    changes = [f"{name} {_signed(scale * part)}" for name, part in direction.changes.items()]
     return DirectionRow(
-        words=one.words,
-        uncertainty=NONE if one.uncertainty is None else _percent(one.uncertainty),
-        changes=NONE if one.uncertainty is None else ", ".join(changes),
+        words=direction.words,
+        uncertainty=NONE if direction.uncertainty is None else _percent(direction.uncertainty),
+        changes=NONE if direction.uncertainty is None else ", ".join(changes),
     )
 
 
-def _row(one: Identified, assessment: Assessment) -> SensitivityRow:
-    verdict = assessment.parameters[one.name].verdict
+def _row(parameter: Identified, assessment: Assessment) -> SensitivityRow:
+    verdict = assessment.parameters[parameter.name].verdict
     return SensitivityRow(
-        name=one.name,
-        sensitivity=significant(one.sensitivity, 2),
-        alone=NONE if one.alone is None else _percent(one.alone),
-        collinearity=NONE if one.collinearity is None else significant(one.collinearity, 2),
+        name=parameter.name,
+        sensitivity=significant(parameter.sensitivity, 2),
+        alone=NONE if parameter.alone is None else _percent(parameter.alone),
+        collinearity=NONE
+        if parameter.collinearity is None
+        else significant(parameter.collinearity, 2),
         verdict=str(verdict),
         verdict_text=str(verdict).replace("-", " "),
-        advice="" if verdict is Verdict.IDENTIFIED else one.advice,
+        advice="" if verdict is Verdict.IDENTIFIED else parameter.advice,
     )
 
 

@@ -60,10 +60,10 @@ def render_pdf(
     template = files("surae.report").joinpath("templates", "report.typ").read_bytes()
     with tempfile.TemporaryDirectory(prefix="surae-pdf-") as name:
         folder = Path(name)
-        for number, one in enumerate(traces):
-            (folder / f"torque-{number}.png").write_bytes(png(torque_figure(one), _DPI))
+        for number, trial in enumerate(traces):
+            (folder / f"torque-{number}.png").write_bytes(png(torque_figure(trial), _DPI))
             white = assessment.whiteness[number]
-            figure = residual_figure(one.time, one.residual, white, one.left_out)
+            figure = residual_figure(trial.time, trial.residual, white, trial.excluded)
             (folder / f"residual-{number}.png").write_bytes(png(figure, _DPI))
         for number, prediction in enumerate(predictions):
             drawn = png(prediction_figure(prediction), _DPI)

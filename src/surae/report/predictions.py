@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from surae.assessment import Assessment, Prediction, pooled
-from surae.report.digits import percentage, significant
+from surae.report.formatting import percentage, significant
 
 #: VAF [%] that a prediction may lie below that of the fit before it is worth a word.
 _FALL = 5.0
@@ -35,7 +35,10 @@ def prediction_section(
     """The predictions in words; None where there are none."""
     if not predictions:
         return None
-    rows = [_row(one.name, one.vaf, one.rmse, one.bias) for one in predictions]
+    rows = [
+        _row(prediction.name, prediction.vaf, prediction.rmse, prediction.bias)
+        for prediction in predictions
+    ]
     together = pooled(predictions)
     if len(predictions) > 1:
         rows.append(_row("all together", together.vaf, together.rmse, together.bias))

@@ -3,7 +3,7 @@
 import math
 
 from surae.estimation import Prior
-from surae.report.digits import short, significant
+from surae.report.formatting import short, significant
 
 #: Spread up to which a logarithm's standard deviation reads as a percentage of the value.
 _SMALL = 0.3

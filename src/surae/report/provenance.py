@@ -6,9 +6,9 @@ from surae.assessment import Assessment
 from surae.estimation import FitResult
 from surae.estimation.population import population_of
 from surae.model import adapted
-from surae.report.digits import short, significant
 from surae.report.emphasis import loss_text
-from surae.report.left_out import left_out_text
+from surae.report.excluded import excluded_text
+from surae.report.formatting import short, significant
 from surae.report.priors import prior_text
 
 
@@ -27,7 +27,7 @@ class Source:
     recording: str
     files: tuple[tuple[str, str], ...]
     samples: str
-    left_out: str
+    excluded: str
     steps: tuple[str, ...]
 
 
@@ -60,13 +60,13 @@ def sources(result: FitResult) -> tuple[Source, ...]:
     """The recordings of a fit."""
     return tuple(
         Source(
-            recording=one.name,
-            files=tuple((file.name, file.sha256) for file in one.files),
-            samples=f"{one.n} at {short(one.rate_hz)} Hz",
-            left_out=left_out_text(one.time, one.weight),
-            steps=one.steps,
+            recording=recording.name,
+            files=tuple((file.name, file.sha256) for file in recording.files),
+            samples=f"{recording.n} at {short(recording.rate_hz)} Hz",
+            excluded=excluded_text(recording.time, recording.weight),
+            steps=recording.steps,
         )
-        for one in result.problem.inputs
+        for recording in result.problem.inputs
     )
 
 
@@ -77,7 +77,7 @@ def _starts(result: FitResult) -> str:
 
 def _fixed(result: FitResult, assessment: Assessment) -> str:
     problem = result.problem
-    prescribed = {name for one in problem.inputs for name in one.fixed}
+    prescribed = {name for recording in problem.inputs for name in recording.fixed}
     texts = []
     for p in assessment.parameters.values():
         if p.free:

@@ -43,7 +43,7 @@ def quality_sections(
     traces : sequence of Traces
         Signals of the recordings, whose span the marks are drawn on.
     """
-    return tuple(_section(one, trace) for one, trace in zip(quality, traces, strict=False))
+    return tuple(_section(checked, trace) for checked, trace in zip(quality, traces, strict=False))
 
 
 def _section(quality: Quality, trace: Traces) -> QualitySection:
@@ -67,5 +67,5 @@ def _section(quality: Quality, trace: Traces) -> QualitySection:
         name=quality.recording,
         summary=quality.summary,
         rows=rows,
-        skipped=tuple((one.check, one.reason) for one in quality.skipped),
+        skipped=tuple((check.check, check.reason) for check in quality.skipped),
     )

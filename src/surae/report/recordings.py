@@ -6,8 +6,8 @@ import numpy as np
 
 from surae.assessment import RecordingQuality, Whiteness
 from surae.recording.samples import sample
-from surae.report.digits import chance, percentage, short, signed, significant
-from surae.report.left_out import left_out_text
+from surae.report.excluded import excluded_text
+from surae.report.formatting import chance, percentage, short, signed, significant
 from surae.report.provenance import Setting
 from surae.report.tendons import GROUPS, TendonRow, tendon_rows
 from surae.report.traces import Traces
@@ -47,8 +47,8 @@ def recording_section(
     )
     if quality.vaf_weighted is not None:
         facts += (Setting("VAF, weighted as in the fit", f"{percentage(quality.vaf_weighted)} %"),)
-    if left_out := left_out_text(traces.time, traces.weight):
-        facts += (Setting("Left out of the fit", left_out),)
+    if excluded := excluded_text(traces.time, traces.weight):
+        facts += (Setting("Left out of the fit", excluded),)
     tendon = tendon_rows(traces)
     shares = ", ".join(
         f"{name} {signed(float(part.min()), 1)} to {signed(float(part.max()), 1)} Nm"

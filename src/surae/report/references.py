@@ -199,19 +199,19 @@ def cited_by(result: FitResult, assessment: Assessment) -> tuple[Cited, ...]:
     """
     spec, options = result.problem.spec, result.problem.options
     known = {p.group for p in spec.parameters}
-    found = list(ALWAYS[:2])
+    cited = list(ALWAYS[:2])
     if spec.name == "muscle-2010":
-        found.append(Cited(DE_VLUGT, "the model, reconstructed"))
+        cited.append(Cited(DE_VLUGT, "the model, reconstructed"))
     if "tendon" in known:
-        found.append(Cited(THELEN, "the tendons"))
+        cited.append(Cited(THELEN, "the tendons"))
         if options.integrator == "implicit":
-            found.append(Cited(ALEXANDER, "the integrator of muscle and tendon"))
+            cited.append(Cited(ALEXANDER, "the integrator of muscle and tendon"))
     if spec.linear or spec.parent is not None:
-        found.append(Cited(GOLUB, "starts: linear parameters solved for given the others"))
-    found.append(Cited(MORE, "least squares within bounds"))
+        cited.append(Cited(GOLUB, "starts: linear parameters solved for given the others"))
+    cited.append(Cited(MORE, "least squares within bounds"))
     if result.outliers is not None:
-        found.append(Cited(HOLLAND, f"the loss {result.outliers.loss}"))
-    found.append(Cited(LJUNG, "the test of the residual for correlation"))
+        cited.append(Cited(HOLLAND, f"the loss {result.outliers.loss}"))
+    cited.append(Cited(LJUNG, "the test of the residual for correlation"))
     if assessment.interval is Interval.ROBUST:
-        found.append(Cited(WORSLEY, "intervals under correlated noise"))
+        cited.append(Cited(WORSLEY, "intervals under correlated noise"))
     return (*found, *ALWAYS[2:])

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from surae.assessment import Assessment
-from surae.report.digits import NONE, significant, standard_error
+from surae.report.formatting import NONE, significant, standard_error
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.estimation import FitResult
-from surae.report.digits import NONE, significant
+from surae.report.formatting import NONE, significant
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.report.digits import NONE, signed, significant
+from surae.report.formatting import NONE, signed, significant
 from surae.report.traces import Traces
 from surae.units import FloatArray
 

@@ -10,7 +10,7 @@ from surae.estimation import FitResult
 from surae.model import TendonState
 from surae.model.simulator import TorqueParts
 from surae.recording import read_only
-from surae.report.left_out import left_out_spans
+from surae.report.excluded import excluded_spans
 from surae.units import FloatArray
 
 
@@ -60,9 +60,9 @@ class Traces:
         return np.ones(len(self.time), dtype=bool) if self.weight is None else self.weight > 0
 
     @property
-    def left_out(self) -> tuple[tuple[int, int], ...]:
+    def excluded(self) -> tuple[tuple[int, int], ...]:
         """First and last sample of every stretch that the fit left out."""
-        return left_out_spans(self.weight)
+        return excluded_spans(self.weight)
 
     @property
     def residual(self) -> FloatArray:
@@ -74,21 +74,24 @@ def traces_of(result: FitResult) -> tuple[Traces, ...]:
     """The traces of every recording of a fit."""
     problem = result.problem
     vector = np.array([result.values[name] for name in problem.spec.names])
-    tied = [(one, problem.spec.simulator(one, problem.options)) for one in problem.inputs]
+    tied = [
+        (recording, problem.spec.simulator(recording, problem.options))
+        for recording in problem.inputs
+    ]
     return tuple(
         Traces(
-            time=one.time,
-            emg=one.emg,
-            emg_unit=one.emg_unit,
-            missing_emg=one.missing_emg,
-            angle=one.angle,
-            measured=one.torque,
-            modelled=read_only(one.torque - residual),
+            time=recording.time,
+            emg=recording.emg,
+            emg_unit=recording.emg_unit,
+            missing_emg=recording.missing_emg,
+            angle=recording.angle,
+            measured=recording.torque,
+            modelled=read_only(recording.torque - residual),
             parts=simulator.parts(vector),
             tendon=simulator.tendon(vector),
             optimal=(result.values.get("l0_tri", np.nan), result.values.get("l0_tib", np.nan)),
-            weight=one.weight,
+            weight=recording.weight,
         )
-        for (one, simulator), residual in zip(tied, result.residuals, strict=True)
-        if one.torque is not None
+        for (recording, simulator), residual in zip(tied, result.residuals, strict=True)
+        if recording.torque is not None
     )

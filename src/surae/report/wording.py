@@ -3,8 +3,8 @@
 from surae.assessment import Assessment, Interval, ParameterEstimate, Verdict
 from surae.assessment.verdict import IDENTIFIED
 from surae.estimation import FitResult
-from surae.report.digits import percentage, significant
 from surae.report.emphasis import emphasis_text
+from surae.report.formatting import percentage, significant
 
 #: Lower limit of a VAF [%] and how such a model follows the torque.
 _CLOSENESS = (
@@ -128,7 +128,7 @@ def _intervals(assessment: Assessment) -> str:
             f"The intervals are those of white noise, equation (34): {assessment.interval_note}. "
             "They do not cover errors of the model itself."
         )
-    if all(one.white for one in assessment.whiteness):
+    if all(whiteness.white for whiteness in assessment.whiteness):
         return (
             f"The intervals and verdicts rest on the robust SEM, because "
             f"{assessment.interval_note}. They do not cover errors of the model itself."

@@ -230,6 +230,6 @@ def _excluded(time: Any, weight: Any) -> list[list[float]]:
     """Spans that were left out [s]."""
     if weight is None:
         return []
-    from surae.report.left_out import left_out_spans
+    from surae.report.excluded import excluded_spans
 
-    return [[float(time[a]), float(time[b])] for a, b in left_out_spans(weight)]
+    return [[float(time[a]), float(time[b])] for a, b in excluded_spans(weight)]

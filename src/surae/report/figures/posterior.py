@@ -8,7 +8,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.assessment.posterior.sample import Marginal, Posterior
-from surae.report.digits import significant
 from surae.report.figures.style import (
     BLUE,
     GREY,
@@ -22,6 +21,7 @@ from surae.report.figures.style import (
     heading,
     new_figure,
 )
+from surae.report.formatting import significant
 from surae.units import FloatArray
 
 #: Panels side by side, and heights of a marginal's and of a pair's row [inch].
@@ -68,9 +68,9 @@ def posterior_figure(
     figure.set_figwidth(WIDTH if columns == _COLUMNS else 0.45 * WIDTH * columns)
     grid = figure.add_gridspec(len(heights), columns, height_ratios=heights)
     handles: dict[str, Artist] = {}
-    for number, one in enumerate(posterior.marginals.values()):
+    for number, marginal in enumerate(posterior.marginals.values()):
         axes = figure.add_subplot(grid[divmod(number, columns)])
-        _marginal(axes, one, posterior.of(one.name), (profiles or {}).get(one.name),
+        _marginal(axes, marginal, posterior.of(marginal.name), (profiles or {}).get(marginal.name),
                   leftmost=number % columns == 0)  # fmt: skip
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             handles.setdefault(label, handle)
@@ -86,19 +86,19 @@ def posterior_figure(
 
 def _marginal(
     axes: Axes,
-    one: Marginal,
+    marginal: Marginal,
     draws: FloatArray,
     profile: tuple[float | None, float | None] | None,
     *,
     leftmost: bool,
 ) -> None:
-    dress(axes, "Density" if leftmost else "", f"[{one.unit}]", grid=False)
-    heading(axes, one.name)
-    axes.set_title(" … ".join(significant(end, 4) for end in one.ci95), loc="right", fontsize=8,
+    dress(axes, "Density" if leftmost else "", f"[{marginal.unit}]", grid=False)
+    heading(axes, marginal.name)
+    axes.set_title(" … ".join(significant(end, 4) for end in marginal.ci95), loc="right", fontsize=8,
                    color=MUTED)  # fmt: skip
     low, high = np.quantile(draws, [_BEYOND, 1 - _BEYOND]).tolist()
     closed = [end for end in profile or () if end is not None]
-    shared = [low, high, *closed, *(one.from_covariance or ())]
+    shared = [low, high, *closed, *(marginal.from_covariance or ())]
     room = 0.5 * (high - low)
     left, right = max(min(shared), low - room), min(max(shared), high + room)
     axes.set_xlim(left - 0.03 * (right - left), right + 0.03 * (right - left))
@@ -108,15 +108,15 @@ def _marginal(
     )  # fmt: skip
     top = float(np.max(density))
     x = np.linspace(*axes.get_xlim(), _POINTS)
-    if one.from_covariance is not None:
-        sem = (one.from_covariance[1] - one.from_covariance[0]) / (2 * _HALF)
-        curve = np.exp(-(((x - one.value) / sem) ** 2) / 2) / (sem * np.sqrt(2 * np.pi))
+    if marginal.from_covariance is not None:
+        sem = (marginal.from_covariance[1] - marginal.from_covariance[0]) / (2 * _HALF)
+        curve = np.exp(-(((x - marginal.value) / sem) ** 2) / 2) / (sem * np.sqrt(2 * np.pi))
         axes.plot(x, curve, color=BLUE, linewidth=1.3, linestyle=(0, (5, 1.5)),
                   label="covariance")  # fmt: skip
         top = max(top, float(curve.max()))
-    axes.plot(x, _prior(one, x), color=OCHRE, linewidth=1.4, linestyle=(0, (1, 1.4)),
+    axes.plot(x, _prior(marginal, x), color=OCHRE, linewidth=1.4, linestyle=(0, (1, 1.4)),
               label="prior")  # fmt: skip
-    axes.plot(one.ci95, [-0.08 * top] * 2, color=INK, linewidth=3.2, solid_capstyle="butt",
+    axes.plot(marginal.ci95, [-0.08 * top] * 2, color=INK, linewidth=3.2, solid_capstyle="butt",
               label="95 % credible")  # fmt: skip
     if profile is not None:
         edges = axes.get_xlim()
@@ -131,9 +131,9 @@ def _marginal(
     axes.xaxis.get_offset_text().set_fontsize(8)
 
 
-def _prior(one: Marginal, x: FloatArray) -> FloatArray:
+def _prior(marginal: Marginal, x: FloatArray) -> FloatArray:
     """Density of a prior, per unit of the parameter."""
-    prior = one.prior
+    prior = marginal.prior
     if not prior.log:
         away, width = (x - prior.median) / prior.spread, np.full_like(x, prior.spread)
     else:
@@ -146,10 +146,10 @@ def _prior(one: Marginal, x: FloatArray) -> FloatArray:
 def _pairs(posterior: Posterior) -> list[tuple[int, int]]:
     """The most correlated pairs of parameters, no parameter in two of them."""
     matrix = np.abs(np.triu(posterior.correlation, 1))
-    found: list[tuple[int, int]] = []
-    while len(found) < _PAIRS and matrix.max() >= _CORRELATED:
+    pairs: list[tuple[int, int]] = []
+    while len(pairs) < _PAIRS and matrix.max() >= _CORRELATED:
         i, j = (int(k) for k in np.unravel_index(int(np.argmax(matrix)), matrix.shape))
-        found.append((i, j))
+        pairs.append((i, j))
         for k in (i, j):
             matrix[k, :] = matrix[:, k] = 0.0
     return found
@@ -180,9 +180,9 @@ def _pair(axes: Axes, posterior: Posterior, i: int, j: int) -> None:
 def _ellipse(axes: Axes, posterior: Posterior, pair: Sequence[Marginal]) -> None:
     """The covariance's ellipse that holds 95 %; nothing where one of the two has no variance."""
     estimated = posterior.covariance
-    if any(one.name not in estimated.names for one in pair):
+    if any(marginal.name not in estimated.names for marginal in pair):
         return
-    chosen = [estimated.names.index(one.name) for one in pair]
+    chosen = [estimated.names.index(marginal.name) for marginal in pair]
     first, second = np.linalg.cholesky(estimated.matrix[np.ix_(chosen, chosen)])
     angle = np.linspace(0, 2 * np.pi, _POINTS)
     circle = _ELLIPSE * np.array([np.cos(angle), np.sin(angle)])

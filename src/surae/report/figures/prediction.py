@@ -3,6 +3,7 @@
 from matplotlib.figure import Figure
 
 from surae.assessment import Prediction
+from surae.report.excluded import excluded_spans
 from surae.report.figures.style import (
     BLUE,
     GREY,
@@ -11,27 +12,26 @@ from surae.report.figures.style import (
     heading,
     legend,
     new_figure,
-    shade_left_out,
+    shade_excluded,
     trace,
 )
-from surae.report.left_out import left_out_spans
 
 
 def prediction_figure(prediction: Prediction) -> Figure:
     """Two panels against time: both torques, and measured minus predicted."""
     figure = new_figure(4.2)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
-    time, spans = prediction.time, left_out_spans(prediction.weight)
+    time, spans = prediction.time, excluded_spans(prediction.weight)
     dress(above, "Torque [Nm]")
     heading(above, "Torque, triceps positive")
     trace(above, time, prediction.measured, label="measured", color=GREY, linewidth=3.0)
     trace(above, time, prediction.torque, label="predicted", color=BLUE, linewidth=1.0)
-    shade_left_out(above, time, spans)
+    shade_excluded(above, time, spans)
     legend(above, 3)
     dress(below, "Torque [Nm]", "Time [s]")
     heading(below, "Measured minus predicted")
     trace(below, time, prediction.measured - prediction.torque, color=INK, linewidth=0.7)
-    shade_left_out(below, time, spans)
+    shade_excluded(below, time, spans)
     below.set_xlim(float(time[0]), float(time[-1]))
     figure.align_ylabels()
     return figure

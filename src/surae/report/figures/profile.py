@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.assessment.likelihood.profile import Profile
-from surae.report.digits import significant
 from surae.report.figures.style import (
     BLUE,
     GREY,
@@ -22,6 +21,7 @@ from surae.report.figures.style import (
     heading,
     new_figure,
 )
+from surae.report.formatting import significant
 from surae.units import FloatArray
 
 #: Panels side by side, height of a row [inch], and width of a single panel [inch].
@@ -58,8 +58,8 @@ def profile_figure(profiles: Sequence[Profile], caption: str = "") -> Figure:
     elif columns < _COLUMNS:
         figure.set_figwidth(0.85 * WIDTH)
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
-    for number, (axes, one) in enumerate(zip(panels, profiles, strict=False)):
-        _panel(axes, one, leftmost=number % columns == 0)
+    for number, (axes, profile) in enumerate(zip(panels, profiles, strict=False)):
+        _panel(axes, profile, leftmost=number % columns == 0)
     for axes in panels[len(profiles) :]:
         axes.set_visible(False)
     handles: dict[str, Artist] = {}
@@ -74,28 +74,28 @@ def profile_figure(profiles: Sequence[Profile], caption: str = "") -> Figure:
     return figure
 
 
-def _panel(axes: Axes, one: Profile, *, leftmost: bool) -> None:
-    dress(axes, "Δχ² [-]" if leftmost else "", f"{one.name} [{one.unit}]")
-    heading(axes, one.name)
-    axes.set_title(_interval(one), loc="right", fontsize=8, color=MUTED)
-    top = _TOP * one.threshold
-    left, right = _limits(one)
+def _panel(axes: Axes, profile: Profile, *, leftmost: bool) -> None:
+    dress(axes, "Δχ² [-]" if leftmost else "", f"{profile.name} [{profile.unit}]")
+    heading(axes, profile.name)
+    axes.set_title(_interval(profile), loc="right", fontsize=8, color=MUTED)
+    top = _TOP * profile.threshold
+    left, right = _limits(profile)
     low, high = (end if end is not None else edge
-                 for end, edge in zip(one.interval, one.values[[0, -1]], strict=True))  # fmt: skip
+                 for end, edge in zip(profile.interval, profile.values[[0, -1]], strict=True))  # fmt: skip
     axes.axvspan(low, high, color=GREY, alpha=0.22, linewidth=0, label="95 % interval")
-    axes.axhline(one.threshold, color=OCHRE, linewidth=1.3, linestyle=(0, (1, 1.4)),
-                 label=f"threshold {one.threshold:.2f}")  # fmt: skip
-    if one.sem is not None:
+    axes.axhline(profile.threshold, color=OCHRE, linewidth=1.3, linestyle=(0, (1, 1.4)),
+                 label=f"threshold {profile.threshold:.2f}")  # fmt: skip
+    if profile.sem is not None:
         grid = np.linspace(left, right, _POINTS)
-        axes.plot(grid, ((grid - one.value) / one.sem) ** 2, color=GREY, linewidth=2.8,
+        axes.plot(grid, ((grid - profile.value) / profile.sem) ** 2, color=GREY, linewidth=2.8,
                   linestyle=(0, (3, 1.2)), label="covariance")  # fmt: skip
-    axes.plot(*_curve(one), color=BLUE, linewidth=1.2, zorder=3)
-    axes.plot(one.values, one.chi2, color=BLUE, marker="o", markersize=3.2, linestyle="none",
+    axes.plot(*_curve(profile), color=BLUE, linewidth=1.2, zorder=3)
+    axes.plot(profile.values, profile.chi2, color=BLUE, marker="o", markersize=3.2, linestyle="none",
               zorder=3)  # fmt: skip
     axes.plot([], [], color=BLUE, linewidth=1.2, marker="o", markersize=3.2, label="profile")
-    axes.plot(one.value, 0.0, color=INK, marker="D", markersize=5, linestyle="none", zorder=4,
+    axes.plot(profile.value, 0.0, color=INK, marker="D", markersize=5, linestyle="none", zorder=4,
               clip_on=False, label="estimate")  # fmt: skip
-    for end, edge, sign in zip(one.interval, one.values[[0, -1]], (-1, 1), strict=True):
+    for end, edge, sign in zip(profile.interval, profile.values[[0, -1]], (-1, 1), strict=True):
         if end is None:
             _arrow(axes, float(edge), sign, top)
     axes.set_xlim(left, right)
@@ -105,23 +105,23 @@ def _panel(axes: Axes, one: Profile, *, leftmost: bool) -> None:
     axes.xaxis.get_offset_text().set_fontsize(8)
 
 
-def _limits(one: Profile) -> tuple[float, float]:
+def _limits(profile: Profile) -> tuple[float, float]:
     """Ends of the axis: the profile, and the covariance's interval as far as there is room."""
-    low, high = float(one.values[0]), float(one.values[-1])
+    low, high = float(profile.values[0]), float(profile.values[-1])
     room = _ROOM * (high - low)
     left, right = low, high
-    if one.from_covariance is not None:
-        left = max(min(low, one.from_covariance[0]), low - room)
-        right = min(max(high, one.from_covariance[1]), high + room)
+    if profile.from_covariance is not None:
+        left = max(min(low, profile.from_covariance[0]), low - room)
+        right = min(max(high, profile.from_covariance[1]), high + room)
     margin = 0.03 * (right - left)
     return left - margin, right + margin
 
 
-def _curve(one: Profile) -> tuple[FloatArray, FloatArray]:
+def _curve(profile: Profile) -> tuple[FloatArray, FloatArray]:
     """The profile between its points: √Δχ², with the sign of the side, is nearly straight."""
-    side = np.sign(one.values - one.values[int(np.argmin(one.chi2))])
-    grid = np.union1d(np.linspace(one.values[0], one.values[-1], _POINTS), one.values)
-    return grid, np.interp(grid, one.values, side * np.sqrt(one.chi2)) ** 2
+    side = np.sign(profile.values - profile.values[int(np.argmin(profile.chi2))])
+    grid = np.union1d(np.linspace(profile.values[0], profile.values[-1], _POINTS), profile.values)
+    return grid, np.interp(grid, profile.values, side * np.sqrt(profile.chi2)) ** 2
 
 
 def _arrow(axes: Axes, edge: float, sign: int, top: float) -> None:
@@ -133,9 +133,9 @@ def _arrow(axes: Axes, edge: float, sign: int, top: float) -> None:
     )  # fmt: skip
 
 
-def _interval(one: Profile) -> str:
+def _interval(profile: Profile) -> str:
     """The interval with as many digits as tell its ends apart."""
-    width = float(one.values[-1] - one.values[0])
-    digits = 3 + max(0, math.floor(math.log10(max(abs(one.value) / width, 1.0))))
-    low, high = ("open" if end is None else significant(end, digits) for end in one.interval)
+    width = float(profile.values[-1] - profile.values[0])
+    digits = 3 + max(0, math.floor(math.log10(max(abs(profile.value) / width, 1.0))))
+    low, high = ("open" if end is None else significant(end, digits) for end in profile.interval)
     return f"{low} … {high}"

@@ -15,7 +15,7 @@ from surae.report.figures.style import (
     dress,
     legend,
     new_figure,
-    shade_left_out,
+    shade_excluded,
     trace,
 )
 from surae.units import FloatArray
@@ -25,7 +25,7 @@ def residual_figure(
     time: FloatArray,
     residual: FloatArray,
     whiteness: Whiteness,
-    left_out: Sequence[tuple[int, int]] = (),
+    excluded: Sequence[tuple[int, int]] = (),
 ) -> Figure:
     """Residual against time, its autocorrelation with the white-noise band, and its histogram.
 
@@ -35,7 +35,7 @@ def residual_figure(
         Time [s] and measured minus modelled torque [Nm].
     whiteness : Whiteness
         Its autocorrelation.
-    left_out : sequence of (int, int)
+    excluded : sequence of (int, int)
         First and last sample of every stretch that the fit left out; the histogram is without them.
     """
     figure = new_figure(4.6)
@@ -46,8 +46,8 @@ def residual_figure(
     axes.axhline(0.0, color=MUTED, linewidth=0.7)
     trace(axes, time, residual, color=INK, linewidth=0.7)
     axes.set_xlim(float(time[0]), float(time[-1]))
-    if left_out:
-        shade_left_out(axes, time, left_out)
+    if excluded:
+        shade_excluded(axes, time, excluded)
         legend(axes, 1)
 
     axes = figure.add_subplot(grid[1, 0])
@@ -69,7 +69,7 @@ def residual_figure(
     axes = figure.add_subplot(grid[1, 1])
     dress(axes, "Density [1/Nm]", "Residual [Nm]")
     counted = np.ones(len(residual), dtype=bool)
-    for first, last in left_out:
+    for first, last in excluded:
         counted[first : last + 1] = False
     residual = residual[counted]
     with np.errstate(over="ignore", invalid="ignore"):

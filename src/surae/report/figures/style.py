@@ -83,7 +83,7 @@ def trace(
     plot(*min_max(time, values), label=label or "_", solid_joinstyle="round", **line)
 
 
-def shade_left_out(axes: Axes, time: FloatArray, spans: Sequence[tuple[int, int]]) -> None:
+def shade_excluded(axes: Axes, time: FloatArray, spans: Sequence[tuple[int, int]]) -> None:
     """Hatch the stretches, each from a first to a last sample, that a fit left out."""
     half = 0.5 * float(time[1] - time[0])
     for number, (first, last) in enumerate(spans):

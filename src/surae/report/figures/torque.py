@@ -16,7 +16,7 @@ from surae.report.figures.style import (
     heading,
     legend,
     new_figure,
-    shade_left_out,
+    shade_excluded,
     trace,
 )
 from surae.report.traces import Traces
@@ -90,7 +90,7 @@ def _torque(axes: Axes, traces: Traces) -> None:
     # A wide pale line below a thin dark one: where they part is visible without any hue.
     trace(axes, traces.time, traces.measured, label="measured", color=GREY, linewidth=3.0)
     trace(axes, traces.time, traces.modelled, label="modelled", color=BLUE, linewidth=1.0)
-    shade_left_out(axes, traces.time, traces.left_out)
+    shade_excluded(axes, traces.time, traces.excluded)
     legend(axes, 3)
 
 

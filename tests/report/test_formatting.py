@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from surae.report.digits import estimate, percentage, short, significant
+from surae.report.formatting import estimate, percentage, short, significant
 
 
 @pytest.mark.parametrize(

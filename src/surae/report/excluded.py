@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from surae.report.digits import short
+from surae.report.formatting import short
 from surae.units import FloatArray
 
 #: Spans that are written out at most.
 _SPANS = 6
 
 
-def left_out_spans(weight: FloatArray | None) -> tuple[tuple[int, int], ...]:
+def excluded_spans(weight: FloatArray | None) -> tuple[tuple[int, int], ...]:
     """First and last sample of every stretch of weight zero."""
     if weight is None:
         return ()
@@ -18,9 +18,9 @@ def left_out_spans(weight: FloatArray | None) -> tuple[tuple[int, int], ...]:
     return tuple(zip(first.tolist(), (past - 1).tolist(), strict=True))
 
 
-def left_out_text(time: FloatArray, weight: FloatArray | None) -> str:
+def excluded_text(time: FloatArray, weight: FloatArray | None) -> str:
     """How many samples were left out, and when; empty where all count."""
-    spans = left_out_spans(weight)
+    spans = excluded_spans(weight)
     if not spans:
         return ""
     count = sum(last - first + 1 for first, last in spans)
