@@ -4,6 +4,7 @@ from datetime import datetime
 import numpy as np
 import pytest
 
+from surae.assessment.adequacy import Adequacy, Grade
 from surae.report.content import make_content
 from surae.report.formatting import estimate, percentage, significant, standard_error
 from surae.report.traces import traces_of
@@ -37,9 +38,9 @@ def test_the_numbers_are_those_of_the_assessment(plain, content):
         assert (row.verdict, row.note) == (p.verdict, p.note)
         assert row.bar.value == pytest.approx((p.value - p.lower) / (p.upper - p.lower))
         assert row.bar.low <= row.bar.value <= row.bar.high
-    vaf, rmse = plain.assessment.vaf, plain.assessment.rmse
+    r2, rmse = plain.assessment.adequacy.r2, plain.assessment.rmse
     assert [item.value for item in content.key][:2] == [
-        f"{percentage(vaf)} %", f"{significant(rmse, 3)} Nm",
+        f"{percentage(r2)} %", f"{significant(rmse, 3)} Nm",
     ]  # fmt: skip
     facts = {fact.label: fact.value for fact in content.recordings[0].facts}
     assert facts["VAF"] == f"{percentage(plain.assessment.recordings[0].vaf)} %"
@@ -111,8 +112,8 @@ def test_a_parameter_without_influence_says_so(silent):
         assert rows[name].note == silent.assessment.parameters[name].note
         assert rows[name].note.startswith("no interval: ")
         assert not rows[name].determined
-    (weak,) = [some for some in content.glance if some.verdict == "weak"]
-    assert ("g1", "undetermined") in weak.parameters
+    (open_,) = [some for some in content.glance if some.verdict == "undetermined"]
+    assert ("g1", "undetermined") in open_.parameters
     assert "leaves g1 and l0_tib undetermined" in " ".join(content.summary)
 
 
@@ -137,9 +138,37 @@ def test_the_starts_are_in_the_settings(content, silent):
     assert (several["Starts"], one["Starts"]) == ("3, random ones with seed 0", "the default one")
 
 
-def test_a_moderate_fit_is_called_moderate(plain):
-    assert [closeness(v) for v in (99.5, 96.0, 90.0, 70.0, -5.0)] == [
-        "very closely", "closely", "moderately well", "only roughly", "poorly",
+def test_closeness_is_that_of_the_changes_not_of_the_mean(plain):
+    assert [closeness(v) for v in (99.5, 96.0, 85.0, 70.0, -193.0)] == [
+        "very closely", "closely", "only roughly", "poorly", "poorly",
     ]  # fmt: skip
-    poor = replace(plain, assessment=replace(plain.assessment, vaf=70.0))
-    assert "should not be read as properties of the muscles" in content_of(poor).summary[0]
+    flat = judged(plain, Grade.INADEQUATE, ("the ankle hardly moves",), r2=-193.0)
+    assert flat.assessment.vaf > 99.0
+    assert "poorly: it explains −193.00 %" in content_of(flat).summary[0]
+
+
+def judged(case, grade, reasons, r2):
+    return replace(case, assessment=replace(case.assessment, adequacy=Adequacy(grade, reasons, r2)))
+
+
+def test_an_adequate_fit_says_so_and_nothing_else(content):
+    assert (content.adequacy.grade, content.adequacy.mark) == ("adequate", "✓")
+    assert content.adequacy.sentence.startswith("Adequate: the model follows")
+    assert "inadequate" not in " ".join(content.summary)
+
+
+def test_an_inadequate_fit_opens_with_its_reasons_and_counts_nothing(plain):
+    reasons = ("the ankle hardly moves", "f0 lies at a bound")
+    case = judged(plain, Grade.INADEQUATE, reasons, r2=12.0)
+    content, text = content_of(case), " ".join(content_of(case).summary)
+    assert content.adequacy.reasons == reasons
+    assert content.adequacy.sentence.startswith("Inadequate: no parameter of this fit counts")
+    assert "No parameter is identified, even where" in text
+    assert "parameters are identified" not in text
+
+
+def test_a_doubtful_fit_asks_for_caution_and_withholds_nothing(plain):
+    content = content_of(judged(plain, Grade.DOUBTFUL, ("the ankle moves little",), r2=94.0))
+    assert (content.adequacy.mark, content.adequacy.grade) == ("!", "doubtful")
+    assert "no parameter" not in content.adequacy.sentence.lower()
+    assert "parameters are identified" in " ".join(content.summary)

@@ -7,6 +7,7 @@ from html.parser import HTMLParser
 import pytest
 
 from surae.report import build, write_report
+from surae.report.adequacy import adequacy_words
 
 HOSTILE = '"><script>alert(1)</script>'
 _EXTERNAL = ("src", "href", "action", "data", "poster", "srcset", "background")
@@ -55,6 +56,10 @@ def test_all_parameters_verdicts_and_reasons_are_on_the_page(joint):
         assert " ".join(p.note.split()) in text
     for file in joint.result.problem.inputs:
         assert file.files[0].sha256 in text
+    words = adequacy_words(joint.assessment.adequacy)
+    assert words.reasons  # f0 lies at a bound
+    for said in (words.sentence, *words.reasons):
+        assert text.index(said) < text.index("Parameters by verdict")
     for expected in ("1.2.3", "2026-01-05 14:03", joint.result.message):
         assert expected in text
 

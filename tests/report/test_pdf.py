@@ -41,6 +41,8 @@ def test_it_holds_findings_and_predictions(fit, noisy, tmp_path, monkeypatch) ->
     assert [row["code"] for row in section["rows"]] == [f.code for f in fit.quality[0].findings]
     assert "torque-offset" in {row["code"] for row in section["rows"]}
     assert len(seen["predictions"]["rows"]) == 3  # two, and all together
+    assert seen["adequacy"]["grade"] == str(fit.adequacy.grade)
+    assert seen["adequacy"]["reasons"] == list(fit.adequacy.reasons)
     assert seen["predicted"] == 2
     assert {"prediction-0.png", "prediction-1.png", "torque-0.png"} <= seen["images"]
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rich import box
 from rich.console import Console
+from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
@@ -54,9 +55,7 @@ def show_fit(fit: "Fit") -> None:
         against = ["–" if ratio is None else significant(ratio, 3)] if fit.snsem else []
         table.add_row(p.name, text.value, text.interval, p.unit, verdict, *against, *meaning)
     show_line(fit.result.problem.spec.title)
-    with out.capture() as captured:
-        out.print(Text(fit.adequacy.sentence, _GRADES[fit.adequacy.grade]))
-    _write(captured.get())
+    _show_adequacy(fit, out)
     _print(out, table)
     for line in _notes(fit, out.width):
         show_line(line)
@@ -78,6 +77,18 @@ def show_fit(fit: "Fit") -> None:
         which = "robust standard errors" if fit.assessment.interval == "robust" else "equation (34)"
         show_line(f"intervals: {which}, as {fit.assessment.interval_note}")
     show_line(f"{fit.status}: {fit.message} ({fit.result.seconds:.2f} s)")
+
+
+def _show_adequacy(fit: "Fit", out: Console) -> None:
+    """What the whole fit is good for: a coloured sentence, and its reasons under it."""
+    from surae.report.adequacy import adequacy_words
+
+    words = adequacy_words(fit.adequacy)
+    with out.capture() as captured:
+        out.print(Text(f"{words.mark} {words.sentence}", _GRADES[words.grade]))
+        for reason in words.reasons:
+            out.print(Padding(Text(f"– {reason}"), (0, 0, 0, 2)))
+    _write("".join(f"{line.rstrip()}\n" for line in captured.get().splitlines()))
 
 
 def _weighted(vaf: float | None) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 from surae.assessment import Assessment, Interval, Prediction, Verdict
 from surae.estimation import FitResult
 from surae.quality import Quality
+from surae.report.adequacy import AdequacyWords, adequacy_words
 from surae.report.correlations import CorrelationSection, correlation_section
 from surae.report.formatting import NONE, percentage, significant
 from surae.report.identifiability import IdentifiabilitySection, identifiability_section
@@ -61,6 +62,8 @@ class Content:
         When the report was made.
     status, status_text, message : str
         Of the fit: the word, its wording, and what happened.
+    adequacy : AdequacyWords
+        Whether the fit is good enough for its numbers to mean something.
     summary : tuple of str
         Plain language, one paragraph an entry.
     key : tuple of KeyFigure
@@ -91,6 +94,7 @@ class Content:
     status: str
     status_text: str
     message: str
+    adequacy: AdequacyWords
     summary: tuple[str, ...]
     key: tuple[KeyFigure, ...]
     glance: tuple[Glance, ...]
@@ -149,6 +153,7 @@ def make_content(
         status=result.status,
         status_text=_STATUS.get(result.status, result.status),
         message=result.message,
+        adequacy=adequacy_words(assessment.adequacy),
         summary=summary(result, assessment, rms),
         key=_key(result, assessment, rms),
         glance=_glance(groups),
@@ -183,9 +188,12 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> tuple[KeyFigu
     coloured = not all(whiteness.white for whiteness in assessment.whiteness)
     return (
         KeyFigure(
-            "Variance accounted for",
-            f"{percentage(assessment.vaf)} %",
-            "no minimum reached" if failed else f"follows {closeness(assessment.vaf)}",
+            "Torque’s changes followed, R²",
+            f"{percentage(assessment.adequacy.r2)} %",
+            "no minimum reached"
+            if failed
+            else f"{closeness(assessment.adequacy.r2)}; with its "
+            f"mean, VAF {percentage(assessment.vaf)} %",
         ),
         KeyFigure(
             "Root mean square error",
@@ -221,5 +229,5 @@ def _glance(groups: tuple[ParameterGroup, ...]) -> tuple[Glance, ...]:
             ),
         )
         for verdict in map(str, Verdict)
-        if verdict in found
+        if verdict in texts
     )

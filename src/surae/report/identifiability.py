@@ -87,7 +87,7 @@ def identifiability_section(result: FitResult, assessment: Assessment) -> Identi
         text=(
             f"Condition number of the scaled information matrix: {condition}. Collinearity index "
             f"of all parameters that are not at a bound: {gamma}; sets from {COLLINEAR:g} on are "
-            "hardly identified apart."
+            "hardly told apart."
         )
         + _noise(inflation.common, inflation.reason),
         directions=tuple(_direction(direction) for direction in shown),

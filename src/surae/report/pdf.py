@@ -79,9 +79,9 @@ def render_pdf(
 
 def _plain(content: Content) -> dict[str, Any]:
     """What the template shows."""
-    keys = ("title", "names", "created", "status", "status_text", "message", "summary", "key",
-            "caution", "quality", "recordings", "groups", "predictions", "settings", "sources",
-            "versions")  # fmt: skip
+    keys = ("title", "names", "created", "status", "status_text", "message", "adequacy",
+            "summary", "key", "caution", "quality", "recordings", "groups", "predictions",
+            "settings", "sources", "versions")  # fmt: skip
     whole = asdict(content)
     return {key: whole[key] for key in keys} | {
         "correlation": len(content.correlation.names) > 1,

@@ -37,6 +37,7 @@ def recording_section(
     least, most = float(traces.measured.min()), float(traces.measured.max())
     duration = quality.n / quality.rate_hz
     facts: tuple[Setting, ...] = (
+        Setting("Centred R²", f"{percentage(quality.r2)} %"),
         Setting("VAF", f"{percentage(quality.vaf)} %"),
         Setting("RMSE", f"{significant(quality.rmse, 3)} Nm"),
         Setting("Mean residual", f"{significant(quality.bias, 2)} Nm"),

@@ -214,4 +214,4 @@ def cited_by(result: FitResult, assessment: Assessment) -> tuple[Cited, ...]:
     cited.append(Cited(LJUNG, "the test of the residual for correlation"))
     if assessment.interval is Interval.ROBUST:
         cited.append(Cited(WORSLEY, "intervals under correlated noise"))
-    return (*found, *ALWAYS[2:])
+    return (*cited, *ALWAYS[2:])

@@ -1,22 +1,19 @@
 """The plain-language summary: what a clinician may take from a fit, and what not."""
 
 from surae.assessment import Assessment, Interval, ParameterEstimate, Verdict
+from surae.assessment.adequacy import Grade
 from surae.assessment.verdict import IDENTIFIED
 from surae.estimation import FitResult
 from surae.report.emphasis import emphasis_text
 from surae.report.formatting import percentage, significant
 
-#: Lower limit of a VAF [%] and how such a model follows the torque.
+#: Lower limit of a centred R² [%] and how such a model follows the torque's changes.
 _CLOSENESS = (
     (99.0, "very closely"),
     (95.0, "closely"),
-    (85.0, "moderately well"),
-    (60.0, "only roughly"),
+    (80.0, "only roughly"),
     (float("-inf"), "poorly"),
 )
-
-#: VAF [%] below which the parameters are not to be read as properties of the muscles.
-_TRUSTED = 85.0
 #: What is said of a fit that failed.
 FAILED = (
     "The fit did not reach a minimum. The numbers in this report show where it stopped; they are "
@@ -62,24 +59,20 @@ def caution(result: FitResult, assessment: Assessment) -> str:
     )
 
 
-def closeness(vaf: float) -> str:
-    """How closely a model with this VAF [%] follows the torque, in words."""
-    return next((word for limit, word in _CLOSENESS if vaf >= limit), "to an unknown degree")
+def closeness(r2: float) -> str:
+    """How closely a model with this centred R² [%] follows the torque, in words."""
+    return next((word for limit, word in _CLOSENESS if r2 >= limit), "to an unknown degree")
 
 
 def _following(result: FitResult, assessment: Assessment, rms: float) -> str:
-    text = (
-        f"The {result.problem.spec.title} follows the measured torque "
-        f"{closeness(assessment.vaf)}: it accounts for {_in_words(assessment.vaf)} % of the "
-        f"torque’s mean square (VAF). What it misses is {significant(assessment.rmse, 3)} Nm, "
-        f"where the torque itself is {significant(rms, 3)} Nm (both root mean square)."
+    r2 = assessment.adequacy.r2
+    return (
+        f"The {result.problem.spec.title} follows the changes of the measured torque "
+        f"{closeness(r2)}: it explains {_in_words(r2)} % of their variance (centred R²). Of the "
+        f"torque’s mean square, its mean included, it accounts for {_in_words(assessment.vaf)} % "
+        f"(VAF). What it misses is {significant(assessment.rmse, 3)} Nm, where the torque itself "
+        f"is {significant(rms, 3)} Nm (both root mean square)."
     )
-    if assessment.vaf < _TRUSTED:
-        text += (
-            " A model that misses so much may be the wrong one for this torque: its parameters, "
-            "even the identified ones, should not be read as properties of the muscles."
-        )
-    return text
 
 
 def _in_words(vaf: float) -> str:
@@ -93,10 +86,11 @@ def _counted(assessment: Assessment) -> str:
     bound = _of(assessment, Verdict.AT_BOUND)
     weak = _of(assessment, Verdict.WEAK)
     unknown = [p.name for p in _of(assessment, Verdict.UNDETERMINED)]
-    text = (
-        f"{_share(len(identified), len(free))} identified: the 95 % interval is within "
-        f"±{100 * IDENTIFIED:g} % of the value."
-    )
+    limit = f"the 95 % interval is within ±{100 * IDENTIFIED:g} % of the value"
+    if assessment.adequacy.grade is Grade.INADEQUATE:
+        text = f"No parameter is identified, even where {limit}: the fit is inadequate."
+    else:
+        text = f"{_share(len(identified), len(free))} identified: {limit}."
     if weak:
         subject = "The weak one is" if len(weak) == 1 else f"The {len(weak)} weak ones are"
         text += (

@@ -2,11 +2,13 @@
 
 import json
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from surae.errors import InputError
+from surae.report.adequacy import adequacy_words
 from surae.report.decimate import extremes
 from surae.web.draft import normal, settings_of, shown, upgraded
 from surae.web.jobs import Kind
@@ -181,6 +183,7 @@ def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
     steps = [trace["steps"] for trace in whole.get("traces", [])]
     return {
         "summary": fit_summary(bench, fit),
+        "adequacy": asdict(adequacy_words(bench.fit(fit["id"]).adequacy)),
         "fit": {key: value for key, value in whole.items() if key not in _LONG},
         "steps": steps,
         "normal": {name: ranges(name) for name in whole["parameters"]},

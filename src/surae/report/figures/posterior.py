@@ -94,8 +94,8 @@ def _marginal(
 ) -> None:
     dress(axes, "Density" if leftmost else "", f"[{marginal.unit}]", grid=False)
     heading(axes, marginal.name)
-    axes.set_title(" … ".join(significant(end, 4) for end in marginal.ci95), loc="right", fontsize=8,
-                   color=MUTED)  # fmt: skip
+    ends = " … ".join(significant(end, 4) for end in marginal.ci95)
+    axes.set_title(ends, loc="right", fontsize=8, color=MUTED)
     low, high = np.quantile(draws, [_BEYOND, 1 - _BEYOND]).tolist()
     closed = [end for end in profile or () if end is not None]
     shared = [low, high, *closed, *(marginal.from_covariance or ())]
@@ -152,7 +152,7 @@ def _pairs(posterior: Posterior) -> list[tuple[int, int]]:
         pairs.append((i, j))
         for k in (i, j):
             matrix[k, :] = matrix[:, k] = 0.0
-    return found
+    return pairs
 
 
 def _pair(axes: Axes, posterior: Posterior, i: int, j: int) -> None:

@@ -80,8 +80,8 @@ def _panel(axes: Axes, profile: Profile, *, leftmost: bool) -> None:
     axes.set_title(_interval(profile), loc="right", fontsize=8, color=MUTED)
     top = _TOP * profile.threshold
     left, right = _limits(profile)
-    low, high = (end if end is not None else edge
-                 for end, edge in zip(profile.interval, profile.values[[0, -1]], strict=True))  # fmt: skip
+    ends = zip(profile.interval, profile.values[[0, -1]], strict=True)
+    low, high = (edge if end is None else end for end, edge in ends)
     axes.axvspan(low, high, color=GREY, alpha=0.22, linewidth=0, label="95 % interval")
     axes.axhline(profile.threshold, color=OCHRE, linewidth=1.3, linestyle=(0, (1, 1.4)),
                  label=f"threshold {profile.threshold:.2f}")  # fmt: skip
@@ -90,8 +90,8 @@ def _panel(axes: Axes, profile: Profile, *, leftmost: bool) -> None:
         axes.plot(grid, ((grid - profile.value) / profile.sem) ** 2, color=GREY, linewidth=2.8,
                   linestyle=(0, (3, 1.2)), label="covariance")  # fmt: skip
     axes.plot(*_curve(profile), color=BLUE, linewidth=1.2, zorder=3)
-    axes.plot(profile.values, profile.chi2, color=BLUE, marker="o", markersize=3.2, linestyle="none",
-              zorder=3)  # fmt: skip
+    axes.plot(profile.values, profile.chi2, color=BLUE, marker="o", markersize=3.2,
+              linestyle="none", zorder=3)  # fmt: skip
     axes.plot([], [], color=BLUE, linewidth=1.2, marker="o", markersize=3.2, label="profile")
     axes.plot(profile.value, 0.0, color=INK, marker="D", markersize=5, linestyle="none", zorder=4,
               clip_on=False, label="estimate")  # fmt: skip

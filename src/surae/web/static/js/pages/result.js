@@ -27,8 +27,13 @@ function showHead() {
   byId("name").textContent = summary.name;
   const what = `${summary.model} · ${summary.names.join(", ")}`;
   byId("about").textContent = [summary.name === what ? "" : what, when(summary.created)].filter(Boolean).join(" · ");
+  const { grade, mark, sentence, reasons } = result.adequacy;
+  byId("adequacy").className = `adequacy ${grade}`;
+  byId("adequacy").hidden = false;
+  replace(byId("adequacy"), h("p", {}, h("span", { "aria-hidden": "true" }, `${mark} `), sentence), reasons.length > 0 && h("ul", {}, reasons.map((reason) => h("li", {}, reason))));
   const entries = [
     ["Status", status(fit.status)],
+    ["Centred R²", vaf(fit.adequacy.r2)],
     ["VAF", vaf(fit.vaf)],
     ["RMSE", `${number(fit.rmse_Nm, 3)} Nm`],
     ["IPDE", h("span", { title: fit.ipde_note || null }, number(summary.ipde, 3))],
