@@ -12,18 +12,18 @@ def command(fitted: str | None, bibtex: bool) -> None:
     Without a fit: what every use of surae stands on.
     """
     from surae.cli.screen import show_line
-    from surae.report.references import ALWAYS, cited_by
+    from surae.report.references import always_cited, cited_by
 
-    cited = ALWAYS
+    cited = always_cited()
     if fitted is not None:
         from surae.api import load
 
         fit = load(fitted)
         cited = cited_by(fit.result, fit.assessment)
     if bibtex:
-        for one in cited:
-            show_line(f"% {one.reason}")
-            show_line(one.reference.bibtex)
+        for entry in cited:
+            show_line(f"% {entry.reason}")
+            show_line(entry.reference.bibtex)
         return
-    for one in cited:
-        show_line(f"{one.reason}: {one.reference.text}")
+    for entry in cited:
+        show_line(f"{entry.reason}: {entry.reference.text}")
