@@ -94,8 +94,8 @@ def _marginal(
 ) -> None:
     dress(axes, "Density" if leftmost else "", f"[{marginal.unit}]", grid=False)
     heading(axes, marginal.name)
-    ends = " … ".join(significant(end, 4) for end in marginal.ci95)
-    axes.set_title(ends, loc="right", fontsize=8, color=MUTED)
+    shown = " … ".join(significant(end, 4) for end in marginal.ci95)
+    axes.set_title(shown, loc="right", fontsize=8, color=MUTED)
     low, high = np.quantile(draws, [_BEYOND, 1 - _BEYOND]).tolist()
     closed = [end for end in profile or () if end is not None]
     shared = [low, high, *closed, *(marginal.from_covariance or ())]
