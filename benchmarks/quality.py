@@ -17,9 +17,10 @@ from functools import lru_cache
 import numpy as np
 
 from surae.diagnosis import examined
+from surae.frozen import read_only
 from surae.protocol import Protocol, Trajectory, generate, named_device
 from surae.protocol.effort import effort, named_task
-from surae.recording import MUSCLES, Recording, read_only
+from surae.recording import MUSCLES, Recording
 from surae.studies import virtual_subject, virtual_trial
 from surae.studies.disturbances import raw_emg
 from surae.studies.imperfections import Imperfections, realistic_imperfections

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surae
-from surae.recording import read_only
+from surae.frozen import read_only
 
 
 @pytest.fixture(scope="module")

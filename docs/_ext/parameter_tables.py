@@ -17,7 +17,8 @@ TABLES: dict[str, Iterable[Parameter]] = {
     "muscle": MUSCLE_PARAMETERS,
     "muscle-2010": MUSCLE_2010_PARAMETERS,
     "tendon": TENDON_PARAMETERS,
-    "drives": OPTIONAL_PARAMETERS,
+    "drives": [p for p in OPTIONAL_PARAMETERS if p.group != "measurement"],
+    "measurement": [p for p in OPTIONAL_PARAMETERS if p.group == "measurement"],
 }
 
 

@@ -15,12 +15,13 @@ from surae.estimation.curved import curved_move
 from surae.estimation.least_squares import minimise
 from surae.estimation.residuals import Residuals
 from surae.estimation.separable import scan_lengths
+from surae.frozen import read_only
 from surae.quality import Commanded, Finding, Quality, check_recording
 from surae.quality.numeric import quantile, quantiles, shifted, smooth
 from surae.quality.registry import ordered, unfit
 from surae.quality.trial import Signals, signals_of
 from surae.quality.wording import muscle_name
-from surae.recording import MUSCLES, Recording, read_only
+from surae.recording import MUSCLES, Recording
 from surae.signals import ModelInputs
 from surae.threads import one_blas_thread
 from surae.units import FloatArray

@@ -1,4 +1,4 @@
-"""Frozen plain data that compare, hash, copy and pickle: mappings, and classes that hold arrays."""
+"""Frozen plain data that compare, hash, copy and pickle: mappings, arrays, and classes of them."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
@@ -6,6 +6,10 @@ from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar
 
 import numpy as np
+
+from surae.units import FloatArray
+
+__all__ = ["Comparable", "FrozenDict", "freeze", "read_only"]
 
 K = TypeVar("K")
 V_co = TypeVar("V_co", covariant=True)
@@ -117,3 +121,18 @@ def _key(value: Any) -> Any:
     if isinstance(value, Mapping):
         return frozenset((key, _key(entry)) for key, entry in value.items())
     return "NaN" if isinstance(value, float) and math.isnan(value) else value
+
+
+def read_only(values: Any) -> FloatArray:
+    """A float64 copy of `values` that cannot be written to."""
+    # A signalling NaN warns where it is cast; the checks of samples find every NaN.
+    with np.errstate(invalid="ignore"):
+        array = np.array(values, dtype=np.float64)
+    array.setflags(write=False)
+    return array
+
+
+def freeze(values: FloatArray) -> FloatArray:
+    """The same float64 array, made read-only: for one that nobody else holds."""
+    values.setflags(write=False)
+    return values

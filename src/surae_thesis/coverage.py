@@ -8,7 +8,7 @@ import numpy as np
 import surae
 from surae import ModelInputs
 from surae.assessment import Verdict, half_width
-from surae.recording import read_only
+from surae.frozen import read_only
 from surae.units import FloatArray
 
 #: Makes n samples of torque noise [Nm].

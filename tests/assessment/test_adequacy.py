@@ -8,7 +8,7 @@ import pytest
 from surae.assessment import Grade, Verdict, assess
 from surae.assessment.adequacy import judge_adequacy, structure
 from surae.estimation import fit_problem, make_problem
-from surae.recording import read_only
+from surae.frozen import read_only
 
 
 def fitted_to(trial, **asked):

@@ -13,7 +13,7 @@ from surae.assessment.resampling.blocks import block_length, draw_blocks
 from surae.assessment.resampling.bootstrap import bootstrap
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
-from surae.recording import read_only
+from surae.frozen import read_only
 
 LINEAR = ("m", "g1", "g2", "g3", "g4")
 

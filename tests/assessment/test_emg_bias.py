@@ -11,7 +11,7 @@ from surae.assessment.resampling.emg_bias import emg_bias, quiet_noise
 from surae.assessment.resampling.refit import refit
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
-from surae.recording import read_only
+from surae.frozen import read_only
 
 LEVEL = 0.2
 #: What the EMG acts on; the rest is fixed at the truth, for speed.

@@ -19,8 +19,9 @@ from surae.assessment.saved.json_file import FORMAT
 from surae.assessment.saved.parameters_json import read_parameters
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
+from surae.frozen import read_only
 from surae.protocol import Protocol, generate
-from surae.recording import SourceFile, read_only
+from surae.recording import SourceFile
 from surae.studies import virtual_subject, virtual_trial
 
 

@@ -9,7 +9,7 @@ from surae import api
 from surae.assessment import Interval, assess
 from surae.assessment.inflation import Inflation, described, variance_inflation
 from surae.estimation import fit_problem, fit_robust, make_problem
-from surae.recording import read_only
+from surae.frozen import read_only
 
 
 @pytest.fixture(scope="module")

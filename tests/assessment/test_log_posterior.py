@@ -9,8 +9,8 @@ from surae.assessment.posterior.beliefs import Belief, beliefs
 from surae.assessment.posterior.density import make_target
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
+from surae.frozen import read_only
 from surae.model import MODELS, ModelOptions, adapted
-from surae.recording import read_only
 
 
 @pytest.fixture(scope="module")

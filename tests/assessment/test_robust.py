@@ -14,7 +14,7 @@ from scipy.signal import lfilter
 from surae.assessment import Interval, assess
 from surae.estimation import fit_problem, make_problem
 from surae.estimation.residuals import Residuals
-from surae.recording import read_only
+from surae.frozen import read_only
 
 LINEAR = ("m", "g1", "g2", "g3", "g4")
 RHO = 0.9

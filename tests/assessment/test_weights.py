@@ -11,8 +11,8 @@ from surae.assessment.residual.quality import vaf, weighted_vaf
 from surae.assessment.saved.fit_json import load_saved, save_fit
 from surae.errors import InputError
 from surae.estimation import fit_problem, fit_robust, make_problem
+from surae.frozen import read_only
 from surae.model import ModelOptions, get_model
-from surae.recording import read_only
 from surae.signals import Weighting, thinned, weighted
 
 

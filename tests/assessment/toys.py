@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.estimation import FitProblem, FitResult, fit_problem
+from surae.frozen import read_only
 from surae.model import ModelOptions
 from surae.model.parameters import Parameter
 from surae.model.registry import ModelSpec
-from surae.recording import read_only
 from surae.signals import ModelInputs
 
 #: From parameters to a curve and its Jacobian rows.

@@ -12,8 +12,8 @@ from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.estimation.residuals import Residuals
 from surae.estimation.separable import scan_lengths, solve_linear
+from surae.frozen import read_only
 from surae.model import ModelOptions, get_model
-from surae.recording import read_only
 
 MODEL = "muscle-2010"
 SPEC = get_model(MODEL)

@@ -9,7 +9,7 @@ from surae.assessment import Interval, assess
 from surae.errors import InputError
 from surae.estimation import LOSSES, fit_problem, fit_robust, make_problem
 from surae.estimation.losses import spread
-from surae.recording import read_only
+from surae.frozen import read_only
 
 
 @pytest.fixture(scope="module")

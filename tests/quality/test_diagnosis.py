@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import surae
+from surae.frozen import read_only
 from surae.protocol import Protocol, generate
 from surae.quality import recording_of
-from surae.recording import Recording, read_only
+from surae.recording import Recording
 from surae.signals import prepare
 from surae.studies import virtual_subject, virtual_trial
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import surae
+from surae.frozen import read_only
 from surae.quality import (
     CODES,
     SEVERITIES,
@@ -15,7 +16,7 @@ from surae.quality import (
     quality_of,
     recording_of,
 )
-from surae.recording import Channel, Recording, read_only
+from surae.recording import Channel, Recording
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,9 @@ import pytest
 
 from surae.assessment import Assessment, assess
 from surae.estimation import FitResult, fit_problem, make_problem
+from surae.frozen import read_only
 from surae.model import ModelOptions, get_model
-from surae.recording import SourceFile, read_only
+from surae.recording import SourceFile
 from surae.report import build
 from surae.signals import ModelInputs
 

@@ -10,8 +10,8 @@ import pytest
 from surae.assessment import Baseline, assess
 from surae.assessment.validation.prediction import predict_others
 from surae.estimation import fit_problem, fit_robust, make_problem
+from surae.frozen import read_only
 from surae.model import ModelOptions
-from surae.recording import read_only
 from surae.report import build
 from surae.report.figures import prediction_figure
 from surae.report.predictions import prediction_section

@@ -7,7 +7,7 @@ import pytest
 
 from surae.assessment import whiteness
 from surae.estimation import Prior, fit_problem, make_problem
-from surae.recording import read_only
+from surae.frozen import read_only
 from surae.report.excluded import excluded_spans, excluded_text
 from surae.report.figures import residual_figure, torque_figure
 from surae.report.priors import prior_note, prior_text

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from surae.estimation import fit_problem, make_problem
-from surae.recording import read_only
+from surae.frozen import read_only
 from surae.report.figures import png, tendon_figure
 from surae.report.formatting import significant
 from surae.report.tendons import tendon_rows

@@ -14,7 +14,7 @@ from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import Residuals
 from surae.estimation.result import FitResult, Start, is_at_bound
 from surae.estimation.starts import Follow, from_start
-from surae.recording import read_only
+from surae.frozen import read_only
 from surae.settings import STARTS
 from surae.threads import one_blas_thread
 from surae.units import FloatArray

@@ -15,7 +15,7 @@ from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import Residuals
 from surae.estimation.result import FitResult, Outliers
 from surae.estimation.starts import Follow
-from surae.recording import read_only
+from surae.frozen import read_only
 from surae.settings import STARTS
 from surae.signals import ModelInputs
 from surae.threads import one_blas_thread

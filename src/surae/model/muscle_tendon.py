@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from surae.frozen import read_only
 from surae.model.activation import ActiveState, IntArray
 from surae.model.compliant import (
     ELONGATION,
@@ -28,7 +29,6 @@ from surae.model.parameters import (
 from surae.model.tendon import SLACK_TIB, SLACK_TRI, tendon_curve
 from surae.model.tendon_state import TendonLaw, TendonState
 from surae.model.tied import TiedModel
-from surae.recording import read_only
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.errors import InputError
-from surae.recording import read_only
+from surae.frozen import read_only
 from surae.units import FloatArray
 
 #: The axes of the thesis's figures, in cells of 0.05 l0 by 0.1 l0/s.

@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surae.errors import InputError
+from surae.frozen import read_only
 from surae.protocol.adaptation import Adaptation, Motion, fit_device, peaks, refusal
 from surae.protocol.chirp import DEFAULT_RATE, base_range, chirp
 from surae.protocol.device import Device
 from surae.protocol.effort import effort, named_task
 from surae.protocol.profiles import named_profile
-from surae.recording import read_only
 from surae.units import FloatArray
 
 #: The motion is shaped on a grid at least this fine [Hz], a multiple of the rate asked for, so that

@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
+from surae.frozen import read_only
 from surae.model import ModelOptions
 from surae.protocol.coverage import Coverage, coverage
 from surae.protocol.protocol import Trajectory
-from surae.recording import read_only
 from surae.units import FloatArray
 
 #: Optimal length of the triceps [m] for which the ramp and hold of 0.9 rad/s reaches 0.35 l0/s, as

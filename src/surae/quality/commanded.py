@@ -10,11 +10,11 @@ from functools import cache
 
 import numpy as np
 
-from surae.frozen import Comparable
+from surae.frozen import Comparable, read_only
 from surae.protocol import PROFILES
 from surae.protocol.adaptation import low_pass
 from surae.quality.numeric import BoolArray, quantile
-from surae.recording import Channel, read_only
+from surae.recording import Channel
 from surae.units import FloatArray
 
 #: Samples [Hz] on which a profile is recognised.

@@ -7,11 +7,12 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.files import PathLike
+from surae.frozen import read_only
 from surae.quality.commanded import Commanded
 from surae.quality.finding import Finding, Quality, Skipped
 from surae.quality.registry import CHECKS, check_recording, ordered
 from surae.quality.timing import axis_findings
-from surae.recording import MUSCLES, Channel, Recording, read, read_only
+from surae.recording import MUSCLES, Channel, Recording, read
 from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.formats import open_table
 from surae.recording.naming import NAMES

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from surae.errors import InputError
+from surae.frozen import read_only
 from surae.quality.finding import Finding
 from surae.quality.numeric import quantile
-from surae.recording import Channel, Recording, read_only
+from surae.recording import Channel, Recording
 from surae.signals.timebase import GAP_STEPS, UNIFORM_STEPS, timing
 
 #: Jitter above this part of a step is worth a warning: the signals are then interpolated, which

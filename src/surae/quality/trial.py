@@ -6,11 +6,12 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from surae.frozen import read_only
 from surae.protocol.effort import effort, named_task
 from surae.quality.commanded import Commanded, recognised
 from surae.quality.numeric import BoolArray, correlation, quantiles, smooth
 from surae.quality.torque_model import TorqueModel, torque_model
-from surae.recording import MUSCLES, Channel, Recording, read_only
+from surae.recording import MUSCLES, Channel, Recording
 from surae.units import FloatArray
 
 #: Rate at which signals are compared [Hz]: fine enough for a reflex's 25 ms.

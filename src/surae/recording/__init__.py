@@ -6,7 +6,7 @@ from surae.recording.inspected import InspectedChannel, Inspection
 from surae.recording.inspection import inspect
 from surae.recording.mapping_text import mapping_text, write_mapping
 from surae.recording.reading import read
-from surae.recording.recording import MUSCLES, ROLES, Channel, Recording, SourceFile, read_only
+from surae.recording.recording import MUSCLES, ROLES, Channel, Recording, SourceFile
 from surae.recording.writing import columns, write_csv, write_sto
 
 __all__ = [
@@ -21,7 +21,6 @@ __all__ = [
     "inspect",
     "mapping_text",
     "read",
-    "read_only",
     "write_bids",
     "write_csv",
     "write_hdf5",

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from surae.errors import InputError
-from surae.recording.recording import Channel, freeze
+from surae.frozen import freeze
+from surae.recording.recording import Channel
 from surae.recording.roles import heading_unit
 from surae.recording.samples import check_finite, check_samples
 from surae.recording.table import Column, Table

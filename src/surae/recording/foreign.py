@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.errors import ComputationError, InputError
+from surae.frozen import read_only
 from surae.processes import guarded
-from surae.recording.recording import read_only
 from surae.recording.samples import instants, sample
 from surae.recording.source import Source
 from surae.recording.table import Column, Table

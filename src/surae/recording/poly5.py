@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.errors import InputError
-from surae.recording.recording import freeze
+from surae.frozen import freeze
 from surae.recording.samples import instants, sample
 from surae.recording.source import Source
 from surae.recording.table import Column, Table

@@ -4,12 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-import numpy as np
 import numpy.typing as npt
 
 from surae.errors import InputError
 from surae.files import shown
-from surae.frozen import Comparable, FrozenDict
+from surae.frozen import Comparable, FrozenDict, read_only
 from surae.recording.samples import check_samples
 from surae.units import SI, FloatArray, kind
 
@@ -25,21 +24,6 @@ ROLES = (
     "angular_velocity",
     "angular_acceleration",
 )
-
-
-def read_only(values: Any) -> FloatArray:
-    """A float64 copy of `values` that cannot be written to."""
-    # A signalling NaN warns where it is cast; the checks of samples find every NaN.
-    with np.errstate(invalid="ignore"):
-        array = np.array(values, dtype=np.float64)
-    array.setflags(write=False)
-    return array
-
-
-def freeze(values: FloatArray) -> FloatArray:
-    """The same float64 array, made read-only: for one that nobody else holds."""
-    values.setflags(write=False)
-    return values
 
 
 @dataclass(frozen=True, slots=True)

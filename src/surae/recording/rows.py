@@ -10,7 +10,7 @@ from itertools import chain, islice
 import numpy as np
 
 from surae.errors import InputError
-from surae.recording.recording import read_only
+from surae.frozen import read_only
 from surae.recording.source import Source
 from surae.recording.table import Column, some
 from surae.units import FloatArray

@@ -7,9 +7,9 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.estimation import FitResult
+from surae.frozen import read_only
 from surae.model import TendonState
 from surae.model.simulator import TorqueParts
-from surae.recording import read_only
 from surae.report.excluded import excluded_spans
 from surae.units import FloatArray
 

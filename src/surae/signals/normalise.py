@@ -12,8 +12,9 @@ from typing import Literal
 import numpy as np
 
 from surae.errors import InputError
+from surae.frozen import read_only
 from surae.names import NORMALISATIONS
-from surae.recording import MUSCLES, SourceFile, read_only
+from surae.recording import MUSCLES, SourceFile
 from surae.signals.inputs import EmgReference, ModelInputs
 from surae.units import FloatArray
 

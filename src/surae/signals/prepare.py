@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from surae.errors import InputError
-from surae.recording import MUSCLES, Recording, read_only
+from surae.frozen import read_only
+from surae.recording import MUSCLES, Recording
 from surae.signals.emg import (
     envelope,
     envelope_step,

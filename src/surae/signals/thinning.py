@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from surae.recording import read_only
+from surae.frozen import read_only
 from surae.signals.inputs import ModelInputs
 from surae.units import FloatArray
 

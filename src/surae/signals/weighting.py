@@ -8,8 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.errors import InputError
+from surae.frozen import read_only
 from surae.names import ACTIVITIES
-from surae.recording import MUSCLES, read_only
+from surae.recording import MUSCLES
 from surae.signals.inputs import ModelInputs
 from surae.units import FloatArray
 

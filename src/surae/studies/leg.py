@@ -4,11 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from surae.frozen import read_only
 from surae.model import ModelOptions, get_model
 from surae.model.axis import AnkleAxis
 from surae.model.geometry import arm_tri, paths
 from surae.protocol import Trajectory
-from surae.recording import MUSCLES, read_only
+from surae.recording import MUSCLES
 from surae.signals import ModelInputs
 from surae.studies.disturbances import wandering
 from surae.studies.imperfections import Imperfections

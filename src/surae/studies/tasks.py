@@ -10,9 +10,9 @@ from functools import lru_cache
 from typing import Any, Self
 
 from surae.errors import ComputationError
+from surae.frozen import read_only
 from surae.protocol import TASKS, Protocol, Trajectory, generate
 from surae.protocol.effort import effort
-from surae.recording import read_only
 from surae.studies.program import fingerprint
 from surae.studies.study import OPTIONS, Study, Value, motion, rise
 

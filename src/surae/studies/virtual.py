@@ -3,9 +3,10 @@
 import numpy as np
 
 from surae.errors import InputError
+from surae.frozen import read_only
 from surae.model import ModelOptions
 from surae.protocol import Trajectory
-from surae.recording import Recording, read_only
+from surae.recording import Recording
 from surae.signals import ModelInputs
 from surae.studies.disturbances import (
     EMG_LOWEST_RATE,

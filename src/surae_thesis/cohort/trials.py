@@ -7,9 +7,10 @@ from functools import lru_cache
 import numpy as np
 
 from surae.errors import ComputationError, InputError
+from surae.frozen import read_only
 from surae.model import ModelOptions
 from surae.protocol import DIRECTIONS, Protocol, Trajectory, generate
-from surae.recording import MUSCLES, Recording, read_only
+from surae.recording import MUSCLES, Recording
 from surae.signals import ModelInputs, Preparation, prepare
 from surae.studies import stream, virtual_recording
 from surae.units import FloatArray

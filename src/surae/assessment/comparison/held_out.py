@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from surae.errors import InputError
 from surae.estimation import FitProblem, FitResult
-from surae.recording import read_only
+from surae.frozen import read_only
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 

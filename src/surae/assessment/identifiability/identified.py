@@ -17,7 +17,7 @@ from surae.assessment.identifiability.directions import SINGULAR, Direction, dir
 from surae.assessment.uncertainty.covariance import half_width
 from surae.assessment.verdict import IDENTIFIED
 from surae.estimation import FitResult
-from surae.recording import read_only
+from surae.frozen import read_only
 from surae.units import FloatArray
 
 #: Correlation from which a parameter is a partner, and partners at most.

@@ -17,9 +17,8 @@ from surae.assessment.likelihood.search import Search
 from surae.errors import InputError
 from surae.estimation import FitProblem, FitResult, fit_problem
 from surae.estimation.least_squares import Outcome
-from surae.frozen import Comparable
+from surae.frozen import Comparable, read_only
 from surae.model import adapted
-from surae.recording import read_only
 from surae.units import FloatArray
 
 Status = Literal["closed", "open", "lower-minimum"]

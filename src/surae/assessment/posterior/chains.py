@@ -13,7 +13,7 @@ import numpy as np
 
 from surae.assessment.posterior.density import Density
 from surae.errors import InputError
-from surae.recording import read_only
+from surae.frozen import read_only
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
 

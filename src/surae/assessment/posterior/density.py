@@ -18,7 +18,7 @@ from surae.errors import InputError
 from surae.estimation import FitProblem, FitResult
 from surae.estimation.least_squares import minimise, sum_of_squares
 from surae.estimation.residuals import Residuals
-from surae.recording import read_only
+from surae.frozen import read_only
 from surae.units import FloatArray
 
 #: Logarithm of a density, and its gradient; minus infinity where the model has no finite torque,

@@ -21,9 +21,8 @@ from surae.assessment.uncertainty.covariance import Covariance, covariance, half
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.files import PathLike, write_atomic
-from surae.frozen import Comparable
+from surae.frozen import Comparable, read_only
 from surae.model import adapted
-from surae.recording import read_only
 from surae.units import FloatArray
 from surae.versions import versions
 

@@ -16,9 +16,8 @@ from surae.assessment.resampling.refit import refit
 from surae.errors import InputError
 from surae.estimation import FitResult, Prior
 from surae.files import PathLike, write_json
-from surae.frozen import Comparable
+from surae.frozen import Comparable, read_only
 from surae.model import adapted
-from surae.recording import read_only
 from surae.runner import Engine, cores, results
 from surae.signals import ModelInputs
 from surae.units import FloatArray

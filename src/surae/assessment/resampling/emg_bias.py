@@ -19,8 +19,9 @@ from surae.assessment.residual.whiteness import autocovariance
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.files import PathLike, write_json
+from surae.frozen import read_only
 from surae.model import adapted
-from surae.recording import MUSCLES, read_only
+from surae.recording import MUSCLES
 from surae.runner import in_threads
 from surae.signals import ModelInputs
 from surae.units import FloatArray

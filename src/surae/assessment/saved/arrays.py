@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from surae.recording import read_only
+from surae.frozen import read_only
 from surae.units import FloatArray
 
 _ENCODING = "float64 little-endian, zlib, base64"
