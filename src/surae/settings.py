@@ -11,6 +11,7 @@ from surae.errors import InputError
 from surae.frozen import FrozenDict
 from surae.model import ModelOptions, get_model, with_optional
 from surae.model.anthropometry import foot_mass, with_foot_mass
+from surae.model.laboratory import ALL, AUTO, COMPLIANT, laboratory
 from surae.model.parameters import OPTIONAL
 from surae.names import LOSSES, NORMALISATIONS, POPULATIONS
 from surae.recording import Recording
@@ -64,6 +65,9 @@ class FitSettings:
     preparation : mapping of str to object
         Cut-offs, orders and rate of the preparation that differ from those of
         `surae.Preparation`; False switches a filter off. What a recording says itself goes before.
+    nuisances : str or mapping of str to (mean, sd)
+        What the laboratory cannot rule out, for ``model="auto"``: ``"all"``, ``"none"``, or priors
+        of groups or parameters in place of the defaults; see `surae.model.laboratory`.
     starts : int
         Number of starts; the first from the default, the others random within the bounds.
     seed : int
@@ -92,6 +96,7 @@ class FitSettings:
     normalise: str | None = None
     prepared: bool = False
     preparation: Mapping[str, Any] = field(default_factory=FrozenDict)
+    nuisances: str | Mapping[str, tuple[float, float]] = ALL
     starts: int = STARTS
     seed: int = 0
 
@@ -102,6 +107,10 @@ class FitSettings:
             if not isinstance(given, Mapping):
                 raise InputError(f"{name} is {given!r}; give a mapping of names to values")
             object.__setattr__(self, name, FrozenDict((k, _frozen(v)) for k, v in given.items()))
+        if isinstance(self.nuisances, Mapping):
+            frozen = FrozenDict((k, _frozen(v)) for k, v in self.nuisances.items())
+            object.__setattr__(self, "nuisances", frozen)
+        laboratory(self.nuisances)
         free: Any = self.free
         object.__setattr__(self, "free", (free,) if isinstance(free, str) else tuple(free))
         if isinstance(self.weights, Sequence):
@@ -195,7 +204,8 @@ class FitSettings:
         FitSettings
             What it can be asked.
         """
-        names = with_optional(get_model(model), self.mentioned).names
+        known = COMPLIANT if model == AUTO else model
+        names = with_optional(get_model(known), self.mentioned).names
         changes: dict[str, Any] = {
             field: {name: value for name, value in getattr(self, field).items() if name in names}
             for field in _NAMED

@@ -28,6 +28,7 @@ FULL = FitSettings.of(
     normalise="session",
     prepared=True,
     preparation={"bessel_hz": 10.0, "emg_lowpass_hz": False},
+    nuisances={"zero": [0.0, 1.0]},
     starts=3,
     seed=np.int64(7),
     tendon_strain="slack-length",
@@ -71,6 +72,9 @@ def test_settings_given_whole_yield_to_keywords():
         ({"fixed": ["beta"]}, "give a mapping"),
         ({"starts": 0}, "starts is 0; give at least 1"),
         ({"starts": 2.5}, "whole number"),
+        ({"nuisances": "some"}, "use 'all', 'none'"),
+        ({"nuisances": {"magic": (0, 1)}}, "no 'magic'"),
+        ({"nuisances": {"zero": 3.0}}, "give mean and sd"),
         ({"seed": -1}, "at least 0"),
         ({"loss": "square"}, "unknown loss"),
         ({"normalise": "max"}, "normalise is 'max'"),
@@ -93,7 +97,7 @@ def test_another_model_is_asked_what_it_has_parameters_for(model):
     names = {p.name for p in MODELS[model].parameters}
     assert settings.model == model
     assert set(settings.fixed) == {"beta"} & names
-    assert settings.free == (FULL.free if MODELS[model].driven else ())
+    assert settings.free == FULL.free
     assert (settings.loss, settings.starts, settings.weights) == (
         FULL.loss, FULL.starts, FULL.weights,
     )  # fmt: skip

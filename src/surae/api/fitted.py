@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from surae.api.recordings import AnyRecording, as_in_fit
 from surae.api.simulation import parts_of, tendon_of
 from surae.assessment.adequacy import Adequacy
-from surae.assessment.assess import Assessment, ParameterEstimate
+from surae.assessment.assess import Assessment
+from surae.assessment.parameter import ParameterEstimate
 from surae.assessment.saved.fit_json import save_fit
 from surae.assessment.uncertainty.covariance import Covariance
 from surae.assessment.validation.prediction import Prediction, predict_others
@@ -41,6 +42,11 @@ class Fit:
     def parameters(self) -> Mapping[str, ParameterEstimate]:
         """Every parameter of the model by name: value, sem, ci95, verdict and more."""
         return self.assessment.parameters
+
+    @property
+    def nuisances(self) -> Mapping[str, ParameterEstimate]:
+        """What was found of the laboratory, by name; empty for a named model."""
+        return self.assessment.nuisances
 
     @property
     def values(self) -> Mapping[str, float]:

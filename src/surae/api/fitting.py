@@ -42,6 +42,7 @@ def fit(
     preparation: Mapping[str, Any] | None = None,
     normalise: str | None = None,
     mvc: AnyRecording | Sequence[AnyRecording] = (),
+    nuisances: str | Mapping[str, tuple[float, float]] | None = None,
     starts: int | None = None,
     seed: int | None = None,
     quality: Sequence[Quality] | None = None,
@@ -56,8 +57,10 @@ def fit(
     recordings : Recording, ModelInputs, path, or a sequence of them
         Several are one joint fit with shared parameters.
     model : str or FitSettings
-        Name of the model; `surae.model.MODELS` lists them. Or everything that is asked, as
-        ``other.settings`` of another fit; keywords that are given too go before it.
+        Name of the model; `surae.model.MODELS` lists them. ``"auto"``: the family of rigid and
+        compliant tendons with the laboratory's imperfections, chosen by the evidence. Or
+        everything that is asked, as ``other.settings`` of another fit; keywords that are given too
+        go before it.
     fixed : mapping of str to float, optional
         Parameters that are not estimated, e.g. ``{"beta": 1.0}``.
     free : sequence of str, optional
@@ -93,6 +96,9 @@ def fit(
         envelope of all recordings, or of `mvc`. `validate` and `Fit.predict` use it again.
     mvc : Recording, ModelInputs, path, or a sequence of them
         Maximum voluntary contractions, for ``normalise="mvc"``.
+    nuisances : {"all", "none"}, or mapping of str to (float, float), optional
+        What the laboratory cannot rule out, for ``model="auto"``; a mapping gives other priors,
+        mean and standard deviation, of groups or parameters, e.g. ``{"zero": (0.0, 1.0)}``.
     starts : int, optional
         Number of starts, by default 8; the first from the default, the others random within the
         bounds.
@@ -132,6 +138,7 @@ def fit(
         prepared=prepared,
         preparation=preparation,
         normalise=normalise,
+        nuisances=nuisances,
         starts=starts,
         seed=seed,
         **options,

@@ -3,12 +3,11 @@
 from surae.assessment.adequacy import Adequacy, Grade
 from surae.assessment.assess import (
     Assessment,
-    Interval,
-    ParameterEstimate,
     RecordingQuality,
     assess,
 )
 from surae.assessment.comparison.finding import Comparison, Finding
+from surae.assessment.parameter import Interval, ParameterEstimate
 from surae.assessment.residual.quality import autocorrelation, rmse, vaf
 from surae.assessment.residual.whiteness import Whiteness, whiteness
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width, ipde

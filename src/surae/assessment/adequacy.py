@@ -24,6 +24,7 @@ import numpy.typing as npt
 
 from surae.assessment.residual.quality import centred_r2
 from surae.estimation import FitResult
+from surae.model.laboratory import group_of
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -170,10 +171,11 @@ def _structure(
 
 
 def _bounds(result: FitResult) -> list[_Reason]:
-    own = [name for name in result.problem.free if name in result.at_bound]
+    leg = [name for name in result.problem.free if group_of(name) is None]
+    own = [name for name in leg if name in result.at_bound]
     if not own:
         return []
-    many = len(own) > _MOST_BOUND * len(result.problem.free)
+    many = len(own) > _MOST_BOUND * len(leg)
     verb = "lies" if len(own) == 1 else "lie"
     return [(many, f"{', '.join(own)} {verb} at a bound")]
 

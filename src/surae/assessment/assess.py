@@ -1,12 +1,13 @@
 """From a fit to what it is worth: goodness, intervals, correlations and verdicts."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from enum import StrEnum
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from surae.assessment.adequacy import Adequacy, Grade, judge_adequacy
+from surae.assessment.marginal import marginal
+from surae.assessment.parameter import Interval, ParameterEstimate
 from surae.assessment.residual.quality import centred_r2, rmse, vaf, weighted_vaf
 from surae.assessment.residual.whiteness import LEVEL, Whiteness
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width, ipde
@@ -20,74 +21,10 @@ from surae.signals import ModelInputs
 from surae.units import FloatArray
 
 _NO_VARIANCE = "no estimate has a variance"
-
-
-class Interval(StrEnum):
-    """Which standard error an interval is made of."""
-
-    THESIS = "thesis"
-    ROBUST = "robust"
-
-
-@dataclass(frozen=True, slots=True)
-class ParameterEstimate:
-    """One parameter of a fit.
-
-    Attributes
-    ----------
-    name, unit, meaning, group : str
-        As in `surae.model.Parameter`.
-    value : float
-        Estimate, or the value it was fixed at.
-    sem : float or None
-        Standard error, equation (34), which takes the residual for white noise; None where there
-        is none, and `note` says why.
-    sem_robust : float or None
-        Standard error under noise that is correlated as the residual says.
-    ci95 : tuple of float, or None
-        95 % interval, from the standard error that `interval` names.
-    interval : Interval or None
-        Which standard error `ci95` and `verdict` rest on; None without one.
-    lower, upper : float
-        Bounds of the fit.
-    free, at_bound : bool
-        Whether it was estimated, and whether the estimate lies at a bound.
-    verdict : Verdict
-        identified, weak, undetermined, at-bound or fixed.
-    note : str
-        The verdict in a plain sentence.
-    ci95_repeat : tuple of float, or None
-        95 % interval of what another trial of this leg would give: what all its trials share, and
-        is wrong alike in all of them, is not in it.
-    repeatable : bool
-        Whether that interval is within 10 % of the value, and the fit is not inadequate.
-    budget : mapping of str to float
-        Shares of the variance behind `ci95` by source, their sum 1; empty without an interval.
-    """
-
-    name: str
-    unit: str
-    meaning: str
-    group: str
-    value: float
-    sem: float | None
-    sem_robust: float | None
-    ci95: tuple[float, float] | None
-    interval: Interval | None
-    lower: float
-    upper: float
-    free: bool
-    at_bound: bool
-    verdict: Verdict
-    note: str
-    ci95_repeat: tuple[float, float] | None = None
-    repeatable: bool = False
-    budget: Mapping[str, float] = field(default_factory=dict)
-
-    @property
-    def trusted_sem(self) -> float | None:
-        """The standard error that `ci95` is made of."""
-        return self.sem_robust if self.interval is Interval.ROBUST else self.sem
+_MARGINAL = (
+    "they contain the correlated noise, what is not known of the laboratory, and the models that "
+    "the data do not reject"
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -141,6 +78,8 @@ class Assessment(Comparable):
         One for each recording.
     adequacy : Adequacy
         Whether the fit is good enough for any of this to mean something.
+    nuisances : mapping of str to ParameterEstimate
+        What `model="auto"` found of the laboratory; empty for a named model.
     baseline : Baseline or None
         Simulations that the standard errors are compared with.
     snsem : mapping of str to (float or None)
@@ -160,6 +99,7 @@ class Assessment(Comparable):
     ipde_note: str
     recordings: tuple[RecordingQuality, ...]
     adequacy: Adequacy
+    nuisances: Mapping[str, ParameterEstimate] = field(default_factory=dict)
     baseline: Baseline | None = None
     snsem: Mapping[str, float | None] = field(default_factory=dict)
 
@@ -190,6 +130,8 @@ def assess(result: FitResult, baseline: Baseline | None = None) -> Assessment:
     estimated = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
     robust, white = robust_covariance(result, estimated)
     interval, why = _believed(result, white) if robust else (Interval.THESIS, _NO_VARIANCE)
+    if result.family is not None:
+        interval, why = Interval.MARGINAL, _MARGINAL
     pairs = [_counted(*pair) for pair in zip(problem.inputs, result.residuals, strict=True)]
     recordings = tuple(
         RecordingQuality(
@@ -206,26 +148,36 @@ def assess(result: FitResult, baseline: Baseline | None = None) -> Assessment:
         )
         for one, (torque, residual, weight) in zip(problem.inputs, pairs, strict=True)
     )
-    left_out = [name for name in problem.free if name not in estimated.names]
-    several = len(estimated.names) > 1
+    left_out = [
+        name
+        for name in problem.free
+        if name not in estimated.names and not _is_nuisance(result, name)
+    ]
+    leg = _without_nuisances(result, estimated)
+    several = len(leg.names) > 1
     note = f"without {', '.join(left_out)}" if left_out else ""
     if not several:
         note = "fewer than two parameters have a variance"
     residuals = np.concatenate([residual for _, residual, _ in pairs])
     adequacy = judge_adequacy(result)
-    parameters = _parameters(result, estimated, robust, interval, adequacy)
+    table = _parameters(result, estimated, robust, interval, adequacy)
+    if result.family is not None:
+        table |= marginal(result.family, problem.free, table, adequacy)
+    parameters = {n: p for n, p in table.items() if not _is_nuisance(result, n)}
+    nuisances = {n: p for n, p in table.items() if _is_nuisance(result, n)}
     errors = {p.name: p.sem for p in parameters.values() if p.free}
     return Assessment(
         vaf=vaf(np.concatenate([torque for torque, _, _ in pairs]), residuals),
         rmse=rmse(residuals),
         vaf_weighted=weighted_vaf(pairs),
         parameters=parameters,
-        covariance=estimated,
+        nuisances=nuisances,
+        covariance=leg,
         robust=robust,
         whiteness=white,
         interval=interval,
         interval_note=why,
-        ipde=ipde(estimated.correlation) if several else None,
+        ipde=ipde(leg.correlation) if several else None,
         ipde_note=note,
         recordings=recordings,
         adequacy=adequacy,
@@ -250,6 +202,25 @@ def _believed(result: FitResult, white: Sequence[Whiteness]) -> tuple[Interval, 
     if least >= LEVEL / len(white):
         return Interval.THESIS, f"the residual passes for white noise ({text})"
     return Interval.ROBUST, f"the residual is correlated over time ({text})"
+
+
+def _without_nuisances(result: FitResult, estimated: Covariance) -> Covariance:
+    """The covariance of the leg's parameters, nuisances estimated along."""
+    kept = [j for j, name in enumerate(estimated.names) if not _is_nuisance(result, name)]
+    if len(kept) == len(estimated.names):
+        return estimated
+    block = np.ix_(kept, kept)
+    return replace(
+        estimated,
+        names=tuple(estimated.names[j] for j in kept),
+        matrix=estimated.matrix[block],
+        correlation=estimated.correlation[block],
+    )
+
+
+def _is_nuisance(result: FitResult, name: str) -> bool:
+    """Whether a parameter is one of the laboratory that `model="auto"` put in."""
+    return result.family is not None and name in result.family.beliefs
 
 
 def _counted(one: ModelInputs, residual: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

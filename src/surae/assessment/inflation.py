@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.assessment.assess import Assessment, Interval
+from surae.assessment.assess import Assessment
+from surae.assessment.parameter import Interval
 
 
 @dataclass(frozen=True, slots=True)

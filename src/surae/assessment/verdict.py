@@ -53,14 +53,14 @@ def judge_interval(
     if relative <= IDENTIFIED:
         if withheld:
             return Verdict.WEAK, "the fit is inadequate: what it says of a parameter means nothing"
-        return Verdict.IDENTIFIED, f"known to ±{_percent(relative)}"
+        return Verdict.IDENTIFIED, f"known to ±{percent(relative)}"
     verdict = Verdict.WEAK if relative <= 1.0 else Verdict.UNDETERMINED
     # A part of a value that may as well be 0 says nothing.
     nothing = name in OFF_AT_ZERO and half >= abs(value)
     if nothing:
         known = f"not distinguishable from 0 (95 %: {_interval(value, half, unit)})"
     elif verdict is Verdict.WEAK:
-        known = f"known only to ±{_percent(relative)}"
+        known = f"known only to ±{percent(relative)}"
     else:
         known = "not determined: its interval is wider than its value"
     row = estimated.correlation[estimated.names.index(name)].copy()
@@ -95,7 +95,7 @@ def _interval(value: float, half: float, unit: str) -> str:
     return " … ".join(ends) + (f" {unit}" if unit not in ("", "-") else "")
 
 
-def _percent(part: float) -> str:
+def percent(part: float) -> str:
     """A part in percent to two digits, or as many as tell it from the threshold of a verdict."""
     if part >= 1:
         return f"{100 * part:.0f} %"

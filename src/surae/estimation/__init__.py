@@ -6,13 +6,15 @@ from surae.estimation.losses import LOSSES
 from surae.estimation.outliers import fit_robust
 from surae.estimation.prior import Prior
 from surae.estimation.problem import FitProblem, make_problem
-from surae.estimation.result import FitResult, Outliers, Start
+from surae.estimation.result import Candidate, Family, FitResult, Outliers, Start
 from surae.estimation.solve import solve
 from surae.settings import STARTS, FitSettings
 
 __all__ = [
     "LOSSES",
     "STARTS",
+    "Candidate",
+    "Family",
     "FitProblem",
     "FitResult",
     "FitSettings",

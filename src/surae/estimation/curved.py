@@ -28,18 +28,11 @@ def curved_move(problem: FitProblem) -> Move:
     callable
         From a point and a step, both of shape (p,), to the point reached.
     """
-    groups = []
-    for muscle, (k_name, x0_name) in enumerate(_GROUPS):
-        if k_name in problem.free and x0_name in problem.free:
-            longest = max(
-                float(
-                    paths(angle=one.angle, velocity=one.velocity, options=problem.options)[
-                        muscle
-                    ].length.max()
-                )
-                for one in problem.inputs
-            )
-            groups.append((problem.free.index(k_name), problem.free.index(x0_name), longest))
+    groups = [
+        (problem.free.index(k), problem.free.index(x0), longest)
+        for k, x0, longest in stiffness_valleys(problem)
+        if k in problem.free and x0 in problem.free
+    ]
 
     def move(x: FloatArray, step: FloatArray) -> FloatArray:
         moved = x + step
@@ -52,3 +45,12 @@ def curved_move(problem: FitProblem) -> Move:
         return np.asarray(moved)
 
     return move
+
+
+def stiffness_valleys(problem: FitProblem) -> list[tuple[str, str, float]]:
+    """Stiffness, slack length and x_ref [m], the greatest length, of each muscle group."""
+    angle = np.concatenate([one.angle for one in problem.inputs])
+    groups = paths(angle=angle, velocity=np.zeros_like(angle), options=problem.options)
+    return [
+        (k, x0, float(path.length.max())) for (k, x0), path in zip(_GROUPS, groups, strict=True)
+    ]

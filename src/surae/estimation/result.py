@@ -1,12 +1,14 @@
 """What a fit found, as plain data: no optimiser, no function, nothing that refers back."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from surae.estimation.noise import NoiseModel
 from surae.estimation.problem import FitProblem
-from surae.frozen import Comparable
+from surae.frozen import Comparable, FrozenDict
+from surae.model.laboratory import Belief
 from surae.units import FloatArray
 
 
@@ -68,6 +70,59 @@ class Outliers(Comparable):
         return count / sum(len(w) for w in self.weights)
 
 
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """A model of the family that was fitted.
+
+    Attributes
+    ----------
+    model : str
+        Name of the model.
+    groups : tuple of str
+        Groups of nuisances that are in it.
+    evidence : float
+        −2 ln Z, but for a constant that all share.
+    weight : float
+        Probability that the data give it among all, alike beforehand.
+    values : mapping of str to float
+        All its parameters.
+    """
+
+    model: str
+    groups: tuple[str, ...]
+    evidence: float
+    weight: float
+    values: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Family(Comparable):
+    """How a model was chosen among the family, and what that leaves unsure.
+
+    Attributes
+    ----------
+    candidates : tuple of Candidate
+        Models that were fitted, the chosen one first.
+    beliefs : mapping of str to Belief
+        Priors of the nuisances that are in the chosen model.
+    noise : tuple of NoiseModel
+        Of each recording's torque.
+    zeros : tuple of float
+        Torque zero of each recording [Nm]; empty where they share one.
+    covariance : ndarray, shape (p, p)
+        Of the problem's free parameters: nuisances are estimated along.
+    spread : mapping of str to (mapping of str to float)
+        What else makes a parameter unsure, by source and parameter: standard deviations.
+    """
+
+    candidates: tuple[Candidate, ...]
+    beliefs: Mapping[str, Belief]
+    noise: tuple[NoiseModel, ...]
+    zeros: tuple[float, ...]
+    covariance: FloatArray
+    spread: Mapping[str, Mapping[str, float]] = field(default_factory=FrozenDict)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class FitResult(Comparable):
     """The best minimum found.
@@ -101,6 +156,8 @@ class FitResult(Comparable):
         Versions of surae and of what its numbers depend on.
     outliers : Outliers or None
         How outliers were let count less; None for least squares.
+    family : Family or None
+        How the model was chosen, and what is not known of the laboratory; None for a named model.
     """
 
     problem: FitProblem
@@ -116,6 +173,7 @@ class FitResult(Comparable):
     seconds: float
     versions: Mapping[str, str]
     outliers: Outliers | None = None
+    family: Family | None = None
 
     @property
     def at_bound(self) -> tuple[str, ...]:

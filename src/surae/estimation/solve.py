@@ -1,10 +1,13 @@
 """A problem solved as its settings ask: least squares, or with outliers counting less."""
 
+from surae.errors import InputError
+from surae.estimation.family import fit_family
 from surae.estimation.fit import Progress, fit_problem
 from surae.estimation.outliers import fit_robust
 from surae.estimation.problem import FitProblem
 from surae.estimation.result import FitResult
 from surae.estimation.starts import Follow
+from surae.model.laboratory import AUTO
 
 
 def solve(
@@ -29,8 +32,17 @@ def solve(
     -------
     FitResult
         Ctrl-C keeps the best so far.
+
+    Raises
+    ------
+    InputError
+        A loss is asked for of no named model.
     """
     asked = problem.settings
+    if asked.model == AUTO:
+        if asked.loss is not None:
+            raise InputError("loss goes with a named model; name one, or leave the loss out")
+        return fit_family(problem, progress=progress)
     count = asked.starts if starts is None else starts
     if asked.loss is None:
         return fit_problem(problem, starts=count, seed=asked.seed, progress=progress, follow=follow)

@@ -114,7 +114,7 @@ def _direction(direction: Direction) -> DirectionRow:
 
 
 def _row(parameter: Identified, assessment: Assessment) -> SensitivityRow:
-    verdict = assessment.parameters[parameter.name].verdict
+    verdict = {**assessment.parameters, **assessment.nuisances}[parameter.name].verdict
     return SensitivityRow(
         name=parameter.name,
         sensitivity=significant(parameter.sensitivity, 2),

@@ -14,10 +14,10 @@ import numpy as np
 
 from surae.assessment.likelihood.profile import prior_noise
 from surae.assessment.resampling.refit import refit
-from surae.assessment.residual.noise import NoiseModel, autoregressive
 from surae.assessment.residual.whiteness import autocovariance
 from surae.errors import InputError
 from surae.estimation import FitResult
+from surae.estimation.noise import NoiseModel, autoregressive
 from surae.files import PathLike, write_json
 from surae.frozen import read_only
 from surae.model import adapted

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from surae._version import __version__
-from surae.assessment.assess import Assessment, ParameterEstimate
+from surae.assessment.assess import Assessment
+from surae.assessment.parameter import ParameterEstimate
 from surae.assessment.saved.arrays import decode, encode
+from surae.assessment.saved.family_json import family_as_dict, read_family
 from surae.assessment.saved.json_file import FORMAT, check_format, read_json, real
 from surae.assessment.saved.outliers_json import outliers_as_dict, read_outliers
 from surae.assessment.saved.trace_json import read_trace, trace_as_dict
@@ -99,6 +101,7 @@ def as_dict(
         "vaf_weighted": _optional(assessment.vaf_weighted),
         "rmse_Nm": _number(assessment.rmse),
         "parameters": {p.name: _parameter(p) for p in assessment.parameters.values()},
+        "nuisances": {p.name: _parameter(p) for p in assessment.nuisances.values()},
         "correlation": {
             "names": list(assessment.covariance.names),
             "matrix": assessment.covariance.correlation.tolist(),
@@ -165,6 +168,7 @@ def as_dict(
             for name, prior in problem.priors.items()
         },
         "outliers": outliers_as_dict(result.outliers),
+        "family": family_as_dict(result.family),
         "sse": _number(result.sse),
         "R": encode(result.R),
         "traces": [
@@ -204,7 +208,7 @@ def _optional(value: float | None) -> float | None:
 
 
 def _result(data: Mapping[str, Any]) -> FitResult:
-    table = data["parameters"]
+    table = {**data["parameters"], **data.get("nuisances", {})}
     spec = with_optional(get_model(data["model"]), table)
     options = ModelOptions.of(**data["options"])
     free = tuple(name for name in spec.names if table[name]["free"])
@@ -269,6 +273,7 @@ def _result(data: Mapping[str, Any]) -> FitResult:
         seconds=real(data["seconds"]),
         versions={str(name): str(version) for name, version in data["versions"].items()},
         outliers=outliers,
+        family=read_family(data.get("family"), len(free)),
     )
 
 

@@ -42,7 +42,9 @@ def read_parameters(path: PathLike) -> GivenParameters:
     """
     data = read_json(path)
     check_format(data, path)
-    table = data.get("parameters")
+    table, nuisances = data.get("parameters"), data.get("nuisances")
+    if isinstance(table, dict) and isinstance(nuisances, dict):
+        table = table | nuisances
     if not isinstance(table, dict) or not table:
         raise InputError(
             f'{shown(path)}: no parameters; write {{"parameters": {{"m": 2.0, …}}}} or give a '

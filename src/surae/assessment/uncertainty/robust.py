@@ -18,10 +18,10 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from surae.assessment.residual.noise import NoiseModel, autoregressive
 from surae.assessment.residual.whiteness import Whiteness, autocovariance, most_lags, whiteness
 from surae.assessment.uncertainty.covariance import Covariance, InverseRoot, inverse_root
 from surae.estimation import FitResult, Outliers
+from surae.estimation.noise import NoiseModel, autoregressive
 from surae.estimation.residuals import Residuals
 from surae.frozen import Comparable
 from surae.threads import one_blas_thread
@@ -76,12 +76,13 @@ def robust_covariance(
     Returns
     -------
     RobustCovariance or None
-        None where no estimate has a variance, or none that is finite.
+        None where no estimate has a variance, or none that is finite, and of a fit that has put the
+        noise's correlation into its estimate.
     tuple of Whiteness
         One for each recording.
     """
     problem = result.problem
-    if not estimated.names:
+    if not estimated.names or result.family is not None:
         return None, tuple(
             whiteness(residual, one.rate_hz, None if one.weight is None else one.weight > 0)
             for one, residual in zip(problem.inputs, result.residuals, strict=True)

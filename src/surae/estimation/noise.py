@@ -91,3 +91,21 @@ def autoregressive(autocovariance: FloatArray, samples: float) -> NoiseModel:
         if criterion < lowest:
             best, lowest = (coefficients, variance), criterion
     return NoiseModel(best[0], best[1], autocovariance, samples)
+
+
+def noise_of(residual: FloatArray, lags: int) -> NoiseModel:
+    """The autoregressive model of a residual that is taken for noise.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Of mean zero but for chance.
+    lags : int
+        Largest order that is tried, below n.
+    """
+    from scipy.fft import next_fast_len
+
+    n = len(residual)
+    size = next_fast_len(2 * n, real=True)
+    power = np.abs(np.fft.rfft(residual, size)) ** 2
+    return autoregressive(np.fft.irfft(power, size)[: lags + 1] / n, n)

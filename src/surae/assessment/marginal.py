@@ -1,0 +1,98 @@
+"""Intervals and verdicts of a fit that knows its laboratory: everything that is not known is in."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from surae.assessment.adequacy import Adequacy, Grade
+from surae.assessment.parameter import Interval, ParameterEstimate
+from surae.assessment.uncertainty.budget import REMEDIES, Budget, budgets
+from surae.assessment.verdict import IDENTIFIED, Verdict, percent
+from surae.estimation.mode import straight
+from surae.estimation.result import Family
+
+_NORMAL = 1.959964
+#: Share of the variance from which a source is worth a remedy.
+_WORTH = 0.25
+
+
+def marginal(
+    family: Family,
+    free: tuple[str, ...],
+    table: Mapping[str, ParameterEstimate],
+    adequacy: Adequacy,
+) -> dict[str, ParameterEstimate]:
+    """The estimated parameters of the leg with everything that makes them unsure.
+
+    Parameters
+    ----------
+    family : Family
+        Of the fit.
+    free : tuple of str
+        The estimated parameters, as its covariance has them.
+    table : mapping of str to ParameterEstimate
+        As of a named model.
+    adequacy : Adequacy
+        Of the fit.
+    """
+    withheld = adequacy.grade is Grade.INADEQUATE
+    judged = {}
+    for name, budget in budgets(family, free).items():
+        p = table[name]
+        if p.at_bound:
+            continue
+        ci95 = _interval(p, budget.sd)
+        half = (ci95[1] - ci95[0]) / 2.0
+        again = _interval(p, budget.repeat)
+        repeatable = (again[1] - again[0]) / 2.0 <= IDENTIFIED * abs(p.value) and not withheld
+        verdict, note = _judge(p, half, budget, repeatable=repeatable, withheld=withheld)
+        judged[name] = replace(
+            p,
+            sem=budget.sd,
+            sem_robust=None,
+            ci95=ci95,
+            interval=Interval.MARGINAL,
+            verdict=verdict,
+            note=note,
+            ci95_repeat=again,
+            repeatable=repeatable,
+            budget=budget.shares,
+        )
+    return judged
+
+
+def _interval(p: ParameterEstimate, sd: float) -> tuple[float, float]:
+    """95 % interval: on a logarithm where the parameter is positive by nature, within bounds."""
+    if straight([p.name])[0]:
+        low, high = p.value - _NORMAL * sd, p.value + _NORMAL * sd
+    else:
+        factor = float(np.exp(min(_NORMAL * sd / p.value, 50.0)))
+        low, high = p.value / factor, p.value * factor
+    return max(low, min(p.lower, p.value)), min(high, max(p.upper, p.value))
+
+
+def _judge(
+    p: ParameterEstimate, half: float, budget: Budget, *, repeatable: bool, withheld: bool
+) -> tuple[Verdict, str]:
+    """Verdict, and what is missing and would help."""
+    relative = half / abs(p.value) if p.value else np.inf
+    within_bounds = half < 0.45 * (p.upper - p.lower)
+    if withheld:
+        if relative <= 1.0 and within_bounds:
+            return Verdict.WEAK, "the fit is inadequate: what it says of a parameter means nothing"
+        return Verdict.UNDETERMINED, "the fit is inadequate"
+    if relative <= IDENTIFIED:
+        return Verdict.IDENTIFIED, f"known to ±{percent(relative)}"
+    if relative > 1.0 or not within_bounds:
+        return Verdict.UNDETERMINED, "not determined: its interval is as wide as its value"
+    said = f"known only to ±{percent(relative)}"
+    if repeatable:
+        said += ", though another trial of this leg would give the same"
+    source = max(budget.shares, key=lambda s: budget.shares[s])
+    if budget.shares[source] >= _WORTH and source in REMEDIES:
+        said += f": {REMEDIES[source]}"
+        left = budget.without.get(source)
+        if left is not None and left < 0.8 * budget.sd:
+            said += f", and it is known to ±{percent(_NORMAL * left / abs(p.value))}"
+    return Verdict.WEAK, said

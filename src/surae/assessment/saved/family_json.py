@@ -1,0 +1,91 @@
+"""In FIT.json: how `model="auto"` chose, and what is not known of the laboratory."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from surae.assessment.saved.arrays import decode, encode
+from surae.assessment.saved.json_file import real
+from surae.estimation import Candidate, Family
+from surae.estimation.noise import NoiseModel
+from surae.frozen import FrozenDict
+from surae.model.laboratory import Belief
+
+
+def family_as_dict(family: Family | None) -> dict[str, Any] | None:
+    """A family as plain data."""
+    if family is None:
+        return None
+    return {
+        "candidates": [
+            {
+                "model": one.model,
+                "nuisances": list(one.groups),
+                "evidence": one.evidence,
+                "weight": one.weight,
+                "values": dict(one.values),
+            }
+            for one in family.candidates
+        ],
+        "priors": {
+            name: {"mean": belief.mean, "sd": belief.sd, "off": belief.off}
+            for name, belief in family.beliefs.items()
+        },
+        "noise": [
+            {
+                "coefficients": noise.coefficients.tolist(),
+                "variance": noise.variance,
+                "autocovariance": noise.autocovariance.tolist(),
+                "samples": noise.samples,
+            }
+            for noise in family.noise
+        ],
+        "zeros": list(family.zeros),
+        "covariance": encode(family.covariance),
+        "spread": {source: dict(by) for source, by in family.spread.items()},
+    }
+
+
+def read_family(data: Any, free: int) -> Family | None:
+    """The family that `family_as_dict` made plain, of as many free parameters.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        It is damaged.
+    """
+    if data is None:
+        return None
+    return Family(
+        candidates=tuple(
+            Candidate(
+                str(one["model"]),
+                tuple(str(group) for group in one["nuisances"]),
+                real(one["evidence"]),
+                real(one["weight"]),
+                _numbers(one["values"]),
+            )
+            for one in data["candidates"]
+        ),
+        beliefs=FrozenDict(
+            (str(name), Belief(real(one["mean"]), real(one["sd"]), real(one["off"])))
+            for name, one in data["priors"].items()
+        ),
+        noise=tuple(
+            NoiseModel(
+                np.array([real(c) for c in one["coefficients"]]),
+                real(one["variance"]),
+                np.array([real(c) for c in one["autocovariance"]]),
+                real(one["samples"]),
+            )
+            for one in data["noise"]
+        ),
+        zeros=tuple(real(zero) for zero in data["zeros"]),
+        covariance=decode(data["covariance"], (free, free)),
+        spread=FrozenDict((str(source), _numbers(by)) for source, by in data["spread"].items()),
+    )
+
+
+def _numbers(data: Mapping[str, Any]) -> FrozenDict[str, float]:
+    return FrozenDict((str(name), real(value)) for name, value in data.items())

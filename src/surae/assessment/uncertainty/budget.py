@@ -1,0 +1,141 @@
+"""The uncertainty budget of a fit that knows its laboratory: what makes a parameter unsure.
+
+The covariance V of all that was estimated, nuisances with their priors included, is the parameters'
+marginal one. With one group of nuisances known the rest has the conditional covariance, and what a
+variance loses by that is the group's part; what is left with all of them known is noise. Other
+parts, of the EMG's noise, the integrator, and models that the data do not reject, add to it. The
+parts of the nuisances overlap; shares are scaled so that they add up to 1 (as in the GUM's tables).
+
+Another trial of the same leg would be wrong alike in what trials share. With the true crosstalk,
+delay and axis fixed, the mode under priors P scatters by V·(V⁻¹ − P)·V from trial to trial; a
+torque zero is drawn anew each time.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.estimation.result import Family
+from surae.frozen import FrozenDict
+from surae.model.laboratory import group_of
+from surae.units import FloatArray
+
+#: What a group of nuisances is called in a budget.
+SOURCES = {
+    "zero": "zero", "delay": "delay", "crosstalk": "crosstalk", "axis": "axis", "drift": "emg_gain",
+    "shape": "emg_shape", "toe": "tendon",
+}  # fmt: skip
+#: The tendons' own parameters, whose ignorance other parameters share.
+_TENDON = ("dlt_tri", "dlt_tib")
+#: Groups that differ from trial to trial.
+_EACH_TRIAL = ("zero", "drift")
+#: What would make it known, by source.
+REMEDIES = {
+    "noise": "measure longer, or with more movement and effort",
+    "emg_noise": "smooth the EMG less noisily: better contact, or more effort",
+    "delay": "measure the delay from EMG to torque, with a twitch",
+    "crosstalk": "test the electrodes muscle by muscle",
+    "zero": "measure the sensor's zero",
+    "tendon": "measure the tendon's strain, by ultrasound",
+    "axis": "align the axes, or measure their distance",
+    "emg_gain": "keep the electrodes' gain steady, or measure it before and after",
+    "emg_shape": "measure several levels of effort",
+    "model": "measure a movement that tells the models apart",
+    "integration": "sample at a higher rate",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """What makes one parameter unsure.
+
+    Attributes
+    ----------
+    sd : float
+        Standard deviation, everything included, in the parameter's unit.
+    repeat : float
+        Standard deviation of the difference between two trials of the leg.
+    shares : mapping of str to float
+        Parts of the variance by source; they add up to 1.
+    without : mapping of str to float
+        Standard deviation that would be left with the source known.
+    """
+
+    sd: float
+    repeat: float
+    shares: Mapping[str, float]
+    without: Mapping[str, float]
+
+
+def budgets(family: Family, free: tuple[str, ...]) -> dict[str, Budget]:
+    """The budget of every parameter of the leg that was estimated.
+
+    Parameters
+    ----------
+    family : Family
+        Of the fit.
+    free : tuple of str
+        The estimated parameters, as its covariance has them.
+    """
+    V = family.covariance
+    groups: dict[str, list[int]] = {}
+    for j, name in enumerate(free):
+        group = group_of(name)
+        source = "tendon" if name in _TENDON else SOURCES.get(group or "")
+        if source is not None:
+            groups.setdefault(source, []).append(j)
+    everything = sorted({j for positions in groups.values() for j in positions})
+    repeat = _repeat(family, free)
+    made = {}
+    for j, name in enumerate(free):
+        if group_of(name) is not None:
+            continue
+        marginal = float(V[j, j])
+        parts = {"noise": _given(V, j, everything)}
+        without = {}
+        for source, positions in groups.items():
+            left = _given(V, j, positions)
+            parts[source] = max(marginal - left, 0.0)
+            without[source] = left
+        scale = marginal / sum(parts.values()) if marginal > 0 else 0.0
+        parts = {source: scale * part for source, part in parts.items()}
+        added = {s: by.get(name, 0.0) ** 2 for s, by in family.spread.items()}
+        total = marginal + sum(added.values())
+        if not total > 0.0:
+            continue
+        parts |= added
+        again = sum(added.get(source, 0.0) for source in ("emg_noise", "trials"))
+        made[name] = Budget(
+            sd=float(np.sqrt(total)),
+            repeat=float(np.sqrt(2.0 * (max(float(repeat[j]), 0.0) + again))),
+            shares=FrozenDict({source: part / total for source, part in parts.items()}),
+            without=FrozenDict(
+                {
+                    source: float(np.sqrt(left + sum(added.values())))
+                    for source, left in without.items()
+                }
+                | {s: float(np.sqrt(total - part)) for s, part in added.items()}
+            ),
+        )
+    return made
+
+
+def _given(V: FloatArray, j: int, known: list[int]) -> float:
+    """Variance of a parameter with others known; a parameter does not make itself known."""
+    known = [i for i in known if i != j]
+    if not known:
+        return float(V[j, j])
+    cross = V[j, known]
+    return float(max(V[j, j] - cross @ np.linalg.pinv(V[np.ix_(known, known)]) @ cross, 0.0))
+
+
+def _repeat(family: Family, free: tuple[str, ...]) -> FloatArray:
+    """Variance of each estimate from trial to trial of one leg, shape (p,)."""
+    shared = np.zeros(len(free))
+    for j, name in enumerate(free):
+        belief = family.beliefs.get(name)
+        if belief is not None and group_of(name) not in _EACH_TRIAL:
+            shared[j] = 1.0 / belief.sd**2
+    V = family.covariance
+    return np.asarray(np.diag(V) - np.einsum("ij,j,ij->i", V, shared, V))

@@ -1,0 +1,132 @@
+"""Which nuisances the data ask for: evidence of every subset, from one quadratic at the mode.
+
+Around the mode −2 ln p is a quadratic, so the evidence of a model without some nuisances (each at
+the value at which it is off, its prior not counted) is a matter of small matrices:
+
+    −2 ln Z = cost at its own mode + ln|H| − Σ ln(1/sd²) of the nuisances that are in.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from surae.units import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Quadratic:
+    """−2 ln p of the data around a point, and the priors.
+
+    Attributes
+    ----------
+    information : ndarray, shape (q, q)
+        JᵀJ of the data.
+    gradient : ndarray, shape (q,)
+        Jᵀe of the data.
+    cost : float
+        eᵀe of the data.
+    z, mean, weight : ndarray, shape (q,)
+        The point, and the priors' means and 1/sd.
+    """
+
+    information: FloatArray
+    gradient: FloatArray
+    cost: float
+    z: FloatArray
+    mean: FloatArray
+    weight: FloatArray
+
+    def solved(self, off: Mapping[int, float]) -> tuple[float, FloatArray, FloatArray]:
+        """Evidence −2 ln Z, mode (q,) and covariance (q, q) with the parameters `off` held."""
+        kept = np.array([j for j in range(len(self.z)) if j not in off], dtype=int)
+        mode, covariance = self.z.copy(), np.zeros((len(self.z), len(self.z)))
+        for j, value in off.items():
+            mode[j] = value
+        shift = mode - self.z
+        gradient = self.gradient + self.information @ shift
+        cost = self.cost + float(shift @ (2.0 * self.gradient + self.information @ shift))
+        weight2 = self.weight[kept] ** 2
+        away = self.z[kept] - self.mean[kept]
+        H = self.information[np.ix_(kept, kept)] + np.diag(weight2)
+        g = gradient[kept] + weight2 * away
+        cost += float(weight2 @ away**2)
+        # Columns of very different size: a factor of what is scaled keeps its digits.
+        scale = 1.0 / np.sqrt(np.diag(H))
+        factor = np.linalg.cholesky(H * scale * scale[:, None])
+        inverse = np.linalg.inv(factor) * scale
+        solved = inverse @ g
+        log_det = 2.0 * float(np.log(np.diag(factor) / scale).sum())
+        mode[kept] -= inverse.T @ solved
+        covariance[np.ix_(kept, kept)] = inverse.T @ inverse
+        evidence = cost - float(solved @ solved) + log_det - float(np.log(weight2).sum())
+        return evidence, mode, covariance
+
+
+@dataclass(frozen=True, slots=True)
+class Subset:
+    """A set of groups of nuisances and how well the data support it.
+
+    Attributes
+    ----------
+    groups : tuple of str
+        Groups that are in.
+    weight : float
+        Its posterior probability among the subsets.
+    evidence : float
+        −2 ln Z.
+    mode : ndarray, shape (q,)
+        Where its parameters are, those that are out at their values of being off.
+    variance : ndarray, shape (q,)
+        Of each of them.
+    """
+
+    groups: tuple[str, ...]
+    weight: float
+    evidence: float
+    mode: FloatArray
+    variance: FloatArray
+
+
+def subsets(
+    quadratic: Quadratic,
+    groups: Mapping[str, Sequence[int]],
+    off: Mapping[int, float],
+    always: Sequence[str] = (),
+    odds: Mapping[str, float] | None = None,
+) -> tuple[Subset, ...]:
+    """All subsets of the groups, the best supported first.
+
+    Parameters
+    ----------
+    quadratic : Quadratic
+        With all groups in.
+    groups : mapping of str to sequence of int
+        Positions of each group's parameters.
+    off : mapping of int to float
+        The value of each at which it is off.
+    always : sequence of str
+        Groups that every subset has.
+    odds : mapping of str to float, optional
+        Odds beforehand that a group is in; 1 where not given.
+    """
+    scored = []
+    names = tuple(group for group in groups if group not in always)
+    for size in range(len(names) + 1):
+        for chosen in combinations(names, size):
+            held = {j: off[j] for g in names if g not in chosen for j in groups[g]}
+            try:
+                evidence, mode, covariance = quadratic.solved(held)
+            except np.linalg.LinAlgError:
+                continue
+            evidence -= 2.0 * sum(float(np.log((odds or {}).get(g, 1.0))) for g in chosen)
+            variance = np.diag(covariance).copy()
+            scored.append(Subset((*always, *chosen), 0.0, evidence, mode, variance))
+    scored.sort(key=lambda subset: subset.evidence)
+    weights = np.exp(-0.5 * np.array([subset.evidence - scored[0].evidence for subset in scored]))
+    weights /= weights.sum()
+    return tuple(
+        replace(subset, weight=float(weight))
+        for weight, subset in zip(weights, scored, strict=True)
+    )

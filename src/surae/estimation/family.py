@@ -1,0 +1,547 @@
+"""`model="auto"`: the family of models searched from simple to rich, and what the data support.
+
+The family has rigid and compliant tendons, each with every subset of the laboratory's nuisances.
+
+1. Thinned data, all nuisances in, noise taken for much greater than it is and the population for
+   known: a surface with one valley. The noise is lowered to what it is and the population let go
+   (continuation). From a fast and from a slow relaxation, for those are two valleys.
+2. All data. Crosstalk that is too great takes a muscle's activation below zero, where it has no
+   gradient: the search begins again from less crosstalk, and keeps the best.
+3. The noise's own correlation, an autoregressive model of the residual; the mode under it.
+4. The evidence of each subset of nuisances; the best one is solved anew.
+5. The other kind of tendons, from the values found, under the same noise.
+
+Alternatives that the data do not reject, other valleys, other subsets and the other kind of
+tendons, widen the intervals by how far they are (`Family.spread`).
+"""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from surae.estimation.evidence import Quadratic, Subset, subsets
+from surae.estimation.interrupt import postponed_interrupt
+from surae.estimation.mode import Mode, Target, straight, thinned_problem, white_noise
+from surae.estimation.noise import NoiseModel
+from surae.estimation.population import population_priors
+from surae.estimation.problem import FitProblem
+from surae.estimation.result import Candidate, Family, FitResult, Start, is_at_bound
+from surae.estimation.shaken import shaken
+from surae.frozen import FrozenDict
+from surae.model import adapted, get_model, with_optional
+from surae.model.laboratory import (
+    COMPLIANT,
+    GROUPS,
+    RIGID,
+    Belief,
+    group_of,
+    laboratory,
+)
+from surae.recording import MUSCLES, read_only
+from surae.signals import emg_levels
+from surae.threads import one_blas_thread
+from surae.units import FloatArray
+from surae.versions import versions
+
+#: Data of the first search: rate [Hz] and samples of each recording.
+_THIN_RATE, _THIN_SAMPLES = 32.0, 400
+#: Relaxation times [s] and factor that are tried.
+_RELAXATIONS, _RELAXED = (0.4, 4.0), 0.3
+#: Points of a search that differ by less, as they are searched, lead to one valley.
+_SAME = 0.1
+#: Noise of the continuation, as parts of the torque's changes.
+_TEMPERS = (0.1, 0.03)
+#: By how much the population's spread is widened while it helps the search.
+_WIDENED = 1.5
+#: Crosstalk from which the search begins again, as parts of what it found.
+_LESS_CROSSTALK = (0.3, 0.0)
+#: Alternatives whose −2 ln p is greater than the best's by more are rejected.
+_REJECTED = 12.0
+#: A model whose −2 ln p is greater by more after some steps is not followed to its end.
+_HOPELESS = 300.0
+#: Weight below which a subset or model of the family is not looked at.
+_UNSUPPORTED = 0.01
+_POPULATION = "healthy"
+#: Odds beforehand of what few data tell from what it trades with.
+_ODDS = {"toe": 0.1}
+#: Groups that no sensor is free of: they are in whatever the evidence; those that are tried alone;
+#: and those whose valleys are many, for they bend the curves that other parameters place.
+_ALWAYS, _CORE, _BENDS = ("zero", "delay"), ("zero", "delay", "crosstalk"), ("toe", "shape")
+_TENDONS = {"dlt_tri": Belief(np.log(0.025), 1.0), "dlt_tib": Belief(np.log(0.010), 1.0)}
+
+Progress = Callable[[int, int, float], None]
+
+
+def fit_family(problem: FitProblem, *, progress: Progress | None = None) -> FitResult:
+    """Fit the family to a problem and choose.
+
+    Parameters
+    ----------
+    problem : FitProblem
+        The question, of the family's compliant model; which nuisances are in, its settings say.
+    progress : callable, optional
+        Told of stages that are done, how many there are, and the sum of squares.
+
+    Returns
+    -------
+    FitResult
+        Of the supported model, with `family`.
+    """
+    begin = time.perf_counter()
+    with one_blas_thread(), postponed_interrupt():
+        return _Search(problem, progress).result(begin)
+
+
+class _Search:
+    """One search through the family."""
+
+    def __init__(self, problem: FitProblem, progress: Progress | None) -> None:
+        self._asked, self._progress = problem, progress
+        beliefs = laboratory(problem.settings.nuisances)
+        held = {*problem.settings.fixed, *(n for one in problem.inputs for n in one.fixed)}
+        missing = {m for one in problem.inputs for m in one.missing_emg}
+        silent = missing | {
+            muscle
+            for muscle, weight in zip(MUSCLES, problem.spec.weights, strict=True)
+            if weight in held and not problem.base[problem.spec.names.index(weight)]
+        }
+        self._beliefs = {
+            name: belief
+            for name, belief in beliefs.items()
+            if name not in held and not _needless(name, silent)
+        }
+        self._options = problem.options
+        if "emg_shape" in self._beliefs and self._options.emg_ref is None:
+            self._options = replace(self._options, emg_ref=emg_levels(problem.inputs))
+        self._extra = {
+            name: _as_searched(name, prior.median, prior.spread)
+            for name, prior in problem.priors.items()
+        }
+        self._modes: list[Mode] = []
+        self._met: tuple[str, ...] = ()
+
+    def result(self, begin: float) -> FitResult:
+        """Search, choose, and sum up."""
+        full = self._problem(COMPLIANT, tuple(self._beliefs))
+        target, mode = self._valleys(full, self._first(full))
+        self._told(2, mode)
+        target = target.with_noise(target.noise_at(mode.z))
+        mode = target.descend(mode.z, evaluations=10, tolerance=0.03)
+        compliant = self._member(target, mode)
+        target = compliant.target.with_noise(compliant.target.noise_at(compliant.mode.z))
+        mode = target.descend(compliant.mode.z, evaluations=12, tolerance=0.01)
+        self._told(3, mode)
+        compliant = replace(compliant, target=target, mode=mode, quadratic=_quadratic(target, mode))
+        rigid = self._rigid(compliant)
+        self._told(4, mode)
+        return self._summed(compliant, rigid, begin)
+
+    def _told(self, stage: int, mode: Mode) -> None:
+        if self._progress is not None:
+            self._progress(stage, 4, mode.cost)
+
+    def _problem(self, model: str, nuisances: Sequence[str]) -> FitProblem:
+        """The problem of a model of the family with these nuisances free."""
+        asked = self._asked
+        spec = get_model(model)
+        wanted = [n for n in (*nuisances, *asked.spec.optional) if n not in spec.names]
+        spec = with_optional(spec, wanted)
+        nuisances = [n for n in nuisances if n in spec.names]
+        table = adapted(spec.parameters, self._options, asked.inputs[0].emg_unit)
+        limits = {name: (p.lower, p.upper) for name, p in table.items()}
+        limits |= dict(
+            zip(asked.free, zip(asked.lower.tolist(), asked.upper.tolist(), strict=True),
+                strict=True)
+        )  # fmt: skip
+        given = dict(zip(asked.spec.names, asked.base.tolist(), strict=True))
+        free = tuple(n for n in spec.names if n in asked.free or n in nuisances)
+        return replace(
+            asked,
+            spec=spec,
+            options=self._options,
+            free=free,
+            base=np.array([given.get(name, p.start) for name, p in table.items()]),
+            lower=np.array([limits[name][0] for name in free]),
+            upper=np.array([limits[name][1] for name in free]),
+        )
+
+    def _target(self, problem: FitProblem, noise: Sequence[NoiseModel]) -> Target:
+        beliefs = {n: b for n, b in self._beliefs.items() if n in problem.free}
+        return Target(problem, beliefs, noise, self._extra)
+
+    def _first(self, full: FitProblem) -> list[Mode]:
+        """Minima of thinned data, from both relaxations, the best first."""
+        thin = thinned_problem(full, _THIN_RATE, _THIN_SAMPLES)
+        helped = {**_population(thin), **self._extra}
+        beliefs = {n: b for n, b in self._beliefs.items() if n in thin.free}
+        begin = self._begin(thin, helped)
+        ends: list[Mode] = []
+        warm: list[FloatArray] = []
+        for relaxation in _RELAXATIONS:
+            target = Target(thin, beliefs, white_noise(thin, _TEMPERS[0]), helped)
+            leg = [j for j, name in enumerate(target.names) if group_of(name) is None]
+            values = {**begin, "tau_rel": relaxation, "k_rel": _RELAXED, **thin.settings.start}
+            z = target.start(values)
+            for part in _TEMPERS:
+                target = target.with_noise(white_noise(thin, part))
+                z = target.descend(z, evaluations=8, tolerance=0.1).z
+            if any(np.abs((z - other)[leg]).max() < _SAME for other in warm):
+                continue  # both relaxations have come to one valley
+            warm.append(z)
+            target = self._target(thin, white_noise(thin, _TEMPERS[-1]))
+            for evaluations in (15, 15, 20):
+                target = target.with_noise(target.noise_at(z, white=True))
+                z = target.descend(z, evaluations=evaluations, tolerance=0.1).z
+            ends.append(Mode(z, sum(float(e @ e) for e in target.residuals(z))))
+        return sorted(ends, key=lambda mode: mode.cost)
+
+    def _begin(self, problem: FitProblem, helped: Mapping[str, Belief]) -> dict[str, float]:
+        """Where a search begins: the population, weights that fit the torque's size, nuisances."""
+        values = dict(zip(problem.spec.names, problem.base.tolist(), strict=True))
+        for name, belief in helped.items():
+            if name in problem.free:
+                straight_ = straight([name])[0]
+                values[name] = belief.mean if straight_ else float(np.exp(belief.mean))
+        for name, belief in self._beliefs.items():
+            if name in problem.free:
+                values[name] = belief.off if group_of(name) == "shape" else belief.mean
+        return values
+
+    def _valleys(self, full: FitProblem, ends: Sequence[Mode]) -> tuple[Target, Mode]:
+        """The best mode of all data under white noise; the others that were met are kept."""
+        target = self._target(full, white_noise(full, _TEMPERS[-1]))
+        z = ends[0].z
+        for _ in range(2):
+            target = target.with_noise(target.noise_at(z, white=True))
+            z = target.descend(z, evaluations=10, tolerance=0.1).z
+        modes = [target.descend(z, evaluations=10, tolerance=0.03)]
+        points = [
+            end.z for end in ends[1:] if end.cost < ends[0].cost * (1.0 + _REJECTED / full.n)
+            and np.abs(end.z - ends[0].z).max() > 0.05
+        ]  # fmt: skip
+        heard = [j for j, name in enumerate(target.names) if group_of(name) == "crosstalk"]
+        for part in _LESS_CROSSTALK if heard else ():
+            point = min(modes, key=lambda mode: mode.cost).z.copy()
+            point[heard] *= part
+            points.append(point)
+        for point in points:
+            modes.append(target.descend(point, evaluations=15, tolerance=0.03))
+        modes.sort(key=lambda mode: mode.cost)
+        self._modes, self._met = modes, target.names
+        return target, modes[0]
+
+    def _groups(self, target: Target) -> dict[str, list[int]]:
+        """Positions of each group's parameters among the searched ones."""
+        groups: dict[str, list[int]] = {}
+        for j, name in enumerate(target.names):
+            group = group_of(name)
+            if group is not None and name in target.beliefs:
+                groups.setdefault(group, []).append(j)
+        if target.own_zeros:
+            first = len(target.names)
+            groups["zero"] = list(range(first, first + target.zeros))
+        return groups
+
+    def _member(self, target: Target, mode: Mode) -> "_Member":
+        """The best supported subset of nuisances, solved anew.
+
+        The quadratic at the mode of all nuisances may be that of another valley: the subset that
+        it prefers, that without what only bends curves, and the core are solved and compared.
+        """
+        scored, names = self._subsets(target, mode), target.names
+        tried: dict[tuple[str, ...], _Member] = {}
+        best = scored[0].groups
+        for groups in (best, tuple(g for g in best if g not in _BENDS),
+                       tuple(g for g in best if g in _CORE)):  # fmt: skip
+            key = tuple(sorted(groups))
+            if key not in tried:
+                own, there = self._reduced(target, mode, groups)
+                subsets_ = sorted(scored, key=lambda s: tuple(sorted(s.groups)) != key)
+                tried[key] = _Member(own, there, tuple(subsets_), names, _quadratic(own, there))
+        return min(tried.values(), key=lambda member: member.evidence)
+
+    def _subsets(self, target: Target, mode: Mode) -> tuple[Subset, ...]:
+        groups = self._groups(target)
+        off: dict[int, float] = {}
+        for group, positions in groups.items():
+            value = next(b.off for n, b in target.beliefs.items() if group_of(n) == group)
+            off |= dict.fromkeys(positions, value)
+        always = tuple(group for group in _ALWAYS if group in groups)
+        return subsets(_quadratic(target, mode), groups, off, always, _ODDS)
+
+    def _reduced(self, target: Target, mode: Mode, groups: Sequence[str]) -> tuple[Target, Mode]:
+        """The target with these groups of nuisances alone, and its mode."""
+        kept = [n for n in target.beliefs if group_of(n) in groups]
+        if len(kept) == len(target.beliefs):
+            return target, mode
+        problem = self._problem(target.problem.spec.name, kept)
+        values = dict(zip(target.problem.spec.names, target.values(mode.z).tolist(), strict=True))
+        for name, belief in target.beliefs.items():
+            if name not in kept:
+                values[name] = belief.off
+        reduced = self._target(problem, target.noise)
+        return reduced, reduced.descend(reduced.start(values), evaluations=25, tolerance=0.03)
+
+    def _rigid(self, compliant: "_Member") -> "_Member":
+        """The rigid model with what the compliant one's data ask for, under the same noise."""
+        start = compliant.target.values(compliant.mode.z)
+        values = dict(zip(compliant.target.problem.spec.names, start.tolist(), strict=True))
+        target = self._target(self._problem(RIGID, tuple(self._beliefs)), compliant.target.noise)
+        mode = target.descend(target.start(values), evaluations=15, tolerance=0.03)
+        if mode.cost > compliant.mode.cost + _HOPELESS:
+            subsets_ = (Subset(tuple(self._groups(target)), 1.0, 0.0, mode.z, 0.0 * mode.z),)
+            return _Member(target, mode, subsets_, target.names, _quadratic(target, mode))
+        return self._member(target, target.descend(mode.z, evaluations=45, tolerance=0.03))
+
+    def _summed(self, compliant: "_Member", rigid: "_Member", begin: float) -> FitResult:
+        members = sorted((compliant, rigid), key=lambda member: member.evidence)
+        chosen, other = members
+        if chosen is rigid:  # its residual is the noise then
+            target = chosen.target.with_noise(chosen.target.noise_at(chosen.mode.z))
+            mode = target.descend(chosen.mode.z, evaluations=20, tolerance=0.01)
+            chosen = replace(chosen, target=target, mode=mode, quadratic=_quadratic(target, mode))
+        odds = float(np.exp(-0.5 * min(other.evidence - members[0].evidence, 1e3)))
+        weight = 1.0 / (1.0 + odds)
+        target, mode = chosen.target, chosen.mode
+        problem = target.problem
+        covariance = _natural(target, mode, chosen.covariance())
+        spread = {
+            "model": _combined(
+                chosen.between_subsets(),
+                self._between_valleys(target, mode) if target is compliant.target else {},
+                other.away_from(chosen, odds * weight) if odds > _UNSUPPORTED else {},
+            ),
+            **shaken(target, mode, chosen.quadratic),
+        }
+        residuals = tuple(read_only(-e) for e in target.residuals(mode.z))
+        roots = [1.0 if one.weight is None else one.weight for one in problem.inputs]
+        sse = sum(float(np.sum(w * e**2)) for w, e in zip(roots, residuals, strict=True))
+        values = dict(zip(problem.spec.names, target.values(mode.z).tolist(), strict=True))
+        bound = [
+            name
+            for name, low, high in zip(problem.free, problem.lower, problem.upper, strict=True)
+            if group_of(name) is None and is_at_bound(values[name], low, high)
+        ]
+        candidates = (
+            chosen.candidate(weight),
+            other.candidate(1.0 - weight),
+            *(
+                Candidate(problem.spec.name, s.groups, s.evidence, s.weight, {})
+                for s in chosen.alternatives[1:6]
+                if s.weight > _UNSUPPORTED
+            ),
+        )
+        family = Family(
+            candidates=candidates,
+            beliefs=FrozenDict(target.beliefs),
+            noise=target.noise,
+            zeros=tuple(mode.z[len(target.names) :].tolist()),
+            covariance=read_only(covariance),
+            spread=FrozenDict({source: FrozenDict(by) for source, by in spread.items()}),
+        )
+        finite = bool(np.isfinite(sse) and np.isfinite(covariance).all())
+        status = "failed" if not finite else "at-bounds" if bound else "converged"
+        dof = max(problem.n - len(problem.free), 1)
+        R = (
+            np.sqrt(max(sse, 1e-300) / dof) * np.linalg.cholesky(np.linalg.inv(covariance)).T
+            if finite
+            else np.full((len(problem.free),) * 2, np.nan)
+        )
+        return FitResult(
+            problem=problem,
+            status=status,
+            message=_message(chosen, weight, bound, finite),
+            values=values,
+            residuals=residuals,
+            sse=sse,
+            R=read_only(R),
+            starts=self._told_starts(target, values, sse),
+            agreeing=max(1, sum(m.cost - self._modes[0].cost < 1.0 for m in self._modes)),
+            seed=problem.settings.seed,
+            seconds=time.perf_counter() - begin,
+            versions=versions(),
+            family=family,
+        )
+
+    def _between_valleys(self, target: Target, mode: Mode) -> dict[str, float]:
+        """How far other valleys are that the data do not reject."""
+        spread: dict[str, float] = {}
+        best = self._modes[0]
+        for other in self._modes[1:]:
+            likely = np.exp(-(other.cost - best.cost) / (_REJECTED / 3.0))
+            for j, name in enumerate(self._met):
+                away = float(np.sqrt(likely) * abs(other.z[j] - best.z[j]))
+                spread[name] = max(spread.get(name, 0.0), away)
+        scale = dict(zip(target.names, target.scale(mode.z).tolist(), strict=True))
+        return {name: away * scale[name] for name, away in spread.items() if name in scale}
+
+    def _told_starts(
+        self, target: Target, values: Mapping[str, float], sse: float
+    ) -> tuple[Start, ...]:
+        """The solution, then the other valleys that were met, as far as they are of its model."""
+        free = target.problem.free
+        own = {name: values[name] for name in free}
+        begin = dict(zip(free, target.problem.start.tolist(), strict=True))
+        starts = [Start(begin, own, sse, "converged", 1)]
+        best = self._modes[0].cost
+        for other in self._modes[1:]:
+            met = dict(zip(self._met, other.z.tolist(), strict=False))
+            reached = {
+                n: own[n] if n not in met else met[n] if straight([n])[0] else float(np.exp(met[n]))
+                for n in free
+            }
+            worse = sse * (1.0 + max(other.cost - best, 0.0) / target.problem.n)
+            starts.append(Start(begin, reached, worse, "converged", 1))
+        return tuple(starts)
+
+
+@dataclass(frozen=True, slots=True)
+class _Member:
+    """A model of the family at its mode."""
+
+    target: Target
+    mode: Mode
+    alternatives: tuple[Subset, ...]
+    names_of_all: tuple[str, ...]
+    quadratic: Quadratic
+
+    @property
+    def evidence(self) -> float:
+        """−2 ln Z, tendons having the prior that legs have."""
+        q = self.quadratic
+        mean, weight = q.mean.copy(), q.weight.copy()
+        for name, belief in _TENDONS.items():
+            if name in self.target.names:
+                j = self.target.names.index(name)
+                mean[j], weight[j] = belief.mean, 1.0 / belief.sd
+        present = {group_of(name) for name in self.target.beliefs}
+        against = -2.0 * sum(float(np.log(o)) for g, o in _ODDS.items() if g in present)
+        return replace(q, mean=mean, weight=weight).solved({})[0] + against
+
+    def covariance(self) -> FloatArray:
+        """Of the searched coordinates, shape (q, q)."""
+        return self.quadratic.solved({})[2]
+
+    def between_subsets(self) -> dict[str, float]:
+        """Standard deviation that other subsets of nuisances add, by parameter."""
+        chosen = self.alternatives[0]
+        moment = np.zeros(len(chosen.mode))
+        for subset in self.alternatives:
+            if subset.weight >= _UNSUPPORTED:
+                moment += subset.weight * (subset.variance + (subset.mode - chosen.mode) ** 2)
+        more = np.sqrt(np.maximum(moment - chosen.variance, 0.0))
+        # The subsets are of the target with all nuisances: its names come in the same order.
+        names = [n for n in self.names_of_all if group_of(n) is None]
+        scale = dict(zip(self.target.names, self.target.scale(self.mode.z).tolist(), strict=True))
+        return {
+            name: float(more[self.names_of_all.index(name)]) * scale[name]
+            for name in names
+            if name in scale
+        }
+
+    def away_from(self, other: "_Member", weight: float) -> dict[str, float]:
+        """How far this one's parameters of the leg are from another's, times √weight."""
+        mine, its = self._leg(), other._leg()
+        return {n: float(np.sqrt(weight) * abs(mine[n] - its[n])) for n in its if n in mine}
+
+    def _leg(self) -> dict[str, float]:
+        values = self.target.values(self.mode.z)
+        names = self.target.problem.spec.names
+        return {n: float(values[names.index(n)]) for n in self.target.names if not group_of(n)}
+
+    def candidate(self, weight: float) -> Candidate:
+        """What is told of it."""
+        spec = self.target.problem.spec
+        values = self.target.values(self.mode.z).tolist()
+        present = {group_of(name) for name in self.target.beliefs}
+        return Candidate(
+            spec.name,
+            tuple(group for group in GROUPS if group in present),
+            self.evidence,
+            weight,
+            FrozenDict(zip(spec.names, values, strict=True)),
+        )
+
+
+def _quadratic(target: Target, mode: Mode) -> Quadratic:
+    """The data's information at a mode; what lies at a bound is known as far as that is wide."""
+    q = len(mode.z)
+    information, gradient, cost = np.zeros((q, q)), np.zeros(q), 0.0
+    for rows in target.data_rows(mode.z):
+        information += rows[:-1] @ rows[:-1].T
+        gradient += rows[:-1] @ rows[-1]
+        cost += float(rows[-1] @ rows[-1])
+    weight = target.weight.copy()
+    for j, name in enumerate(target.names):
+        low, high = target.lower[j], target.upper[j]
+        if group_of(name) is None and is_at_bound(float(mode.z[j]), float(low), float(high)):
+            weight[j] = max(weight[j], np.sqrt(12.0) / (high - low))
+    return Quadratic(information, gradient, cost, mode.z, target.mean, weight)
+
+
+def _natural(target: Target, mode: Mode, covariance: FloatArray) -> FloatArray:
+    """Covariance of the problem's free parameters, in their units."""
+    names, free = target.names, target.problem.free
+    change = np.zeros((len(free), len(mode.z)))
+    scale = target.scale(mode.z)
+    for i, name in enumerate(free):
+        if name in names:
+            change[i, names.index(name)] = scale[names.index(name)]
+        else:  # the mean of the recordings' zeros
+            change[i, len(names) :] = 1.0 / target.zeros
+    return np.asarray(change @ covariance @ change.T)
+
+
+def _combined(*spreads: Mapping[str, float]) -> FrozenDict[str, float]:
+    """Standard deviations added in squares."""
+    names = dict.fromkeys(name for spread in spreads for name in spread)
+    return FrozenDict(
+        {n: float(np.sqrt(sum(spread.get(n, 0.0) ** 2 for spread in spreads))) for n in names}
+    )
+
+
+def _needless(name: str, silent: set[str]) -> bool:
+    """Whether a nuisance touches nothing, since a muscle is silent or has no EMG."""
+    if name.startswith("xt_"):
+        return bool(set(name.split("_")[1:]) & silent)
+    return name.startswith("emg_drift_") and name.rsplit("_", maxsplit=1)[-1] in silent
+
+
+def _as_searched(name: str, median: float, spread: float) -> Belief:
+    """A prior on a logarithm, as the parameter is searched."""
+    if straight([name])[0]:
+        return Belief(median, spread * median)
+    return Belief(float(np.log(median)), spread)
+
+
+def _population(problem: FitProblem) -> dict[str, Belief]:
+    """What a search believes of a leg at first, weights by the torque's and the EMG's size."""
+    known = population_priors(_POPULATION, problem.options)
+    beliefs = {
+        name: _as_searched(name, median, _WIDENED * spread)
+        for name, (median, spread) in known.items()
+        if name in problem.free and group_of(name) is None
+    }
+    torque = np.concatenate([one.torque for one in problem.inputs if one.torque is not None])
+    emg = np.concatenate([one.emg for one in problem.inputs])
+    low, high = np.percentile(torque - np.median(torque), [1.0, 99.0])
+    for channel, name in enumerate(problem.spec.weights):
+        level = float(np.percentile(emg[:, channel], 99.0))
+        if name in problem.free and level > 0.0:
+            pull = max(-low, 1.0) / 0.04 if channel == 0 else max(high, 1.0) / 0.05 / 3.0
+            beliefs[name] = Belief(float(np.log(pull / level)), 1.0)
+    return beliefs
+
+
+def _message(chosen: _Member, weight: float, bound: Sequence[str], finite: bool) -> str:
+    if not finite:
+        return "no minimum reached: the model has no finite numbers; give another start or bounds"
+    spec = chosen.target.problem.spec
+    groups = chosen.candidate(weight).groups
+    text = f"the data support the {spec.title}"
+    text += f" with {', '.join(groups)}" if groups else " without any imperfection"
+    if weight < 0.99:
+        text += f" (probability {100 * weight:.0f} %)"
+    return text + (f"; at a bound: {', '.join(bound)}" if bound else "")
