@@ -9,8 +9,8 @@ from surae.assessment import Verdict, assess
 from surae.assessment.saved.fit_json import load_saved, save_fit
 from surae.errors import InputError
 from surae.estimation import make_problem, solve
+from surae.frozen import read_only
 from surae.model.laboratory import ALL, laboratory
-from surae.recording import read_only
 from surae.studies.richer import richer_leg
 
 

@@ -76,7 +76,7 @@ def test_settings_given_whole_yield_to_keywords():
         ({"nuisances": {"magic": (0, 1)}}, "no 'magic'"),
         ({"nuisances": {"zero": 3.0}}, "give mean and sd"),
         ({"seed": -1}, "at least 0"),
-        ({"loss": "square"}, "unknown loss"),
+        ({"loss": "square"}, "loss is .square."),
         ({"normalise": "max"}, "normalise is 'max'"),
         ({"priors": "giants"}, "no priors of population"),
         ({"preparation": {"cutoff": 3}}, "setting 'cutoff' is not known"),

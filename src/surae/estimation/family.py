@@ -29,7 +29,7 @@ from surae.estimation.population import population_priors
 from surae.estimation.problem import FitProblem
 from surae.estimation.result import Candidate, Family, FitResult, Start, is_at_bound
 from surae.estimation.shaken import shaken
-from surae.frozen import FrozenDict
+from surae.frozen import FrozenDict, read_only
 from surae.model import adapted, get_model, with_optional
 from surae.model.laboratory import (
     COMPLIANT,
@@ -39,7 +39,7 @@ from surae.model.laboratory import (
     group_of,
     laboratory,
 )
-from surae.recording import MUSCLES, read_only
+from surae.recording import MUSCLES
 from surae.signals import emg_levels
 from surae.threads import one_blas_thread
 from surae.units import FloatArray

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from surae.frozen import read_only
 from surae.model import ModelOptions, get_model
 from surae.protocol import Protocol, Trajectory, generate
-from surae.recording import read_only
 from surae.signals import ModelInputs
 from surae.studies.leg import EMG_FULL, EMG_REST, misaligned
 from surae.studies.populations import VirtualSubject, stream, virtual_subject
