@@ -78,7 +78,7 @@ def test_settings_given_whole_yield_to_keywords():
         ({"seed": -1}, "at least 0"),
         ({"loss": "square"}, "loss is .square."),
         ({"normalise": "max"}, "normalise is 'max'"),
-        ({"priors": "giants"}, "no priors of population"),
+        ({"priors": "giants"}, "population is .giants."),
         ({"preparation": {"cutoff": 3}}, "setting 'cutoff' is not known"),
         ({"body_mass": 1.0}, "body mass 1 kg"),
         ({"body_mass": 70.0, "fixed": {"m": 1.0}}, "give one of them"),
