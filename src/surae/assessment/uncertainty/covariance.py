@@ -129,11 +129,13 @@ def inverse_root(
     if not np.isfinite(R).all():
         return InverseRoot(tuple(range(len(names))), np.empty((0, 0)), ())
     # Without noise a prior has no weight beside the data: what lies at its bound is known then.
-    kept = tuple(j for j, name in enumerate(names) if sigma2 > 0 or name not in bounded)
+    kept = tuple(
+        j for j, name in enumerate(names) if name not in bounded or (sigma2 > 0 < bounded[name])
+    )
     if not kept:
         return InverseRoot(kept, np.empty((0, 0)), ())
-    rows = [np.sqrt(sigma2) / bounded.get(name, np.inf) for name in names]
-    A = np.vstack([R, np.diag(rows)])[:, kept]
+    own = [np.sqrt(sigma2) / bounded.get(names[j], np.inf) for j in kept]
+    A = np.vstack([R[:, kept], np.diag(own)])
     norms = np.linalg.norm(A, axis=0)
     scale = np.where(norms > 0, norms, 1.0)
     _, s, Vt = np.linalg.svd(A / scale, full_matrices=False)
