@@ -1,6 +1,7 @@
 """The activation filter (14): exactness, responses, derivatives of its coefficients."""
 
 import math
+from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm, expm_frechet
 
-from surae.model.activation import filter_step
+from surae.model.activation import filter_step, shaped
 
 DAMPINGS = [0.2, 0.6, 1.0, 1.8, 4.0]
 
@@ -213,3 +214,27 @@ def test_two_half_steps_are_one(beta, f0) -> None:
     # a ramp through the middle: E = 0, ½, 1
     through = half[:, :2] @ (0.5 * half[:, 3]) + 0.5 * half[:, 2] + half[:, 3]
     assert through == pytest.approx(whole[:, 3], abs=1e-13)
+
+
+@pytest.mark.parametrize("shape", [-5.0, -1.2, -0.25, -1e-3, -1e-12, 0.0, 1e-6, 0.25, 1.0])
+def test_shape_and_its_derivatives_at_many_digits(shape) -> None:
+    level = 4e-4
+    u = np.concatenate([np.linspace(-0.2, 1.6, 400), [0.0, 1e-12, -1e-6]])
+    with localcontext() as context:
+        context.prec = 70
+        h = Decimal("1e-20")
+
+        def exact(u: Decimal, a: Decimal) -> Decimal:
+            return ((a * u).exp() - 1) / (a.exp() - 1) if a else u
+
+        rows = [
+            (
+                exact(x, A),
+                (exact(x + h, A) - exact(x - h, A)) / (2 * h),
+                (exact(x, A + h) - exact(x, A - h)) / (2 * h),
+            )
+            for x, A in ((Decimal(float(x)), Decimal(shape)) for x in u)
+        ]
+    expected = np.array(rows, dtype=float).T
+    out = shaped((level * u)[None], np.array([level]), shape)[:, 0] / [[level], [1.0], [level]]
+    np.testing.assert_allclose(out, expected, rtol=1e-13, atol=2e-15)

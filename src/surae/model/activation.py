@@ -18,7 +18,6 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.model.jit import jit
-from surae.model.passive import phi
 from surae.units import FloatArray
 
 IntArray = npt.NDArray[np.int64]
@@ -26,6 +25,9 @@ IntArray = npt.NDArray[np.int64]
 # Terms of the series of φ2, and the norm below which it is summed: 14 terms at ½ leave 1e-19.
 _TERMS = 14
 _SMALL = 0.5
+#: Where φ1 is summed, and the factors of its series: 12 terms at ¼ leave 1e-17.
+_NEAR = 0.25
+_FACTORS = tuple(1.0 / math.factorial(j + 1) for j in range(11, -1, -1))
 
 # p·I + q·A with A = [[0, 1], [−1, −2β]], and the derivatives of p and q by h and by β. Every
 # function of h·A has this form, because A² = −I − 2β·A.
@@ -205,6 +207,7 @@ class ActivationFilter:
         self._f0, self._beta, self._dt, self._lags = float(f0), float(beta), dt, lags
         self._columns = columns
         self._steps: dict[float, list[tuple[FloatArray, int]]] = {}
+        self._steady: dict[int, list[FloatArray]] = {}
 
     def active_state(self, drives: Sequence[Drive]) -> ActiveState:
         """Active state of a muscle group that these excite.
@@ -250,10 +253,15 @@ class ActivationFilter:
                 at_lag = (row[lag] for row in rows)
                 _respond_with_derivatives(signal, first, steps, back, *at_lag)
         if first != 0.0:
-            held = list(np.zeros((len(rows), *rows[0].shape)))
-            self._respond(np.ones(len(signal)), None, held)
-            for moving, still in zip(rows, held, strict=True):
+            for moving, still in zip(rows, self._held(len(rows), rows[0].shape), strict=True):
                 np.add(moving, first * still, out=moving)
+
+    def _held(self, count: int, shape: tuple[int, ...]) -> list[FloatArray]:
+        """Response, and with a count of three its derivatives, to a step at the first sample."""
+        if count not in self._steady:
+            self._steady[count] = list(np.zeros((count, *shape)))
+            self._respond(np.ones(shape[1]), None, self._steady[count])
+        return self._steady[count]
 
     def _by_delay(self, drive: Drive, out: FloatArray) -> None:
         """Derivative of the response by the drive's delay, −α', into (L, n)."""
@@ -352,6 +360,20 @@ def _respond_with_derivatives(
 
 
 @jit
+def _phi1(z: float) -> tuple[float, float]:
+    """φ1(z) = (e^z − 1)/z and its derivative, without the cancellation near zero, and fast."""
+    if abs(z) > _NEAR:
+        grown = math.expm1(z)
+        value = grown / z
+        return value, (grown - value + 1.0) / z
+    value = slope = 0.0
+    for factor in _FACTORS:  # Horner on Σ z^j/(j+1)!
+        slope = slope * z + value
+        value = value * z + factor
+    return value, slope
+
+
+@jit
 def shaped(envelopes: FloatArray, reference: FloatArray, shape: float) -> FloatArray:
     """Envelopes curved so that 0 and the reference level stay what they are.
 
@@ -372,11 +394,11 @@ def shaped(envelopes: FloatArray, reference: FloatArray, shape: float) -> FloatA
         ê and its derivatives by e and by A.
     """
     out = np.empty((3, *envelopes.shape))
-    whole, _, d_whole, _ = phi(shape)
+    whole, d_whole = _phi1(shape)
     for c in range(envelopes.shape[0]):
         for i in range(envelopes.shape[1]):
             e, u = envelopes[c, i], envelopes[c, i] / reference[c]
-            part, _, d_part, _ = phi(shape * u)
+            part, d_part = _phi1(shape * u)
             out[0, c, i] = e * part / whole
             out[1, c, i] = (part + shape * u * d_part) / whole
             out[2, c, i] = e * (u * d_part - part * d_whole / whole) / whole
