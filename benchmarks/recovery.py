@@ -1,14 +1,156 @@
-"""How well the fit finds the parameters of virtual subjects: a Markdown table per protocol."""
+"""How well the fit finds the parameters of virtual subjects: a Markdown table per protocol.
+
+Bias, spread and honesty of the intervals.
+"""
 
 import argparse
 import time
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+import surae
+from surae.assessment import Verdict
 from surae.estimation import STARTS
-from surae.protocol import PROFILES, TASKS, Protocol
-from surae.studies.virtual import POPULATIONS
-from surae_thesis.recovery import markdown, recover, summarise
+from surae.protocol import PROFILES, TASKS, Protocol, generate
+from surae.studies import POPULATIONS, virtual_subject, virtual_trial
+
+#: An estimate counts as right when it lies within this part of the truth.
+CLOSE = 0.10
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """One parameter of one virtual subject: truth, estimate and what the fit says of it."""
+
+    name: str
+    truth: float
+    value: float
+    sem: float | None
+    identified: bool
+    covered: bool | None
+
+    @property
+    def error(self) -> float:
+        """Relative error."""
+        return (self.value - self.truth) / self.truth
+
+
+@dataclass(frozen=True, slots=True)
+class Recovery:
+    """Fit of one virtual subject: goodness [%], status and every parameter."""
+
+    seed: int
+    vaf: float
+    status: str
+    agreeing: int
+    estimates: tuple[Estimate, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class RecoveryRow:
+    """One parameter over many subjects; errors and standard errors are parts of the truth.
+
+    Attributes
+    ----------
+    name : str
+        The parameter.
+    n : int
+        Estimates with a standard error; all but the two shares are over these.
+    bias, spread : float
+        Mean and standard deviation of the error.
+    sem : float
+        Root mean square of the standard errors.
+    covered : float
+        Share whose 95 % interval holds the truth.
+    identified, close : float
+        Share judged identified, and share within `CLOSE` of the truth, of all subjects.
+    """
+
+    name: str
+    n: int
+    bias: float
+    spread: float
+    sem: float
+    covered: float
+    identified: float
+    close: float
+
+
+def recover(
+    seed: int,
+    protocol: Protocol,
+    *,
+    population: str = "healthy",
+    model: str = "muscle",
+    noise: float = 0.05,
+    starts: int = STARTS,
+) -> Recovery:
+    """Simulate a trial of a virtual subject and fit it from the default settings.
+
+    Parameters
+    ----------
+    seed : int
+        Of the subject.
+    protocol : Protocol
+        The trial.
+    population, model, noise
+        As in `virtual_subject` and `virtual_trial`; the same model simulates and is fitted.
+    starts : int
+        Starts of the fit.
+    """
+    subject = virtual_subject(seed, population)
+    trial = virtual_trial(subject, generate(protocol), model=model, noise=noise)
+    fit = surae.fit(trial, model, starts=starts, quality=())
+    estimates = []
+    for name, truth in subject.parameters.items():
+        p = fit.parameters[name]
+        covered = None if p.ci95 is None else p.ci95[0] <= truth <= p.ci95[1]
+        identified = p.verdict is Verdict.IDENTIFIED
+        estimates.append(Estimate(name, truth, p.value, p.trusted_sem, identified, covered))
+    return Recovery(seed, fit.vaf, fit.status, fit.result.agreeing, tuple(estimates))
+
+
+def summarise(recoveries: Iterable[Recovery]) -> list[RecoveryRow]:
+    """One row for each parameter."""
+    by_name: dict[str, list[Estimate]] = {}
+    for recovery in recoveries:
+        for estimate in recovery.estimates:
+            by_name.setdefault(estimate.name, []).append(estimate)
+    return [_row(name, estimates) for name, estimates in by_name.items()]
+
+
+def _row(name: str, estimates: Sequence[Estimate]) -> RecoveryRow:
+    known = [(e.error, e.sem / e.truth, e.covered) for e in estimates if e.sem is not None]
+    errors, sems, covered = np.array(known, dtype=float).reshape(-1, 3).T
+    some, several = len(known) > 0, len(known) > 1
+    return RecoveryRow(
+        name=name,
+        n=len(known),
+        bias=float(errors.mean()) if some else np.nan,
+        spread=float(errors.std(ddof=1)) if several else np.nan,
+        sem=float(np.sqrt(np.mean(sems**2))) if some else np.nan,
+        covered=float(covered.mean()) if some else np.nan,
+        identified=float(np.mean([e.identified for e in estimates])),
+        close=float(np.mean([abs(e.error) <= CLOSE for e in estimates])),
+    )
+
+
+def markdown(rows: Sequence[RecoveryRow]) -> str:
+    """The rows as a Markdown table, in percent of the truth."""
+    lines = [
+        "| parameter | n | bias % | spread % | SEM % | spread / SEM | in 95 % interval "
+        "| identified | within 10 % |",
+        "|---|--:|--:|--:|--:|--:|--:|--:|--:|",
+    ]
+    lines += [
+        f"| {r.name} | {r.n} | {100 * r.bias:+.2f} | {100 * r.spread:.2f} | {100 * r.sem:.2f} "
+        f"| {r.spread / r.sem:.2f} | {100 * r.covered:.0f} % | {100 * r.identified:.0f} % "
+        f"| {100 * r.close:.0f} % |"
+        for r in rows
+    ]
+    return "\n".join(lines)
 
 
 def main() -> None:
@@ -45,18 +187,19 @@ def main() -> None:
             for seed in range(given.subjects)
         ]
         seconds = time.perf_counter() - begin
-        vaf = np.array([leg.vaf for leg in recoveries])
-        identified = [e for leg in recoveries for e in leg.estimates if e.identified]
+        status = [recovery.status for recovery in recoveries]
+        vaf = np.array([recovery.vaf for recovery in recoveries])
+        identified = [e for recovery in recoveries for e in recovery.estimates if e.identified]
         close = np.mean([abs(e.error) <= 0.1 for e in identified])
-        agreeing = np.mean([leg.agreeing for leg in recoveries])
+        agreeing = np.mean([recovery.agreeing for recovery in recoveries])
         print(f"## {profile}, chirp 0.2 rad, 0.5 Hz/s, {given.task}, {given.rate:g} Hz\n")
         print(
             f"{given.subjects} {given.population} subjects, model {given.model}, "
             f"{100 * given.noise:g} % noise on EMG and torque, {given.starts} starts "
             f"({agreeing:.1f} agree on average), {seconds / given.subjects:.2f} s per subject.\n"
             f"VAF median {np.median(vaf):.3f} %, lowest {vaf.min():.3f} %; "
-            f"{sum(leg.status == 'converged' for leg in recoveries)} converged, "
-            f"{sum(leg.status == 'at-bounds' for leg in recoveries)} with a parameter at a bound.\n"
+            f"{status.count('converged')} converged, "
+            f"{status.count('at-bounds')} with a parameter at a bound.\n"
             f"Of {len(identified)} parameters judged identified, {100 * close:.1f} % lie within "
             "10 % of the truth.\n"
         )

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from surae.report.figures import INK, correlation_figure, new_figure
 from surae_thesis.claims import Claim, Ruling, judge
-from surae_thesis.section import Context, Drawing, Result, Section, Table
+from surae_thesis.section import Context, Drawing, Result, Table
 from surae_thesis.springs import (
     TRUTH,
     Fitted,
@@ -30,7 +30,7 @@ def run(context: Context) -> Result:
     linear, offset = fit_linear(motion, context.seed), fit_offset(motion, context.seed)
     unfiltered = fit_linear(protocol_motion(filtered=False), context.seed)
     numbers = Numbers(linear, offset, unfiltered, exponential())
-    result = Result(
+    return Result(
         findings=tuple(judge(claim, {"": numbers}) for claim in CLAIMS),
         figures=(
             Drawing(
@@ -53,8 +53,6 @@ def run(context: Context) -> Result:
             "product b·(x'·u) would leave b and u inseparable, while the thesis estimates both.",
         ),
     )
-    context.progress("appendix", 1, 1)
-    return result
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,11 +161,3 @@ def _table(linear: Fitted, offset: Fitted) -> Table:
         columns=("model", "parameter", "truth", "estimate", "standard error"),
         rows=tuple(rows),
     )
-
-
-SECTION = Section(
-    name="appendix",
-    title="What a covariance matrix shows",
-    source="Appendix A; Figures 41 to 43",
-    run=run,
-)

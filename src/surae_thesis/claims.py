@@ -1,16 +1,12 @@
 """A claim of the thesis as a row of data, the one judge of all of them, and what it finds."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field
-from typing import Any, Generic, Literal, Self, TypeVar
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar
 
 Data = TypeVar("Data")
-Verdict = Literal[
-    "holds", "holds under a reading", "holds with the thesis's integrator", "differs",
-    "cannot be checked",
-]  # fmt: skip
 #: In the order in which they are counted.
-VERDICTS: tuple[Verdict, ...] = (
+VERDICTS = (
     "holds", "holds under a reading", "holds with the thesis's integrator", "differs",
     "cannot be checked",
 )  # fmt: skip
@@ -24,15 +20,7 @@ class NotThereError(LookupError):
 
 @dataclass(frozen=True, slots=True)
 class Ruling:
-    """What a claim's rule says of one view of the numbers.
-
-    Attributes
-    ----------
-    holds : bool
-        Whether the claim holds there.
-    ours : str
-        Our number, in the thesis's unit.
-    """
+    """Whether a claim holds in one view of the numbers, and our number in the thesis's unit."""
 
     holds: bool
     ours: str
@@ -60,6 +48,8 @@ class Claim(Generic[Data]):
         What explains our number, from the view that is looked at first.
     figure : str
         Name of the section's figure that shows it; empty where none does.
+    views : tuple of str
+        Those of the section's views that it is judged under; all of them where it names none.
     """
 
     id: str
@@ -70,16 +60,15 @@ class Claim(Generic[Data]):
     ours: Callable[[Data], Ruling]
     why: str | Callable[[Data], str] = ""
     figure: str = ""
+    views: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """What became of a claim, as plain data.
+    """What became of a claim, as plain data; what is not named here is the claim's.
 
     Attributes
     ----------
-    id, source, statement, number, rule, figure : str
-        Of the claim.
     verdict : str
         One of `VERDICTS`.
     said : str
@@ -95,27 +84,20 @@ class Finding:
     statement: str
     number: str
     rule: str
-    verdict: Verdict
+    verdict: str
     said: str
     ours: Mapping[str, tuple[bool, str]] = field(default_factory=dict)
     reason: str = ""
     figure: str = ""
 
-    def plain(self) -> dict[str, Any]:
-        """As plain data for a JSON file."""
-        return asdict(self)
-
-    @classmethod
-    def of(cls, data: Mapping[str, Any]) -> Self:
-        """From `plain`; TypeError, KeyError or ValueError where it is no such data."""
-        ours = {name: (bool(holds), str(text)) for name, (holds, text) in data["ours"].items()}
-        if data["verdict"] not in VERDICTS:
-            raise ValueError(data["verdict"])
-        return cls(**{**data, "ours": ours})
+    def __post_init__(self) -> None:
+        """Refuse a verdict that there is not: a damaged file."""
+        if self.verdict not in VERDICTS:
+            raise ValueError(self.verdict)
 
 
 def judge(claim: Claim[Data], views: Mapping[str, Data]) -> Finding:
-    """What a claim's rule says of every view of the numbers, in one verdict.
+    """What a claim's rule says of its views of the numbers, in one verdict.
 
     It *holds* when it does so in every view but that of the thesis's integrator; *holds under* the
     readings, where it does so in some; *holds with the thesis's integrator*, where in that alone;
@@ -126,44 +108,38 @@ def judge(claim: Claim[Data], views: Mapping[str, Data]) -> Finding:
     claim : Claim
         The claim.
     views : mapping of str to data
-        By name; the first is the one that is explained.
+        By name; the first of the claim's is the one that is explained.
     """
-    rulings: dict[str, Ruling] = {}
+    views = {name: views[name] for name in claim.views if name in views} if claim.views else views
+    rulings: dict[str, tuple[bool, str]] = {}
     missing = ""
     for name, data in views.items():
         try:
-            rulings[name] = claim.ours(data)
+            ruling = claim.ours(data)
         except NotThereError as error:
             missing = str(error)
+        else:
+            rulings[name] = bool(ruling.holds), ruling.ours
     readings = [name for name in views if name != INTEGRATOR]
-    held = [name for name in readings if name in rulings and rulings[name].holds]
-    verdict: Verdict
+    held = [name for name in readings if name in rulings and rulings[name][0]]
     if not any(name in rulings for name in readings):
         verdict = said = "cannot be checked"
     elif held == readings:
         verdict = said = "holds"
     elif held:
         verdict, said = "holds under a reading", f"holds under {' and '.join(held)}"
-    elif INTEGRATOR in rulings and rulings[INTEGRATOR].holds:
+    elif rulings.get(INTEGRATOR, (False, ""))[0]:
         verdict = said = "holds with the thesis's integrator"
     else:
         verdict = said = "differs"
-    first = next(iter(views.values()))
     reason = missing if verdict == "cannot be checked" else claim.why
     if callable(reason):
         try:
-            reason = reason(first)
+            reason = reason(next(iter(views.values())))
         except NotThereError as error:
             reason = str(error)
     return Finding(
-        id=claim.id,
-        source=claim.source,
-        statement=claim.statement,
-        number=claim.number,
-        rule=claim.rule,
-        verdict=verdict,
-        said=said,
-        ours={name: (bool(ruling.holds), ruling.ours) for name, ruling in rulings.items()},
-        reason=reason.strip(),
+        id=claim.id, source=claim.source, statement=claim.statement, number=claim.number,
+        rule=claim.rule, verdict=verdict, said=said, ours=rulings, reason=reason.strip(),
         figure=claim.figure,
-    )
+    )  # fmt: skip

@@ -11,13 +11,17 @@ from surae.protocol import (
     Adaptation,
     Protocol,
     Trajectory,
+    chirp,
     chirp_rate,
     generate,
     named_device,
     triceps_path,
 )
+from surae.recording import MUSCLES
+from surae.report.figures import BLUE, GREY, INK, OCHRE, RED
 from surae_thesis.claims import Claim, Ruling, judge
-from surae_thesis.section import Context, Result, Section, Table
+from surae_thesis.plots import Line, Panel, draw
+from surae_thesis.section import Context, Drawing, Result, Table
 
 #: The five basic profiles of the simulation study (2.5.1) after the one in use before it (2.1).
 NAMES = (
@@ -186,6 +190,130 @@ CLAIMS: tuple[Claim[Numbers], ...] = (
 )  # fmt: skip
 
 
+# Figures
+
+#: The four muscles, told apart by dashes as well as by colour.
+_LOOKS = {
+    "ta": (BLUE, "solid", "tibialis anterior"),
+    "gl": (OCHRE, (0, (4, 1)), "gastrocnemius lateralis"),
+    "sol": (INK, (0, (1, 1)), "soleus"),
+    "gm": (RED, (0, (5, 1, 1, 1)), "gastrocnemius medialis"),
+}
+_TITLES = (
+    "A. Sine wavelet of 0.20 Hz", "B. Multiple holds", "C. Multi-sine", "D. Multi-sine with holds",
+    "E. Scaled chirp",
+)  # fmt: skip
+#: EMG of the largest effort in Figure 9 [µV].
+_FULL = 600.0
+_ENDS = "Full plantarflexion at 0 rad, full dorsiflexion at 1.5 rad"
+
+
+def drawings() -> tuple[Drawing, ...]:
+    """All figures, in the thesis's order."""
+    time = np.arange(0.0, 30.0, 1e-3)
+    added = chirp(time, amplitude=0.2, rate=chirp_rate(0.3))[0]
+    eighth = chirped("multiple-holds", 0.2, 0.3)
+    low, high = eighth.settings.range_of_motion
+    part = (eighth.angle - 0.5 * (low + high)) / (0.5 * (high - low))
+    names = NAMES[1:]
+    basics = [
+        _position(basic(name), f"6{title}", last=name == names[-1])
+        for name, title in zip(names, _TITLES, strict=True)
+    ]
+    return (
+        Drawing("figure-2", "Figure 2: the ramp-and-hold protocol", f"{_ENDS}; 18 s.",
+            "The angle rises in one ramp to full dorsiflexion, is held, and returns.",
+            draw([_position(basic("ramp-and-hold", "passive"), "Ramp and hold")], 2.6)),
+        _plane("figure-3", "Figure 3: length and velocity of the triceps, ramp and hold",
+            basic("ramp-and-hold", "passive")),
+        Drawing("figure-6", "Figure 6: the five basic profiles", f"{_ENDS}.",
+            "Five time courses of the ankle angle, each spanning the whole range of motion.",
+            draw(basics, 7.6, sharex=True)),
+        Drawing("figure-7", "Figure 7: the added chirp",
+            "A·sin(s·t²) with A = 0.2 rad and s = 0.3: the frequency at time t is s·t/π.",
+            "An oscillation of constant amplitude whose frequency rises from 0 to 2.9 Hz in 30 s.",
+            draw([Panel("Angle [rad]", [Line(time, added)], "Time [s]",
+                        "Chirp of 0.2 rad and factor 0.3", {"xlim": (0.0, 30.0)})], 2.6)),
+        Drawing("figure-8", "Figure 8: multiple holds with a chirp of 0.2 rad",
+            "The sum of Figures 6B and 7, the holds mapped on a narrower range so that the sum "
+            "just reaches full plantarflexion (−1) and full dorsiflexion (1).",
+            "Holds at several positions with an oscillation of rising frequency upon them.",
+            draw([Panel("Part of the range\nof motion [-]", [Line(eighth.time, part)], "Time [s]",
+                        "Multiple holds with the chirp of Figure 7",
+                        {"xlim": (0.0, eighth.time[-1])})], 2.9)),
+        Drawing("figure-9", "Figure 9: the two EMG tasks",
+            "Bursts alternate between the triceps surae's three heads and the tibialis "
+            f"anterior; the largest effort is {_FULL:g} µV, as in the thesis.",
+            "Bursts of the four muscles, above from 11 s on, below from the start.",
+            draw([_efforts("part-passive", "9A. relaxed to 11 s, then alternating", ""),
+                  _efforts("active", "9B. alternating throughout", "Time [s]")], 5.2,
+                 shared=4, sharex=True)),
+        _adapted("figure-36", "multiple-holds", "Figure 36: multiple holds for the manipulator"),
+        _adapted("figure-37", "multi-sine-holds",
+            "Figure 37: multi-sine with holds for the manipulator"),
+        _plane("figure-38", "Figure 38: length and velocity of the triceps, multi-sine with holds",
+            chirped("multi-sine-holds")),
+    )  # fmt: skip
+
+
+def _position(motion: Trajectory, title: str, *, last: bool = True) -> Panel:
+    """Angle from full plantarflexion, as the thesis draws it."""
+    low, high = motion.settings.range_of_motion
+    at = {"ylim": (-0.06, high - low + 0.06), "yticks": [0.0, 0.5, 1.0, 1.5]}
+    lines = [Line(motion.time, motion.angle - low)]
+    return Panel("Ankle angle\n[rad]", lines, "Time [s]" if last else "", title, at)
+
+
+def _plane(name: str, title: str, motion: Trajectory) -> Drawing:
+    path = triceps_path(motion)
+    share = f"{100 * path.coverage.share:.2g} % of the"
+    cloud = {"color": BLUE, "marker": ".", "markersize": 2.6, "markeredgewidth": 0,
+             "linestyle": "none", "rasterized": True}  # fmt: skip
+    panel = Panel(
+        "Velocity [l0/s]", [Line(path.length, path.velocity, "", cloud)], "Muscle length [L/l0]",
+        f"Triceps surae, l0 = {1e3 * path.l0:g} mm: {share} plane visited",
+        {"xlim": (0.3, 1.2), "ylim": (-_SHOWN, _SHOWN)}, (0.0,),
+    )  # fmt: skip
+    return Drawing(
+        name, title,
+        "Each point is one sample: muscle length by equation (9) and its rate of change, both in "
+        "optimal lengths, on the thesis's axes.",
+        f"A cloud of points that covers {share} length–velocity plane.", draw([panel], 4.2),
+    )  # fmt: skip
+
+
+def _efforts(task: str, title: str, xlabel: str) -> Panel:
+    motion = basic("multiple-holds", task)
+    lines = [
+        Line(motion.time, _FULL * motion.effort[:, MUSCLES.index(muscle)], label,
+             {"color": colour, "linestyle": dashes})
+        for muscle, (colour, dashes, label) in _LOOKS.items()
+    ]  # fmt: skip
+    return Panel("EMG [µV]", lines, xlabel, title, {"xlim": (0.0, motion.time[-1])})
+
+
+def _adapted(name: str, profile: str, title: str) -> Drawing:
+    before, after = chirped(profile), for_achilles(profile)
+    limit = {"color": OCHRE, "linewidth": 1.2, "linestyle": (0, (5, 2))}
+    ends = np.array([0.0, after.time[-1]])
+    velocity = Panel(
+        "Velocity\n[rad/s]",
+        [
+            Line(before.time, before.velocity, "before", {"color": GREY, "linewidth": 0.7}),
+            Line(after.time, after.velocity, "after", {"linewidth": 0.9}),
+            Line(ends, np.full(2, 1.5), "1.5 rad/s", limit),
+            Line(ends, np.full(2, -1.5), "", limit),
+        ],
+        "Time [s]", "", {"xlim": ends, "ylim": (-10.0, 10.0)}, legend=3,
+    )  # fmt: skip
+    angle = _position(after, "As the manipulator is asked to move", last=False)
+    return Drawing(
+        name, title, " ".join(adaptation(profile).steps),
+        "The angle of the filtered profile; its velocity stays within ±1.5 rad/s, that of the "
+        "unfiltered one does not.", draw([angle, velocity], 4.2, sharex=True),
+    )  # fmt: skip
+
+
 def _durations() -> Table:
     """What the profiles are, as numbers."""
     paths = {name: triceps_path(basic(name)) for name in NAMES}
@@ -210,11 +338,9 @@ def _durations() -> Table:
 
 def run(context: Context) -> Result:
     """Generate every movement and effort, judge and draw them."""
-    from surae_thesis.movement_figures import drawings
-
     context.progress("protocols", 0, 1)
     numbers = _numbers()
-    result = Result(
+    return Result(
         findings=tuple(judge(claim, {"": numbers}) for claim in CLAIMS),
         figures=drawings(),
         tables=(_durations(),),
@@ -225,13 +351,3 @@ def run(context: Context) -> Result:
             "plantarflexion (0 rad in the thesis's figures) to full dorsiflexion (1.5 rad).",
         ),
     )
-    context.progress("protocols", 1, 1)
-    return result
-
-
-SECTION = Section(
-    name="protocols",
-    title="Movements and efforts",
-    source="2.1, 2.5, 4.1.5; Figures 2, 3, 6–9, 36–38",
-    run=run,
-)

@@ -1,14 +1,18 @@
-"""What a section of the reproduction is given and returns, and the sections that there are."""
+"""A section of the reproduction: what it is given, what it returns, and how that is kept."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+import hashlib
+import inspect
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
-from surae import InputError
-from surae.files import shown
-from surae_thesis.claims import Finding
+from surae import InputError, __version__
+from surae.files import csv_row, read_bytes, require_writable, shown, write_atomic, write_json
+from surae_thesis.claims import VERDICTS, Finding
 
 if TYPE_CHECKING:  # matplotlib is imported by what draws
     from matplotlib.figure import Figure
@@ -17,16 +21,10 @@ if TYPE_CHECKING:  # matplotlib is imported by what draws
 Progress = Callable[[str, int, int], None]
 #: A cell of a table: None where there is no number, and the table says why.
 Cell = str | float | int | None
-
-#: Name → module with its `SECTION`, in the order of the page; imported only when it is run.
-SECTIONS = {
-    "protocols": "surae_thesis.movements",
-    "tendons": "surae_thesis.tendons",
-    "simulation": "surae_thesis.simulation",
-    "subjects": "surae_thesis.cohort",
-    "beyond": "surae_thesis.cohort.beyond",
-    "appendix": "surae_thesis.appendix",
-}
+#: Plain data that JSON holds without loss: numbers finite, keys texts.
+Plain = Any
+#: A row of a study's table, by column.
+Row = dict[str, Any]
 
 
 def silent(what: str, done: int, total: int) -> None:
@@ -36,12 +34,12 @@ def silent(what: str, done: int, total: int) -> None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Context:
-    """What a section is given.
+    """What a section is given, and how it keeps what takes long: a stopped run goes on.
 
     Attributes
     ----------
     folder : Path
-        The output; a section writes into it only by `store` and by what it returns.
+        The output; a section writes into it only by `study`, by `calls` and by what it returns.
     seed : int
         Of everything random; never chosen for its results.
     quick : bool
@@ -59,13 +57,57 @@ class Context:
     progress: Progress = silent
 
     def store(self, name: str) -> Path:
-        """Where a section keeps what it computes, so that a stopped run goes on."""
-        folder = self.folder / "stores"
+        """Where what is computed under a name, unique over all sections, is kept."""
+        return self.inner("stores") / f"{name}.db"
+
+    def inner(self, name: str) -> Path:
+        """A folder of the output, made where it is not there."""
+        folder = self.folder / name
         folder.mkdir(parents=True, exist_ok=True)
-        return folder / name
+        return folder
+
+    def study(self, name: str, text: str) -> list[Row]:
+        """The table of a study by its STUDY.toml but for the name; errors as of `study_rows`."""
+        from surae.studies import study_rows
+
+        return study_rows(
+            f'name = "{name}"\n{text}',
+            self.store(name),
+            workers=self.workers,
+            progress=lambda done, total: self.progress(name, done, total),
+        )
+
+    def calls(
+        self,
+        name: str,
+        function: Callable[..., Plain],
+        jobs: Mapping[str, Mapping[str, Plain]],
+        *,
+        also: tuple[ModuleType, ...] = (),
+    ) -> dict[str, Plain]:
+        """Call a pure function of a module with each job's keywords; see `kept_calls`.
+
+        A change in the function's module, in those named `also`, or in what fits and simulates,
+        computes again.
+        """
+        from surae.runner import kept_calls
+        from surae.studies import fingerprint
+
+        digest = hashlib.sha256(f"{fingerprint()} {function.__qualname__}".encode())
+        for module in (inspect.getmodule(function), *also):
+            if module is not None and module.__file__:
+                digest.update(Path(module.__file__).read_bytes())
+        return kept_calls(
+            self.store(name),
+            function,
+            jobs,
+            program=digest.hexdigest(),
+            workers=self.workers,
+            progress=lambda done, total: self.progress(name, done, total),
+        )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Drawing:
     """A figure of a section.
 
@@ -79,18 +121,18 @@ class Drawing:
         What is drawn, in sentences.
     alt : str
         What it shows, for those who do not see it.
-    figure : matplotlib.figure.Figure
-        In the style of `surae.report.figures`: units, readable in grey.
+    figure : matplotlib.figure.Figure or None
+        In the style of `surae.report.figures`; None where it is in its file.
     """
 
     name: str
     title: str
     caption: str
     alt: str
-    figure: "Figure"
+    figure: "Figure | None" = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Table:
     """A table of a section.
 
@@ -121,21 +163,26 @@ class Result:
 
     Attributes
     ----------
-    findings : tuple of Finding
-        Each claim's verdict.
     insights : tuple of str
         What we find about the thesis, with numbers, in a sentence or two each: above the claims.
-    figures, tables : tuple of Drawing, tuple of Table
-        Its figures and tables.
     notes : tuple of str
         What was done, with which settings and limits: paragraphs above the findings.
+    findings : tuple of Finding
+        Each claim's verdict.
+    figures, tables : tuple of Drawing, tuple of Table
+        Its figures and tables.
     """
 
-    findings: tuple[Finding, ...]
     insights: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    findings: tuple[Finding, ...]
     figures: tuple[Drawing, ...] = ()
     tables: tuple[Table, ...] = ()
-    notes: tuple[str, ...] = ()
+
+    @property
+    def views(self) -> tuple[str, ...]:
+        """Views under which the claims are judged, a column each."""
+        return tuple(dict.fromkeys(name for f in self.findings for name in f.ours))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -160,6 +207,31 @@ class Section:
     run: Callable[[Context], Result]
 
 
+def _section(name: str, module: str, title: str, source: str) -> Section:
+    """A section whose module is imported only when it is run."""
+    return Section(
+        name=name,
+        title=title,
+        source=source,
+        run=lambda context: import_module(f"surae_thesis.{module}").run(context),
+    )
+
+
+#: In the order of the page.
+SECTIONS = (
+    _section("protocols", "movements", "Movements and efforts",
+             "2.1, 2.5, 4.1.5; Figures 2, 3, 6–9, 36–38"),
+    _section("tendons", "tendons", "Models and tendons",
+             "2.3, 2.4, 4.4, appendix B; Tables 1 and 2, Figures 10, 39, 44 and 45"),
+    _section("simulation", "simulation", "Simulation study", "2.5, 3.1, 4.1; Figures 11–16"),
+    _section("subjects", "cohort.subjects", "Subjects: a virtual cohort",
+             "3.2, 4.2, 4.4; Figures 17 to 35 and 40"),
+    _section("beyond", "cohort.beyond", "Beyond: joint fits of the cohort", "4.4, 4.5"),
+    _section("appendix", "appendix", "What a covariance matrix shows",
+             "Appendix A; Figures 41 to 43"),
+)  # fmt: skip
+
+
 def sections(only: Sequence[str] = ()) -> list[Section]:
     """The sections asked for, all of them by default, in the order of the page.
 
@@ -168,15 +240,15 @@ def sections(only: Sequence[str] = ()) -> list[Section]:
     InputError
         A name is not known.
     """
+    names = [section.name for section in SECTIONS]
     for name in only:
-        if name not in SECTIONS:
-            raise InputError(f"no section {name!r}; use one of: {', '.join(SECTIONS)}")
-    chosen: list[Section] = [
-        import_module(module).SECTION
-        for name, module in SECTIONS.items()
-        if not only or name in only
-    ]
-    return chosen
+        if name not in names:
+            raise InputError(f"no section {name!r}; use one of: {', '.join(names)}")
+    return [section for section in SECTIONS if not only or section.name in only]
+
+
+#: What there is of a reproduction: sections that have run, with what they found.
+Chapters = Sequence[tuple[Section, Result]]
 
 
 def reproduce(
@@ -205,7 +277,6 @@ def reproduce(
     InputError, ComputationError
         A section cannot go on, or something cannot be written; what is finished is kept.
     """
-    from surae_thesis.kept import keep
     from surae_thesis.writers import write
 
     written: list[Path] = []
@@ -215,6 +286,89 @@ def reproduce(
         keep(context, section, section.run(context))
         written = write(context)
     return written
+
+
+def keep(context: Context, section: Section, result: Result) -> None:
+    """Write what a section found: figures as PNG and SVG, tables as CSV, the rest as JSON.
+
+    Raises
+    ------
+    InputError
+        Something cannot be written.
+    """
+    from surae.report.figures import png, svg
+
+    for drawing in result.figures:
+        for ending, draw in (("png", png), ("svg", svg)):
+            if drawing.figure is not None:
+                path = context.inner("figures") / f"{drawing.name}.{ending}"
+                write_atomic(path, draw(drawing.figure))
+    for table in result.tables:
+        path = context.inner("tables") / f"{table.name}.csv"
+        write_atomic(path, "".join(map(csv_row, (table.columns, *table.rows))))
+    plain = replace(
+        result,
+        figures=tuple(replace(drawing, figure=None) for drawing in result.figures),
+        tables=tuple(replace(t, rows=()) if t.long else t for t in result.tables),
+    )
+    path = context.inner("sections") / f"{section.name}.json"
+    write_json(path, {"settings": _settings(context), **asdict(plain)})
+
+
+def chapters(context: Context) -> Chapters:
+    """The sections that have run in the folder with these settings, in the order of the page.
+
+    Raises
+    ------
+    InputError
+        What a section wrote cannot be read.
+    """
+    there = []
+    for section in SECTIONS:
+        path = context.folder / "sections" / f"{section.name}.json"
+        if not path.is_file():
+            continue
+        try:
+            data = json.loads(read_bytes(path))
+            if data.pop("settings") == _settings(context):
+                there.append((section, _result(**data)))
+        except (ValueError, KeyError, TypeError, AttributeError):
+            raise InputError(
+                f"{shown(path)} is not what a section writes; remove it and run the section again"
+            ) from None
+    return there
+
+
+def _settings(context: Context) -> dict[str, Any]:
+    """What sections on one page have in common."""
+    return {"surae": __version__, "seed": context.seed, "quick": context.quick}
+
+
+def _result(
+    insights: list[str], notes: list[str], findings: list[Row], figures: list[Row],
+    tables: list[Row],
+) -> Result:  # fmt: skip
+    """What `keep` wrote."""
+    return Result(
+        insights=tuple(insights),
+        notes=tuple(notes),
+        findings=tuple(
+            Finding(**f | {"ours": {view: (bool(a), str(b)) for view, (a, b) in f["ours"].items()}})
+            for f in findings
+        ),
+        figures=tuple(Drawing(**drawing) for drawing in figures),
+        tables=tuple(
+            Table(t["name"], t["title"], tuple(t["columns"]), tuple(map(tuple, t["rows"])),
+                  t["long"])
+            for t in tables
+        ),
+    )  # fmt: skip
+
+
+def counts(chapters: Chapters) -> dict[str, int]:
+    """How many claims have each verdict."""
+    every = [finding.verdict for _, result in chapters for finding in result.findings]
+    return {verdict: every.count(verdict) for verdict in VERDICTS}
 
 
 def make_folder(path: Path) -> None:
@@ -227,9 +381,7 @@ def make_folder(path: Path) -> None:
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
-        probe = path / ".surae-probe"
-        probe.touch()
-        probe.unlink()
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(f"cannot write into the folder {shown(path)}: {reason.lower()}") from None
+    require_writable(path / "reproduction.html")

@@ -5,15 +5,18 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from matplotlib.figure import Figure
 
 import surae
 from surae import ModelInputs
 from surae.model import MODELS, TendonState
 from surae.protocol import Protocol, chirp_rate, generate
+from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, new_figure
 from surae.studies import VirtualSubject, virtual_subject, virtual_trial
 from surae.units import FloatArray
 from surae_thesis.claims import Claim, Ruling, judge
-from surae_thesis.section import Context, Result, Section, Table
+from surae_thesis.plots import Line, Panel, draw
+from surae_thesis.section import Context, Drawing, Result, Table
 
 MODEL = "muscle-tendon"
 #: The virtual subject whose leg it is: the first; nothing is chosen by it.
@@ -267,6 +270,98 @@ CLAIMS: tuple[Claim[Numbers], ...] = (
 )  # fmt: skip
 
 
+# Figures and tables
+
+#: Figure 10: where a model stands, what it changes, and below which.
+_TREE = {
+    "muscle": (0.5, 0.87, "rigid tendons", ""),
+    "muscle-tendon": (0.5, 0.5, "compliant tendons", "muscle"),
+    "muscle-tendon-strain": (0.25, 0.13, "tendon strain ε0 free", "muscle-tendon"),
+    "muscle-tendon-toe": (0.75, 0.13, "tendon toe force free", "muscle-tendon"),
+}
+
+
+def _tree() -> Figure:
+    figure = new_figure(3.6)
+    axes = figure.add_subplot()
+    axes.axis("off")
+    for name, (x, y, said, above) in _TREE.items():
+        spec = MODELS[name]
+        number = spec.title[spec.title.index("[") :]
+        axes.text(
+            x, y, f"{name} {number}\n{said}, {len(spec.free)} parameters", ha="center",
+            va="center", fontsize=9, color=INK,
+            bbox={"boxstyle": "round,pad=0.8", "facecolor": "white", "edgecolor": INK},
+        )  # fmt: skip
+        if above:
+            axes.annotate(
+                "", xy=(x, y + 0.115), xytext=(_TREE[above][0], _TREE[above][1] - 0.115),
+                arrowprops={"arrowstyle": "-|>", "color": MUTED, "linewidth": 1.1},
+            )  # fmt: skip
+    return figure
+
+
+def drawings() -> tuple[Drawing, ...]:
+    """Figures 10, 39, 44 and 45."""
+    laws = states(trial(COARSE)).laws
+    elongation, half = np.linspace(-0.005, 0.04, 400), 0.5 * SLACK_TRI
+    dot = {"marker": "o", "linestyle": "none", "markersize": 5}
+    dashed = {"linewidth": 1.2, "linestyle": (0, (4, 2))}
+    without = [
+        Line(1e3 * elongation, laws[0].force(elongation), f"slack length {1e3 * SLACK_TRI:g} mm",
+             {"color": GREY, "linewidth": 4.0}),
+        Line(1e3 * elongation, printed_force(half + elongation, half), f"{1e3 * half:g} mm",
+             dashed),
+        Line([1e3 * laws[0].toe_elongation], [laws[0].toe_force], "end of the toe",
+             dot | {"color": RED}),
+    ]  # fmt: skip
+    both = []
+    for law, slack, look, label in zip(
+        laws, (SLACK_TRI, SLACK_TIB), ({"color": INK}, dashed | {"color": BLUE}),
+        ("triceps surae", "tibialis anterior"), strict=True,
+    ):  # fmt: skip
+        length = np.concatenate([[0.0], slack + np.linspace(0.0, 0.04, 400)])
+        toe = slack + law.toe_elongation
+        both += [Line(length, law.force(length - slack), label, look),
+                 Line([toe], [law.toe_force], "", dot | {"color": look["color"]})]  # fmt: skip
+    inputs = trial(FINE)
+    speeds = [
+        Panel("Muscle speed\n[m/s]",
+              [Line(inputs.time, states(inputs, scheme).muscle_velocity[0], "",
+                    {"color": colour, "linewidth": 0.7})], xlabel, f"{said} at {FINE:g} Hz",
+              {"xlim": (0.0, inputs.time[-1])})
+        for scheme, said, colour, xlabel in (
+            ("explicit-euler", "Explicit scheme", OCHRE, ""),
+            ("implicit", "Implicit scheme", INK, "Time [s]"),
+        )
+    ]  # fmt: skip
+    return (
+        Drawing("figure-10", "Figure 10: the tree of models",
+            "Every step down changes one thing. 2.0, 2.1 and 2.2 are one model with other "
+            "parameters freed.",
+            "The muscle model, below it the muscle-tendon model, below that its two variants.",
+            _tree()),
+        Drawing("figure-39", "Figure 39: tendon force against elongation",
+            "Equations (18) to (21) with ε0 in metres: the slack length, once subtracted, changes "
+            "nothing.",
+            "Two curves that coincide: no force when slack, a curved toe, then a straight line.",
+            draw([Panel("Tendon force [N]", without,
+                        "Elongation, length less slack length [mm]", "Triceps surae",
+                        legend=3)], 3.4)),
+        Drawing("figure-44", "Figure 44: tendon force against length",
+            "No force up to the slack length, then a non-linear toe and a straight line.",
+            "Two curves, flat at zero and then rising steeply, one at 0.216 m, one at 0.415 m.",
+            draw([Panel("Tendon force [N]", both, "Tendon length [m]",
+                        "Both tendons of Table 2; dots: end of the toe",
+                        {"xlim": (0.0, 0.5), "ylim": (-100.0, 8000.0)}, legend=2)], 3.4)),
+        Drawing("figure-45", "Figure 45: rate of length change of the triceps",
+            "The same trial of the same subject by both integrators. The explicit one, the "
+            "thesis's, chatters between the clamps ±vmax wherever the muscle is hardly active.",
+            "Above, a dense band of oscillation between the clamps; below, a smooth speed.",
+            draw(speeds, 4.6, sharex=True, sharey=True)),
+    )  # fmt: skip
+
+
 def _parameters(name: str, title: str, model: str) -> Table:
     return Table(
         name=name,
@@ -300,12 +395,9 @@ def _tendons() -> Table:
 
 def run(context: Context) -> Result:
     """Tabulate the parameters, integrate one trial both ways, judge and draw."""
-    from surae_thesis.tendon_figures import drawings
-
-    context.progress("tendons", 0, 2)
+    context.progress("tendons", 0, 1)
     numbers = Numbers(errors(quick=context.quick))
-    context.progress("tendons", 1, 2)
-    result = Result(
+    return Result(
         findings=tuple(judge(claim, {"": numbers}) for claim in CLAIMS),
         figures=drawings(),
         tables=(
@@ -327,13 +419,3 @@ def run(context: Context) -> Result:
             "The tendon's strain ε0 is in metres, as the printed equations take it.",
         ),
     )
-    context.progress("tendons", 2, 2)
-    return result
-
-
-SECTION = Section(
-    name="tendons",
-    title="Models and tendons",
-    source="2.3, 2.4, 4.4, appendix B; Tables 1 and 2, Figures 10, 39, 44 and 45",
-    run=run,
-)

@@ -7,11 +7,10 @@ from importlib.resources import files
 from pathlib import Path
 
 from surae import __version__
-from surae.files import read_bytes, write_atomic
+from surae.files import csv_row, read_bytes, write_atomic
 from surae.report import has_typst, typeset
 from surae_thesis.claims import Finding
-from surae_thesis.kept import Chapter, chapters, counts, csv_text
-from surae_thesis.section import Cell, Context
+from surae_thesis.section import Cell, Chapters, Context, chapters, counts
 
 #: Names of what is written, beside a PDF where there is typst.
 PAGE, PDF, CSV, MARKDOWN = "reproduction.html", "reproduction.pdf", "verdicts.csv", "verdicts.md"
@@ -53,7 +52,7 @@ def write(context: Context) -> list[Path]:
     return written
 
 
-def page(context: Context, there: Sequence[Chapter]) -> str:
+def page(context: Context, there: Chapters) -> str:
     """The page of these sections, its figures embedded; it asks nothing of the outside."""
     from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
@@ -65,9 +64,9 @@ def page(context: Context, there: Sequence[Chapter]) -> str:
         lstrip_blocks=True,
     )
     images = {
-        picture.name: _image(read_bytes(context.folder / "figures" / f"{picture.name}.png"))
-        for chapter in there
-        for picture in chapter.pictures
+        drawing.name: _image(read_bytes(context.folder / "figures" / f"{drawing.name}.png"))
+        for _, result in there
+        for drawing in result.figures
     }
     return environment.get_template("reproduction.html.j2").render(
         chapters=there,
@@ -81,7 +80,7 @@ def page(context: Context, there: Sequence[Chapter]) -> str:
     )
 
 
-def pdf(context: Context, there: Sequence[Chapter]) -> bytes | None:
+def pdf(context: Context, there: Chapters) -> bytes | None:
     """The sections as PDF, texts as data, never as markup; None without typst (``surae[pdf]``)."""
     if not has_typst():
         return None
@@ -91,49 +90,50 @@ def pdf(context: Context, there: Sequence[Chapter]) -> bytes | None:
         "quick": context.quick,
         "counts": counts(there),
         "chapters": [
-            asdict(chapter)
+            {"title": section.title, "source": section.source}
+            | asdict(result)
             | {
                 "tables": [
                     asdict(table) | {"rows": [[cell_text(cell) for cell in r] for r in table.rows]}
-                    for table in chapter.tables
+                    for table in result.tables
                 ]
             }
-            for chapter in there
+            for section, result in there
         ],
     }
     template = files("surae_thesis").joinpath("templates", "reproduction.typ").read_bytes()
     return typeset(template, context.folder.resolve(), content)
 
 
-def verdicts_csv(there: Sequence[Chapter]) -> str:
+def verdicts_csv(there: Chapters) -> str:
     """All findings as CSV."""
     rows = [
         (
-            chapter.name, f.id, f.source, f.statement, f.number, _ours(f), f.said, f.reason,
+            section.name, f.id, f.source, f.statement, f.number, _ours(f), f.said, f.reason,
             f.rule, f.figure,
         )
-        for chapter in there
-        for f in chapter.findings
+        for section, result in there
+        for f in result.findings
     ]  # fmt: skip
-    return csv_text(_COLUMNS, rows)
+    return "".join(map(csv_row, (_COLUMNS, *rows)))
 
 
-def markdown(there: Sequence[Chapter]) -> str:
+def markdown(there: Chapters) -> str:
     """All findings as Markdown: a table for each section, a column for each view, reasons below."""
     total = ", ".join(f"{number} {verdict}" for verdict, number in counts(there).items())
     lines = ["# The thesis’s results, computed again", "", f"Verdicts: {total}.", ""]
-    for chapter in there:
-        lines += [f"## {_plain(chapter.title)}", "", f"Thesis: {_plain(chapter.source)}.", ""]
-        lines += [f"**{_plain(insight)}**\n" for insight in chapter.insights]
-        lines += [f"{_plain(note)}\n" for note in chapter.notes]
-        views = chapter.views
+    for section, result in there:
+        lines += [f"## {_plain(section.title)}", "", f"Thesis: {_plain(section.source)}.", ""]
+        lines += [f"**{_plain(insight)}**\n" for insight in result.insights]
+        lines += [f"{_plain(note)}\n" for note in result.notes]
+        views = result.views
         heads = ["claim", "thesis", *(name or "ours" for name in views), "verdict"]
         lines += [_row([_plain(head) for head in heads]), "|" + "---|" * len(heads)]
-        for f in chapter.findings:
+        for f in result.findings:
             cells = [f"{f.statement} ({f.source})", f.number]
             cells += [_view(f, name) for name in views]
             lines.append(_row([*map(_plain, cells), f"**{_plain(f.said)}**"]))
-        told = [f for f in chapter.findings if f.reason]
+        told = [f for f in result.findings if f.reason]
         lines += ["", *(f"- *{_plain(f.statement)}* {_plain(f.reason)}" for f in told), ""]
     return "\n".join(lines).rstrip() + "\n"
 

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from importlib.util import find_spec
 from pathlib import Path
 
 import click
@@ -102,6 +103,8 @@ def _check_other(words: list[str]) -> None:
         found = re.fullmatch(r"surae(?:\[([a-z,]+)\])?", rest[1])
         assert found, rest
         assert set((found[1] or "all").split(",")) <= set(EXTRAS)
+    elif program == "python" and rest[0] == "-m":
+        assert find_spec(f"{rest[1]}.__main__"), rest
     elif program == "python":
         script = (ROOT / rest[0]).read_text(encoding="utf-8")
         for option in (word for word in rest[1:] if word.startswith("--")):

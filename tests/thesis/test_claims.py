@@ -1,6 +1,8 @@
+from dataclasses import replace
+
 import pytest
 
-from surae_thesis.claims import INTEGRATOR, Claim, Finding, NotThereError, Ruling, judge
+from surae_thesis.claims import INTEGRATOR, Claim, NotThereError, Ruling, judge
 
 
 def above_one(value: float | None) -> Ruling:
@@ -39,8 +41,13 @@ def test_a_reason_is_of_the_first_view_and_a_missing_fit_is_told() -> None:
     assert judge(CLAIM, {"": None}).reason == "it failed"
 
 
-def test_a_finding_survives_a_file() -> None:
-    finding = judge(CLAIM, {"a": 2.0, "b": 0.0})
-    assert Finding.of(finding.plain()) == finding
+def test_a_claim_is_judged_under_the_views_that_it_names_in_its_order() -> None:
+    claim = replace(CLAIM, views=("b", "a"))
+    finding = judge(claim, {"a": 2.0, "b": 3.0, "c": 0.0})
+    assert list(finding.ours) == ["b", "a"]
+    assert (finding.verdict, finding.reason) == ("holds", "From 3.0.")
+
+
+def test_a_verdict_that_there_is_not_is_refused() -> None:
     with pytest.raises(ValueError, match="maybe"):
-        Finding.of(finding.plain() | {"verdict": "maybe"})
+        replace(judge(CLAIM, {"a": 2.0}), verdict="maybe")

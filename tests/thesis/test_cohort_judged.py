@@ -8,7 +8,7 @@ import pytest
 
 from surae.model import get_model
 from surae_thesis.claims import INTEGRATOR, judge
-from surae_thesis.cohort import SECTION, beyond, drawings, plan, subjects
+from surae_thesis.cohort import beyond, drawings, plan, subjects
 from surae_thesis.cohort.boxes import Box, Panel, snsem_figure, vaf_figure
 from surae_thesis.cohort.claims import (
     CLAIMS,
@@ -104,7 +104,7 @@ def evidence(fits, apart=(2.0, 3.0)):
 
 
 def judged(fits, **numbers):
-    findings = [judge(claim, {METRES: evidence(fits, **numbers)}) for claim, _ in CLAIMS]
+    findings = [judge(claim, {METRES: evidence(fits, **numbers)}) for claim in CLAIMS]
     assert len({finding.id for finding in findings}) == len(findings)
     return {finding.id: finding for finding in findings}
 
@@ -120,8 +120,8 @@ def test_another_way_takes_the_place_of_the_fits_with_tendons_alone():
     other = evidence(fits).another_way(replace(fits, single=others)).fits
     assert {p.value for p in other.vaf("2.0", HOLDS)} == {80.0}
     assert other.vaf("1.0", HOLDS) == fits.vaf("1.0", HOLDS)
-    (claim, views) = next(pair for pair in CLAIMS if pair[0].id == "tendon-fits-worse")
-    assert views == (METRES, STRAIN, INTEGRATOR)
+    claim = next(claim for claim in CLAIMS if claim.id == "tendon-fits-worse")
+    assert claim.views == (METRES, STRAIN, INTEGRATOR)
     better = evidence(made_up(shift={("fit", "2.0", HOLDS): 8.0}))
     finding = judge(claim, {METRES: better, INTEGRATOR: evidence(other)})
     assert finding.verdict == "holds with the thesis's integrator"
@@ -286,11 +286,11 @@ def test_the_quick_run_goes_through_and_a_second_one_computes_nothing(tmp_path):
     context = Context(
         folder=tmp_path, quick=True, workers=2, progress=lambda *state: told.append(state)
     )
-    first = SECTION.run(context)
+    first = subjects.run(context)
     assert {f.verdict for f in first.findings} >= {"holds", "differs", "cannot be checked"}
     told.clear()
-    again = SECTION.run(context)
+    again = subjects.run(context)
     assert all(done == total for _, done, total in told)
-    assert [f.plain() for f in again.findings] == [f.plain() for f in first.findings]
-    best = beyond.SECTION.run(context)
+    assert again.findings == first.findings
+    best = beyond.run(context)
     assert {table.name for table in best.tables} == {"beyond-ways", "beyond-parameters"}

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from surae_thesis.coverage import coverage, markdown
+from benchmark_files import load
+
+BENCHMARK = load("coverage")
 
 REALISATIONS = 150
 
@@ -21,7 +23,7 @@ def covered(clean, subject, rho, realisations):
         later = (rows[..., 1:] - rho * rows[..., :-1]) / drive
         return np.concatenate([rows[..., :1] / sd, later], axis=-1)
 
-    return coverage(clean, subject.parameters, noise, whiten, realisations=realisations)
+    return BENCHMARK.coverage(clean, subject.parameters, noise, whiten, realisations=realisations)
 
 
 def least(share):
@@ -60,4 +62,4 @@ def test_a_few_realisations(clean, subject):
     assert found.realisations == 3
     assert [row.name for row in found.rows] == list(subject.parameters)
     assert found.rows[0].bound == pytest.approx(0.0006, rel=0.5)
-    assert len(markdown(found.rows).splitlines()) == 17
+    assert len(BENCHMARK.markdown(found.rows).splitlines()) == 17

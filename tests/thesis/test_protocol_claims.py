@@ -3,14 +3,13 @@
 import numpy as np
 import pytest
 
-from surae_thesis.movement_figures import drawings
-from surae_thesis.movements import CHOSEN, SECTION, basic, chirped, for_achilles
+from surae_thesis.movements import CHOSEN, basic, chirped, drawings, for_achilles, run
 from surae_thesis.section import Context
 
 
 @pytest.fixture(scope="module")
 def verdicts(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    result = SECTION.run(Context(folder=tmp_path_factory.mktemp("out")))
+    result = run(Context(folder=tmp_path_factory.mktemp("out")))
     return {f.id: f.verdict for f in result.findings}
 
 

@@ -3,14 +3,10 @@
 import numpy as np
 import pytest
 
+from benchmark_files import load
 from surae.protocol import Protocol
-from surae_thesis.recovery import (
-    Estimate,
-    Recovery,
-    markdown,
-    recover,
-    summarise,
-)
+
+RECOVERY = load("recovery")
 
 
 def active(profile, rate_hz=256.0):
@@ -19,11 +15,15 @@ def active(profile, rate_hz=256.0):
 
 def test_a_table_by_hand():
     def one(value, sem, identified):
-        return Recovery(
-            0, 99.9, "converged", 1, (Estimate("m", 2.0, value, sem, identified, sem and True),)
+        return RECOVERY.Recovery(
+            0,
+            99.9,
+            "converged",
+            1,
+            (RECOVERY.Estimate("m", 2.0, value, sem, identified, sem and True),),
         )
 
-    (row,) = summarise([one(2.18, 0.1, True), one(1.9, 0.3, True), one(3.0, None, False)])
+    (row,) = RECOVERY.summarise([one(2.18, 0.1, True), one(1.9, 0.3, True), one(3.0, None, False)])
     assert (row.name, row.n) == ("m", 2)
     assert row.bias == pytest.approx(0.02)  # +9 % and −5 %
     assert row.spread == pytest.approx(0.07 * np.sqrt(2))
@@ -31,26 +31,30 @@ def test_a_table_by_hand():
     assert row.covered == 1.0
     assert row.identified == pytest.approx(2 / 3)
     assert row.close == pytest.approx(2 / 3)
-    text = markdown([row])
+    text = RECOVERY.markdown([row])
     assert len({line.count("|") for line in text.splitlines()}) == 1
     assert "| m | 2 | +2.00 | 9.90 |" in text
 
 
 def test_no_estimate_with_a_standard_error():
-    (row,) = summarise(
-        [Recovery(0, 1.0, "failed", 0, (Estimate("m", 2.0, 3.0, None, False, None),))]
+    (row,) = RECOVERY.summarise(
+        [
+            RECOVERY.Recovery(
+                0, 1.0, "failed", 0, (RECOVERY.Estimate("m", 2.0, 3.0, None, False, None),)
+            )
+        ]
     )
     assert row.n == 0
     assert np.isnan(row.bias)
     assert row.identified == row.close == 0.0
-    assert "nan" in markdown([row])
+    assert "nan" in RECOVERY.markdown([row])
 
 
 def test_one_subject():
-    found = recover(1, active("multiple-holds", 125.0), starts=1)
+    found = RECOVERY.recover(1, active("multiple-holds", 125.0), starts=1)
     assert found.status == "converged"
     assert len(found.estimates) == 15
-    assert found == recover(1, active("multiple-holds", 125.0), starts=1)
+    assert found == RECOVERY.recover(1, active("multiple-holds", 125.0), starts=1)
     close = [abs(e.error) <= 0.1 for e in found.estimates if e.identified]
     assert len(close) >= 9
     assert all(close)
@@ -59,8 +63,8 @@ def test_one_subject():
 @pytest.mark.slow
 @pytest.mark.parametrize("profile", ["multiple-holds", "multi-sine-holds"])
 def test_fifty_subjects(profile):
-    found = [recover(seed, active(profile), starts=4) for seed in range(50)]
-    rows = {row.name: row for row in summarise(found)}
+    found = [RECOVERY.recover(seed, active(profile), starts=4) for seed in range(50)]
+    rows = {row.name: row for row in RECOVERY.summarise(found)}
     identified = [e for one in found for e in one.estimates if e.identified]
     assert np.mean([abs(e.error) <= 0.1 for e in identified]) >= 0.97
     assert len(identified) >= 0.75 * 15 * 50

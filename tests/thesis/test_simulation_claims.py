@@ -110,7 +110,7 @@ def study(grid_, noise=(), patients=None) -> Study:
 def everything(grid_, noise=None, patients=None) -> dict[str, str]:
     """Verdicts of every claim, in one view."""
     numbers = study(grid_, noisy() if noise is None else noise, patients)
-    findings = [judge(claim, {MAGNITUDE: numbers}) for claim, _ in CLAIMS]
+    findings = [judge(claim, {MAGNITUDE: numbers}) for claim in CLAIMS]
     assert len({finding.id for finding in findings}) == len(findings)
     return {finding.id: finding.verdict for finding in findings}
 
@@ -203,7 +203,7 @@ def test_another_reading_takes_the_noise_that_was_added_for_its_own() -> None:
 
 
 def test_a_claim_that_holds_in_some_columns_names_them() -> None:
-    (claim,) = [claim for claim, _ in CLAIMS if claim.id == "tendon-fails-at-multi-sine"]
+    (claim,) = [claim for claim in CLAIMS if claim.id == "tendon-fails-at-multi-sine"]
     fine = study(grid(vaf=lambda _: 99.9))
     assert judge(claim, {MAGNITUDE: fine, SIGNED: study(grid())}).said == (
         "holds under the signed mean"

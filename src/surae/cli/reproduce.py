@@ -1,7 +1,6 @@
 """`surae reproduce`."""
 
 import time
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,10 +11,7 @@ from surae.errors import InputError
 from surae.files import shown, write_atomic
 
 if TYPE_CHECKING:
-    from surae_thesis.kept import Chapter
-
-#: More workers than this on one computer are a slip of the keyboard.
-_MOST_WORKERS = 1000
+    from surae_thesis.section import Chapters
 
 
 @click.command("reproduce")
@@ -42,26 +38,22 @@ def command(
     The folder holds a page with every claim, figure and table, a PDF where typst is installed, and
     the verdicts as CSV and Markdown. A stopped run goes on where it was.
     """
-    number, count = seed, workers
     if not output:
         raise InputError("--output is empty; give the name of a folder")
     if markdown is not None:
         from surae.cli.paths import check_outputs
 
         check_outputs({"--markdown": markdown}, ())
-    from surae_thesis.section import sections
+    from surae.runner import cores
+    from surae_thesis.section import Context, chapters, make_folder, reproduce, sections
 
     chosen = sections(only)
-
-    from surae.runner import cores
-    from surae_thesis.section import Context, make_folder, reproduce
 
     folder = Path(output)
     make_folder(folder)
 
     from surae.cli.progress import compilation_notice, work
     from surae.cli.screen import show_line
-    from surae_thesis.kept import chapters
     from surae_thesis.writers import markdown as verdicts
 
     begin = time.perf_counter()
@@ -69,9 +61,9 @@ def command(
         with work() as progress, compilation_notice():
             context = Context(
                 folder=folder,
-                seed=number or 0,
+                seed=seed,
                 quick=quick,
-                workers=count or cores(),
+                workers=workers or cores(),
                 progress=progress.parts,
             )
             written = reproduce(
@@ -97,18 +89,18 @@ def command(
     return 0
 
 
-def _show(there: "Sequence[Chapter]") -> None:
+def _show(there: "Chapters") -> None:
     """A table of verdicts for each section, and how many there are."""
     from surae.cli.screen import show_line, show_verdicts
-    from surae_thesis.kept import counts
+    from surae_thesis.section import counts
 
-    for chapter in there:
-        show_line(f"{chapter.title} ({chapter.source})")
+    for section, result in there:
+        show_line(f"{section.title} ({section.source})")
         show_verdicts(
             ("claim", "thesis", "ours", "verdict"),
             [
                 (f.id, f.number, next(iter(f.ours.values()), (False, "–"))[1], f.verdict)
-                for f in chapter.findings
+                for f in result.findings
             ],
         )
     total = counts(there)

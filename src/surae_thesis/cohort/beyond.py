@@ -11,7 +11,7 @@ from surae_thesis.cohort.beyond_figures import coverage_figure, error_figure, he
 from surae_thesis.cohort.joint import JOINT, Way, ways
 from surae_thesis.cohort.members import ACTIVE_PROTOCOL, PASSIVE_PROTOCOL
 from surae_thesis.cohort.results import Fits, thesis_fits
-from surae_thesis.section import Context, Drawing, Result, Section, Table
+from surae_thesis.section import Context, Drawing, Result, Table
 
 #: Our best way, and the ways that the figures compare it with.
 BEST, RIGID, ELASTIC = "joint + tendons", "1.0 alone", "2.0 alone"
@@ -252,11 +252,3 @@ def _notes(fits: Fits, found: Mapping[str, Way]) -> tuple[str, ...]:
         "left out: crosstalk and muscles without electrodes are part of what a weight stands for. "
         f"{len(JOINT)} joint fits for each of {len(fits.members)} subjects.",
     )
-
-
-SECTION = Section(
-    name="beyond",
-    title="Beyond: joint fits of the cohort",
-    source="4.4, 4.5",
-    run=run,
-)

@@ -10,7 +10,6 @@ from surae.units import FloatArray
 from surae_thesis.cohort import plan, work
 from surae_thesis.cohort.members import ACTIVE_PROTOCOL
 from surae_thesis.cohort.results import MADE_BY, Fit, Fits
-from surae_thesis.jobs import run_jobs
 from surae_thesis.section import Context
 
 #: Ways to fit together, by name: model, and what it frees beside its own parameters.
@@ -105,7 +104,7 @@ def joint_jobs(size: plan.Size) -> dict[str, plan.Settings]:
 
 def ways(context: Context, fits: Fits) -> dict[str, Way]:
     """Every way to fit, the thesis's first, by name."""
-    found = run_jobs(context, "cohort-joint", work.fit_job, joint_jobs(fits.size), also=MADE_BY)
+    found = context.calls("cohort-joint", work.fit_job, joint_jobs(fits.size), also=MADE_BY)
     last = fits.size.repetitions
     several: dict[str, Way] = {}
     for name, model in SINGLE.items():

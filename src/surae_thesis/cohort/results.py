@@ -10,7 +10,6 @@ import numpy as np
 from surae.units import FloatArray
 from surae_thesis.cohort import members, plan, trials, work
 from surae_thesis.cohort.members import ACTIVE_PROTOCOL, PASSIVE_PROTOCOL, CohortSubject
-from surae_thesis.jobs import run_jobs
 from surae_thesis.section import Context
 
 #: One outcome of `work.fit_job`.
@@ -96,23 +95,21 @@ def thesis_fits(context: Context) -> Fits:
     return Fits(
         size,
         size.members,
-        run_jobs(context, "cohort-fits", work.fit_job, plan.single_fits(size), also=MADE_BY),
-        run_jobs(
-            context, "cohort-baselines", work.baseline_job, plan.baselines(size), also=MADE_BY
-        ),
+        context.calls("cohort-fits", work.fit_job, plan.single_fits(size), also=MADE_BY),
+        context.calls("cohort-baselines", work.baseline_job, plan.baselines(size), also=MADE_BY),
     )
 
 
 def spared_fits(context: Context) -> Mapping[str, Fit]:
     """Fits to recordings that were spared an imperfection; see `plan.spared_fits`."""
     size = plan.Size.of(context)
-    return run_jobs(context, "cohort-spared", work.fit_job, plan.spared_fits(size), also=MADE_BY)
+    return context.calls("cohort-spared", work.fit_job, plan.spared_fits(size), also=MADE_BY)
 
 
 def strengths(context: Context) -> Mapping[str, Mapping[str, float]]:
     """Largest torques by subject, measured and on rigid tendons; see `work.strength_job`."""
     jobs = plan.strengths(plan.Size.of(context))
-    return run_jobs(context, "cohort-strengths", work.strength_job, jobs, also=MADE_BY)
+    return context.calls("cohort-strengths", work.strength_job, jobs, also=MADE_BY)
 
 
 def fair_fits(context: Context, fits: Fits) -> Mapping[str, Mapping[str, float | None]]:
@@ -128,14 +125,14 @@ def fair_fits(context: Context, fits: Fits) -> Mapping[str, Mapping[str, float |
                 "rate_hz": plan.EXPLICIT_HZ,
                 "implicit": {n: p["value"] for n, p in fit["parameters"].items() if p["free"]},
             }
-    return run_jobs(context, "cohort-fair", work.explicit_job, jobs, also=MADE_BY)
+    return context.calls("cohort-fair", work.explicit_job, jobs, also=MADE_BY)
 
 
 def other_fits(context: Context, name: str) -> Fits:
     """The muscle-tendon fits of repetition 1 another way: ``"explicit"`` or ``"strain"``."""
     size = plan.Size.of(context)
     jobs = {"explicit": plan.explicit_fits, "strain": plan.strain_fits}[name](size)
-    fits = run_jobs(context, f"cohort-{name}", work.fit_job, jobs, also=MADE_BY)
+    fits = context.calls(f"cohort-{name}", work.fit_job, jobs, also=MADE_BY)
     return Fits(size, size.members, fits, {})
 
 

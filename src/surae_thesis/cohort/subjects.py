@@ -29,7 +29,7 @@ from surae_thesis.section import Context, Result, Table
 Fair = Mapping[str, Mapping[str, float | None]]
 
 
-def reproduce(context: Context) -> Result:
+def run(context: Context) -> Result:
     """Fit the cohort as the thesis fitted its subjects, and judge its claims."""
     fits = thesis_fits(context)
     explicit = other_fits(context, "explicit")
@@ -44,9 +44,7 @@ def reproduce(context: Context) -> Result:
     figures = [*vaf_drawings(fits), *trace_drawings(fits), *snsem_drawings(fits), spectra]
     figures.append(explicit_drawing(fits, explicit))
     return Result(
-        findings=tuple(
-            judge(claim, {name: views[name] for name in names}) for claim, names in CLAIMS
-        ),
+        findings=tuple(judge(claim, views) for claim in CLAIMS),
         insights=(_integrator(views, fair), _strength(evidence)),
         figures=tuple(sorted(figures, key=lambda drawing: drawing.name)),
         tables=(_members(fits), _costs(evidence), _fits(fits)),

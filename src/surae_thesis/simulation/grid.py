@@ -16,8 +16,7 @@ from surae.protocol import Protocol, chirp_rate, generate
 from surae.studies import VirtualSubject, virtual_subject, virtual_trial
 from surae.units import FloatArray
 from surae_thesis.claims import INTEGRATOR, NotThereError
-from surae_thesis.jobs import Row, rows_of, run_jobs
-from surae_thesis.section import Context
+from surae_thesis.section import Context, Row
 
 #: The five basic profiles (2.5.1) in the order of Figure 13.
 PROFILES = ("sine", "multiple-holds", "multi-sine", "multi-sine-holds", "scaled-chirp")
@@ -177,7 +176,7 @@ def studies(context: Context) -> tuple[dict[str, Study], list[Row]]:
     }
     for name, factors in asked.items():
         text = _toml({**_COMMON, "seed": context.seed, **factors})
-        rows[name] = rows_of(context, f"simulation-{name}", text)
+        rows[name] = context.study(f"simulation-{name}", text)
     grid, patients, others = (
         _with_torques(context, name, cells(rows[name]), population)
         for name, population in (
@@ -297,7 +296,7 @@ def _with_torques(context: Context, name: str, some: Cells, population: str) -> 
         }
         for label, members in groups.items()
     }
-    sizes = run_jobs(context, f"simulation-torque-{name}", torque_sizes, jobs)
+    sizes = context.calls(f"simulation-torque-{name}", torque_sizes, jobs)
     return tuple(
         replace(cell, torque=TorqueSize(*size))
         for label, members in groups.items()
@@ -346,7 +345,7 @@ def _noise_cells(context: Context, equal: float) -> dict[str, Cells]:
         }
         for profile, factor, reading in places
     }  # fmt: skip
-    made = run_jobs(context, "simulation-noise", noise_fits, jobs)
+    made = context.calls("simulation-noise", noise_fits, jobs)
     some: dict[str, list[Cell]] = {reading: [] for reading in READINGS}
     for (profile, factor, reading), fits in zip(places, made.values(), strict=True):
         some[reading] += [
@@ -399,6 +398,14 @@ def select(some: Iterable[Cell], **values: object) -> Cells:
     return tuple(
         cell for cell in some if all(getattr(cell, key) == value for key, value in values.items())
     )
+
+
+def there(some: Iterable[Cell], model: str, **values: object) -> Cells:
+    """As `select`; NotThereError without any."""
+    cells = select(some, model=model, **values)
+    if not cells:
+        raise NotThereError(f"no such fit of the {model} model is there")
+    return cells
 
 
 def along_factor(some: Cells, model: str, profile: str = "multiple-holds") -> Cells:

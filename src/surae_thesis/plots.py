@@ -1,0 +1,122 @@
+"""Figures as data: panels of lines with their labels, drawn in the look of surae's reports."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from surae.report.figures import (
+    INK,
+    MUTED,
+    dress,
+    footnote,
+    heading,
+    legend,
+    new_figure,
+    shared_legend,
+    trace,
+)  # fmt: skip
+
+#: A look of a line or a marker, in matplotlib's words.
+Look = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """Numbers against others, both of shape (n,), with a look; without a marker it is a trace."""
+
+    x: Any
+    y: Any
+    label: str = ""
+    look: Look = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """Lines on one axis.
+
+    Attributes
+    ----------
+    ylabel, xlabel, title : str
+        With units; a panel above another may leave out the second.
+    lines : sequence of Line
+        In this order.
+    at : mapping
+        Of `matplotlib.axes.Axes.set`: limits, scales and ticks.
+    across, down : sequence of float
+        Quiet lines at these heights, and at these places.
+    legend : int
+        Columns of its own legend; none with 0.
+    """
+
+    ylabel: str
+    lines: Sequence[Line] = ()
+    xlabel: str = ""
+    title: str = ""
+    at: Look = field(default_factory=dict)
+    across: Sequence[float] = ()
+    down: Sequence[float] = ()
+    legend: int = 0
+
+
+def draw(
+    panels: Sequence[Panel],
+    height: float,
+    *,
+    columns: int = 1,
+    shared: int = 0,
+    note: str = "",
+    **grid: Any,
+) -> Figure:
+    """Draw panels below each other, or in columns.
+
+    Parameters
+    ----------
+    panels : sequence of Panel
+        In the order of reading.
+    height : float
+        Of the figure [inch].
+    columns : int
+        Panels side by side.
+    shared : int
+        Columns of a legend of all panels together; none with 0.
+    note : str
+        A line below.
+    **grid
+        Of `matplotlib.figure.Figure.subplots`.
+    """
+    figure = new_figure(height)
+    axes = figure.subplots(-(-len(panels) // columns), columns, squeeze=False, **grid).ravel()
+    for place, panel in zip(axes, panels, strict=True):
+        fill(place, panel)
+    if shared:
+        shared_legend(figure, list(axes), shared)
+    footnote(figure, note)
+    return figure
+
+
+def fill(axes: Axes, panel: Panel) -> None:
+    """Draw a panel on an axis."""
+    dress(axes, panel.ylabel, panel.xlabel)
+    if panel.title:
+        heading(axes, panel.title)
+    for height in panel.across:
+        axes.axhline(height, color=MUTED, linewidth=0.8, zorder=1)
+    for place in panel.down:
+        axes.axvline(place, color=MUTED, linewidth=0.8, zorder=1)
+    for line in panel.lines:
+        look: dict[str, Any] = {"color": INK, "linewidth": 1.0, **line.look}
+        if "marker" in look:
+            axes.plot(line.x, line.y, label=line.label or "_", **look)
+        else:
+            trace(axes, np.asarray(line.x), np.asarray(line.y), label=line.label, **look)
+    axes.set(**panel.at)
+    for axis, name in ((axes.xaxis, "xscale"), (axes.yaxis, "yscale")):
+        if panel.at.get(name) == "log":
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_formatter("")
+    if panel.legend:
+        legend(axes, panel.legend)
