@@ -224,7 +224,7 @@ def drawings() -> tuple[Drawing, ...]:
         Drawing("figure-2", "Figure 2: the ramp-and-hold protocol", f"{_ENDS}; 18 s.",
             "The angle rises in one ramp to full dorsiflexion, is held, and returns.",
             draw([_position(basic("ramp-and-hold", "passive"), "Ramp and hold")], 2.6)),
-        _plane("figure-3", "Figure 3: length and velocity of the triceps, ramp and hold",
+        _map("figure-3", "Figure 3: length and velocity of the triceps, ramp and hold",
             basic("ramp-and-hold", "passive")),
         Drawing("figure-6", "Figure 6: the five basic profiles", f"{_ENDS}.",
             "Five time courses of the ankle angle, each spanning the whole range of motion.",
@@ -251,7 +251,7 @@ def drawings() -> tuple[Drawing, ...]:
         _adapted("figure-36", "multiple-holds", "Figure 36: multiple holds for the manipulator"),
         _adapted("figure-37", "multi-sine-holds",
             "Figure 37: multi-sine with holds for the manipulator"),
-        _plane("figure-38", "Figure 38: length and velocity of the triceps, multi-sine with holds",
+        _map("figure-38", "Figure 38: length and velocity of the triceps, multi-sine with holds",
             chirped("multi-sine-holds")),
     )  # fmt: skip
 
@@ -264,7 +264,7 @@ def _position(motion: Trajectory, title: str, *, last: bool = True) -> Panel:
     return Panel("Ankle angle\n[rad]", lines, "Time [s]" if last else "", title, at)
 
 
-def _plane(name: str, title: str, motion: Trajectory) -> Drawing:
+def _map(name: str, title: str, motion: Trajectory) -> Drawing:
     path = triceps_path(motion)
     share = f"{100 * path.coverage.share:.2g} % of the"
     cloud = {"color": BLUE, "marker": ".", "markersize": 2.6, "markeredgewidth": 0,

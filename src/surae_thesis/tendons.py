@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -305,8 +306,8 @@ def drawings() -> tuple[Drawing, ...]:
     """Figures 10, 39, 44 and 45."""
     laws = states(trial(COARSE)).laws
     elongation, half = np.linspace(-0.005, 0.04, 400), 0.5 * SLACK_TRI
-    dot = {"marker": "o", "linestyle": "none", "markersize": 5}
-    dashed = {"linewidth": 1.2, "linestyle": (0, (4, 2))}
+    dot: dict[str, Any] = {"marker": "o", "linestyle": "none", "markersize": 5}
+    dashed: dict[str, Any] = {"linewidth": 1.2, "linestyle": (0, (4, 2))}
     without = [
         Line(1e3 * elongation, laws[0].force(elongation), f"slack length {1e3 * SLACK_TRI:g} mm",
              {"color": GREY, "linewidth": 4.0}),
@@ -316,9 +317,10 @@ def drawings() -> tuple[Drawing, ...]:
              dot | {"color": RED}),
     ]  # fmt: skip
     both = []
+    looks: tuple[dict[str, Any], ...] = ({"color": INK}, dashed | {"color": BLUE})
     for law, slack, look, label in zip(
-        laws, (SLACK_TRI, SLACK_TIB), ({"color": INK}, dashed | {"color": BLUE}),
-        ("triceps surae", "tibialis anterior"), strict=True,
+        laws, (SLACK_TRI, SLACK_TIB), looks, ("triceps surae", "tibialis anterior"),
+        strict=True,
     ):  # fmt: skip
         length = np.concatenate([[0.0], slack + np.linspace(0.0, 0.04, 400)])
         toe = slack + law.toe_elongation
