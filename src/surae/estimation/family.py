@@ -22,6 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surae.estimation.evidence import Quadratic, Subset, subsets
+from surae.estimation.fit import fit_problem
 from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.mode import Mode, Target, straight, thinned_problem, white_noise
 from surae.estimation.noise import NoiseModel
@@ -61,6 +62,9 @@ _LESS_CROSSTALK = (0.3, 0.0)
 _REJECTED = 12.0
 #: A model whose −2 ln p is greater by more after some steps is not followed to its end.
 _HOPELESS = 300.0
+#: Sum of squares, as a part of what least squares leave, from which a mode under correlated noise
+#: has let the torque go; and the frequencies [Hz] whose noise counts then.
+_LET_GO, _SLOW = 1.3, 2.0
 #: Weight below which a subset or model of the family is not looked at.
 _UNSUPPORTED = 0.01
 _POPULATION = "healthy"
@@ -127,14 +131,15 @@ class _Search:
         full = self._problem(COMPLIANT, tuple(self._beliefs))
         target, mode = self._valleys(full, self._first(full))
         self._told(2, mode)
-        target = target.with_noise(target.noise_at(mode.z))
-        mode = target.descend(mode.z, evaluations=10, tolerance=0.03)
+        target, mode = _under_noise(target, mode)
         compliant = self._member(target, mode)
-        target = compliant.target.with_noise(compliant.target.noise_at(compliant.mode.z))
-        mode = target.descend(compliant.mode.z, evaluations=12, tolerance=0.01)
+        target, mode = _under_noise(compliant.target, compliant.mode)
         self._told(3, mode)
         compliant = replace(compliant, target=target, mode=mode, quadratic=_quadratic(target, mode))
         rigid = self._rigid(compliant)
+        better = self._again(compliant, rigid)
+        if better is not compliant:
+            compliant, rigid = better, self._rigid(better)
         self._told(4, mode)
         return self._summed(compliant, rigid, begin)
 
@@ -290,17 +295,39 @@ class _Search:
         values = dict(zip(compliant.target.problem.spec.names, start.tolist(), strict=True))
         target = self._target(self._problem(RIGID, tuple(self._beliefs)), compliant.target.noise)
         mode = target.descend(target.start(values), evaluations=15, tolerance=0.03)
+        mode = min(mode, self._plain(target), key=lambda one: one.cost)
         if mode.cost > compliant.mode.cost + _HOPELESS:
             subsets_ = (Subset(tuple(self._groups(target)), 1.0, 0.0, mode.z, 0.0 * mode.z),)
             return _Member(target, mode, subsets_, target.names, _quadratic(target, mode))
         return self._member(target, target.descend(mode.z, evaluations=45, tolerance=0.03))
 
+    def _plain(self, target: Target) -> Mode:
+        """The mode from least squares of the rigid model without any nuisance."""
+        bare = self._problem(RIGID, ())
+        plain = fit_problem(replace(bare, priors={}), starts=2, seed=bare.settings.seed)
+        values = {**{name: b.off for name, b in target.beliefs.items()}, **plain.values}
+        return target.descend(target.start(values), evaluations=25, tolerance=0.03)
+
+    def _again(self, compliant: "_Member", rigid: "_Member") -> "_Member":
+        """The compliant member from where the rigid one is better, if that helps."""
+        if rigid.mode.cost >= compliant.mode.cost:
+            return compliant
+        values = rigid.target.values(rigid.mode.z)
+        start = dict(zip(rigid.target.problem.spec.names, values.tolist(), strict=True))
+        full = self._target(self._problem(COMPLIANT, tuple(self._beliefs)), compliant.target.noise)
+        start = {n: b.off for n, b in self._beliefs.items()} | start
+        mode = full.descend(full.start(start), evaluations=30, tolerance=0.03)
+        member = self._member(full, mode)
+        target, mode = _under_noise(member.target, member.mode)
+        member = replace(member, target=target, mode=mode, quadratic=_quadratic(target, mode))
+        less = target.sum_of_squares(mode.z)
+        return member if less < compliant.target.sum_of_squares(compliant.mode.z) else compliant
+
     def _summed(self, compliant: "_Member", rigid: "_Member", begin: float) -> FitResult:
         members = sorted((compliant, rigid), key=lambda member: member.evidence)
         chosen, other = members
         if chosen is rigid:  # its residual is the noise then
-            target = chosen.target.with_noise(chosen.target.noise_at(chosen.mode.z))
-            mode = target.descend(chosen.mode.z, evaluations=20, tolerance=0.01)
+            target, mode = _under_noise(chosen.target, chosen.mode)
             chosen = replace(chosen, target=target, mode=mode, quadratic=_quadratic(target, mode))
         odds = float(np.exp(-0.5 * min(other.evidence - members[0].evidence, 1e3)))
         weight = 1.0 / (1.0 + odds)
@@ -395,6 +422,28 @@ class _Search:
             worse = sse * (1.0 + max(other.cost - best, 0.0) / target.problem.n)
             starts.append(Start(begin, reached, worse, "converged", 1))
         return tuple(starts)
+
+
+def _under_noise(target: Target, mode: Mode) -> tuple[Target, Mode]:
+    """The target under the noise that its residual has, and its mode.
+
+    Where the model does not hold, its residual is taken for noise that drifts, and the mode under
+    such noise would follow every quick detail and let the torque itself go. There each sample
+    counts alike, but for as little as the residual's slow part says.
+    """
+    white = target.with_noise(target.noise_at(mode.z, white=True))
+    plain = white.descend(mode.z, evaluations=20, tolerance=0.03)
+    noise = target.noise_at(plain.z)
+    correlated = target.with_noise(noise)
+    there = correlated.descend(plain.z, evaluations=15, tolerance=0.01)
+    if correlated.sum_of_squares(there.z) <= _LET_GO * white.sum_of_squares(plain.z):
+        return correlated, there
+    slow = [
+        replace(one, coefficients=np.zeros(0), variance=max(one.below(_SLOW / rate), one.variance))
+        for one, rate in zip(noise, (i.rate_hz for i in target.problem.inputs), strict=True)
+    ]
+    inflated = target.with_noise(slow)
+    return inflated, inflated.descend(plain.z, evaluations=15, tolerance=0.01)
 
 
 @dataclass(frozen=True, slots=True)

@@ -219,6 +219,13 @@ class Target:
             moved[j_x0] = x_ref - phi / np.exp(min(moved[j_k], z[j_k] + 2.0))
         return np.asarray(moved)
 
+    def sum_of_squares(self, z: FloatArray) -> float:
+        """Weighted sum of squared residuals [Nm²], whatever the noise."""
+        total = 0.0
+        for e, root in zip(self.residuals(z), self._roots, strict=True):
+            total += float(np.sum((e if root is None else root * e) ** 2))
+        return total
+
     def with_noise(self, noise: Sequence[NoiseModel]) -> "Target":
         """The same with other noise."""
         return Target(self.problem, self.beliefs, noise, self.extra)

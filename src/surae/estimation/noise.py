@@ -43,6 +43,11 @@ class NoiseModel(Comparable):
         """Spectral density at the frequencies of a real FFT of `size`; its mean is the variance."""
         return np.asarray(self.variance / np.abs(self.transfer(size)) ** 2, dtype=np.float64)
 
+    def below(self, part: float) -> float:
+        """Mean spectral density below a part of the sampling rate; the variance if it is white."""
+        density = self.spectrum(4096)
+        return float(density[: max(2, int(4096 * part))].mean())
+
     def draw(self, n: int, rng: np.random.Generator) -> FloatArray:
         """A realisation, shape (n,), by filtering white noise in the frequency domain."""
         from scipy.fft import next_fast_len
