@@ -14,9 +14,7 @@ from surae_thesis.cohort.results import (
     Fits,
     Point,
     clearly_lower,
-    onto_passive,
     paired,
-    validation,
     values,
 )
 from surae_thesis.cohort.trials import REMOVABLE
@@ -104,7 +102,7 @@ def _costs(model: str, protocol: str) -> Callable[[Evidence], str]:
 def described(points: Sequence[Point], digits: int = 1) -> str:
     """Mean, median and lowest of numbers in percent, and how many."""
     if not points:
-        raise NotThereError("The quick run leaves it out; run all of it.")
+        raise NotThereError("No such fit is there.")
     v = values(points)
     return (
         f"{v.mean():.{digits}f} % (median {np.median(v):.{digits}f}, lowest "
@@ -141,11 +139,9 @@ class Level:
 
     def points(self, fits: Fits) -> list[Point]:
         """Ours."""
-        if self.kind == "fit":
-            return fits.vaf(self.model, self.protocol)
         if self.kind == "onto":
-            return onto_passive(fits, self.model)
-        return validation(fits, self.model, self.protocol)
+            return fits.onto_passive(self.model)
+        return {"fit": fits.vaf, "validation": fits.predicted}[self.kind](self.model, self.protocol)
 
 
 LEVELS = (
@@ -210,7 +206,7 @@ def _fit(model: str, protocol: str = ACTIVE_PROTOCOL) -> _Points:
 
 
 def _held(model: str, protocol: str = ACTIVE_PROTOCOL) -> _Points:
-    return lambda fits: validation(fits, model, protocol)
+    return lambda fits: fits.predicted(model, protocol)
 
 
 def _change(
@@ -221,7 +217,7 @@ def _change(
     def ours(evidence: Evidence) -> Ruling:
         change = paired(first(evidence.fits), second(evidence.fits))
         if not len(change):
-            raise NotThereError("The quick run leaves it out; run all of it.")
+            raise NotThereError("No such fit is there.")
         middle = float(np.median(change))
         text = (
             f"{middle:+.2f} points (median), {change.mean():+.2f} (mean); negative in "
@@ -261,10 +257,11 @@ def _remarked(evidence: Evidence) -> Ruling:
 
 def _medians(fits: Fits, model: str) -> dict[str, float]:
     """Median snSEM over the recordings of the multiple holds, by parameter."""
-    if model not in fits.size.models:
-        raise NotThereError("The quick run leaves it out; run all of it.")
     snsem = fits.snsem(model, ACTIVE_PROTOCOL)
-    return {name: median(several) for name, several in snsem.items() if several}
+    medians = {name: median(several) for name, several in snsem.items() if several}
+    if not medians:
+        raise NotThereError("No such fit is there.")
+    return medians
 
 
 def _left(model: str) -> Callable[[Evidence], str]:
@@ -349,17 +346,17 @@ def _largest(part: str, low: float, high: float) -> Callable[[Evidence], Ruling]
     return ours
 
 
-def _strength(evidence: Evidence) -> str:
-    several = {
-        key: [sizes[key] for sizes in evidence.strengths.values()]
+def strength(evidence: Evidence) -> str:
+    """Which reading of ε0 lets the legs reach the thesis's torques."""
+    measured, printed = (
+        f"{min(v):.0f} to {max(v):.0f} Nm"
         for key in ("measured", "printed")
-    }
-    told = {key: f"{min(v):.0f} to {max(v):.0f} Nm" for key, v in several.items()}
+        for v in [[sizes[key] for sizes in evidence.strengths.values()]]
+    )
     return (
-        f"The cohort's subjects reach {told['measured']}, their triceps's ε0 a part of the slack "
-        "length. With Table 2's 0.04 in metres, as the equations are printed, the same legs and "
-        f"efforts reach {told['printed']}: the triceps shortens off its force–length curve. Such "
-        "torques take ε0 as a strain, or weights several times as large."
+        "Table 2 calls ε0 = 0.04 a strain, and only as a part of the slack length does it let legs "
+        f"on compliant tendons reach the thesis's torques: the cohort {measured}, the same legs "
+        f"and efforts with ε0 of 0.04 m, as the equations are printed, {printed}."
     )
 
 
@@ -510,7 +507,7 @@ _ORDERS: tuple[Claim[Evidence], ...] = (
     Claim("muscle-predicts-passive-better", "3.2.3, Figure 30",
         "From the multiple holds, model 1.0 predicts the ramp and hold better than 2.0.",
         "94 % against 90 %", _PREDICTED.format("VAF(2.0) − VAF(1.0)", "negative"),
-        _change(lambda f: onto_passive(f, "1.0"), lambda f: onto_passive(f, "2.0"),
+        _change(lambda f: f.onto_passive("1.0"), lambda f: f.onto_passive("2.0"),
                 lambda d: d < 0.0), "", "figure-30", views=TENDON_VIEWS),
 )  # fmt: skip
 
@@ -555,7 +552,7 @@ _OTHERS: tuple[Claim[Evidence], ...] = (
         views=ONE_VIEW),
     Claim("active-up-to-80", "3.2.1, Figures 18 to 20", "Active torque reaches about 80 Nm.",
         "80 Nm", "Model 1.0, multiple holds: the largest is 60 to 100 Nm.",
-        _largest("neural", 60.0, 100.0), _strength, "figure-19", views=ONE_VIEW),
+        _largest("neural", 60.0, 100.0), strength, "figure-19", views=ONE_VIEW),
     Claim("passive-up-to-10", "3.2.1, Figures 18 to 20", "Passive torque reaches about 10 Nm.",
         "10 Nm", "Model 1.0, multiple holds: the largest is 5 to 15 Nm.",
         _largest("tissue", 5.0, 15.0), "", "figure-19", views=ONE_VIEW),

@@ -7,9 +7,9 @@ import numpy as np
 
 from surae.assessment import half_width
 from surae.units import FloatArray
-from surae_thesis.cohort import plan, work
+from surae_thesis.cohort import plan
 from surae_thesis.cohort.members import ACTIVE_PROTOCOL
-from surae_thesis.cohort.results import MADE_BY, Fit, Fits
+from surae_thesis.cohort.results import Fit, Fits, fitted
 from surae_thesis.section import Context
 
 #: Ways to fit together, by name: model, and what it frees beside its own parameters.
@@ -29,8 +29,8 @@ class Estimate:
 
     Attributes
     ----------
-    subject, name : str
-        Whose, and which parameter.
+    name : str
+        Which parameter.
     value, true : float
         Estimate and truth.
     sem : float or None
@@ -39,7 +39,6 @@ class Estimate:
         Whether the truth lies in the 95 % interval of equation (34), and in ours; None without.
     """
 
-    subject: str
     name: str
     value: float
     true: float
@@ -79,66 +78,63 @@ class Way:
 
     def errors(self, names: Sequence[str]) -> FloatArray:
         """Relative errors of some parameters, sizes only."""
-        return np.array([one.error for one in self.estimates if one.name in names])
+        return np.array([e.error for e in self.estimates if e.name in names])
 
     def covered(self, kind: str) -> tuple[float, int]:
         """Share of ``"white"`` or ``"trusted"`` intervals that hold the truth, and their number."""
-        said = [getattr(one, kind) for one in self.estimates]
-        known = [one for one in said if one is not None]
+        known = [held for e in self.estimates if (held := getattr(e, kind)) is not None]
         return (float(np.mean(known)) if known else float("nan")), len(known)
 
 
 def joint_jobs(size: plan.Size) -> dict[str, plan.Settings]:
     """All but the last repetition of all protocols of a subject, which predict the last one."""
     last = size.repetitions
-    jobs = {}
-    for number, member in enumerate(size.members):
-        trials = [(p, r) for p in member.completed for r in range(1, last)]
-        held = [(p, last) for p in member.completed]
-        for name, (model, free) in JOINT.items():
-            jobs[f"{name}|{member.id}"] = plan.fit_settings(
-                size, number, trials, model, free=free, predicted=held, starts=min(size.starts, 2)
-            )
-    return jobs
+    return {
+        f"{name}|{member.id}": plan.fit_settings(
+            size, number, [(p, r) for p in member.completed for r in range(1, last)], model,
+            free=list(free), predicted=[[p, last] for p in member.completed],
+            starts=min(size.starts, 2),
+        )
+        for number, member in enumerate(size.members)
+        for name, (model, free) in JOINT.items()
+    }  # fmt: skip
 
 
 def ways(context: Context, fits: Fits) -> dict[str, Way]:
     """Every way to fit, the thesis's first, by name."""
-    found = context.calls("cohort-joint", work.fit_job, joint_jobs(fits.size), also=MADE_BY)
-    last = fits.size.repetitions
-    several: dict[str, Way] = {}
-    for name, model in SINGLE.items():
-        of_model = {subject: fit for subject, r, fit in fits.of(model, ACTIVE_PROTOCOL) if r == 1}
-        if of_model:
-            several[name] = _way(name, of_model, last)
-    for name in JOINT:
-        of_way = {m.id: found[f"{name}|{m.id}"] for m in fits.members}
-        several[name] = _way(name, of_way, last)
-    return several
+    joint = fitted(context, "joint", joint_jobs(fits.size))
+    by_subject = {
+        name: {subject: fit for subject, r, fit in fits.of(model, ACTIVE_PROTOCOL) if r == 1}
+        for name, model in SINGLE.items()
+    } | {name: {m.id: joint[f"{name}|{m.id}"] for m in fits.members} for name in JOINT}
+    return {
+        name: _way(name, several, fits.size.repetitions)
+        for name, several in by_subject.items()
+        if several
+    }
 
 
 def _way(name: str, by_subject: Mapping[str, Fit], last: int) -> Way:
     held: dict[str, list[tuple[str, float]]] = {}
     for subject, fit in by_subject.items():
-        for one in fit["predicted"]:
-            if one["repetition"] == last and one["vaf"] is not None:
-                held.setdefault(one["protocol"], []).append((subject, one["vaf"]))
+        for prediction in fit["predicted"]:
+            if prediction["repetition"] == last and prediction["vaf"] is not None:
+                held.setdefault(prediction["protocol"], []).append((subject, prediction["vaf"]))
     return Way(
         name,
-        tuple(e for subject, fit in by_subject.items() for e in _estimates(subject, fit)),
+        tuple(estimate for fit in by_subject.values() for estimate in _estimates(fit)),
         {protocol: tuple(several) for protocol, several in held.items()},
         float(np.mean([fit["first_start"] for fit in by_subject.values()])),
         tuple(fit["vaf"] for fit in by_subject.values() if fit["vaf"] is not None),
     )
 
 
-def _estimates(subject: str, fit: Fit) -> Iterator[Estimate]:
+def _estimates(fit: Fit) -> Iterator[Estimate]:
     for name, p in fit["parameters"].items():
-        if not p["free"] or p["true"] is None or p["value"] is None:
-            continue
-        white = trusted = None
-        if p["sem"] is not None:
-            white = abs(p["value"] - p["true"]) <= half_width(p["sem"], fit["n"])
-        if p["ci95"] is not None:
-            trusted = p["ci95"][0] <= p["true"] <= p["ci95"][1]
-        yield Estimate(subject, name, p["value"], p["true"], p["sem"], white, trusted)
+        if p["free"] and p["true"] is not None and p["value"] is not None:
+            white = trusted = None
+            if p["sem"] is not None:
+                white = abs(p["value"] - p["true"]) <= half_width(p["sem"], fit["n"])
+            if p["ci95"] is not None:
+                trusted = p["ci95"][0] <= p["true"] <= p["ci95"][1]
+            yield Estimate(name, p["value"], p["true"], p["sem"], white, trusted)

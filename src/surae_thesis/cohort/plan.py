@@ -1,4 +1,4 @@
-"""Which fits are asked for, in full and in quick mode, as settings of jobs."""
+"""Which fits are asked for, in full and in quick mode, as settings of `work`'s jobs by label."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -25,8 +25,6 @@ MODELS = {
     "2.2": "muscle-tendon-toe",
 }
 ACTIVE = (ACTIVE_PROTOCOL, FAST_PROTOCOL)
-#: What is left out in turn to see what it costs; all together last.
-EVERYTHING = tuple(REMOVABLE)
 #: Rate of the thesis's muscle-tendon model (4.4) [Hz].
 EXPLICIT_HZ = 1000.0
 
@@ -45,8 +43,6 @@ class Size:
         Of the cohort and of the fits' random starts.
     subjects, repetitions : int
         Of the cohort.
-    models : tuple of str
-        Numbers of the thesis's models.
     rate_hz : float
         Of the fits [Hz].
     starts : int
@@ -56,143 +52,111 @@ class Size:
     """
 
     seed: int
-    subjects: int
-    repetitions: int
-    models: tuple[str, ...]
-    rate_hz: float
-    starts: int
-    baseline: int
+    subjects: int = SUBJECTS
+    repetitions: int = REPETITIONS
+    rate_hz: float = FITTED_HZ
+    starts: int = 4
+    baseline: int = 10
 
     @classmethod
     def of(cls, context: Context) -> "Size":
-        """Of the whole cohort, or of a few fits that pass through the same code."""
-        if context.quick:
-            return cls(context.seed, 3, 2, ("1.0", "2.0"), 128.0, 1, 2)
-        return cls(context.seed, SUBJECTS, REPETITIONS, tuple(MODELS), FITTED_HZ, 4, 10)
+        """Of the whole cohort, or of fewer fits of fewer subjects that check every claim."""
+        return cls(context.seed, 5, 2, 128.0, 1, 2) if context.quick else cls(context.seed)
 
     @property
     def members(self) -> tuple[CohortSubject, ...]:
         """The cohort."""
         return make_cohort(self.seed, self.subjects)
 
+    def recordings(self) -> Iterator[tuple[int, CohortSubject, str]]:
+        """Number and data of every subject, and each protocol that it completed."""
+        for number, member in enumerate(self.members):
+            for protocol in member.completed:
+                yield number, member, protocol
+
+
+def fit_settings(
+    size: Size, number: int, trials: list[Trial], model: str, **others: object
+) -> Settings:
+    """Settings of `work.fit_job`, with others than the usual ones of the size."""
+    return {
+        "seed": size.seed, "member": number, "trials": [list(trial) for trial in trials],
+        "model": MODELS[model], "free": [], "without": [], "predicted": [],
+        "rate_hz": size.rate_hz, "starts": size.starts, "options": {}, **others,
+    }  # fmt: skip
+
+
+def _predicted(size: Size, protocol: str) -> list[list[object]]:
+    """What repetition 1 predicts: the others, and from the multiple holds the ramp and hold."""
+    every = range(1, size.repetitions + 1)
+    passive = [[PASSIVE_PROTOCOL, r] for r in every] if protocol == ACTIVE_PROTOCOL else []
+    return [*([protocol, r] for r in every if r > 1), *passive]
+
 
 def single_fits(size: Size) -> dict[str, Settings]:
-    """The thesis's fits: every model to every recording alone.
-
-    The fit of repetition 1 predicts the others, and from the multiple holds the ramp and hold.
-    """
-    jobs = {}
-    for number, member in enumerate(size.members):
-        for protocol in member.completed:
-            for repetition in range(1, size.repetitions + 1):
-                told = list(_predicted(size, protocol)) if repetition == 1 else []
-                for model in size.models:
-                    jobs[f"{model} {member.id} {protocol} {repetition}"] = fit_settings(
-                        size, number, [(protocol, repetition)], model, predicted=told
-                    )
-    return jobs
-
-
-def _predicted(size: Size, protocol: str) -> Iterator[Trial]:
-    for repetition in range(2, size.repetitions + 1):
-        yield protocol, repetition
-    if protocol == ACTIVE_PROTOCOL:
-        for repetition in range(1, size.repetitions + 1):
-            yield PASSIVE_PROTOCOL, repetition
+    """The thesis's fits: every model to every recording alone."""
+    return {
+        f"{model} {member.id} {protocol} {repetition}": fit_settings(
+            size, number, [(protocol, repetition)], model,
+            predicted=_predicted(size, protocol) if repetition == 1 else [],
+        )
+        for number, member, protocol in size.recordings()
+        for repetition in range(1, size.repetitions + 1)
+        for model in MODELS
+    }  # fmt: skip
 
 
 def spared_fits(size: Size) -> dict[str, Settings]:
     """Repetition 1 without one imperfection in turn, and without all: what each costs."""
-    models = ("1.0",) if len(size.models) < len(MODELS) else ("1.0", "2.0")
-    cases = {name: (name,) for name in REMOVABLE} | {"all": EVERYTHING}
-    jobs = {}
-    for number, member in enumerate(size.members):
-        for protocol in (PASSIVE_PROTOCOL, ACTIVE_PROTOCOL):
-            for model in models:
-                if protocol == PASSIVE_PROTOCOL and model != "1.0":
-                    continue
-                for name, without in cases.items():
-                    jobs[f"{model} {member.id} {protocol} without {name}"] = fit_settings(
-                        size, number, [(protocol, 1)], model, without=without,
-                        predicted=[(protocol, 2)], starts=min(size.starts, 2),
-                    )  # fmt: skip
-    return jobs
-
-
-def fit_settings(
-    size: Size,
-    number: int,
-    trials: list[Trial],
-    model: str,
-    *,
-    free: tuple[str, ...] = (),
-    without: tuple[str, ...] = (),
-    predicted: list[Trial] | None = None,
-    rate_hz: float | None = None,
-    starts: int | None = None,
-    options: dict[str, str] | None = None,
-) -> Settings:
-    """Settings of `surae_thesis.cohort.work.fit_job`."""
+    cases = {name: [name] for name in REMOVABLE} | {"all": list(REMOVABLE)}
     return {
-        "seed": size.seed,
-        "member": number,
-        "trials": [list(one) for one in trials],
-        "model": MODELS[model],
-        "free": list(free),
-        "without": list(without),
-        "predicted": [list(one) for one in predicted or ()],
-        "rate_hz": rate_hz or size.rate_hz,
-        "starts": starts or size.starts,
-        "options": options or {},
+        f"{model} {member.id} {protocol} without {name}": fit_settings(
+            size, number, [(protocol, 1)], model, without=without, starts=min(size.starts, 2)
+        )
+        for number, member, protocol in size.recordings()
+        for model in ("1.0", "2.0")
+        if protocol == ACTIVE_PROTOCOL or (model, protocol) == ("1.0", PASSIVE_PROTOCOL)
+        for name, without in cases.items()
     }
 
 
 def explicit_fits(size: Size) -> dict[str, Settings]:
     """Repetition 1 with the thesis's integrator of the tendon, explicit, at its rate of 1000 Hz."""
-    return _first_fits(size, EXPLICIT_HZ, {"integrator": "explicit-euler"})
+    return _first_fits(size, rate_hz=EXPLICIT_HZ, options={"integrator": "explicit-euler"})
 
 
 def strain_fits(size: Size) -> dict[str, Settings]:
     """Repetition 1 with the ε0 of Table 2 as a strain of the slack length."""
-    return _first_fits(size, size.rate_hz, {"tendon_strain": "slack-length"})
+    return _first_fits(size, options={"tendon_strain": "slack-length"})
 
 
-def _first_fits(size: Size, rate_hz: float, options: dict[str, str]) -> dict[str, Settings]:
+def _first_fits(size: Size, **others: object) -> dict[str, Settings]:
     """Model 2.0 to repetition 1 of every protocol, 2.1 and 2.2 to that of the multiple holds."""
     return {
         f"{model} {member.id} {protocol} 1": fit_settings(
-            size, number, [(protocol, 1)], model, predicted=list(_predicted(size, protocol)),
-            rate_hz=rate_hz, starts=1, options=options,
+            size, number, [(protocol, 1)], model, predicted=_predicted(size, protocol), starts=1,
+            **others,
         )
-        for number, member in enumerate(size.members)
-        for protocol in member.completed
-        for model in size.models
+        for number, member, protocol in size.recordings()
+        for model in MODELS
         if model == "2.0" or (model != "1.0" and protocol == ACTIVE_PROTOCOL)
     }  # fmt: skip
 
 
 def strengths(size: Size) -> dict[str, Settings]:
-    """Settings of `surae_thesis.cohort.work.strength_job` by subject."""
-    return {
-        member.id: {
-            "seed": size.seed, "member": number, "protocol": ACTIVE_PROTOCOL,
-            "rate_hz": size.rate_hz,
-        }
-        for number, member in enumerate(size.members)
-    }  # fmt: skip
+    """Settings of `work.strength_job` by subject."""
+    fixed = {"seed": size.seed, "protocol": ACTIVE_PROTOCOL, "rate_hz": size.rate_hz}
+    return {member.id: {**fixed, "member": n} for n, member in enumerate(size.members)}
 
 
 def baselines(size: Size) -> dict[str, Settings]:
-    """Settings of `surae_thesis.cohort.work.baseline_job` by model and protocol."""
+    """Settings of `work.baseline_job` by model and protocol."""
     return {
         f"{model} {protocol}": {
-            "seed": size.seed,
-            "protocol": protocol,
-            "model": MODELS[model],
-            "subjects": size.baseline,
-            "rate_hz": size.rate_hz,
+            "seed": size.seed, "protocol": protocol, "model": MODELS[model],
+            "subjects": size.baseline, "rate_hz": size.rate_hz,
         }
-        for model in size.models
+        for model in MODELS
         for protocol in COMPLETED
         if protocol != PASSIVE_PROTOCOL
-    }
+    }  # fmt: skip

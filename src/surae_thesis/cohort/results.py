@@ -1,6 +1,5 @@
 """What came of the fits of the cohort, to be asked by model and protocol."""
 
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -14,7 +13,6 @@ from surae_thesis.section import Context
 
 #: One outcome of `work.fit_job`.
 Fit = Mapping[str, Any]
-_LABEL = re.compile(r"(?P<model>\S+) (?P<subject>\S+) (?P<protocol>\S+) (?P<repetition>\d+)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,113 +47,96 @@ class Fits:
 
     def of(self, model: str, protocol: str) -> Iterator[tuple[str, int, Fit]]:
         """Subject, repetition and fit of every recording of a protocol."""
-        for label, found in self.single.items():
-            parts = _LABEL.fullmatch(label)
-            if parts and parts["model"] == model and parts["protocol"] == protocol:
-                yield parts["subject"], int(parts["repetition"]), found
+        for label, fit in self.single.items():
+            of_model, subject, of_protocol, repetition = label.split()
+            if (of_model, of_protocol) == (model, protocol):
+                yield subject, int(repetition), fit
 
-    def vaf(self, model: str, protocol: str) -> list[Point]:
+    def vaf(self, model: str, protocol: str = ACTIVE_PROTOCOL) -> list[Point]:
         """VAF of every recording [%]."""
         return [
-            Point(subject, repetition, found["vaf"])
-            for subject, repetition, found in self.of(model, protocol)
-            if found["vaf"] is not None
+            Point(subject, repetition, fit["vaf"])
+            for subject, repetition, fit in self.of(model, protocol)
+            if fit["vaf"] is not None
         ]
 
-    def predicted(self, model: str, protocol: str, target: str) -> list[Point]:
-        """VAF of recordings of `target` that fits of repetition 1 of `protocol` predict [%]."""
+    def predicted(
+        self, model: str, protocol: str = ACTIVE_PROTOCOL, target: str = ""
+    ) -> list[Point]:
+        """VAF [%] of the other repetitions, or of `target`, as repetition 1 predicts them."""
         return [
-            Point(subject, one["repetition"], one["vaf"])
-            for subject, _, found in self.of(model, protocol)
-            for one in found["predicted"]
-            if one["protocol"] == target and one["vaf"] is not None
+            Point(subject, prediction["repetition"], prediction["vaf"])
+            for subject, _, fit in self.of(model, protocol)
+            for prediction in fit["predicted"]
+            if prediction["protocol"] == (target or protocol) and prediction["vaf"] is not None
         ]
+
+    def onto_passive(self, model: str) -> list[Point]:
+        """The ramp and hold as predicted from repetition 1 of the multiple holds."""
+        return self.predicted(model, target=PASSIVE_PROTOCOL)
 
     def snsem(self, model: str, protocol: str) -> dict[str, list[float]]:
         """Standard errors over the mean one of the simulations, by free parameter."""
         baseline = self.baselines[f"{model} {protocol}"]
-        found: dict[str, list[float]] = {}
+        ratios: dict[str, list[float]] = {}
         for _, _, fit in self.of(model, protocol):
             for name, p in fit["parameters"].items():
                 if p["free"]:
-                    of_name = found.setdefault(name, [])
+                    of_name = ratios.setdefault(name, [])
                     if p["sem"] is not None and name in baseline:
                         of_name.append(p["sem"] / baseline[name])
-        return found
+        return ratios
 
-    @property
-    def failed(self) -> int:
-        """Fits that reached no minimum."""
-        return sum(found["status"] == "failed" for found in self.single.values())
+
+#: What generates the recordings.
+_MADE_BY = (members, trials)
+
+
+def fitted(context: Context, name: str, jobs: Mapping[str, plan.Settings]) -> dict[str, Fit]:
+    """What `work.fit_job` makes of jobs, kept under a name."""
+    return context.calls(f"cohort-{name}", work.fit_job, jobs, also=_MADE_BY)
 
 
 def thesis_fits(context: Context) -> Fits:
     """Fit as the thesis did: every model to every recording alone."""
     size = plan.Size.of(context)
-    return Fits(
-        size,
-        size.members,
-        context.calls("cohort-fits", work.fit_job, plan.single_fits(size), also=MADE_BY),
-        context.calls("cohort-baselines", work.baseline_job, plan.baselines(size), also=MADE_BY),
-    )
-
-
-def spared_fits(context: Context) -> Mapping[str, Fit]:
-    """Fits to recordings that were spared an imperfection; see `plan.spared_fits`."""
-    size = plan.Size.of(context)
-    return context.calls("cohort-spared", work.fit_job, plan.spared_fits(size), also=MADE_BY)
+    single = fitted(context, "fits", plan.single_fits(size))
+    jobs = plan.baselines(size)
+    baselines = context.calls("cohort-baselines", work.baseline_job, jobs, also=_MADE_BY)
+    return Fits(size, size.members, single, baselines)
 
 
 def strengths(context: Context) -> Mapping[str, Mapping[str, float]]:
-    """Largest torques by subject, measured and on rigid tendons; see `work.strength_job`."""
+    """Largest torques by subject, measured and on printed tendons; see `work.strength_job`."""
     jobs = plan.strengths(plan.Size.of(context))
-    return context.calls("cohort-strengths", work.strength_job, jobs, also=MADE_BY)
+    return context.calls("cohort-strengths", work.strength_job, jobs, also=_MADE_BY)
 
 
 def fair_fits(context: Context, fits: Fits) -> Mapping[str, Mapping[str, float | None]]:
     """What a fair optimiser makes of the explicit scheme, by subject; see `work.explicit_job`."""
     jobs = {}
     for number, member in enumerate(fits.members):
-        fit = fits.single.get(f"2.0 {member.id} {ACTIVE_PROTOCOL} 1")
-        if fit is not None and fit["status"] != "failed":
+        fit = fits.single[f"2.0 {member.id} {ACTIVE_PROTOCOL} 1"]
+        if fit["status"] != "failed":
             jobs[member.id] = {
-                "seed": fits.size.seed,
-                "member": number,
-                "protocol": ACTIVE_PROTOCOL,
+                "seed": fits.size.seed, "member": number, "protocol": ACTIVE_PROTOCOL,
                 "rate_hz": plan.EXPLICIT_HZ,
                 "implicit": {n: p["value"] for n, p in fit["parameters"].items() if p["free"]},
-            }
-    return context.calls("cohort-fair", work.explicit_job, jobs, also=MADE_BY)
-
-
-def other_fits(context: Context, name: str) -> Fits:
-    """The muscle-tendon fits of repetition 1 another way: ``"explicit"`` or ``"strain"``."""
-    size = plan.Size.of(context)
-    jobs = {"explicit": plan.explicit_fits, "strain": plan.strain_fits}[name](size)
-    fits = context.calls(f"cohort-{name}", work.fit_job, jobs, also=MADE_BY)
-    return Fits(size, size.members, fits, {})
-
-
-#: What generates the recordings.
-MADE_BY = (members, trials)
+            }  # fmt: skip
+    return context.calls("cohort-fair", work.explicit_job, jobs, also=_MADE_BY)
 
 
 def values(points: Iterable[Point]) -> FloatArray:
     """The numbers alone."""
-    return np.array([one.value for one in points], dtype=np.float64)
+    return np.array([point.value for point in points], dtype=np.float64)
 
 
 def paired(first: Iterable[Point], second: Iterable[Point]) -> FloatArray:
     """Second minus first, of the recordings that are in both."""
-    left = {(one.subject, one.repetition): one.value for one in first}
-    return np.array(
-        [
-            one.value - left[one.subject, one.repetition]
-            for one in second
-            if (one.subject, one.repetition) in left
-        ],
-        dtype=np.float64,
-    )
+    left = {(point.subject, point.repetition): point.value for point in first}
+    both = [point for point in second if (point.subject, point.repetition) in left]
+    before = np.array([left[point.subject, point.repetition] for point in both])
+    return np.asarray(values(both) - before)
 
 
 def clearly_lower(first: Iterable[Point], second: Iterable[Point]) -> bool:
@@ -164,24 +145,14 @@ def clearly_lower(first: Iterable[Point], second: Iterable[Point]) -> bool:
     Subjects count as independent, repetitions of one subject do not: its mean counts once.
     """
     means = [_by_subject(first), _by_subject(second)]
-    if min(len(one) for one in means) < 2:
+    if min(map(len, means)) < 2:
         return False
-    error = np.sqrt(sum(one.var(ddof=1) / len(one) for one in means))
+    error = np.sqrt(sum(several.var(ddof=1) / len(several) for several in means))
     return bool(means[0].mean() < means[1].mean() - 2.0 * error)
 
 
 def _by_subject(points: Iterable[Point]) -> FloatArray:
-    found: dict[str, list[float]] = {}
-    for one in points:
-        found.setdefault(one.subject, []).append(one.value)
-    return np.array([np.mean(several) for several in found.values()], dtype=np.float64)
-
-
-def validation(fits: Fits, model: str, protocol: str) -> list[Point]:
-    """Repetitions 2 and 3 as predicted from repetition 1."""
-    return fits.predicted(model, protocol, protocol)
-
-
-def onto_passive(fits: Fits, model: str) -> list[Point]:
-    """The ramp and hold as predicted from repetition 1 of the multiple holds."""
-    return fits.predicted(model, ACTIVE_PROTOCOL, PASSIVE_PROTOCOL)
+    several: dict[str, list[float]] = {}
+    for point in points:
+        several.setdefault(point.subject, []).append(point.value)
+    return np.array([np.mean(of_subject) for of_subject in several.values()], dtype=np.float64)

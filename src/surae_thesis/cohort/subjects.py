@@ -1,10 +1,12 @@
 """Section: the thesis's subjects, a virtual cohort in their place (3.2, Figures 17 to 35, 40)."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from statistics import fmean
 
 from surae_thesis.claims import INTEGRATOR, judge
-from surae_thesis.cohort.claims import CLAIMS, METRES, STRAIN, Evidence, gains
+from surae_thesis.cohort import plan
+from surae_thesis.cohort.claims import CLAIMS, METRES, STRAIN, Evidence, gains, strength
 from surae_thesis.cohort.drawings import (
     explicit_drawing,
     snsem_drawings,
@@ -16,11 +18,9 @@ from surae_thesis.cohort.members import ACTIVE_PROTOCOL, COMPLETED, PASSIVE_PROT
 from surae_thesis.cohort.results import (
     Fits,
     fair_fits,
-    other_fits,
-    spared_fits,
+    fitted,
     strengths,
     thesis_fits,
-    values,
 )
 from surae_thesis.cohort.trials import REMOVABLE
 from surae_thesis.section import Context, Result, Table
@@ -32,20 +32,23 @@ Fair = Mapping[str, Mapping[str, float | None]]
 def run(context: Context) -> Result:
     """Fit the cohort as the thesis fitted its subjects, and judge its claims."""
     fits = thesis_fits(context)
-    explicit = other_fits(context, "explicit")
+    size = fits.size
+    explicit = replace(fits, single=fitted(context, "explicit", plan.explicit_fits(size)))
+    strain = replace(fits, single=fitted(context, "strain", plan.strain_fits(size)))
     fair = fair_fits(context, fits)
     spectra, apart = spectra_drawing(fits)
-    evidence = Evidence(fits, spared_fits(context), strengths(context), tuple(apart))
+    spared = fitted(context, "spared", plan.spared_fits(size))
+    evidence = Evidence(fits, spared, strengths(context), tuple(apart))
     views = {
         METRES: evidence,
-        STRAIN: evidence.another_way(other_fits(context, "strain")),
+        STRAIN: evidence.another_way(strain),
         INTEGRATOR: evidence.another_way(explicit),
     }
     figures = [*vaf_drawings(fits), *trace_drawings(fits), *snsem_drawings(fits), spectra]
     figures.append(explicit_drawing(fits, explicit))
     return Result(
         findings=tuple(judge(claim, views) for claim in CLAIMS),
-        insights=(_integrator(views, fair), _strength(evidence)),
+        insights=(_integrator(views, fair), strength(evidence)),
         figures=tuple(sorted(figures, key=lambda drawing: drawing.name)),
         tables=(_members(fits), _costs(evidence), _fits(fits)),
         notes=_notes(fits),
@@ -57,17 +60,14 @@ def _integrator(views: Mapping[str, Evidence], fair: Fair) -> str:
 
     def mean(name: str, model: str) -> float:
         points = views[name].fits.vaf(model, ACTIVE_PROTOCOL)
-        return float(values([p for p in points if p.repetition == 1]).mean())
+        return fmean(p.value for p in points if p.repetition == 1)
 
     got = {
-        key: [value for one in fair.values() if (value := one[key]) is not None]
+        key: [value for of_subject in fair.values() if (value := of_subject[key]) is not None]
         for key in ("replayed", "default", "warm")
     }
-    best = [
-        max(value for value in one.values() if value is not None)
-        for one in fair.values()
-        if any(value is not None for value in one.values())
-    ]
+    several = [[v for v in of_subject.values() if v is not None] for of_subject in fair.values()]
+    best = [max(values) for values in several if values]
     told = {key: f"{fmean(several):.1f} %" if several else "none" for key, several in got.items()}
     return (
         "Solved implicitly, the compliant model 2.0 follows the multiple holds with a VAF of "
@@ -83,22 +83,10 @@ def _integrator(views: Mapping[str, Evidence], fair: Fair) -> str:
     )
 
 
-def _strength(evidence: Evidence) -> str:
-    several = {
-        key: [sizes[key] for sizes in evidence.strengths.values()]
-        for key in ("measured", "printed")
-    }
-    told = {key: f"{min(v):.0f} to {max(v):.0f} Nm" for key, v in several.items()}
-    return (
-        "Table 2 calls ε0 = 0.04 a strain, and only as a part of the slack length does it let legs "
-        f"on compliant tendons reach the thesis's torques: the cohort {told['measured']}, the same "
-        f"legs and efforts with ε0 of 0.04 m, as the equations are printed, {told['printed']}."
-    )
-
-
 def _notes(fits: Fits) -> tuple[str, ...]:
     size = fits.size
     alone = fmean(fit["first_start"] for fit in fits.single.values())
+    failed = sum(fit["status"] == "failed" for fit in fits.single.values())
     women = sum(m.sex == "female" for m in fits.members)
     finished = ", ".join(str(sum(p in m.completed for m in fits.members)) for p in COMPLETED)
     return (
@@ -114,7 +102,7 @@ def _notes(fits: Fits) -> tuple[str, ...]:
         "repetition; motions are those that the device can follow. Raw signals of 2048 Hz go "
         f"through the thesis's preparation to {size.rate_hz:g} Hz (2.1).",
         f"Every model was fitted to every recording alone, {len(fits.single)} fits of "
-        f"{size.starts} start{'' if size.starts == 1 else 's'}; {fits.failed} reached no minimum; "
+        f"{size.starts} start{'' if size.starts == 1 else 's'}; {failed} reached no minimum; "
         f"the default start alone finds the best one in {100 * alone:.0f} %. Models with tendons "
         "are judged with Table 2's ε0 in metres and as a strain, and as the thesis's explicit "
         "integrator has them at its 1000 Hz, the latter two on repetition 1. Its fits are those of "

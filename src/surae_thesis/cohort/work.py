@@ -22,50 +22,16 @@ PEAK = 0.05
 _STEP, _EVALUATIONS = 0.01, 25
 
 
-def fit_job(
-    *,
-    seed: int,
-    member: int,
-    trials: Sequence[tuple[str, int]],
-    model: str,
-    free: Sequence[str],
-    without: Sequence[str],
-    predicted: Sequence[tuple[str, int]],
-    rate_hz: float,
-    starts: int,
-    options: Mapping[str, Any],
-) -> dict[str, Any]:
-    """Fit recordings of one subject, judge the fit and let it predict others.
-
-    Parameters
-    ----------
-    seed, member : int
-        Seed of the cohort, and number of the subject in it, from 0.
-    trials : sequence of (str, int)
-        Protocol and repetition of each recording; several are one joint fit.
-    model, free : str, sequence of str
-        What is fitted, and what it estimates beside its own free parameters.
-    without : sequence of str
-        Imperfections that all recordings are spared.
-    predicted : sequence of (str, int)
-        Recordings to predict.
-    rate_hz : float
-        Of the signals [Hz].
-    starts : int
-        Of the fit.
-    options : mapping
-        Of the model, see `surae.model.ModelOptions`.
+def fit_job(**settings: Any) -> dict[str, Any]:
+    """Fit recordings of one subject, judge the fit and let it predict others; see `fitted`.
 
     Returns
     -------
     dict
         Status, VAF, parameters beside the truth, correlation, predictions, sizes of torque parts.
     """
-    who = make_cohort(seed)[member]
-    fit = fitted(
-        seed=seed, member=member, trials=trials, model=model, free=free, without=without,
-        rate_hz=rate_hz, starts=starts, options=options,
-    )  # fmt: skip
+    who, without = make_cohort(settings["seed"])[settings["member"]], settings["without"]
+    fit = fitted(**settings)
     truth = _truth(who, without)
     sums = [start.sse for start in fit.result.starts]
     return {
@@ -92,9 +58,11 @@ def fit_job(
         },
         "predicted": [
             {"protocol": protocol, "repetition": repetition, "vaf": _predicted(fit, inputs)}
-            for protocol, repetition in predicted
+            for protocol, repetition in settings["predicted"]
             for inputs in [
-                cohort_inputs(who, protocol, repetition, rate_hz=rate_hz, without=without)
+                cohort_inputs(
+                    who, protocol, repetition, rate_hz=settings["rate_hz"], without=without
+                )
             ]
         ],
         "sizes": _sizes(fit),
@@ -107,15 +75,35 @@ def fitted(
     member: int,
     trials: Sequence[tuple[str, int]],
     model: str,
-    free: Sequence[str] = (),
-    without: Sequence[str] = (),
+    free: Sequence[str],
+    without: Sequence[str],
+    predicted: Sequence[tuple[str, int]],
     rate_hz: float,
     starts: int,
     options: Mapping[str, Any],
-    **others: object,
 ) -> surae.Fit:
-    """The fit itself; see `fit_job`, whose other settings make no difference."""
-    del others
+    """The fit itself.
+
+    Parameters
+    ----------
+    seed, member : int
+        Seed of the cohort, and number of the subject in it, from 0.
+    trials : sequence of (str, int)
+        Protocol and repetition of each recording; several are one joint fit.
+    model, free : str, sequence of str
+        What is fitted, and what it estimates beside its own free parameters.
+    without : sequence of str
+        Imperfections that all recordings are spared.
+    predicted : sequence of (str, int)
+        Recordings that are predicted later.
+    rate_hz : float
+        Of the signals [Hz].
+    starts : int
+        Of the fit.
+    options : mapping
+        Of the model, see `surae.model.ModelOptions`.
+    """
+    del predicted
     who = make_cohort(seed)[member]
     inputs = [
         cohort_inputs(who, protocol, repetition, rate_hz=rate_hz, without=without)
