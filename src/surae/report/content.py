@@ -10,9 +10,18 @@ from surae.assessment import Assessment, Interval, Prediction, Verdict
 from surae.estimation import FitResult
 from surae.quality import Quality
 from surae.report.adequacy import AdequacyWords, adequacy_words
+from surae.report.budget import BudgetSection, budget_section
 from surae.report.correlations import CorrelationSection, correlation_section
 from surae.report.formatting import NONE, percentage, significant
 from surae.report.identifiability import IdentifiabilitySection, identifiability_section
+from surae.report.laboratory import (
+    FamilySection,
+    LaboratorySection,
+    TrialsSection,
+    family_section,
+    laboratory_section,
+    trials_section,
+)
 from surae.report.parameters import ParameterGroup, parameter_groups
 from surae.report.predictions import PredictionSection, prediction_section
 from surae.report.provenance import Setting, Source, settings, sources
@@ -78,6 +87,11 @@ class Content:
         Whether any parameter has one.
     recordings, groups, correlation, identifiability, starts, settings, sources, versions
         The sections.
+    budget : BudgetSection
+        What makes each parameter unsure, and what would help.
+    laboratory, family, trials
+        Of a fit with model auto: what is not known of the laboratory, which models were weighed,
+        and how trials differ; None where there is nothing to say.
     predictions, snsem
         The sections on other recordings and on simulations; None without any.
     quality : tuple of QualitySection
@@ -110,6 +124,10 @@ class Content:
     settings: tuple[Setting, ...]
     sources: tuple[Source, ...]
     versions: tuple[Setting, ...]
+    budget: BudgetSection
+    laboratory: LaboratorySection | None
+    family: FamilySection | None
+    trials: TrialsSection | None
     predictions: PredictionSection | None
     snsem: SnsemSection | None
     weighted_first: bool
@@ -172,6 +190,10 @@ def make_content(
         settings=settings(result, assessment),
         sources=sources(result),
         versions=tuple(Setting(name, version) for name, version in versions.items()),
+        budget=budget_section(result, assessment),
+        laboratory=laboratory_section(result, assessment),
+        family=family_section(result, assessment),
+        trials=trials_section(result, assessment),
         predictions=prediction_section(assessment, predictions),
         snsem=snsem_section(assessment),
         weighted_first=result.outliers is not None,
@@ -203,11 +225,19 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> tuple[KeyFigu
         KeyFigure(
             "Parameters identified",
             NONE if failed else f"{identified} of {free}",
-            ("correlation of the residual allowed for" if coloured else "robust standard errors")
+            "what is not known of the laboratory allowed for"
+            if result.family is not None
+            else ("correlation of the residual allowed for" if coloured else "robust errors")
             if robust
             else "",
         ),
         KeyFigure(
+            "Parameters repeatable",
+            NONE if failed else f"{sum(p.repeatable for p in parameters)} of {free}",
+            "another trial would give the same",
+        )
+        if result.family is not None
+        else KeyFigure(
             "Starts that agree",
             f"{result.agreeing} of {len(result.starts)}",
             "on the best minimum",

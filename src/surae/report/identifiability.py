@@ -82,7 +82,8 @@ def identifiability_section(result: FitResult, assessment: Assessment) -> Identi
         sets.append(f"and {len(identified.collinear) - _SETS} more")
     condition = "infinite" if identified.condition is None else significant(identified.condition, 2)
     gamma = "infinite" if identified.gamma is None else significant(identified.gamma, 3)
-    ranked = sorted(identified.parameters.values(), key=lambda parameter: parameter.rank)
+    own = [p for p in identified.parameters.values() if p.name in assessment.parameters]
+    ranked = sorted(own, key=lambda parameter: parameter.rank)
     return IdentifiabilitySection(
         text=(
             f"Condition number of the scaled information matrix: {condition}. Collinearity index "
@@ -114,7 +115,7 @@ def _direction(direction: Direction) -> DirectionRow:
 
 
 def _row(parameter: Identified, assessment: Assessment) -> SensitivityRow:
-    verdict = {**assessment.parameters, **assessment.nuisances}[parameter.name].verdict
+    verdict = assessment.parameters[parameter.name].verdict
     return SensitivityRow(
         name=parameter.name,
         sensitivity=significant(parameter.sensitivity, 2),

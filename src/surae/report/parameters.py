@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.estimation import Prior
+from surae.estimation.laboratory import group_of
 from surae.report.formatting import NONE, estimate, short, standard_error
 from surae.report.priors import prior_note, prior_span
 
@@ -60,6 +61,9 @@ class ParameterRow:
     ----------
     name, meaning, unit, value, interval, sem, sem_robust, bounds, verdict, verdict_text, note : str
         The cells; a dash where there is no number.
+    repeatable, repeat_interval : str
+        Whether another trial of the leg would give the same value, ``"yes"``, ``"no"`` or a dash,
+        and the 95 % interval of what it would give; empty where that is the parameter's own.
     prior : str
         The prior in words; empty without one.
     determined : bool
@@ -79,6 +83,8 @@ class ParameterRow:
     verdict: str
     verdict_text: str
     note: str
+    repeatable: str
+    repeat_interval: str
     prior: str
     determined: bool
     bar: Bar | None
@@ -95,9 +101,14 @@ class ParameterGroup:
 def parameter_groups(
     assessment: Assessment, priors: Mapping[str, Prior]
 ) -> tuple[ParameterGroup, ...]:
-    """All parameters of a fit, by the part of the torque they act on."""
+    """All parameters of a fit, by the part of the torque they act on.
+
+    What a fit with model auto holds of the laboratory, since it has nothing to act on, is not told.
+    """
     rows: dict[str, list[ParameterRow]] = {}
     for p in assessment.parameters.values():
+        if assessment.nuisances and not p.free and group_of(p.name):
+            continue
         rows.setdefault(p.group, []).append(_row(p, priors.get(p.name)))
     return tuple(ParameterGroup(_GROUPS.get(g, g), tuple(some)) for g, some in rows.items())
 
@@ -116,6 +127,10 @@ def _row(p: ParameterEstimate, prior: Prior | None) -> ParameterRow:
         verdict=str(p.verdict),
         verdict_text=_VERDICTS[p.verdict],
         note=p.note,
+        repeatable=NONE if p.ci95_repeat is None else "yes" if p.repeatable else "no",
+        repeat_interval=""
+        if p.ci95_repeat in (None, p.ci95)
+        else estimate(p.value, p.trusted_sem, p.ci95_repeat).interval,
         prior=prior_note(prior, p.value, p.trusted_sem) if prior else "",
         determined=p.verdict is not Verdict.UNDETERMINED or p.ci95 is not None,
         bar=_bar(p, prior) if p.free and math.isfinite(p.value) else None,

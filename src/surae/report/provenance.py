@@ -43,8 +43,9 @@ def settings(result: FitResult, assessment: Assessment) -> tuple[Setting, ...]:
     options = ", ".join(
         f"{name} = {_option(value)}" for name, value in problem.options.as_dict().items()
     )
+    chosen = "" if result.family is None else ", chosen by model auto"
     return (
-        Setting("Model", f"{problem.spec.title} ({problem.spec.name})"),
+        Setting("Model", f"{problem.spec.title} ({problem.spec.name}){chosen}"),
         Setting("Model options", options),
         Setting("Fixed parameters", _fixed(result, assessment)),
         Setting("Bounds", _bounds(result)),
@@ -72,6 +73,8 @@ def sources(result: FitResult) -> tuple[Source, ...]:
 
 def _starts(result: FitResult) -> str:
     count = len(result.starts)
+    if result.family is not None:
+        return f"both valleys of the relaxation; {count} kept that the data do not reject"
     return "the default one" if count == 1 else f"{count}, random ones with seed {result.seed}"
 
 

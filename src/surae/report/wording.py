@@ -39,7 +39,7 @@ def summary(result: FitResult, assessment: Assessment, rms: float) -> tuple[str,
         emphasis_text(result, assessment),
         _intervals(assessment),
     ]
-    if len(result.starts) > 1 and result.agreeing == 1:
+    if result.family is None and len(result.starts) > 1 and result.agreeing == 1:
         texts.append(
             f"Only one of {len(result.starts)} starts reached this solution. There may be a better "
             "one: give more starts before relying on the values."
@@ -51,7 +51,7 @@ def caution(result: FitResult, assessment: Assessment) -> str:
     """What to know before reading the parameter table; empty where there is nothing."""
     if result.status == "failed":
         return FAILED
-    if assessment.interval is Interval.THESIS:
+    if assessment.interval is not Interval.ROBUST:
         return ""
     return (
         f"Intervals and verdicts rest on the robust SEM, because {assessment.interval_note}; the "
@@ -108,6 +108,14 @@ def _counted(assessment: Assessment) -> str:
             f" {subject} set by the bound, not by the data: see whether the bound is right, or fix "
             "the parameter."
         )
+    adequate = assessment.adequacy.grade is not Grade.INADEQUATE
+    if assessment.interval is Interval.MARGINAL and adequate:
+        repeatable = sum(p.repeatable for p in free)
+        text += (
+            f" {_share(repeatable, len(free))} repeatable, which is another claim: a second trial "
+            "of this leg would give the same value, right or wrong, so that changes of the leg "
+            "can be seen in it."
+        )
     if weak or unknown or bound:
         text += " The parameter table says what to do about each."
     return text
@@ -117,6 +125,11 @@ def _intervals(assessment: Assessment) -> str:
     """What the intervals allow for."""
     if not any(p.ci95 for p in assessment.parameters.values()):
         return ""
+    if assessment.interval is Interval.MARGINAL:
+        return (
+            f"The intervals are wide on purpose: {assessment.interval_note}. Constants taken from "
+            "the literature, such as moment arms, are their condition and not in them."
+        )
     if assessment.interval is Interval.THESIS:
         return (
             f"The intervals are those of white noise, equation (34): {assessment.interval_note}. "

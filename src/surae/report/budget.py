@@ -1,0 +1,152 @@
+"""What makes each parameter unsure, in shares of its variance, and what would make it known."""
+
+from dataclasses import dataclass
+
+from surae.assessment import Assessment, ParameterEstimate, Verdict
+from surae.assessment.adequacy import Grade
+from surae.assessment.uncertainty.budget import REMEDIES, budgets
+from surae.assessment.verdict import percent
+from surae.estimation import FitResult
+
+#: What a source of uncertainty is called, in the order in which it is shown.
+SOURCES = {
+    "noise": "noise of the torque",
+    "emg_noise": "noise of the EMG",
+    "zero": "zero of the torque sensor",
+    "delay": "delay from EMG to torque",
+    "crosstalk": "crosstalk between electrodes",
+    "emg_gain": "drift of the EMG",
+    "emg_shape": "curve from EMG to activation",
+    "axis": "axis beside the device’s",
+    "tendon": "tendons",
+    "model": "choice of the model",
+    "trials": "differences between trials",
+    "integration": "integration",
+}
+#: Share of a variance from which a source is shown, and from which it is worth a remedy.
+_SHOWN, _WORTH = 0.005, 0.25
+#: A remedy is told of where the interval shrinks to less than this part.
+_SHRINKS = 0.8
+#: Parameters that are named with one remedy.
+_NAMED = 4
+
+
+@dataclass(frozen=True, slots=True)
+class BudgetRow:
+    """One parameter: how well it is known, and its shares of the variance in the sources' order."""
+
+    name: str
+    known: str
+    shares: tuple[float, ...]
+    texts: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class BudgetSection:
+    """The uncertainty budget.
+
+    Attributes
+    ----------
+    text : str
+        What the shares are, or why there are none.
+    keys, sources : tuple of str
+        The sources that are shown: their names in FIT.json, and in words.
+    rows : tuple of BudgetRow
+        Estimated parameters with an interval; empty where nothing but noise is looked at.
+    helps : tuple of str
+        What to measure, and how much better which parameter would be known.
+    alt : str
+        The chart in words.
+    """
+
+    text: str
+    keys: tuple[str, ...]
+    sources: tuple[str, ...]
+    rows: tuple[BudgetRow, ...]
+    helps: tuple[str, ...]
+    alt: str
+
+
+def budget_section(result: FitResult, assessment: Assessment) -> BudgetSection:
+    """Put the budgets of all parameters in one table."""
+    known = {p.name: p for p in assessment.parameters.values() if p.budget and p.ci95}
+    if result.family is None or not known:
+        return BudgetSection(
+            "The intervals of this fit contain the noise of the torque and nothing else: what the "
+            "laboratory cannot rule out, and other models, are not in them. A fit with model auto "
+            "says what they add.",
+            (), (), (), (), "",
+        )  # fmt: skip
+    met = {source for p in known.values() for source in p.budget if p.budget[source] >= _SHOWN}
+    keys = [source for source in SOURCES if source in met]
+    keys += sorted(met - set(keys))
+    rows = []
+    for name, p in known.items():
+        shares = tuple(p.budget.get(key, 0.0) for key in keys)
+        width = _relative(p)
+        known_to = f"±{percent(width)}" if width <= 1.0 else "undetermined"
+        rows.append(BudgetRow(name, known_to, shares, tuple(map(_written, shares))))
+    first = [keys[row.shares.index(max(row.shares))] for row in rows]
+    main = max(dict.fromkeys(first), key=first.count)
+    return BudgetSection(
+        text=(
+            "Where the uncertainty of each parameter comes from: shares of the variance behind its "
+            "95 % interval. The shares of what is estimated along overlap and are scaled to add up."
+        ),
+        keys=tuple(keys),
+        sources=tuple(SOURCES.get(key, key.replace("_", " ")) for key in keys),
+        rows=tuple(rows),
+        helps=what_would_help(result, assessment),
+        alt=(
+            f"Stacked bars of the shares of the variance of {len(rows)} parameters; the largest "
+            f"share of {first.count(main)} of them is {SOURCES.get(main, main)}."
+        ),
+    )
+
+
+def what_would_help(result: FitResult, assessment: Assessment) -> tuple[str, ...]:
+    """What to measure so that parameters that are not identified would be known better.
+
+    A sentence for each source that is a quarter of a parameter's variance and whose knowledge
+    would narrow its interval by a fifth; none of a fit that is inadequate, for its intervals mean
+    nothing, and none of a named model, which knows of noise alone.
+    """
+    if result.family is None or assessment.adequacy.grade is Grade.INADEQUATE:
+        return ()
+    gains: dict[str, list[tuple[float, str]]] = {}
+    for name, budget in budgets(result.family, result.problem.free).items():
+        p = assessment.parameters.get(name)
+        if p is None or p.ci95 is None or p.verdict not in (Verdict.WEAK, Verdict.UNDETERMINED):
+            continue
+        before = _relative(p)
+        for source, left in budget.without.items():
+            part = left / budget.sd
+            if source not in REMEDIES or budget.shares.get(source, 0.0) < _WORTH:
+                continue
+            if part < _SHRINKS and part * before <= 1.0:
+                after = f"{name} would be known to ±{percent(part * before)}"
+                text = f"{after} instead of ±{percent(before)}"
+                gains.setdefault(source, []).append((part, text))
+    ranked = sorted(gains.items(), key=lambda gain: -sum(1.0 - part for part, _ in gain[1]))
+    return tuple(_sentence(REMEDIES[source], sorted(narrowed)) for source, narrowed in ranked)
+
+
+def _sentence(remedy: str, narrowed: list[tuple[float, str]]) -> str:
+    texts = [text for _, text in narrowed[:_NAMED]]
+    if len(narrowed) > _NAMED:
+        texts.append(f"{len(narrowed) - _NAMED} more would be known better")
+    *others, last = texts
+    joined = f"{', '.join(others)} and {last}" if others else last
+    return f"{remedy[0].upper()}{remedy[1:]}, and {joined}.".replace("'", "’")
+
+
+def _relative(p: ParameterEstimate) -> float:
+    """Half-width of the 95 % interval as a part of the value."""
+    low, high = p.ci95 or (0.0, 0.0)
+    return (high - low) / 2.0 / abs(p.value) if p.value else float("inf")
+
+
+def _written(share: float) -> str:
+    if share < _SHOWN:
+        return "–"
+    return f"{100 * share:.0f} %" if share >= 0.01 else "< 1 %"

@@ -1,0 +1,218 @@
+"""What a fit with model auto says beyond the leg: the laboratory, the models, the trials."""
+
+from dataclasses import dataclass
+
+from surae.assessment import Assessment, ParameterEstimate
+from surae.assessment.adequacy import Grade
+from surae.estimation import Candidate, Family, FitResult
+from surae.estimation.laboratory import GROUPS, Belief, group_of
+from surae.model import get_model
+from surae.report.formatting import NONE, estimate, significant
+
+#: What a group of imperfections is called, and what it is.
+_GROUPS = {
+    "zero": ("torque zero", "what the sensor shows without torque"),
+    "delay": ("delay", "from the EMG to the torque"),
+    "crosstalk": ("crosstalk", "part of another muscle’s EMG that an electrode picks up"),
+    "axis": ("axis", "how far the ankle’s axis lies from the device’s"),
+    "drift": ("drift of the EMG", "change of an electrode’s gain within the trial"),
+    "shape": ("EMG curve", "bend from EMG to activation; 0 is a straight line"),
+    "toe": ("tendon toe", "where the tendon’s force curve becomes straight"),
+}
+#: Units as people read them: factor and name.
+_UNITS = {"s": (1e3, "ms"), "m": (1e3, "mm"), "rad": (57.29577951308232, "°"), "-": (1.0, "")}
+#: Part of the assumed standard deviation up to which the data told a value, or a part of it.
+_TOLD, _PARTLY = 0.5, 0.8
+#: Standard deviations from what was assumed that are worth a word.
+_UNUSUAL = 2.0
+#: Probabilities from which a model is supported, and from which it is favoured.
+_SUPPORTED, _FAVOURED = 0.99, 0.75
+
+
+@dataclass(frozen=True, slots=True)
+class LaboratoryRow:
+    """One imperfection: what was assumed of it, what came out, and who told it."""
+
+    group: str
+    name: str
+    meaning: str
+    unit: str
+    prior: str
+    value: str
+    interval: str
+    told: str
+
+
+@dataclass(frozen=True, slots=True)
+class LaboratorySection:
+    """The imperfections of the laboratory, and the torque zero of each of several recordings."""
+
+    text: str
+    groups: tuple[tuple[str, str], ...]
+    rows: tuple[LaboratoryRow, ...]
+    zeros: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class FamilySection:
+    """The models that were weighed: the two kinds of tendons, and other sets of imperfections.
+
+    Attributes
+    ----------
+    text : str
+        What the evidence says.
+    models, variants : tuple of (str, str, str)
+        Model, imperfections in it, and its probability.
+    """
+
+    text: str
+    models: tuple[tuple[str, str, str], ...]
+    variants: tuple[tuple[str, str, str], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TrialsSection:
+    """How much each parameter differs from trial to trial: name, standard deviation, unit, part."""
+
+    text: str
+    rows: tuple[tuple[str, str, str, str], ...]
+
+
+def laboratory_section(result: FitResult, assessment: Assessment) -> LaboratorySection | None:
+    """What is not known of the laboratory; None for a named model, which takes it for perfect."""
+    family = result.family
+    if family is None:
+        return None
+    if not family.beliefs:
+        return LaboratorySection(
+            "The laboratory was taken for perfect, as asked: none of its imperfections is in the "
+            "intervals.", (), (), (),
+        )  # fmt: skip
+    beliefs = {
+        name: family.beliefs[name] for name in assessment.nuisances if name in family.beliefs
+    }
+    present = dict.fromkeys(group_of(name) for name in beliefs)
+    several = len(result.problem.inputs) > 1 and len(family.zeros) == len(result.problem.inputs)
+    return LaboratorySection(
+        text=(
+            "No laboratory can rule these out. Each was given what a careful laboratory knows of "
+            "it beforehand, mean ± standard deviation, and estimated along with the leg; what "
+            "stays unknown of it is in every interval of this report."
+        ),
+        groups=tuple(_GROUPS[group] for group in GROUPS if group in present),
+        rows=tuple(_row(assessment.nuisances[name], belief) for name, belief in beliefs.items()),
+        zeros=tuple(
+            (recording.name, f"{significant(zero, 3)} Nm")
+            for recording, zero in zip(result.problem.inputs, family.zeros, strict=True)
+        )
+        if several
+        else (),
+    )
+
+
+def _row(p: ParameterEstimate, belief: Belief) -> LaboratoryRow:
+    factor, unit = _UNITS.get(p.unit, (1.0, p.unit))
+    if p.unit == "-" and group_of(p.name) in ("crosstalk", "drift"):
+        factor, unit = 100.0, "%"
+    ends = None if p.ci95 is None else (factor * p.ci95[0], factor * p.ci95[1])
+    sem = None if p.sem is None else factor * p.sem
+    text = estimate(factor * p.value, sem, ends)
+    mean, sd = (significant(factor * number, 2) for number in (belief.mean, belief.sd))
+    return LaboratoryRow(
+        group=_GROUPS[group_of(p.name) or "zero"][0],
+        name=p.name,
+        meaning=p.meaning,
+        unit=unit,
+        prior=f"{mean} ± {sd}",
+        value=text.value,
+        interval=text.interval,
+        told=_told(p, belief),
+    )
+
+
+def _told(p: ParameterEstimate, belief: Belief) -> str:
+    """Whether a value comes from the data or from what was assumed."""
+    if p.at_bound:
+        none = p.value == belief.off
+        return "none, say the data" if none else "at the end of what is allowed: see the set-up"
+    if p.sem is None:
+        return NONE
+    part = p.sem / belief.sd
+    text = (
+        "told by the data" if part <= _TOLD else
+        "told by the data in part" if part <= _PARTLY else
+        "as assumed: the data say little"
+    )  # fmt: skip
+    away = abs(p.value - belief.mean) / belief.sd
+    if away > _UNUSUAL:
+        text += f"; {away:.1f} standard deviations from what was assumed"
+    return text
+
+
+def family_section(result: FitResult, assessment: Assessment) -> FamilySection | None:
+    """Which models were weighed and what the evidence says; None for a named model."""
+    family = result.family
+    if family is None:
+        return None
+    chosen, *others = family.candidates
+    models = [chosen, *(other for other in others if other.model != chosen.model)]
+    variants = [other for other in others if other.model == chosen.model]
+    return FamilySection(
+        text=_support(family, assessment.adequacy.grade),
+        models=tuple(map(_candidate, models)),
+        variants=tuple(map(_candidate, variants)),
+    )
+
+
+def _candidate(candidate: Candidate) -> tuple[str, str, str]:
+    groups = ", ".join(_GROUPS[group][0] for group in candidate.groups) or "none"
+    return _title(candidate.model), groups, _chance(candidate.weight)
+
+
+def _support(family: Family, grade: Grade) -> str:
+    chosen, *others = family.candidates
+    other = next((each for each in others if each.model != chosen.model), None)
+    title = _title(chosen.model)
+    if other is None:
+        return f"The {title} is the only model that was tried."
+    rival = _title(other.model)
+    if grade is Grade.INADEQUATE:
+        return f"The {title} comes nearest, but the fit is inadequate: that supports no model."
+    if chosen.weight >= _SUPPORTED:
+        return f"The data support the {title}; the {rival} is less likely by more than a hundred times."
+    if chosen.weight >= _FAVOURED:
+        text = f"The data favour the {title} ({_chance(chosen.weight)}) over the {rival}."
+    else:
+        text = f"The data cannot tell the {title} from the {rival}; values are the former’s."
+    return f"{text} How far the two are apart is in the intervals."
+
+
+def trials_section(result: FitResult, assessment: Assessment) -> TrialsSection | None:
+    """How the trials of a joint fit differ; None where that was not looked at."""
+    spread = {} if result.family is None else result.family.spread.get("trials", {})
+    rows = []
+    for name, sd in spread.items():
+        p = assessment.parameters.get(name)
+        if p is None or not p.free or not sd > 0.0:
+            continue
+        part = f"{significant(100 * sd / abs(p.value), 2)} %" if p.value else NONE
+        rows.append((name, significant(sd, 2), "" if p.unit == "-" else p.unit, part))
+    if not rows:
+        return None
+    return TrialsSection(
+        f"Each of the {len(result.problem.inputs)} recordings would put a parameter a little "
+        "elsewhere. The standard deviation of what that does to the common value is in its "
+        "interval.",
+        tuple(rows),
+    )
+
+
+def _title(model: str) -> str:
+    return get_model(model).title
+
+
+def _chance(weight: float) -> str:
+    """A probability in percent that never claims to be certain."""
+    if weight > 0.99:
+        return "> 99 %"
+    return f"{100 * weight:.0f} %" if weight >= 0.01 else "< 1 %"
