@@ -52,12 +52,7 @@ def build(
     from surae.report.html import render  # matplotlib and Jinja, only when a report is made
 
     return render(
-        result,
-        assessment,
-        versions=versions,
-        created=created,
-        predictions=predictions,
-        quality=quality,
+        result, assessment, predictions, versions=versions, created=created, quality=quality
     )
 
 
@@ -81,15 +76,13 @@ def write_report(
         Typst cannot set the PDF.
     """
     check_report(path)
-    what: dict[str, Any] = {
-        "versions": versions, "created": created, "predictions": predictions, "quality": quality
-    }  # fmt: skip
+    what: dict[str, Any] = {"versions": versions, "created": created, "quality": quality}
     if is_pdf(path):
         from surae.report.pdf import render_pdf
 
-        write_atomic(path, render_pdf(result, assessment, **what))
+        write_atomic(path, render_pdf(result, assessment, predictions, **what))
     else:
-        write_atomic(path, build(result, assessment, **what))
+        write_atomic(path, build(result, assessment, predictions=predictions, **what))
 
 
 def is_pdf(path: PathLike) -> bool:

@@ -1,49 +1,31 @@
 """A report as one HTML file that asks nothing of the outside."""
 
 import base64
-from collections.abc import Mapping, Sequence
-from datetime import datetime
+from collections.abc import Sequence
+from typing import Any
 
-import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from surae.assessment import Assessment, Prediction
 from surae.estimation import FitResult
-from surae.quality import Quality
 from surae.report.content import make_content
-from surae.report.correlations import CorrelationSection
-from surae.report.figures import (
-    correlation_figure,
-    png,
-    prediction_figure,
-    residual_figure,
-    svg,
-    tendon_figure,
-    torque_figure,
-)
+from surae.report.figures import drawings, png, svg
 from surae.report.traces import traces_of
+
+#: Figures of few lines and many letters, which stay sharp at any size.
+_DRAWN = ("correlation", "budget")
 
 
 def render(
-    result: FitResult,
-    assessment: Assessment,
-    *,
-    versions: Mapping[str, str],
-    created: datetime,
-    predictions: Sequence[Prediction] = (),
-    quality: Sequence[Quality] = (),
+    result: FitResult, assessment: Assessment, predictions: Sequence[Prediction], **what: Any
 ) -> str:
     """The page; see `surae.report.build`."""
     traces = traces_of(result)
-    content = make_content(
-        result,
-        assessment,
-        traces,
-        versions=versions,
-        created=created,
-        predictions=predictions,
-        quality=quality,
-    )
+    content = make_content(result, assessment, traces, predictions=predictions, **what)
+    images = {}
+    for name, figure in drawings(content, traces, assessment, predictions):
+        kind, data = ("svg+xml", svg(figure)) if name in _DRAWN else ("png", png(figure))
+        images[name] = f"data:image/{kind};base64,{base64.b64encode(data).decode()}"
     # Names come from files and are untrusted: everything is escaped.
     environment = Environment(
         loader=PackageLoader("surae.report"),
@@ -52,34 +34,4 @@ def render(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template("report.html.j2").render(
-        content=content,
-        torque=[_image(png(torque_figure(trial)), "png") for trial in traces],
-        residual=[
-            _image(png(residual_figure(trial.time, trial.residual, w, trial.excluded)), "png")
-            for trial, w in zip(traces, assessment.whiteness, strict=True)
-        ],
-        tendon=[
-            None
-            if trial.tendon is None
-            else _image(png(tendon_figure(trial, trial.tendon), 150), "png")
-            for trial in traces
-        ],
-        correlation=_heat_map(content.correlation),
-        predictions=[
-            _image(png(prediction_figure(prediction)), "png") for prediction in predictions
-        ],
-    )
-
-
-def _heat_map(section: CorrelationSection) -> str | None:
-    if len(section.names) < 2:
-        return None
-    figure = correlation_figure(
-        section.names, np.array(section.matrix), section.passive, section.active
-    )
-    return _image(svg(figure), "svg+xml")
-
-
-def _image(data: bytes, kind: str) -> str:
-    return f"data:image/{kind};base64,{base64.b64encode(data).decode()}"
+    return environment.get_template("report.html.j2").render(content=content, images=images)

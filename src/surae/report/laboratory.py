@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from surae.assessment import Assessment, ParameterEstimate
 from surae.assessment.adequacy import Grade
 from surae.estimation import Candidate, Family, FitResult
-from surae.estimation.laboratory import GROUPS, Belief, group_of
 from surae.model import get_model
+from surae.model.laboratory import GROUPS, Belief, group_of
 from surae.report.formatting import NONE, estimate, significant
 
 #: What a group of imperfections is called, and what it is.
@@ -179,7 +179,7 @@ def _support(family: Family, grade: Grade) -> str:
     if grade is Grade.INADEQUATE:
         return f"The {title} comes nearest, but the fit is inadequate: that supports no model."
     if chosen.weight >= _SUPPORTED:
-        return f"The data support the {title}; the {rival} is less likely by more than a hundred times."
+        return f"The data support the {title}; the {rival} is a hundred times less likely or more."
     if chosen.weight >= _FAVOURED:
         text = f"The data favour the {title} ({_chance(chosen.weight)}) over the {rival}."
     else:

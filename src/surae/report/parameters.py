@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.estimation import Prior
-from surae.estimation.laboratory import group_of
+from surae.model.laboratory import group_of
 from surae.report.formatting import NONE, estimate, short, standard_error
 from surae.report.priors import prior_note, prior_span
 

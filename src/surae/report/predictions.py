@@ -23,10 +23,11 @@ class PredictionRow:
 
 @dataclass(frozen=True, slots=True)
 class PredictionSection:
-    """All predicted recordings, and what they say together."""
+    """All predicted recordings, and what they say together; the first `drawn` have a figure."""
 
     text: str
     rows: tuple[PredictionRow, ...]
+    drawn: int
 
 
 def prediction_section(
@@ -53,7 +54,7 @@ def prediction_section(
             " The parameters carry over only in part: they describe the recordings they were "
             "fitted to better than the leg."
         )
-    return PredictionSection(text, tuple(rows))
+    return PredictionSection(text, tuple(rows), len(predictions))
 
 
 def _row(name: str, vaf: float, rmse: float, bias: float) -> PredictionRow:

@@ -1,6 +1,7 @@
 """The figures of a report, each from plain data; importing this imports matplotlib."""
 
 from surae.report.figures.correlation import correlation_figure
+from surae.report.figures.drawings import drawings
 from surae.report.figures.lines import line, shared_legend
 from surae.report.figures.prediction import prediction_figure
 from surae.report.figures.residual import residual_figure
@@ -33,6 +34,7 @@ __all__ = [
     "OCHRE",
     "RED",
     "correlation_figure",
+    "drawings",
     "dress",
     "footnote",
     "heading",
