@@ -163,7 +163,7 @@ def test_an_inadequate_fit_opens_with_its_reasons_and_counts_nothing(plain):
     content, text = content_of(case), " ".join(content_of(case).summary)
     assert content.adequacy.reasons == reasons
     assert content.adequacy.sentence.startswith("Inadequate: no parameter of this fit counts")
-    assert "No parameter is identified, even where" in text
+    assert "No parameter is identified, not even with" in text
     assert "parameters are identified" not in text
 
 

@@ -94,5 +94,5 @@ def _judge(
         said += f": {REMEDIES[source]}"
         left = budget.without.get(source)
         if left is not None and left < 0.8 * budget.sd:
-            said += f", and it is known to ±{percent(_NORMAL * left / abs(p.value))}"
+            said += f", and it is known to ±{percent(relative * left / budget.sd)}"
     return Verdict.WEAK, said

@@ -36,28 +36,33 @@ _NARROW, _WIDE = 72, 116
 
 def show_fit(fit: "Fit") -> None:
     """Parameters with intervals and verdicts, what to do, and how well the torque is followed."""
+    from surae.report.parameters import repeatable, shown_parameters
+
     out = _console()
     table = _table()
     table.add_column("parameter", no_wrap=True)
     table.add_column("value", justify="right", no_wrap=True)
     table.add_column("95 % interval", justify="right", no_wrap=out.width >= _NARROW)
     table.add_column("unit", no_wrap=True)
+    table.add_column("repeatable" if out.width >= _NARROW else "rep.", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
     if fit.snsem:
         table.add_column("snSEM", justify="right", no_wrap=True)
     if out.width >= _WIDE:
         table.add_column("meaning", no_wrap=True)
-    for p in fit.parameters.values():
+    for p in shown_parameters(fit.assessment):
         text = estimate(p.value, p.trusted_sem, p.ci95)
         verdict = Text(str(p.verdict), _STYLES[p.verdict])
         meaning = [p.meaning] if out.width >= _WIDE else []
         ratio = fit.snsem.get(p.name)
         against = ["–" if ratio is None else significant(ratio, 3)] if fit.snsem else []
-        table.add_row(p.name, text.value, text.interval, p.unit, verdict, *against, *meaning)
+        table.add_row(
+            p.name, text.value, text.interval, p.unit, repeatable(p), verdict, *against, *meaning
+        )
     show_line(fit.result.problem.spec.title)
     _show_adequacy(fit, out)
     _print(out, table)
-    for line in _notes(fit, out.width):
+    for line in (*_notes(fit, out.width), *_unknown(fit, out.width)):
         show_line(line)
     for quality in fit.assessment.recordings:
         show_line(
@@ -74,8 +79,9 @@ def show_fit(fit: "Fit") -> None:
     note = f" ({fit.assessment.ipde_note})" if fit.assessment.ipde_note else ""
     show_line(f"IPDE {ipde}{note}")
     if fit.covariance.names:
-        which = "robust standard errors" if fit.assessment.interval == "robust" else "equation (34)"
-        show_line(f"intervals: {which}, as {fit.assessment.interval_note}")
+        note = fit.assessment.interval_note
+        which = {"robust": "robust standard errors, as ", "thesis": "equation (34), as "}
+        show_line(f"intervals: {which.get(fit.assessment.interval, '')}{note}")
     show_line(f"{fit.status}: {fit.message} ({fit.result.seconds:.2f} s)")
 
 
@@ -221,6 +227,18 @@ def _notes(fit: "Fit", width: int) -> list[str]:
     for note, names in reasons.items():
         lines += textwrap.wrap(f"{', '.join(names)}: {note}", width, subsequent_indent="    ")
     return ["Not identified:", *lines, ""] if lines else []
+
+
+def _unknown(fit: "Fit", width: int) -> list[str]:
+    """What to measure to know more, and which model the data support, of a fit with model auto."""
+    from surae.report.budget import what_would_help
+    from surae.report.laboratory import family_section
+
+    helps = [f"– {line}" for line in what_would_help(fit.result, fit.assessment)]
+    family = family_section(fit.result, fit.assessment)
+    lines = [*(["What would help:"] if helps else []), *helps, *([family.text] if family else [])]
+    folded = [part for line in lines for part in textwrap.wrap(line, width, subsequent_indent="  ")]
+    return [*folded, ""] if folded else []
 
 
 def _table() -> Table:

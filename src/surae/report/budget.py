@@ -83,8 +83,9 @@ def budget_section(result: FitResult, assessment: Assessment) -> BudgetSection:
     rows = []
     for name, p in known.items():
         shares = tuple(p.budget.get(key, 0.0) for key in keys)
-        width = _relative(p)
-        known_to = f"±{percent(width)}" if width <= 1.0 else "undetermined"
+        known_to = f"±{percent(_relative(p))}"
+        if p.verdict is Verdict.UNDETERMINED:
+            known_to = "undetermined"
         rows.append(BudgetRow(name, known_to, shares, tuple(map(_written, shares))))
     first = [keys[row.shares.index(max(row.shares))] for row in rows]
     main = max(dict.fromkeys(first), key=first.count)

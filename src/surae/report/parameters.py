@@ -101,16 +101,22 @@ class ParameterGroup:
 def parameter_groups(
     assessment: Assessment, priors: Mapping[str, Prior]
 ) -> tuple[ParameterGroup, ...]:
-    """All parameters of a fit, by the part of the torque they act on.
-
-    What a fit with model auto holds of the laboratory, since it has nothing to act on, is not told.
-    """
+    """All parameters of a fit, by the part of the torque they act on."""
     rows: dict[str, list[ParameterRow]] = {}
-    for p in assessment.parameters.values():
-        if assessment.nuisances and not p.free and group_of(p.name):
-            continue
+    for p in shown_parameters(assessment):
         rows.setdefault(p.group, []).append(_row(p, priors.get(p.name)))
     return tuple(ParameterGroup(_GROUPS.get(g, g), tuple(some)) for g, some in rows.items())
+
+
+def shown_parameters(assessment: Assessment) -> list[ParameterEstimate]:
+    """Those of the leg: without imperfections of the laboratory that have nothing to act on."""
+    held = bool(assessment.nuisances)
+    return [p for p in assessment.parameters.values() if p.free or not (held and group_of(p.name))]
+
+
+def repeatable(p: ParameterEstimate) -> str:
+    """Whether another trial of the leg would give the same; a dash where nobody can tell."""
+    return NONE if p.ci95_repeat is None else "yes" if p.repeatable else "no"
 
 
 def _row(p: ParameterEstimate, prior: Prior | None) -> ParameterRow:
@@ -127,7 +133,7 @@ def _row(p: ParameterEstimate, prior: Prior | None) -> ParameterRow:
         verdict=str(p.verdict),
         verdict_text=_VERDICTS[p.verdict],
         note=p.note,
-        repeatable=NONE if p.ci95_repeat is None else "yes" if p.repeatable else "no",
+        repeatable=repeatable(p),
         repeat_interval=""
         if p.ci95_repeat in (None, p.ci95)
         else estimate(p.value, p.trusted_sem, p.ci95_repeat).interval,

@@ -86,11 +86,11 @@ def _counted(assessment: Assessment) -> str:
     bound = _of(assessment, Verdict.AT_BOUND)
     weak = _of(assessment, Verdict.WEAK)
     unknown = [p.name for p in _of(assessment, Verdict.UNDETERMINED)]
-    limit = f"the 95 % interval is within ±{100 * IDENTIFIED:g} % of the value"
+    limit = f"a 95 % interval within ±{100 * IDENTIFIED:g} % of the value"
     if assessment.adequacy.grade is Grade.INADEQUATE:
-        text = f"No parameter is identified, even where {limit}: the fit is inadequate."
+        text = f"No parameter is identified, not even with {limit}: the fit is inadequate."
     else:
-        text = f"{_share(len(identified), len(free))} identified: {limit}."
+        text = f"{_share(len(identified), len(free))} identified, which takes {limit}."
     if weak:
         subject = "The weak one is" if len(weak) == 1 else f"The {len(weak)} weak ones are"
         text += (
@@ -98,7 +98,7 @@ def _counted(assessment: Assessment) -> str:
             "a movement that tells more."
         )
     if unknown:
-        text += f" This torque leaves {' and '.join(unknown)} undetermined: fix what is known."
+        text += f" This torque leaves {_listed(unknown)} undetermined: fix what is known."
     if bound:
         subject = (
             "The value at a bound was" if len(bound) == 1 else
@@ -112,9 +112,8 @@ def _counted(assessment: Assessment) -> str:
     if assessment.interval is Interval.MARGINAL and adequate:
         repeatable = sum(p.repeatable for p in free)
         text += (
-            f" {_share(repeatable, len(free))} repeatable, which is another claim: a second trial "
-            "of this leg would give the same value, right or wrong, so that changes of the leg "
-            "can be seen in it."
+            f" {_share(repeatable, len(free))} repeatable, which is another claim: that a second "
+            "trial of this leg would give the same value, right or wrong."
         )
     if weak or unknown or bound:
         text += " The parameter table says what to do about each."
@@ -162,6 +161,11 @@ def _ratio(assessment: Assessment) -> str:
     if middle >= 1:
         return f"too small by a factor of {significant(middle, 2)} (median of the parameters)"
     return f"too large by a factor of {significant(1 / middle, 2)} (median of the parameters)"
+
+
+def _listed(names: list[str]) -> str:
+    *others, last = names
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def _of(assessment: Assessment, verdict: Verdict) -> list[ParameterEstimate]:

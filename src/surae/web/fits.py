@@ -9,7 +9,9 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.report.adequacy import adequacy_words
+from surae.report.budget import budget_section
 from surae.report.decimate import extremes
+from surae.report.laboratory import family_section, laboratory_section, trials_section
 from surae.web.draft import normal, settings_of, shown, upgraded
 from surae.web.jobs import Kind
 from surae.web.live import plain
@@ -183,7 +185,7 @@ def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
     steps = [trace["steps"] for trace in whole.get("traces", [])]
     return {
         "summary": fit_summary(bench, fit),
-        "adequacy": asdict(adequacy_words(bench.fit(fit["id"]).adequacy)),
+        **_told(bench.fit(fit["id"])),
         "fit": {key: value for key, value in whole.items() if key not in _LONG},
         "steps": steps,
         "normal": {name: ranges(name) for name in whole["parameters"]},
@@ -191,6 +193,19 @@ def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
         "profiles": fit.get("profiles", {}),
         "comparisons": comparisons,
     }
+
+
+def _told(fit: "Fit") -> dict[str, Any]:
+    """What the report says of the whole fit, of what makes it unsure, and of what was searched."""
+    result, assessment = fit.result, fit.assessment
+    sections = {
+        "adequacy": adequacy_words(fit.adequacy),
+        "budget": budget_section(result, assessment),
+        "laboratory": laboratory_section(result, assessment),
+        "family": family_section(result, assessment),
+        "trials": trials_section(result, assessment),
+    }
+    return {name: None if each is None else asdict(each) for name, each in sections.items()}
 
 
 def ranges(name: str) -> dict[str, list[float] | None]:

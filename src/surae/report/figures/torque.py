@@ -107,6 +107,8 @@ def _parts(axes: Axes, traces: Traces) -> None:
     if parts.reflex is not None:  # within the neural part, not beside it
         reflex: dict[str, object] = {"color": INK, "linewidth": 1.2, "linestyle": (0, (4, 1, 1, 1))}
         styles.append(("reflex", reflex))
+    if parts.zero is not None:
+        styles.append(("zero", {"color": MUTED, "linewidth": 2.0, "linestyle": (0, (2, 3))}))
     for name, line in styles:
         trace(axes, traces.time, getattr(parts, name), label=name, **line)
     legend(axes, len(styles))

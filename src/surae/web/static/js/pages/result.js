@@ -13,6 +13,7 @@ import { showDetails } from "../result/details.js";
 import { estimates } from "../result/estimates.js";
 import { profiles } from "../result/profiles.js";
 import { traces } from "../result/traces.js";
+import { showUnsure } from "../result/unsure.js";
 import { validation } from "../result/validation.js";
 import { ask } from "../ui/dialog.js";
 import { status } from "../ui/marks.js";
@@ -59,6 +60,7 @@ async function read() {
   result = await get(`/api/fits/${id}`);
   showHead();
   replace(byId("parameter-table"), estimates(result));
+  showUnsure(result);
   showCorrelations(result);
   showDetails(result);
 }

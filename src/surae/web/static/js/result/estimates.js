@@ -5,18 +5,21 @@ import { NONE, estimate, interval, number, quantity, unitText } from "../core/fo
 import { ranges } from "../plot/ranges.js";
 import { verdict } from "../ui/marks.js";
 
-const KINDS = { robust: "Intervals allow for correlated residuals", thesis: "Intervals as in the thesis" };
+const KINDS = { robust: "Intervals allow for correlated residuals", thesis: "Intervals as in the thesis", marginal: "About the intervals" };
+
+/** Imperfections of the laboratory that had nothing to act on. */
+const UNFELT = /^(xt_|emg_|pt_|axis_|emd$|torque_zero$|angle_zero$)/;
 
 export function estimates({ fit, normal }) {
-  const head = ["Parameter", "Estimate", "Standard error", "95 % interval", "Verdict", "Healthy range", "Why"];
+  const head = ["Parameter", "Estimate", "Standard error", "95 % interval", "Repeatable", "Verdict", "Healthy range", "Why"];
   return scroll(
     "Estimates",
     h(
       "table",
       {},
-      h("caption", {}, "Estimates. In the drawings: the dot is the estimate, the bar its 95 % interval, the green field the range of healthy legs, dashed lines the bounds of the fit.", fit.interval_note ? ` ${KINDS[fit.interval] ?? "Intervals"}: ${fit.interval_note}.` : ""),
+      h("caption", {}, "Estimates. In the drawings: the dot is the estimate, the bar its 95 % interval, the green field the range of healthy legs, dashed lines the bounds of the fit. Repeatable: another trial of this leg would give the same within 10 %, right or wrong.", fit.interval_note ? ` ${KINDS[fit.interval] ?? "Intervals"}: ${fit.interval_note}.` : ""),
       h("thead", {}, h("tr", {}, head.map((text, i) => h("th", { scope: "col", class: [1, 2].includes(i) ? "num" : null }, text)))),
-      h("tbody", {}, Object.entries(fit.parameters).map(([name, p]) => row(name, p, normal[name]?.healthy ?? null))),
+      h("tbody", {}, Object.entries(fit.parameters).filter(([name, p]) => p.free || !(fit.family && UNFELT.test(name))).map(([name, p]) => row(name, p, normal[name]?.healthy ?? null))),
     ),
   );
 }
@@ -33,6 +36,7 @@ function row(name, p, healthy) {
     h("td", { class: "num" }, `${estimate(p.value, sem)} ${unitText(p.unit)}`),
     h("td", { class: "num" }, sem ? quantity(sem, p.unit, 2) : NONE),
     h("td", { class: "nowrap" }, p.free ? interval(p.ci95, sem, p.value) : NONE),
+    h("td", {}, p.ci95_repeat ? (p.repeatable ? "yes" : "no") : NONE),
     h("td", {}, verdict(p.verdict)),
     h(
       "td",

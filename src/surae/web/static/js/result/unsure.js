@@ -1,0 +1,56 @@
+// What makes each parameter unsure, what the laboratory may have wrong, and which models were weighed.
+
+import { byId, h, replace, scroll } from "../core/dom.js";
+
+export function showUnsure({ budget, laboratory, family, trials }) {
+  replace(byId("budget"), h("p", {}, budget.text), helps(budget.helps), budget.rows.length > 0 && [legend(budget), bars(budget), shares(budget)]);
+  card("laboratory", laboratory, "The laboratory’s imperfections", () => [
+    laboratory.rows.length > 0 && [
+      h("p", { class: "muted small" }, `${laboratory.groups.map((pair) => pair.join(": ")).join("; ")}.`),
+      table("Imperfections", ["Imperfection", "Meaning", "Assumed", "Estimate", "95 % interval", "Unit", "Who says so"], laboratory.rows.map((r) => [r.name, r.meaning, r.prior, r.value, r.interval, r.unit || "–", r.told])),
+    ],
+    laboratory.zeros.length > 0 && h("p", {}, `Torque zero of each recording: ${laboratory.zeros.map((pair) => pair.join(" ")).join(", ")}.`),
+  ]);
+  card("family", family, "Which model the data support", () => [
+    table("Models that were weighed", ["Model", "Imperfections in it", "Probability"], family.models),
+    family.variants.length > 0 && table("Other sets of imperfections, in the intervals by their probability", ["Model", "Imperfections in it", "Probability"], family.variants),
+  ]);
+  card("trials", trials, "From trial to trial", () => [table("Spread between trials", ["Parameter", "Standard deviation", "Unit", "Of the value"], trials.rows)]);
+}
+
+function card(id, section, title, rest) {
+  byId(id).hidden = !section;
+  if (section) replace(byId(id), h("h2", {}, title), h("p", {}, section.text), rest());
+}
+
+const helps = (sentences) => sentences.length > 0 && h("div", {}, h("h3", {}, "What would help"), h("ul", {}, sentences.map((text) => h("li", {}, text))));
+
+const legend = ({ keys, sources }) =>
+  h("ul", { class: "key-list", "aria-label": "Sources" }, sources.map((text, i) => h("li", {}, h("span", { class: `swatch source-${keys[i]}` }), text)));
+
+const bars = ({ keys, rows, alt }) =>
+  h("div", { class: "shares", role: "img", "aria-label": alt }, rows.map((row) => [
+    h("span", {}, row.name),
+    h("span", { class: "bar" }, row.shares.map((share, i) => share > 0.002 && part(keys[i], share))),
+    h("span", { class: "small nowrap" }, row.known),
+  ]));
+
+function part(key, share) {
+  const element = h("span", { class: `source-${key}` });
+  element.style.flexGrow = share; // a style attribute would be refused
+  return element;
+}
+
+const shares = ({ sources, rows }) => table("Shares of the variance behind each 95 % interval", ["Parameter", "Known to", ...sources], rows.map((row) => [row.name, row.known, ...row.texts]));
+
+const table = (caption, head, rows) =>
+  scroll(
+    caption,
+    h(
+      "table",
+      {},
+      h("caption", {}, caption),
+      h("thead", {}, h("tr", {}, head.map((text) => h("th", { scope: "col" }, text)))),
+      h("tbody", {}, rows.map(([first, ...cells]) => h("tr", {}, h("th", { scope: "row" }, first), cells.map((text) => h("td", {}, text))))),
+    ),
+  );

@@ -1,0 +1,186 @@
+"""What a fit says of its own doubts: budget, remedies, laboratory, models, trials; and when not."""
+
+from dataclasses import replace
+from datetime import datetime
+
+import pytest
+
+from surae.assessment import Verdict, assess
+from surae.assessment.adequacy import Adequacy, Grade
+from surae.assessment.uncertainty.budget import budgets
+from surae.estimation import fit_problem, make_problem, solve
+from surae.frozen import FrozenDict
+from surae.report import build
+from surae.report.budget import budget_section, what_would_help
+from surae.report.laboratory import family_section, laboratory_section, trials_section
+from surae.report.parameters import parameter_groups, repeatable, shown_parameters
+
+
+@pytest.fixture(scope="module")
+def auto(make_trial):
+    """A fit of the family, and what it is worth."""
+    result = solve(make_problem([make_trial()], "auto"))
+    return result, assess(result)
+
+
+def with_parameters(assessment, **changed):
+    """An assessment whose parameters are others in some respect."""
+    table = {n: replace(p, **changed.get(n, {})) for n, p in assessment.parameters.items()}
+    return replace(assessment, parameters=table)
+
+
+def graded(assessment, grade):
+    return replace(assessment, adequacy=Adequacy(grade, ("a reason",), 50.0))
+
+
+def test_shares_add_up_and_are_those_of_the_assessment(auto):
+    result, assessment = auto
+    section = budget_section(result, assessment)
+    assert [row.name for row in section.rows] == [
+        p.name for p in assessment.parameters.values() if p.budget
+    ]
+    for row in section.rows:
+        assert sum(row.shares) == pytest.approx(1.0, abs=0.06)
+        assert len(row.shares) == len(row.texts) == len(section.sources) == len(section.keys)
+    assert "noise of the torque" in section.sources
+
+
+def unsure(auto, source):
+    """The fit with one parameter weak, nearly all of it by one source, and what it then helps."""
+    result, assessment = auto
+    name = next(n for n, p in assessment.parameters.items() if p.budget)
+    made = budgets(result.family, result.problem.free)[name]
+    value = assessment.parameters[name].value
+    doubt = {"verdict": Verdict.WEAK, "ci95": (0.88 * value, 1.12 * value)}
+    budget = replace(made, shares={source: 0.9, "noise": 0.1}, without={source: 0.25 * made.sd})
+    return result, with_parameters(assessment, **{name: doubt}), {name: budget}, name
+
+
+def test_the_sentence_follows_from_the_budget(auto, monkeypatch):
+    result, assessment, budget, name = unsure(auto, "zero")
+    monkeypatch.setattr("surae.report.budget.budgets", lambda *_: budget)
+    assert what_would_help(result, assessment) == (
+        f"Measure the sensor’s zero, and {name} would be known to ±3 % instead of ±12 %.",
+    )
+
+
+@pytest.mark.parametrize("why", ["inadequate", "identified", "small share", "little gain", "named"])
+def test_the_sentence_is_not_said(auto, monkeypatch, why):
+    result, assessment, made, name = unsure(auto, "zero")
+    budget = made[name]
+    if why == "inadequate":
+        assessment = graded(assessment, Grade.INADEQUATE)
+    elif why == "identified":
+        assessment = with_parameters(assessment, **{name: {"verdict": Verdict.IDENTIFIED}})
+    elif why == "small share":
+        budget = replace(budget, shares={"zero": 0.2, "noise": 0.8})
+    elif why == "little gain":
+        budget = replace(budget, without={"zero": 0.9 * budget.sd})
+    else:
+        result = replace(result, family=None)
+    monkeypatch.setattr("surae.report.budget.budgets", lambda *_: {name: budget})
+    assert what_would_help(result, assessment) == ()
+
+
+def test_a_named_model_says_that_noise_is_all_it_knows(plain):
+    section = budget_section(plain.result, plain.assessment)
+    assert "the noise of the torque and nothing else" in section.text
+    assert (section.rows, section.helps) == ((), ())
+    assert laboratory_section(plain.result, plain.assessment) is None
+    assert family_section(plain.result, plain.assessment) is None
+    assert trials_section(plain.result, plain.assessment) is None
+    assert "imperfections" not in plain.page
+
+
+def test_the_laboratory_says_what_was_assumed_and_who_says_so(auto):
+    result, assessment = auto
+    section = laboratory_section(result, assessment)
+    rows = {row.name: row for row in section.rows}
+    assert set(rows) == set(result.family.beliefs)
+    zero, belief = rows["torque_zero"], result.family.beliefs["torque_zero"]
+    assert (zero.prior, zero.unit) == ("0 ± 10", "Nm")
+    known = assessment.nuisances["torque_zero"].sem / belief.sd
+    assert (zero.told == "told by the data") == (known <= 0.5)
+    vague = replace(assessment.nuisances["torque_zero"], sem=9.9, value=25.0)
+    other = replace(assessment, nuisances={**assessment.nuisances, "torque_zero": vague})
+    told = {row.name: row.told for row in laboratory_section(result, other).rows}["torque_zero"]
+    assert told == "as assumed: the data say little; 2.5 standard deviations from what was assumed"
+    assert section.zeros == ()
+
+
+def test_the_evidence_is_said_as_strongly_as_it_is(auto):
+    result, assessment = auto
+    first, second, *_ = result.family.candidates
+    assert first.model != second.model
+
+    def said(weight, grade=Grade.ADEQUATE):
+        pair = (replace(first, weight=weight), replace(second, weight=1.0 - weight))
+        family = replace(result.family, candidates=pair)
+        return family_section(replace(result, family=family), graded(assessment, grade)).text
+
+    assert "The data support the" in said(0.999)
+    assert "a hundred times less likely" in said(0.999)
+    assert "The data favour the" in said(0.9)
+    assert "90 %" in said(0.9)
+    assert "cannot tell" in said(0.6)
+    assert "hundred" not in said(0.9) + said(0.6)
+    for weight in (0.999, 0.9, 0.6):
+        text = said(weight, Grade.INADEQUATE)
+        assert "supports no model" in text
+        assert "The data support" not in text
+
+
+def test_trials_are_told_of_only_where_they_differ(auto):
+    result, assessment = auto
+    name = next(n for n, p in assessment.parameters.items() if p.free)
+    assert (
+        trials_section(replace(result, family=replace(result.family, spread={})), assessment)
+        is None
+    )
+    spread = FrozenDict({"trials": FrozenDict({name: 0.1 * assessment.parameters[name].value})})
+    family = replace(result.family, spread=spread)
+    section = trials_section(replace(result, family=family), assessment)
+    assert [(row[0], row[3]) for row in section.rows] == [(name, "10 %")]
+
+
+def test_repeatable_stands_beside_identified_and_is_not_it(auto):
+    _, assessment = auto
+    name = next(n for n, p in assessment.parameters.items() if p.ci95_repeat)
+    p = replace(assessment.parameters[name], verdict=Verdict.WEAK, repeatable=True)
+    other = with_parameters(assessment, **{name: {"verdict": Verdict.WEAK, "repeatable": True}})
+    rows = {row.name: row for group in parameter_groups(other, {}) for row in group.rows}
+    assert (rows[name].verdict, rows[name].repeatable) == ("weak", "yes")
+    assert repeatable(replace(p, repeatable=False)) == "no"
+    assert repeatable(replace(p, ci95_repeat=None)) == "—"
+
+
+def test_what_had_nothing_to_act_on_is_not_shown(auto):
+    _, assessment = auto
+    shown = {p.name for p in shown_parameters(assessment)}
+    assert not {n for n in shown if n.startswith(("emg_drift_", "xt_"))}
+    assert {"k_tri", "l0_tib"} <= shown
+
+
+def test_the_page_has_all_of_it(auto):
+    result, assessment = auto
+    page = build(result, assessment, versions={}, created=datetime(2026, 1, 5, 14, 3))
+    for heading in ("What makes each parameter unsure", "The laboratory’s imperfections",
+                    "Which model the data support"):  # fmt: skip
+        assert page.count(f">{heading}</h2>") == 1
+    assert "The search looked from both valleys" in page
+    assert "SEM (34)</th>" not in page.split("Correlation of the estimates")[0].split("unsure")[0]
+    assert "random within the bounds" not in page
+    assert "Stacked bars of the shares" in page
+
+
+def test_a_fit_without_imperfections_says_that_it_was_asked_for(make_trial):
+    result = solve(make_problem([make_trial()], "auto", nuisances="none"))
+    section = laboratory_section(result, assess(result))
+    assert "taken for perfect, as asked" in section.text
+    assert section.rows == ()
+
+
+def test_one_start_of_a_named_model_is_still_warned_of(make_trial):
+    result = fit_problem(make_problem([make_trial()]), starts=1)
+    page = build(result, assess(result), versions={}, created=datetime(2026, 1, 5, 14, 3))
+    assert "Only the default start was tried" in page
