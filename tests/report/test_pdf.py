@@ -6,6 +6,7 @@ import sys
 import pytest
 
 import surae
+from surae.assessment import Verdict
 from surae.errors import InputError
 from surae.report import check_report, pdf
 
@@ -43,7 +44,9 @@ def test_it_holds_findings_and_predictions(fit, noisy, tmp_path, monkeypatch) ->
     assert len(seen["predictions"]["rows"]) == 3  # two, and all together
     assert seen["adequacy"]["grade"] == str(fit.adequacy.grade)
     assert seen["adequacy"]["reasons"] == list(fit.adequacy.reasons)
-    assert seen["predicted"] == 2
+    assert seen["predictions"]["drawn"] == 2
+    assert seen["budget"]["text"].startswith("The intervals of this fit contain the noise")
+    assert {row["verdict"] for group in seen["groups"] for row in group["rows"]} <= set(Verdict)
     assert {"prediction-0.png", "prediction-1.png", "torque-0.png"} <= seen["images"]
 
 
