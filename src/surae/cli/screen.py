@@ -44,7 +44,7 @@ def show_fit(fit: "Fit") -> None:
     table.add_column("value", justify="right", no_wrap=True)
     table.add_column("95 % interval", justify="right", no_wrap=out.width >= _NARROW)
     table.add_column("unit", no_wrap=True)
-    table.add_column("repeatable" if out.width >= _NARROW else "rep.", no_wrap=True)
+    table.add_column("repeats" if out.width >= _NARROW else "rep.", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
     if fit.snsem:
         table.add_column("snSEM", justify="right", no_wrap=True)
