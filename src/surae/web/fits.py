@@ -198,7 +198,7 @@ def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
 def _told(fit: "Fit") -> dict[str, Any]:
     """What the report says of the whole fit, of what makes it unsure, and of what was searched."""
     result, assessment = fit.result, fit.assessment
-    sections = {
+    sections: dict[str, Any] = {
         "adequacy": adequacy_words(fit.adequacy),
         "budget": budget_section(result, assessment),
         "laboratory": laboratory_section(result, assessment),

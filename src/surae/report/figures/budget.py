@@ -1,5 +1,7 @@
 """The uncertainty budget as stacked bars, one for each parameter."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -27,7 +29,12 @@ def budget_figure(section: BudgetSection) -> Figure:
     order = list(SOURCES)
     for number, (key, source) in enumerate(zip(section.keys, section.sources, strict=True)):
         colour, hatch = _LOOKS[order.index(key) if key in order else -1]
-        look = {"facecolor": colour, "hatch": hatch, "edgecolor": INK, "linewidth": 0.5}
+        look: dict[str, Any] = {
+            "facecolor": colour,
+            "hatch": hatch,
+            "edgecolor": INK,
+            "linewidth": 0.5,
+        }
         axes.barh(names, shares[:, number], left=left, height=0.72, **look)
         patches.append(Patch(label=source, **look))
         left += shares[:, number]
