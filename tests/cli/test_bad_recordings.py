@@ -103,7 +103,7 @@ def test_what_is_no_recording(fit, files) -> None:
     refused(fit("empty.csv"), "empty.csv", "empty")
     (files / "noise.csv").write_bytes(bytes(range(256)) * 20)
     refused(fit("noise.csv"), "noise.csv", "binary", "CSV")
-    refused(fit("fit.json"), "fit.json", "row 1")
+    refused(fit("fit.json"), "fit.json", "a fit, not a recording", "surae validate FIT.json")
     refused(fit("/dev/null"), "/dev/null", "device")
 
 

@@ -26,7 +26,7 @@ def test_it_goes_on_where_it_was(run, files) -> None:
     assert "60 replicates, 40 of them made before" in done.out
     refused(
         run("bootstrap", "fit.json", "--seed", 1, "--output", "b.json"),
-        "b.json.replicates", "another fit, seed or block length",
+        "b.json.replicates", "another fit or other settings",
     )  # fmt: skip
 
 

@@ -24,7 +24,8 @@ def test_it_holds_every_file_of_the_package(names):
     source = ROOT / "src"
     files = {
         path.relative_to(source).as_posix()
-        for path in (source / "surae").rglob("*")
+        for package in ("surae", "surae_thesis")
+        for path in (source / package).rglob("*")
         if path.is_file() and "__pycache__" not in path.parts
     }
     held = {name for name in names if not name.split("/")[0].endswith(".dist-info")}

@@ -92,7 +92,7 @@ def test_defaults_are_told_from_what_was_given():
 
 
 def test_a_population_unknown(noisy):
-    with pytest.raises(InputError, match="'athletes'; known populations: healthy, patient"):
+    with pytest.raises(InputError, match="'athletes'; use one of: healthy, patient"):
         make_problem([noisy], population="athletes")
 
 

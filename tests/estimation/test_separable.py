@@ -194,15 +194,24 @@ def test_two_channels_alike_share_what_one_would_have(noisy):
     assert cost(Residuals(problem).rows, solved) == pytest.approx(lowest, rel=1e-6)
 
 
+def held_at(inputs, **beyond):
+    """A problem with parameters fixed beyond their bounds, where `make_problem` lets none be."""
+    starts = {p.name: p.start for p in get_model("muscle").parameters}
+    problem = make_problem([inputs], fixed={name: starts[name] for name in beyond})
+    base = problem.base.copy()
+    base[[problem.spec.names.index(name) for name in beyond]] = list(beyond.values())
+    return replace(problem, base=base)
+
+
 def test_a_model_that_overflows_leaves_the_point_as_it_is(noisy):
-    problem = make_problem([noisy], fixed={"k_tri": 1e6, "x0_tri": 1e-3})
+    problem = held_at(noisy, k_tri=1e6, x0_tri=1e-3)
     solved, sse = solve_linear(problem, Residuals(problem).rows, problem.start)
     np.testing.assert_array_equal(solved, problem.start)
     assert sse == np.inf
 
 
 def test_a_torque_near_the_largest_number_leaves_no_warning(noisy):
-    problem = make_problem([noisy], fixed={"m": 1e200})
+    problem = held_at(noisy, m=1e200)
     _, sse = solve_linear(problem, Residuals(problem).rows, problem.start)
     assert sse == np.inf
 

@@ -8,9 +8,9 @@ _SHELLS = ("bash", "zsh", "fish")
 _HELP = """Print what makes a shell complete surae's commands and options.
 
 \b
-bash:  surae completion bash > ~/.local/share/bash-completion/completions/surae
-zsh:   surae completion zsh > ~/.zfunc/_surae   (a folder of your fpath)
-fish:  surae completion fish > ~/.config/fish/completions/surae.fish
+bash: surae completion bash > ~/.local/share/bash-completion/completions/surae
+zsh:  surae completion zsh > ~/.zfunc/_surae   (a folder of your fpath)
+fish: surae completion fish > ~/.config/fish/completions/surae.fish
 """
 
 

@@ -49,13 +49,15 @@ def command(
     settings = request(model, asked | {"prepared": prepared})
     check_recordings(recordings)
 
-    from surae.api.quality import check
     from surae.cli.progress import compilation_notice, work
     from surae.report import check_report
 
     check_report(report)
     with work() as progress:
         measured = read_all(recordings, progress)
+
+        from surae.api.quality import check  # numba: only when there is something to check
+
         quality = []
         for path, recording in zip(recordings, measured, strict=True):
             progress.describe(f"checking {path}")

@@ -1,16 +1,17 @@
 """Mean standard errors of simulated trials, with which those of a measurement are compared."""
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from surae.assessment.uncertainty.covariance import covariance
-from surae.assessment.uncertainty.snsem import Baseline
 from surae.errors import ComputationError, InputError
-from surae.estimation import fit_problem, make_problem
 from surae.model import ModelOptions, get_model
 from surae.protocol import Protocol, generate
 from surae.studies.virtual import virtual_subject, virtual_trial
+
+if TYPE_CHECKING:
+    from surae.assessment import Baseline
 
 #: Called after every subject with (done, all).
 Progress = Callable[[int, int], None]
@@ -64,6 +65,9 @@ def simulated_baseline(
     ComputationError
         No parameter of any subject has a standard error.
     """
+    from surae.assessment import covariance  # the compiler: only when something is fitted
+    from surae.estimation import fit_problem, make_problem
+
     if n < 1:
         raise InputError(f"{n} subjects; give at least 1")
     options, trajectory = options or ModelOptions(), generate(protocol)
@@ -97,8 +101,10 @@ def make_baseline(
     noise: float = 0.05,
     options: ModelOptions | None = None,
     progress: Progress | None = None,
-) -> Baseline:
+) -> "Baseline":
     """The mean standard errors with what they are of; see `simulated_baseline`."""
+    from surae.assessment import Baseline
+
     options = options or ModelOptions()
     sem = simulated_baseline(
         protocol, model, n, seed,

@@ -208,8 +208,8 @@ def _optional(value: float | None) -> float | None:
 
 
 def _result(data: Mapping[str, Any]) -> FitResult:
-    table = {**data["parameters"], **data.get("nuisances", {})}
-    spec = with_optional(get_model(data["model"]), table)
+    model, table = data["model"], {**data["parameters"], **data.get("nuisances", {})}
+    spec = with_optional(get_model(model), table)
     options = ModelOptions.of(**data["options"])
     free = tuple(name for name in spec.names if table[name]["free"])
     values = {name: real(table[name]["value"]) for name in spec.names}
