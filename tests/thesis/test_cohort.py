@@ -32,17 +32,17 @@ def signals(recording):
 @pytest.mark.parametrize("seed", [1, 2, 77])
 def test_the_cohort_is_composed_as_the_thesis_says(seed):
     cohort = make_cohort(seed)
-    assert len({one.id for one in cohort}) == len(cohort) == SUBJECTS == 14
-    assert sum(one.sex == "female" for one in cohort) == 4
-    assert all(20 <= one.age <= 30 for one in cohort)
-    counts = {name: sum(name in one.completed for one in cohort) for name in COMPLETED}
+    assert len({member.id for member in cohort}) == len(cohort) == SUBJECTS == 14
+    assert sum(member.sex == "female" for member in cohort) == 4
+    assert all(20 <= member.age <= 30 for member in cohort)
+    counts = {name: sum(name in member.completed for member in cohort) for name in COMPLETED}
     assert counts == {PASSIVE: 14, HOLDS: 14, FAST: 7}
 
 
 def test_a_seed_is_a_cohort_and_fewer_are_the_first_of_it():
     assert make_cohort(1) == COHORT
     assert make_cohort(1, 5) == COHORT[:5]
-    seeds = {one.subject.seed for seed in (1, 2) for one in make_cohort(seed)}
+    seeds = {member.subject.seed for seed in (1, 2) for member in make_cohort(seed)}
     assert len(seeds) == 2 * SUBJECTS
 
 
@@ -53,27 +53,27 @@ def test_there_are_fourteen_at_most(subjects):
 
 
 def test_every_leg_is_richer_than_the_models():
-    many = [one for seed in range(20) for one in make_cohort(seed)]
-    for one in many:
-        low, high = one.range_of_motion
+    many = [member for seed in range(20) for member in make_cohort(seed)]
+    for member in many:
+        low, high = member.range_of_motion
         assert -0.95 <= low <= -0.80
         assert 0.45 <= high <= 0.60
-        assert one.subject.tendons.keys() == {"dlt_tri", "dlt_tib", "pt_tri", "pt_tib"}
-        flaws = one.imperfections
+        assert member.subject.tendons.keys() == {"dlt_tri", "dlt_tib", "pt_tri", "pt_tib"}
+        flaws = member.imperfections
         assert 0.10 <= flaws.unmeasured <= 0.20
         assert 0.02 <= flaws.reflex_gain <= 0.10
         assert 0.03 <= flaws.crosstalk <= 0.10
-        assert ("knee moves" in one.remarks) == (flaws.knee_motion >= 0.08)
-    share = np.mean([one.imperfections.knee_motion >= 0.08 for one in many])
+        assert ("knee moves" in member.remarks) == (flaws.knee_motion >= 0.08)
+    share = np.mean([member.imperfections.knee_motion >= 0.08 for member in many])
     assert share == pytest.approx(3 / 14, abs=0.08)
 
 
-def test_women_are_weaker_and_nothing_else():
-    for one in COHORT:
-        drawn = virtual_subject(one.subject.seed).parameters
-        ratio = {name: value / drawn[name] for name, value in one.subject.parameters.items()}
+def test_weights_are_for_compliant_tendons_women_are_weaker_and_nothing_else():
+    for member in COHORT:
+        drawn = virtual_subject(member.subject.seed).parameters
+        ratio = {name: value / drawn[name] for name, value in member.subject.parameters.items()}
         strength = [ratio.pop(name) for name in ("g1", "g2", "g3", "g4")]
-        assert strength == pytest.approx([0.75 if one.sex == "female" else 1.0] * 4)
+        assert strength == pytest.approx([1.5 if member.sex == "female" else 2.0] * 4)
         assert set(ratio.values()) == {1.0}
 
 
@@ -103,13 +103,13 @@ def test_a_recording_does_not_depend_on_the_ones_before():
 
 
 def test_repetitions_share_the_motion_and_differ_in_effort():
-    one, two = (cohort_inputs(TWO, HOLDS, r, rate_hz=64.0) for r in (1, 2))
-    np.testing.assert_array_equal(one.angle, two.angle)
-    active = one.time > 12.0
-    levels = one.emg[active].mean(axis=0) / two.emg[active].mean(axis=0)
+    first, second = (cohort_inputs(TWO, HOLDS, r, rate_hz=64.0) for r in (1, 2))
+    np.testing.assert_array_equal(first.angle, second.angle)
+    active = first.time > 12.0
+    levels = first.emg[active].mean(axis=0) / second.emg[active].mean(axis=0)
     assert np.abs(levels - 1.0).max() > 0.03
-    assert np.abs(one.torque).max() < 80.0
-    assert one.name == f"{TWO.id} {HOLDS} 1"
+    assert np.abs(first.torque).max() < 80.0
+    assert first.name == f"{TWO.id} {HOLDS} 1"
 
 
 def test_the_passive_protocol_has_no_effort():

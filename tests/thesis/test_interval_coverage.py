@@ -33,33 +33,33 @@ def least(share):
 
 @pytest.mark.slow
 def test_white_noise(clean, subject):
-    found = covered(clean, subject, 0.0, REALISATIONS)
-    assert found.robust < 0.15
-    for row in found.rows:
+    result = covered(clean, subject, 0.0, REALISATIONS)
+    assert result.robust < 0.15
+    for row in result.rows:
         if row.is_identified:
             assert least(0.95) < row.default <= 1, row
             assert least(0.95) < row.thesis <= 1, row
             # The root mean square of so many errors is known to 6 %.
             assert row.rmse < 1.1 * row.bound * (1 + 2 / np.sqrt(2 * REALISATIONS)), row
-    assert sum(row.is_identified for row in found.rows) >= 12
+    assert sum(row.is_identified for row in result.rows) >= 12
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rho", [0.9, 0.98])
 def test_correlated_noise(clean, subject, rho):
-    found = covered(clean, subject, rho, REALISATIONS)
-    assert found.robust == 1.0
-    identified = [row for row in found.rows if row.is_identified]
+    result = covered(clean, subject, rho, REALISATIONS)
+    assert result.robust == 1.0
+    identified = [row for row in result.rows if row.is_identified]
     assert len(identified) >= 4
     for row in identified:
         assert row.default >= least(0.93), row
     # Equation (34) alone is far from its promise.
-    assert np.mean([row.thesis for row in found.rows]) < 0.6
+    assert np.mean([row.thesis for row in result.rows]) < 0.6
 
 
 def test_a_few_realisations(clean, subject):
-    found = covered(clean, subject, 0.9, 3)
-    assert found.realisations == 3
-    assert [row.name for row in found.rows] == list(subject.parameters)
-    assert found.rows[0].bound == pytest.approx(0.0006, rel=0.5)
-    assert len(BENCHMARK.markdown(found.rows).splitlines()) == 17
+    result = covered(clean, subject, 0.9, 3)
+    assert result.realisations == 3
+    assert [row.name for row in result.rows] == list(subject.parameters)
+    assert result.rows[0].bound == pytest.approx(0.0006, rel=0.5)
+    assert len(BENCHMARK.markdown(result.rows).splitlines()) == 17

@@ -27,7 +27,7 @@ from surae_thesis.writers import cell_text, markdown, verdicts_csv, write
 NASTY = "<script>alert(1)</script> | #panic() *b* $x$ [a](b) `c` \\"
 
 
-def found(name: str, *views: bool | None, ours: str = NASTY) -> Finding:
+def finding_of(name: str, *views: bool | None, ours: str = NASTY) -> Finding:
     """What becomes of a claim that holds in some views; None is one that is not there."""
 
     def rule(holds: bool | None) -> Ruling:
@@ -45,10 +45,10 @@ def result(context: Context) -> Result:
     figure.subplots().plot([0, 1])
     return Result(
         findings=(
-            found("one", True),
-            found("two", False, ours=f"seed {context.seed}"),
-            found("three", None),
-            found("four", True, False),
+            finding_of("one", True),
+            finding_of("two", False, ours=f"seed {context.seed}"),
+            finding_of("three", None),
+            finding_of("four", True, False),
         ),
         insights=(NASTY,),
         figures=(Drawing("curve", NASTY, NASTY, NASTY, figure),),

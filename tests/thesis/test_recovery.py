@@ -14,7 +14,7 @@ def active(profile, rate_hz=256.0):
 
 
 def test_a_table_by_hand():
-    def one(value, sem, identified):
+    def recovery_of(value, sem, identified):
         return RECOVERY.Recovery(
             0,
             99.9,
@@ -23,7 +23,9 @@ def test_a_table_by_hand():
             (RECOVERY.Estimate("m", 2.0, value, sem, identified, sem and True),),
         )
 
-    (row,) = RECOVERY.summarise([one(2.18, 0.1, True), one(1.9, 0.3, True), one(3.0, None, False)])
+    (row,) = RECOVERY.summarise(
+        [recovery_of(2.18, 0.1, True), recovery_of(1.9, 0.3, True), recovery_of(3.0, None, False)]
+    )
     assert (row.name, row.n) == ("m", 2)
     assert row.bias == pytest.approx(0.02)  # +9 % and −5 %
     assert row.spread == pytest.approx(0.07 * np.sqrt(2))
@@ -51,11 +53,11 @@ def test_no_estimate_with_a_standard_error():
 
 
 def test_one_subject():
-    found = RECOVERY.recover(1, active("multiple-holds", 125.0), starts=1)
-    assert found.status == "converged"
-    assert len(found.estimates) == 15
-    assert found == RECOVERY.recover(1, active("multiple-holds", 125.0), starts=1)
-    close = [abs(e.error) <= 0.1 for e in found.estimates if e.identified]
+    recovery = RECOVERY.recover(1, active("multiple-holds", 125.0), starts=1)
+    assert recovery.status == "converged"
+    assert len(recovery.estimates) == 15
+    assert recovery == RECOVERY.recover(1, active("multiple-holds", 125.0), starts=1)
+    close = [abs(e.error) <= 0.1 for e in recovery.estimates if e.identified]
     assert len(close) >= 9
     assert all(close)
 
@@ -63,13 +65,13 @@ def test_one_subject():
 @pytest.mark.slow
 @pytest.mark.parametrize("profile", ["multiple-holds", "multi-sine-holds"])
 def test_fifty_subjects(profile):
-    found = [RECOVERY.recover(seed, active(profile), starts=4) for seed in range(50)]
-    rows = {row.name: row for row in RECOVERY.summarise(found)}
-    identified = [e for one in found for e in one.estimates if e.identified]
+    recoveries = [RECOVERY.recover(seed, active(profile), starts=4) for seed in range(50)]
+    rows = {row.name: row for row in RECOVERY.summarise(recoveries)}
+    identified = [e for recovery in recoveries for e in recovery.estimates if e.identified]
     assert np.mean([abs(e.error) <= 0.1 for e in identified]) >= 0.97
     assert len(identified) >= 0.75 * 15 * 50
-    assert np.median([one.vaf for one in found]) > 99.8
-    assert all(one.status != "failed" for one in found)
+    assert np.median([recovery.vaf for recovery in recoveries]) > 99.8
+    assert all(recovery.status != "failed" for recovery in recoveries)
     for row in rows.values():
         # The intervals are honest: the errors spread as the standard errors say, about no bias.
         assert 0.7 < row.spread / row.sem < 1.4, row

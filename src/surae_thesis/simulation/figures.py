@@ -128,11 +128,11 @@ def _profiles(grid: Cells, model: str, name: str, title: str) -> Drawing:
     names = [p for p in PROFILES if model == "muscle" or p != "multi-sine"]
     curves = normalised(along_profile(grid, model, names))
     place = np.arange(float(len(names)))
-    shown = [one for one in _NAMES if one in curves]
+    shown = [parameter for parameter in _NAMES if parameter in curves]
     lines = [
-        Line(place + 0.045 * (number - 0.5 * (len(shown) - 1)), curves[one], one,
-             line(_NAMES.index(one)) | {"linestyle": "none"})
-        for number, one in enumerate(shown)
+        Line(place + 0.045 * (number - 0.5 * (len(shown) - 1)), curves[parameter], parameter,
+             line(_NAMES.index(parameter)) | {"linestyle": "none"})
+        for number, parameter in enumerate(shown)
     ]  # fmt: skip
     mean = np.nanmean(np.array(list(curves.values())), axis=0)
     dash = {"marker": "_", "markersize": 60, "markeredgewidth": 1.4, "linestyle": "none"}
