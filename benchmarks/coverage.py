@@ -109,7 +109,7 @@ def coverage(
     for number in range(realisations):
         rng = np.random.default_rng([seed, number])
         trial = replace(clean, torque=read_only(clean.torque + noise(rng, clean.n)))
-        fit = surae.fit(trial, starts=starts, quality=())
+        fit = surae.fit(trial, "muscle", starts=starts, quality=())
         robust += fit.assessment.interval == "robust"
         for j, name in enumerate(names):
             p = fit.parameters[name]

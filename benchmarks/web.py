@@ -154,7 +154,7 @@ def measure(address: str, pid: int, trial: Path, folder: Path, asked: argparse.N
     quantiles("slider muscle meanwhile", sliders)
     print(f"memory after: {memory(pid):.0f} MB")
 
-    surae.fit(trial, prepared=True).save(folder / "fit.json")
+    surae.fit(trial, "muscle", prepared=True).save(folder / "fit.json")
     ours = json.loads((folder / "fit.json").read_text())["parameters"]
     same = sum(
         client.get(f"/api/fits/{id_}/fit.json").json()["parameters"] == ours for id_ in results

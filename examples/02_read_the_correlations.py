@@ -13,7 +13,7 @@ from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial
 
 protocol = Protocol(profile="multiple-holds", chirp_amplitude=0.1, rate_hz=125.0)
-fit = surae.fit(virtual_trial(virtual_subject(seed=1), generate(protocol)), starts=2)
+fit = surae.fit(virtual_trial(virtual_subject(seed=1), generate(protocol)), "muscle", starts=2)
 
 names = fit.covariance.names
 figure, axes = plt.subplots(figsize=(6, 5), layout="constrained")

@@ -18,7 +18,7 @@ def recorded(profile: str, seed: int):
     return virtual_trial(subject, generate(protocol), seed=seed)
 
 
-fit = surae.fit(recorded("multiple-holds", 1), starts=2)
+fit = surae.fit(recorded("multiple-holds", 1), "muscle", starts=2)
 print(f"fitted: VAF {fit.vaf:.2f} %")
 for profile in ("multiple-holds", "multi-sine-holds", "scaled-chirp"):
     prediction = fit.predict(recorded(profile, 2))

@@ -18,8 +18,8 @@ active = virtual_trial(
     subject, generate(Protocol(profile="multi-sine", task="active", rate_hz=125.0)), seed=2
 )
 
-alone = surae.fit(active, starts=2)
-joint = surae.fit([passive, active], starts=2)
+alone = surae.fit(active, "muscle", starts=2)
+joint = surae.fit([passive, active], "muscle", starts=2)
 
 
 def half_width(fit, name: str) -> str:

@@ -13,7 +13,7 @@ from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial
 
 protocol = Protocol(profile="multiple-holds", chirp_amplitude=0.1, rate_hz=64.0, chirp_rate=0.4)
-fit = surae.fit(virtual_trial(virtual_subject(seed=1), generate(protocol)), starts=2)
+fit = surae.fit(virtual_trial(virtual_subject(seed=1), generate(protocol)), "muscle", starts=2)
 found = surae.profile(fit, ("k_tib", "l0_tri"))
 
 figure, axes = plt.subplots(1, 2, figsize=(8, 3.2), layout="constrained")

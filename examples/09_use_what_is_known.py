@@ -21,6 +21,6 @@ for what, given in (
     ("k_tib known exactly", {"fixed": {"k_tib": known}}),
     ("what healthy legs are like", {"priors": "healthy"}),
 ):
-    x0 = surae.fit(trial, starts=2, **given).parameters["x0_tib"]
+    x0 = surae.fit(trial, "muscle", starts=2, **given).parameters["x0_tib"]
     half = 100 * (x0.ci95[1] - x0.value) / x0.value
     print(f"{what:28} x0_tib {1e3 * x0.value:.1f} mm ± {half:4.1f} %  {x0.verdict}")

@@ -22,7 +22,7 @@ knocked[np.random.default_rng(0).choice(len(knocked), 40, replace=False)] += 80.
 trial = replace(clean, torque=knocked)
 
 for loss in (None, "huber", "tukey"):
-    fit = surae.fit(trial, starts=2, loss=loss)
+    fit = surae.fit(trial, "muscle", starts=2, loss=loss)
     off = {n: abs(fit.values[n] / subject.parameters[n] - 1) for n in ("k_tri", "g1", "l0_tri")}
     said = ", ".join(f"{name} {100 * value:.1f} % off" for name, value in off.items())
     print(f"{loss or 'squares':8} {said}")

@@ -20,7 +20,10 @@ trial = virtual_trial(subject, generate(protocol))
 samples = 5  # 40 ms: what was recorded earlier than it acts
 early = replace(trial, emg=np.vstack([trial.emg[samples:], np.repeat(trial.emg[-1:], samples, 0)]))
 
-without, found = surae.fit(early, starts=2), surae.fit(early, free=("emd",), starts=2)
+without, found = (
+    surae.fit(early, "muscle", starts=2),
+    surae.fit(early, "muscle", free=("emd",), starts=2),
+)
 delay = found.parameters["emd"]
 print(f"without a delay: VAF {without.vaf:.2f} %, f0 {without.values['f0']:.2f} Hz")
 print(f"with one: VAF {found.vaf:.2f} %, f0 {found.values['f0']:.2f} Hz")

@@ -44,7 +44,7 @@ def path(inputs, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def fit(inputs):
-    return surae.fit(inputs, starts=1)
+    return surae.fit(inputs, "muscle", starts=1)
 
 
 def same(one, other):
@@ -64,7 +64,7 @@ def test_fit_of_any_form_of_recording(fit, inputs, path):
         [recording],
         surae.prepare(recording, prepared=True),
     ):
-        same(surae.fit(given, prepared=True, starts=1), fit)
+        same(surae.fit(given, "muscle", prepared=True, starts=1), fit)
 
 
 def test_the_contract_s_example(fit):
@@ -84,7 +84,7 @@ def test_the_contract_s_example(fit):
 
 
 def test_two_recordings_are_one_joint_fit(inputs, path):
-    joint = surae.fit([inputs, path], prepared=True, starts=1)
+    joint = surae.fit([inputs, path], "muscle", prepared=True, starts=1)
     assert len(joint.result.problem.inputs) == 2
     assert len(joint.assessment.recordings) == 2
 
@@ -93,6 +93,7 @@ def test_arguments_reach_the_fit(inputs):
     seen = []
     found = surae.fit(
         inputs,
+        "muscle",
         fixed={"beta": 1.0},
         start={"f0": 3.0},
         bounds={"m": (1.0, 2.9)},
@@ -116,30 +117,30 @@ def test_arguments_reach_the_fit(inputs):
 def test_an_unknown_option_lists_the_known_ones(inputs, fit):
     message = r"unknown option 'geometri'; known options: geometry, tendon_strain"
     with pytest.raises(InputError, match=message):
-        surae.fit(inputs, geometri="thesis")
+        surae.fit(inputs, "muscle", geometri="thesis")
     with pytest.raises(InputError, match=message):
         surae.simulate("muscle", fit.values, inputs, geometri="thesis")
 
 
 def test_an_option_with_a_wrong_value_lists_the_choices(inputs):
     with pytest.raises(InputError, match="use one of: thesis, virtual-work"):
-        surae.fit(inputs, geometry="euclid")
+        surae.fit(inputs, "muscle", geometry="euclid")
 
 
 @pytest.mark.parametrize("empty", [[], ()])
 def test_nothing_to_fit(empty):
     with pytest.raises(InputError, match="nothing to fit"):
-        surae.fit(empty)
+        surae.fit(empty, "muscle")
 
 
 def test_a_missing_file():
     with pytest.raises(InputError, match="no such file"):
-        surae.fit(Path("nowhere") / "none.csv")
+        surae.fit(Path("nowhere") / "none.csv", "muscle")
 
 
 def test_starts_below_one(inputs):
     with pytest.raises(InputError, match="starts is 0; give at least 1"):
-        surae.fit(inputs, starts=0)
+        surae.fit(inputs, "muscle", starts=0)
 
 
 def test_simulate_gives_the_torque_of_the_fit(fit, inputs):
@@ -245,13 +246,13 @@ def test_predict_prepares_as_the_fit_did(fit, path):
 
 
 def test_predict_filters_where_the_fit_did(path):
-    filtered = surae.fit(path, starts=1)
+    filtered = surae.fit(path, "muscle", starts=1)
     assert not filtered.result.problem.inputs[0].prepared
     assert filtered.predict(path).vaf == pytest.approx(filtered.vaf, rel=1e-9)
 
 
 def test_predict_remembers_the_options(inputs):
-    other = surae.fit(inputs, starts=1, geometry="virtual-work")
+    other = surae.fit(inputs, "muscle", starts=1, geometry="virtual-work")
     assert other.predict(inputs).vaf == pytest.approx(other.vaf, rel=1e-12)
 
 
@@ -289,7 +290,7 @@ def test_report(fit, tmp_path):
 
 def test_a_recording_is_not_changed(inputs, fit):
     before = [getattr(inputs, name).copy() for name in ("angle", "torque", "emg")]
-    surae.fit(inputs, starts=2)
+    surae.fit(inputs, "muscle", starts=2)
     for name, kept in zip(("angle", "torque", "emg"), before, strict=True):
         np.testing.assert_array_equal(getattr(inputs, name), kept)
 

@@ -25,7 +25,7 @@ def fitted(clean, subject):
     torque = surae.simulate("muscle", dict(subject.parameters) | DRIVES, clean)
     rng = np.random.default_rng(2)
     trial = replace(clean, torque=torque + rng.normal(0.0, 1.0, clean.n))
-    return surae.fit(trial, free=["emd", "reflex"], starts=1, prepared=True)
+    return surae.fit(trial, "muscle", free=["emd", "reflex"], starts=1, prepared=True)
 
 
 @every_model
@@ -85,9 +85,9 @@ def test_a_fit_with_drives_is_saved_and_loaded_without_loss(fitted, tmp_path):
 
 
 def test_a_fixed_delay_is_in_the_file_and_an_ordinary_fit_has_none(clean):
-    plain = surae.fit(clean, starts=1, prepared=True)
+    plain = surae.fit(clean, "muscle", starts=1, prepared=True)
     assert list(plain.parameters) == list(MODELS["muscle"].names)
-    late = surae.fit(clean, fixed={"emd": 0.02}, starts=1, prepared=True)
+    late = surae.fit(clean, "muscle", fixed={"emd": 0.02}, starts=1, prepared=True)
     assert [*late.parameters] == [*MODELS["muscle"].names, "emd"]
     p = late.parameters["emd"]
     assert (p.value, p.free, p.verdict.value) == (0.02, False, "fixed")

@@ -145,7 +145,7 @@ def test_a_model_with_rigid_tendons_says_which_have_others(inputs):
     with pytest.raises(InputError, match=f"'muscle' has rigid tendons.*: {known}"):
         surae.simulate_tendon("muscle", SUBJECT.parameters, inputs)
     with pytest.raises(InputError, match="rigid tendons"):
-        surae.fit(inputs, fixed={"beta": 1.0}, starts=1).tendon()
+        surae.fit(inputs, "muscle", fixed={"beta": 1.0}, starts=1).tendon()
 
 
 @pytest.mark.parametrize("model", ["muscle", "muscle-tendon"])

@@ -92,7 +92,7 @@ def test_what_leaves_the_house_says_no_folder(tmp_path, trial_csv) -> None:
     folder = tmp_path / "Jan Jansen"
     folder.mkdir()
     (folder / "trial.csv").write_bytes(trial_csv.read_bytes())
-    fit = surae.fit(folder / "trial.csv", prepared=True, starts=1)
+    fit = surae.fit(folder / "trial.csv", "muscle", prepared=True, starts=1)
     fit.save(tmp_path / "fit.json")
     fit.report(tmp_path / "report.html")
     for name in ("fit.json", "report.html"):

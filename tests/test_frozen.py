@@ -71,7 +71,7 @@ def test_a_frozen_mapping_is_a_mapping():
 @pytest.fixture(scope="module")
 def fit():
     motion = generate(Protocol(profile="multiple-holds", rate_hz=32.0))
-    return surae.fit(virtual_trial(virtual_subject(1), motion), starts=1)
+    return surae.fit(virtual_trial(virtual_subject(1), motion), "muscle", starts=1)
 
 
 @pytest.mark.parametrize("copied", [copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))])

@@ -3,13 +3,15 @@
 from surae import names
 from surae.estimation import LOSSES
 from surae.estimation.population import KNOWN
-from surae.model import MODELS, ModelOptions
+from surae.model import MODELS, ModelOptions, laboratory
 from surae.model.anthropometry import FOOT_SHARE
 from surae.studies.populations import POPULATIONS
 
 
 def test_names_are_those_of_what_they_name() -> None:
     assert set(names.MODELS) == set(MODELS)
+    assert names.AUTO == laboratory.AUTO
+    assert names.NUISANCES == (laboratory.ALL, laboratory.NONE)
     assert set(names.LOSSES) == set(LOSSES)
     assert set(names.POPULATIONS) == set(KNOWN) == set(POPULATIONS)
     assert set(names.FOOT_SHARES) == set(FOOT_SHARE)

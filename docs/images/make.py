@@ -11,6 +11,6 @@ from surae.studies import virtual_subject, virtual_trial
 protocol = Protocol(
     profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.159, device=named_device("achilles")
 )
-fit = surae.fit(virtual_trial(virtual_subject(seed=1), generate(protocol)))
+fit = surae.fit(virtual_trial(virtual_subject(seed=1), generate(protocol)), "muscle")
 (traces,) = traces_of(fit.result)
 (Path(__file__).parent / "fit.png").write_bytes(png(torque_figure(traces)))

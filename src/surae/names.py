@@ -10,6 +10,11 @@ MODELS = (
     "muscle-tendon-toe",
     "muscle-2010",
 )
+#: The family of models that is searched, and what a fit may be asked.
+AUTO = "auto"
+FITTED = (AUTO, *MODELS)
+#: What of the laboratory's imperfections `auto` takes in.
+NUISANCES = ("all", "none")
 LOSSES = ("huber", "soft-l1", "tukey")
 POPULATIONS = ("healthy", "patient")
 NORMALISATIONS = ("session", "mvc")

@@ -11,7 +11,7 @@ from surae.errors import InputError
 from surae.frozen import FrozenDict
 from surae.model import ModelOptions, get_model, with_optional
 from surae.model.anthropometry import foot_mass, with_foot_mass
-from surae.model.laboratory import ALL, AUTO, COMPLIANT, laboratory
+from surae.model.laboratory import ALL, AUTO, laboratory, richest
 from surae.model.parameters import OPTIONAL
 from surae.names import LOSSES, NORMALISATIONS, POPULATIONS
 from surae.recording import Recording
@@ -80,7 +80,7 @@ class FitSettings:
         recordings is checked by `make_problem`.
     """
 
-    model: str = "muscle"
+    model: str = AUTO
     options: ModelOptions = field(default_factory=ModelOptions)
     fixed: Mapping[str, float] = field(default_factory=FrozenDict)
     free: tuple[str, ...] = ()
@@ -146,7 +146,7 @@ class FitSettings:
                 raise InputError(f"{name} has no effect without body_mass; give both")
 
     @classmethod
-    def of(cls, model: "str | FitSettings" = "muscle", **asked: Any) -> "FitSettings":
+    def of(cls, model: "str | FitSettings" = AUTO, **asked: Any) -> "FitSettings":
         """Settings from the keywords of `surae.fit`.
 
         Parameters
@@ -204,8 +204,7 @@ class FitSettings:
         FitSettings
             What it can be asked.
         """
-        known = COMPLIANT if model == AUTO else model
-        names = with_optional(get_model(known), self.mentioned).names
+        names = with_optional(get_model(richest(model)), self.mentioned).names
         changes: dict[str, Any] = {
             field: {name: value for name, value in getattr(self, field).items() if name in names}
             for field in _NAMED

@@ -64,7 +64,12 @@ from .conftest import refused
     ],
 )
 def test_a_wrong_option(run, files, options, says) -> None:
-    refused(run("fit", "trial.csv", "--prepared", "--output", "out.json", *options), *says)
+    refused(
+        run(
+            "fit", "--model", "muscle", "trial.csv", "--prepared", "--output", "out.json", *options
+        ),
+        *says,
+    )
     assert not (files / "out.json").exists()
 
 
@@ -90,7 +95,7 @@ def test_the_help_lists_every_model(run, command) -> None:
 
 
 def test_the_help_states_the_true_defaults(run) -> None:
-    text = " ".join(run("fit", "--help").out.split())
+    text = " ".join(run("fit", "--model", "muscle", "--help").out.split())
     assert f"[default: {settings.STARTS}] --seed" in text
     assert "--seed N Of the random starts. [default: 0]" in text
     assert surae.FitSettings().seed == 0

@@ -9,7 +9,9 @@ from .conftest import refused
 
 @pytest.fixture
 def fit(run):
-    return lambda *arguments: run("fit", "--prepared", *arguments, "--output", "out.json")
+    return lambda *arguments: run(
+        "fit", "--model", "muscle", "--prepared", *arguments, "--output", "out.json"
+    )
 
 
 def _cell(row: int, column: int, text: str):
@@ -153,11 +155,11 @@ column = "torque_Nm"
 def test_a_wrong_mapping(run, files, old, new, says) -> None:
     assert old in MAPPING
     (files / "leg.toml").write_text(MAPPING.replace(old, new, 1), encoding="utf-8")
-    refused(run("fit", "leg.toml"), "leg.toml: ", *says)
+    refused(run("fit", "--model", "muscle", "leg.toml"), "leg.toml: ", *says)
 
 
 def test_the_mapping_itself_is_right(run, files) -> None:
     (files / "leg.toml").write_text(MAPPING, encoding="utf-8")
-    done = run("fit", "leg.toml", "--prepared", "--starts", 1)
+    done = run("fit", "--model", "muscle", "leg.toml", "--prepared", "--starts", 1)
     assert done.code == 0
     assert "a leg: VAF" in done.out

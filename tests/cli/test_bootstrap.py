@@ -60,7 +60,17 @@ def test_the_bias_is_shown_and_written(run, files) -> None:
 
 
 def test_the_fit_says_which_intervals_it_gives(run, files) -> None:
-    done = run("fit", "trial.csv", "--prepared", "--starts", 1, "--output", "again.json")
+    done = run(
+        "fit",
+        "--model",
+        "muscle",
+        "trial.csv",
+        "--prepared",
+        "--starts",
+        1,
+        "--output",
+        "again.json",
+    )
     assert "intervals: " in done.out
     data = json.loads((files / "again.json").read_text(encoding="utf-8"))
     assert data["interval"] in ("thesis", "robust")

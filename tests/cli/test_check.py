@@ -52,14 +52,14 @@ def test_wrong_use_is_one_line(run, paths, arguments) -> None:
 
 
 def test_a_strict_fit_refuses_errors(run, paths) -> None:
-    done = run("fit", paths[1], "--prepared", "--strict")
+    done = run("fit", "--model", "muscle", paths[1], "--prepared", "--strict")
     assert done.code == 2
     assert "torque-sign" in done.err
     assert len(done.err.strip().splitlines()) == 1
 
 
 def test_a_fit_shows_what_was_found(run, paths) -> None:
-    done = run("fit", paths[2], "--prepared", "--starts", "1")
+    done = run("fit", "--model", "muscle", paths[2], "--prepared", "--starts", "1")
     assert done.code == 0
     assert "warning torque-offset" in done.out
     assert done.out.count("`surae check`") == 1

@@ -41,7 +41,7 @@ def test_other_channels_are_prepared_first(files, run):
     one = read("out.csv")
     assert one.emg == "envelope"
     assert {"angular_velocity", "angular_acceleration"} <= one.channels.keys()
-    assert run("fit", "out.csv", "--prepared", "--starts", "2").code == 0
+    assert run("fit", "--model", "muscle", "out.csv", "--prepared", "--starts", "2").code == 0
 
 
 def test_what_a_format_does_not_keep_is_said(files, run):

@@ -12,7 +12,18 @@ from .test_simulate import columns, simulate
 
 
 def fit(run, *arguments: object):
-    return run("fit", "trial.csv", "--prepared", "--starts", "1", "--output", "f.json", *arguments)
+    return run(
+        "fit",
+        "--model",
+        "muscle",
+        "trial.csv",
+        "--prepared",
+        "--starts",
+        "1",
+        "--output",
+        "f.json",
+        *arguments,
+    )
 
 
 def found(files) -> dict:
@@ -31,7 +42,17 @@ def test_a_delay_is_estimated(run, files) -> None:
     (files / "late.json").write_text(json.dumps(parameters), encoding="utf-8")
     assert simulate(run, "--parameters", "late.json").code == 0
     done = run(
-        "fit", "out.csv", "--prepared", "--starts", "1", "--free", "emd", "--output", "f.json"
+        "fit",
+        "--model",
+        "muscle",
+        "out.csv",
+        "--prepared",
+        "--starts",
+        "1",
+        "--free",
+        "emd",
+        "--output",
+        "f.json",
     )
     assert done.code == 0
     assert "emd" in done.out

@@ -89,7 +89,7 @@ def test_outputs_appear_and_load(run, files) -> None:
     fit = surae.load(files / "ä b.json")
     assert fit.result.seed == 7
     assert fit.status == "converged"
-    again = surae.fit(files / "trial.csv", prepared=True, starts=1, seed=7)
+    again = surae.fit(files / "trial.csv", "muscle", prepared=True, starts=1, seed=7)
     assert again.values == fit.values
     page = (files / "r.html").read_text(encoding="utf-8")
     assert page.startswith("<!DOCTYPE html>") or page.startswith("<!doctype html>")
@@ -175,7 +175,17 @@ def test_ctrl_c_keeps_the_best_so_far(run, files, monkeypatch) -> None:
 def test_odd_names_are_shown_as_they_are(run, files) -> None:
     odd = files / "[red]x[!b] é 你.csv"
     (files / "trial.csv").rename(odd)
-    done = run("fit", odd.name, "--prepared", "--starts", "1", "--output", "[b]\nx.json")
+    done = run(
+        "fit",
+        "--model",
+        "muscle",
+        odd.name,
+        "--prepared",
+        "--starts",
+        "1",
+        "--output",
+        "[b]\nx.json",
+    )
     assert done.code == 0
     assert f"{odd.stem}: VAF" in done.out
     assert r"fit: '[b]\nx.json'" in done.out
@@ -183,7 +193,9 @@ def test_odd_names_are_shown_as_they_are(run, files) -> None:
 
 
 def test_a_raw_recording_of_a_dynamometer(run, shared) -> None:
-    done = run("fit", shared / "dynamometer" / "PL_50_01.toml", "--starts", "1")
+    done = run(
+        "fit", "--model", "muscle", shared / "dynamometer" / "PL_50_01.toml", "--starts", "1"
+    )
     assert done.code in (0, 1)
     assert "isokinetic dorsiflexion, tibialis anterior EMG only: VAF 9" in done.out
     assert "fixed" in table(done.out)["g2"]
@@ -191,7 +203,7 @@ def test_a_raw_recording_of_a_dynamometer(run, shared) -> None:
 
 def test_two_walking_speeds_jointly(run, shared) -> None:
     paths = [shared / "gait" / f"{name}.toml" for name in ("walk36", "run81")]
-    done = run("fit", *paths, "--starts", "1", "--output", "f.json")
+    done = run("fit", "--model", "muscle", *paths, "--starts", "1", "--output", "f.json")
     assert done.code in (0, 1)
     assert "treadmill walk36, right ankle: VAF" in done.out
     assert "treadmill run81, right ankle: VAF" in done.out
@@ -205,4 +217,6 @@ def test_showing_a_fit_needs_no_terminal(files, capsys) -> None:
 
 
 def test_a_fit_in_place_of_a_recording_is_named(run, files) -> None:
-    refused(run("fit", "fit.json"), "fit.json", "this is a fit", "surae validate")
+    refused(
+        run("fit", "--model", "muscle", "fit.json"), "fit.json", "this is a fit", "surae validate"
+    )

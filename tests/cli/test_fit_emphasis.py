@@ -18,7 +18,7 @@ QUICK = ("--prepared", "--starts", "1", "--output", "out.json")
 
 def test_windows_peaks_and_loss_are_those_of_the_api(run, files) -> None:
     done = run(
-        "fit", "trial.csv", *QUICK, "--exclude", "30:", "--exclude", ":1", "--weight", "3:4:2",
+        "fit", "--model", "muscle", "trial.csv", *QUICK, "--exclude", "30:", "--exclude", ":1", "--weight", "3:4:2",
         "--weight-peaks", "4", "--peaks-of", "emg", "--robust",
     )  # fmt: skip
     assert done.code == 0, done
@@ -29,6 +29,7 @@ def test_windows_peaks_and_loss_are_those_of_the_api(run, files) -> None:
     windows = ((30.0, float("inf"), 0.0), (float("-inf"), 1.0, 0.0), (3.0, 4.0, 2.0))
     found = surae.fit(
         files / "trial.csv",
+        "muscle",
         prepared=True,
         starts=1,
         weights=surae.Weighting(windows, peaks=4.0, activity="emg"),
@@ -43,23 +44,27 @@ def test_windows_peaks_and_loss_are_those_of_the_api(run, files) -> None:
 
 def test_priors_of_a_population_and_given_ones(run, files) -> None:
     options = ("--priors", "patient", "--prior", "f0=2:0.1")
-    done = run("fit", "trial.csv", *QUICK, *options)
+    done = run("fit", "--model", "muscle", "trial.csv", *QUICK, *options)
     assert done.code == 0, done
     assert "Priors on m, k_tri" in done.out
     priors = fitted(files)["priors"]
     assert priors["f0"] == {"median": 2.0, "spread": 0.1}
     assert priors["l0_tri"] == {"median": 0.0378, "spread": 0.2}
     found = surae.fit(
-        files / "trial.csv", prepared=True, starts=1, priors=("patient", {"f0": (2.0, 0.1)})
+        files / "trial.csv",
+        "muscle",
+        prepared=True,
+        starts=1,
+        priors=("patient", {"f0": (2.0, 0.1)}),
     )
     assert found.values["m"] == fitted(files)["parameters"]["m"]["value"]
-    alone = surae.fit(files / "trial.csv", prepared=True, starts=1, priors="patient")
+    alone = surae.fit(files / "trial.csv", "muscle", prepared=True, starts=1, priors="patient")
     assert alone.result.problem.priors["f0"].median == 1.96
 
 
 def test_body_mass_fixes_m_and_says_so(run, files) -> None:
     options = ("--body-mass", "70", "--footplate-mass", "1.2", "--foot-share", "de-leva-male")
-    done = run("fit", "trial.csv", *QUICK, *options)
+    done = run("fit", "--model", "muscle", "trial.csv", *QUICK, *options)
     assert done.code == 0, done
     m = fitted(files)["parameters"]["m"]
     assert m["value"] == surae.foot_mass(70.0, 1.2, table="de-leva-male")
@@ -75,7 +80,17 @@ def test_a_baseline_from_the_command_to_the_screen_and_the_file(run, files) -> N
     assert done.code == 0, done
     assert "Mean SEM of 1 healthy virtual subject from seed 0, multiple-holds" in done.out
     sem = fitted(files, "b.json")["sem"]
-    done = run("fit", "trial.csv", *QUICK, "--baseline", "b.json", "--report", "r.html")
+    done = run(
+        "fit",
+        "--model",
+        "muscle",
+        "trial.csv",
+        *QUICK,
+        "--baseline",
+        "b.json",
+        "--report",
+        "r.html",
+    )
     assert "snSEM" in done.out
     content = fitted(files)
     ratio = content["parameters"]["f0"]["sem"] / sem["f0"]
@@ -87,9 +102,19 @@ def test_a_baseline_from_the_command_to_the_screen_and_the_file(run, files) -> N
         run("fit", "trial.csv", "--prepared", "--model", "muscle-2010", "--baseline", "b.json"),
         "'muscle-2010'",
     )
-    gone = run("fit", "trial.csv", "--prepared", "--baseline", "gone.json")
+    gone = run("fit", "--model", "muscle", "trial.csv", "--prepared", "--baseline", "gone.json")
     refused(gone, "gone.json", "no such file")
-    itself = run("fit", "trial.csv", "--prepared", "--baseline", "b.json", "--output", "b.json")
+    itself = run(
+        "fit",
+        "--model",
+        "muscle",
+        "trial.csv",
+        "--prepared",
+        "--baseline",
+        "b.json",
+        "--output",
+        "b.json",
+    )
     refused(itself, "is read by this command")
 
 
@@ -118,7 +143,7 @@ def test_a_baseline_from_the_command_to_the_screen_and_the_file(run, files) -> N
     ],
 )
 def test_wrong_use_is_one_clear_line(options, says, run, files) -> None:
-    refused(run("fit", "trial.csv", "--prepared", *options), *says)
+    refused(run("fit", "--model", "muscle", "trial.csv", "--prepared", *options), *says)
 
 
 @pytest.mark.parametrize(

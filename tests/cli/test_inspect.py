@@ -56,7 +56,9 @@ def test_several_files_make_one_mapping_that_fits(files, run):
     done = run("inspect", "motion.csv", "force.csv", "emg.csv", "--output", "map.toml")
     assert done.code == 0, done
     assert "mapping: map.toml" in done.out
-    refused(run("fit", "map.toml", "--prepared"), "channels.angle: unit is missing")
+    refused(
+        run("fit", "--model", "muscle", "map.toml", "--prepared"), "channels.angle: unit is missing"
+    )
     settled(
         files / "map.toml",
         angle=('# unit = "rad"', 'unit = "deg"'),
@@ -64,7 +66,17 @@ def test_several_files_make_one_mapping_that_fits(files, run):
         emg=('# unit = "V"', 'unit = "V"'),
         sign=("sign = 1  # check: 1 if it is positive when", "sign = -1  # it is negative when"),
     )
-    done = run("fit", "map.toml", "--prepared", "--starts", "2", "--output", "again.json")
+    done = run(
+        "fit",
+        "--model",
+        "muscle",
+        "map.toml",
+        "--prepared",
+        "--starts",
+        "2",
+        "--output",
+        "again.json",
+    )
     assert done.code == 0, done
     again, first = load("again.json"), load("fit.json")
     for name, value in first.values.items():
@@ -102,7 +114,17 @@ def test_the_dynamometers_passive_and_active_trials(shared, run, tmp_path):
         toml = tomllib.loads((tmp_path / f"{name}.toml").read_text(encoding="utf-8"))
         assert toml["fixed"] == {"g2": 0.0, "g3": 0.0, "g4": 0.0}
         assert ("offset" in toml["channels"]["emg_ta"]) == (name == "Pas_Sho2Long")
-    done = run("fit", "Pas_Sho2Long.toml", "PL_50_01.toml", "--starts", "4", "--output", "f.json")
+    done = run(
+        "fit",
+        "--model",
+        "muscle",
+        "Pas_Sho2Long.toml",
+        "PL_50_01.toml",
+        "--starts",
+        "4",
+        "--output",
+        "f.json",
+    )
     assert done.code == 0, done
     fit = load("f.json")
     vaf = {one.name: one.vaf for one in fit.assessment.recordings}
@@ -118,7 +140,18 @@ def test_the_wrong_direction_does_not_fit_the_passive_trial(shared, run, tmp_pat
     (right,) = {"angle", "torque"} - {wrong}
     settled(tmp_path / "m.toml", sign=(marks[right], marks[right].replace("= 1 ", "= -1 ")))
     # Without g1 = 0 the amplifier's noise, rectified, would stand in for a constant force.
-    done = run("fit", "m.toml", "--fixed", "g1=0", "--starts", "2", "--output", "f.json")
+    done = run(
+        "fit",
+        "--model",
+        "muscle",
+        "m.toml",
+        "--fixed",
+        "g1=0",
+        "--starts",
+        "2",
+        "--output",
+        "f.json",
+    )
     assert done.code == 0, done
     assert load("f.json").vaf < 70.0
 

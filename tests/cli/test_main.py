@@ -39,9 +39,9 @@ def test_version(run) -> None:
     [
         (["nonsense"], ("'nonsense'", "surae --help")),
         (["--nonsense"], ("--nonsense", "surae --help")),
-        (["fit", "--nonsense"], ("--nonsense", "surae fit --help")),
+        (["fit", "--model", "muscle", "--nonsense"], ("--nonsense", "surae fit --help")),
         (["fit"], ("REC", "surae fit --help")),
-        (["fit", "a.csv", "--output"], ("--output", "argument")),
+        (["fit", "--model", "muscle", "a.csv", "--output"], ("--output", "argument")),
         (["simulate"], ("IN.csv",)),
         (["simulate", "a.csv", "--output", "b.csv"], ("--parameters",)),
         (["validate"], ("FIT.json",)),
@@ -56,10 +56,10 @@ def test_wrong_use_is_one_line_that_leads_to_help(run, arguments, says) -> None:
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["--debug", "fit", "none.csv"],
-        ["fit", "--debug", "none.csv"],
-        ["fit", "none.csv", "--debug"],
-        ["fit", "none.csv", "--debug", "--debug"],
+        ["--debug", "fit", "--model", "muscle", "none.csv"],
+        ["fit", "--model", "muscle", "--debug", "none.csv"],
+        ["fit", "--model", "muscle", "none.csv", "--debug"],
+        ["fit", "--model", "muscle", "none.csv", "--debug", "--debug"],
     ],
 )
 def test_debug_shows_where_an_error_came_from(run, arguments) -> None:
@@ -70,7 +70,7 @@ def test_debug_shows_where_an_error_came_from(run, arguments) -> None:
 
 
 def test_after_two_dashes_debug_is_a_file(run) -> None:
-    refused(run("fit", "--", "--debug"), "--debug", "no such file")
+    refused(run("fit", "--model", "muscle", "--", "--debug"), "--debug", "no such file")
 
 
 def _stopped_in_compiled_code() -> Exception:

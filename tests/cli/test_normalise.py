@@ -23,7 +23,7 @@ def half(edit):
 
 
 def test_a_session(files, run, half):
-    done = run("fit", "trial.csv", "--prepared", "--normalise", "session", "--starts", "2",
+    done = run("fit", "--model", "muscle", "trial.csv", "--prepared", "--normalise", "session", "--starts", "2",
                "--output", "n.json")  # fmt: skip
     assert done.code == 0, done
     assert "EMG normalised: divided by the session's largest envelope (of 1 recording" in done.out
@@ -47,7 +47,7 @@ def test_a_session(files, run, half):
 
 
 def test_maximum_contractions(files, run, half):
-    done = run("fit", "half.csv", "--prepared", "--normalise", "mvc", "--mvc", "trial.csv",
+    done = run("fit", "--model", "muscle", "half.csv", "--prepared", "--normalise", "mvc", "--mvc", "trial.csv",
                "--starts", "1", "--output", "n.json")  # fmt: skip
     assert done.code == 0, done
     reference = load("n.json").result.problem.inputs[0].emg_reference
@@ -69,7 +69,7 @@ def test_maximum_contractions(files, run, half):
     ],
 )
 def test_wrong_use_is_one_line(files, run, arguments, says):
-    refused(run("fit", "trial.csv", "--prepared", *arguments), says)
+    refused(run("fit", "--model", "muscle", "trial.csv", "--prepared", *arguments), says)
 
 
 def test_validation_has_no_normalisation_of_its_own(files, run):

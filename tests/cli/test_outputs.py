@@ -59,7 +59,10 @@ def test_onto_the_data_of_a_mapping(run, files) -> None:
         'emg = "envelope"\n[channels.angle]\nfile = "trial.csv"\ncolumn = "angle_rad"\n',
         encoding="utf-8",
     )
-    refused(run("fit", "leg.toml", "--output", "trial.csv"), "trial.csv is read by this command")
+    refused(
+        run("fit", "--model", "muscle", "leg.toml", "--output", "trial.csv"),
+        "trial.csv is read by this command",
+    )
 
 
 def test_onto_parameters_and_fits(run, files) -> None:

@@ -85,10 +85,12 @@ def test_a_terminal_that_knows_ascii_only(files) -> None:
 
 
 def test_errors_leave_with_their_code(files) -> None:
-    done = run("fit", "none.csv", folder=files, stdout=subprocess.PIPE)
+    done = run("fit", "--model", "muscle", "none.csv", folder=files, stdout=subprocess.PIPE)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == "surae: cannot read none.csv: there is no such file\n"
-    done = run("--debug", "fit", "none.csv", folder=files, stdout=subprocess.PIPE)
+    done = run(
+        "--debug", "fit", "--model", "muscle", "none.csv", folder=files, stdout=subprocess.PIPE
+    )
     assert done.returncode == 2
     assert done.stderr.startswith("Traceback")
 
@@ -128,7 +130,17 @@ def _end(process: "subprocess.Popen[bytes]", screen: int) -> int:
 
 def test_a_terminal_shows_how_far_the_fit_is_and_ctrl_c_keeps_the_best(files) -> None:
     screen, terminal = pty.openpty()
-    arguments = ["fit", "trial.csv", "--prepared", "--starts", "10000", "--output", "f.json"]
+    arguments = [
+        "fit",
+        "--model",
+        "muscle",
+        "trial.csv",
+        "--prepared",
+        "--starts",
+        "10000",
+        "--output",
+        "f.json",
+    ]
     with subprocess.Popen(
         [SURAE, *arguments], cwd=files, stdout=subprocess.PIPE, stderr=terminal, stdin=terminal,
         text=True, env=os.environ | {"TERM": "xterm", "COLUMNS": "80"},

@@ -42,7 +42,7 @@ def test_the_noise_is_what_the_residual_is_or_what_is_given(run, files) -> None:
         lines.append(",".join(cells))
     drifting.write_text("\n".join(lines) + "\n", encoding="utf-8")
     start = surae.load(files / "fit.json").values
-    fit = surae.fit(drifting, prepared=True, starts=1, start=start)
+    fit = surae.fit(drifting, "muscle", prepared=True, starts=1, start=start)
     fit.save(files / "drifting.json")
     assert fit.assessment.interval == "robust"
 
@@ -69,6 +69,7 @@ def test_an_svg(run, files) -> None:
 def test_without_names_all_that_were_estimated(run, files) -> None:
     found = surae.fit(
         files / "trial.csv",
+        "muscle",
         prepared=True,
         starts=1,
         fixed={k: v for k, v in surae.load(files / "fit.json").values.items() if k not in "m g1"},

@@ -51,7 +51,9 @@ def test_the_output_reads_back_and_fits(run, files) -> None:
     assert simulate(run, "--parameters", "true.json").code == 0
     recording = surae.read(files / "out.csv")
     assert recording.emg == "envelope"
-    done = run("fit", "out.csv", "--prepared", "--starts", "1", "--output", "f.json")
+    done = run(
+        "fit", "--model", "muscle", "out.csv", "--prepared", "--starts", "1", "--output", "f.json"
+    )
     assert done.code == 0
     truth = json.loads((files / "true.json").read_text(encoding="utf-8"))["parameters"]
     found = surae.load(files / "f.json")
@@ -62,7 +64,18 @@ def test_the_output_reads_back_and_fits(run, files) -> None:
 
 def test_a_fit_brings_its_model_and_options(run, files) -> None:
     options = ("--geometry", "virtual-work", "--theta-foot", "0.1")
-    fitted = run("fit", "trial.csv", "--prepared", "--starts", "1", "--output", "vw.json", *options)
+    fitted = run(
+        "fit",
+        "--model",
+        "muscle",
+        "trial.csv",
+        "--prepared",
+        "--starts",
+        "1",
+        "--output",
+        "vw.json",
+        *options,
+    )
     assert fitted.code in (0, 1)
     assert simulate(run, "--parameters", "vw.json").code == 0
     fit = surae.load(files / "vw.json")

@@ -30,15 +30,15 @@ def imported(*arguments: str, folder=None) -> set[str]:
 
 @pytest.mark.parametrize(
     "arguments",
-    [["--help"], ["--version"], ["fit", "--help"], ["simulate", "-h"], ["validate", "-h"],
-     ["demo", "-h"], ["nonsense"], ["fit"], ["fit", "a.csv", "--fixed", "m"]],
+    [["--help"], ["--version"], ["fit", "--model", "muscle", "--help"], ["simulate", "-h"], ["validate", "-h"],
+     ["demo", "-h"], ["nonsense"], ["fit"], ["fit", "--model", "muscle", "a.csv", "--fixed", "m"]],
 )  # fmt: skip
 def test_help_and_wrong_use_import_no_library_that_computes(arguments) -> None:
     assert imported(*arguments) & (COMPUTING | {"numpy", "rich"}) == set()
 
 
 @pytest.mark.parametrize(
-    "arguments", [["fit", "none.csv"], ["validate", "f.json", "none.csv"],
+    "arguments", [["fit", "--model", "muscle", "none.csv"], ["validate", "f.json", "none.csv"],
                   ["simulate", "none.csv", "--parameters", "p", "--output", "o"]],
 )  # fmt: skip
 def test_a_wrong_recording_is_found_before_numba_is_imported(arguments, tmp_path) -> None:
@@ -46,6 +46,8 @@ def test_a_wrong_recording_is_found_before_numba_is_imported(arguments, tmp_path
 
 
 def test_a_fit_imports_nothing_it_does_not_need(made) -> None:
-    loaded = imported("fit", str(made / "trial.csv"), "--prepared", "--starts", "1")
+    loaded = imported(
+        "fit", "--model", "muscle", str(made / "trial.csv"), "--prepared", "--starts", "1"
+    )
     assert "numba" in loaded
     assert loaded & {"matplotlib", "h5py", "joblib", "jinja2", "pydantic"} == set()

@@ -71,7 +71,7 @@ def prepared(tmp_path_factory) -> Path:
     write_hdf5(folder / "recording.h5", surae.read(folder / "trial.csv"))
     (folder / "study.toml").write_text(_STUDY)
     (folder / "p.json").write_text(json.dumps({"parameters": dict(subject.parameters)}))
-    fit = surae.fit(folder / "trial.csv", starts=1)
+    fit = surae.fit(folder / "trial.csv", "muscle", starts=1)
     fit.save(folder / "fit.json")
     (folder / "docs").mkdir()
     return folder

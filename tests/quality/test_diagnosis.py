@@ -131,7 +131,7 @@ def test_the_dynamometers_both_signs(shared) -> None:
 
 def test_a_fit_of_milliseconds_says_so(tmp_path) -> None:
     with pytest.raises(surae.InputError, match="in ms, these are 35 s at 128 Hz"):
-        surae.fit(timed(trial(4), 1e3), starts=1)
+        surae.fit(timed(trial(4), 1e3), "muscle", starts=1)
 
 
 def test_raw_emg_on_an_offset_is_taken_as_it_is(planted) -> None:

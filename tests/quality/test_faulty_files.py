@@ -84,7 +84,7 @@ def test_findings_go_into_the_fit_and_come_back(tmp_path, noisy) -> None:
     wrong = recording_of(noisy)
     table = columns(wrong) | {"torque_Nm": wrong.channels["torque"].values + 15.0}
     write_recording(tmp_path / "offset.csv", table, ["emg: envelope"])
-    fit = surae.fit(tmp_path / "offset.csv", prepared=True, starts=1)
+    fit = surae.fit(tmp_path / "offset.csv", "muscle", prepared=True, starts=1)
     assert codes(fit.quality[0]) == ["torque-offset"]
     fit.save(tmp_path / "fit.json")
     (saved,) = json.loads((tmp_path / "fit.json").read_text())["findings"]
@@ -98,7 +98,7 @@ def test_findings_go_into_the_fit_and_come_back(tmp_path, noisy) -> None:
 
 
 def test_a_fit_without_findings_says_so_in_its_report(tmp_path, noisy) -> None:
-    fit = surae.fit(noisy, starts=1)
+    fit = surae.fit(noisy, "muscle", starts=1)
     assert fit.quality[0].findings == ()
     fit.report(tmp_path / "report.html")
     assert ": nothing found" in (tmp_path / "report.html").read_text()

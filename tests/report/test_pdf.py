@@ -16,7 +16,9 @@ def fit(noisy):
     """A fit of a recording in which something is found."""
     from dataclasses import replace
 
-    return surae.fit(replace(noisy, name='a *b* #c "d"', torque=noisy.torque + 12.0), starts=1)
+    return surae.fit(
+        replace(noisy, name='a *b* #c "d"', torque=noisy.torque + 12.0), "muscle", starts=1
+    )
 
 
 def test_the_ending_says_that_it_is_a_pdf(fit, noisy, tmp_path) -> None:

@@ -22,7 +22,7 @@ def trial():  # type: ignore[no-untyped-def]
 
 
 def test_a_model_without_tendons_cites_no_tendons(trial) -> None:  # type: ignore[no-untyped-def]
-    cited = keys(surae.fit(trial, starts=1))
+    cited = keys(surae.fit(trial, "muscle", starts=1))
     assert {"surae", "vandepoll2015", "golub1973", "more1978", "ljung1978"} <= set(cited)
     assert not {"thelen2003", "alexander1977", "devlugt2010", "holland1977"} & set(cited)
     assert len(cited) == len(set(cited))
@@ -30,7 +30,7 @@ def test_a_model_without_tendons_cites_no_tendons(trial) -> None:  # type: ignor
 
 def test_what_was_asked_for_is_cited(trial) -> None:  # type: ignore[no-untyped-def]
     assert "devlugt2010" in keys(surae.fit(trial, "muscle-2010", starts=1))
-    assert "holland1977" in keys(surae.fit(trial, starts=1, loss="huber"))
+    assert "holland1977" in keys(surae.fit(trial, "muscle", starts=1, loss="huber"))
     tendons = keys(surae.fit(trial, "muscle-tendon", starts=1))
     assert {"thelen2003", "alexander1977"} <= set(tendons)
 

@@ -85,13 +85,13 @@ def test_refusals(session):
 def test_a_joint_fit_of_trials_normalised_each_by_itself_is_refused(session):
     apart = [normalise([one])[0] for one in session]
     with pytest.raises(InputError, match=r"divided by another reference.*never each by itself"):
-        surae.fit(apart, starts=1)
+        surae.fit(apart, "muscle", starts=1)
 
 
 def test_the_fit_is_the_same_but_for_the_unit_of_the_weights(noisy, tmp_path):
     half = replace(noisy, name="half", emg=noisy.emg, files=())
-    volts = surae.fit([noisy, half], starts=2)
-    fit = surae.fit([noisy, half], normalise="session", starts=2)
+    volts = surae.fit([noisy, half], "muscle", starts=2)
+    fit = surae.fit([noisy, half], "muscle", normalise="session", starts=2)
     reference = fit.result.problem.inputs[0].emg_reference
     assert fit.parameters["g1"].unit == "N"
     assert fit.vaf == pytest.approx(volts.vaf, abs=1e-4)
@@ -118,6 +118,6 @@ def test_the_fit_is_the_same_but_for_the_unit_of_the_weights(noisy, tmp_path):
 
 def test_options_that_contradict(noisy):
     with pytest.raises(InputError, match="no effect without normalise='mvc'"):
-        surae.fit(noisy, mvc=[noisy])
+        surae.fit(noisy, "muscle", mvc=[noisy])
     with pytest.raises(InputError, match="use one of: session, mvc"):
-        surae.fit(noisy, normalise="trial")
+        surae.fit(noisy, "muscle", normalise="trial")

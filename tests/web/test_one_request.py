@@ -68,6 +68,7 @@ REACHED: dict[str, tuple[dict[str, Any], str, dict[str, Any]]] = {
         "--filter bessel_hz=10 --filter emg_highpass_hz=false",
         {"preparation": {"bessel_hz": 10, "emg_highpass_hz": False}},
     ),
+    "nuisances": ({"nuisances": "none"}, "--nuisances none", {"nuisances": "none"}),
     "starts": ({"starts": 3}, "--starts 3", {"starts": 3}),
     "seed": ({"seed": 5}, "--seed 5", {"seed": 5}),
 }

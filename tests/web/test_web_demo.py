@@ -35,7 +35,7 @@ def test_the_virtual_subject_can_be_tried(serve) -> None:
 
 
 def test_the_virtual_subject_is_found_again_by_a_fit() -> None:
-    found = surae.fit(demo_recording(1), starts=2)
+    found = surae.fit(demo_recording(1), "muscle", starts=2)
     assert found.status == "converged"
     assert 99.0 < found.vaf < 100.0
     true = virtual_subject(seed=1).parameters

@@ -56,7 +56,7 @@ def test_a_fit_with_a_delay_is_that_of_surae_fit(browser, recorded, trial, tmp_p
     assert any("emd" in data.get("values", {}) for event, data in events if event == "progress")
     assert job["state"] == "done", job
     kept = browser.get(f"/api/fits/{job['result']}/fit.json").json()
-    surae.fit(trial, prepared=True, starts=1, free=("emd",)).save(tmp_path / "fit.json")
+    surae.fit(trial, "muscle", prepared=True, starts=1, free=("emd",)).save(tmp_path / "fit.json")
     ours = json.loads((tmp_path / "fit.json").read_text())
     assert kept["parameters"] == ours["parameters"]
     assert "emd" in kept["parameters"]

@@ -20,7 +20,9 @@ def test_a_fit_is_that_of_surae_fit(browser, recorded, trial, tmp_path) -> None:
     job = browser.job(browser.post("/api/fits", json={"name": "mine"}))
     assert job["state"] == "done", job
     kept = browser.get(f"/api/fits/{job['result']}/fit.json").json()
-    surae.fit(trial, prepared=True, starts=2, fixed={"beta": 1.0}).save(tmp_path / "fit.json")
+    surae.fit(trial, "muscle", prepared=True, starts=2, fixed={"beta": 1.0}).save(
+        tmp_path / "fit.json"
+    )
     import json
 
     ours = json.loads((tmp_path / "fit.json").read_text())

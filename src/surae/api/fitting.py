@@ -15,6 +15,7 @@ from surae.estimation import FitSettings, make_problem, solve
 from surae.estimation.fit import Progress
 from surae.estimation.starts import Follow
 from surae.files import PathLike
+from surae.model.laboratory import AUTO
 from surae.quality import Quality
 from surae.recording import Recording
 from surae.signals import ModelInputs, Weighting
@@ -25,7 +26,7 @@ Priors = Mapping[str, tuple[float, float]]
 
 def fit(
     recordings: AnyRecording | Sequence[AnyRecording],
-    model: str | FitSettings = "muscle",
+    model: str | FitSettings = AUTO,
     *,
     fixed: Mapping[str, float] | None = None,
     free: Sequence[str] | None = None,
@@ -57,8 +58,8 @@ def fit(
     recordings : Recording, ModelInputs, path, or a sequence of them
         Several are one joint fit with shared parameters.
     model : str or FitSettings
-        Name of the model; `surae.model.MODELS` lists them. ``"auto"``: the family of rigid and
-        compliant tendons with the laboratory's imperfections, chosen by the evidence. Or
+        ``"auto"``: the family of rigid and compliant tendons with the laboratory's imperfections,
+        chosen by the evidence. Or the name of one model; `surae.model.MODELS` lists them. Or
         everything that is asked, as ``other.settings`` of another fit; keywords that are given too
         go before it.
     fixed : mapping of str to float, optional

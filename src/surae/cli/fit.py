@@ -20,8 +20,14 @@ if TYPE_CHECKING:
 
 @click.command("fit")
 @click.argument("recordings", metavar="REC…", nargs=-1, required=True)
-@click.option("--model", type=click.Choice(names.MODELS), default="muscle", show_default=True,
-              metavar="M", help=f"{MODEL_NAMES}.")  # fmt: skip
+@click.option(
+    "--model",
+    type=click.Choice(names.FITTED),
+    default=names.AUTO,
+    show_default=True,
+    metavar="M",
+    help=f"{names.AUTO}: what the data support; or {MODEL_NAMES}.",
+)
 @click.option("--prepared", is_flag=True, help="Use the signals as they are, without filters.")
 @request_options
 @click.option("--baseline", metavar="B.json", help="Compare SEM with simulations (snSEM).")

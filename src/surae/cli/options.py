@@ -233,6 +233,8 @@ _REQUEST = (
     click.option("--filter", type=Setting(), multiple=True, callback=table,
                  metavar="NAME=VALUE",
                  help="A setting of the preparation, e.g. bessel_hz=10; false: without it."),
+    click.option("--nuisances", type=click.Choice(names.NUISANCES),
+                 help="Imperfections of the laboratory that auto takes in.  [default: all]"),
     click.option("--starts", type=Whole(1, MOST_STARTS), metavar="N",
                  help="Number of starts of a fit.  [default: 8]"),
     click.option("--seed", type=Whole(0), metavar="N", help="Of the random starts.  [default: 0]"),

@@ -20,7 +20,7 @@ from surae.model import (
     with_optional,
 )
 from surae.model.anthropometry import MASSES
-from surae.model.laboratory import AUTO, COMPLIANT
+from surae.model.laboratory import richest
 from surae.model.parameters import OPTIONAL
 from surae.recording import MUSCLES
 from surae.settings import FitSettings
@@ -112,7 +112,7 @@ def make_problem(
     bounds, priors = settings.bounds, settings.priors
     held = {*fixed, *(name for one in inputs for name in one.fixed)}
     free = _spelled_out(settings.free, held)
-    model = COMPLIANT if settings.model == AUTO else settings.model
+    model = richest(settings.model)
     spec = with_optional(get_model(model), {*held, *settings.parameters, *free})
     if not inputs:
         raise InputError("nothing to fit: give at least one recording")

@@ -41,7 +41,10 @@ def solve(
     asked = problem.settings
     if asked.model == AUTO:
         if asked.loss is not None:
-            raise InputError("loss goes with a named model; name one, or leave the loss out")
+            raise InputError(
+                "a loss that spares outliers goes with a named model; give model='muscle' (--model "
+                "muscle), or leave it out"
+            )
         return fit_family(problem, progress=progress)
     count = asked.starts if starts is None else starts
     if asked.loss is None:

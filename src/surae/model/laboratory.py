@@ -29,6 +29,17 @@ AUTO, RIGID, COMPLIANT = "auto", "muscle", "muscle-tendon-strain"
 ALL, NONE = "all", "none"
 
 
+def richest(model: str) -> str:
+    """Name of the model whose parameters a fit may speak of: of a family, its richest one.
+
+    Parameters
+    ----------
+    model : str
+        Name of a model, or ``"auto"``.
+    """
+    return COMPLIANT if model == AUTO else model
+
+
 @dataclass(frozen=True, slots=True)
 class Belief:
     """What is known of a nuisance beforehand: a Gaussian.

@@ -6,6 +6,7 @@ from typing import Any
 
 from surae.errors import InputError
 from surae.model import ModelSpec, Parameter, adapted, get_model, with_optional
+from surae.model.laboratory import richest
 from surae.settings import FitSettings
 from surae.signals import Weighting
 from surae.studies.populations import POPULATIONS, TENDONS
@@ -53,7 +54,7 @@ def _take_row(draft: Draft, name: str, told: Mapping[str, Any] | None) -> None:
     draft["free"] = [other for other in draft["free"] if other != name]
     if told is None:
         return
-    spec = with_optional(get_model(draft["model"]), {name})
+    spec = with_optional(get_model(richest(draft["model"])), {name})
     default = adapted(spec.parameters, _settings(draft).options).get(name)
     usual, value = name in spec.free, told.get("value")
     if not told.get("free", usual):
@@ -132,7 +133,7 @@ def _settings(draft: Draft) -> FitSettings:
 
 def spec_of(draft: Draft) -> ModelSpec:
     """The model of a draft, with the drives of which it mentions a parameter."""
-    return with_optional(get_model(draft["model"]), _settings(draft).mentioned)
+    return with_optional(get_model(richest(draft["model"])), _settings(draft).mentioned)
 
 
 def values_of(draft: Draft, emg_unit: str, prescribed: Mapping[str, float]) -> dict[str, float]:

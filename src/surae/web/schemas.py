@@ -29,6 +29,8 @@ Count = Annotated[float, Field(ge=0, le=1e6, allow_inf_nan=False)]
 Points = Annotated[int, Field(ge=10, le=2000)]
 if TYPE_CHECKING:
     Model: TypeAlias = str
+    FittedModel: TypeAlias = str
+    Nuisances: TypeAlias = str
     Population: TypeAlias = str
     FootShare: TypeAlias = str
     Loss: TypeAlias = str
@@ -41,6 +43,7 @@ else:
     Model, Population, Loss = (
         Literal[known] for known in (names.MODELS, names.POPULATIONS, names.LOSSES)
     )
+    FittedModel, Nuisances = (Literal[known] for known in (names.FITTED, names.NUISANCES))
     FootShare, Normalisation, Activity = (
         Literal[known] for known in (names.FOOT_SHARES, names.NORMALISATIONS, names.ACTIVITIES)
     )
@@ -116,7 +119,7 @@ class DraftChange(Strict):
     exclusions: Annotated[dict[Id, Spans | None], Field(max_length=50)] | None = None
     sliders: Annotated[dict[Name, Number | None], Field(max_length=60)] | None = None
     parameters: Annotated[dict[Name, ParameterGiven | None], Field(max_length=60)] | None = None
-    model: Model | None = None
+    model: FittedModel | None = None
     options: Options | None = None
     fixed: Numbers | None = None
     free: Annotated[list[Name], Field(max_length=60)] | None = None
@@ -132,6 +135,7 @@ class DraftChange(Strict):
     normalise: Normalisation | None = None
     prepared: bool | None = None
     preparation: Annotated[dict[Name, bool | int | Number], Field(max_length=20)] | None = None
+    nuisances: Nuisances | dict[Name, tuple[Number, Number]] | None = None
     starts: Annotated[int, Field(ge=1, le=1000)] | None = None
     seed: Annotated[int, Field(ge=0, le=2**31)] | None = None
 

@@ -375,7 +375,9 @@ def noise_fits(
         assert noisy.torque is not None
         torque: FloatArray = clean.torque + part * (noisy.torque - clean.torque)
         try:
-            fit = surae.fit(replace(noisy, torque=torque), starts=2, seed=seed, quality=())
+            fit = surae.fit(
+                replace(noisy, torque=torque), "muscle", starts=2, seed=seed, quality=()
+            )
         except ComputationError:
             fits.append(None)
             continue

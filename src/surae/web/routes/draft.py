@@ -111,6 +111,11 @@ def get_models() -> dict[str, Any]:
             }
             for spec in MODELS.values()
         ],
+        "fitted": [
+            {"name": names.AUTO, "title": "automatic: what the data support"},
+            *({"name": spec.name, "title": spec.title} for spec in MODELS.values()),
+        ],
+        "nuisances": names.NUISANCES,
         "options": {name: list(names.CHOICES[name]) if name in names.CHOICES else value
                     for name, value in defaults.items()},
         "drives": {name: list(OPTIONAL[name]) for name in ("emd", "reflex")},

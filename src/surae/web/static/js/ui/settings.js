@@ -25,7 +25,8 @@ export function settingsForm(main, more, models, draft, store, recordings) {
   };
   replace(
     main,
-    choice("model", "Model", models.models.map((one) => [one.name, one.title]), draft.model, (model) => ({ model })),
+    choice("model", "Model", models.fitted.map((model) => [model.name, model.title]), draft.model, (model) => ({ model })),
+    draft.model === "auto" && choice("nuisances", "Laboratory’s imperfections", [["all", "taken in"], ["none", "left out"]], typeof draft.nuisances === "string" ? draft.nuisances : "all", (nuisances) => ({ nuisances })),
     choice("population", "Priors", [["", "none"], ...models.populations.map((name) => [name, `${name} population`])], draft.population, (population) => ({ population })),
     choice("loss", "Outliers", [["", "count fully"], ...models.losses.map((name) => [name, LOSSES[name] ?? name])], draft.loss, (loss) => ({ loss })),
     amount("mass", "Body mass [kg]", draft.body_mass, { min: 5, max: 400 }, (body_mass) => (body_mass === null ? NO_MASS : { body_mass })),
