@@ -12,7 +12,7 @@ from surae.model import get_model
 
 from .conftest import refused
 
-FIT = ("fit", "trial.csv", "--prepared", "--starts", "1")
+FIT = ("fit", "--model", "muscle", "trial.csv", "--prepared", "--starts", "1")
 #: Settles the fit in the valley of the other parameters, but outside what m may be.
 BEYOND = ("--bound", "m=2.9:3")
 

@@ -18,7 +18,8 @@ QUICK = ("--prepared", "--starts", "1", "--output", "out.json")
 
 def test_windows_peaks_and_loss_are_those_of_the_api(run, files) -> None:
     done = run(
-        "fit", "--model", "muscle", "trial.csv", *QUICK, "--exclude", "30:", "--exclude", ":1", "--weight", "3:4:2",
+        "fit", "--model", "muscle", "trial.csv", *QUICK, "--exclude", "30:", "--exclude", ":1",
+            "--weight", "3:4:2",
         "--weight-peaks", "4", "--peaks-of", "emg", "--robust",
     )  # fmt: skip
     assert done.code == 0, done

@@ -23,7 +23,8 @@ def half(edit):
 
 
 def test_a_session(files, run, half):
-    done = run("fit", "--model", "muscle", "trial.csv", "--prepared", "--normalise", "session", "--starts", "2",
+    done = run("fit", "--model", "muscle", "trial.csv", "--prepared", "--normalise", "session",
+        "--starts", "2",
                "--output", "n.json")  # fmt: skip
     assert done.code == 0, done
     assert "EMG normalised: divided by the session's largest envelope (of 1 recording" in done.out

@@ -18,7 +18,7 @@ import surae
 
 SURAE = Path(sys.executable).with_name("surae")
 CONTRACT = Path(__file__).resolve().parents[3] / "shared" / "checks" / "contract"
-FIT = ("fit", "trial.csv", "--prepared", "--starts", "1")
+FIT = ("fit", "--model", "muscle", "trial.csv", "--prepared", "--starts", "1")
 #: Seconds that anything may take on a computer that is busy with other things.
 PATIENCE = 300.0
 

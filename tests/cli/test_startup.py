@@ -30,7 +30,8 @@ def imported(*arguments: str, folder=None) -> set[str]:
 
 @pytest.mark.parametrize(
     "arguments",
-    [["--help"], ["--version"], ["fit", "--model", "muscle", "--help"], ["simulate", "-h"], ["validate", "-h"],
+    [["--help"], ["--version"], ["fit", "--model", "muscle", "--help"], ["simulate", "-h"],
+        ["validate", "-h"],
      ["demo", "-h"], ["nonsense"], ["fit"], ["fit", "--model", "muscle", "a.csv", "--fixed", "m"]],
 )  # fmt: skip
 def test_help_and_wrong_use_import_no_library_that_computes(arguments) -> None:
