@@ -48,8 +48,8 @@ def test_a_session(files, run, half):
 
 
 def test_maximum_contractions(files, run, half):
-    done = run("fit", "--model", "muscle", "half.csv", "--prepared", "--normalise", "mvc", "--mvc", "trial.csv",
-               "--starts", "1", "--output", "n.json")  # fmt: skip
+    done = run("fit", "--model", "muscle", "half.csv", "--prepared", "--normalise", "mvc",
+               "--mvc", "trial.csv", "--starts", "1", "--output", "n.json")  # fmt: skip
     assert done.code == 0, done
     reference = load("n.json").result.problem.inputs[0].emg_reference
     assert reference.kind == "mvc"
