@@ -41,7 +41,7 @@ def command(
     chosen = everything if models is None else [name.strip() for name in models.split(",")]
     if not all(chosen):
         raise InputError(f"--models {models}: write names with commas, e.g. muscle,muscle-tendon")
-    settings = request("muscle", {"starts": _FEW_STARTS, "prepared": prepared} | asked)
+    settings = request(names.AUTO, {"starts": _FEW_STARTS, "prepared": prepared} | asked)
     check_recordings(recordings)
 
     from surae.cli.progress import compilation_notice, work
