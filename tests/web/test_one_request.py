@@ -150,25 +150,42 @@ def test_comparisons_and_leave_one_out_take_every_field(name, trial, monkeypatch
         assert of_command == of_python
 
 
-def test_all_three_write_the_same_fit(browser, trial, tmp_path, monkeypatch) -> None:
-    told = {name: how for name, how in REACHED.items() if name not in ("model", "prepared")}
-    told["normalise"] = ({"normalise": "mvc"}, "--normalise mvc", {"normalise": "mvc"})
-    told["start"] = ({"start": {"k_tri": 200.0}}, "--start k_tri=200",
-                     {"parameters": {"k_tri": {"value": 200.0}}})  # fmt: skip
+def together(names: set[str]) -> tuple[dict[str, Any], list[str], dict[str, Any]]:
+    """Several fields at once: keywords, options, and the change of a draft."""
     keywords: dict[str, Any] = {}
-    options: list[str] = []
-    change: dict[str, Any] = {"parameters": {}}
-    for name, (in_python, in_command, by_draft) in told.items():
-        keywords |= in_python
-        if name not in ("footplate_mass", "foot_share"):
-            options += in_command.split()
-        rows = by_draft.get("parameters", {})
-        change |= {**by_draft, "parameters": change["parameters"] | rows}
-    keywords |= {"priors": ("patient", told["priors"][0]["priors"])}
-    options += ["--footplate-mass", "1", "--foot-share", "de-leva-male"]
+    options: dict[str, str] = {}
+    change: dict[str, Any] = {}
+    for name, (in_python, in_command, by_draft) in REACHED.items():
+        if name in names:
+            keywords |= in_python
+            options |= dict.fromkeys(in_command.split(" --"))  # --body-mass stands in three
+            rows = change.get("parameters", {}) | by_draft.get("parameters", {})
+            change |= by_draft | ({"parameters": rows} if rows else {})
+    if {"priors", "population"} <= names:
+        keywords["priors"] = ("patient", REACHED["priors"][0]["priors"])
+    line = " ".join("--" + option.removeprefix("--") for option in options)
+    return keywords, line.split(), change
+
+
+def test_all_fields_at_once_are_one_request(trial, monkeypatch) -> None:
+    keywords, options, change = together(set(REACHED) - {"model", "prepared"})
+    wanted = FitSettings.of(**keywords)
+    command = ["fit", str(trial), *options]
+    of_command = asked(
+        monkeypatch, "surae.api.fit_inputs", lambda: group.main(command, standalone_mode=False)
+    )
+    assert of_command == of_draft(**change) == wanted
+    assert FitSettings.from_dict(json.loads(json.dumps(wanted.as_dict()))) == wanted
+
+
+def test_all_three_write_the_same_fit(browser, trial, tmp_path, monkeypatch) -> None:
+    """A small fit, the last of Python with the settings that the command line saved."""
+    keywords, options, change = together({"fixed", "priors", "weights", "body_mass", "seed"})
+    keywords |= {"normalise": "mvc", "starts": 1}
+    options += ["--normalise", "mvc", "--starts", "1"]
+    change |= {"normalise": "mvc", "starts": 1}
 
     monkeypatch.chdir(trial.parent)
-    surae.fit(trial.name, mvc=trial.name, **keywords).save(tmp_path / "python.json")
     command = ["fit", trial.name, "--mvc", trial.name, *options, "--output"]
     group.main([*command, str(tmp_path / "command.json")], standalone_mode=False)
     id_ = browser.recording(trial)
@@ -176,6 +193,8 @@ def test_all_three_write_the_same_fit(browser, trial, tmp_path, monkeypatch) -> 
     job = browser.job(browser.post("/api/fits", json={}))
     assert job["state"] == "done", job
     by_browser = browser.get(f"/api/fits/{job['result']}/fit.json").json()
+    saved = surae.load(tmp_path / "command.json").settings
+    surae.fit(trial.name, saved, mvc=trial.name).save(tmp_path / "python.json")
 
     by_python, by_command = (
         json.loads((tmp_path / name).read_text(encoding="utf-8"))
@@ -186,6 +205,3 @@ def test_all_three_write_the_same_fit(browser, trial, tmp_path, monkeypatch) -> 
         assert FitSettings.from_dict(fit["settings"]) == FitSettings.of(**keywords)
     assert by_command == by_python
     assert by_browser == by_python
-    browser.change(starts=1)
-    again = surae.fit(trial, surae.load(tmp_path / "python.json").settings, mvc=trial)
-    assert again.values == surae.load(tmp_path / "command.json").values
