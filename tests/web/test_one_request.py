@@ -181,9 +181,9 @@ def test_all_fields_at_once_are_one_request(trial, monkeypatch) -> None:
 def test_all_three_write_the_same_fit(browser, trial, tmp_path, monkeypatch) -> None:
     """A small fit, the last of Python with the settings that the command line saved."""
     keywords, options, change = together({"fixed", "priors", "weights", "body_mass", "seed"})
-    keywords |= {"normalise": "mvc", "starts": 1}
-    options += ["--normalise", "mvc", "--starts", "1"]
-    change |= {"normalise": "mvc", "starts": 1}
+    keywords |= {"model": "muscle", "normalise": "mvc", "starts": 1}
+    options += ["--model", "muscle", "--normalise", "mvc", "--starts", "1"]
+    change |= {"model": "muscle", "normalise": "mvc", "starts": 1}
 
     monkeypatch.chdir(trial.parent)
     command = ["fit", trial.name, "--mvc", trial.name, *options, "--output"]
