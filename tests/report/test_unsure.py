@@ -175,6 +175,7 @@ def test_the_page_has_all_of_it(auto):
 
 def test_a_fit_without_imperfections_says_that_it_was_asked_for(make_trial):
     result = solve(make_problem([make_trial()], "auto", nuisances="none"))
+    assert "data support" not in result.message  # that is for the judged fit to say
     section = laboratory_section(result, assess(result))
     assert "taken for perfect, as asked" in section.text
     assert section.rows == ()

@@ -72,16 +72,6 @@ class Adequacy:
     reasons: tuple[str, ...]
     r2: float
 
-    @property
-    def sentence(self) -> str:
-        """The grade and its reasons in one line."""
-        lead = {
-            Grade.ADEQUATE: "Adequate: the model follows the torque, and what is left is noise.",
-            Grade.DOUBTFUL: "Doubtful: ",
-            Grade.INADEQUATE: "Inadequate, no parameter is identified: ",
-        }[self.grade]
-        return lead + "; ".join(self.reasons) + ("." if self.reasons else "")
-
 
 def judge_adequacy(result: FitResult) -> Adequacy:
     """Judge a whole fit.

@@ -589,7 +589,7 @@ def _message(chosen: _Member, weight: float, bound: Sequence[str], finite: bool)
         return "no minimum reached: the model has no finite numbers; give another start or bounds"
     spec = chosen.target.problem.spec
     groups = chosen.candidate(weight).groups
-    text = f"the data support the {spec.title}"
+    text = f"the {spec.title} was chosen"
     text += f" with {', '.join(groups)}" if groups else " without any imperfection"
     if weight < 0.99:
         text += f" (probability {100 * weight:.0f} %)"
