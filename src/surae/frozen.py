@@ -58,11 +58,11 @@ class Comparable:
         if type(other) is not type(self):
             return NotImplemented
         return all(
-            _same(mine, its) for mine, its in zip(_values(self), _values(other), strict=True)
+            _same(mine, its) for mine, its in zip(_compared(self), _compared(other), strict=True)
         )
 
     def __hash__(self) -> int:
-        return hash(_key(_values(self)))
+        return hash(_key(_compared(self)))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _restored, (type(self), _values(self))
@@ -71,6 +71,11 @@ class Comparable:
 def _values(thing: Any) -> tuple[Any, ...]:
     """The values of a dataclass's fields."""
     return tuple(getattr(thing, field.name) for field in fields(thing))
+
+
+def _compared(thing: Any) -> tuple[Any, ...]:
+    """The values of the fields that tell a dataclass from another, by its own declaration."""
+    return tuple(getattr(thing, field.name) for field in fields(thing) if field.compare)
 
 
 def _restored(kind: type, values: tuple[Any, ...]) -> Any:
@@ -103,7 +108,7 @@ def _same(a: Any, b: Any) -> bool:
     elif not same and isinstance(a, Mapping) and isinstance(b, Mapping):
         same = a.keys() == b.keys() and all(_same(a[key], b[key]) for key in a)
     elif not same and is_dataclass(a) and not isinstance(a, Comparable) and type(a) is type(b):
-        same = all(map(_same, _values(a), _values(b)))
+        same = all(map(_same, _compared(a), _compared(b)))
     elif not same:
         same = bool(a == b)
     return same
@@ -115,7 +120,7 @@ def _key(value: Any) -> Any:
         plain = value + 0.0 if value.dtype.kind == "f" else value  # −0 equals 0
         return value.shape, plain.tobytes()
     if is_dataclass(value) and not isinstance(value, Comparable):
-        value = _values(value)  # which may hold what has no hash
+        value = _compared(value)  # which may hold what has no hash
     if isinstance(value, tuple | list):
         return tuple(map(_key, value))
     if isinstance(value, Mapping):
