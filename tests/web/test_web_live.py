@@ -105,11 +105,12 @@ def test_drafts_of_before_are_understood() -> None:
         "sliders": {"k_tri": 100.0},
     }  # fmt: skip
     assert settings_of(upgraded(old), ["a"]) == FitSettings.of(
-        fixed={"beta": 1.0}, start={"m": 2.5}, priors="healthy", loss="huber", prepared=True,
-        weights=Weighting(((3.0, 4.0, 0.0),), 4.0, "emg"), starts=3, seed=7, vmax_factor=9.0,
+        "muscle", fixed={"beta": 1.0}, start={"m": 2.5}, priors="healthy", loss="huber",
+        prepared=True, weights=Weighting(((3.0, 4.0, 0.0),), 4.0, "emg"), starts=3, seed=7,
+        vmax_factor=9.0,
     )  # fmt: skip
     assert upgraded(old)["sliders"] == {"k_tri": 100.0}
     assert upgraded(upgraded(old)) == upgraded(old)
     assert upgraded({**old, "options": {"vmax_factor": -1.0}})["recordings"] == ["a"]
     for damaged in (None, [], {"parameters": 3}):
-        assert upgraded(damaged)["model"] == "muscle"
+        assert upgraded(damaged) == empty_draft()

@@ -227,7 +227,12 @@ def done(browser: Any, server: Server, csv: Path) -> dict[str, str]:
     )
     recording = desk.add(csv)
     desk.api("PATCH", f"/api/recordings/{recording}", {"name": "seeded", "subject": subject["id"]})
-    change = {"recordings": [recording], "starts": 1, "exclusions": {recording: [[2.0, 3.0]]}}
+    change = {
+        "recordings": [recording],
+        "model": "muscle",
+        "starts": 1,
+        "exclusions": {recording: [[2.0, 3.0]]},
+    }
     desk.api("PATCH", "/api/draft", {"change": change, "label": "fit it"})
     job = desk.wait_for_job(desk.api("POST", "/api/fits", {"name": "seeded fit", "draft": None}))
     assert job["state"] == "done", job

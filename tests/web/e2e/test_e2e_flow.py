@@ -14,7 +14,7 @@ PARAMETERS = 15
 
 def start_fit(desk: Desk, recording: str, starts: int) -> Any:
     """The bench with a recording chosen and a fit begun."""
-    change = {"recordings": [recording], "starts": starts}
+    change = {"recordings": [recording], "model": "muscle", "starts": starts}
     desk.api("PATCH", "/api/draft", {"change": change, "label": "choose"})
     page = desk.go("/fit")
     page.get_by_role("button", name="Fit", exact=True).click()
@@ -104,7 +104,7 @@ def test_a_mat_file_is_mapped_by_hand(desk: Desk, mat: Path) -> None:
 
 def test_sliders_move_the_torque_and_undo_takes_them_back(desk: Desk, csv: Path) -> None:
     recording = desk.add(csv)
-    change = {"recordings": [recording]}
+    change = {"recordings": [recording], "model": "muscle"}
     desk.api("PATCH", "/api/draft", {"change": change, "label": "choose"})
     page = desk.go("/fit")
     figures = page.locator("#live-figures")

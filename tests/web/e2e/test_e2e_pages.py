@@ -118,7 +118,7 @@ def test_the_virtual_subject_is_a_button_away(desk: Desk) -> None:
 
 
 def test_drives_come_into_the_table_and_go(desk: Desk, done: dict[str, str]) -> None:
-    change = {"recordings": [done["recording"]]}
+    change = {"recordings": [done["recording"]], "model": "muscle"}
     desk.api("PATCH", "/api/draft", {"change": change, "label": "choose"})
     page = desk.go("/fit")
     page.get_by_label("Slider of m", exact=True).wait_for()
