@@ -113,3 +113,14 @@ def test_a_laboratory_can_be_told():
 def test_a_loss_needs_a_named_model(leg):
     with pytest.raises(InputError, match="loss goes with a named model"):
         solve(make_problem([leg.inputs], "auto", loss="huber"))
+
+
+def test_ctrl_c_keeps_the_simple_model_and_claims_no_family(leg):
+    def press(done, total, best):
+        raise KeyboardInterrupt
+
+    result = solve(make_problem([leg.inputs], "auto"), progress=press)
+    assert result.family is None
+    assert result.problem.spec.name == "muscle"
+    assert result.starts[-1].outcome == "interrupted"
+    assert "stopped by the user" in result.message

@@ -40,6 +40,8 @@ _EFFORT = 2.0
 _LEFT_OUT, _TOO_MUCH, _STRUCTURED = 0.5, 5.0, 0.3
 #: Part of the free parameters that may lie at a bound before nothing else is believed either.
 _MOST_BOUND = 0.5
+#: Standard deviations of its prior from which on a nuisance is odd.
+_ODD = 2.9
 #: A recording that is followed so much worse than all together [% of R²] contradicts the others.
 _CONTRADICTS = 5.0
 #: Below this cut-off [Hz] EMG is taken for what the muscle makes of it.
@@ -98,6 +100,7 @@ def judge_adequacy(result: FitResult) -> Adequacy:
         _effort(result),
         _structure(inputs, residuals, r2),
         _bounds(result),
+        _laboratory(result),
         _agreement(inputs, residuals, r2),
     ):
         for serious, reason in reasons:
@@ -168,6 +171,20 @@ def _bounds(result: FitResult) -> list[_Reason]:
     many = len(own) > _MOST_BOUND * len(leg)
     verb = "lies" if len(own) == 1 else "lie"
     return [(many, f"{', '.join(own)} {verb} at a bound")]
+
+
+def _laboratory(result: FitResult) -> list[_Reason]:
+    """A laboratory that is odder than laboratories are stands for what the model leaves out."""
+    if result.family is None:
+        return []
+    odd = [
+        name
+        for name, belief in result.family.beliefs.items()
+        if abs(result.values[name] - belief.mean) >= _ODD * belief.sd
+    ]
+    if not odd:
+        return []
+    return [(False, f"{', '.join(odd)} would be odder than laboratories are")]
 
 
 def _agreement(

@@ -24,6 +24,7 @@ import numpy as np
 from surae.estimation.evidence import Quadratic, Subset, subsets
 from surae.estimation.fit import fit_problem
 from surae.estimation.interrupt import postponed_interrupt
+from surae.estimation.least_squares import Outcome
 from surae.estimation.mode import Mode, Target, straight, thinned_problem, white_noise
 from surae.estimation.noise import NoiseModel
 from surae.estimation.population import population_priors
@@ -91,11 +92,15 @@ def fit_family(problem: FitProblem, *, progress: Progress | None = None) -> FitR
     Returns
     -------
     FitResult
-        Of the supported model, with `family`.
+        Of the supported model, with `family`. Ctrl-C keeps the rigid model, without.
     """
     begin = time.perf_counter()
+    search = _Search(problem, progress)
     with one_blas_thread(), postponed_interrupt():
-        return _Search(problem, progress).result(begin)
+        try:
+            return search.result(begin)
+        except KeyboardInterrupt:
+            return search.stopped(begin)
 
 
 class _Search:
@@ -143,6 +148,17 @@ class _Search:
         self._told(4, mode)
         return self._summed(compliant, rigid, begin)
 
+    def stopped(self, begin: float) -> FitResult:
+        """What is kept where the user stopped: the rigid model, nothing weighed."""
+        plain = fit_problem(replace(self._problem(RIGID, ()), priors={}), starts=1)
+        return replace(
+            plain,
+            message="stopped by the user: the rigid model alone is kept; fit again to weigh the "
+            "family",
+            starts=(replace(plain.starts[0], outcome=str(Outcome.INTERRUPTED)),),
+            seconds=time.perf_counter() - begin,
+        )
+
     def _told(self, stage: int, mode: Mode) -> None:
         if self._progress is not None:
             self._progress(stage, 4, mode.cost)
@@ -161,6 +177,7 @@ class _Search:
                 strict=True)
         )  # fmt: skip
         given = dict(zip(asked.spec.names, asked.base.tolist(), strict=True))
+        given |= {n: w for n, w in _weights(asked).items() if n not in asked.settings.start}
         free = tuple(n for n in spec.names if n in asked.free or n in nuisances)
         return replace(
             asked,
@@ -573,6 +590,14 @@ def _population(problem: FitProblem) -> dict[str, Belief]:
         for name, (median, spread) in known.items()
         if name in problem.free and group_of(name) is None
     }
+    for name, weight in _weights(problem).items():
+        beliefs[name] = Belief(float(np.log(weight)), 1.0)
+    return beliefs
+
+
+def _weights(problem: FitProblem) -> dict[str, float]:
+    """EMG weights that make of this EMG a torque of this size: amplifiers differ a thousandfold."""
+    weights = {}
     torque = np.concatenate([one.torque for one in problem.inputs if one.torque is not None])
     emg = np.concatenate([one.emg for one in problem.inputs])
     low, high = np.percentile(torque - np.median(torque), [1.0, 99.0])
@@ -580,8 +605,8 @@ def _population(problem: FitProblem) -> dict[str, Belief]:
         level = float(np.percentile(emg[:, channel], 99.0))
         if name in problem.free and level > 0.0:
             pull = max(-low, 1.0) / 0.04 if channel == 0 else max(high, 1.0) / 0.05 / 3.0
-            beliefs[name] = Belief(float(np.log(pull / level)), 1.0)
-    return beliefs
+            weights[name] = pull / level
+    return weights
 
 
 def _message(chosen: _Member, weight: float, bound: Sequence[str], finite: bool) -> str:

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from surae.estimation.curved import stiffness_valleys
 from surae.estimation.interrupt import checkpoint
-from surae.estimation.least_squares import Minimum, minimise
+from surae.estimation.least_squares import Minimum, Outcome, minimise
 from surae.estimation.noise import NoiseModel, noise_of
 from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import simulators
@@ -205,6 +205,8 @@ class Target:
             ftol=tolerance / size,
             stall=10.0 * tolerance / size,
         )
+        if there.outcome is Outcome.INTERRUPTED:
+            raise KeyboardInterrupt
         return Mode(there.x, there.sse)
 
     def _curved(self, z: FloatArray, step: FloatArray) -> FloatArray:
