@@ -110,7 +110,7 @@ def test_a_laboratory_can_be_told():
 
 
 def test_a_loss_needs_a_named_model(leg):
-    with pytest.raises(InputError, match="loss goes with a named model"):
+    with pytest.raises(InputError, match="goes with a named model"):
         solve(make_problem([leg.inputs], "auto", loss="huber"))
 
 
