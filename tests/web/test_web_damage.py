@@ -323,7 +323,7 @@ def test_a_bad_step_or_draft_is_passed_over(serve) -> None:
     for draft in ('{"model": 7, "seed": 8, "recordings": "x"}', "{", "[]", "9e999"):
         database.write("UPDATE session SET draft = ?, revision = 'x'", draft)
         answer = browser.get("/api/draft").json()["draft"]
-        assert (answer["model"], answer["recordings"]) == ("muscle", [])
+        assert (answer["model"], answer["recordings"]) == ("auto", [])
         assert browser.get("/api/draft/parameters").status_code == 200
 
 

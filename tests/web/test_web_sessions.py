@@ -8,7 +8,7 @@ def test_two_browsers_know_nothing_of_each_other(server, trial, recorded) -> Non
     one.change(recordings=[recorded], model="muscle-tendon", sliders={"k_tri": 123.0})
     upload = one.upload(trial)
     assert other.get("/api/draft").json()["draft"]["recordings"] == []
-    assert other.get("/api/draft").json()["draft"]["model"] == "muscle"
+    assert other.get("/api/draft").json()["draft"]["model"] == "auto"
     assert other.get("/api/uploads").json() == {"uploads": []}
     assert other.get(f"/api/uploads/{upload}/inspect").status_code == 404
     assert other.delete(f"/api/uploads/{upload}").status_code == 404
