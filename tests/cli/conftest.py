@@ -72,7 +72,7 @@ def made(tmp_path_factory) -> Path:
 
     from surae import fit
 
-    found = fit(folder / "trial.csv", prepared=True, start=subject.parameters, starts=1)
+    found = fit(folder / "trial.csv", "muscle", prepared=True, start=subject.parameters, starts=1)
     assert found.status == "converged"
     found.save(folder / "fit.json")
     return folder

@@ -104,7 +104,9 @@ def test_another_model_is_asked_what_it_has_parameters_for(model):
 
 
 def test_a_problem_keeps_its_settings_and_is_solved_by_them(trial):
-    settings = FitSettings.of(fixed={"beta": 1.0}, loss="huber", starts=2, seed=5, body_mass=70.0)
+    settings = FitSettings.of(
+        "muscle", fixed={"beta": 1.0}, loss="huber", starts=2, seed=5, body_mass=70.0
+    )
     (inputs,) = settings.inputs([trial])
     assert inputs.fixed["m"] == pytest.approx(0.0145 * 70.0)
     problem = make_problem([inputs], settings)

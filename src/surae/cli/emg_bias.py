@@ -72,8 +72,9 @@ def _table(fit: "Fit", bias: "EmgBias") -> tuple[tuple[str, ...], list[tuple[str
     from surae.report.formatting import NONE, significant
 
     rows: list[tuple[str, ...]] = []
+    estimates = {**fit.parameters, **fit.nuisances}
     for p in bias.parameters.values():
-        sem = fit.parameters[p.name].trusted_sem
+        sem = estimates[p.name].trusted_sem
         rows.append(
             (
                 p.name,

@@ -29,9 +29,9 @@ _GRADES = {"adequate": "green", "doubtful": "yellow", "inadequate": "bold red"}
 #: How steps begin that are shown: what the user asked for, not what every fit does.
 _TOLD = ("Weights: ", "Mass m ", "EMG normalised: ")
 #: Width where stdout is no terminal and COLUMNS is not set.
-_WIDTH = 120
+_WIDTH = 132
 #: Widths from which the interval stays on one line, and from which meanings have room.
-_NARROW, _WIDE = 72, 116
+_NARROW, _WIDE = 72, 130
 
 
 def show_fit(fit: "Fit") -> None:
