@@ -50,6 +50,7 @@ def test_a_csv_becomes_a_report(desk: Desk, csv: Path) -> None:
     page.get_by_role("button", name="Fit this recording").click()
     page.wait_for_url("**/fit")
     page.get_by_text("1.50 s left out").wait_for()
+    page.get_by_label("Model", exact=True).select_option("muscle")
     page.get_by_text("More settings").click()
     page.get_by_label("Starts").fill("2")
     page.get_by_label("Starts").press("Tab")
