@@ -137,5 +137,5 @@ def test_models_can_be_compared_under_one_delay(clean):
     found = surae.compare(
         [short], ["muscle", "muscle-tendon"], fixed={"emd": 0.03}, starts=1, prepared=True
     )
-    assert found.fixed == {"emd": 0.03}
+    assert found.settings.fixed == {"emd": 0.03}
     assert not found.missing
