@@ -41,7 +41,7 @@ def test_what_is_shown(run, files) -> None:
     assert "samples as " in done.out
     assert "by more than their 95 % intervals" in done.out
     assert done.out.endswith("comparison: c.json\n")
-    assert all(len(line) <= 120 for line in done.out.splitlines())
+    assert all(len(line) <= 132 for line in done.out.splitlines())
 
 
 def test_stopped_by_the_user(run, files, monkeypatch) -> None:
