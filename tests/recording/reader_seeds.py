@@ -55,6 +55,20 @@ def trigno_file() -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
+def xlsx_file() -> bytes:
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    sheet = book.active
+    sheet.append(["Trial of today"])
+    sheet.append(["time_s", "angle_rad", "torque_Nm", "note"])
+    for time, angle in zip(TIME.tolist(), ANGLE.tolist(), strict=True):
+        sheet.append([time, angle, 10 * angle, 1])
+    buffer = io.BytesIO()
+    book.save(buffer)
+    return buffer.getvalue()
+
+
 def hdf5_file() -> bytes:
     recording = Recording.from_arrays(TIME, ANGLE, ANGLE, EMG)
     with tempfile.TemporaryDirectory() as folder:
@@ -157,7 +171,7 @@ def integer_c3d(
             parameter(2, "OFFSET", 2, [2], integers(10, -10)),
             parameter(2, "RATE", 4, [], real(RATE)),
             group(3, "TRIAL"),
-            *(parameter(*one) for one in more),
+            *(parameter(*parts) for parts in more),
             b"\0\0",
         ]
     ).ljust(1024, b"\0")
@@ -275,6 +289,7 @@ SEEDS: dict[str, tuple[Callable[[], bytes], ...]] = {
     "c3d": (c3d_file, integer_c3d, lambda: integer_c3d(85, floats=True)),
     "poly5": (poly5_file, lambda: poly5_file(version=204)),
     "edf": (edf_file, lambda: edf_file(binary=True), interrupted_edf),
+    "excel": (xlsx_file,),
     "xdf": (xdf_file, lambda: xdf_file(offset=3.0, irregular=True)),
 }
 TEXT = ("delimited", "opensim", "trigno")
@@ -330,9 +345,9 @@ def exercise(path: Path) -> str:
     outcome = "read"
     try:
         table = open_table(open_source(path))
-        for one in load_each(table, table.names).values():
-            if not isinstance(one, InputError):
-                sampling_of(one.time)
+        for signal in load_each(table, table.names).values():
+            if not isinstance(signal, InputError):
+                sampling_of(signal.time)
         for column in table.load(list(dict.fromkeys(table.names))).values():
             assert column.time.ndim == column.values.ndim == 1
             channel("angle", column, Scaling("rad"), table)
@@ -344,9 +359,9 @@ def exercise(path: Path) -> str:
     except InputError as error:
         said(error)
     else:
-        for one in recording.channels.values():
-            assert np.isfinite(one.values).all()
-            assert (np.diff(one.time) > 0).all()
+        for signal in recording.channels.values():
+            assert np.isfinite(signal.values).all()
+            assert (np.diff(signal.time) > 0).all()
     return outcome
 
 

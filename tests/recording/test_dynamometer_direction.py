@@ -22,12 +22,12 @@ def channels(shared):
 
     def load(name):
         table = open_table(open_source(shared / "dynamometer" / f"{name}.mat"))
-        found = table.load(("Angle", "Torque", "EMG_TA"))
-        time = found["Angle"].time
-        torque = np.interp(time, found["Torque"].time, found["Torque"].values)
-        emg = np.interp(time, found["EMG_TA"].time, found["EMG_TA"].values)
+        loaded = table.load(("Angle", "Torque", "EMG_TA"))
+        time = loaded["Angle"].time
+        torque = np.interp(time, loaded["Torque"].time, loaded["Torque"].values)
+        emg = np.interp(time, loaded["EMG_TA"].time, loaded["EMG_TA"].values)
         envelope = np.convolve(np.abs(emg - emg.mean()), np.ones(500) / 500, "same")
-        return time, found["Angle"].values, torque, envelope
+        return time, loaded["Angle"].values, torque, envelope
 
     return load
 
@@ -73,9 +73,9 @@ def test_voluntary_dorsiflexion_raises_crank_torque_at_a_fixed_angle(channels):
 
 def test_so_crank_torque_is_positive_when_the_tibialis_pulls(channels, shared):
     """Both signs are -1, as the example mapping has them; inspection says they go together."""
-    found = inspect(shared / "dynamometer" / "Pas_Sho2Long.mat")
-    assert found.direction.startswith("'Torque' rises with 'Angle' (r = +0.99)")
-    assert "the same sign" in found.direction
+    inspection = inspect(shared / "dynamometer" / "Pas_Sho2Long.mat")
+    assert inspection.direction.startswith("'Torque' rises with 'Angle' (r = +0.99)")
+    assert "the same sign" in inspection.direction
     for name in ("Ref_Long_01", "PL_50_01"):
         assert inspect(shared / "dynamometer" / f"{name}.mat").direction == ""
     example = (shared / "dynamometer" / "PL_50_01.toml").read_text(encoding="utf-8")

@@ -31,9 +31,9 @@ def recording(**more):
     )
 
 
-def same(one, other):
-    assert list(one.channels) == list(other.channels)
-    for role, channel in one.channels.items():
+def same(first, other):
+    assert list(first.channels) == list(other.channels)
+    for role, channel in first.channels.items():
         read_back = other.channels[role]
         assert (read_back.unit, read_back.source) == (channel.unit, channel.source)
         assert read_back.time.tobytes() == channel.time.tobytes()
@@ -41,7 +41,7 @@ def same(one, other):
         assert not read_back.values.flags.writeable
         assert not read_back.time.flags.writeable
     for name in ("name", "emg", "fixed", "prepare", "side", "device"):
-        assert getattr(one, name) == getattr(other, name)
+        assert getattr(first, name) == getattr(other, name)
 
 
 def test_every_bit_and_setting_comes_back(tmp_path):
@@ -55,35 +55,35 @@ def test_every_bit_and_setting_comes_back(tmp_path):
     )
     path = tmp_path / "trial.h5"
     write_hdf5(path, written)
-    found = read(path)
-    same(written, found)
+    measured = read(path)
+    same(written, measured)
     # Provenance: the file itself first, then where it came from, without the folders.
-    assert found.files[0] == open_source(path).file
-    assert [(f.path, f.sha256) for f in found.files[1:]] == [
+    assert measured.files[0] == open_source(path).file
+    assert [(f.path, f.sha256) for f in measured.files[1:]] == [
         ("trial.toml", "a" * 64),
         ("x.mat", "0" * 64),
     ]
     assert b"a folder" not in path.read_bytes()
     # The channels with the same times share them in the file and in memory.
-    assert found.channels["torque"].time is found.channels["emg_sol"].time
+    assert measured.channels["torque"].time is measured.channels["emg_sol"].time
     assert path.read_bytes().count(written.channels["torque"].time.tobytes()) == 1
     # Written again, it is the same but for one file more in its history.
-    write_hdf5(tmp_path / "again.h5", found)
+    write_hdf5(tmp_path / "again.h5", measured)
     same(written, read(tmp_path / "again.h5"))
 
 
 def test_the_same_recording_gives_the_same_bytes_and_replaces_a_file_whole(tmp_path):
-    one, other = tmp_path / "one.h5", tmp_path / "other.h5"
+    first, other = tmp_path / "one.h5", tmp_path / "other.h5"
     other.write_bytes(b"before")
-    write_hdf5(one, recording())
+    write_hdf5(first, recording())
     write_hdf5(other, recording())
-    assert one.read_bytes() == other.read_bytes()
+    assert first.read_bytes() == other.read_bytes()
     assert sorted(p.name for p in tmp_path.iterdir()) == ["one.h5", "other.h5"]
     with pytest.raises(InputError, match="no such file or directory"):
         write_hdf5(tmp_path / "nowhere" / "x.h5", recording())
     with pytest.raises(InputError, match="cannot write"):
-        write_hdf5(one, recording(device={"serial": 3 + 4j}))
-    assert one.read_bytes() == other.read_bytes()
+        write_hdf5(first, recording(device={"serial": 3 + 4j}))
+    assert first.read_bytes() == other.read_bytes()
 
 
 def test_a_recording_says_what_it_is_without_us(tmp_path):
@@ -103,11 +103,11 @@ def test_its_table_has_our_names(tmp_path):
     write_hdf5(path, recording())
     table = open_table(open_source(path))
     assert table.names == ("angle_rad", "torque_Nm", "emg_ta_V", "emg_sol_V")
-    found = {name: sampling_of(one.time) for name, one in table.load(table.names).items()}
-    assert found["angle_rad"].rate_hz == pytest.approx(100)
-    assert found["angle_rad"].start_s == 0.25
-    assert found["torque_Nm"].rate_hz is None
-    assert (table.units["torque_Nm"], found["torque_Nm"].n) == ("Nm", 200)
+    samplings = {name: sampling_of(column.time) for name, column in table.load(table.names).items()}
+    assert samplings["angle_rad"].rate_hz == pytest.approx(100)
+    assert samplings["angle_rad"].start_s == 0.25
+    assert samplings["torque_Nm"].rate_hz is None
+    assert (table.units["torque_Nm"], samplings["torque_Nm"].n) == ("Nm", 200)
     mapping = tmp_path / "map.toml"
     mapping.write_text('[channels.angle]\nfile = "trial.h5"\ncolumn = "angle_rad"\n')
     assert read(mapping).channels["angle"].values.tobytes() == (

@@ -29,27 +29,32 @@ def dynamometer(tmp_path):
 
 
 def test_channels_roles_and_what_is_missing(dynamometer):
-    found = surae.inspect(dynamometer)
-    assert [one.column for one in found.channels] == ["Angle", "Torque", "EMG_TA", "Trigger"]
-    assert {role: one.column for role, one in found.roles.items()} == {
+    inspection = surae.inspect(dynamometer)
+    assert [channel.column for channel in inspection.channels] == [
+        "Angle",
+        "Torque",
+        "EMG_TA",
+        "Trigger",
+    ]
+    assert {role: channel.column for role, channel in inspection.roles.items()} == {
         "angle": "Angle",
         "torque": "Torque",
         "emg_ta": "EMG_TA",
     }
-    assert found.missing == ("emg_gl", "emg_sol", "emg_gm")
-    assert found.emg == "raw"
-    angle = found.roles["angle"]
+    assert inspection.missing == ("emg_gl", "emg_sol", "emg_gm")
+    assert inspection.emg == "raw"
+    angle = inspection.roles["angle"]
     assert (angle.n, angle.rate_hz, angle.start_s) == (4000, pytest.approx(2000.0), 0.0)
     assert (angle.low, angle.high) == (pytest.approx(-20.0), pytest.approx(20.0))
-    assert "opposite signs" in found.direction
-    assert any("emg_gl, emg_sol, emg_gm" in line for line in found.advice)
+    assert "opposite signs" in inspection.direction
+    assert any("emg_gl, emg_sol, emg_gm" in line for line in inspection.advice)
     with pytest.raises(AttributeError):
-        found.emg = "envelope"
+        inspection.emg = "envelope"
 
 
 def test_an_unknown_unit_is_left_to_the_user(dynamometer):
-    found = inspect(dynamometer)
-    write_mapping(found, dynamometer.with_name("map.toml"))
+    inspection = inspect(dynamometer)
+    write_mapping(inspection, dynamometer.with_name("map.toml"))
     text = dynamometer.with_name("map.toml").read_text(encoding="utf-8")
     toml = tomllib.loads(text)
     assert toml["emg"] == "raw"
@@ -76,11 +81,11 @@ def test_raw_emg_on_an_offset_gets_it_taken_away(tmp_path):
     time = np.arange(4000) / 2000.0
     table = {"time_s": time, "angle_deg": np.sin(time), "torque_Nm": time}
     write_csv(tmp_path / "t.csv", table | {"emg_ta_V": emg(offset=0.02)})
-    found = inspect(tmp_path / "t.csv")
-    assert found.emg == "raw"
-    toml = tomllib.loads(mapping_text(found, tmp_path))
+    inspection = inspect(tmp_path / "t.csv")
+    assert inspection.emg == "raw"
+    toml = tomllib.loads(mapping_text(inspection, tmp_path))
     assert toml["channels"]["emg_ta"]["offset"] == pytest.approx(-0.02, abs=1e-5)
-    write_mapping(found, tmp_path / "m.toml")
+    write_mapping(inspection, tmp_path / "m.toml")
     signal = read(tmp_path / "m.toml").channels["emg_ta"].values
     assert abs(signal.mean()) < 1e-7
     surae.prepare(read(tmp_path / "m.toml"))  # which refuses raw EMG without a negative sample
@@ -110,8 +115,8 @@ def test_what_a_csv_states_of_its_emg_is_taken(tmp_path):
     time = np.arange(4000) / 2000.0
     table = {"time_s": time, "angle_rad": time, "emg_ta_V": np.abs(emg())}
     write_csv(tmp_path / "t.csv", table, ["emg: envelope"])
-    found = inspect(tmp_path / "t.csv")
-    assert (found.emg, found.emg_rule) == ("envelope", "as the file states")
+    inspection = inspect(tmp_path / "t.csv")
+    assert (inspection.emg, inspection.emg_rule) == ("envelope", "as the file states")
 
 
 def test_emg_that_is_declared_wrongly_is_named_in_one_set_of_words(tmp_path):
@@ -143,11 +148,11 @@ def columns(tmp_path, name, *names):
 def test_both_legs_leave_the_roles_open_until_the_side_is_said(tmp_path):
     names = ("ankle_angle_r", "ankle_angle_l", "ankle_moment_r", "ankle_moment_l")
     path = columns(tmp_path, "t.csv", *names)
-    found = inspect(path)
-    assert found.side is None
-    assert set(found.open) == {"angle", "torque"}
-    assert any("--side" in line for line in found.advice)
-    assert "angle" not in tomllib.loads(mapping_text(found, tmp_path)).get("channels", {})
+    inspection = inspect(path)
+    assert inspection.side is None
+    assert set(inspection.open) == {"angle", "torque"}
+    assert any("--side" in line for line in inspection.advice)
+    assert "angle" not in tomllib.loads(mapping_text(inspection, tmp_path)).get("channels", {})
     left = inspect(path, side="left")
     assert left.roles["angle"].column == "ankle_angle_l"
     assert tomllib.loads(mapping_text(left, tmp_path))["side"] == "left"
@@ -157,25 +162,25 @@ def test_both_legs_leave_the_roles_open_until_the_side_is_said(tmp_path):
 
 def test_the_side_follows_from_channels_of_one_leg_only(tmp_path):
     path = columns(tmp_path, "t.csv", "ankle_angle_r", "ankle_angle_l", "tib_ant_r")
-    found = inspect(path)
-    assert found.side == "right"
-    assert "emg_ta" in found.side_rule
-    assert found.roles["angle"].column == "ankle_angle_r"
+    inspection = inspect(path)
+    assert inspection.side == "right"
+    assert "emg_ta" in inspection.side_rule
+    assert inspection.roles["angle"].column == "ankle_angle_r"
 
 
 def test_two_plain_candidates_are_never_decided(tmp_path):
-    found = inspect(columns(tmp_path, "t.csv", "Angle", "Position", "TA"))
-    assert [one.column for one in found.open["angle"]] == ["Angle", "Position"]
-    assert found.roles.keys() == {"emg_ta"}
+    inspection = inspect(columns(tmp_path, "t.csv", "Angle", "Position", "TA"))
+    assert [channel.column for channel in inspection.open["angle"]] == ["Angle", "Position"]
+    assert inspection.roles.keys() == {"emg_ta"}
 
 
 def test_a_channel_by_its_unit_alone_is_only_offered(tmp_path):
     path = columns(tmp_path, "t.csv", "angle_rad")
     (tmp_path / "g.sto").write_text("x\ninDegrees=no\nendheader\ntime\tGastroc\n0\t1\n1\t2\n")
-    found = inspect([path, tmp_path / "g.sto"])
-    assert [one.column for one in found.open["emg_gl"]] == ["Gastroc"]
-    assert "emg_gl" not in found.missing
-    text = mapping_text(found, tmp_path)
+    inspection = inspect([path, tmp_path / "g.sto"])
+    assert [channel.column for channel in inspection.open["emg_gl"]] == ["Gastroc"]
+    assert "emg_gl" not in inspection.missing
+    text = mapping_text(inspection, tmp_path)
     assert "# emg_gl is open" in text
     assert "emg_gl" not in tomllib.loads(text)["channels"]
 
@@ -184,18 +189,18 @@ def test_channels_that_cannot_be_used_say_why(tmp_path):
     (tmp_path / "t.csv").write_text(
         "time_s,angle_rad,note,TA,TA\n0,1,a,1,1\n1,2,b,2,2\n", encoding="utf-8"
     )
-    found = inspect(tmp_path / "t.csv")
-    remarks = {one.column: one.remark for one in found.channels}
+    inspection = inspect(tmp_path / "t.csv")
+    remarks = {channel.column: channel.remark for channel in inspection.channels}
     assert "not a number" in remarks["note"]
     assert "2 columns have this name" in remarks["TA"]
-    assert "emg_ta" in found.missing
+    assert "emg_ta" in inspection.missing
 
 
 def test_samples_that_are_no_numbers_are_counted(tmp_path):
     (tmp_path / "t.csv").write_text("time_s,angle_rad\n0,1\n1,nan\n2,3\n", encoding="utf-8")
-    one = inspect(tmp_path / "t.csv").channels[0]
-    assert one.remark == "1 samples are no finite numbers"
-    assert (one.low, one.high) == (1.0, 3.0)
+    channel = inspect(tmp_path / "t.csv").channels[0]
+    assert channel.remark == "1 samples are no finite numbers"
+    assert (channel.low, channel.high) == (1.0, 3.0)
 
 
 def test_a_mapping_and_nothing_are_refused(tmp_path):
@@ -231,10 +236,10 @@ def test_whatever_the_names_a_mapping_is_toml(tmp_path):
             encoding="utf-8",
         )
         try:
-            found = inspect(path)
+            inspection = inspect(path)
         except InputError:
             return
-        text = mapping_text(found, tmp_path)
+        text = mapping_text(inspection, tmp_path)
         assert isinstance(tomllib.loads(text), dict)
 
     check()
@@ -251,11 +256,11 @@ def test_as_plain_data(dynamometer):
 def test_an_emg_without_a_muscle_is_offered_for_every_muscle(tmp_path):
     time = np.arange(4000) / 2000.0
     write_csv(tmp_path / "t.csv", {"time_s": time, "angle_rad": time, "EMG 1": emg()})
-    found = inspect(tmp_path / "t.csv")
-    assert found.open.keys() == {"emg_ta", "emg_gl", "emg_sol", "emg_gm"}
-    assert found.emg == "raw"
-    assert sum("are open: 'EMG 1'" in line for line in found.advice) == 1
-    assert "fixed" not in tomllib.loads(mapping_text(found, tmp_path))
+    inspection = inspect(tmp_path / "t.csv")
+    assert inspection.open.keys() == {"emg_ta", "emg_gl", "emg_sol", "emg_gm"}
+    assert inspection.emg == "raw"
+    assert sum("are open: 'EMG 1'" in line for line in inspection.advice) == 1
+    assert "fixed" not in tomllib.loads(mapping_text(inspection, tmp_path))
 
 
 @pytest.mark.parametrize("size", [5e-324, 1e-300, 1.0, 1e300, 1.7e308])
@@ -273,13 +278,13 @@ def test_units_in_headings_are_units_that_the_file_states(tmp_path):
     angle = 20.0 * np.sin(2 * np.pi * time)
     table = {"Time (s)": time, "Angle (deg)": angle, "Moment [N.m]": angle, "TA (mV)": 1e3 * emg()}
     write_csv(tmp_path / "lab.csv", table)
-    found = inspect(tmp_path / "lab.csv")
-    assert {role: one.known_unit for role, one in found.roles.items()} == {
+    inspection = inspect(tmp_path / "lab.csv")
+    assert {role: channel.known_unit for role, channel in inspection.roles.items()} == {
         "angle": "deg",
         "torque": "Nm",
         "emg_ta": "mV",
     }
-    write_mapping(found, tmp_path / "map.toml")
+    write_mapping(inspection, tmp_path / "map.toml")
     recording = read(tmp_path / "map.toml")
     np.testing.assert_allclose(recording.channels["angle"].values, np.radians(angle), atol=1e-12)
     np.testing.assert_allclose(recording.channels["emg_ta"].values, emg(), rtol=1e-9)

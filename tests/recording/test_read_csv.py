@@ -248,8 +248,8 @@ def test_a_european_csv_has_semicolons_and_decimal_commas(tmp_path):
     path.write_text(
         text + "0;1;-2000;3,5\n3,90625;1,5;-1,5e3;-4\n7,8125;-2,25;+500;5\n", encoding="utf-8"
     )
-    found = open_table(open_source(path))
-    columns = found.load(found.names)
+    table = open_table(open_source(path))
+    columns = table.load(table.names)
     np.testing.assert_array_equal(columns["TA (µV)"].values, [3.5, -4, 5])
     np.testing.assert_array_equal(columns["TA (µV)"].time, [0, 3.90625e-3, 7.8125e-3])
     roles = inspect(path).roles
@@ -278,9 +278,9 @@ def test_a_preface_and_a_row_of_units_as_noraxon_exports_them(tmp_path):
         "Time,s\tRT TIB.ANT.,uV\tAnkle Angle,deg\tNote\n" + rows,
         encoding="utf-8",
     )
-    found = open_table(open_source(path))
-    assert found.names == ("RT TIB.ANT.,uV", "Ankle Angle,deg", "Note")
-    columns = found.load(found.names)
+    table = open_table(open_source(path))
+    assert table.names == ("RT TIB.ANT.,uV", "Ankle Angle,deg", "Note")
+    columns = table.load(table.names)
     np.testing.assert_array_equal(columns["Ankle Angle,deg"].values, -np.arange(50))
     assert columns["Note"].position(0) == "row 6"
     inspection = inspect(path)
@@ -290,9 +290,9 @@ def test_a_preface_and_a_row_of_units_as_noraxon_exports_them(tmp_path):
         "emg_ta": "uV",
     }
     path.write_text("Time\tTA\tAngle\n[ms]\tmV\tdeg\n" + "0\t1\t2\n4\t3\t4\n", encoding="utf-8")
-    found = open_table(open_source(path))
-    assert dict(found.units) == {"TA": "mV", "Angle": "deg"}
-    np.testing.assert_array_equal(found.load(["TA"])["TA"].time, [0, 0.004])
+    table = open_table(open_source(path))
+    assert dict(table.units) == {"TA": "mV", "Angle": "deg"}
+    np.testing.assert_array_equal(table.load(["TA"])["TA"].time, [0, 0.004])
 
 
 @pytest.mark.parametrize(("rate", "decimals"), [(256, 5), (256, 3), (2048, 5), (1000 / 3, 5)])
@@ -304,8 +304,8 @@ def test_time_stamps_rounded_as_programs_write_them_are_uniform(tmp_path, rate, 
     assert prepare(recording).rate_hz > 0
     write_bids(tmp_path / "bids", recording)
     (bdf,) = (tmp_path / "bids").rglob("*.bdf")
-    found = open_table(open_source(bdf))
-    stamps = found.load([found.names[0]])[found.names[0]].time
+    table = open_table(open_source(bdf))
+    stamps = table.load([table.names[0]])[table.names[0]].time
     # The BDF header rounds the duration of a record to eight characters: 1e-6 of the rate.
     np.testing.assert_allclose(stamps, time, atol=10**-decimals + 2e-5)
 

@@ -106,7 +106,14 @@ def test_a_csv_column_with_our_name_brings_its_unit(mapping):
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ("side", "leg", ["'leg'", "name, emg, fixed, side, device, prepare, channels"]),
+        (
+            "side",
+            "leg",
+            [
+                "'leg'",
+                "name, emg, fixed, side, device, prepare, date, condition, notes, channels, trials",
+            ],
+        ),
         ("scale = 2.0", "gain = 2.0", ["channels.torque", "'gain'", "file, column, unit, sign"]),
         ("[channels.torque]", "[channels.moment]", ["channels", "'moment'", "angle, torque, emg"]),
         ("[channels.angle]", "[channels.angular_velocity]", ["channels.angle is missing"]),

@@ -55,8 +55,8 @@ def test_columns_of_a_matrix_are_signals(mat):
         file["y"] = matrix.T.astype("f8")
         file["z"] = matrix.T[:, np.newaxis]
 
-    found = open_table(open_source(mat(build).with_suffix(".mat")))
-    columns = found.load(found.names)
+    table = open_table(open_source(mat(build).with_suffix(".mat")))
+    columns = table.load(table.names)
     assert len(columns) == 9
     for name, column in columns.items():
         np.testing.assert_array_equal(column.values, matrix[:, int(name[-2]) - 1])

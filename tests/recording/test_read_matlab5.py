@@ -22,22 +22,22 @@ def saved(variables, **options):
 
 @pytest.mark.parametrize("compressed", [False, True])
 def test_structures_vectors_and_matrices(table, compressed):
-    found = table(mat5_file(compressed=compressed))
-    assert set(found.names) == {"Angle", "torque", *(f"emg(:,{i})" for i in (1, 2, 3, 4))}
-    columns = found.load(list(found.names))
+    contents = table(mat5_file(compressed=compressed))
+    assert set(contents.names) == {"Angle", "torque", *(f"emg(:,{i})" for i in (1, 2, 3, 4))}
+    columns = contents.load(list(contents.names))
     np.testing.assert_array_equal(columns["torque"].values, ANGLE)
     np.testing.assert_array_equal(columns["emg(:,3)"].values, EMG[:, 2])
     np.testing.assert_array_equal(columns["torque"].time, TIME)
     # Spike2's channel has a time axis of its own.
     np.testing.assert_allclose(columns["Angle"].time, 0.5 + 0.01 * np.arange(64))
-    assert dict(found.units) == {"Angle": "Deg"}
-    assert found.remarks["torque"] == "time is taken as seconds"
+    assert dict(contents.units) == {"Angle": "Deg"}
+    assert contents.remarks["torque"] == "time is taken as seconds"
 
 
 def test_a_rate_stands_for_times_and_structures_are_searched(table):
     trial = {"angle": ANGLE, "rate": 50.0, "deep": {"time_ms": 1000 * TIME[:9], "x": ANGLE[:9]}}
-    found = table(saved({"trial": trial, "y": ANGLE, "Fs": RATE, "name": "a b"}))
-    columns = found.load(list(found.names))
+    contents = table(saved({"trial": trial, "y": ANGLE, "Fs": RATE, "name": "a b"}))
+    columns = contents.load(list(contents.names))
     assert set(columns) == {"trial.angle", "trial.deep.x", "y"}
     np.testing.assert_allclose(columns["trial.angle"].time, np.arange(64) / 50)
     np.testing.assert_allclose(columns["trial.deep.x"].time, TIME[:9])
@@ -49,8 +49,8 @@ def test_the_same_in_version_73(table, tmp_path):
     with h5py.File(path, "w", userblock_size=512) as file:
         file["emg"], file["fs"] = EMG.T, [[RATE]]
         file["Wave/values"], file["Wave/times"] = ANGLE[None], (TIME**2)[None]
-    found = table(path.read_bytes())
-    columns = found.load(list(found.names))
+    contents = table(path.read_bytes())
+    columns = contents.load(list(contents.names))
     np.testing.assert_array_equal(columns["emg(:,2)"].values, EMG[:, 1])
     np.testing.assert_array_equal(columns["Wave.values"].time, TIME**2)
 
@@ -114,11 +114,11 @@ def test_objects_are_named_with_how_to_save_them_plainly(tmp_path, table):
         table(path.read_bytes())
     with h5py.File(path, "a") as file:
         file["x"], file["fs"] = ANGLE[None], [[RATE]]
-    found = table(path.read_bytes())
-    assert found.names == ("T", "x")
-    np.testing.assert_array_equal(found.load(["x"])["x"].values, ANGLE)
+    columns = table(path.read_bytes())
+    assert columns.names == ("T", "x")
+    np.testing.assert_array_equal(columns.load(["x"])["x"].values, ANGLE)
     with pytest.raises(InputError, match="column 'T': a MATLAB timetable"):
-        found.load(["T"])
+        columns.load(["T"])
 
 
 def test_objects_of_version_5_are_named_too():

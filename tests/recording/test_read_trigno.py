@@ -10,30 +10,32 @@ from surae.recording.table import load_each, sampling_of
 
 
 def test_every_signal_has_its_own_times_and_unit(table):
-    found = table(trigno_file())
-    assert found.format == "Trigno"
-    columns = found.load(["ACC.X 1", "EMG 1"])
+    contents = table(trigno_file())
+    assert contents.format == "Trigno"
+    columns = contents.load(["ACC.X 1", "EMG 1"])
     np.testing.assert_allclose(columns["EMG 1"].time, np.arange(8) / 100)
     np.testing.assert_allclose(columns["EMG 1"].values, np.arange(8) * 1e-6)
     np.testing.assert_allclose(columns["ACC.X 1"].time, np.arange(4) / 50)
     assert columns["ACC.X 1"].position(2) == "row 8"
     rates = {
-        name: (found.units.get(name), sampling_of(one.time).rate_hz)
-        for name, one in found.load(found.names).items()
+        name: (contents.units.get(name), sampling_of(column.time).rate_hz)
+        for name, column in contents.load(contents.names).items()
     }
     assert rates["EMG 1"] == ("V", pytest.approx(100))
     assert rates["ACC.X 1"] == ("g", pytest.approx(50))
 
 
 def test_an_export_without_the_header_is_read_but_states_no_units(table):
-    found = table(trigno_file().split(b"\n\n")[1])
-    assert (found.names, dict(found.units)) == (("EMG 1", "ACC.X 1"), {})
+    columns = table(trigno_file().split(b"\n\n")[1])
+    assert (columns.names, dict(columns.units)) == (("EMG 1", "ACC.X 1"), {})
 
 
 def test_a_row_that_was_cut_off_is_left_out_and_said(table):
-    found = table(trigno_file()[:-4])
-    assert len(found.load(["EMG 1"])["EMG 1"].values) == 7
-    assert found.remarks == {"EMG 1": "cut short: the header states 8 samples, the file has 7 rows"}
+    columns = table(trigno_file()[:-4])
+    assert len(columns.load(["EMG 1"])["EMG 1"].values) == 7
+    assert columns.remarks == {
+        "EMG 1": "cut short: the header states 8 samples, the file has 7 rows"
+    }
 
 
 @pytest.mark.parametrize(
@@ -66,9 +68,9 @@ def test_tabs_and_semicolons_separate_and_decimals_may_have_a_comma(tmp_path):
 def test_what_a_text_table_holds_is_found_from_its_samples(table):
     data = csv_file().replace(b",note", b",note,jitter").replace(b"e-6,", b"e-6,word,")
     text = table(data)
-    found = load_each(text, text.names)
-    sampling = sampling_of(found["angle_rad"].time)
+    columns = load_each(text, text.names)
+    sampling = sampling_of(columns["angle_rad"].time)
     assert (sampling.rate_hz, sampling.start_s) == (pytest.approx(1.0), 0.5)
     assert text.units["angle_rad"] == "rad"
-    assert isinstance(found["note"], InputError)
-    assert "not a number" in str(found["note"])
+    assert isinstance(columns["note"], InputError)
+    assert "not a number" in str(columns["note"])

@@ -70,11 +70,11 @@ def test_channels_units_rates_and_ranges(shared, tmp_path, name):
     path.write_bytes((shared / name).read_bytes())
     table = open_table(open_source(path))
     assert (table.format, len(table.names)) == (form, count)
-    one = table.load([column])[column]
-    sampling = sampling_of(one.time)
+    loaded = table.load([column])[column]
+    sampling = sampling_of(loaded.time)
     assert (table.units.get(column), sampling.n) == (unit, n)
     assert sampling.rate_hz == pytest.approx(rate, rel=1e-5)
-    values = one.values
+    values = loaded.values
     assert values.min() == pytest.approx(least, rel=1e-5)
     assert values.max() == pytest.approx(greatest, rel=1e-5)
     assert np.isfinite(values).all()
@@ -129,12 +129,12 @@ def test_joint_angles_and_moments_are_channels_with_units_and_gaps(shared):
     assert moment.values.max() == pytest.approx(1297.828)
     assert table.remarks["A22:LAnkleMoment.X"] == "only 110 of 142 frames have it"
     assert moment.time[0] == pytest.approx(2 / 50)
-    found = inspect(path, side="left")
-    assert {role: one.column for role, one in found.roles.items()} == {
+    inspection = inspect(path, side="left")
+    assert {role: channel.column for role, channel in inspection.roles.items()} == {
         "angle": "A22:LAnkleAngles.X",
         "torque": "A22:LAnkleMoment.X",
     }
-    assert found.roles["torque"].known_unit == "Nmm"
+    assert inspection.roles["torque"].known_unit == "Nmm"
 
 
 def test_points_and_analog_of_two_rates_are_one_recording(shared, tmp_path):
@@ -151,20 +151,20 @@ def test_points_and_analog_of_two_rates_are_one_recording(shared, tmp_path):
 
 
 def test_channels_without_a_scale_are_left_out_and_the_others_read(shared):
-    found = inspect(shared / "c3d" / "evart.c3d")
-    left_out = [one.column for one in found.channels if not one.usable]
+    inspection = inspect(shared / "c3d" / "evart.c3d")
+    left_out = [channel.column for channel in inspection.channels if not channel.usable]
     assert left_out == ["F4Z", "M4X", "M4Y", "M4Z"]
-    assert "states no scale" in next(c.remark for c in found.channels if c.column == "M4X")
+    assert "states no scale" in next(c.remark for c in inspection.channels if c.column == "M4X")
     assert "the file states 1000 Hz, but 17 samples in each of 60 frames/s are 1020 Hz" in next(
-        c.remark for c in found.channels if c.column == "F1X1"
+        c.remark for c in inspection.channels if c.column == "F1X1"
     )
 
 
 def test_markers_alone_are_said_to_be_so(shared):
     path = shared / "c3d" / "basketball.c3d"
-    found = inspect(path)
-    assert len(found.channels) == 66
-    assert all("this file holds markers alone" in one.remark for one in found.channels)
+    inspection = inspect(path)
+    assert len(inspection.channels) == 66
+    assert all("this file holds markers alone" in channel.remark for channel in inspection.channels)
     with pytest.raises(InputError, match="markers alone"):
         read(path)
 
@@ -183,10 +183,10 @@ def test_a_truncated_copy_is_refused_or_says_what_it_lacks(shared, table, name):
 
 
 def test_poly5_emg_on_a_drifting_offset_is_raw(shared):
-    found = inspect(shared / "devices" / "EMG_recording.Poly5")
-    assert found.emg == "raw"
+    inspection = inspect(shared / "devices" / "EMG_recording.Poly5")
+    assert inspection.emg == "raw"
     # Once for each muscle that the channel may be.
-    assert mapping_text(found).count("# offset = -8943.33  # check: never near zero") == 4
+    assert mapping_text(inspection).count("# offset = -8943.33  # check: never near zero") == 4
 
 
 def test_channels_of_two_rates_come_on_one_time_base(shared, tmp_path):

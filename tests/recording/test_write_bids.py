@@ -29,11 +29,13 @@ def data(folder):
 
 def read_back(path):
     """Samples by label, and the resolution of each."""
-    found = {}
-    for one in edfio.read_bdf(path).signals:
-        step = (one.physical_max - one.physical_min) / (one.digital_max - one.digital_min)
-        found[one.label] = (one.data, step, one.sampling_frequency)
-    return found
+    signals = {}
+    for signal in edfio.read_bdf(path).signals:
+        step = (signal.physical_max - signal.physical_min) / (
+            signal.digital_max - signal.digital_min
+        )
+        signals[signal.label] = (signal.data, step, signal.sampling_frequency)
+    return signals
 
 
 @quick
@@ -46,14 +48,14 @@ def test_round_trip_to_the_resolution(tmp_path_factory, data_, n, rate):
     small = st.floats(-1e3, 1e3, allow_subnormal=False).map(lambda x: round(x, 9))
     angle, torque = (data_.draw(arrays(np.float64, n, elements=small)) for _ in range(2))
     emg = data_.draw(arrays(np.float64, (n, 4), elements=small.map(lambda x: 1e-6 * x)))
-    one = Recording.from_arrays(np.arange(n) / rate, angle, torque, emg)
+    recording = Recording.from_arrays(np.arange(n) / rate, angle, torque, emg)
     folder = tmp_path_factory.mktemp("b") / "out"
-    write_bids(folder, one)
-    found = read_back(data(folder) / "sub-01_task-ankle_emg.bdf")
+    write_bids(folder, recording)
+    again = read_back(data(folder) / "sub-01_task-ankle_emg.bdf")
     labels = ["angle_rad", "torque_Nm", "emg_ta_uV", "emg_gl_uV", "emg_sol_uV", "emg_gm_uV"]
-    assert list(found) == labels
-    for label, channel in zip(labels, one.channels.values(), strict=True):
-        values, step, frequency = found[label]
+    assert list(again) == labels
+    for label, channel in zip(labels, recording.channels.values(), strict=True):
+        values, step, frequency = again[label]
         expected = channel.values * (1e6 if label.startswith("emg") else 1.0)
         assert len(values) == n
         np.testing.assert_allclose(values, expected, rtol=1e-12, atol=0.51 * step + 1e-9)
@@ -105,9 +107,9 @@ def test_an_envelope_says_so(tmp_path):
 
 
 def test_channels_with_times_of_their_own_get_files_of_their_own(tmp_path):
-    one = recording()
-    late = replace(one.channels["torque"], time=one.channels["torque"].time + 1e-4)
-    write_bids(tmp_path / "out", replace(one, channels={**one.channels, "torque": late}))
+    measured = recording()
+    late = replace(measured.channels["torque"], time=measured.channels["torque"].time + 1e-4)
+    write_bids(tmp_path / "out", replace(measured, channels={**measured.channels, "torque": late}))
     sidecars = sorted(data(tmp_path / "out").glob("*_emg.json"))
     starts = [json.loads(p.read_text(encoding="utf-8"))["StartTime"] for p in sidecars]
     assert [p.name.split("_")[2] for p in sidecars] == ["acq-1", "acq-2"]
@@ -115,10 +117,10 @@ def test_channels_with_times_of_their_own_get_files_of_their_own(tmp_path):
 
 
 def test_a_rate_that_no_header_holds_is_still_in_the_sidecar(tmp_path):
-    one = recording(n=4099, rate=1259.259259)  # 4099 is a prime
-    write_bids(tmp_path / "out", one)
-    found = read_back(data(tmp_path / "out") / "sub-01_task-ankle_emg.bdf")
-    assert len(found["angle_rad"][0]) == 4099
+    measured = recording(n=4099, rate=1259.259259)  # 4099 is a prime
+    write_bids(tmp_path / "out", measured)
+    again = read_back(data(tmp_path / "out") / "sub-01_task-ankle_emg.bdf")
+    assert len(again["angle_rad"][0]) == 4099
     (sidecar,) = data(tmp_path / "out").glob("*_emg.json")
     rate = json.loads(sidecar.read_text(encoding="utf-8"))["SamplingFrequency"]
     assert rate == pytest.approx(1259.259259, rel=1e-9)
@@ -155,12 +157,12 @@ def test_a_failure_leaves_nothing(tmp_path):
 
 
 def test_times_and_kind_of_emg_come_back_from_the_sidecar(tmp_path):
-    one = recording(emg_kind="envelope")
-    late = replace(one.channels["torque"], time=one.channels["torque"].time + 2.0)
-    write_bids(tmp_path / "out", replace(one, channels={**one.channels, "torque": late}))
+    measured = recording(emg_kind="envelope")
+    late = replace(measured.channels["torque"], time=measured.channels["torque"].time + 2.0)
+    write_bids(tmp_path / "out", replace(measured, channels={**measured.channels, "torque": late}))
     first, second = sorted(data(tmp_path / "out").glob("*.bdf"))
     assert read(first).emg == "envelope"
-    np.testing.assert_allclose(read(first).channels["angle"].time, one.channels["angle"].time)
+    np.testing.assert_allclose(read(first).channels["angle"].time, measured.channels["angle"].time)
     (tmp_path / "m.toml").write_text(
         f'[channels.angle]\nfile = "{first.as_posix()}"\ncolumn = "angle_rad"\n'
         f'[channels.torque]\nfile = "{second.as_posix()}"\ncolumn = "torque_Nm"\n'

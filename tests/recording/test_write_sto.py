@@ -20,13 +20,13 @@ def recording(n=5, emg_kind="raw", name="trial"):
     return Recording.from_arrays(time, np.cos(time), time**2, emg, name=name, emg_kind=emg_kind)
 
 
-def assert_same(one, other):
-    assert one.channels.keys() == other.channels.keys()
-    for role, channel in one.channels.items():
+def assert_same(first, other):
+    assert first.channels.keys() == other.channels.keys()
+    for role, channel in first.channels.items():
         np.testing.assert_array_equal(channel.time, other.channels[role].time)
         np.testing.assert_array_equal(channel.values, other.channels[role].values)
         assert channel.unit == other.channels[role].unit
-    assert one.emg == other.emg
+    assert first.emg == other.emg
 
 
 @settings(max_examples=50)
@@ -35,9 +35,9 @@ def test_round_trip(tmp_path, data, n, emg_kind):
     steps = data.draw(arrays(np.float64, n, elements=st.floats(1e-3, 1e3)))
     angle, torque = (data.draw(arrays(np.float64, n, elements=numbers)) for _ in range(2))
     emg = data.draw(arrays(np.float64, (n, 4), elements=numbers))
-    one = Recording.from_arrays(np.cumsum(steps), angle, torque, emg, emg_kind=emg_kind)
-    write_sto(tmp_path / "a.sto", one)
-    assert_same(one, read(tmp_path / "a.sto"))
+    recording = Recording.from_arrays(np.cumsum(steps), angle, torque, emg, emg_kind=emg_kind)
+    write_sto(tmp_path / "a.sto", recording)
+    assert_same(recording, read(tmp_path / "a.sto"))
 
 
 def test_layout(tmp_path):
@@ -51,15 +51,15 @@ def test_layout(tmp_path):
 
 
 def test_many_rows(tmp_path):
-    one = recording(40_000)
-    write_sto(tmp_path / "a.sto", one)
-    assert_same(one, read(tmp_path / "a.sto"))
+    measured = recording(40_000)
+    write_sto(tmp_path / "a.sto", measured)
+    assert_same(measured, read(tmp_path / "a.sto"))
 
 
 def test_channels_with_times_of_their_own_are_refused(tmp_path):
-    one = recording()
-    late = replace(one.channels["torque"], time=one.channels["torque"].time + 1e-4)
-    apart = replace(one, channels={**one.channels, "torque": late})
+    measured = recording()
+    late = replace(measured.channels["torque"], time=measured.channels["torque"].time + 1e-4)
+    apart = replace(measured, channels={**measured.channels, "torque": late})
     with pytest.raises(InputError, match=r"angle and torque have times of their own.*--prepare"):
         write_sto(tmp_path / "a.sto", apart)
     assert list(tmp_path.iterdir()) == []

@@ -7,7 +7,7 @@ from surae.recording.inspection import inspect
 from surae.recording.mapping_text import mapping_text, write_mapping
 from surae.recording.reading import read
 from surae.recording.recording import MUSCLES, ROLES, Channel, Recording, SourceFile
-from surae.recording.writing import columns, write_csv, write_sto
+from surae.recording.writing import csv_columns, write_csv, write_sto
 
 __all__ = [
     "MUSCLES",
@@ -17,7 +17,7 @@ __all__ = [
     "Inspection",
     "Recording",
     "SourceFile",
-    "columns",
+    "csv_columns",
     "inspect",
     "mapping_text",
     "read",

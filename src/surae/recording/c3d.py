@@ -131,7 +131,7 @@ class _Parameters:
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
-    """Where the samples are."""
+    """The places of the samples in the file."""
 
     begin: int
     frames: int

@@ -19,13 +19,15 @@ class Scaling:
     """How raw values become SI: ``sign * (scale * raw + offset) * factor of the unit``.
 
     `scale` and `offset` bring the raw values to `unit` (an amplifier's gain, counts to volts);
-    `sign` is -1 where the file counts the other direction as positive.
+    `sign` is -1 where the file counts the other direction as positive; `offset_note` says where an
+    offset that was not given comes from.
     """
 
     unit: str
     sign: int = 1
     scale: float = 1.0
     offset: float = 0.0
+    offset_note: str = ""
 
     def describe(self) -> str:
         """What is applied, for the channel's source."""
@@ -33,7 +35,7 @@ class Scaling:
         if self.scale != 1:
             parts.append(f"scale {self.scale:g}")
         if self.offset != 0:
-            parts.append(f"offset {self.offset:g}")
+            parts.append(self.offset_note or f"offset {self.offset:g}")
         if self.sign != 1:
             parts.append("sign reversed")
         return ", ".join(parts)

@@ -57,7 +57,7 @@ def open_table(source: Source) -> Table:
             f"{where}: numbers where the names of the columns belong; the first line that is no "
             "comment must name them (time_s, angle_rad, ...)"
         )
-    time, factor = _time(head.names, where)
+    time, factor = time_column(head.names, where)
     if (unit := head.units.get(time)) is not None:
         factor = FACTORS["time"].get(spelled(unit) or "", factor)
     comma = head.delimiter != "," and _decimal_comma(source, head.row)
@@ -111,7 +111,7 @@ def _header(source: Source) -> _Header:
                 continue
             raise InputError(f"{source.shown}: row {number}: {error}") from None
         header = _Header(number, names, delimiter, notes)
-        if len(names) > 1 and any(map(_is_time, names)):
+        if len(names) > 1 and any(map(is_time, names)):
             return _with_units(source, header)
         first = first or header
         if number > first.row + _LONGEST_PREFACE or all(_numeric(name) for name in names):
@@ -158,15 +158,15 @@ def _note(key: str, text: str, where: str) -> str:
     return word
 
 
-def _is_time(name: str) -> bool:
+def is_time(name: str) -> bool:
     """Whether a column's name is one of the time."""
     match = _OTHER_TIME.fullmatch(name)
     return match is not None and (not match[1] or spelled(match[1]) in FACTORS["time"])
 
 
-def _time(names: Sequence[str], where: str) -> tuple[str, float]:
+def time_column(names: Sequence[str], where: str) -> tuple[str, float]:
     """Name of the time's column and its factor to seconds."""
-    candidates = [name for name in names if name in TIMES] or [n for n in names if _is_time(n)]
+    candidates = [name for name in names if name in TIMES] or [n for n in names if is_time(n)]
     if len(candidates) > 1:
         raise InputError(f"{where}: columns {some(candidates)} are all the time; keep one")
     if candidates:

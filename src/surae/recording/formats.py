@@ -1,11 +1,15 @@
 """The formats of data files. A new one is a module like these and one line here."""
 
+from pathlib import Path
 from typing import Protocol
 
+from surae.errors import InputError
+from surae.files import PathLike, shown
 from surae.recording import (
     c3d,
     delimited,
     edf,
+    excel,
     hdf5,
     matlab,
     opensim,
@@ -37,10 +41,35 @@ FORMATS: tuple[Format, ...] = (
     edf,
     xdf,
     c3d,
+    excel,
     opensim,
     trigno,
     delimited,
 )
+
+
+#: How the names of files end that can hold signals.
+ENDINGS = (
+    ".h5", ".hdf5", ".csv", ".tsv", ".txt", ".mat", ".c3d", ".edf", ".bdf", ".xdf", ".poly5",
+    ".sto", ".mot", ".xlsx",
+)  # fmt: skip
+
+
+def data_files(folder: PathLike) -> list[Path]:
+    """The files of a folder that can hold signals, by their names' ends.
+
+    Raises
+    ------
+    InputError
+        There is no such folder, or it cannot be read.
+    """
+    try:
+        files = [path for path in Path(folder).iterdir() if path.is_file()]
+    except OSError as error:
+        raise InputError(f"cannot read {shown(folder)}: {str(error.strerror).lower()}") from None
+    return sorted(
+        path for path in files if path.suffix.lower() in ENDINGS and not path.name.startswith(".")
+    )
 
 
 def open_table(source: Source) -> Table:

@@ -112,7 +112,7 @@ def read_recording(source: Source) -> Recording:
 
 
 def open_table(source: Source) -> Table:
-    """Its channels as columns with our CSV names, for mappings that pick some of them.
+    """Give a file's channels as columns with our CSV names, for mappings that pick some of them.
 
     Raises
     ------

@@ -99,7 +99,7 @@ class Inspection:
     advice: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
-        """The same as plain data."""
+        """Give the inspection as plain data."""
         return {
             "channels": [_channel_json(channel, self) for channel in self.channels],
             "roles": {role: _address(channel) for role, channel in self.roles.items()},

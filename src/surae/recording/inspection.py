@@ -11,13 +11,13 @@ import numpy as np
 from surae.errors import InputError
 from surae.files import PathLike
 from surae.frozen import FrozenDict
-from surae.recording import mapping, opensim
 from surae.recording.channels import stated_unit, written_unit
 from surae.recording.emg_kind import contradiction, look_of, relation
 from surae.recording.formats import open_table
 from surae.recording.inspected import InspectedChannel, Inspection
+from surae.recording.reading import is_mapping
 from surae.recording.recording import ROLES
-from surae.recording.roles import CONFIDENCES, Side, guess_role
+from surae.recording.roles import CONFIDENCES, Side, guess_role, joint_of_muscles, other_joint
 from surae.recording.source import open_source
 from surae.recording.table import Column, Table, load_each, sampling_of, some
 
@@ -66,6 +66,7 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
             if column is not None and channel.guess is not None and channel.guess.role is not None:
                 raw[id(channel)] = column
             channels.append(channel)
+    channels = _of_their_joint(channels, raw)
     leg, rule = _side(channels, side)
     assigned, left = _assigned(channels, leg)
     missing = tuple(r for r in ROLES[:6] if r not in assigned and r not in left)
@@ -92,7 +93,7 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
 def _opened(path: PathLike) -> Table:
     """A data file's table; a mapping is none."""
     source = open_source(path)
-    if mapping.recognises(source) and not opensim.recognises(source):
+    if is_mapping(source):
         raise InputError(
             f"{source.shown}: this is a TOML mapping already: fit it, or inspect the data files "
             "that it names"
@@ -150,6 +151,30 @@ def _channels(path: str, table: Table) -> list[tuple[InspectedChannel, Column | 
             )
         )
     return described
+
+
+def _of_their_joint(
+    channels: Sequence[InspectedChannel], raw: dict[int, Column]
+) -> list[InspectedChannel]:
+    """Channels with no joint in their names are only possibly the ankle's beside a knee's muscles.
+
+    Those that name another joint say so in their remark. `raw` goes over to what replaces them.
+    """
+    joint = joint_of_muscles([channel.column for channel in channels])
+    told = []
+    for channel in channels:
+        guess, other = channel.guess, other_joint(channel.column)
+        if guess is None and other is not None:
+            remark = "; ".join(filter(None, (f"of the {other}, not the ankle", channel.remark)))
+            told.append(replace(channel, remark=remark))
+        elif joint and guess and guess.role and guess.confidence == "likely":
+            rule = f"{guess.rule}, and the muscles are of the {joint}: is it the ankle's?"
+            told.append(replace(channel, guess=replace(guess, confidence="possible", rule=rule)))
+        else:
+            told.append(channel)
+        if id(channel) in raw:
+            raw[id(told[-1])] = raw[id(channel)]
+    return told
 
 
 def _is_emg(role: str | None) -> bool:
@@ -250,8 +275,8 @@ def _advice(inspection: Inspection) -> list[str]:
         sides = {c.guess.side for c in candidates if c.guess is not None}
         if sides == {"left", "right"}:
             todo = "give --side left or --side right, or choose in the mapping"
-        elif len(candidates) == 1:
-            todo = "only a guess: confirm it in the mapping"
+        elif len(candidates) == 1 and (guess := candidates[0].guess) is not None:
+            todo = f"only a guess ({guess.rule}): confirm it in the mapping"
         else:
             todo = "choose in the mapping"
         are = "is" if len(roles) == 1 else "are"

@@ -1,42 +1,46 @@
-"""A TOML mapping: which column of which file is which signal, in which unit and direction."""
+"""A TOML mapping: which column of which file is which signal, in which unit and direction.
 
-import difflib
-import math
+It describes one recording, whose files it names; or every trial of a session: then its channels
+have no ``file``, or one with ``{trial}`` in it, and ``[trials]`` says what differs in one of them.
+"""
+
 import re
-import tomllib
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, cast
 
 from surae.errors import InputError
-from surae.recording.channels import Scaling, channel, settle_unit
-from surae.recording.formats import open_table
-from surae.recording.recording import ROLES, Channel, Recording
-from surae.recording.source import Source, open_source
-from surae.recording.table import Column, Table, some
+from surae.files import PathLike, shown
+from surae.recording.mapping_reader import TRIAL, Entry, Reader
+from surae.recording.mapping_values import (
+    brief,
+    choice_in,
+    day_in,
+    finite,
+    parsed,
+    refuse_unknown,
+    settings_in,
+    table_in,
+    text_in,
+    yes_in,
+)
+from surae.recording.recording import ROLES, Recording
+from surae.recording.source import Source
+from surae.recording.table import some
 
-_TOP = ("name", "emg", "fixed", "side", "device", "prepare", "channels")
-_ENTRY = ("file", "column", "unit", "sign", "scale", "offset")
+_SESSION = ("date", "condition", "notes")
+_RECORDING = ("name", "emg", "fixed", "side", "device", "prepare")
+_TOP = (*_RECORDING, *_SESSION, "channels", "trials")
+_ENTRY = ("file", "column", "unit", "sign", "scale", "offset", "zero")
+#: What a line of [trials] may say of one trial, beside what differs in its channels.
+_TRIAL = (*_RECORDING, *_SESSION, "effort", "use", *ROLES)
 _EMG = ("raw", "envelope")
 _SIDES = ("left", "right")
+EFFORTS = ("passive", "active", "maximal")
 
 #: How the first line of a TOML file begins: a table, or a key with its equals sign.
 _FIRST = re.compile(r"\s*(\[|[\w.\"' -]+=)")
-
-
-@dataclass(frozen=True, slots=True)
-class _Entry:
-    """One channel's description, checked on its own."""
-
-    role: str
-    where: str
-    file: str
-    column: str
-    unit: str | None
-    sign: int
-    scale: float
-    offset: float
 
 
 def recognises(source: Source) -> bool:
@@ -45,80 +49,212 @@ def recognises(source: Source) -> bool:
     return bool(_FIRST.match(next(lines, "")))
 
 
-def read_mapping(source: Source) -> Recording:
-    """The recording that a TOML file describes.
+@dataclass(frozen=True, slots=True)
+class Said:
+    """What a mapping says of a trial beside its signals; None where it says nothing.
 
-    A channel's values are ``sign * (scale * raw + offset)`` in its `unit`, then brought to SI.
-    Each keeps its own times.
-
-    Raises
-    ------
-    InputError
-        The TOML or a file it names is wrong: a key that isn't known, a missing column, a unit
-        that contradicts the file's own, a wrong sample.
+    Attributes
+    ----------
+    effort : {"passive", "active", "maximal"} or None
+        What the subject did, where the data are not to decide it.
+    use : bool
+        False leaves the trial out.
+    side, date, condition, notes : str or None
+        Of the leg and the session, or of this trial.
     """
-    toml = _parsed(source)
-    where = source.shown
-    roles = _roles(toml, where)
-    _refuse_unknown(toml, _TOP, where)
-    entries = [_entry(role, roles[role], f"{where}: channels.{role}") for role in roles]
-    sources: dict[Path, Source] = {}
-    tables: dict[Path, Table] = {}
-    wanted: dict[Path, list[str]] = {}
-    units: dict[str, str] = {}
-    for entry in entries:
-        path = Path(source.path).parent / entry.file
-        if path not in tables:
-            sources[path], tables[path] = _opened(path, entry.where)
-        _require_column(tables[path], entry)
-        units[entry.role] = settle_unit(
-            tables[path], entry.role, entry.column, entry.unit, entry.where
+
+    effort: str | None = None
+    use: bool = True
+    side: str | None = None
+    date: str | None = None
+    condition: str | None = None
+    notes: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    """A mapping that was read, to be applied to one recording or to each trial of a session.
+
+    Attributes
+    ----------
+    source : Source
+        The TOML file.
+    toml : mapping
+        What it says.
+    """
+
+    source: Source
+    toml: Mapping[str, Any] = field(repr=False)
+
+    @classmethod
+    def of(cls, source: Source) -> "Description":
+        """The mapping in a file, its keys checked.
+
+        Raises
+        ------
+        InputError
+            It is no TOML, or has a key that is not known.
+        """
+        toml = parsed(source)
+        _roles(toml, source.shown)
+        refuse_unknown(toml, _TOP, source.shown)
+        made = cls(source, toml)
+        for trial in made.trials:
+            where = f"{source.shown}: trials.{trial}"
+            refuse_unknown(
+                table_in(toml["trials"], trial, f"{source.shown}: trials"), _TRIAL, where
+            )
+            made.said(trial)
+        return made
+
+    @property
+    def name(self) -> str | None:
+        """What it calls the recording or session."""
+        return " ".join((text_in(self.toml, "name", self.source.shown) or "").split()) or None
+
+    @property
+    def trials(self) -> tuple[str, ...]:
+        """The trials of which it says what differs."""
+        return tuple(table_in(self.toml, "trials", self.source.shown))
+
+    @property
+    def patterns(self) -> tuple[str, ...]:
+        """The names of a trial's files, with ``{trial}`` in them; none where a trial is one file.
+
+        A channel without a file is in the trial's own, which then says which trial it is.
+        """
+        own = any("file" not in body for body in self._channels() if isinstance(body, dict))
+        return () if own else tuple(file for file in self.named if TRIAL in file)
+
+    @property
+    def named(self) -> tuple[str, ...]:
+        """The names of all files in it."""
+        files = (body.get("file") for body in self._channels() if isinstance(body, dict))
+        return tuple(dict.fromkeys(file for file in files if isinstance(file, str)))
+
+    def said(self, trial: str | None = None) -> Said:
+        """What it says of a trial, or of all, beside the signals."""
+        where = self.source.shown + ("" if trial is None else f": trials.{trial}")
+        toml = self._for(trial)
+        own = {} if trial is None else table_in(self.toml, "trials", where).get(trial, {})
+        return Said(
+            effort=choice_in(own, "effort", EFFORTS, where),
+            use=yes_in(own, "use", where),
+            side=choice_in(toml, "side", _SIDES, where),
+            date=day_in(toml, "date", where),
+            condition=text_in(toml, "condition", where),
+            notes=text_in(toml, "notes", where),
         )
-        names = wanted.setdefault(path, [])
-        if entry.column not in names:
-            names.append(entry.column)
-    columns: dict[Path, Mapping[str, Column]] = {
-        path: tables[path].load(names) for path, names in wanted.items()
-    }
-    channels: dict[str, Channel] = {}
-    for entry in entries:
-        path = Path(source.path).parent / entry.file
-        scaling = Scaling(units[entry.role], entry.sign, entry.scale, entry.offset)
-        channels[entry.role] = channel(
-            entry.role, columns[path][entry.column], scaling, tables[path]
+
+    def files(self, folder: PathLike) -> tuple[Path, ...]:
+        """The data files in a folder that its ``{trial}`` stands for; none where it has none."""
+        if not self.patterns:
+            return ()
+        return tuple(sorted(Path(folder).glob(self.patterns[0].replace(TRIAL, "*"))))
+
+    def trial_of(self, data: PathLike) -> tuple[str, Path]:
+        """The name of the trial that a data file is of, and the folder its files are relative to.
+
+        Raises
+        ------
+        InputError
+            The file's name is none that the mapping's ``{trial}`` could stand for.
+        """
+        path = Path(data)
+        for pattern in self.patterns:
+            depth = len(Path(pattern).parts)
+            tail = Path(*path.parts[-depth:]).as_posix()
+            if match := _pattern(pattern).fullmatch(tail):
+                return match["trial"], path.parents[depth - 1]
+        if self.patterns:
+            raise InputError(
+                f"{shown(data)}: {self.source.shown} names files {some(self.patterns)}, and this "
+                "is none of them; leave `file` out if each trial is one file"
+            )
+        return shown(path.stem), path.parent
+
+    def read(self, data: PathLike | None = None) -> Recording:
+        """The recording that the mapping describes, or that it makes of a trial's data file.
+
+        A channel's values are ``sign * (scale * raw + offset)`` in its unit, then brought to SI.
+        Each keeps its own times.
+
+        Raises
+        ------
+        InputError
+            The TOML or a file it names is wrong: a missing column, a unit that contradicts the
+            file's own, a wrong sample.
+        """
+        trial, folder = (None, Path(self.source.path).parent)
+        if data is not None:
+            trial, folder = self.trial_of(data)
+        toml = self._for(trial)
+        where = self.source.shown
+        inside = "" if trial not in self.trials else f", trials.{trial}"
+        entries = [
+            _entry(role, body, f"{where}: channels.{role}{inside}")
+            for role, body in _roles(toml, where).items()
+        ]
+        reader = Reader(self.source, folder, trial, None if data is None else Path(data))
+        channels = reader.channels(entries)
+        read_files = (each.file for each in reader.sources.values())
+        files = (*read_files, self.source.file) if data else (self.source.file, *read_files)
+        return Recording(
+            name=self._name(trial) or self.source.name,
+            channels=channels,
+            emg=cast("Literal['raw', 'envelope']", choice_in(toml, "emg", _EMG, where) or "raw"),
+            fixed={
+                name: finite(value, f"{where}: fixed.{brief(name)}")
+                for name, value in table_in(toml, "fixed", where).items()
+            },
+            prepare=settings_in(toml, "prepare", where),
+            side=choice_in(toml, "side", _SIDES, where),
+            device=settings_in(toml, "device", where),
+            files=files,
         )
-    return Recording(
-        name=" ".join((_text(toml, "name", where) or "").split()) or source.name,
-        channels=channels,
-        emg=cast("Literal['raw', 'envelope']", _choice(toml, "emg", _EMG, where) or "raw"),
-        fixed={
-            name: _finite(value, f"{where}: fixed.{_brief(name)}")
-            for name, value in _table(toml, "fixed", where).items()
-        },
-        prepare=_settings(toml, "prepare", where),
-        side=_choice(toml, "side", _SIDES, where),
-        device=_settings(toml, "device", where),
-        files=(source.file, *(each.file for each in sources.values())),
-    )
+
+    def _channels(self) -> list[Any]:
+        return list(table_in(self.toml, "channels", self.source.shown).values())
+
+    def _name(self, trial: str | None) -> str | None:
+        """A recording's name: a trial's is its own unless the mapping gives it another."""
+        if trial is None:
+            return self.name
+        own = table_in(self.toml, "trials", self.source.shown).get(trial, {})
+        return text_in(own, "name", f"{self.source.shown}: trials.{trial}") or trial
+
+    def _for(self, trial: str | None) -> Mapping[str, Any]:
+        """What it says of one trial: for all, and what differs."""
+        if trial not in self.trials:
+            return self.toml
+        own = self.toml["trials"][trial]
+        merged = dict(self.toml)
+        channels = dict(table_in(self.toml, "channels", self.source.shown))
+        for key, value in own.items():
+            if key not in ROLES:
+                both = isinstance(value, dict) and isinstance(merged.get(key), dict)
+                merged[key] = {**merged[key], **value} if both else value
+            elif value is False:  # this trial has no such channel
+                channels.pop(key, None)
+            elif isinstance(value, dict):
+                channels[key] = {**channels.get(key, {}), **value}
+            else:
+                raise InputError(
+                    f"{self.source.shown}: trials.{trial}.{key} is {brief(value)}; write what "
+                    f"differs, as {key}.sign = -1, or {key} = false where it has none"
+                )
+        return {**merged, "channels": channels}
 
 
-def _parsed(source: Source) -> dict[str, Any]:
-    """The TOML's content."""
-    source.require_text()
-    try:
-        return tomllib.loads("".join(source.lines()))
-    except ValueError as error:
-        # Beside tomllib's own error: Python's, of a number with thousands of digits.
-        raise InputError(f"{source.shown}: not valid TOML: {error}") from None
-    except RecursionError:
-        raise InputError(f"{source.shown}: not valid TOML: nested too deeply") from None
+def read_mapping(source: Source, data: PathLike | None = None) -> Recording:
+    """The recording that a TOML file describes, or makes of a data file; see `Description.read`."""
+    return Description.of(source).read(data)
 
 
-def _refuse_unknown(table: Mapping[str, Any], allowed: Sequence[str], where: str) -> None:
-    """Refuse keys that aren't in `allowed`."""
-    for key in table:
-        if key not in allowed:
-            raise InputError(f"{where}: key {_brief(key)} is not known; use: {', '.join(allowed)}")
+def _pattern(name: str) -> re.Pattern[str]:
+    """What a file's name with ``{trial}`` in it stands for; the same wherever it comes again."""
+    first, *rest = (re.escape(part) for part in Path(name).as_posix().split(TRIAL))
+    return re.compile(first + "(?P<trial>[^/]+)" + "(?P=trial)".join(rest))
 
 
 def _roles(toml: Mapping[str, Any], where: str) -> dict[str, Any]:
@@ -128,122 +264,55 @@ def _roles(toml: Mapping[str, Any], where: str) -> dict[str, Any]:
             f"{where}: no channels: a recording's TOML has [channels.angle] with file, column and "
             "unit, and likewise torque, emg_ta, ..."
         )
-    roles = _table(toml, "channels", where)
-    _refuse_unknown(roles, ROLES, f"{where}: channels")
+    roles = table_in(toml, "channels", where)
+    refuse_unknown(roles, ROLES, f"{where}: channels")
     if "angle" not in roles:
         raise InputError(f"{where}: channels.angle is missing; every recording needs the angle")
     return roles
 
 
-def _entry(role: str, body: Any, where: str) -> _Entry:
+def _entry(role: str, body: Any, where: str) -> Entry:
     """One channel's description."""
     if not isinstance(body, dict):
         raise InputError(f"{where}: must be a table with: {', '.join(_ENTRY)}")
-    _refuse_unknown(body, _ENTRY, where)
-    file, column = _text(body, "file", where), _text(body, "column", where)
-    if not file or not column:
-        missing = "column" if file else "file"
-        raise InputError(f"{where}: {missing} is missing")
+    refuse_unknown(body, _ENTRY, where)
+    column = text_in(body, "column", where)
+    if not column:
+        raise InputError(f"{where}: column is missing")
+    file = text_in(body, "file", where)
+    if file == "":
+        raise InputError(f"{where}: file is empty; name it, or leave it out")
     sign = body.get("sign", 1)
     if isinstance(sign, bool) or sign not in (1, -1):
-        raise InputError(f"{where}: sign is {_brief(sign)}; use 1 or -1")
-    scale = _finite(body.get("scale", 1.0), f"{where}: scale")
+        raise InputError(f"{where}: sign is {brief(sign)}; use 1 or -1")
+    scale = finite(body.get("scale", 1.0), f"{where}: scale")
     if scale == 0:
         raise InputError(f"{where}: scale is 0, which would erase the signal")
-    return _Entry(
+    if "zero" in body and "offset" in body:
+        raise InputError(f"{where}: zero and offset both say where the zero is; give one")
+    return Entry(
         role=role,
         where=where,
         file=file,
         column=column,
-        unit=_text(body, "unit", where),
+        unit=text_in(body, "unit", where),
         sign=int(sign),
         scale=scale,
-        offset=_finite(body.get("offset", 0.0), f"{where}: offset"),
+        offset=finite(body.get("offset", 0.0), f"{where}: offset"),
+        zero=_zero_of(body.get("zero"), f"{where}: zero"),
     )
 
 
-def _opened(path: Path, where: str) -> tuple[Source, Table]:
-    """A data file that the mapping names; errors say where it is named."""
-    try:
-        source = open_source(path)
-        return source, open_table(source)
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from None
-
-
-def _require_column(table: Table, entry: _Entry) -> None:
-    """Check that the file has the column, once."""
-    count = table.names.count(entry.column)
-    if count > 1:
+def _zero_of(value: Any, where: str) -> str | tuple[float, float] | None:
+    """A file, or a start and an end [s]."""
+    if value is None or (isinstance(value, str) and value):
+        return value
+    if not isinstance(value, list) or len(value) != 2:
         raise InputError(
-            f"{entry.where}: {table.file} has {count} columns {some([entry.column])}; rename one"
+            f'{where} is {brief(value)}; name a quiet trial, as "Pas_0.mat", or a quiet stretch '
+            "of this one, as [0.0, 2.0] in s"
         )
-    if count == 0:
-        near = difflib.get_close_matches(entry.column, table.names, n=3, cutoff=0.5)
-        has = f"did you mean {some(near)}?" if near else f"it has: {some(table.names)}"
-        raise InputError(f"{entry.where}: {table.file} has no column {some([entry.column])}; {has}")
-
-
-def _table(table: Mapping[str, Any], key: str, where: str) -> dict[str, Any]:
-    """A table within a table, empty where it is left out."""
-    value = table.get(key, {})
-    if not isinstance(value, dict):
-        raise InputError(f"{where}: {key} must be a table of names and values")
-    return value
-
-
-def _text(table: Mapping[str, Any], key: str, where: str) -> str | None:
-    """A string, None where it is left out."""
-    value = table.get(key)
-    if value is not None and not isinstance(value, str):
-        raise InputError(f"{where}: {key} is {_brief(value)}; it must be a text in quotes")
-    return value
-
-
-def _choice(table: Mapping[str, Any], key: str, allowed: Sequence[str], where: str) -> str | None:
-    """One of a few words, None where it is left out."""
-    value = table.get(key)
-    if value is not None and value not in allowed:
-        raise InputError(f"{where}: {key} is {_brief(value)}; use one of: {', '.join(allowed)}")
-    return cast("str | None", value)
-
-
-def _finite(value: Any, where: str) -> float:
-    """A finite number."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"{where} is {_brief(value)}; it must be a number")
-    try:
-        number = float(value)
-    except OverflowError:
-        number = math.inf
-    if not math.isfinite(number):
-        raise InputError(f"{where} is {_brief(value)}; it must be a finite number")
-    return number
-
-
-def _settings(toml: Mapping[str, Any], key: str, where: str) -> dict[str, Any]:
-    """A table of plain values, which whoever uses them knows by name."""
-    return {
-        name: _plain(value, f"{where}: {key}.{_brief(name)}")
-        for name, value in _table(toml, key, where).items()
-    }
-
-
-def _plain(value: Any, where: str) -> Any:
-    """A text, number or truth value, or a tuple of them."""
-    if isinstance(value, list):
-        return tuple(_plain(item, where) for item in value)
-    if isinstance(value, float):
-        return _finite(value, where)
-    if not isinstance(value, str | int):
-        raise InputError(f"{where} must be a text, a number, true, false, or a list of these")
-    return value
-
-
-def _brief(value: Any) -> str:
-    """A value as it appears in a message."""
-    try:
-        text = repr(value)
-    except ValueError:
-        return "a number with thousands of digits"
-    return text if len(text) <= 60 else text[:57] + "..."
+    start, end = (finite(item, where) for item in value)
+    if end <= start:
+        raise InputError(f"{where}: {start:g} to {end:g} s is no stretch of time")
+    return start, end

@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from surae.errors import InputError
@@ -34,7 +34,12 @@ def write_mapping(inspection: Inspection, path: PathLike) -> None:
     write_atomic(path, mapping_text(inspection, Path(os.fspath(path)).parent))
 
 
-def mapping_text(inspection: Inspection, folder: PathLike = ".") -> str:
+def mapping_text(
+    inspection: Inspection,
+    folder: PathLike = ".",
+    files: Mapping[str, str] | None = None,
+    name: str = "",
+) -> str:
     """The mapping that an inspection suggests.
 
     A role with one plainly named channel is written; one that is open is written as comments, to
@@ -47,6 +52,11 @@ def mapping_text(inspection: Inspection, folder: PathLike = ".") -> str:
         What the files hold.
     folder : path
         Where the mapping will be: its file names are relative to it.
+    files : mapping of str to str, optional
+        Of a mapping of many trials: what it calls the files, by path; those that are not in it are
+        a trial's only one and need no name.
+    name : str
+        Of the session; by default that of the first file.
 
     Raises
     ------
@@ -56,12 +66,13 @@ def mapping_text(inspection: Inspection, folder: PathLike = ".") -> str:
     roles, left = inspection.roles, inspection.open
     lines = [
         "# Which channel is which signal, as `surae inspect` found it by the channels' names.",
-        "# Lines that say check are yours to confirm. Then: surae fit this file",
-        f"name = {_quoted(_title(inspection))}",
+        "# Lines that say check are yours to confirm. Then: "
+        + ("surae fit this file" if files is None else "surae session FILES --mapping this file"),
+        f"name = {quoted(name or _title(inspection))}",
         *_emg_lines(inspection),
     ]
     if inspection.side is not None:
-        lines.append(f"side = {_quoted(inspection.side)}  # {inspection.side_rule}")
+        lines.append(f"side = {quoted(inspection.side)}  # {inspection.side_rule}")
     silent = [role for role in inspection.missing if role.startswith("emg_")]
     if silent:
         weights = (f"g{MUSCLES.index(role[4:]) + 1} = 0.0" for role in silent)
@@ -74,11 +85,11 @@ def mapping_text(inspection: Inspection, folder: PathLike = ".") -> str:
         lines.append("# then put m = 0.0 into fixed = { … }")
     for role in ROLES:
         if role in roles:
-            lines += ["", *_entry(role, roles[role], inspection, folder)]
+            lines += ["", *_entry(role, roles[role], inspection, folder, files)]
         elif role in left:
             lines += ["", f"# {role} is open: choose one, and take the # away from its lines."]
             for channel in left[role]:
-                lines += _commented(_entry(role, channel, inspection, folder))
+                lines += _commented(_entry(role, channel, inspection, folder, files))
         elif role in ("angle", "torque"):
             lines += ["", f"# {role} is missing: add [channels.{role}] with file, column, unit."]
     lines += ["", *_unused(inspection)]
@@ -96,11 +107,15 @@ def _emg_lines(inspection: Inspection) -> list[str]:
     if inspection.emg is None:
         why = inspection.emg_rule or "no EMG was settled"
         return [f'# emg = "raw"  # state it: raw or envelope ({_line(why)})']
-    return [f"emg = {_quoted(inspection.emg)}  # {inspection.emg_rule}"]
+    return [f"emg = {quoted(inspection.emg)}  # {inspection.emg_rule}"]
 
 
 def _entry(
-    role: str, channel: InspectedChannel, inspection: Inspection, folder: PathLike
+    role: str,
+    channel: InspectedChannel,
+    inspection: Inspection,
+    folder: PathLike,
+    files: Mapping[str, str] | None,
 ) -> list[str]:
     """One channel's table."""
     why = (
@@ -108,8 +123,8 @@ def _entry(
     )
     lines = [
         f"[channels.{role}]  # {why}",
-        f"file = {_quoted(_relative(channel.file, folder))}",
-        f"column = {_quoted(channel.column)}",
+        *_file_lines(channel.file, folder, files),
+        f"column = {quoted(channel.column)}",
         *_unit_lines(role, channel, inspection),
     ]
     if role in _SIGN:
@@ -118,11 +133,21 @@ def _entry(
         lines.append(f"sign = 1  # {_SIGN[role]}{theirs}{_span(role, channel)}")
         if role == "torque" and inspection.direction:
             lines.append(f"# {_line(inspection.direction)}")
-    if role in _OFFSET:
+    if files is not None and role == "torque":
+        lines.append('# zero = "FILE"  # a quiet trial, or [0.0, 2.0]: a quiet stretch of each [s]')
+    elif role in _OFFSET:
         lines.append(f"# offset = 0.0  # {_OFFSET[role]}")
-    if channel.look is not None and channel.look.offset and inspection.emg == "raw":
+    # Of many trials each has its own; the preparation takes it away.
+    if files is None and channel.look and channel.look.offset and inspection.emg == "raw":
         lines.append(f"offset = {channel.look.offset!r}  # check: {channel.look.rule}")
     return lines
+
+
+def _file_lines(file: str, folder: PathLike, files: Mapping[str, str] | None) -> list[str]:
+    """Say where a channel is: a file, one of each trial, or nothing where a trial is one file."""
+    if files is None:
+        return [f"file = {quoted(_relative(file, folder))}"]
+    return [f"file = {quoted(files[file])}"] if file in files else []
 
 
 def _unit_lines(role: str, channel: InspectedChannel, inspection: Inspection) -> list[str]:
@@ -130,7 +155,7 @@ def _unit_lines(role: str, channel: InspectedChannel, inspection: Inspection) ->
     sort = kind(role)
     known = ", ".join(FACTORS[sort])
     if channel.known_unit is not None:
-        lines = [f"unit = {_quoted(channel.known_unit)}  # as the file states"]
+        lines = [f"unit = {quoted(channel.known_unit)}  # as the file states"]
         if sort == "emg" and channel.high is not None and channel.low is not None:
             volts = FACTORS["emg"][channel.known_unit]
             if channel.known_unit != "1" and amplified(channel.high, channel.low, volts):
@@ -156,7 +181,7 @@ def _unit_lines(role: str, channel: InspectedChannel, inspection: Inspection) ->
         channel.unit
     ) and sort != "emg" else []  # fmt: skip
     first = next(iter(FACTORS[sort]))
-    return [f"# unit = {_quoted(first)}  # state it: {known} ({_line(said)})", *scale]
+    return [f"# unit = {quoted(first)}  # state it: {known} ({_line(said)})", *scale]
 
 
 def _within(high: float | None) -> bool:
@@ -200,7 +225,7 @@ def _relative(file: str, folder: PathLike) -> str:
     return Path(os.path.relpath(target, base)).as_posix()
 
 
-def _quoted(text: str) -> str:
+def quoted(text: str) -> str:
     """A text as TOML's basic string."""
     try:
         text.encode()

@@ -2,17 +2,18 @@
 
 from surae.errors import InputError
 from surae.files import PathLike
-from surae.recording import hdf5, mapping, opensim
+from surae.recording import hdf5, opensim
 from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.formats import open_table
+from surae.recording.mapping import read_mapping, recognises
 from surae.recording.naming import NAMES, TIMES, role_and_unit
-from surae.recording.recording import Recording
+from surae.recording.recording import Recording, SourceFile
 from surae.recording.source import Source, open_source
 from surae.recording.table import Table, some
 from surae.units import plain
 
 
-def read(path: PathLike) -> Recording:
+def read(path: PathLike, *, mapping: PathLike | None = None) -> Recording:
     """Read a recording: our CSV or HDF5, a TOML mapping, or a file whose columns have our names.
 
     What the file is shows in its content; its name doesn't matter.
@@ -21,6 +22,8 @@ def read(path: PathLike) -> Recording:
     ----------
     path : str or path
         A regular file.
+    mapping : str or path, optional
+        A TOML that describes the columns of many files, of which `path` is one.
 
     Returns
     -------
@@ -32,16 +35,49 @@ def read(path: PathLike) -> Recording:
     InputError
         One line that names file, column and row, and says what to do.
     """
+    if mapping is not None:
+        return read_mapping(open_mapping(mapping), path)
     source = open_source(path)
     if hdf5.recognises(source):
         return hdf5.read_recording(source)
-    if mapping.recognises(source) and not opensim.recognises(source):
-        return mapping.read_mapping(source)
-    return _by_names(open_table(source), source)
+    if is_mapping(source):
+        return read_mapping(source)
+    return recording_of_table(open_table(source), source.name, (source.file,))
 
 
-def _by_names(table: Table, source: Source) -> Recording:
-    """The recording in `table`; columns that aren't ours are ignored.
+def is_mapping(source: Source) -> bool:
+    """Whether it is a TOML mapping; the header of an OpenSim file looks like one."""
+    return recognises(source) and not opensim.recognises(source)
+
+
+def open_mapping(path: PathLike) -> Source:
+    """A TOML mapping's file.
+
+    Raises
+    ------
+    InputError
+        It is none.
+    """
+    source = open_source(path)
+    if not is_mapping(source):
+        raise InputError(
+            f"{source.shown}: this is no TOML mapping; `surae inspect FILE --output MAP.toml` "
+            "writes one"
+        )
+    return source
+
+
+def recording_of_table(table: Table, name: str, files: tuple[SourceFile, ...] = ()) -> Recording:
+    """The recording in a table whose columns have our names; others are ignored.
+
+    Parameters
+    ----------
+    table : Table
+        Its columns.
+    name : str
+        Of the recording, unless the table has a note of one.
+    files : tuple of SourceFile
+        What it was read from.
 
     Raises
     ------
@@ -55,35 +91,35 @@ def _by_names(table: Table, source: Source) -> Recording:
         )
     columns_of: dict[str, str] = {}
     units: dict[str, str] = {}
-    for name in table.names:
+    for column in table.names:
         # Only in our own format does a name that is nearly ours mean a mistake.
         claim = (
-            NAMES.get(plain(name))
+            NAMES.get(plain(column))
             if table.header is None
-            else role_and_unit(name, _where(table, name))
+            else role_and_unit(column, _where(table, column))
         )
         if claim is None:
             continue
         role, unit = claim
-        if columns_of.get(role) == name:
-            raise InputError(f"{_where(table, name)}: the column is there twice; keep one")
+        if columns_of.get(role) == column:
+            raise InputError(f"{_where(table, column)}: the column is there twice; keep one")
         if role in columns_of:
             raise InputError(
-                f"{_where(table, name)}: column {columns_of[role]!r} is the {role} too; keep one"
+                f"{_where(table, column)}: column {columns_of[role]!r} is the {role} too; keep one"
             )
-        columns_of[role] = name
-        units[role] = settle_unit(table, role, name, unit, _where(table, name))
+        columns_of[role] = column
+        units[role] = settle_unit(table, role, column, unit, _where(table, column))
     if "angle" not in columns_of:
         raise InputError(_no_angle(table))
     columns = table.load(tuple(columns_of.values()))
     return Recording(
-        name=table.notes.get("name", source.name),
+        name=table.notes.get("name", name),
         channels={
-            role: channel(role, columns[name], Scaling(units[role]), table)
-            for role, name in columns_of.items()
+            role: channel(role, columns[column], Scaling(units[role]), table)
+            for role, column in columns_of.items()
         },
         emg="envelope" if table.notes.get("emg") == "envelope" else "raw",
-        files=(source.file,),
+        files=files,
     )
 
 

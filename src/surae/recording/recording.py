@@ -131,6 +131,55 @@ class Recording:
                     f"{channel.unit!r}; give all EMG in volts or all normalised ('1')"
                 )
 
+    def __repr__(self) -> str:
+        emg = {"raw": "raw EMG", "envelope": "EMG envelopes"}[self.emg]
+        lines = [f"Recording {self.name!r}: {', '.join(filter(None, (self.side, emg)))}"]
+        for role, channel in self.channels.items():
+            low, high = channel.values.min(), channel.values.max()
+            lines.append(
+                f"  {role:<21}{len(channel.values):>8} samples, {channel.rate_hz:.6g} Hz, "
+                f"{low:.4g} … {high:.4g} {'' if channel.unit == '1' else channel.unit}".rstrip()
+                + f"  ({channel.source})"
+            )
+        if self.fixed:
+            lines.append(f"  fixed: {dict(self.fixed)}")
+        return "\n".join(lines)
+
+    def to_dataframe(self) -> Any:
+        """The channels as a pandas DataFrame with the columns of our CSV.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Time and channels, units in ``attrs["units"]``; `surae.fit` takes it.
+
+        Raises
+        ------
+        InputError
+            The channels have times of their own, or pandas is not installed.
+        """
+        from surae.recording.frames import channels_frame
+
+        return channels_frame(self.channels, self.where, {"name": self.name, "emg": self.emg})
+
+    def to_xarray(self) -> Any:
+        """The channels as an xarray Dataset, by role.
+
+        Returns
+        -------
+        xarray.Dataset
+            Channels of other times have a dimension of their own: ``time``, ``time_2``, …
+
+        Raises
+        ------
+        InputError
+            The package xarray is not installed.
+        """
+        from surae.recording.frames import channels_dataset
+
+        about = {"name": self.name, "emg": self.emg, "side": self.side or ""}
+        return channels_dataset(self.channels, about)
+
     @classmethod
     def from_arrays(
         cls,

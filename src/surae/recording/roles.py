@@ -22,7 +22,7 @@ for an EMG) rules it out.
 """
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -82,6 +82,13 @@ _SHORT = {
     "ta": "emg_ta", "gl": "emg_gl", "lg": "emg_gl", "gm": "emg_gm", "mg": "emg_gm",
     "sol": "emg_sol",
 }  # fmt: skip
+
+#: Muscles by whose EMG a recording shows that its joint is another.
+_OF_OTHER_JOINTS = {
+    **dict.fromkeys(("vas", "vl", "vm", "vastus", "rect", "rectus", "rf"), "knee"),
+    **dict.fromkeys(("bf", "biceps", "semimem", "semiten", "ham", "hamstrings"), "knee"),
+    **dict.fromkeys(("glut", "gluteus", "gmax", "gmed", "glmax", "glmed"), "hip"),
+}
 
 #: Units that show what kind of signal it is, though not its factor, in small letters.
 _UNIT_KINDS = {
@@ -184,6 +191,24 @@ def _of_unit(
         else:
             rule += "; X of three coordinates, the flexion in most models"
     return Guess(roles, confidence, rule, side)
+
+
+def other_joint(name: str) -> str | None:
+    """The joint, other than the ankle, whose angle, torque or velocity a name says; else None."""
+    said = set(words_of(name))
+    if said & _ANKLE or not said & (_ANGLE | _TORQUE | _VELOCITY):
+        return None
+    return next((joint for joint in words_of(name) if joint in _OTHER_JOINTS), None)
+
+
+def joint_of_muscles(names: Sequence[str]) -> str | None:
+    """The other joint that all muscles in a recording are of; None where one may be the ankle's."""
+    joints = set()
+    for name in names:
+        if _muscle(set(words_of(name)), words_of(name)) is not None:
+            return None
+        joints |= {_OF_OTHER_JOINTS[word] for word in words_of(name) if word in _OF_OTHER_JOINTS}
+    return joints.pop() if len(joints) == 1 else None
 
 
 def words_of(name: str) -> tuple[str, ...]:

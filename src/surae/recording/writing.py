@@ -16,7 +16,7 @@ from surae.units import FloatArray
 _CHUNK = 16384
 
 
-def columns(recording: Recording) -> dict[str, FloatArray]:
+def csv_columns(recording: Recording) -> dict[str, FloatArray]:
     """The channels of a recording under their CSV names, time first.
 
     The channels must share the time axis of the angle, which is the one that is given.
@@ -96,7 +96,7 @@ def write_sto(path: PathLike, recording: Recording) -> None:
     """
     where = f"cannot write {shown(path)}"
     shared_time(recording, where)
-    table = columns(recording)
+    table = csv_columns(recording)
     title = " ".join(recording.name.split()) or "recording"
     if title.casefold() == "endheader" or not title.isprintable():
         raise InputError(f"{where}: {recording.name!r} cannot be the title of an OpenSim file")

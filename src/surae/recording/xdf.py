@@ -2,10 +2,10 @@
 
 Every stream is a set of columns ``stream: channel``. Clocks are synchronised by pyxdf. Time counts
 from the earliest sample of all streams. Regular streams get a uniform time axis by least squares
-over their stamps, which jitter with the network; where stamps lie so far from it that samples must
-be missing, the stream is refused. Irregular streams keep their stamps; streams of words are left
-out. What pyxdf skips with a message in its log, or fills with the sample before where the file
-ends early, is refused.
+over their stamps, which jitter with the network; where samples are missing it has a gap, which a
+check then finds, and where no such axis fits the stamps, the stream is refused. Irregular streams
+keep their stamps; streams of words are left out. What pyxdf skips with a message in its log, or
+fills with the sample before where the file ends early, is refused.
 """
 
 import io
@@ -23,8 +23,11 @@ from surae.recording.untrusted import optional, printable, untrusted
 from surae.units import FloatArray
 
 _MAGIC = b"XDF:"
-#: A stamp further than this from a uniform axis [s] is no jitter: samples are missing.
+#: A stamp further than this from a uniform axis [s] is no jitter.
 MOST_JITTER_S = 0.05
+#: A step of the stamps is a gap where they stay away, for this long [s] before and after, by more
+#: than this [s] and than so many periods, beside three times their scatter; jitter comes back.
+_STAY, _STEP, _STEP_PERIODS, _SCATTER = 0.5, 0.005, 3.0, 3.0
 
 
 def recognises(source: Source) -> bool:
@@ -114,8 +117,10 @@ def _columns(
     """The channels of a stream."""
     refused = remark = ""
     if float(info["nominal_srate"][0]) > 0:
-        time, jitter_ms = _line(time, shown)
+        time, jitter_ms, gaps = _axis(time, shown)
         remark = f"time stamps jittered by up to {jitter_ms:.2g} ms, replaced by a line"
+        if gaps:
+            remark += f" with {gaps} gap{'s' if gaps > 1 else ''} where samples are missing"
         if jitter_ms > 1e3 * MOST_JITTER_S:
             refused = (
                 f"its time stamps lie up to {jitter_ms:.0f} ms from a uniform rate: samples are "
@@ -134,15 +139,48 @@ def _columns(
         )
 
 
-def _line(time: FloatArray, shown: str) -> tuple[FloatArray, float]:
-    """Uniform times by least squares, and the largest distance of a stamp from them [ms]."""
+def _axis(time: FloatArray, shown: str) -> tuple[FloatArray, float, int]:
+    """Times with one step by least squares, the stamps' largest distance [ms], and the gaps."""
+    pieces = _pieces(time)
     index = np.arange(len(time), dtype=np.float64)
-    centred = index - index.mean()
+    centres = [(index[piece].mean(), time[piece].mean()) for piece in pieces]
+    centred = np.concatenate([index[p] - i for p, (i, _) in zip(pieces, centres, strict=True)])
     step = float(centred @ time / (centred @ centred))
-    if not step > 0:
+    fitted = np.concatenate(
+        [t + step * (index[p] - i) for p, (i, t) in zip(pieces, centres, strict=True)]
+    )
+    if not step > 0 or np.any(np.diff(fitted) <= 0):
         raise InputError(f"{shown}: a stream's time stamps don't increase")
-    fitted = time.mean() + step * centred
-    return fitted, 1e3 * float(np.max(np.abs(time - fitted)))
+    return fitted, 1e3 * float(np.max(np.abs(time - fitted))), len(pieces) - 1
+
+
+def _pieces(time: FloatArray) -> list[slice]:
+    """The parts of a stream's stamps between which samples are missing."""
+    steps = np.diff(time)
+    period = float(np.median(steps))
+    away = time - period * np.arange(len(time))
+    least = max(_STEP, _STEP_PERIODS * period)
+    candidates = np.flatnonzero(np.abs(steps - period) > least) + 1
+    window = max(int(_STAY / period), 3) if period > 0 else 3
+    open_, pieces = [(0, len(time))], []
+    while open_:
+        first, last = open_.pop()
+        best, at = 0.0, 0
+        for here in candidates[(candidates > first) & (candidates < last)]:
+            before, after = away[max(here - window, first) : here], away[here:][:window]
+            after = after[: last - here]
+            ends = float(np.median(before)), float(np.median(after))
+            scatter = max(
+                float(np.median(np.abs(part - end)))
+                for part, end in zip((before, after), ends, strict=True)
+            )
+            if abs(ends[1] - ends[0]) - least - _SCATTER * scatter > best:
+                best, at = abs(ends[1] - ends[0]) - least - _SCATTER * scatter, int(here)
+        if at:
+            open_ += [(first, at), (at, last)]
+        else:
+            pieces.append(slice(first, last))
+    return sorted(pieces, key=lambda piece: int(piece.start))
 
 
 def _described(info: Mapping[str, Any], count: int) -> Iterator[tuple[str, str]]:

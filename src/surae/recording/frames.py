@@ -1,0 +1,64 @@
+"""Tables of pandas and xarray of what surae has; neither is loaded unless it is used."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from surae.errors import InputError
+
+
+def frame(rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> Any:
+    """Rows as a pandas DataFrame, the units of its columns in ``attrs["units"]``."""
+    made = _pandas().DataFrame(list(rows))
+    made.attrs["units"] = dict(units)
+    return made
+
+
+def channels_frame(channels: Mapping[str, Any], where: str, about: Mapping[str, str]) -> Any:
+    """Channels by role as a DataFrame with the columns of our CSV; see `Recording.to_dataframe`."""
+    times = [channel.time for channel in channels.values()]
+    if not all(np.array_equal(time, times[0]) for time in times):
+        raise InputError(
+            f"{where}: its channels have times of their own, and a table has one: use to_xarray()"
+        )
+    names = {role: f"{role}_{c.unit.replace('/', '_')}" for role, c in channels.items()}
+    columns = {name: channels[role].values for role, name in names.items()}
+    made = _pandas().DataFrame({"time_s": times[0], **columns})
+    units = {name: channels[role].unit for role, name in names.items()}
+    made.attrs = {**about, "units": {"time_s": "s", **units}}
+    return made
+
+
+def channels_dataset(channels: Mapping[str, Any], about: Mapping[str, str]) -> Any:
+    """Channels by role as an xarray Dataset, each time axis once; see `Recording.to_xarray`."""
+    axes: list[tuple[str, Any]] = []
+    variables = {}
+    for role, channel in channels.items():
+        name = next((n for n, time in axes if np.array_equal(time, channel.time)), None)
+        if name is None:
+            name = f"time_{len(axes) + 1}" if axes else "time"
+            axes.append((name, channel.time))
+        variables[role] = (name, channel.values, {"units": channel.unit, "source": channel.source})
+    coordinates = {name: (name, time, {"units": "s"}) for name, time in axes}
+    return _xarray().Dataset(variables, coordinates, dict(about))
+
+
+def _pandas() -> Any:
+    try:
+        import pandas
+    except ImportError:
+        raise InputError(
+            "a DataFrame needs pandas: install it with `pip install 'surae[notebook]'`"
+        ) from None
+    return pandas
+
+
+def _xarray() -> Any:
+    try:
+        import xarray
+    except ImportError:
+        raise InputError(
+            "a Dataset needs xarray: install it with `pip install 'surae[notebook]'`"
+        ) from None
+    return xarray

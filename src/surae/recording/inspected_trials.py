@@ -1,0 +1,203 @@
+"""Several data files inspected: parts of one recording, or trials alike, and where they differ."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from surae.files import PathLike, shown
+from surae.recording.inspected import Inspection
+from surae.recording.inspection import inspect
+from surae.recording.mapping_reader import TRIAL
+from surae.recording.mapping_text import mapping_text, quoted
+from surae.recording.table import some
+
+#: Rates [Hz] that are the same but for rounding, relatively.
+_SAME_RATE = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """What is otherwise in one trial than in the others.
+
+    Attributes
+    ----------
+    trial : str
+        Its name.
+    text : str
+        In words.
+    line : str
+        The line of [trials] that says it in a mapping; empty where none can.
+    """
+
+    trial: str
+    text: str
+    line: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class InspectedTrials:
+    """Trials of one layout, which one mapping describes.
+
+    Attributes
+    ----------
+    typical : Inspection
+        Of the trial that most others are like.
+    trials : tuple of str
+        Their names.
+    files : mapping of str to str
+        What a mapping calls the files of the typical trial, ``"{trial}/ik.sto"``; empty where each
+        trial is one file.
+    differences : tuple of Difference
+        Where trials are not like that one.
+    directions : tuple of str
+        How torque goes with the angle, in the trials in which it does.
+    """
+
+    typical: Inspection
+    trials: tuple[str, ...]
+    files: Mapping[str, str]
+    differences: tuple[Difference, ...]
+    directions: tuple[str, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Give the inspection as plain data: the typical trial's channels, and what differs."""
+        return {
+            **self.typical.to_json(),
+            "trials": list(self.trials),
+            "files": dict(self.files),
+            "differences": [
+                {"trial": each.trial, "text": each.text, "line": each.line or None}
+                for each in self.differences
+            ],
+            "directions": list(self.directions),
+        }
+
+
+def inspect_trials(
+    paths: Sequence[PathLike], *, side: str | None = None
+) -> Inspection | InspectedTrials:
+    """Describe data files, and tell parts of one recording from trials of one layout.
+
+    Files of the same names in several folders, and files that each hold an angle, are trials.
+
+    Parameters
+    ----------
+    paths : sequence of paths
+        Data files.
+    side : {"left", "right"}, optional
+        The leg, where the files hold both.
+
+    Returns
+    -------
+    Inspection or InspectedTrials
+        Of one recording, or of many.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read; see `inspect`.
+    """
+    folders: dict[Path, list[Path]] = {}
+    for path in map(Path, paths):
+        folders.setdefault(path.parent, []).append(path)
+    names = [tuple(sorted(path.name for path in files)) for files in folders.values()]
+    if len(folders) > 1 and len(set(names)) == 1:
+        groups = {shown(folder.name): files for folder, files in folders.items()}
+        files = [f"{TRIAL}/{path.name}" for path in next(iter(folders.values()))]
+        if len(groups) == len(folders):
+            return _together({n: inspect(f, side=side) for n, f in groups.items()}, files)
+    if len(paths) > 1:
+        each = {shown(Path(path).stem): inspect(path, side=side) for path in paths}
+        angles = [{"angle"} & {*one.roles, *one.open} for one in each.values()]
+        if len(each) == len(paths) and all(angles):
+            return _together(each, [])
+    return inspect(list(paths), side=side)
+
+
+def trials_text(found: InspectedTrials, folder: PathLike) -> str:
+    """The mapping of all trials: without files, or with ``{trial}``; what differs in a line each.
+
+    Parameters
+    ----------
+    found : InspectedTrials
+        What was inspected.
+    folder : path
+        Where the mapping will be; its name is the session's.
+    """
+    lines = [
+        mapping_text(found.typical, folder, found.files, Path(folder).resolve().name).rstrip("\n")
+    ]
+    lines += [f"# {text}" for text in found.directions]
+    own = [difference for difference in found.differences if difference.line]
+    if own:
+        lines += ["", "[trials]  # check: what differs in single trials"]
+        lines += [f"{each.line}  # {each.text}" for each in own]
+    else:
+        lines += [
+            "",
+            "# What differs in a single trial is a line in [trials], such as:",
+            "# [trials]",
+        ]
+        lines.append(f"# {quoted(found.trials[-1])}.torque.sign = -1")
+    return "\n".join(lines) + "\n"
+
+
+def _together(each: Mapping[str, Inspection], files: Sequence[str]) -> InspectedTrials:
+    """Trials of one layout, compared with the one that most are like."""
+    layouts = {name: _layout(one) for name, one in each.items()}
+    common = Counter(layouts.values()).most_common(1)[0][0]
+    typical = next(name for name, layout in layouts.items() if layout == common)
+    names = dict(zip(each[typical].formats, files, strict=True)) if files else {}
+    return InspectedTrials(
+        typical=each[typical],
+        trials=tuple(each),
+        files=names,
+        differences=tuple(
+            difference
+            for name, one in each.items()
+            for difference in _differences(name, one, each[typical], typical)
+        ),
+        directions=tuple(f"{name}: {one.direction}" for name, one in each.items() if one.direction),
+    )
+
+
+def _layout(one: Inspection) -> tuple[tuple[str, str, str | None], ...]:
+    """Which column is which signal in which unit."""
+    return tuple((role, c.column, c.known_unit) for role, c in one.roles.items())
+
+
+def _differences(name: str, one: Inspection, typical: Inspection, like: str) -> list[Difference]:
+    told: list[Difference] = []
+    key = quoted(name)
+    columns = {channel.column for channel in one.channels if channel.usable}
+    for role, channel in typical.roles.items():
+        own = next((c for c in one.channels if c.column == channel.column and c.usable), None)
+        if own is None and (own := one.roles.get(role)) is not None:
+            text = f"{role} is column {own.column!r}, not {channel.column!r}"
+            told.append(Difference(name, text, f"{key}.{role}.column = {quoted(own.column)}"))
+        if own is None:
+            text = f"no column {channel.column!r}"
+            line = f"{key}.{role} = false"
+            if role == "angle":  # which no trial can do without
+                text, line = f"{text}: it has {some(columns)}", ""
+            told.append(Difference(name, text, line))
+            continue
+        unit = own.known_unit
+        if unit is not None and channel.known_unit is not None and unit != channel.known_unit:
+            text = f"{role} is in {unit}, that of {like} in {channel.known_unit}"
+            told.append(Difference(name, text, f"{key}.{role}.unit = {quoted(unit)}"))
+        if not _same_rate(own.rate_hz, channel.rate_hz):
+            rates = [f"{r:.6g} Hz" if r else "no rate" for r in (own.rate_hz, channel.rate_hz)]
+            told.append(Difference(name, f"{role} has {rates[0]}, that of {like} {rates[1]}"))
+    if None not in (one.emg, typical.emg) and one.emg != typical.emg:
+        text = f"EMG looks {one.emg}, that of {like} {typical.emg}"
+        told.append(Difference(name, text, f"{key}.emg = {quoted(str(one.emg))}"))
+    return told
+
+
+def _same_rate(first: float | None, other: float | None) -> bool:
+    if first is None or other is None:
+        return first is other
+    return abs(first - other) <= _SAME_RATE * other

@@ -1,0 +1,166 @@
+"""The files that a mapping names, read: each once, each channel in SI units, its zero found."""
+
+import difflib
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.files import shown
+from surae.recording.channels import Scaling, channel, settle_unit
+from surae.recording.formats import open_table
+from surae.recording.recording import Channel
+from surae.recording.source import Source, open_source
+from surae.recording.table import Column, Table, some
+
+#: What stands for the trial's name in the name of a file.
+TRIAL = "{trial}"
+#: A stretch that gives a zero may drift by this part of the signal's own range.
+_QUIET = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One channel's description, checked on its own."""
+
+    role: str
+    where: str
+    file: str | None
+    column: str
+    unit: str | None
+    sign: int
+    scale: float
+    offset: float
+    zero: str | tuple[float, float] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Reader:
+    """Reads the files of one recording, each once.
+
+    Attributes
+    ----------
+    source : Source
+        The mapping.
+    folder : Path
+        What its names of files are relative to.
+    trial, data : str, Path, or None
+        The trial's name and data file, for a mapping of many.
+    sources, tables : dict
+        What has been read.
+    """
+
+    source: Source
+    folder: Path
+    trial: str | None
+    data: Path | None
+    sources: dict[Path, Source] = field(default_factory=dict)
+    tables: dict[Path, Table] = field(default_factory=dict)
+
+    def channels(self, entries: list[Entry]) -> dict[str, Channel]:
+        """The channels that are described, in SI units."""
+        paths = self._paths(entries)
+        units: dict[str, str] = {}
+        wanted: dict[Path, list[str]] = {}
+        for entry in entries:
+            table = self._table(paths[entry.role], entry)
+            units[entry.role] = settle_unit(
+                table, entry.role, entry.column, entry.unit, entry.where
+            )
+            names = wanted.setdefault(paths[entry.role], [])
+            if entry.column not in names:
+                names.append(entry.column)
+        columns = {path: self.tables[path].load(names) for path, names in wanted.items()}
+        channels: dict[str, Channel] = {}
+        for entry in entries:
+            path = paths[entry.role]
+            column = columns[path][entry.column]
+            offset, note = entry.offset, ""
+            if entry.zero is not None:
+                offset, note = self._zero(entry, column, units[entry.role])
+            scaling = Scaling(units[entry.role], entry.sign, entry.scale, offset, note)
+            channels[entry.role] = channel(entry.role, column, scaling, self.tables[path])
+        return channels
+
+    def _paths(self, entries: list[Entry]) -> dict[str, Path]:
+        """The file of every channel."""
+        named = {entry.file for entry in entries}
+        # A description of one file, given for another: it is the layout that is meant.
+        layout = self.data is not None and len(named) == 1 and TRIAL not in str(named)
+        paths = {}
+        for entry in entries:
+            if self.data is not None and (layout or entry.file is None):
+                paths[entry.role] = self.data
+            elif entry.file is None or (self.trial is None and TRIAL in entry.file):
+                lacks = "file is missing" if entry.file is None else f"file is {entry.file!r}"
+                raise InputError(
+                    f"{entry.where}: {lacks}: name the file, or give this mapping of many files "
+                    "by --mapping, with the files"
+                )
+            elif self.trial is not None and TRIAL not in entry.file:
+                raise InputError(
+                    f"{entry.where}: file {entry.file!r} is one and the same for all trials; "
+                    'write it with "{trial}", or leave `file` out'
+                )
+            else:
+                paths[entry.role] = self.folder / _named(entry.file, self.trial)
+        return paths
+
+    def _table(self, path: Path, entry: Entry) -> Table:
+        """A data file's table that has the channel's column; errors say where it is named."""
+        if path not in self.tables:
+            try:
+                self.sources[path] = open_source(path)
+                self.tables[path] = open_table(self.sources[path])
+            except InputError as error:
+                raise InputError(f"{entry.where}: {error}") from None
+        table = self.tables[path]
+        count = table.names.count(entry.column)
+        if count > 1:
+            raise InputError(
+                f"{entry.where}: {table.file} has {count} columns {some([entry.column])}; "
+                "rename one"
+            )
+        if count == 0:
+            near = difflib.get_close_matches(entry.column, table.names, n=3, cutoff=0.5)
+            has = f"did you mean {some(near)}?" if near else f"it has: {some(table.names)}"
+            raise InputError(
+                f"{entry.where}: {table.file} has no column {some([entry.column])}; {has}"
+            )
+        return table
+
+    def _zero(self, entry: Entry, column: Column, unit: str) -> tuple[float, str]:
+        """The offset that takes a quiet trial or stretch to zero, and what to say of it."""
+        where, zero = f"{entry.where}: zero", entry.zero
+        quiet, told = column, "itself"
+        if isinstance(zero, str):
+            path = self.folder / _named(zero, self.trial)
+            if not path.exists():
+                path = Path(self.source.path).parent / _named(zero, self.trial)
+            quiet = self._table(path, entry).load([entry.column])[entry.column]
+            told = shown(path.name)
+        values = quiet.values
+        if isinstance(zero, tuple):
+            start, end = zero
+            told = f"{start:g} to {end:g} s"
+            values = values[(quiet.time >= start) & (quiet.time <= end)]
+        if len(values) < 2 or not np.isfinite(values).all():
+            raise InputError(f"{where}: {told} holds no finite samples of {entry.column!r}")
+        means = [float(part.mean()) for part in np.array_split(values, min(4, len(values)))]
+        drift, range_ = max(means) - min(means), float(np.ptp(column.values))
+        if (
+            entry.role in ("angle", "torque")
+            and isinstance(zero, tuple)
+            and drift > _QUIET * range_
+        ):
+            raise InputError(
+                f"{where}: {entry.column!r} is not quiet from {told}: it drifts by "
+                f"{abs(entry.scale) * drift:.3g} {unit}; name a stretch in which nothing happens"
+            )
+        mean = entry.scale * float(values.mean())
+        return -mean, f"zero {mean:.4g} ± {abs(entry.scale) * float(values.std()):.2g} of {told}"
+
+
+def _named(file: str, trial: str | None) -> str:
+    return file if trial is None else file.replace(TRIAL, trial)

@@ -1,0 +1,21 @@
+"""The trials of one leg: files in a folder, what each of them is, what it can tell."""
+
+from surae.trials.common import common_errors
+from surae.trials.crossing import Crossed
+from surae.trials.files import trial_files
+from surae.trials.sorting import EFFORTS, Hold, Reading, Trial, sorted_trials
+from surae.trials.trial_set import TrialSet, prepared_for, reading_of
+
+__all__ = [
+    "EFFORTS",
+    "Crossed",
+    "Hold",
+    "Reading",
+    "Trial",
+    "TrialSet",
+    "common_errors",
+    "prepared_for",
+    "reading_of",
+    "sorted_trials",
+    "trial_files",
+]

@@ -1,0 +1,236 @@
+"""What each trial of a session is, decided from its signals and from the other trials.
+
+A trial moves, or holds still: a hold says nothing of stiffness and lengths, and is never fitted by
+itself. It is passive where the EMG of every muscle stays near what it is at rest, active where
+not, and maximal where its description says so or, of a hold, where a muscle works harder than in
+any trial that moves. What is decided is said, and a description overrules it.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from surae.diagnosis import STILL
+from surae.errors import InputError
+from surae.quality.numeric import quantile, smooth
+from surae.quality.registry import unfit
+from surae.quality.trial import Signals, signals_of
+from surae.quality.wording import muscle_name
+from surae.recording import MUSCLES, Recording
+from surae.recording.mapping import EFFORTS, Said
+from surae.recording.roles import words_of
+
+__all__ = ["EFFORTS", "Hold", "Reading", "Trial", "sorted_trials"]
+
+#: EMG is averaged over this [s] before its level is judged.
+_AVERAGED = 0.25
+#: Of the session's largest level of a muscle above rest, what a relaxed muscle stays below.
+_RELAXED = 0.1
+#: A muscle whose largest level in the session is not so many times that at rest is silent in it.
+_SILENT = 2.5
+#: A hold in which a muscle works so many times harder than in any moving trial is maximal.
+_HARDER = 1.25
+#: The problem of a trial whose description says use = false.
+LEFT_OUT = "left out by the description"
+_MAXIMAL_WORDS = {"mvc", "mvic", "mvcs", "max", "maximal", "maximum"}
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """A file as it was read for a session, or why it could not be.
+
+    Attributes
+    ----------
+    name : str
+        The trial's.
+    path : str or None
+        Its file, None for a recording that came from no file.
+    recording : Recording or None
+        None where it could not be read, and `problem` says why.
+    problem : str
+        Empty where there is none.
+    said : Said
+        What its description says of it.
+    """
+
+    name: str
+    path: str | None
+    recording: Recording | None
+    problem: str = ""
+    said: Said = field(default_factory=Said)
+
+
+@dataclass(frozen=True, slots=True)
+class Hold:
+    """What a trial that holds still tells: mean angle [rad], torque and its deviation [Nm]."""
+
+    angle: float
+    torque: float
+    sd: float
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """One trial of a session.
+
+    Attributes
+    ----------
+    name : str
+        Unique in the session.
+    path : str or None
+        Its file.
+    recording : Recording or None
+        None where it could not be read; `problem` then says why.
+    problem : str
+        Why it is not used; empty where it is.
+    effort : {"passive", "active", "maximal", "unknown"}
+        What the muscles did.
+    moves : bool
+        Whether the ankle moved.
+    why : str
+        How effort and movement were decided.
+    use : {"fit", "hold", "reference", "none"}
+        What it is used for: it is fitted; it gives torque at one angle; its EMG is a reference.
+    hold : Hold or None
+        Angle and torque of a trial that holds still.
+    condition, notes : str or None
+        As described.
+    """
+
+    name: str
+    path: str | None
+    recording: Recording | None
+    problem: str
+    effort: str
+    moves: bool
+    why: str
+    use: str
+    hold: Hold | None = None
+    condition: str | None = None
+    notes: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Level:
+    """EMG level of one muscle in a trial: at rest, at most."""
+
+    rest: float
+    top: float
+
+
+def sorted_trials(
+    readings: Sequence[Reading], efforts: Mapping[str, str] | None = None
+) -> tuple[Trial, ...]:
+    """Decide what each trial is.
+
+    Parameters
+    ----------
+    readings : sequence of Reading
+        All files of the session.
+    efforts : mapping of str to str, optional
+        Efforts by trial that go before what the data and descriptions say.
+
+    Raises
+    ------
+    InputError
+        An effort is of no trial, or is none of `EFFORTS`.
+    """
+    given = dict(efforts or {})
+    names = [reading.name for reading in readings]
+    for name, effort in given.items():
+        if name not in names:
+            raise InputError(f"effort of {name!r}: there is no such trial; trials: {names}")
+        if effort not in EFFORTS:
+            raise InputError(f"effort of {name} is {effort!r}; use one of: {', '.join(EFFORTS)}")
+    seen: dict[str, Signals] = {}
+    trials = []
+    for reading in readings:
+        trial = _unsorted(reading)
+        if not trial.problem and reading.recording is not None:
+            seen[trial.name] = signals_of(reading.recording)
+            trial = _moved(trial, seen[trial.name])
+        trials.append(trial)
+    levels = {name: _levels(signals) for name, signals in seen.items()}
+    moving = [trial.name for trial in trials if trial.moves]
+    sorted_: list[Trial] = []
+    for trial, reading in zip(trials, readings, strict=True):
+        if trial.name not in seen:
+            sorted_.append(trial)
+            continue
+        told = given.get(trial.name) or reading.said.effort
+        effort, why = (told, "as described") if told else _effort(trial, levels, moving)
+        use = "fit" if trial.moves else "reference" if effort == "maximal" else "hold"
+        sorted_.append(replace(trial, effort=effort, use=use, why=f"{trial.why}; {why}"))
+    return tuple(sorted_)
+
+
+def _unsorted(reading: Reading) -> Trial:
+    """A trial of which nothing is decided yet."""
+    problem = reading.problem
+    if not problem and reading.recording is not None:
+        recording = reading.recording
+        if not reading.said.use:
+            problem = LEFT_OUT
+        elif "torque" not in recording.channels:
+            problem = "there is no torque"
+        else:
+            problem = unfit(recording) or ""
+    return Trial(
+        reading.name, reading.path, reading.recording, problem, "unknown", False, "", "none",
+        condition=reading.said.condition, notes=reading.said.notes,
+    )  # fmt: skip
+
+
+def _moved(trial: Trial, signals: Signals) -> Trial:
+    low, high = (quantile(signals.angle, share) for share in (0.005, 0.995))
+    degrees = f"{np.rad2deg(high - low):.2g}°"
+    if high - low >= STILL:
+        return replace(trial, moves=True, why=f"moves over {degrees}")
+    assert signals.torque is not None
+    hold = Hold(
+        float(signals.angle.mean()), float(signals.torque.mean()), float(signals.torque.std())
+    )
+    return replace(trial, hold=hold, why=f"a static hold, it moves {degrees}")
+
+
+def _levels(signals: Signals) -> dict[str, _Level]:
+    levels = {}
+    for muscle, envelope in signals.fast.items():
+        level = smooth(envelope, round(_AVERAGED * signals.rate_hz))
+        levels[muscle] = _Level(quantile(level, 0.05), float(level.max()))
+    return levels
+
+
+def _effort(
+    trial: Trial, levels: Mapping[str, Mapping[str, _Level]], moving: Sequence[str]
+) -> tuple[str, str]:
+    """Effort of a trial, and why."""
+    if set(words_of(trial.name)) & _MAXIMAL_WORDS:
+        return "maximal", "maximal by its name"
+    own = levels[trial.name]
+    if not own:
+        return "unknown", "no EMG tells what the muscles did"
+    shares: dict[str, float] = {}
+    for muscle in (m for m in MUSCLES if m in own):
+        every = [levels[name][muscle] for name in levels if muscle in levels[name]]
+        rest, top = min(level.rest for level in every), max(level.top for level in every)
+        if top >= _SILENT * rest:
+            shares[muscle] = (own[muscle].top - rest) / (top - rest)
+            harder = [levels[name][muscle].top for name in moving if muscle in levels[name]]
+            if not trial.moves and harder and own[muscle].top >= _HARDER * max(harder):
+                times = own[muscle].top / max(harder)
+                return "maximal", (
+                    f"the {muscle_name(muscle)} is {times:.2g} times as active as in any trial "
+                    "that moves"
+                )
+    if not shares:
+        return "passive", "no muscle is active in any trial"
+    muscle = max(shares, key=lambda m: shares[m])
+    percent = 100 * shares[muscle]
+    text = (
+        f"the {muscle_name(muscle)} reaches {percent:.0f} % of its largest activity in the session"
+        if percent >= 1.0
+        else f"the {muscle_name(muscle)} stays below 1 % of its largest activity in the session"
+    )
+    return ("active" if shares[muscle] > _RELAXED else "passive"), text

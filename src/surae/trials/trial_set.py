@@ -1,0 +1,184 @@
+"""The trials of one leg together: what they are, and one reference for their EMG."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+from surae.errors import InputError
+from surae.frozen import FrozenDict
+from surae.recording import Recording, SourceFile
+from surae.recording.mapping import Said
+from surae.settings import FitSettings
+from surae.signals import EmgReference, ModelInputs, emg_reference, normalised
+from surae.trials.sorting import LEFT_OUT, Reading, Trial, sorted_trials
+
+
+@dataclass(frozen=True, slots=True)
+class TrialSet:
+    """The trials of one leg.
+
+    Attributes
+    ----------
+    trials : tuple of Trial
+        Every file that was given, those too that could not be read: what it is and is used for.
+    name : str
+        Shown in tables and reports.
+    side : {"left", "right"} or None
+        The leg.
+    date, condition, notes : str or None
+        As the mapping or the caller says.
+    mapping : SourceFile or None
+        The TOML through which all files were read.
+    efforts : mapping of str to str
+        Efforts that were given and not decided from the data.
+    """
+
+    trials: tuple[Trial, ...]
+    name: str = "session"
+    side: str | None = None
+    date: str | None = None
+    condition: str | None = None
+    notes: str | None = None
+    mapping: SourceFile | None = None
+    efforts: Mapping[str, str] = field(default_factory=FrozenDict)
+
+    def __post_init__(self) -> None:
+        """Make the mapping read-only."""
+        object.__setattr__(self, "efforts", FrozenDict(self.efforts))
+
+    def __getitem__(self, name: str) -> Trial:
+        """The trial of that name."""
+        for trial in self.trials:
+            if trial.name == name:
+                return trial
+        raise KeyError(name)
+
+    def __repr__(self) -> str:
+        lines = [f"Session {self.name!r}: {_count(len(self.trials), 'trial')}"]
+        about = [f"{key} {value}" for key in ("side", "date", "condition")
+                 if (value := getattr(self, key))]  # fmt: skip
+        lines[0] += f" ({', '.join(about)})" if about else ""
+        for trial in self.trials:
+            said = trial.problem or f"{trial.effort}, {trial.why}"
+            lines.append(f"  {trial.name}: {trial.use}: {said}")
+        return "\n".join(lines)
+
+    @property
+    def fitted(self) -> tuple[str, ...]:
+        """Names of the trials that can be fitted: they were read, and they move."""
+        return tuple(trial.name for trial in self.trials if trial.use == "fit")
+
+    @property
+    def read(self) -> tuple[Trial, ...]:
+        """The trials that could be read and have a torque."""
+        return tuple(trial for trial in self.trials if not trial.problem)
+
+    def emg_reference(self, settings: FitSettings | None = None) -> EmgReference | None:
+        """What EMG is divided by: one number for each muscle, of all trials of the session.
+
+        Parameters
+        ----------
+        settings : FitSettings, optional
+            What a fit is asked; its ``normalise`` says of what, ``"mvc"`` being the trials of
+            maximal effort. By default these where there are any, else all trials.
+
+        Returns
+        -------
+        EmgReference or None
+            None where the settings ask for no normalisation, or EMG is not in volts.
+
+        Raises
+        ------
+        InputError
+            There is no trial of maximal effort, or a muscle is silent throughout.
+        """
+        maximal = [trial for trial in self.read if trial.effort == "maximal"]
+        asked = settings or FitSettings(normalise="mvc" if maximal else "session")
+        if asked.normalise is None:
+            return None
+        if asked.normalise == "mvc" and not maximal:
+            raise InputError(
+                f'{self.name}: no trial is of maximal effort; write effort = "maximal" in the '
+                "mapping's [trials], or normalise by the session"
+            )
+        plain = replace(asked, normalise=None, weights=None)
+        kind = "mvc" if asked.normalise == "mvc" else "session"
+        recordings = [t.recording for t in (maximal if kind == "mvc" else self.read)]
+        inputs = [plain.prepare(r) for r in recordings if r is not None and _in_volts(r)]
+        return emg_reference(inputs, kind) if inputs else None  # type: ignore[arg-type]
+
+    def adding(self, recording: Recording) -> Self:
+        """The session with one recording more, or with a newer one of the same name.
+
+        What each trial is, is decided anew.
+
+        Parameters
+        ----------
+        recording : Recording
+            The trial.
+
+        Returns
+        -------
+        TrialSet
+            Another one; a session is never changed.
+        """
+        readings = [
+            Reading(t.name, t.path, t.recording, "" if t.recording else t.problem,
+                    Said(condition=t.condition, notes=t.notes, use=t.problem != LEFT_OUT))
+            for t in self.trials if t.name != recording.name
+        ]  # fmt: skip
+        readings.append(reading_of(recording))
+        return replace(self, trials=sorted_trials(readings, self.efforts))
+
+    def to_fit(self, name: str) -> Recording:
+        """The recording of a trial that can be fitted.
+
+        Parameters
+        ----------
+        name : str
+            The trial's.
+
+        Returns
+        -------
+        Recording
+            As it was read.
+
+        Raises
+        ------
+        InputError
+            There is no such trial, or it cannot be fitted; why.
+        """
+        try:
+            trial = self[name]
+        except KeyError:
+            known = ", ".join(self.fitted) or "none"
+            raise InputError(
+                f"{self.name}: there is no trial {name!r}; those that can be fitted: {known}"
+            ) from None
+        if trial.use != "fit" or trial.recording is None:
+            why = trial.problem or f"{trial.why}: it has no parameters of its own to tell"
+            raise InputError(f"{self.name}: {name} cannot be fitted: {why}")
+        return trial.recording
+
+
+def prepared_for(
+    settings: FitSettings, recording: Recording, reference: EmgReference | None
+) -> ModelInputs:
+    """What a fit reads of one trial, its EMG divided by the session's reference."""
+    (inputs,) = replace(settings, normalise=None).inputs([recording])
+    return normalised(inputs, reference)
+
+
+def reading_of(recording: Recording) -> Reading:
+    """A recording that is read already, as a trial."""
+    path = recording.files[0].path if recording.files else None
+    return Reading(recording.name, path, recording)
+
+
+def _in_volts(recording: Recording) -> bool:
+    emg = [c for role, c in recording.channels.items() if role.startswith("emg_")]
+    return bool(emg) and emg[0].unit == "V"
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"

@@ -1,0 +1,169 @@
+"""One mapping for many files: which file, what differs in one trial, where the zero is."""
+
+import shutil
+
+import numpy as np
+import pytest
+
+from surae.errors import InputError
+from surae.recording import read
+
+MAPPING = """\
+name = "leg A"
+side = "left"
+date = 2024-05-01
+condition = "before"
+fixed = { g2 = 0.0, g3 = 0.0, g4 = 0.0 }
+[channels.angle]
+column = "crank"
+unit = "deg"
+sign = -1
+[channels.torque]
+column = "load"
+unit = "Nm"
+[channels.emg_ta]
+column = "muscle"
+unit = "mV"
+"""
+
+
+@pytest.fixture
+def leg(tmp_path, table):
+    """Three trials in one folder, of which the last is called as a comment might be."""
+    for number, name in enumerate(("a", "b", "Pas_-5")):
+        (tmp_path / f"{name}.csv").write_text(table(torque=5.0 + number))
+    return tmp_path
+
+
+def mapped(folder, text=MAPPING):
+    path = folder / "map.toml"
+    path.write_text(text)
+    return path
+
+
+def test_each_file_is_a_trial_with_its_own_name(leg):
+    mapping = mapped(leg)
+    trials = [read(leg / f"{name}.csv", mapping=mapping) for name in ("a", "b", "Pas_-5")]
+    assert [trial.name for trial in trials] == ["a", "b", "Pas_-5"]
+    assert [float(t.channels["torque"].values[0]) for t in trials] == [5.0, 6.0, 7.0]
+    assert all(trial.side == "left" for trial in trials)
+    assert [file.name for file in trials[1].files] == ["b.csv", "map.toml"]
+    assert trials[1].where.endswith("b.csv")  # messages name the trial's file
+
+
+def test_files_in_folders_of_their_own(tmp_path, table):
+    for trial in ("walk", "run"):
+        (tmp_path / trial).mkdir()
+        (tmp_path / trial / "robot.csv").write_text(table())
+        (tmp_path / trial / "amp.csv").write_text(table(emg=1.0))
+    text = MAPPING.replace('column = "crank"', 'file = "{trial}/robot.csv"\ncolumn = "crank"')
+    text = text.replace('column = "load"', 'file = "{trial}/robot.csv"\ncolumn = "load"')
+    text = text.replace('column = "muscle"', 'file = "{trial}/amp.csv"\ncolumn = "muscle"')
+    mapping = mapped(tmp_path, text)
+    trial = read(tmp_path / "walk" / "robot.csv", mapping=mapping)
+    assert trial.name == "walk"
+    assert trial.channels["emg_ta"].source.startswith("amp.csv")
+    shutil.copy(tmp_path / "walk" / "robot.csv", tmp_path / "other.csv")
+    with pytest.raises(InputError, match=r"other\.csv.*is none of them"):
+        read(tmp_path / "other.csv", mapping=mapping)
+
+
+def test_what_differs_in_one_trial_is_a_line(leg):
+    text = MAPPING + '[trials]\nb.torque.sign = -1\n"Pas_-5".name = "rest"\nb.fixed.m = 1.0\n'
+    text += 'a.emg_ta = false\n"Pas_-5".emg_ta.column = "muscle"\n'
+    mapping = mapped(leg, text)
+    a, b, rest = (read(leg / f"{name}.csv", mapping=mapping) for name in ("a", "b", "Pas_-5"))
+    assert float(a.channels["torque"].values[0]) == 5.0
+    assert float(b.channels["torque"].values[0]) == -6.0
+    assert rest.name == "rest"
+    assert "emg_ta" not in a.channels
+    assert "emg_ta" in b.channels
+    assert dict(b.fixed) == {"g2": 0.0, "g3": 0.0, "g4": 0.0, "m": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ("b.torqe.sign = -1", "trials.b: key 'torqe' is not known"),
+        ("b.torque = -1", "trials.b.torque is -1; write what differs"),
+        ("b.effort = 'lazy'", "effort is 'lazy'; use one of: passive, active, maximal"),
+        ("b = 3", "b must be a table"),
+        ("b.torque.sign = 2", "channels.torque, trials.b: sign is 2"),
+    ],
+)
+def test_a_wrong_line_is_named(leg, line, says):
+    with pytest.raises(InputError) as caught:
+        read(leg / "b.csv", mapping=mapped(leg, f"{MAPPING}[trials]\n{line}\n"))
+    assert says in str(caught.value)
+
+
+def test_a_mapping_of_one_file_serves_the_others_of_its_layout(leg):
+    text = MAPPING.replace("column", 'file = "a.csv"\ncolumn')
+    mapping = mapped(leg, text)
+    assert read(mapping).channels["torque"].values[0] == 5.0
+    assert read(leg / "b.csv", mapping=mapping).channels["torque"].values[0] == 6.0
+
+
+def test_one_file_of_two_is_never_taken_for_all_trials(leg):
+    text = MAPPING.replace('column = "crank"', 'file = "a.csv"\ncolumn = "crank"')
+    text = text.replace('column = "load"', 'file = "{trial}.csv"\ncolumn = "load"')
+    with pytest.raises(InputError, match=r"file 'a\.csv' is one and the same"):
+        read(
+            leg / "b.csv",
+            mapping=mapped(leg, text.replace('column = "mus', 'file="{trial}.csv"\ncolumn = "mus')),
+        )
+
+
+def test_a_mapping_of_many_is_no_recording(leg):
+    with pytest.raises(InputError, match=r"file is missing: name the file, or .*--mapping"):
+        read(mapped(leg))
+
+
+def test_zero_from_a_quiet_trial(leg):
+    text = MAPPING.replace('unit = "Nm"', 'unit = "Nm"\nsign = -1\nscale = 2.0\nzero = "b.csv"')
+    torque = read(leg / "a.csv", mapping=mapped(leg, text)).channels["torque"]
+    assert torque.values[0] == pytest.approx(2.0)  # -(2·5 - 2·6)
+    assert "zero 12" in torque.source
+    assert "of b.csv" in torque.source
+    mean = read(leg / "b.csv", mapping=mapped(leg, text)).channels["torque"].values.mean()
+    assert mean == pytest.approx(0.0, abs=1e-9)
+
+
+def test_zero_from_a_quiet_stretch(tmp_path):
+    time = np.arange(400) / 100
+    load = np.where(time < 1.0, 7.0, 7.0 + 20 * np.sin(time))
+    lines = [f"{t:.3f},{10 * t:.3f},{v:.6f},0" for t, v in zip(time, load, strict=True)]
+    (tmp_path / "a.csv").write_text("time,crank,load,muscle\n" + "\n".join(lines))
+    text = MAPPING.replace('unit = "Nm"', 'unit = "Nm"\nzero = [0.0, 0.9]')
+    torque = read(tmp_path / "a.csv", mapping=mapped(tmp_path, text)).channels["torque"]
+    assert torque.values[0] == pytest.approx(0.0, abs=1e-9)
+    assert torque.source.endswith("zero 7 ± 0 of 0 to 0.9 s")
+
+
+@pytest.mark.parametrize(
+    ("zero", "says"),
+    [
+        ("zero = [0.5, 3.0]", "is not quiet"),
+        ("zero = [3.0, 0.5]", "is no stretch of time"),
+        ("zero = [100.0, 101.0]", "holds no finite samples"),
+        ('zero = "none.csv"', "no such file"),
+        ("zero = 3.0", "name a quiet trial"),
+        ("zero = [0.0, 1.0]\noffset = 2.0", "zero and offset both"),
+    ],
+)
+def test_a_zero_that_cannot_be_one_is_refused(leg, zero, says):
+    text = MAPPING.replace('unit = "Nm"', f'unit = "Nm"\n{zero}')
+    with pytest.raises(InputError, match=says):
+        read(leg / "a.csv", mapping=mapped(leg, text))
+
+
+def test_commands_take_the_mapping(leg, run):
+    mapped(leg)
+    done = run("check", "a.csv", "b.csv", "--mapping", "map.toml", "--json")
+    assert done.code == 0, done.err
+    done = run("convert", "a.csv", "out.h5", "--mapping", "map.toml")
+    assert done.code == 0, done.err
+    assert read(leg / "out.h5").name == "a"
+    done = run("fit", "a.csv", "--mapping", "a.csv")
+    assert done.code == 2
+    assert "this is no TOML mapping" in done.err

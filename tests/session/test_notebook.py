@@ -1,0 +1,185 @@
+"""A notebook feels at home: one screen, tables, plots, DataFrames in and out."""
+
+import copy
+import pickle
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import surae
+from surae.errors import InputError
+
+pandas = pytest.importorskip("pandas")
+xarray = pytest.importorskip("xarray")
+matplotlib = pytest.importorskip("matplotlib")
+
+
+@pytest.fixture(autouse=True)
+def no_display():
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    yield
+    pyplot.close("all")
+
+
+@pytest.fixture(scope="module")
+def trial(leg):
+    return surae.read(leg / "walk 1.csv")
+
+
+@pytest.fixture(scope="module")
+def fit(trial):
+    return surae.fit(trial, "muscle", prepared=True, starts=1)
+
+
+def test_a_fit_is_one_screen(fit):
+    lines = repr(fit).splitlines()
+    assert repr(fit) == fit.summary() == str(fit)
+    assert 15 < len(lines) < 40
+    assert max(map(len, lines)) < 200
+    assert any(line.startswith("l0_tri") and "optimal length" in line for line in lines)
+    assert "fixed" not in fit.summary().split("\n\n")[1]
+
+
+def test_an_inadequate_fit_says_so_first(trial):
+    """Its numbers mean nothing, and no line calls one identified."""
+    time, angle = trial.channels["angle"].time, trial.channels["angle"].values
+    other = np.random.default_rng(0).standard_normal(len(time))
+    emg = np.stack([trial.channels[f"emg_{m}"].values for m in ("ta", "gl", "sol", "gm")], 1)
+    noise = surae.Recording.from_arrays(time, angle, other, emg, emg_kind="envelope")
+    fit = surae.fit(noise, "muscle", prepared=True, starts=1)
+    assert "Inadequate" in fit.summary().splitlines()[1]
+    assert "  identified" not in fit.summary()  # in the table of verdicts
+    assert ">identified<" not in fit._repr_html_()
+
+
+def test_the_html_asks_nothing_of_the_outside_and_escapes(fit, trial):
+    html = fit._repr_html_()
+    assert html.count("<tr>") == 1 + sum(p.free for p in fit.parameters.values())
+    assert "http" not in html
+    assert "<script" not in html
+    named = surae.fit(
+        surae.Recording(name="<b>", channels=trial.channels, emg="envelope"),
+        "muscle", prepared=True, starts=1,
+    )  # fmt: skip
+    assert "<b>:" not in named._repr_html_()
+
+
+def test_the_parameters_as_a_table(fit):
+    frame = fit.to_dataframe()
+    p = fit.parameters["k_tri"]
+    row = frame.loc["k_tri"]
+    assert (row.value, row.low, row.high) == (p.value, *p.ci95)
+    assert (row.unit, row.verdict, row.free) == ("1/m", str(p.verdict), True)
+    assert list(frame.index) == list(fit.parameters)
+
+
+def test_every_plot_gives_axes_and_takes_them(fit):
+    from matplotlib import pyplot
+    from matplotlib.axes import Axes
+
+    panels = fit.plot()
+    assert len(panels) == 4
+    assert len({panel.figure for panel in panels}) == 1
+    for name in ("torque", "parts", "parameters", "residuals", "correlation"):
+        made = getattr(fit.plot, name)()
+        assert isinstance(made, Axes), name
+        _, own = pyplot.subplots()
+        assert getattr(fit.plot, name)(ax=own) is own
+    measured = fit.plot.torque().lines[0]
+    assert measured.get_label() == "measured"
+    torque = fit.result.problem.inputs[0].torque
+    assert measured.get_ydata().max() == pytest.approx(torque.max())
+    residual = fit.plot.residuals().lines[0].get_ydata()
+    assert residual.min() == pytest.approx(fit.result.residuals[0].min())
+    with pytest.raises(InputError, match="the fit has no recording 3; they are numbered only 0"):
+        fit.plot.torque(3)
+    assert ".torque()" in repr(fit.plot)
+
+
+def test_a_recording_to_a_table_and_back(trial):
+    frame = trial.to_dataframe()
+    assert list(frame.columns[:3]) == ["time_s", "angle_rad", "torque_Nm"]
+    assert frame.attrs["units"]["emg_ta_V"] == "V"
+    fitted = surae.fit(frame, "muscle", prepared=True, starts=1)
+    assert fitted.values == surae.fit(trial, "muscle", prepared=True, starts=1).values
+    assert surae.check(frame).findings == surae.check(trial).findings
+
+
+def test_units_of_columns_from_their_names_or_beside(trial):
+    frame = trial.to_dataframe()
+    degrees = frame.assign(angle=np.rad2deg(frame.angle_rad), ms=1e3 * frame.time_s)
+    degrees = degrees.drop(columns=["angle_rad", "time_s"]).rename(columns={"ms": "time_ms"})
+    degrees.attrs = {"units": {"angle": "deg"}, "emg": "envelope"}
+    by_index = degrees.set_index("time_ms")
+    expected = surae.fit(trial, "muscle", prepared=True, starts=1).values["k_tri"]
+    for table in (degrees, by_index):
+        values = surae.fit(table, "muscle", prepared=True, starts=1).values
+        assert values["k_tri"] == pytest.approx(expected, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda f: f.drop(columns="time_s"), "no column is the time"),
+        (lambda f: f.drop(columns="angle_rad"), "angle"),
+        (lambda f: f.assign(torque_Nm="x"), "column 'torque_Nm' holds no numbers"),
+        (lambda f: f.assign(torque_Nm=f.torque_Nm.where(f.index != 7)), "row 7"),
+        (lambda f: f.assign(time_ms=f.time_s), "more than one column is the time"),
+        (lambda f: f.assign(torque_mNm=f.torque_Nm), "is the torque too"),
+    ],
+)
+def test_a_table_that_is_no_recording(trial, change, says):
+    with pytest.raises(InputError, match=says):
+        surae.fit(change(trial.to_dataframe()), "muscle")
+
+
+def test_channels_of_several_rates_are_a_dataset():
+    time = np.arange(100) / 100
+    slow = surae.recording.Channel("angle", time[::2], np.sin(time[::2]), "rad", "x")
+    fast = surae.recording.Channel("torque", time, np.cos(time), "Nm", "y")
+    recording = surae.Recording("two", {"angle": slow, "torque": fast}, side="left")
+    data = recording.to_xarray()
+    assert dict(data.sizes) == {"time": 50, "time_2": 100}
+    assert data.torque.attrs == {"units": "Nm", "source": "y"}
+    assert data.attrs["side"] == "left"
+    np.testing.assert_array_equal(data.torque.values, fast.values)
+    with pytest.raises(InputError, match=r"have times of their own.*to_xarray"):
+        recording.to_dataframe()
+
+
+def test_a_recording_is_one_screen(trial):
+    lines = repr(trial).splitlines()
+    assert len(lines) == 7
+    assert "EMG envelopes" in lines[0]
+    assert "torque" in lines[2]
+    assert "Nm" in lines[2]
+
+
+def test_fits_are_copied_pickled_and_equal(fit):
+    assert pickle.loads(pickle.dumps(fit)) == fit
+    assert copy.deepcopy(fit) == fit
+    assert hash(copy.deepcopy(fit)) == hash(fit)
+
+
+def test_the_example_as_object_and_file(tmp_path):
+    recording = surae.example(tmp_path / "trial.csv")
+    again = surae.read(tmp_path / "trial.csv")
+    assert again.emg == recording.emg == "raw"
+    for role, channel in recording.channels.items():
+        np.testing.assert_array_equal(again.channels[role].values, channel.values)
+        assert again.channels[role].unit == channel.unit
+    assert surae.example() == recording
+    assert surae.example(trial=2) != recording
+
+
+def test_nothing_of_it_is_loaded_before_it_is_used(leg):
+    code = (
+        f"import sys, surae; surae.read({str(leg / 'walk 1.csv')!r}); "
+        "print(sorted({'pandas', 'xarray', 'matplotlib'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

@@ -1,0 +1,261 @@
+"""A session from folder to report: kept, resumed, stopped; and what it must not claim."""
+
+import csv
+import json
+import re
+import shutil
+
+import numpy as np
+import pytest
+
+import surae
+from surae.api import session_run
+from surae.errors import InputError
+
+QUICK = {"model": "muscle", "prepared": True, "starts": 1}
+
+
+@pytest.fixture(scope="module")
+def done(leg, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("out")
+    return folder, surae.session(leg).run(folder, **QUICK)
+
+
+def test_each_and_all_are_fitted_and_predicted(done):
+    _, result = done
+    assert set(result.fits) == {"passive", "walk 1", "walk 2"}
+    assert result.joined == ("passive", "walk 1", "walk 2")
+    assert result.joint is not None
+    assert result.joint.adequacy.r2 > 95
+    assert "row 3" in result.failed["broken"]  # one bad file is told, the others go on
+    other = result.predictions["walk 1"]["walk 2"]
+    assert not other.fitted
+    assert other.r2 > 95
+    assert result.predictions["walk 1"]["walk 1"].fitted
+    hold = result.joint_predictions["hold"]
+    assert hold.r2 is None  # its torque does not change: R² would be of noise
+    assert abs(hold.bias) < 1.0
+    assert all(result.joint_predictions[name].fitted for name in result.joined)
+
+
+def test_the_folder_holds_everything(done):
+    folder, result = done
+    names = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+    assert names >= {
+        "session.json", "joint.json", "table.csv", "report.html",
+        "fits/walk_1.json", "fits/walk_2.json", "fits/passive.json",
+    }  # fmt: skip
+    assert "fits/hold.json" not in names
+    index = json.loads((folder / "session.json").read_text())
+    hold = next(trial for trial in index["trials"] if trial["name"] == "hold")
+    assert hold["use"] == "hold"
+    assert hold["fit"] is None
+    assert hold["hold"]["angle_rad"] == pytest.approx(0.1, abs=0.01)
+    with (folder / "table.csv").open() as handle:
+        rows = list(csv.DictReader(handle))
+    assert [row["trial"] for row in rows] == ["passive", "walk 1", "walk 2", "joint"]
+    assert float(rows[1]["k_tri"]) == result.fits["walk 1"].values["k_tri"]
+
+
+def test_the_folder_is_read_back(done):
+    folder, result = done
+    again = surae.load_session(folder)
+    assert again.fits == result.fits
+    assert again.joint == result.joint
+    assert again.predictions == result.predictions
+    assert again.failed == result.failed
+    assert again.rows() == result.rows()
+    assert [t.effort for t in again.session.trials] == [t.effort for t in result.session.trials]
+    frame = again.to_dataframe()
+    assert frame.loc[1, "k_tri"] == result.fits["walk 1"].values["k_tri"]
+    assert frame.attrs["units"]["k_tri"] == "1/m"
+
+
+def test_a_run_resumes_and_notices_what_changed(done, leg, tmp_path, monkeypatch):
+    folder, result = done
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    made = []
+    whole = session_run.fit_inputs
+
+    def counted(inputs, *rest):
+        made.append([each.name for each in inputs])
+        return whole(inputs, *rest)
+
+    monkeypatch.setattr(session_run, "fit_inputs", counted)
+    again = surae.session(leg).run(out, **QUICK)
+    assert made == []
+    assert again.fits == result.fits
+    (out / "fits" / "walk_1.json").unlink()  # a run that was killed before
+    surae.session(leg).run(out, **QUICK)
+    assert made == [["walk 1"]]
+    made.clear()
+    surae.session(leg).run(out, **QUICK, fixed={"beta": 1.0})  # another question
+    assert len(made) == 4
+    made.clear()
+    changed = tmp_path / "leg"
+    shutil.copytree(leg, changed)
+    text = (changed / "walk 2.csv").read_text().splitlines()
+    (changed / "walk 2.csv").write_text("\n".join(text[:-5]) + "\n")
+    surae.session(changed).run(out, **QUICK, fixed={"beta": 1.0})
+    assert made == [["walk 2"], ["passive", "walk 1", "walk 2"]]
+
+
+def test_ctrl_c_keeps_what_is_done(leg, tmp_path, monkeypatch):
+    whole, calls = session_run.fit_inputs, []
+
+    def stopped(inputs, *rest):
+        calls.append(inputs[0].name)
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+        return whole(inputs, *rest)
+
+    monkeypatch.setattr(session_run, "fit_inputs", stopped)
+    result = surae.session(leg).run(tmp_path / "out", **QUICK)
+    assert result.interrupted
+    assert list(result.fits) == calls[:1]
+    assert result.joint is None
+    assert surae.load_session(tmp_path / "out").interrupted
+    assert "The user stopped this run" in (tmp_path / "out" / "report.html").read_text()
+    monkeypatch.setattr(session_run, "fit_inputs", whole)
+    assert not surae.session(leg).run(tmp_path / "out", **QUICK).interrupted
+
+
+def test_holds_alone_identify_nothing(leg, tmp_path, run):
+    done = run("session", leg / "hold.csv", "--output", tmp_path / "out", "--model", "muscle",
+               "--prepared")  # fmt: skip
+    assert done.code == 1
+    assert "no trial could be fitted" in done.err
+    index = json.loads((tmp_path / "out" / "session.json").read_text())
+    assert index["joint"] is None
+    assert not list((tmp_path / "out" / "fits").iterdir())
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "identified" not in page.split("</style>")[1]
+
+
+def test_a_turned_trial_is_not_in_the_joint_fit(leg, tmp_path):
+    for name in ("walk 1", "walk 2", "passive"):
+        shutil.copy(leg / f"{name}.csv", tmp_path)
+    lines = (tmp_path / "walk 2.csv").read_text().splitlines()
+    head = next(i for i, line in enumerate(lines) if line.startswith("time_s"))
+    turned = [line.split(",") for line in lines[head + 1 :]]
+    turned = [",".join([t, repr(-float(a)), *rest]) for t, a, *rest in turned]
+    (tmp_path / "walk 2.csv").write_text("\n".join([*lines[: head + 1], *turned]) + "\n")
+    result = surae.session(tmp_path).run(**QUICK)
+    assert "walk 2" in result.fits
+    assert result.joined == ("passive", "walk 1")
+    assert result.failed["walk 2"].startswith("not in the joint fit: angle-sign")
+
+
+def test_one_reference_of_emg_for_all_trials(leg):
+    session = surae.session(leg)
+    result = session.run(**QUICK, normalise="session")
+    references = {fit.result.problem.inputs[0].emg_reference for fit in result.fits.values()}
+    assert len(references) == 1
+    assert references.pop().count == 4  # the hold's EMG too
+    with pytest.raises(InputError, match="no trial is of maximal effort"):
+        session.fit("walk 1", **QUICK, normalise="mvc")
+
+
+def test_progress_is_told_with_an_estimate(leg):
+    steps = []
+    surae.session(leg).run(told=steps.append, **QUICK)
+    outcomes = [step for step in steps if step.outcome]
+    assert [step.done for step in outcomes] == list(range(1, 7))
+    assert outcomes[-1].left_s == pytest.approx(0.0)
+    assert any(step.left_s and step.left_s > 0 for step in outcomes)
+
+
+def test_the_command(leg, tmp_path, run):
+    done = run("session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
+               "--starts", 1)  # fmt: skip
+    assert done.code == 0
+    assert "could not be read: broken" in done.err
+    assert "[6/6] 3 trials together" in done.err or "[6/6] all together" in done.err
+    assert "joint" in done.out
+    again = run("session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
+                "--starts", 1)  # fmt: skip
+    assert again.err.count("(kept)") == 4
+    assert run("session", leg, "--output", tmp_path / "o", "--mvc", "x.csv").code == 2
+
+
+def test_names_in_the_report_are_escaped(leg, tmp_path):
+    trial = tmp_path / "<b>x.csv"
+    shutil.copy(leg / "walk 1.csv", trial)
+    result = surae.session(trial).run(**QUICK)
+    result.report(tmp_path / "report.html")
+    assert "<b>x" not in (tmp_path / "report.html").read_text()
+
+
+def test_a_damaged_folder_is_told(tmp_path):
+    with pytest.raises(InputError, match=r"this is no session: it has no session\.json"):
+        surae.load_session(tmp_path)
+    (tmp_path / "session.json").write_text('{"format": "surae session", "version": 99}')
+    with pytest.raises(InputError, match="damaged, or of a newer surae"):
+        surae.load_session(tmp_path)
+
+
+def test_measured_trials_by_the_plain_model(shared, tmp_path, run):
+    """Ten files that were never prepared, one mapping whose zero comes from a quiet trial."""
+    for part in ("dynamometer", "repeats"):
+        for file in (shared / part).glob("*.mat"):
+            shutil.copy(file, tmp_path)
+    (tmp_path / "map.toml").write_text(
+        "[channels.angle]\ncolumn='Angle'\nunit='deg'\nsign=-1\n"
+        "[channels.torque]\ncolumn='Torque'\nunit='Nm'\nsign=-1\nzero='Pas_-15.mat'\n"
+        "[channels.emg_ta]\ncolumn='EMG_TA'\nunit='V'\n[trials]\n'Pas_10'.use = false\n"
+    )
+    quick = ("--model", "muscle", "--starts", 1, "--fixed", "g2=0", "--fixed", "g3=0")
+    done = run("session", tmp_path, "--mapping", "map.toml", *quick, "--fixed", "g4=0",
+               "--output", "out")  # fmt: skip
+    assert done.code == 0, done.err
+    assert "Pas_10: left out by the description" in done.out
+    result = surae.load_session(tmp_path / "out")
+    assert len(result.fits) == 5
+    predicted = result.predictions["PL_50_01"]["PL_50_02"]
+    assert predicted.r2 > 95
+    assert np.isfinite(result.joint_predictions["Pas_20"].bias)
+
+
+def test_trials_that_contradict_each_other_are_told(done, leg, other_leg, tmp_path):
+    """A trial of another leg beside the joint fit: nothing disputed stands as identified."""
+    for name in ("walk 1", "walk 2"):
+        shutil.copy(leg / f"{name}.csv", tmp_path)
+    shutil.copy(other_leg, tmp_path)
+    session = surae.session(tmp_path)
+    alone = {name: session.fit(name, **QUICK) for name in session.fitted}
+    joined = ("walk 1", "walk 2")
+    joint = session.fit_together(names=joined, **QUICK)
+    surae.SessionResult(session, joint.settings, alone, joint, joined).report(tmp_path / "x.html")
+    page = (tmp_path / "x.html").read_text()
+    assert "contradict each other" in page
+    disputed = re.findall(r"([a-z0-9_]+) of [^<]* contradict each other", page)
+    rows = dict(re.findall(r'<code title="[^"]*">(\w+)</code>(.*)', page))
+    assert disputed
+    assert all('"number identified"' not in rows[name] for name in disputed)
+    alike = (done[0] / "report.html").read_text()  # of trials of one leg
+    assert alike.count("contradict each other") <= 1
+
+
+def test_what_is_wrong_in_every_trial_is_the_mappings(shared, tmp_path):
+    """The measured trials as `inspect` proposes them, both signs unset."""
+    for name in ("PL_0_01", "PL_100_01", "Pas_5"):
+        shutil.copy(shared / "repeats" / f"{name}.mat", tmp_path)
+    text = (
+        "fixed={g2=0.0,g3=0.0,g4=0.0}\n[channels.angle]\ncolumn='Angle'\nunit='deg'\nsign=%d\n"
+        "[channels.torque]\ncolumn='Torque'\nunit='Nm'\nsign=%d\n"
+        "[channels.emg_ta]\ncolumn='EMG_TA'\nunit='V'\n"
+    )
+    results = []
+    for sign in (1, -1):
+        (tmp_path / "map.toml").write_text(text % (sign, sign))
+        session = surae.session(tmp_path, mapping=tmp_path / "map.toml")
+        results.append(session.run(model="muscle", starts=1))
+    turned, right = results
+    assert turned.joined == ()
+    assert turned.common[0].startswith("angle-sign in 2 of 2 trials alike, so it is the mapping's")
+    assert "Write sign = -1 for the angle and the torque" in turned.common[0]
+    turned.report(tmp_path / "report.html")
+    assert "so it is the mapping&#39;s" in (tmp_path / "report.html").read_text()
+    assert right.common == ()
+    assert right.joined == ("PL_0_01", "PL_100_01")
