@@ -8,19 +8,19 @@ from surae.protocol import coverage
 
 
 def test_a_muscle_at_rest_visits_one_cell():
-    found = coverage(np.full(100, 0.72), np.full(100, 0.15))
-    assert found.share == pytest.approx(1 / (18 * 100))
-    assert found.time_share.shape == (100, 18)
-    assert found.time_share[51, 8] == 1.0
-    assert found.outside == 0.0
+    covered = coverage(np.full(100, 0.72), np.full(100, 0.15))
+    assert covered.share == pytest.approx(1 / (18 * 100))
+    assert covered.time_share.shape == (100, 18)
+    assert covered.time_share[51, 8] == 1.0
+    assert covered.outside == 0.0
 
 
 def test_every_cell_visited():
     length, velocity = np.meshgrid(np.linspace(0.31, 1.19, 60), np.linspace(-4.99, 4.99, 400))
     length[1::2] = length[1::2, ::-1]
-    found = coverage(length.ravel(), velocity.ravel())
-    assert found.share == 1.0
-    assert found.time_share.sum() == pytest.approx(1.0)
+    covered = coverage(length.ravel(), velocity.ravel())
+    assert covered.share == 1.0
+    assert covered.time_share.sum() == pytest.approx(1.0)
 
 
 def test_hardly_depends_on_the_sampling_rate():
@@ -34,8 +34,8 @@ def test_hardly_depends_on_the_sampling_rate():
 
 
 def test_time_outside_the_grid_is_told():
-    found = coverage(np.linspace(0.75, 1.65, 1001), np.zeros(1001))
-    assert found.outside == pytest.approx(0.5, abs=0.01)
+    covered = coverage(np.linspace(0.75, 1.65, 1001), np.zeros(1001))
+    assert covered.outside == pytest.approx(0.5, abs=0.01)
 
 
 def test_richer_motion_covers_more():

@@ -55,9 +55,9 @@ def test_velocity_and_acceleration_are_the_derivatives_of_the_angle(name, amplit
 @EVERY
 def test_same_settings_give_the_same_trajectory(name):
     protocol = Protocol(profile=name, chirp_amplitude=0.2)
-    one, other = generate(protocol), generate(dataclasses.replace(protocol))
+    first, other = generate(protocol), generate(dataclasses.replace(protocol))
     for field in ("time", "angle", "velocity", "acceleration", "effort"):
-        np.testing.assert_array_equal(getattr(one, field), getattr(other, field))
+        np.testing.assert_array_equal(getattr(first, field), getattr(other, field))
 
 
 def test_a_coarser_rate_samples_the_same_motion():

@@ -7,7 +7,7 @@ import pytest
 from scipy.io import loadmat
 
 from surae.errors import InputError
-from surae.protocol import Protocol, generate, write_csv, write_mat
+from surae.protocol import Protocol, generate, write_protocol_csv, write_protocol_mat
 
 TRAJECTORY = generate(Protocol(profile="multiple-holds", chirp_amplitude=0.2, rate_hz=125.0))
 HEADER = ["time_s", "angle_rad", "emg_ta", "emg_gl", "emg_sol", "emg_gm"]
@@ -15,7 +15,7 @@ HEADER = ["time_s", "angle_rad", "emg_ta", "emg_gl", "emg_sol", "emg_gm"]
 
 def test_csv_round_trip(tmp_path):
     path = tmp_path / "P.csv"
-    write_csv(TRAJECTORY, path)
+    write_protocol_csv(TRAJECTORY, path)
     with path.open() as file:
         rows = list(csv.reader(file))
     assert rows[0] == HEADER
@@ -27,7 +27,7 @@ def test_csv_round_trip(tmp_path):
 
 def test_mat_round_trip(tmp_path):
     path = tmp_path / "P.mat"
-    write_mat(TRAJECTORY, path)
+    write_protocol_mat(TRAJECTORY, path)
     assert path.read_bytes().startswith(b"MATLAB 5.0 MAT-file")
     read = loadmat(path)
     np.testing.assert_array_equal(read["angle_rad"], TRAJECTORY.angle[:, None])
@@ -40,7 +40,7 @@ def test_mat_round_trip(tmp_path):
     assert read["rate_hz"].item() == 125.0
 
 
-@pytest.mark.parametrize("write", [write_csv, write_mat])
+@pytest.mark.parametrize("write", [write_protocol_csv, write_protocol_mat])
 def test_where_it_cannot_be_written_is_said(tmp_path, write):
     with pytest.raises(InputError, match="cannot write"):
         write(TRAJECTORY, tmp_path / "missing" / "P.out")

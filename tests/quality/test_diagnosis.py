@@ -129,6 +129,20 @@ def test_the_dynamometers_both_signs(shared) -> None:
     assert {"angle-sign", "torque-sign"} <= set(told(turned))
 
 
+@pytest.mark.parametrize("name", ["dynamometer/PL_50_01", "repeats/PL_50_02", "repeats/PL_0_01"])
+def test_a_zero_that_was_taken_away_is_not_told_again_the_other_way(shared, tmp_path, name) -> None:
+    """What is left of the torque at rest is the foot's, or the muscles': a fit finds no zero."""
+    written = (shared / "dynamometer" / "PL_50_01.toml").read_text()
+    mapping = tmp_path / "map.toml"
+    mapping.write_text(written.replace('file = "PL_50_01.mat"', ""))
+    recording = surae.read(shared / f"{name}.mat", mapping=mapping)
+    zero = told(recording)["torque-offset"].value
+    assert zero > 8.0
+    assert "torque-offset" not in told(scaled(recording, ("torque",), 1.0, -zero))
+    again = told(scaled(recording, ("torque",), 1.0, -zero - 15.0))["torque-offset"]
+    assert again.value < -8.0
+
+
 def test_a_fit_of_milliseconds_says_so(tmp_path) -> None:
     with pytest.raises(surae.InputError, match="in ms, these are 35 s at 128 Hz"):
         surae.fit(timed(trial(4), 1e3), "muscle", starts=1)

@@ -7,15 +7,15 @@ import pytest
 
 import surae
 from surae.errors import InputError
-from surae.protocol import Protocol, generate, write_csv
+from surae.protocol import Protocol, generate, write_protocol_csv
 from surae.quality import recording_of
-from surae.recording import columns
+from surae.recording import csv_columns
 from surae.recording import write_csv as write_recording
 
 
 @pytest.fixture
 def table(noisy) -> dict[str, np.ndarray]:
-    return {name: np.array(values) for name, values in columns(recording_of(noisy)).items()}
+    return {name: np.array(values) for name, values in csv_columns(recording_of(noisy)).items()}
 
 
 def write(path, table) -> None:
@@ -58,7 +58,7 @@ def test_what_cannot_be_read_at_all_is_refused(tmp_path, text) -> None:
 
 def test_a_commanded_profile_from_a_file_or_a_column(tmp_path, table) -> None:
     asked = Protocol(profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5, rate_hz=125.0)
-    write_csv(generate(asked), tmp_path / "p.csv")
+    write_protocol_csv(generate(asked), tmp_path / "p.csv")
     commanded = table["angle_rad"].copy()
     away = (table["time_s"] > 15.0) & (table["time_s"] < 15.5)
     table["angle_rad"][away] += 0.1 * np.sin(np.pi * (table["time_s"][away] - 15.0) / 0.5)
@@ -67,10 +67,10 @@ def test_a_commanded_profile_from_a_file_or_a_column(tmp_path, table) -> None:
     write(tmp_path / "both.csv", {**table, "commanded_angle_rad": commanded})
     by_column = surae.check(tmp_path / "both.csv")
     for quality in (by_file, by_column):
-        (found,) = [one for one in quality.findings if one.code == "overshoot"]
-        assert "the commanded profile" in found.message
-        assert found.value == pytest.approx(0.1, abs=0.02)
-        assert (found.start_s, found.end_s) == pytest.approx((15.0, 15.5), abs=0.15)
+        (overshoot,) = [finding for finding in quality.findings if finding.code == "overshoot"]
+        assert "the commanded profile" in overshoot.message
+        assert overshoot.value == pytest.approx(0.1, abs=0.02)
+        assert (overshoot.start_s, overshoot.end_s) == pytest.approx((15.0, 15.5), abs=0.15)
     with pytest.raises(InputError, match="no column angle_rad"):
         surae.check(tmp_path / "trial.csv", commanded=_without_angle(tmp_path))
 
@@ -82,7 +82,7 @@ def _without_angle(folder):
 
 def test_findings_go_into_the_fit_and_come_back(tmp_path, noisy) -> None:
     wrong = recording_of(noisy)
-    table = columns(wrong) | {"torque_Nm": wrong.channels["torque"].values + 15.0}
+    table = csv_columns(wrong) | {"torque_Nm": wrong.channels["torque"].values + 15.0}
     write_recording(tmp_path / "offset.csv", table, ["emg: envelope"])
     fit = surae.fit(tmp_path / "offset.csv", "muscle", prepared=True, starts=1)
     assert codes(fit.quality[0]) == ["torque-offset"]

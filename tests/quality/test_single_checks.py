@@ -39,8 +39,8 @@ def at_times(recording: Recording, time, keep=slice(None)) -> Recording:
 
 
 def only(quality: Quality, code: str):
-    (found,) = [finding for finding in quality.findings if finding.code == code]
-    return found
+    (match,) = [finding for finding in quality.findings if finding.code == code]
+    return match
 
 
 def codes(quality: Quality) -> list[str]:
@@ -82,11 +82,11 @@ def test_the_worst_comes_first(recording) -> None:
 def test_a_gap_has_its_span(recording) -> None:
     time = recording.channels["angle"].time
     keep = (time < 10.0) | (time > 12.0)
-    found = only(check_recording(at_times(recording, time, keep)), "time-gap")
-    assert found.severity == "error"
-    assert found.start_s == pytest.approx(10.0, abs=0.01)
-    assert found.end_s == pytest.approx(12.0, abs=0.01)
-    assert found.value == pytest.approx(2.0, abs=0.02)
+    finding = only(check_recording(at_times(recording, time, keep)), "time-gap")
+    assert finding.severity == "error"
+    assert finding.start_s == pytest.approx(10.0, abs=0.01)
+    assert finding.end_s == pytest.approx(12.0, abs=0.01)
+    assert finding.value == pytest.approx(2.0, abs=0.02)
 
 
 def test_rounded_time_stamps_are_no_jitter(recording) -> None:
@@ -98,26 +98,48 @@ def test_jitter_is_measured(recording) -> None:
     rng = np.random.default_rng(1)
     time = recording.channels["angle"].time
     moved = time + 0.1 / 125.0 * np.clip(rng.standard_normal(time.size), -3, 3)
-    found = only(check_recording(at_times(recording, moved)), "time-jitter")
-    assert found.value == pytest.approx(0.1 / 125.0, rel=0.05)
+    finding = only(check_recording(at_times(recording, moved)), "time-jitter")
+    assert finding.value == pytest.approx(0.1 / 125.0, rel=0.05)
 
 
 def test_a_dropout_of_raw_emg_has_its_span(planted) -> None:
     signals = planted.signals(70000, motions=(("sine", 0.0, False),))
     inside = (signals.time > 20.0) & (signals.time < 21.5)
     signals.emg[inside, 2] = 0.0
-    found = only(check_recording(signals.recording), "emg-flat")
-    assert found.channel == "emg_sol"
-    assert found.severity == "warning"
-    assert (found.start_s, found.end_s) == pytest.approx((20.0, 21.5), abs=0.01)
+    finding = only(check_recording(signals.recording), "emg-flat")
+    assert finding.channel == "emg_sol"
+    assert finding.severity == "warning"
+    assert (finding.start_s, finding.end_s) == pytest.approx((20.0, 21.5), abs=0.01)
 
 
 def test_hum_is_measured(planted) -> None:
     signals = planted.signals(70000, motions=(("sine", 0.0, False),))
     signals.emg[:, 1] += 1e-4 * np.sin(2 * np.pi * 60.0 * signals.time)
-    found = only(check_recording(signals.recording), "mains-hum")
-    assert found.value == pytest.approx(1e-4, rel=0.1)
-    assert "60.0 Hz" in found.message
+    finding = only(check_recording(signals.recording), "mains-hum")
+    assert finding.value == pytest.approx(1e-4, rel=0.1)
+    assert "60.0 Hz" in finding.message
+
+
+@pytest.mark.parametrize(("amplitude", "mains"), [(2e-3, 50.0), (3e-4, 60.0)])
+def test_an_electrode_that_comes_off_is_named_with_its_time(planted, amplitude, mains) -> None:
+    signals = planted.signals(70000, motions=(("sine", 0.0, False),))
+    off = signals.time >= 12.0
+    noise = 1e-5 * np.random.default_rng(1).standard_normal(signals.time.size)
+    hum = amplitude * np.sin(2 * np.pi * mains * signals.time) + noise
+    signals.emg[off, 2] = hum[off]
+    match = only(check_recording(signals.recording), "electrode-off")
+    assert (match.channel, match.severity) == ("emg_sol", "error")
+    assert match.start_s == pytest.approx(12.0, abs=0.5)
+    assert "soleus" in match.message
+
+
+@pytest.mark.parametrize("part", [slice(None), slice(0, 20000)])
+def test_hum_throughout_or_only_at_first_is_no_electrode_that_comes_off(planted, part) -> None:
+    signals = planted.signals(70000, motions=(("sine", 0.0, False),))
+    signals.emg[part, 2] += 2e-3 * np.sin(2 * np.pi * 50.0 * signals.time[part])
+    codes_found = codes(check_recording(signals.recording))
+    assert "electrode-off" not in codes_found
+    assert "mains-hum" in codes_found
 
 
 @pytest.mark.parametrize("lag", [0.2, -0.2])
@@ -126,9 +148,9 @@ def test_a_lag_has_its_size_and_direction(recording, lag) -> None:
     for muscle in ("ta", "gl", "sol", "gm"):
         values = np.roll(recording.channels[f"emg_{muscle}"].values, round(lag * 125.0))
         moved = changed(moved, f"emg_{muscle}", values)
-    found = only(check_recording(moved), "emg-torque-lag")
-    assert found.value == pytest.approx(lag, abs=0.05)
-    assert ("late" if lag > 0 else "early") in found.message
+    finding = only(check_recording(moved), "emg-torque-lag")
+    assert finding.value == pytest.approx(lag, abs=0.05)
+    assert ("late" if lag > 0 else "early") in finding.message
 
 
 def test_an_offset_of_the_torque_has_its_size(recording) -> None:
@@ -141,38 +163,38 @@ def test_an_offset_of_the_torque_has_its_size(recording) -> None:
 def test_an_impossible_torque_is_an_artefact(recording) -> None:
     torque = recording.channels["torque"].values.copy()
     torque[2000:2010] = -400.0
-    found = only(check_recording(changed(recording, "torque", torque)), "torque-artefact")
-    assert found.value == 400.0
-    assert found.start_s == pytest.approx(16.0, abs=0.01)
+    finding = only(check_recording(changed(recording, "torque", torque)), "torque-artefact")
+    assert finding.value == 400.0
+    assert finding.start_s == pytest.approx(16.0, abs=0.01)
 
 
 def test_a_torque_that_is_not_explained_is_an_artefact(recording) -> None:
     torque = recording.channels["torque"].values.copy()
     torque[2000:2020] -= 60.0
-    found = only(check_recording(changed(recording, "torque", torque)), "torque-artefact")
-    assert found.start_s == pytest.approx(16.0, abs=0.2)
+    finding = only(check_recording(changed(recording, "torque", torque)), "torque-artefact")
+    assert finding.start_s == pytest.approx(16.0, abs=0.2)
 
 
 def test_a_torque_at_the_limit_of_a_stated_device(recording) -> None:
     torque = np.minimum(recording.channels["torque"].values, 30.0)
     stated = replace(changed(recording, "torque", torque), device={"max_torque": 30.0})
-    found = only(check_recording(stated), "torque-limit")
-    assert found.value == 30.0
-    assert "the limit of 30 Nm" in found.message
+    finding = only(check_recording(stated), "torque-limit")
+    assert finding.value == 30.0
+    assert "the limit of 30 Nm" in finding.message
 
 
 def test_radians_taken_for_degrees(recording) -> None:
     small = np.deg2rad(recording.channels["angle"].values)
-    found = only(check_recording(changed(recording, "angle", small)), "angle-units")
-    assert "angle_rad" in found.advice
+    finding = only(check_recording(changed(recording, "angle", small)), "angle-units")
+    assert "angle_rad" in finding.advice
 
 
 def test_an_isometric_trial_has_no_wrong_unit(recording) -> None:
     rng = np.random.default_rng(2)
     still = 0.1 + 0.003 * rng.standard_normal(recording.channels["angle"].time.size)
-    found = codes(check_recording(changed(recording, "angle", still)))
-    assert "angle-units" not in found
-    assert "rom-not-covered" in found
+    told = codes(check_recording(changed(recording, "angle", still)))
+    assert "angle-units" not in told
+    assert "rom-not-covered" in told
 
 
 def test_a_muscle_without_emg_is_information_where_its_weight_is_fixed(recording) -> None:
@@ -188,21 +210,23 @@ def test_without_any_emg_much_is_left_out_with_a_reason(recording) -> None:
     channels = {r: c for r, c in recording.channels.items() if not r.startswith("emg")}
     quality = check_recording(replace(recording, channels=channels))
     assert {"emg-torque-lag", "active-not-active", "co-contraction", "reflex-suspected"} <= {
-        one.check for one in quality.skipped
+        skip.check for skip in quality.skipped
     }
     assert codes(quality).count("emg-missing") == 4
 
 
 def test_without_torque_what_needs_it_is_left_out(recording) -> None:
     channels = {r: c for r, c in recording.channels.items() if r != "torque"}
-    skipped = {one.check for one in check_recording(replace(recording, channels=channels)).skipped}
+    skipped = {
+        skip.check for skip in check_recording(replace(recording, channels=channels)).skipped
+    }
     assert {"torque-limit", "torque-sign", "torque-offset", "emg-torque-lag"} <= skipped
 
 
 def test_slow_envelopes_are_not_searched_for_hum(recording) -> None:
     time = recording.channels["angle"].time
     quality = check_recording(at_times(recording, time, slice(None, None, 2)))
-    (reason,) = [one.reason for one in quality.skipped if one.check == "mains-hum"]
+    (reason,) = [skip.reason for skip in quality.skipped if skip.check == "mains-hum"]
     assert "62.5 Hz" in reason
 
 
@@ -221,9 +245,15 @@ def test_a_passive_task_that_was_commanded_needs_no_effort(recording) -> None:
 def test_a_commanded_range_that_is_not_reached(recording) -> None:
     time, angle = recording.channels["angle"].time, recording.channels["angle"].values
     asked = Commanded("the protocol", time, read_only(1.3 * angle))
-    found = only(check_recording(recording, asked), "rom-not-covered")
-    assert found.severity == "warning"
-    assert "77 %" in found.message
+    finding = only(check_recording(recording, asked), "rom-not-covered")
+    assert finding.severity == "warning"
+    assert "77 %" in finding.message
+
+
+def test_a_commanded_hold_is_no_range_that_is_missed(recording) -> None:
+    angle = recording.channels["angle"]
+    still = Commanded("a hold", angle.time, np.zeros_like(angle.values))
+    assert "rom-not-covered" not in codes(check_recording(recording, still))
 
 
 def test_an_overshoot_is_seen_without_a_known_profile() -> None:
@@ -233,8 +263,8 @@ def test_an_overshoot_is_seen_without_a_known_profile() -> None:
         since = np.maximum(time - start, 0.0)
         angle += size * (1 - np.exp(-3 * since) * np.cos(18 * since)) * (time > start)
     ringing = Recording.from_arrays(time, angle)
-    found = only(check_recording(ringing), "overshoot")
-    assert found.value > 0.1
+    finding = only(check_recording(ringing), "overshoot")
+    assert finding.value > 0.1
     smooth = np.full(time.size, -0.3)
     for start, size in ((2.0, 0.5), (7.0, -0.4), (13.0, 0.6), (19.0, -0.55)):
         since = np.clip((time - start) / 0.8, 0.0, 1.0)
@@ -270,7 +300,7 @@ def test_channels_that_share_no_time_are_not_compared() -> None:
     angle = Channel("angle", read_only(time), read_only(np.sin(time)), "rad", "")
     torque = Channel("torque", read_only(time + 50.0), read_only(np.sin(time)), "Nm", "")
     quality = check_recording(Recording("apart", {"angle": angle, "torque": torque}))
-    assert all("share" in one.reason for one in quality.skipped)
+    assert all("share" in skip.reason for skip in quality.skipped)
 
 
 def test_the_reference_solutions_are_clean(references) -> None:

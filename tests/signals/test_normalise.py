@@ -26,10 +26,10 @@ def averaged(signal, rate):
 def test_one_number_for_all_recordings(session):
     strong, weak = normalise(session)
     expected = [averaged(session[0].emg[:, c], session[0].rate_hz) for c in range(4)]
-    for one, before in zip((strong, weak), session, strict=True):
-        np.testing.assert_allclose(one.emg, before.emg / expected, rtol=1e-12)
-        assert one.emg_unit == "1"
-        assert not one.emg.flags.writeable
+    for after, before in zip((strong, weak), session, strict=True):
+        np.testing.assert_allclose(after.emg, before.emg / expected, rtol=1e-12)
+        assert after.emg_unit == "1"
+        assert not after.emg.flags.writeable
     assert strong.emg_reference == weak.emg_reference
     assert strong.emg_reference.values == pytest.approx(expected)
     assert "EMG normalised: divided by the session's largest envelope" in strong.steps[-1]
@@ -38,9 +38,9 @@ def test_one_number_for_all_recordings(session):
 
 def test_maximum_contractions_set_the_reference(session):
     strong, weak = session
-    (one,) = normalise([weak], "mvc", mvc=[strong])
-    assert one.emg_reference.kind == "mvc"
-    assert averaged(one.emg[:, 0], one.rate_hz) == pytest.approx(0.5)
+    (normalised,) = normalise([weak], "mvc", mvc=[strong])
+    assert normalised.emg_reference.kind == "mvc"
+    assert averaged(normalised.emg[:, 0], normalised.rate_hz) == pytest.approx(0.5)
 
 
 def test_a_spike_is_no_peak(session):
@@ -55,11 +55,11 @@ def test_a_missing_muscle_stays_zero_and_has_no_reference(session):
     emg = session[0].emg.copy()
     emg[:, 2] = 0.0
     without = replace(session[0], emg=emg, missing_emg=("sol",))
-    (one,) = normalise([without])
-    assert one.emg_reference.values[2] is None
-    assert not one.emg[:, 2].any()
+    (alone,) = normalise([without])
+    assert alone.emg_reference.values[2] is None
+    assert not alone.emg[:, 2].any()
     with pytest.raises(InputError, match="emg_sol has no reference"):
-        normalised(session[0], one.emg_reference)
+        normalised(session[0], alone.emg_reference)
 
 
 def test_refusals(session):
@@ -83,7 +83,7 @@ def test_refusals(session):
 
 
 def test_a_joint_fit_of_trials_normalised_each_by_itself_is_refused(session):
-    apart = [normalise([one])[0] for one in session]
+    apart = [normalise([recording])[0] for recording in session]
     with pytest.raises(InputError, match=r"divided by another reference.*never each by itself"):
         surae.fit(apart, "muscle", starts=1)
 

@@ -10,6 +10,7 @@ from scipy.signal import butter, sosfiltfilt
 from surae.errors import InputError
 from surae.recording import Channel, Recording, SourceFile
 from surae.signals import Preparation, check_estimable, prepare
+from surae.signals.prepare import sharpened
 from surae.units import SI, FloatArray, kind
 
 W = 2 * np.pi * 0.7
@@ -330,3 +331,41 @@ def test_reference_trial_prepared(references: Path) -> None:
     # The trial begins at rest at full plantarflexion; integrating velocity gives the angle back.
     area = np.cumsum(inputs.velocity[1:] + inputs.velocity[:-1]) / 2 / 256.0
     np.testing.assert_allclose(area, inputs.angle[1:] - inputs.angle[0], atol=2e-3)
+
+
+def test_what_the_low_pass_took_from_a_fast_movement_is_given_back() -> None:
+    time = np.arange(0.0, 10.0, 1.0 / 256.0)
+    angle, torque = 0.3 * np.sin(2 * np.pi * 5.0 * time), 20.0 * np.cos(2 * np.pi * 5.0 * time)
+    emg = {f"emg_{m}": (time, 1e-4 * (1.0 + np.sin(time))) for m in ("ta", "gl", "sol", "gm")}
+    trial = recording({"angle": (time, angle), "torque": (time, torque), **emg}, emg="envelope")
+    filtered = prepare(trial)
+    assert filtered.lowpass == (20.0, 4)
+    back, inside = sharpened(filtered), slice(256, -256)
+    assert filtered.torque is not None
+    assert back.torque is not None
+    lost = 1.0 - filtered.torque[inside].std() / torque[inside].std()
+    assert lost > 0.015
+    # what is lost twice is left: 1 − (1 − H)²
+    left = 1.0 - back.torque[inside].std() / torque[inside].std()
+    assert left == pytest.approx(lost**2, rel=0.1)
+    assert np.abs(back.angle - angle)[inside].max() < 0.01 * 0.3
+    fast = 2 * np.pi * 5.0 * 0.3 * np.cos(2 * np.pi * 5.0 * time)
+    assert np.abs(back.velocity - fast)[inside].max() < 0.01 * np.abs(fast).max()
+    assert np.array_equal(back.emg, filtered.emg)
+
+
+def test_noise_is_not_made_greater_by_giving_back() -> None:
+    time = np.arange(0.0, 20.0, 1.0 / 256.0)
+    noise = np.random.default_rng(3).normal(size=len(time))
+    signals = {"angle": (time, np.sin(time)), "torque": (time, noise)}
+    back = sharpened(prepare(recording(signals)))
+    assert back.torque is not None
+    assert back.torque.std() < noise.std()
+
+
+def test_what_went_through_no_filter_is_not_sharpened() -> None:
+    time = np.arange(0.0, 10.0, 1.0 / 128.0)
+    trial = recording({"angle": (time, np.sin(W * time)), "torque": (time, np.cos(W * time))})
+    for inputs in (prepare(trial, prepared=True), prepare(trial, Preparation(bessel_hz=None))):
+        assert inputs.lowpass is None
+        assert sharpened(inputs) is inputs

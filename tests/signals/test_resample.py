@@ -28,10 +28,10 @@ def tone(time: FloatArray, frequency: float) -> FloatArray:
     start=st.floats(-5.0, 100.0),
 )
 def test_uniform_stamps_are_found_uniform(rate: float, start: float) -> None:
-    found = timing(channel(stamps(rate, start=start)), "trial")
-    assert found.uniform
-    assert (found.axis.start, found.axis.n) == (start, 1000)
-    np.testing.assert_allclose(found.axis.time * rate, stamps(rate, start=start) * rate, atol=2e-3)
+    timed = timing(channel(stamps(rate, start=start)), "trial")
+    assert timed.uniform
+    assert (timed.axis.start, timed.axis.n) == (start, 1000)
+    np.testing.assert_allclose(timed.axis.time * rate, stamps(rate, start=start) * rate, atol=2e-3)
 
 
 @settings(max_examples=50)

@@ -3,11 +3,17 @@
 from surae.protocol.adaptation import Adaptation
 from surae.protocol.chirp import chirp, chirp_rate
 from surae.protocol.coverage import Coverage, coverage
-from surae.protocol.device import DEVICES, Device, named_device
+from surae.protocol.device import DEVICES, Device, named_device, read_device
 from surae.protocol.effort import DIRECTIONS, TASKS, Task
-from surae.protocol.export import write_csv, write_mat
+from surae.protocol.export import (
+    read_protocol,
+    write_protocol,
+    write_protocol_csv,
+    write_protocol_mat,
+    write_protocol_target,
+)
 from surae.protocol.profiles import PROFILES, Profile
-from surae.protocol.protocol import Protocol, Trajectory, generate
+from surae.protocol.protocol import Given, Protocol, Trajectory, generate
 from surae.protocol.triceps import L0_TRI, TricepsPath, triceps_path
 
 __all__ = [
@@ -19,6 +25,7 @@ __all__ = [
     "Adaptation",
     "Coverage",
     "Device",
+    "Given",
     "Profile",
     "Protocol",
     "Task",
@@ -29,7 +36,11 @@ __all__ = [
     "coverage",
     "generate",
     "named_device",
+    "read_device",
+    "read_protocol",
     "triceps_path",
-    "write_csv",
-    "write_mat",
+    "write_protocol",
+    "write_protocol_csv",
+    "write_protocol_mat",
+    "write_protocol_target",
 ]

@@ -158,7 +158,7 @@ def fit_device(
 
 
 def refusal(device: Device, motion: Motion, highest_hz: float) -> str | None:
-    """By how much a motion is too fast for a device; None if the device can follow it."""
+    """Say by how much a motion is too fast for a device; None if the device can follow it."""
     velocity, acceleration = peaks(motion)
     for value, limit, unit in (
         (velocity, device.velocity_limit, "rad/s"),

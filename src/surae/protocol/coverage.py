@@ -15,7 +15,7 @@ VELOCITY_EDGES = np.linspace(-5.0, 5.0, 101)
 
 @dataclass(frozen=True, slots=True)
 class Coverage:
-    """Where in the length–velocity plane a muscle has been; arrays read-only.
+    """The part of the length–velocity plane where a muscle has been; arrays read-only.
 
     Attributes
     ----------

@@ -1,9 +1,13 @@
-"""What a robot can follow (thesis 4.1.5 and 4.4)."""
+"""What a robot can follow (thesis 4.1.5 and 4.4): limits that are data, a TOML file each."""
 
 import math
+import tomllib
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 from surae.errors import InputError
+from surae.files import PathLike, read_bytes, shown
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +31,10 @@ class Device:
         Default 3 kg at 0.15 m, the upper bound of the models' mass.
     chirp_amplitudes : tuple of (str, float)
         Largest chirp amplitude [rad] of profiles that have one of their own.
+    range_of_motion : (float, float) or None
+        Angles that it can reach [rad].
+    sources : tuple of str
+        Where the limits are from.
     """
 
     name: str
@@ -36,6 +44,8 @@ class Device:
     bandwidth: float | None = None
     inertia: float = 3.0 * 0.15**2
     chirp_amplitudes: tuple[tuple[str, float], ...] = ()
+    range_of_motion: tuple[float, float] | None = None
+    sources: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Check that every limit is above zero."""
@@ -66,17 +76,77 @@ class Device:
         return min(amplitude, dict(self.chirp_amplitudes).get(profile, math.inf))
 
 
-#: Achilles (MOOG): overshoots from 1.5 rad/s on; 80 Nm; chirp of the multiple holds at 0.1 rad.
-DEVICES: dict[str, Device] = {
-    device.name: device
-    for device in (
-        Device(
-            "achilles",
-            max_velocity=1.5,
-            max_torque=80.0,
-            chirp_amplitudes=(("multiple-holds", 0.1),),
-        ),
+#: Keys of a device's file, and the fields they are.
+_KEYS = {
+    "max_velocity_rad_s": "max_velocity",
+    "max_acceleration_rad_s2": "max_acceleration",
+    "max_torque_Nm": "max_torque",
+    "bandwidth_Hz": "bandwidth",
+    "inertia_kg_m2": "inertia",
+}
+_OTHERS = ("name", "range_rad", "chirp_amplitudes_rad", "sources")
+
+
+def read_device(path: PathLike) -> Device:
+    """Read a device's limits from a TOML file.
+
+    Parameters
+    ----------
+    path : path
+        With ``name``, some of ``max_velocity_rad_s``, ``max_acceleration_rad_s2``,
+        ``max_torque_Nm``, ``bandwidth_Hz``, ``inertia_kg_m2``, ``range_rad`` (low and high), and
+        ``sources``: where they are from.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or something in it is unknown, no number, or missing.
+    """
+    where = shown(path)
+    try:
+        told = tomllib.loads(read_bytes(path).decode("utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{where}: not a TOML file ({error})") from None
+    unknown = [key for key in told if key not in _KEYS and key not in _OTHERS]
+    if unknown:
+        known = ", ".join((*_OTHERS, *_KEYS))
+        raise InputError(f"{where}: {unknown[0]} is not known of a device; use: {known}")
+    name, sources = told.get("name"), told.get("sources", [])
+    if not isinstance(name, str) or not name:
+        raise InputError(f'{where}: give the device a name, e.g. name = "my robot"')
+    if not isinstance(sources, list) or not all(isinstance(text, str) for text in sources):
+        raise InputError(f"{where}: sources must be a list of texts")
+    amplitudes = told.get("chirp_amplitudes_rad", {})
+    if not isinstance(amplitudes, dict):
+        raise InputError(f"{where}: chirp_amplitudes_rad must be a table of profile = rad")
+    limits = {field: _number(where, key, told[key]) for key, field in _KEYS.items() if key in told}
+    span = told.get("range_rad")
+    if span is not None:
+        if not isinstance(span, list) or len(span) != 2:
+            raise InputError(f"{where}: range_rad must be [low, high]")
+        low, high = (_number(where, "range_rad", end) for end in span)
+        if not low < high:
+            raise InputError(f"{where}: range_rad: low must be below high")
+        span = low, high
+    return Device(
+        name,
+        **limits,
+        chirp_amplitudes=tuple((k, _number(where, k, v)) for k, v in amplitudes.items()),
+        range_of_motion=span,
+        sources=tuple(sources),
     )
+
+
+def _number(where: str, key: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise InputError(f"{where}: {key} is {value!r}; give a number")
+    return float(value)
+
+
+_FILES = Path(__file__).parent / "devices"
+#: The devices that come with surae, by name.
+DEVICES: dict[str, Device] = {
+    device.name: device for device in map(read_device, sorted(_FILES.glob("*.toml")))
 }
 
 

@@ -7,8 +7,9 @@ a leg, but in proportions and at onsets that differ from burst to burst: were th
 weights g2, g3 and g4 could not be told apart.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -62,17 +63,42 @@ def _sequence(k: int, dimension: int) -> float:
     return (0.5 + (k + 1) * _ROOT ** -(dimension + 1)) % 1.0
 
 
-def _bursts(start: float, end: float) -> Iterator[tuple[str, float, float, float]]:
-    """Muscle, onset [s], length [s] and amplitude of every burst that is over by `end`."""
-    k, onset = 0, start
+class Burst(NamedTuple):
+    """An effort that rises and falls again.
+
+    Attributes
+    ----------
+    onset, length : float
+        When it begins, and how long it lasts [s]; a head may be late by up to `GAP`.
+    level : float
+        Part of the largest effort, 0…1.
+    direction : int
+        Of `DIRECTIONS`: 0 plantarflexion, 1 dorsiflexion.
+    """
+
+    onset: float
+    length: float
+    level: float
+    direction: int
+
+
+def task_bursts(task: "Task", end: float) -> Iterator[Burst]:
+    """Every burst of a task that is over by `end` [s]."""
+    k, onset = 0, task.passive_until
     while onset + (length := 0.9 + 0.3 * _sequence(k, 1)) + GAP <= end:
         # Hard and easy efforts mix in either direction: 0.4 to 1 of the largest.
-        level = 0.4 + 0.6 * _sequence(k, 0)
-        for i, muscle in enumerate(DIRECTIONS[k % 2]):
-            own = _sequence(k, i + 2)
-            yield muscle, onset + GAP * own, length, level * (0.6 + 0.4 * own)
+        yield Burst(onset, length, 0.4 + 0.6 * _sequence(k, 0), k % 2)
         onset += length + GAP
         k += 1
+
+
+def head_share(k: int, head: int) -> tuple[float, float]:
+    """Part of a burst's level that a head gives in burst k, and of `GAP` by which it is late.
+
+    The heads' proportions are the leg's own affair: they are these in whatever burst.
+    """
+    own = _sequence(k, head + 2)
+    return 0.6 + 0.4 * own, own
 
 
 def effort(t: FloatArray, task: Task) -> FloatArray:
@@ -90,13 +116,34 @@ def effort(t: FloatArray, task: Task) -> FloatArray:
     ndarray, shape (n, 4)
         Fraction 0…1 of the largest effort, in the order TA, GL, SOL, GM; exactly 0 while passive.
     """
+    return burst_effort(t, task_bursts(task, float(t[-1])))
+
+
+def burst_effort(t: FloatArray, bursts: Iterable[Burst]) -> FloatArray:
+    """Target effort of bursts that do not overlap within a direction.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Increasing times [s].
+    bursts : iterable of Burst
+        In the order of their numbers, which `head_share` goes by.
+
+    Returns
+    -------
+    ndarray, shape (n, 4)
+        As of `effort`.
+    """
     target = np.zeros((len(t), len(MUSCLES)))
-    for muscle, onset, length, amplitude in _bursts(task.passive_until, float(t[-1])):
-        # Beyond its own span a burst is exactly 0.
-        first, last = np.searchsorted(t, (onset, onset + length))
-        u = (t[first:last] - onset) / length
-        bump = smooth_step(2.0 * u) * smooth_step(2.0 - 2.0 * u)
-        target[first:last, MUSCLES.index(muscle)] += amplitude * bump
+    for k, burst in enumerate(bursts):
+        for i, muscle in enumerate(DIRECTIONS[burst.direction]):
+            share, late = head_share(k, i)
+            onset = burst.onset + GAP * late
+            # Beyond its own span a burst is exactly 0.
+            first, last = np.searchsorted(t, (onset, onset + burst.length))
+            u = (t[first:last] - onset) / burst.length
+            bump = smooth_step(np.minimum(2.0 * u, 2.0 - 2.0 * u))
+            target[first:last, MUSCLES.index(muscle)] += burst.level * share * bump
     return target
 
 

@@ -1,19 +1,73 @@
-"""A trajectory as a file for a device's controller: CSV, or MATLAB."""
+"""A trajectory as a file for a device's controller: CSV, read back too, or MATLAB."""
 
 import io
 
 import numpy as np
 
-from surae.files import PathLike, write_atomic
-from surae.protocol.protocol import Trajectory
+from surae.errors import InputError
+from surae.files import PathLike, read_bytes, shown, write_atomic
+from surae.frozen import read_only
+from surae.protocol.protocol import Given, Trajectory
 from surae.recording import MUSCLES
+from surae.signals.kinematics import derivatives
 
 #: Column names: the position to follow and the effort to show to the subject.
 COLUMNS = ("time_s", "angle_rad", *(f"emg_{muscle}" for muscle in MUSCLES))
 
 
-def write_csv(trajectory: Trajectory, path: PathLike) -> None:
-    """Write `COLUMNS` as CSV, 12 significant digits, all of it or nothing.
+def write_protocol(
+    trajectory: Trajectory, path: PathLike, *, without_limits: str | None = None
+) -> None:
+    """Write a protocol for a device: CSV, or MATLAB where the path ends in ``.mat``.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+        The protocol.
+    path : path
+        Where to.
+    without_limits : str, optional
+        Why it may be written though no device's limits were kept; the reason goes into the CSV.
+
+    Raises
+    ------
+    InputError
+        It was made for no device and no reason is given, or the file cannot be written.
+    """
+    reason = " ".join((without_limits or "").split())
+    if trajectory.settings.device is None and not reason:
+        raise InputError(
+            "no device: its limits would not be kept, so nothing is written; name the device, or "
+            "say why it may be written without limits"
+        )
+    if str(path).lower().endswith(".mat"):
+        write_protocol_mat(trajectory, path)
+    else:
+        write_protocol_csv(trajectory, path, note=f"without limits: {reason}" if reason else "")
+
+
+def write_protocol_target(trajectory: Trajectory, path: PathLike) -> None:
+    """Write what the subject's screen shows: time, and the target effort of either direction.
+
+    Columns are ``time_s,plantarflexion,dorsiflexion``, 0 to 1 of the largest effort; of the
+    triceps it is the mean of its heads.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    table = np.column_stack(
+        [trajectory.time, trajectory.effort[:, 1:].mean(axis=1), trajectory.effort[:, 0]]
+    )
+    text = io.StringIO()
+    header = "time_s,plantarflexion,dorsiflexion"
+    np.savetxt(text, table, fmt="%.6g", delimiter=",", header=header, comments="")
+    write_atomic(path, text.getvalue())
+
+
+def write_protocol_csv(trajectory: Trajectory, path: PathLike, *, note: str = "") -> None:
+    """Write `COLUMNS` as CSV, 12 significant digits, all of it or nothing, after a note.
 
     Raises
     ------
@@ -22,11 +76,13 @@ def write_csv(trajectory: Trajectory, path: PathLike) -> None:
     """
     table = np.column_stack([trajectory.time, trajectory.angle, trajectory.effort])
     text = io.StringIO()
+    if note:
+        text.write(f"# {note}\n")
     np.savetxt(text, table, fmt="%.12g", delimiter=",", header=",".join(COLUMNS), comments="")
     write_atomic(path, text.getvalue())
 
 
-def write_mat(trajectory: Trajectory, path: PathLike) -> None:
+def write_protocol_mat(trajectory: Trajectory, path: PathLike) -> None:
     """Write a MATLAB v5 file, all of it or nothing.
 
     Its variables are column vectors: `COLUMNS`, ``angular_velocity_rad_s`` and
@@ -48,3 +104,64 @@ def write_mat(trajectory: Trajectory, path: PathLike) -> None:
     data = io.BytesIO()
     savemat(data, variables, oned_as="column")
     write_atomic(path, data.getvalue())
+
+
+def read_protocol(path: PathLike) -> Trajectory:
+    """Read a protocol that was written as CSV; its velocity and acceleration are differences.
+
+    Parameters
+    ----------
+    path : path
+        With the columns `COLUMNS`, in any order.
+
+    Returns
+    -------
+    Trajectory
+        Its range of motion is that of the angles.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, lacks a column, or is no uniformly sampled protocol.
+    """
+    where = shown(path)
+    lines = read_bytes(path).decode("utf-8", "replace").splitlines()
+    lines = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
+    names = [name.strip() for name in lines[0].split(",")] if lines else []
+    missing = [name for name in COLUMNS if name not in names]
+    if missing:
+        raise InputError(
+            f"{where}: no column {', '.join(missing)}; a protocol has {', '.join(COLUMNS)} "
+            "(the effort from 0 to 1), as `surae protocol` writes them"
+        )
+    try:
+        table = np.loadtxt(lines[1:], delimiter=",", ndmin=2, usecols=range(len(names)))
+    except ValueError as error:
+        raise InputError(f"{where}: not a table of numbers ({error})") from None
+    columns = {name: table[:, names.index(name)] for name in COLUMNS}
+    if len(table) < 16 or not np.isfinite(table).all():
+        raise InputError(f"{where}: needs 16 samples or more, all of them numbers")
+    time, angle = columns["time_s"], columns["angle_rad"]
+    step = float(time[-1] - time[0]) / (len(time) - 1)
+    if not step > 0.0 or np.abs(np.diff(time) - step).max() > 0.01 * step:
+        raise InputError(f"{where}: time_s must rise in equal steps; sample it uniformly")
+    effort = np.column_stack([columns[name] for name in COLUMNS[2:]])
+    if effort.min() < 0.0 or effort.max() > 1.0:
+        raise InputError(f"{where}: the effort must lie from 0 to 1; it is a part of the largest")
+    if np.abs(angle).max() > 3.0:
+        raise InputError(f"{where}: angle_rad goes beyond ±3 rad; is it in degrees?")
+    rate_hz = 1.0 / step
+    velocity, acceleration = derivatives(angle, rate_hz, where=where)
+    return Trajectory(
+        settings=Given(
+            profile=shown(path),
+            task="as in the file" if effort.any() else "passive",
+            range_of_motion=(float(angle.min()), float(angle.max())),
+            rate_hz=rate_hz,
+        ),
+        time=read_only(time - time[0]),
+        angle=read_only(angle),
+        velocity=read_only(velocity),
+        acceleration=read_only(acceleration),
+        effort=read_only(effort),
+    )

@@ -110,13 +110,36 @@ def _require(holds: bool, otherwise: str) -> None:
         raise InputError(otherwise)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Given:
+    """Settings of a movement that no profile made: it was designed, or read from a file.
+
+    Attributes
+    ----------
+    profile, task : str
+        What movement and effort are called.
+    range_of_motion : (float, float)
+        The subject's angles of full plantarflexion and full dorsiflexion [rad].
+    rate_hz : float
+        Sampling rate [Hz].
+    device : Device or None
+        Whose limits it keeps; None where nothing is known of them.
+    """
+
+    profile: str
+    task: str
+    range_of_motion: tuple[float, float]
+    rate_hz: float
+    device: Device | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class Trajectory:
     """What a protocol asks of the device and of the subject; arrays read-only.
 
     Attributes
     ----------
-    settings : Protocol
+    settings : Protocol or Given
         What it was generated from.
     time : ndarray, shape (n,)
         Uniform time axis from 0 [s].
@@ -128,7 +151,7 @@ class Trajectory:
         What was changed for the device and what that cost; None without a device.
     """
 
-    settings: Protocol
+    settings: Protocol | Given
     time: FloatArray
     angle: FloatArray
     velocity: FloatArray

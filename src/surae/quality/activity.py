@@ -41,7 +41,7 @@ def passive_part(trial: Trial) -> tuple[Finding, ...] | Skipped:
     if float(quiet.sum()) < 2.0 * trial.rate_hz:
         return Skipped("passive-not-passive", "The task has no passive part.")
     stretched: Reflex | None = None
-    found = []
+    findings = []
     for muscle, envelope in trial.slow.items():
         channel = trial.recording.channels[f"emg_{muscle}"]
         top = quantile(envelope, 0.98)
@@ -57,7 +57,7 @@ def passive_part(trial: Trial) -> tuple[Finding, ...] | Skipped:
             continue
         where = np.flatnonzero(active)
         level = float(envelope[active].max())
-        found.append(
+        findings.append(
             Finding(
                 "passive-not-passive",
                 "warning",
@@ -72,7 +72,7 @@ def passive_part(trial: Trial) -> tuple[Finding, ...] | Skipped:
                 "overestimated.",
             )
         )
-    return tuple(found)
+    return tuple(findings)
 
 
 def _quiet_time(trial: Trial) -> BoolArray:
@@ -110,12 +110,12 @@ def active_part(trial: Trial) -> tuple[Finding, ...] | Skipped:
                 "l0_tib, f0 and beta.",
             ),
         )
-    found = []
+    findings = []
     for name, muscles in (("triceps", trial.triceps), ("ta", tuple(m for m in idle if m == "ta"))):
         if muscles and all(idle[m] for m in muscles):
-            found.append(_side(trial, name, muscles))
-    if found:
-        return tuple(found)
+            findings.append(_side(trial, name, muscles))
+    if findings:
+        return tuple(findings)
     return (() if trial.effort is None else _bursts(trial)) or _stopped(trial)
 
 
@@ -167,8 +167,8 @@ def _bursts(trial: Trial) -> tuple[Finding, ...]:
                 missed.append((first, last))
     if total == 0 or len(missed) <= MISSED * total:
         return ()
-    first = min(one[0] for one in missed)
-    last = max(one[1] for one in missed) - 1
+    first = min(stretch[0] for stretch in missed)
+    last = max(stretch[1] for stretch in missed) - 1
     return (
         Finding(
             "active-not-active",
@@ -192,7 +192,7 @@ def _stopped(trial: Trial) -> tuple[Finding, ...]:
         return ()
     begun = int(where[0])
     still = [*runs(~active[begun:])]
-    first, last = max(still, key=lambda one: one[1] - one[0], default=(0, 0))
+    first, last = max(still, key=lambda stretch: stretch[1] - stretch[0], default=(0, 0))
     seconds = (last - first) / trial.rate_hz
     if seconds < STILL_SECONDS or last - first < STILL_SHARE * (len(active) - begun):
         return ()

@@ -22,7 +22,7 @@ _SECONDS, _SPAN = 3.0, 0.35
 
 
 @dataclass(frozen=True, slots=True)
-class Baseline:
+class RestLevel:
     """The constant part of a torque at θ = 0, and the root mean square of what is left [Nm]."""
 
     level: float
@@ -46,7 +46,7 @@ def baseline(
     angle: FloatArray,
     torque: FloatArray,
     envelopes: dict[str, FloatArray],
-) -> Baseline | None:
+) -> RestLevel | None:
     """The constant part of the torque, as it is at θ = 0 [Nm].
 
     Exponentials of both muscles' lengths and c·cos θ are fitted to the torque at rest; where the
@@ -55,7 +55,7 @@ def baseline(
 
     Returns
     -------
-    Baseline or None
+    RestLevel or None
         None where too little of the range is gone through to tell it from the passive torque.
     """
     n = len(angle)
@@ -94,12 +94,12 @@ def baseline(
                 continue
             together = np.mean(heads, axis=0)
             shapes = (angle, angle**2, speed, speed * angle)
-            columns += [coarse(one) for one in heads]
+            columns += [coarse(head) for head in heads]
             columns += [coarse(together * shape) for shape in shapes]
     return _constant(np.column_stack(columns), coarse(torque))
 
 
-def _constant(matrix: FloatArray, y: FloatArray) -> Baseline:
+def _constant(matrix: FloatArray, y: FloatArray) -> RestLevel:
     """The coefficient of the cosine in the best of the fits, one for each pair of stiffnesses."""
     scale = np.sqrt((matrix**2).sum(axis=0))
     scale[scale == 0.0] = 1.0
@@ -125,7 +125,7 @@ def _constant(matrix: FloatArray, y: FloatArray) -> Baseline:
             best = float(fit.gain[k])
             level = float(fit.weights[k, fit.weights.shape[1] - len(rest)] / scale[second])
     rest_power = max(float(y @ y) - best, 0.0)
-    return Baseline(level, float(np.sqrt(rest_power / len(y))))
+    return RestLevel(level, float(np.sqrt(rest_power / len(y))))
 
 
 class _Fits(NamedTuple):

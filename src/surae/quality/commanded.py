@@ -130,22 +130,22 @@ def _with_chirp(
     if best[0] < _EXACT * span:
         return best
     filtered = _filtered(angle, base, chirp, seconds)
-    best = min(best, filtered, key=lambda one: one[0])
+    best = min(best, filtered, key=lambda tried: tried[0])
     if best[0] < _CLOSE * span:
         return best
     # What the filter did to the profile may have hidden the chirp.
     alone = filtered if chirp is None else _filtered(angle, base, None, seconds)
     hidden = _chirp(angle - alone[1], seconds)
     if hidden is not None:
-        found = _filtered(angle, base, hidden, seconds)
-        best = min(best, found, key=lambda one: one[0])
+        both = _filtered(angle, base, hidden, seconds)
+        best = min(best, both, key=lambda tried: tried[0])
     return best
 
 
 def _filtered(
     angle: FloatArray, base: FloatArray, chirp: FloatArray | None, seconds: FloatArray
 ) -> tuple[float, FloatArray]:
-    """The same for a motion adapted to a device: one low-pass for profile and chirp.
+    """Spread and fit for a motion adapted to a device: one low-pass for profile and chirp.
 
     The cut-off is searched on a coarser axis whose length suits the transform.
     """
@@ -154,14 +154,14 @@ def _filtered(
     coarse = np.interp(grid, seconds, angle)
     moving = [base] if chirp is None else [base, chirp]
     spectra = [
-        np.fft.rfft(np.concatenate([one, one[-2:0:-1]]))
-        for one in (np.interp(grid, seconds, wave) for wave in moving)
+        np.fft.rfft(np.concatenate([wave, wave[-2:0:-1]]))
+        for wave in (np.interp(grid, seconds, wave) for wave in moving)
     ]
     frequency = np.arange(_COARSE + 1) * (rate / (2 * _COARSE))
 
     def spread(log_cutoff: float) -> float:
         gain = 1.0 / np.sqrt(1.0 + (frequency / np.exp(log_cutoff)) ** 2)
-        waves = [np.fft.irfft(gain * one, 2 * _COARSE)[: _COARSE + 1] for one in spectra]
+        waves = [np.fft.irfft(gain * spectrum, 2 * _COARSE)[: _COARSE + 1] for spectrum in spectra]
         columns = [*_columns(waves[0], grid), *waves[1:]]
         return _spread(coarse - _solved(np.column_stack(columns), coarse))
 
@@ -172,7 +172,7 @@ def _filtered(
         width /= 2.0
         least, best = min((least, best), *((spread(x), x) for x in (best - width, best + width)))
     exact = (len(seconds) - 1) / float(seconds[-1])
-    passed = [low_pass(one, float(np.exp(best)), exact)[0] for one in moving]
+    passed = [low_pass(wave, float(np.exp(best)), exact)[0] for wave in moving]
     residual, fitted = _left(angle, [*_columns(passed[0], seconds), *passed[1:]])
     return _spread(residual), fitted
 
@@ -203,8 +203,8 @@ def _solved(
     gram = part.T @ part
     scale = np.sqrt(np.diag(gram))
     scale[scale == 0.0] = 1.0
-    found = np.linalg.lstsq(gram / np.outer(scale, scale), part.T @ angle[kept] / scale, None)[0]
-    fitted: FloatArray = matrix @ (found / scale)
+    weights = np.linalg.lstsq(gram / np.outer(scale, scale), part.T @ angle[kept] / scale, None)[0]
+    fitted: FloatArray = matrix @ (weights / scale)
     return fitted
 
 

@@ -66,13 +66,13 @@ def kind(trial: Trial) -> tuple[Finding, ...]:
 
 def missing(trial: Trial) -> tuple[Finding, ...]:
     """Muscles without an EMG channel."""
-    found = []
+    findings = []
     for muscle in MUSCLES:
         role, weight = f"emg_{muscle}", weight_of(muscle)
         if role in trial.recording.channels:
             continue
         held = weight in trial.recording.fixed
-        found.append(
+        findings.append(
             Finding(
                 "emg-missing",
                 "info" if held else "warning",
@@ -88,7 +88,7 @@ def missing(trial: Trial) -> tuple[Finding, ...]:
                 else f"Add the channel, or fix its weight with --fixed {weight}=0.",
             )
         )
-    return tuple(found)
+    return tuple(findings)
 
 
 def flat(trial: Trial) -> tuple[Finding, ...]:
@@ -96,15 +96,15 @@ def flat(trial: Trial) -> tuple[Finding, ...]:
     channels = _channels(trial)
     tops = {m: quantile(e, 0.98) for m, e in trial.slow.items()}
     strongest = max(tops.values(), default=0.0)
-    found: list[Finding] = []
+    findings: list[Finding] = []
     for muscle, channel in channels.items():
         if muscle not in trial.slow:
             level = float(channel.values[0])
-            found.append(
+            findings.append(
                 _flat(muscle, channel, 0, len(channel.time) - 1, f"is constant at {level:.3g}")
             )
         elif tops[muscle] < SILENT * strongest:
-            found.append(
+            findings.append(
                 _flat(
                     muscle,
                     channel,
@@ -115,8 +115,8 @@ def flat(trial: Trial) -> tuple[Finding, ...]:
                 )
             )
         else:
-            found += _dropouts(trial, muscle, channel)
-    return tuple(found)
+            findings += _dropouts(trial, muscle, channel)
+    return tuple(findings)
 
 
 def _dropouts(trial: Trial, muscle: str, channel: Channel) -> list[Finding]:
@@ -167,7 +167,7 @@ def _flat(muscle: str, channel: Channel, first: int, last: int, what: str) -> Fi
 
 def clipped(trial: Trial) -> tuple[Finding, ...]:
     """Channels that end at a plateau, as behind an amplifier at its limit."""
-    found = []
+    findings = []
     for muscle, channel in _channels(trial).items():
         values = channel.values
         low, high = float(values.min()), float(values.max())
@@ -185,7 +185,7 @@ def clipped(trial: Trial) -> tuple[Finding, ...]:
                 continue  # flat, not clipped
             where = np.flatnonzero(at)
             share = count / len(values)
-            found.append(
+            findings.append(
                 Finding(
                     "emg-clipped",
                     "warning" if share < 1e-3 else "error",
@@ -201,12 +201,12 @@ def clipped(trial: Trial) -> tuple[Finding, ...]:
                 )
             )
             break
-    return tuple(found)
+    return tuple(findings)
 
 
 def offset(trial: Trial) -> tuple[Finding, ...]:
     """Raw EMG that is not centred on zero, and envelopes that do not come down to it."""
-    found = []
+    findings = []
     for muscle, channel in _channels(trial).items():
         if muscle not in trial.slow:
             continue
@@ -228,7 +228,7 @@ def offset(trial: Trial) -> tuple[Finding, ...]:
             advice = "Subtract the level of a relaxed muscle, or tell the subject to relax."
         if ratio <= limit:
             continue
-        found.append(
+        findings.append(
             Finding(
                 "emg-offset",
                 "warning" if trial.emg_kind == "raw" or ratio > BAD_FLOOR else "info",
@@ -243,12 +243,12 @@ def offset(trial: Trial) -> tuple[Finding, ...]:
                 advice,
             )
         )
-    return tuple(found)
+    return tuple(findings)
 
 
 def artefact(trial: Trial) -> tuple[Finding, ...]:
     """Spikes no muscle makes, and slow swings in raw EMG."""
-    found = []
+    findings = []
     for muscle, channel in _channels(trial).items():
         if muscle not in trial.slow:
             continue
@@ -271,7 +271,7 @@ def artefact(trial: Trial) -> tuple[Finding, ...]:
         spans = list(runs(near))
         where = np.flatnonzero(wrong)
         worst = int(np.argmax(np.where(wrong, size, 0.0)))
-        found.append(
+        findings.append(
             Finding(
                 "emg-artefact",
                 "warning",
@@ -292,7 +292,7 @@ def artefact(trial: Trial) -> tuple[Finding, ...]:
                 ),
             )
         )
-    return tuple(found)
+    return tuple(findings)
 
 
 def _channels(trial: Trial) -> dict[str, Channel]:

@@ -111,8 +111,8 @@ def quality_of(data: Mapping[str, Any]) -> Quality:
     """
     return Quality(
         recording=str(data["recording"]),
-        findings=tuple(_finding(one) for one in data["findings"]),
-        skipped=tuple(Skipped(str(one["check"]), str(one["reason"])) for one in data["skipped"]),
+        findings=tuple(_finding(finding) for finding in data["findings"]),
+        skipped=tuple(Skipped(str(skip["check"]), str(skip["reason"])) for skip in data["skipped"]),
     )
 
 

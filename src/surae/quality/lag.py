@@ -54,20 +54,20 @@ def torque_lag(trial: Trial) -> tuple[Finding, ...] | Skipped:
 def electrode_lag(trial: Trial) -> tuple[Finding, ...] | Skipped:
     """One electrode late or early for the others."""
     heads = trial.triceps
-    found = []
+    findings = []
     side = _one_side(trial)
     if side is not None:
-        found.append(_finding(trial, *side, "the torque says"))
+        findings.append(_finding(trial, *side, "the torque says"))
     if len(heads) >= 3:
         lags = {muscle: _lag(trial, muscle) for muscle in heads}
         known = {m: v for m, v in lags.items() if v is not None}
         if known:
             worst = max(known, key=lambda m: abs(known[m]))
             if abs(known[worst]) > ELECTRODE:
-                found.append(_finding(trial, worst, known[worst], "the other heads are"))
+                findings.append(_finding(trial, worst, known[worst], "the other heads are"))
     elif side is None and (trial.model is None or not trial.model.group_lag):
         return Skipped("electrode-lag", "There is no other electrode to compare with.")
-    return tuple(found)
+    return tuple(findings)
 
 
 def _finding(trial: Trial, muscle: str, lag: float, beside: str) -> Finding:
@@ -86,7 +86,7 @@ def _finding(trial: Trial, muscle: str, lag: float, beside: str) -> Finding:
 
 
 def _lag(trial: Trial, muscle: str) -> float | None:
-    """By how much a head of the triceps is later than the others [s]."""
+    """Lag of a head of the triceps behind the others [s]."""
     width = round(0.1 * trial.rate_hz)
     mine = smooth(trial.fast[muscle], width)[::_STEP]
     others = [trial.fast[m] for m in trial.triceps if m != muscle]

@@ -25,7 +25,7 @@ SMALLEST = 0.02
 
 def hum(trial: Trial) -> tuple[Finding, ...] | Skipped:
     """Channels with mains hum."""
-    found = []
+    findings = []
     slow = None
     carriers: dict[tuple[int, float], list[ComplexArray]] = {}
     for muscle in MUSCLES:
@@ -45,7 +45,7 @@ def hum(trial: Trial) -> tuple[Finding, ...] | Skipped:
         rms = float(np.std(channel.values))
         if amplitude < SMALLEST * rms or amplitude == 0.0:
             continue
-        found.append(
+        findings.append(
             Finding(
                 "mains-hum",
                 "warning" if amplitude < rms else "error",
@@ -61,9 +61,9 @@ def hum(trial: Trial) -> tuple[Finding, ...] | Skipped:
                 "does not remove it.",
             )
         )
-    if slow is not None and not found:
+    if slow is not None and not findings:
         return Skipped("mains-hum", f"EMG at {slow:g} Hz cannot show {MAINS[-1]:g} Hz.")
-    return tuple(found)
+    return tuple(findings)
 
 
 def _carrier(n: int, rate: float, mains: float) -> ComplexArray:

@@ -77,8 +77,8 @@ def range_of_motion(trial: Trial) -> tuple[Finding, ...]:
     low, high = float(trial.angle.min()), float(trial.angle.max())
     asked = trial.commanded
     part = None
-    if asked is not None and asked.given:
-        part = span / float(np.ptp(asked.angle))
+    if asked is not None and asked.given and (commanded := float(np.ptp(asked.angle))) > 0.0:
+        part = span / commanded
     if span >= ROM and (part is None or part >= REACHED):
         return ()
     missed = part is not None and part < REACHED
@@ -139,13 +139,13 @@ def overshoot(trial: Trial) -> tuple[Finding, ...] | Skipped:
     """A position beyond or beside the profile that was commanded."""
     if trial.commanded is not None:
         return _departure(trial)
-    found = _ringing(trial.angle, trial.time, trial.rate_hz)
-    if found is None:
+    ringing = _ringing(trial.angle, trial.time, trial.rate_hz)
+    if ringing is None:
         return Skipped(
             "overshoot",
             "No commanded profile is given or recognised, and no movement ends in a hold.",
         )
-    size, first, last, count = found
+    size, first, last, count = ringing
     if count == 0:
         return ()
     return (

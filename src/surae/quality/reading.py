@@ -49,10 +49,10 @@ def check_file(path: PathLike, commanded: Commanded | None = None) -> Quality:
     try:
         recording = read(path)
     except InputError:
-        found = _faulty(path)
-        if found is None:
+        faulty = _faulty(path)
+        if faulty is None:
             raise
-        return found
+        return faulty
     return check_recording(recording, commanded or commanded_column(path, recording))
 
 
@@ -95,7 +95,7 @@ def commanded_column(path: PathLike, recording: Recording) -> Commanded | None:
         return None  # described by a mapping, which has no role for it
     try:
         table = open_table(open_source(path))
-        name = next((one for one in table.names if one in _COMMANDED), None)
+        name = next((name for name in table.names if name in _COMMANDED), None)
         if name is None:
             return None
         column = table.load([name])[name]
@@ -122,38 +122,38 @@ def _faulty(path: PathLike) -> Quality | None:
     if "angle" not in roles:
         return None
     first = columns[roles["angle"][0]]
-    found = _missing(roles, columns)
+    findings = _missing(roles, columns)
     time = np.asarray(first.time)
     known = np.isfinite(time)
     if not known.all():
-        found.append(_missing_finding("time", first, ~known))
+        findings.append(_missing_finding("time", first, ~known))
     if known.sum() >= 2:
         axis = Channel("time", read_only(time[known]), read_only(time[known]), "s", table.file)
-        found += axis_findings(axis)
-    if not found:
+        findings += axis_findings(axis)
+    if not findings:
         return None
     skipped: tuple[Skipped, ...] = ()
     recording = _left(table, roles, columns)
     if recording is not None:
         rest = check_recording(replace(recording, files=(source.file,)))
-        codes = {finding.code for finding in found}
+        codes = {finding.code for finding in findings}
         # Time was looked at as it is in the file.
-        found += [f for f in rest.findings if f.code not in codes and f.code != "time-gap"]
+        findings += [f for f in rest.findings if f.code not in codes and f.code != "time-gap"]
         skipped = rest.skipped
     else:
         skipped = tuple(Skipped(c, "Too few samples are left.") for k in CHECKS for c in k.codes)
-    return Quality(table.notes.get("name", source.name), ordered(found), skipped)
+    return Quality(table.notes.get("name", source.name), ordered(findings), skipped)
 
 
 def _missing(roles: _Roles, columns: Mapping[str, Column]) -> list[Finding]:
     """Channels with samples that are not numbers."""
-    found = []
+    findings = []
     for role, (name, _) in roles.items():
         column = columns[name]
         wrong = ~np.isfinite(column.values)
         if wrong.any():
-            found.append(_missing_finding(role, column, wrong))
-    return found
+            findings.append(_missing_finding(role, column, wrong))
+    return findings
 
 
 def _missing_finding(role: str, column: Column, wrong: np.ndarray) -> Finding:

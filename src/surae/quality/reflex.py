@@ -65,10 +65,10 @@ def suspected(trial: Trial) -> tuple[Finding, ...] | Skipped:
         return Skipped("reflex-suspected", "The signals are too slow to show 25 ms.")
     if float(trial.velocity.max()) < STRETCH:
         return Skipped("reflex-suspected", "No stretch is fast enough.")
-    found = reflex(trial)
-    if found is None:
+    reflexes = reflex(trial)
+    if reflexes is None:
         return ()
-    where = np.flatnonzero(found.explained)
+    where = np.flatnonzero(reflexes.explained)
     first, last = (where[0], where[-1]) if where.size else (0, len(trial.time) - 1)
     return (
         Finding(
@@ -77,10 +77,10 @@ def suspected(trial: Trial) -> tuple[Finding, ...] | Skipped:
             f"emg_{trial.triceps[0]}",
             float(trial.time[first]),
             float(trial.time[last]),
-            found.delay,
+            reflexes.delay,
             "s",
-            f"The triceps answers stretches {1e3 * found.delay:.0f} ms later "
-            f"({found.events} stretches): probably a reflex.",
+            f"The triceps answers stretches {1e3 * reflexes.delay:.0f} ms later "
+            f"({reflexes.events} stretches): probably a reflex.",
             "Stretch more slowly for passive parameters; with reflexes, activity and stretch are "
             "not independent.",
         ),
@@ -143,7 +143,7 @@ def _answered(trial: Trial, late: FloatArray) -> BoolArray:
 
 
 def _onsets(trial: Trial, stretch: FloatArray) -> list[int]:
-    """Where stretches that become fast begin."""
+    """Find where stretches that become fast begin."""
     fast = stretch > STRETCH
     starts = np.flatnonzero(np.diff(fast.astype(np.int8)) > 0) + 1
     apart = round(0.25 * trial.rate_hz)
@@ -155,7 +155,7 @@ def _onsets(trial: Trial, stretch: FloatArray) -> list[int]:
 
 
 def _peaks(trial: Trial, stretch: FloatArray) -> list[int]:
-    """Where stretches reach their speed, which ramps then keep."""
+    """Find where stretches reach their speed, which ramps then keep."""
     width = round(0.5 * trial.rate_hz)
     pieces = ((start, stretch[start : start + width]) for start in _onsets(trial, stretch))
     return [start + int(np.argmax(piece >= 0.95 * piece.max())) for start, piece in pieces]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.quality import activity, emg, lag, mains, position, reflex, timing, torque
+from surae.quality import activity, electrode, emg, lag, mains, position, reflex, timing, torque
 from surae.quality.commanded import Commanded
 from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped
 from surae.quality.trial import Trial, trial_of
@@ -35,6 +35,7 @@ CHECKS: tuple[Check, ...] = (
     Check(("emg-offset",), emg.offset, "EMG that does not rest at zero"),
     Check(("emg-artefact",), emg.artefact, "spikes and swings of cables and skin"),
     Check(("mains-hum",), mains.hum, "50 or 60 Hz in the EMG"),
+    Check(("electrode-off",), electrode.off, "an electrode that comes off during the trial"),
     Check(("electrode-lag",), lag.electrode_lag, "one electrode later than the others"),
     Check(("emg-torque-lag",), lag.torque_lag, "EMG and torque out of step"),
     Check(("torque-limit",), torque.limit, "torque at the device's limit"),
@@ -80,25 +81,25 @@ def check_recording(recording: Recording, commanded: Commanded | None = None) ->
     Quality
         The most severe findings first, then by time.
     """
-    found = [*timing.time_axes(recording), *timing.too_short(recording)]
+    findings = [*timing.time_axes(recording), *timing.too_short(recording)]
     skipped: list[Skipped] = []
     reason = unfit(recording)
     if reason is None:
         trial = trial_of(recording, commanded)
-        for one in CHECKS:
-            outcome = one.run(trial)
+        for check in CHECKS:
+            outcome = check.run(trial)
             if isinstance(outcome, Skipped):
                 skipped.append(outcome)
             else:
-                found += outcome
+                findings += outcome
     else:
-        skipped += [Skipped(code, reason) for one in CHECKS for code in one.codes]
-    return Quality(recording.name, ordered(found), tuple(skipped))
+        skipped += [Skipped(code, reason) for check in CHECKS for code in check.codes]
+    return Quality(recording.name, ordered(findings), tuple(skipped))
 
 
-def ordered(found: list[Finding]) -> tuple[Finding, ...]:
+def ordered(findings: list[Finding]) -> tuple[Finding, ...]:
     """The most severe first, then by time."""
-    return tuple(sorted(found, key=lambda f: (-SEVERITIES.index(f.severity), f.start_s, f.code)))
+    return tuple(sorted(findings, key=lambda f: (-SEVERITIES.index(f.severity), f.start_s, f.code)))
 
 
 def unfit(recording: Recording) -> str | None:

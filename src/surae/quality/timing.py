@@ -25,14 +25,14 @@ TOO_SHORT = 5.0
 
 def time_axes(recording: Recording) -> tuple[Finding, ...]:
     """Gaps and jitter in the time stamps, once for channels that share them."""
-    found: list[Finding] = []
+    findings: list[Finding] = []
     seen: list[Channel] = []
     for channel in recording.channels.values():
         if any(np.array_equal(channel.time, other.time) for other in seen):
             continue
         seen.append(channel)
-        found += axis_findings(channel)
-    return tuple(found)
+        findings += axis_findings(channel)
+    return tuple(findings)
 
 
 def axis_findings(channel: Channel) -> list[Finding]:
@@ -42,7 +42,7 @@ def axis_findings(channel: Channel) -> list[Finding]:
     step = float(np.median(steps))
     if step <= 0.0 or len(time) < 8:
         return [_disorder(channel, int((steps <= 0.0).sum()), step)]
-    found: list[Finding] = []
+    findings: list[Finding] = []
     # A gap is at least one sample that is missing; jitter alone moves a step by less than that
     # in most samples, so what the usual scatter of steps explains is jitter.
     scatter = quantile(np.abs(steps - step), 0.9)
@@ -53,7 +53,7 @@ def axis_findings(channel: Channel) -> list[Finding]:
         gaps = gaps[:0]  # stamps rounded to whole milliseconds
     if gaps.size:
         worst = int(gaps[np.argmax(steps[gaps])])
-        found.append(
+        findings.append(
             Finding(
                 "time-gap",
                 "error",
@@ -70,13 +70,13 @@ def axis_findings(channel: Channel) -> list[Finding]:
         )
     back = int((steps <= 0.0).sum())
     if back:
-        found.append(_disorder(channel, back, step))
-        return found
+        findings.append(_disorder(channel, back, step))
+        return findings
     jitter = 0.0
     if not (not gaps.size and _explained(channel)):
         jitter = _jitter(time, gaps)
     if jitter > JITTER * step:
-        found.append(
+        findings.append(
             Finding(
                 "time-jitter",
                 "warning" if jitter < BAD_JITTER * step else "error",
@@ -91,7 +91,7 @@ def axis_findings(channel: Channel) -> list[Finding]:
                 "clock.",
             )
         )
-    return found
+    return findings
 
 
 def _jitter(time: np.ndarray, gaps: np.ndarray) -> float:

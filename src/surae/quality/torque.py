@@ -188,15 +188,15 @@ def offset(trial: Trial) -> tuple[Finding, ...] | Skipped:
     turned = sign(trial)
     flipped = bool(turned) and not isinstance(turned, Skipped)
     torque = -trial.torque if flipped else trial.torque
-    found = baseline(trial.rate_hz, trial.angle, torque, trial.fast)
-    if found is None:
+    rest = baseline(trial.rate_hz, trial.angle, torque, trial.fast)
+    if rest is None:
         return Skipped("torque-offset", "Too little rest, or too little of the range, to tell.")
-    level = found.level
+    level = rest.level
     low, high = GRAVITY[0] - UNCERTAIN, GRAVITY[1] + UNCERTAIN
     beyond = max(low - level, level - high)
     if beyond <= 0.0:
         return ()
-    if beyond + UNCERTAIN < FOLLOWED * found.spread:
+    if beyond + UNCERTAIN < FOLLOWED * rest.spread:
         return Skipped("torque-offset", "EMG and angle explain too little of the torque to tell.")
     return (
         Finding(

@@ -225,7 +225,7 @@ def _solve(columns: list[FloatArray], y: FloatArray) -> tuple[FloatArray, float]
 
 
 def _vertex(at: FloatArray, values: FloatArray) -> float:
-    """Where a sampled curve is lowest, by a parabola through its lowest three samples."""
+    """Find where a sampled curve is lowest, by a parabola through its lowest three samples."""
     k = int(np.argmin(values))
     if k in (0, len(values) - 1):
         return float(at[k])

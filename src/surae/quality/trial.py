@@ -214,13 +214,13 @@ def _asked_effort(
     # Both tasks are judged where both ask for effort.
     late = since > named_task("part-passive").passive_until
     few = float(late.sum()) < _FEW * (len(time) - 1) / float(since[-1])
-    best, found = (_RECOGNISED_FEW if few else _RECOGNISED), None
+    best, recognised_effort = (_RECOGNISED_FEW if few else _RECOGNISED), None
     for name in ("part-passive", "active"):
         asked = _asked(since, name)
         alike = match(asked, slow, late)
         if alike > best:
-            best, found = alike, asked
-    return found
+            best, recognised_effort = alike, asked
+    return recognised_effort
 
 
 def _asked(since: FloatArray, task: str) -> FloatArray:

@@ -71,6 +71,9 @@ class ModelInputs(Comparable):
         What the recording was read from.
     emg_reference : EmgReference or None
         What the EMG was divided by; None for volts, and for EMG that came normalised.
+    lowpass : (float, int) or None
+        Cut-off [Hz] and order of the Bessel low-pass that angle and torque went through, and the
+        EMG did not; None for no such filter.
     """
 
     name: str
@@ -90,6 +93,7 @@ class ModelInputs(Comparable):
     fixed: Mapping[str, float] = field(default_factory=dict)
     files: tuple[SourceFile, ...] = ()
     emg_reference: EmgReference | None = None
+    lowpass: tuple[float, int] | None = None
 
     def __post_init__(self) -> None:
         """Make the mapping read-only; the arrays are made so by whoever prepares them."""

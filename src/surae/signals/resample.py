@@ -40,7 +40,7 @@ class Uniform:
     timing: Timing
 
     def replaced(self, values: FloatArray) -> "Uniform":
-        """The same channel with other values on its axis."""
+        """The channel with other values on its axis."""
         return replace(self, values=values)
 
 

@@ -19,6 +19,10 @@ UNIFORM_STEPS = 1e-3
 #: Two instants this close [steps] are the same instant.
 SAME_STEPS = 1e-6
 
+#: Significant digits that programs write, and how coarse [steps] stamps of so many may be: a sample
+#: that is missing moves those behind it by a step.
+_DIGITS, _COARSEST_WRITTEN = (6, 7, 8), 0.3
+
 #: Stamps rounded more coarsely than this [steps] cannot be told from gaps.
 _COARSEST_STAMPS = 0.6
 
@@ -54,7 +58,8 @@ class Timing:
         Largest distance of a time stamp from that axis [s].
     uniform : bool
         The samples may be taken as lying on `axis`: the stamps do, to a thousandth of a step, or
-        their rounding to whole decimals (e.g. milliseconds) explains why they do not.
+        their rounding to whole decimals (e.g. milliseconds), to six significant digits or to
+        single precision explains why they do not.
     """
 
     axis: Axis
@@ -88,6 +93,11 @@ def timing(channel: Channel, recording: str) -> Timing:
         if rounded is not None:
             spread = float(np.max(np.abs(time - rounded.time)))
             return Timing(rounded, spread, uniform=True)
+
+    written = _axis_of_written(time, step)
+    if written is not None:
+        spread = float(np.max(np.abs(time - written.time)))
+        return Timing(written, spread, uniform=True)
 
     median = float(np.median(steps))
     longest = int(np.argmax(steps))
@@ -174,3 +184,40 @@ def _axis_of_rounded(time: FloatArray, resolution: float) -> Axis | None:
     left = time - index / rate
     middle = float(left.max() + left.min()) / 2
     return Axis(middle - (n - 1) / 2 / rate, rate, n)
+
+
+def _axis_of_written(time: FloatArray, step: float) -> Axis | None:
+    """A uniform axis that becomes `time` when written with few digits; None if there is none.
+
+    Six significant digits, or single precision, are coarser the later a stamp is: each has its own
+    resolution, and none may lie further from the axis.
+    """
+    coarse = _written_resolution(time)
+    if coarse is None or float(coarse.max()) > _COARSEST_WRITTEN * step:
+        return None
+    n = len(time)
+    index = np.arange(n) - (n - 1) / 2
+    weight = 1.0 / np.maximum(coarse, 1e-3 * float(coarse.max()))
+    slope, middle = (float(c) for c in np.polyfit(index, time, 1, w=weight))
+    whole = _whole_rate(slope, n, float(coarse.min()))
+    for rate in (whole, 1.0 / slope):
+        start = middle - (n - 1) / 2 / rate
+        left = time - (start + np.arange(n) / rate)
+        if bool(np.all(np.abs(left) <= coarse)):
+            return Axis(start, rate, n)
+    return None
+
+
+def _written_resolution(time: FloatArray) -> FloatArray | None:
+    """What each stamp was rounded to [s], where few digits explain all of them."""
+    single = time.astype(np.float32)
+    if np.array_equal(single.astype(np.float64), time):
+        return np.asarray(np.spacing(np.abs(single)), dtype=np.float64)
+    size = np.abs(time)
+    decade = np.floor(np.log10(np.where(size > 0.0, size, 1.0)))
+    for digits in _DIGITS:
+        resolution = 10.0 ** (decade - digits + 1)
+        scaled = time / resolution
+        if float(np.max(np.abs(scaled - np.round(scaled)))) < 1e-4:
+            return np.asarray(resolution, dtype=np.float64)
+    return None
