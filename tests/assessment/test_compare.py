@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.assessment import Finding
+from surae.assessment import TendonEvidence
 from surae.assessment.comparison import compare as comparing
 from surae.assessment.comparison.compare import COMPARED, FEW_STARTS
 from surae.assessment.comparison.held_out import prediction_error
@@ -42,14 +42,14 @@ def compliant():
 
 
 def test_a_rigid_subject(rigid) -> None:
-    assert rigid.finding is Finding.RIGID
+    assert rigid.finding is TendonEvidence.RIGID
     assert rigid.scores["muscle"].delta == 0
     assert rigid.scores["muscle-tendon"].delta > 100
     assert rigid.scores["muscle-tendon"].held_out.gain < 0
 
 
 def test_a_compliant_subject(compliant) -> None:
-    assert compliant.finding is Finding.COMPLIANT
+    assert compliant.finding is TendonEvidence.COMPLIANT
     assert "Compliance is supported" in compliant.conclusion
     assert compliant.scores["muscle"].delta > 100
     assert compliant.compliant is compliant.scores[compliant.compliant.model]
@@ -118,7 +118,7 @@ def test_several_recordings() -> None:
     found = compare_models(inputs, ["muscle", "muscle-tendon"], options=OPTIONS, starts=1)
     assert found.folds == found.recordings == (inputs[0].name, "second")
     assert found.n == inputs[0].n + inputs[1].n
-    assert found.finding is Finding.RIGID
+    assert found.finding is TendonEvidence.RIGID
 
 
 def test_saved_and_read_again(compliant, tmp_path) -> None:
@@ -239,7 +239,7 @@ def test_a_prediction_that_overflows(monkeypatch) -> None:
     found = compare_models(
         [trial("muscle-tendon")], ["muscle", "muscle-tendon"], options=OPTIONS, starts=1
     )
-    assert found.finding is Finding.OPEN
+    assert found.finding is TendonEvidence.OPEN
     assert "could not be predicted (a prediction overflows" in found.conclusion
     assert found.scores["muscle"].held_out is not None
 
@@ -256,11 +256,13 @@ def test_every_fit_is_announced() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("truth", "expected"), [("muscle", Finding.RIGID),
-                                                ("muscle-tendon", Finding.COMPLIANT)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("truth", "expected"),
+    [("muscle", TendonEvidence.RIGID), ("muscle-tendon", TendonEvidence.COMPLIANT)],
+)
 def test_error_rates_over_virtual_subjects(truth, expected) -> None:
     """No subject is judged the opposite of what it is, and hardly one is left open."""
-    wrong = {Finding.RIGID, Finding.COMPLIANT} - {expected}
+    wrong = {TendonEvidence.RIGID, TendonEvidence.COMPLIANT} - {expected}
     profiles = ("multiple-holds", "multi-sine-holds", "ramp-and-hold", "multi-sine")
     found = []
     for seed in range(20):
@@ -300,5 +302,5 @@ def test_everything_that_is_asked_reaches_every_fit() -> None:
     assert [s.n_free for s in comparison.models] == [16, 18]
     assert comparison.n < trial("muscle").n
     assert any("AICc counts outliers" in said for said in comparison.cautions)
-    assert comparison.finding is not Finding.COMPLIANT
+    assert comparison.finding is not TendonEvidence.COMPLIANT
     assert comparison.as_dict()["settings"] == settings.as_dict()

@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import pytest
 
-from surae.assessment import Finding
+from surae.assessment import TendonEvidence
 from surae.assessment.comparison.conclusion import cautions, conclude
 from surae.assessment.comparison.finding import ModelScore
 from surae.assessment.comparison.held_out import HeldOut
@@ -35,15 +35,15 @@ RIGID = score("muscle", 1000.0)
 @pytest.mark.parametrize(
     ("aicc", "gain", "finding"),
     [
-        (989.0, 0.2, Finding.COMPLIANT),
-        (991.0, 0.2, Finding.OPEN),  # not by enough
-        (989.0, 0.05, Finding.OPEN),  # within the error
-        (989.0, -0.5, Finding.OPEN),  # contradictory
-        (999.0, 0.05, Finding.OPEN),  # no worse than rigid: the data do not see the tendon
-        (1011.0, 0.05, Finding.RIGID),
-        (1011.0, -0.5, Finding.RIGID),
-        (1011.0, 0.2, Finding.OPEN),  # contradictory
-        (1009.0, -0.5, Finding.OPEN),  # not worse by enough
+        (989.0, 0.2, TendonEvidence.COMPLIANT),
+        (991.0, 0.2, TendonEvidence.OPEN),  # not by enough
+        (989.0, 0.05, TendonEvidence.OPEN),  # within the error
+        (989.0, -0.5, TendonEvidence.OPEN),  # contradictory
+        (999.0, 0.05, TendonEvidence.OPEN),  # no worse than rigid: the data do not see the tendon
+        (1011.0, 0.05, TendonEvidence.RIGID),
+        (1011.0, -0.5, TendonEvidence.RIGID),
+        (1011.0, 0.2, TendonEvidence.OPEN),  # contradictory
+        (1009.0, -0.5, TendonEvidence.OPEN),  # not worse by enough
     ],
 )
 def test_both_criteria_must_agree(aicc, gain, finding) -> None:
@@ -51,9 +51,9 @@ def test_both_criteria_must_agree(aicc, gain, finding) -> None:
     assert found is finding
     assert text.startswith(
         {
-            Finding.COMPLIANT: "Compliance is supported: ",
-            Finding.RIGID: "A rigid tendon suffices: ",
-            Finding.OPEN: "The data cannot tell: ",
+            TendonEvidence.COMPLIANT: "Compliance is supported: ",
+            TendonEvidence.RIGID: "A rigid tendon suffices: ",
+            TendonEvidence.OPEN: "The data cannot tell: ",
         }[finding]
     )
     assert f"{abs(1000 - aicc):.1f} {'lower' if aicc < 1000 else 'higher'}" in text
@@ -62,19 +62,19 @@ def test_both_criteria_must_agree(aicc, gain, finding) -> None:
 def test_the_best_compliant_model_decides() -> None:
     worse, better = score("muscle-tendon", 1500.0, -2.0), score("muscle-tendon-toe", 900.0, 1.0)
     found, text = conclude([worse, RIGID, better])
-    assert found is Finding.COMPLIANT
+    assert found is TendonEvidence.COMPLIANT
     assert "muscle-tendon-toe" in text
 
 
 def test_a_free_tendon_as_good_as_rigid_and_a_fixed_one_that_is_worse() -> None:
     fixed, free = score("muscle-tendon", 1500.0, -2.0), score("muscle-tendon-strain", 1003.0, -0.01)
-    assert conclude([RIGID, fixed, free])[0] is Finding.RIGID
-    assert conclude([RIGID, free])[0] is Finding.OPEN
+    assert conclude([RIGID, fixed, free])[0] is TendonEvidence.RIGID
+    assert conclude([RIGID, free])[0] is TendonEvidence.OPEN
 
 
 def test_fits_that_failed_decide_nothing() -> None:
     good, bad = score("muscle-tendon", 900.0, 1.0), score("muscle-tendon-toe", None)
-    assert conclude([RIGID, good, bad])[0] is Finding.COMPLIANT
+    assert conclude([RIGID, good, bad])[0] is TendonEvidence.COMPLIANT
     found, text = conclude([RIGID, bad])
     assert found is None
     assert "every muscle-tendon model" in text
@@ -86,14 +86,14 @@ def test_fits_that_failed_decide_nothing() -> None:
 def test_too_few_independent_samples() -> None:
     few = [replace(s, aicc=None) for s in (RIGID, score("muscle-tendon", 900.0))]
     found, text = conclude(few)
-    assert found is Finding.OPEN
+    assert found is TendonEvidence.OPEN
     assert "too few independent samples" in text
 
 
 def test_without_a_prediction_nothing_is_supported() -> None:
     blind = replace(score("muscle-tendon", 900.0), held_out=None, held_out_note="it overflows")
     found, text = conclude([RIGID, blind])
-    assert found is Finding.OPEN
+    assert found is TendonEvidence.OPEN
     assert "it overflows" in text
 
 

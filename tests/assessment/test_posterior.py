@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from surae.assessment.likelihood.profiles import profiles
-from surae.assessment.posterior.agreement import AGREES, agreements
+from surae.assessment.posterior.agreement import AGREEMENT_TOLERANCE, agreements
 from surae.assessment.posterior.sample import sample
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
@@ -106,8 +106,8 @@ def test_where_the_model_is_nearly_linear_all_three_intervals_agree(fitted):
         if name in ("k_tib", "x0_tib"):  # the passive tibialis: bent, and its prior has a say
             assert 0.3 < found[name].prior_part < 0.6
         else:
-            assert off < AGREES, name
-            assert one.off_covariance < AGREES, name
+            assert off < AGREEMENT_TOLERANCE, name
+            assert one.off_covariance < AGREEMENT_TOLERANCE, name
 
 
 @pytest.mark.slow
@@ -124,6 +124,6 @@ def test_strain_and_toe_force_of_the_tibialis_do_not_part(subject, trajectory):
     assert toe.of_prior
     assert toe.ci95[0] > 0.1  # where the covariance's interval reaches to zero
     assert toe.from_covariance[0] < 0.02
-    assert agreements(found)["pt_tib"].off_covariance > 2 * AGREES
-    assert agreements(found)["m"].off_covariance < AGREES
+    assert agreements(found)["pt_tib"].off_covariance > 2 * AGREEMENT_TOLERANCE
+    assert agreements(found)["m"].off_covariance < AGREEMENT_TOLERANCE
     assert found["dlt_tib"].ci95[0] < 0.04 < found["dlt_tib"].ci95[1]

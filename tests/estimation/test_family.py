@@ -9,8 +9,11 @@ from surae.assessment import Verdict, assess
 from surae.assessment.saved.fit_json import load_saved, save_fit
 from surae.errors import InputError
 from surae.estimation import make_problem, solve
+from surae.estimation.shaken import emg_noise
 from surae.frozen import read_only
 from surae.model.laboratory import ALL, laboratory
+from surae.recording import Recording, read
+from surae.signals import prepare
 from surae.studies.richer import richer_leg
 
 
@@ -95,8 +98,17 @@ def test_several_recordings_have_their_own_zeros(leg):
     other = richer_leg(0, trial=1)
     result = solve(make_problem([leg.inputs, other.inputs], "auto"))
     assert result.family.zeros == pytest.approx((leg.zero, other.zero), abs=0.3)
-    for one, residual in zip((leg, other), result.residuals, strict=True):
-        assert np.std(residual) == pytest.approx(one.noise, rel=0.05)
+    for trial, residual in zip((leg, other), result.residuals, strict=True):
+        assert np.std(residual) == pytest.approx(trial.noise, rel=0.05)
+    budgets = [p.budget for p in assess(result).parameters.values() if p.budget]
+    assert np.median([budget["trials"] for budget in budgets]) < 0.5
+
+
+def test_two_legs_are_not_one(leg):
+    """Recordings that differ by more than noise are no ground for many claims."""
+    result = solve(make_problem([leg.inputs, richer_leg(2).inputs], "auto"))
+    worth = assess(result)
+    assert truth_in(worth, leg.parameters)[0] <= 6
 
 
 def test_a_laboratory_can_be_told():
@@ -123,3 +135,79 @@ def test_ctrl_c_keeps_the_simple_model_and_claims_no_family(leg):
     assert result.problem.spec.name == "muscle"
     assert result.starts[-1].outcome == "interrupted"
     assert "stopped by the user" in result.message
+
+
+def test_the_noise_of_raw_emg_is_as_strong_as_the_emg():
+    trial = richer_leg(3, raw=True)
+    with_noise = prepare(
+        Recording.from_arrays(
+            trial.inputs.time, trial.inputs.angle, trial.inputs.torque, trial.raw, emg_kind="raw"
+        )
+    )
+    level = emg_noise(with_noise)
+    smooth = prepare(
+        Recording.from_arrays(
+            trial.inputs.time, trial.inputs.angle, trial.inputs.torque, trial.inputs.emg.clip(0.0),
+            emg_kind="envelope",
+        )
+    )  # fmt: skip
+    strong = smooth.emg[:, 2] > np.percentile(smooth.emg[:, 2], 90.0)
+    weak = smooth.emg[:, 2] < np.percentile(smooth.emg[:, 2], 30.0)
+    # rectified noise fluctuates by 0.76 of its mean, most of it faster than this rate shows
+    assert 0.25 < np.median(level[strong, 2] / smooth.emg[strong, 2]) < 0.7
+    assert level[strong, 2].mean() > 5.0 * level[weak, 2].mean()
+
+
+def test_noise_of_the_emg_biases_a_fit_and_that_is_taken_away():
+    """Raw EMG asks for a slower filter; legs apart from those that the correction was made on."""
+    trial = richer_leg(11, raw=True)
+    inputs = prepare(
+        Recording.from_arrays(
+            trial.inputs.time, trial.inputs.angle, trial.inputs.torque, trial.raw, emg_kind="raw"
+        )
+    )
+    worth = assess(solve(make_problem([inputs], "auto")))
+    for name in ("f0", "beta", "g1", "l0_tib"):
+        p = worth.parameters[name]
+        assert abs(p.value - trial.parameters[name]) < 3.0 * p.sem
+        assert p.budget["emg_noise"] > 0.0
+
+
+def test_a_leg_of_other_muscles_is_not_called_known(tmp_path):
+    """Its residual follows movement and effort: what that hides is in the intervals."""
+    trial = richer_leg(62, drifting=True, foreign=True)
+    trial.write(tmp_path / "leg.csv")
+    result = solve(make_problem([prepare(read(tmp_path / "leg.csv"))], "auto"))
+    worth = assess(result)
+    claimed, hits = truth_in(worth, trial.parameters)
+    assert claimed <= 6
+    assert hits >= claimed - 2
+    assert max(p.budget.get("left_out", 0.0) for p in worth.parameters.values()) > 0.5
+
+
+def test_nothing_is_left_out_of_a_leg_that_the_family_has(fitted):
+    worth = assess(fitted)
+    shares = [p.budget["left_out"] for p in worth.parameters.values() if p.budget]
+    assert np.median(shares) < 0.05
+
+
+def test_a_slack_length_is_as_unsure_as_its_stiffness(fitted):
+    """Where k is hardly known, x0 is: its interval reaches farther to short lengths."""
+    free = fitted.problem.free
+    j = free.index("x0_tib")
+    wide = fitted.family.covariance.copy()
+    wide[j, j] = 0.01**2
+    family = replace(fitted.family, covariance=read_only(wide))
+    p = assess(replace(fitted, family=family)).parameters["x0_tib"]
+    assert p.value - p.ci95[0] > 1.2 * (p.ci95[1] - p.value)
+
+
+def test_a_bias_that_is_not_small_is_not_taken_away(fitted):
+    """Far more noise than signal: the torque is not let go for the sake of a correction."""
+    recording = fitted.problem.inputs[0]
+    rng = np.random.default_rng(5)
+    scatter = recording.emg.max(axis=0) * rng.standard_normal(recording.emg.shape)
+    loud = replace(recording, emg=read_only(np.abs(recording.emg + 0.5 * scatter)))
+    worth = assess(solve(make_problem([loud], "auto")))
+    plain = assess(solve(make_problem([loud], "muscle", starts=1)))
+    assert worth.adequacy.r2 > plain.adequacy.r2 - 5.0

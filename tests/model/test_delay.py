@@ -36,8 +36,8 @@ def delayed(inputs, f0, beta, dt, delay, lags) -> np.ndarray:
     """Output for each input, and its derivatives, shape (4, k, L, n)."""
     step = ActivationFilter(f0=f0, beta=beta, dt=dt, lags=lags, columns=(1, 2))
     active = [step.active_state([Drive(signal, delay=delay, delay_column=0)]) for signal in inputs]
-    assert [one.columns.tolist() for one in active] == [[0, 1, 2]] * len(inputs)
-    rows = [np.concatenate([one.alpha[None], one.slopes]) for one in active]
+    assert [state.columns.tolist() for state in active] == [[0, 1, 2]] * len(inputs)
+    rows = [np.concatenate([state.alpha[None], state.slopes]) for state in active]
     return np.stack(rows, axis=1)
 
 
@@ -176,7 +176,9 @@ def test_sensitivities_with_a_delay(name, make_inputs) -> None:
     simulator, p = driven(name, inputs, emd=0.0437)
     names = with_optional(MODELS[name], ("emd",)).names
     assert names[-1] == "emd"
-    free = [j for j, one in enumerate(names) if one in MODELS[name].free] + [len(names) - 1]
+    free = [j for j, parameter in enumerate(names) if parameter in MODELS[name].free] + [
+        len(names) - 1
+    ]
     torque, rows = simulator.torque_jacobian(p, free)
     np.testing.assert_allclose(torque, simulator.torque(p), rtol=0, atol=1e-11)
     for row, j in zip(rows, free, strict=True):
@@ -202,7 +204,7 @@ def test_a_delay_of_whole_samples_is_emg_recorded_later(name, make_inputs) -> No
     torque = same.torque(p[: len(spec.names)])
     np.testing.assert_allclose(simulator.torque(p), torque, rtol=0, atol=1e-9)
     if simulator.tendon(p) is not None:
-        forces = (one.tendon_force for one in (simulator.tendon(p), same.tendon(p[:-1])))
+        forces = (state.tendon_force for state in (simulator.tendon(p), same.tendon(p[:-1])))
         np.testing.assert_allclose(*forces, rtol=0, atol=1e-7)
 
 

@@ -50,10 +50,10 @@ def test_off_is_the_model_as_it_is(name, group, inputs) -> None:
     plain, p, spec = tied(name, inputs)
     off, q, _ = tied(name, inputs, **dict.fromkeys(OPTIONAL[group], 0.0))
     size = len(spec.names)
-    one, rows = plain.torque_jacobian(p, range(size))
+    torque, rows = plain.torque_jacobian(p, range(size))
     other, more = off.torque_jacobian(q, range(size))
-    np.testing.assert_allclose(other, one, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(off.torque(q), one, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(other, torque, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(off.torque(q), torque, rtol=0, atol=1e-12)
     scale = np.abs(rows).max(axis=1, keepdims=True) + 1e-300
     np.testing.assert_allclose(more / scale, rows / scale, rtol=0, atol=1e-11)
 
@@ -65,7 +65,11 @@ def test_sensitivities(name, geometry, values, inputs) -> None:
     options = replace(OPTIONS, geometry=geometry)
     simulator, p, spec = tied(name, inputs, options, **values)
     assert spec.optional == tuple(p.name for p in OPTIONAL_PARAMETERS)
-    columns = [j for j, one in enumerate(spec.names) if one in spec.optional + MODELS[name].free]
+    columns = [
+        j
+        for j, parameter in enumerate(spec.names)
+        if parameter in spec.optional + MODELS[name].free
+    ]
     modelled, rows = simulator.torque_jacobian(p, columns)
     np.testing.assert_allclose(modelled, simulator.torque(p), rtol=0, atol=1e-11)
     np.testing.assert_allclose(modelled, simulator.parts(p).total, rtol=0, atol=1e-10)
@@ -97,7 +101,7 @@ def test_rows_of_some_are_those_of_all(name, inputs) -> None:
         ["xt_gl_sol", "emg_rest_ta", "m"],
         ["emg_shape", "f0", "angle_zero"],
     ):
-        columns = [spec.names.index(one) for one in chosen if one in spec.names]
+        columns = [spec.names.index(model) for model in chosen if model in spec.names]
         rows = simulator.torque_jacobian(p, columns)[1]
         np.testing.assert_allclose(rows, everything[columns], rtol=1e-12, atol=1e-12)
 
@@ -105,8 +109,8 @@ def test_rows_of_some_are_those_of_all(name, inputs) -> None:
 @every_model
 def test_crosstalk_and_rest_are_taken_out_again(name, inputs) -> None:
     mixing = np.eye(4)
-    for (hears, of), one in CROSSTALK.items():
-        mixing[hears, of] = CROSSTALK_VALUES[one]
+    for (hears, of), parameter in CROSSTALK.items():
+        mixing[hears, of] = CROSSTALK_VALUES[parameter]
     heard = inputs.emg @ mixing.T + np.array(list(RESTS.values()))
     same = torque(name, replace(inputs, emg=heard), **CROSSTALK_VALUES, **RESTS)
     np.testing.assert_allclose(same, torque(name, inputs), rtol=0, atol=1e-9)
@@ -202,7 +206,7 @@ def test_angle_of_an_ankle_beside_the_axis() -> None:
             ]
             slope = here.slope(name)
             for what in ("angle", "factor", "bend"):
-                above, below = (getattr(one, what) for one in moved)
+                above, below = (getattr(leg, what) for leg in moved)
                 numeric = (above - below) / (2 * h)
                 np.testing.assert_allclose(getattr(slope, what), numeric, rtol=1e-6, atol=1e-6)
         np.testing.assert_allclose(here.slope("angle").angle, here.joint.factor)

@@ -102,7 +102,7 @@ def test_on_rigid_tendons_it_is_what_the_gain_adds(name, make_inputs) -> None:
     added = simulator.torque(p) - simulator.torque(off)
     np.testing.assert_allclose(simulator.parts(p).reflex, added, rtol=0, atol=1e-10)
     names = with_optional(MODELS[name], GAINS).names
-    columns = [names.index(one) for one in ("reflex_tri", "reflex_tib")]
+    columns = [names.index(name) for name in ("reflex_tri", "reflex_tib")]
     _, rows = simulator.torque_jacobian(off, columns)
     gains = np.array([GAINS["reflex_tri"], GAINS["reflex_tib"]])
     np.testing.assert_allclose(gains @ rows, added, rtol=0, atol=1e-10)
@@ -138,7 +138,11 @@ def test_sensitivities(name, options, make_inputs) -> None:
     values = {"emd": 0.0312, **GAINS}
     p = spec.vector({q.name: q.start for q in MODELS[name].parameters} | values, chosen)
     simulator = spec.simulator(inputs, chosen)
-    free = [j for j, one in enumerate(spec.names) if one in MODELS[name].free + spec.optional]
+    free = [
+        j
+        for j, parameter in enumerate(spec.names)
+        if parameter in MODELS[name].free + spec.optional
+    ]
     torque, rows = simulator.torque_jacobian(p, free)
     np.testing.assert_allclose(torque, simulator.torque(p), rtol=0, atol=1e-11)
     for row, j in zip(rows, free, strict=True):
@@ -154,7 +158,7 @@ def test_a_gain_of_zero_has_a_slope_and_its_delay_none(make_inputs) -> None:
     inputs = make_inputs(4, rate_hz=128.0, seconds=3.0)
     simulator, p = tied("muscle-tendon", inputs, reflex_tri=0.0, reflex_tib=0.0)
     spec = with_optional(MODELS["muscle-tendon"], GAINS)
-    columns = [spec.names.index(one) for one in spec.optional]
+    columns = [spec.names.index(name) for name in spec.optional]
     gain_tri, gain_tib, delay = simulator.torque_jacobian(p, columns)[1]
     assert gain_tri.max() > 0 > gain_tib.min()
     assert not delay.any()

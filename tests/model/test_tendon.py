@@ -31,7 +31,7 @@ def force(e: float, parameters: tuple[float, ...]) -> float:
 def test_force_is_the_printed_one(name) -> None:
     q = CURVES[name]
     e = np.linspace(-0.5, 1.5, 401) * q[0]
-    ours = [force(one, q) for one in e]
+    ours = [force(state, q) for state in e]
     assert ours == pytest.approx(printed(e, *q), rel=1e-12, abs=1e-10)
 
 
@@ -52,7 +52,7 @@ def test_toe_and_line_join_with_one_slope(name) -> None:
     above = tendon_force(np.nextafter(curve[0], 1.0), curve)
     assert above == pytest.approx(below, rel=1e-12)
     e = np.linspace(0, 1.5 * CURVES[name][0], 200)
-    slopes = [tendon_force(one, curve)[1] for one in e]
+    slopes = [tendon_force(state, curve)[1] for state in e]
     assert np.all(np.diff(slopes) >= -1e-9 * slopes[-1])  # it only ever stiffens
     assert slopes[0] > 0  # taut from the first elongation on
 

@@ -6,7 +6,7 @@ from surae.assessment.assess import (
     RecordingQuality,
     assess,
 )
-from surae.assessment.comparison.finding import Comparison, Finding
+from surae.assessment.comparison.finding import Comparison, TendonEvidence
 from surae.assessment.parameter import Interval, ParameterEstimate
 from surae.assessment.residual.quality import autocorrelation, rmse, vaf
 from surae.assessment.residual.whiteness import Whiteness, whiteness
@@ -22,7 +22,6 @@ __all__ = [
     "Baseline",
     "Comparison",
     "Covariance",
-    "Finding",
     "Grade",
     "Interval",
     "ParameterEstimate",
@@ -30,6 +29,7 @@ __all__ = [
     "Prediction",
     "RecordingQuality",
     "RobustCovariance",
+    "TendonEvidence",
     "Verdict",
     "Whiteness",
     "assess",

@@ -13,8 +13,9 @@ from surae.assessment.residual.whiteness import LEVEL, Whiteness
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width, ipde
 from surae.assessment.uncertainty.robust import RobustCovariance, robust_covariance
 from surae.assessment.uncertainty.snsem import Baseline, check_baseline, snsem
-from surae.assessment.verdict import IDENTIFIED, Verdict, judge_interval, judge_singular
+from surae.assessment.verdict import IDENTIFIED, Verdict, judge_interval, judge_singular, percent
 from surae.estimation import FitResult
+from surae.estimation.contradiction import Contradiction, contradiction
 from surae.frozen import Comparable
 from surae.model import adapted
 from surae.signals import ModelInputs
@@ -104,7 +105,9 @@ class Assessment(Comparable):
     snsem: Mapping[str, float | None] = field(default_factory=dict)
 
 
-def assess(result: FitResult, baseline: Baseline | None = None) -> Assessment:
+def assess(
+    result: FitResult, baseline: Baseline | None = None, *, alternatives: bool = False
+) -> Assessment:
     """Judge a fit.
 
     Parameters
@@ -113,6 +116,9 @@ def assess(result: FitResult, baseline: Baseline | None = None) -> Assessment:
         What was found.
     baseline : Baseline, optional
         Simulations to compare the standard errors with.
+    alternatives : bool
+        Whether a named model is held against what it does not know of: where the data contradict
+        it, its intervals reach to where a model of the laboratory would have the parameters.
 
     Returns
     -------
@@ -160,9 +166,16 @@ def assess(result: FitResult, baseline: Baseline | None = None) -> Assessment:
         note = "fewer than two parameters have a variance"
     residuals = np.concatenate([residual for _, residual, _ in pairs])
     adequacy = judge_adequacy(result)
-    table = _parameters(result, estimated, robust, interval, adequacy)
+    against = (
+        contradiction(result, doubtful=adequacy.grade is not Grade.ADEQUATE)
+        if alternatives
+        else None
+    )
+    table = _parameters(result, estimated, robust, interval, adequacy, against)
+    if against is not None:
+        why += f"; they reach to where a model with {', '.join(against.missing)} has the parameters"
     if result.family is not None:
-        table |= marginal(result.family, problem.free, table, adequacy)
+        table |= marginal(result.family, problem, table, adequacy)
     parameters = {n: p for n, p in table.items() if not _is_nuisance(result, n)}
     nuisances = {n: p for n, p in table.items() if _is_nuisance(result, n)}
     errors = {p.name: p.sem for p in parameters.values() if p.free}
@@ -238,6 +251,7 @@ def _parameters(
     robust: RobustCovariance | None,
     interval: Interval,
     adequacy: Adequacy,
+    against: Contradiction | None,
 ) -> dict[str, ParameterEstimate]:
     problem, withheld = result.problem, adequacy.grade is Grade.INADEQUATE
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
@@ -251,8 +265,8 @@ def _parameters(
     for name, p in table.items():
         value = result.values[name]
         lower, upper = bounds.get(name, (p.lower, p.upper))
-        sem = sem_robust = ci95 = None
-        repeatable = False
+        sem = sem_robust = ci95 = again = None
+        repeatable, budget = False, {"noise": 1.0}
         if name not in problem.free:
             verdict, note = Verdict.FIXED, "fixed, not estimated"
         elif name in at_bound:
@@ -272,9 +286,21 @@ def _parameters(
                 sem_robust = float(np.sqrt(robust.matrix[j, j]))
                 if interval is Interval.ROBUST:
                     half = half_width(sem_robust, float(robust.dof[j]))
+            again = (value - half, value + half)
+            repeatable = half <= IDENTIFIED * abs(value) and not withheld
+            shift = against.shift.get(name, 0.0) if against is not None else 0.0
+            if against is not None and shift > 0.0:
+                budget = {"noise": half**2 / (half + shift) ** 2}
+                budget["model"] = 1.0 - budget["noise"]
+                half += shift
             ci95 = (value - half, value + half)
             verdict, note = judge_interval(name, value, half, estimated, p.unit, withheld=withheld)
-            repeatable = half <= IDENTIFIED * abs(value) and not withheld
+            if against is not None and repeatable and verdict is not Verdict.IDENTIFIED:
+                note = (
+                    f"known only to ±{percent(half / abs(value))}: the data contradict this model; "
+                    f"with {', '.join(against.missing)} it is elsewhere (fit model auto), though "
+                    "another trial of this leg would give the same with this model"
+                )
         elif not np.isfinite(estimated.sigma2):
             verdict, note = (
                 Verdict.UNDETERMINED,
@@ -285,6 +311,6 @@ def _parameters(
         parameters[name] = ParameterEstimate(
             name, p.unit, p.meaning, p.group, value, sem, sem_robust, ci95,
             interval if ci95 else None, lower, upper, name in problem.free, name in at_bound,
-            verdict, note, ci95, repeatable, {"noise": 1.0} if ci95 else {},
+            verdict, note, again, repeatable, budget if ci95 else {},
         )  # fmt: skip
     return parameters

@@ -9,6 +9,8 @@ from surae.assessment.adequacy import Adequacy, Grade
 from surae.assessment.parameter import Interval, ParameterEstimate
 from surae.assessment.uncertainty.budget import REMEDIES, Budget, budgets
 from surae.assessment.verdict import IDENTIFIED, Verdict, percent
+from surae.estimation import FitProblem
+from surae.estimation.curved import stiffness_valleys
 from surae.estimation.mode import straight
 from surae.estimation.result import Family
 
@@ -19,7 +21,7 @@ _WORTH = 0.25
 
 def marginal(
     family: Family,
-    free: tuple[str, ...],
+    problem: FitProblem,
     table: Mapping[str, ParameterEstimate],
     adequacy: Adequacy,
 ) -> dict[str, ParameterEstimate]:
@@ -29,8 +31,8 @@ def marginal(
     ----------
     family : Family
         Of the fit.
-    free : tuple of str
-        The estimated parameters, as its covariance has them.
+    problem : FitProblem
+        The question.
     table : mapping of str to ParameterEstimate
         As of a named model.
     adequacy : Adequacy
@@ -38,13 +40,14 @@ def marginal(
     """
     withheld = adequacy.grade is Grade.INADEQUATE
     judged = {}
-    for name, budget in budgets(family, free).items():
+    longest = {x0: length for _, x0, length in stiffness_valleys(problem)}
+    for name, budget in budgets(family, problem.free).items():
         p = table[name]
         if p.at_bound:
             continue
-        ci95 = _interval(p, budget.sd)
+        ci95 = _interval(p, budget.sd, longest.get(name))
         half = (ci95[1] - ci95[0]) / 2.0
-        again = _interval(p, budget.repeat)
+        again = _interval(p, budget.repeat, longest.get(name))
         repeatable = (again[1] - again[0]) / 2.0 <= IDENTIFIED * abs(p.value) and not withheld
         verdict, note = _judge(p, half, budget, repeatable=repeatable, withheld=withheld)
         judged[name] = replace(
@@ -62,9 +65,16 @@ def marginal(
     return judged
 
 
-def _interval(p: ParameterEstimate, sd: float) -> tuple[float, float]:
-    """95 % interval: on a logarithm where the parameter is positive by nature, within bounds."""
-    if straight([p.name])[0]:
+def _interval(p: ParameterEstimate, sd: float, longest: float | None) -> tuple[float, float]:
+    """95 % interval within bounds: on a logarithm where the parameter is positive by nature.
+
+    Of a slack length it is the way from there to the longest muscle that is: data know the force at
+    that end, k·(longest − x0), so that way is as unsure as 1/k.
+    """
+    if longest is not None and p.value < longest:
+        factor = float(np.exp(min(_NORMAL * sd / (longest - p.value), 50.0)))
+        low, high = (longest - (longest - p.value) * f for f in (factor, 1.0 / factor))
+    elif straight([p.name])[0]:
         low, high = p.value - _NORMAL * sd, p.value + _NORMAL * sd
     else:
         factor = float(np.exp(min(_NORMAL * sd / p.value, 50.0)))

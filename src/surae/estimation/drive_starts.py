@@ -30,7 +30,7 @@ def own_columns(problem: FitProblem) -> list[int]:
 
 
 def drives_off(problem: FitProblem) -> FitProblem:
-    """The same problem with its freed drives held off, or at the bound that is nearest to off.
+    """Hold a problem's freed drives off, or at the bound that is nearest to off.
 
     A drive that is off altogether is left out of the model: the problem is the one that a fit
     without it has.

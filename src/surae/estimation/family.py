@@ -12,40 +12,35 @@ The family has rigid and compliant tendons, each with every subset of the labora
 5. The other kind of tendons, from the values found, under the same noise.
 
 Alternatives that the data do not reject, other valleys, other subsets and the other kind of
-tendons, widen the intervals by how far they are (`Family.spread`).
+tendons, widen the intervals by how far they are (`surae.estimation.summed`).
 """
 
 import time
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from surae.estimation.evidence import Quadratic, Subset, subsets
+from surae.estimation.correlated import under_noise
+from surae.estimation.evidence import Subset, subsets
 from surae.estimation.fit import fit_problem
 from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.least_squares import Outcome
+from surae.estimation.member import ODDS, Member
 from surae.estimation.mode import Mode, Target, straight, thinned_problem, white_noise
 from surae.estimation.noise import NoiseModel
 from surae.estimation.population import population_priors
 from surae.estimation.problem import FitProblem
-from surae.estimation.result import Candidate, Family, FitResult, Start, is_at_bound
-from surae.estimation.shaken import shaken
-from surae.frozen import FrozenDict, read_only
+from surae.estimation.result import FitResult
+from surae.estimation.summed import REJECTED, Valleys, summed
 from surae.model import adapted, get_model, with_optional
-from surae.model.laboratory import (
-    COMPLIANT,
-    GROUPS,
-    RIGID,
-    Belief,
-    group_of,
-    laboratory,
-)
+from surae.model.laboratory import COMPLIANT, RIGID, Belief, group_of, laboratory
+from surae.progress import SearchProgress
 from surae.recording import MUSCLES
 from surae.signals import emg_levels
+from surae.signals.prepare import sharpened
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
-from surae.versions import versions
 
 #: Data of the first search: rate [Hz] and samples of each recording.
 _THIN_RATE, _THIN_SAMPLES = 32.0, 400
@@ -59,27 +54,15 @@ _TEMPERS = (0.1, 0.03)
 _WIDENED = 1.5
 #: Crosstalk from which the search begins again, as parts of what it found.
 _LESS_CROSSTALK = (0.3, 0.0)
-#: Alternatives whose −2 ln p is greater than the best's by more are rejected.
-_REJECTED = 12.0
 #: A model whose −2 ln p is greater by more after some steps is not followed to its end.
 _HOPELESS = 300.0
-#: Sum of squares, as a part of what least squares leave, from which a mode under correlated noise
-#: has let the torque go; and the frequencies [Hz] whose noise counts then.
-_LET_GO, _SLOW = 1.3, 2.0
-#: Weight below which a subset or model of the family is not looked at.
-_UNSUPPORTED = 0.01
 _POPULATION = "healthy"
-#: Odds beforehand of what few data tell from what it trades with.
-_ODDS = {"toe": 0.1}
 #: Groups that no sensor is free of: they are in whatever the evidence; those that are tried alone;
 #: and those whose valleys are many, for they bend the curves that other parameters place.
 _ALWAYS, _CORE, _BENDS = ("zero", "delay"), ("zero", "delay", "crosstalk"), ("toe", "shape")
-_TENDONS = {"dlt_tri": Belief(np.log(0.025), 1.0), "dlt_tib": Belief(np.log(0.010), 1.0)}
-
-Progress = Callable[[int, int, float], None]
 
 
-def fit_family(problem: FitProblem, *, progress: Progress | None = None) -> FitResult:
+def fit_family(problem: FitProblem, *, progress: SearchProgress | None = None) -> FitResult:
     """Fit the family to a problem and choose.
 
     Parameters
@@ -106,11 +89,13 @@ def fit_family(problem: FitProblem, *, progress: Progress | None = None) -> FitR
 class _Search:
     """One search through the family."""
 
-    def __init__(self, problem: FitProblem, progress: Progress | None) -> None:
-        self._asked, self._progress = problem, progress
+    def __init__(self, problem: FitProblem, progress: SearchProgress | None) -> None:
+        inputs = tuple(sharpened(recording) for recording in problem.inputs)
+        self._asked, self._progress = replace(problem, inputs=inputs), progress
+        self._given = problem.inputs
         beliefs = laboratory(problem.settings.nuisances)
-        held = {*problem.settings.fixed, *(n for one in problem.inputs for n in one.fixed)}
-        missing = {m for one in problem.inputs for m in one.missing_emg}
+        held = {*problem.settings.fixed, *(n for trial in problem.inputs for n in trial.fixed)}
+        missing = {m for trial in problem.inputs for m in trial.missing_emg}
         silent = missing | {
             muscle
             for muscle, weight in zip(MUSCLES, problem.spec.weights, strict=True)
@@ -136,21 +121,23 @@ class _Search:
         full = self._problem(COMPLIANT, tuple(self._beliefs))
         target, mode = self._valleys(full, self._first(full))
         self._told(2, mode)
-        target, mode = _under_noise(target, mode)
+        target, mode = under_noise(target, mode)
         compliant = self._member(target, mode)
-        target, mode = _under_noise(compliant.target, compliant.mode)
+        target, mode = under_noise(compliant.target, compliant.mode)
         self._told(3, mode)
-        compliant = replace(compliant, target=target, mode=mode, quadratic=_quadratic(target, mode))
+        compliant = replace(compliant, target=target, mode=mode, quadratic=target.quadratic(mode))
         rigid = self._rigid(compliant)
         better = self._again(compliant, rigid)
         if better is not compliant:
             compliant, rigid = better, self._rigid(better)
         self._told(4, mode)
-        return self._summed(compliant, rigid, begin)
+        return summed(compliant, rigid, Valleys(tuple(self._modes), self._met), self._given, begin)
 
     def stopped(self, begin: float) -> FitResult:
         """What is kept where the user stopped: the rigid model, nothing weighed."""
-        plain = fit_problem(replace(self._problem(RIGID, ()), priors={}), starts=1)
+        plain = fit_problem(
+            replace(self._problem(RIGID, ()), priors={}, inputs=self._given), starts=1
+        )
         return replace(
             plain,
             message="stopped by the user: the rigid model alone is kept; fit again to weigh the "
@@ -240,7 +227,7 @@ class _Search:
             z = target.descend(z, evaluations=10, tolerance=0.1).z
         modes = [target.descend(z, evaluations=10, tolerance=0.03)]
         points = [
-            end.z for end in ends[1:] if end.cost < ends[0].cost * (1.0 + _REJECTED / full.n)
+            end.z for end in ends[1:] if end.cost < ends[0].cost * (1.0 + REJECTED / full.n)
             and np.abs(end.z - ends[0].z).max() > 0.05
         ]  # fmt: skip
         heard = [j for j, name in enumerate(target.names) if group_of(name) == "crosstalk"]
@@ -266,14 +253,14 @@ class _Search:
             groups["zero"] = list(range(first, first + target.zeros))
         return groups
 
-    def _member(self, target: Target, mode: Mode) -> "_Member":
+    def _member(self, target: Target, mode: Mode) -> Member:
         """The best supported subset of nuisances, solved anew.
 
         The quadratic at the mode of all nuisances may be that of another valley: the subset that
         it prefers, that without what only bends curves, and the core are solved and compared.
         """
         scored, names = self._subsets(target, mode), target.names
-        tried: dict[tuple[str, ...], _Member] = {}
+        tried: dict[tuple[str, ...], Member] = {}
         best = scored[0].groups
         for groups in (best, tuple(g for g in best if g not in _BENDS),
                        tuple(g for g in best if g in _CORE)):  # fmt: skip
@@ -281,7 +268,7 @@ class _Search:
             if key not in tried:
                 own, there = self._reduced(target, mode, groups)
                 subsets_ = sorted(scored, key=lambda s: tuple(sorted(s.groups)) != key)
-                tried[key] = _Member(own, there, tuple(subsets_), names, _quadratic(own, there))
+                tried[key] = Member(own, there, tuple(subsets_), names, own.quadratic(there))
         return min(tried.values(), key=lambda member: member.evidence)
 
     def _subsets(self, target: Target, mode: Mode) -> tuple[Subset, ...]:
@@ -291,7 +278,7 @@ class _Search:
             value = next(b.off for n, b in target.beliefs.items() if group_of(n) == group)
             off |= dict.fromkeys(positions, value)
         always = tuple(group for group in _ALWAYS if group in groups)
-        return subsets(_quadratic(target, mode), groups, off, always, _ODDS)
+        return subsets(target.quadratic(mode), groups, off, always, ODDS)
 
     def _reduced(self, target: Target, mode: Mode, groups: Sequence[str]) -> tuple[Target, Mode]:
         """The target with these groups of nuisances alone, and its mode."""
@@ -306,16 +293,16 @@ class _Search:
         reduced = self._target(problem, target.noise)
         return reduced, reduced.descend(reduced.start(values), evaluations=25, tolerance=0.03)
 
-    def _rigid(self, compliant: "_Member") -> "_Member":
+    def _rigid(self, compliant: Member) -> Member:
         """The rigid model with what the compliant one's data ask for, under the same noise."""
         start = compliant.target.values(compliant.mode.z)
         values = dict(zip(compliant.target.problem.spec.names, start.tolist(), strict=True))
         target = self._target(self._problem(RIGID, tuple(self._beliefs)), compliant.target.noise)
         mode = target.descend(target.start(values), evaluations=15, tolerance=0.03)
-        mode = min(mode, self._plain(target), key=lambda one: one.cost)
+        mode = min(mode, self._plain(target), key=lambda end: end.cost)
         if mode.cost > compliant.mode.cost + _HOPELESS:
             subsets_ = (Subset(tuple(self._groups(target)), 1.0, 0.0, mode.z, 0.0 * mode.z),)
-            return _Member(target, mode, subsets_, target.names, _quadratic(target, mode))
+            return Member(target, mode, subsets_, target.names, target.quadratic(mode))
         return self._member(target, target.descend(mode.z, evaluations=45, tolerance=0.03))
 
     def _plain(self, target: Target) -> Mode:
@@ -325,7 +312,7 @@ class _Search:
         values = {**{name: b.off for name, b in target.beliefs.items()}, **plain.values}
         return target.descend(target.start(values), evaluations=25, tolerance=0.03)
 
-    def _again(self, compliant: "_Member", rigid: "_Member") -> "_Member":
+    def _again(self, compliant: Member, rigid: Member) -> Member:
         """The compliant member from where the rigid one is better, if that helps."""
         if rigid.mode.cost >= compliant.mode.cost:
             return compliant
@@ -335,237 +322,10 @@ class _Search:
         start = {n: b.off for n, b in self._beliefs.items()} | start
         mode = full.descend(full.start(start), evaluations=30, tolerance=0.03)
         member = self._member(full, mode)
-        target, mode = _under_noise(member.target, member.mode)
-        member = replace(member, target=target, mode=mode, quadratic=_quadratic(target, mode))
+        target, mode = under_noise(member.target, member.mode)
+        member = replace(member, target=target, mode=mode, quadratic=target.quadratic(mode))
         less = target.sum_of_squares(mode.z)
         return member if less < compliant.target.sum_of_squares(compliant.mode.z) else compliant
-
-    def _summed(self, compliant: "_Member", rigid: "_Member", begin: float) -> FitResult:
-        members = sorted((compliant, rigid), key=lambda member: member.evidence)
-        chosen, other = members
-        if chosen is rigid:  # its residual is the noise then
-            target, mode = _under_noise(chosen.target, chosen.mode)
-            chosen = replace(chosen, target=target, mode=mode, quadratic=_quadratic(target, mode))
-        odds = float(np.exp(-0.5 * min(other.evidence - members[0].evidence, 1e3)))
-        weight = 1.0 / (1.0 + odds)
-        target, mode = chosen.target, chosen.mode
-        problem = target.problem
-        covariance = _natural(target, mode, chosen.covariance())
-        spread = {
-            "model": _combined(
-                chosen.between_subsets(),
-                self._between_valleys(target, mode) if target is compliant.target else {},
-                other.away_from(chosen, odds * weight) if odds > _UNSUPPORTED else {},
-            ),
-            **shaken(target, mode, chosen.quadratic),
-        }
-        residuals = tuple(read_only(-e) for e in target.residuals(mode.z))
-        roots = [1.0 if one.weight is None else one.weight for one in problem.inputs]
-        sse = sum(float(np.sum(w * e**2)) for w, e in zip(roots, residuals, strict=True))
-        values = dict(zip(problem.spec.names, target.values(mode.z).tolist(), strict=True))
-        bound = [
-            name
-            for name, low, high in zip(problem.free, problem.lower, problem.upper, strict=True)
-            if group_of(name) is None and is_at_bound(values[name], low, high)
-        ]
-        candidates = (
-            chosen.candidate(weight),
-            other.candidate(1.0 - weight),
-            *(
-                Candidate(problem.spec.name, s.groups, s.evidence, s.weight, {})
-                for s in chosen.alternatives[1:6]
-                if s.weight > _UNSUPPORTED
-            ),
-        )
-        family = Family(
-            candidates=candidates,
-            beliefs=FrozenDict(target.beliefs),
-            noise=target.noise,
-            zeros=tuple(mode.z[len(target.names) :].tolist()),
-            covariance=read_only(covariance),
-            spread=FrozenDict({source: FrozenDict(by) for source, by in spread.items()}),
-        )
-        finite = bool(np.isfinite(sse) and np.isfinite(covariance).all())
-        status = "failed" if not finite else "at-bounds" if bound else "converged"
-        dof = max(problem.n - len(problem.free), 1)
-        R = (
-            np.sqrt(max(sse, 1e-300) / dof) * np.linalg.cholesky(np.linalg.inv(covariance)).T
-            if finite
-            else np.full((len(problem.free),) * 2, np.nan)
-        )
-        return FitResult(
-            problem=problem,
-            status=status,
-            message=_message(chosen, weight, bound, finite),
-            values=values,
-            residuals=residuals,
-            sse=sse,
-            R=read_only(R),
-            starts=self._told_starts(target, values, sse),
-            agreeing=max(1, sum(m.cost - self._modes[0].cost < 1.0 for m in self._modes)),
-            seed=problem.settings.seed,
-            seconds=time.perf_counter() - begin,
-            versions=versions(),
-            family=family,
-        )
-
-    def _between_valleys(self, target: Target, mode: Mode) -> dict[str, float]:
-        """How far other valleys are that the data do not reject."""
-        spread: dict[str, float] = {}
-        best = self._modes[0]
-        for other in self._modes[1:]:
-            likely = np.exp(-(other.cost - best.cost) / (_REJECTED / 3.0))
-            for j, name in enumerate(self._met):
-                away = float(np.sqrt(likely) * abs(other.z[j] - best.z[j]))
-                spread[name] = max(spread.get(name, 0.0), away)
-        scale = dict(zip(target.names, target.scale(mode.z).tolist(), strict=True))
-        return {name: away * scale[name] for name, away in spread.items() if name in scale}
-
-    def _told_starts(
-        self, target: Target, values: Mapping[str, float], sse: float
-    ) -> tuple[Start, ...]:
-        """The solution, then the other valleys that were met, as far as they are of its model."""
-        free = target.problem.free
-        own = {name: values[name] for name in free}
-        begin = dict(zip(free, target.problem.start.tolist(), strict=True))
-        starts = [Start(begin, own, sse, "converged", 1)]
-        best = self._modes[0].cost
-        for other in self._modes[1:]:
-            met = dict(zip(self._met, other.z.tolist(), strict=False))
-            reached = {
-                n: own[n] if n not in met else met[n] if straight([n])[0] else float(np.exp(met[n]))
-                for n in free
-            }
-            worse = sse * (1.0 + max(other.cost - best, 0.0) / target.problem.n)
-            starts.append(Start(begin, reached, worse, "converged", 1))
-        return tuple(starts)
-
-
-def _under_noise(target: Target, mode: Mode) -> tuple[Target, Mode]:
-    """The target under the noise that its residual has, and its mode.
-
-    Where the model does not hold, its residual is taken for noise that drifts, and the mode under
-    such noise would follow every quick detail and let the torque itself go. There each sample
-    counts alike, but for as little as the residual's slow part says.
-    """
-    white = target.with_noise(target.noise_at(mode.z, white=True))
-    plain = white.descend(mode.z, evaluations=20, tolerance=0.03)
-    noise = target.noise_at(plain.z)
-    correlated = target.with_noise(noise)
-    there = correlated.descend(plain.z, evaluations=15, tolerance=0.01)
-    if correlated.sum_of_squares(there.z) <= _LET_GO * white.sum_of_squares(plain.z):
-        return correlated, there
-    slow = [
-        replace(one, coefficients=np.zeros(0), variance=max(one.below(_SLOW / rate), one.variance))
-        for one, rate in zip(noise, (i.rate_hz for i in target.problem.inputs), strict=True)
-    ]
-    inflated = target.with_noise(slow)
-    return inflated, inflated.descend(plain.z, evaluations=15, tolerance=0.01)
-
-
-@dataclass(frozen=True, slots=True)
-class _Member:
-    """A model of the family at its mode."""
-
-    target: Target
-    mode: Mode
-    alternatives: tuple[Subset, ...]
-    names_of_all: tuple[str, ...]
-    quadratic: Quadratic
-
-    @property
-    def evidence(self) -> float:
-        """−2 ln Z, tendons having the prior that legs have."""
-        q = self.quadratic
-        mean, weight = q.mean.copy(), q.weight.copy()
-        for name, belief in _TENDONS.items():
-            if name in self.target.names:
-                j = self.target.names.index(name)
-                mean[j], weight[j] = belief.mean, 1.0 / belief.sd
-        present = {group_of(name) for name in self.target.beliefs}
-        against = -2.0 * sum(float(np.log(o)) for g, o in _ODDS.items() if g in present)
-        return replace(q, mean=mean, weight=weight).solved({})[0] + against
-
-    def covariance(self) -> FloatArray:
-        """Of the searched coordinates, shape (q, q)."""
-        return self.quadratic.solved({})[2]
-
-    def between_subsets(self) -> dict[str, float]:
-        """Standard deviation that other subsets of nuisances add, by parameter."""
-        chosen = self.alternatives[0]
-        moment = np.zeros(len(chosen.mode))
-        for subset in self.alternatives:
-            if subset.weight >= _UNSUPPORTED:
-                moment += subset.weight * (subset.variance + (subset.mode - chosen.mode) ** 2)
-        more = np.sqrt(np.maximum(moment - chosen.variance, 0.0))
-        # The subsets are of the target with all nuisances: its names come in the same order.
-        names = [n for n in self.names_of_all if group_of(n) is None]
-        scale = dict(zip(self.target.names, self.target.scale(self.mode.z).tolist(), strict=True))
-        return {
-            name: float(more[self.names_of_all.index(name)]) * scale[name]
-            for name in names
-            if name in scale
-        }
-
-    def away_from(self, other: "_Member", weight: float) -> dict[str, float]:
-        """How far this one's parameters of the leg are from another's, times √weight."""
-        mine, its = self._leg(), other._leg()
-        return {n: float(np.sqrt(weight) * abs(mine[n] - its[n])) for n in its if n in mine}
-
-    def _leg(self) -> dict[str, float]:
-        values = self.target.values(self.mode.z)
-        names = self.target.problem.spec.names
-        return {n: float(values[names.index(n)]) for n in self.target.names if not group_of(n)}
-
-    def candidate(self, weight: float) -> Candidate:
-        """What is told of it."""
-        spec = self.target.problem.spec
-        values = self.target.values(self.mode.z).tolist()
-        present = {group_of(name) for name in self.target.beliefs}
-        return Candidate(
-            spec.name,
-            tuple(group for group in GROUPS if group in present),
-            self.evidence,
-            weight,
-            FrozenDict(zip(spec.names, values, strict=True)),
-        )
-
-
-def _quadratic(target: Target, mode: Mode) -> Quadratic:
-    """The data's information at a mode; what lies at a bound is known as far as that is wide."""
-    q = len(mode.z)
-    information, gradient, cost = np.zeros((q, q)), np.zeros(q), 0.0
-    for rows in target.data_rows(mode.z):
-        information += rows[:-1] @ rows[:-1].T
-        gradient += rows[:-1] @ rows[-1]
-        cost += float(rows[-1] @ rows[-1])
-    weight = target.weight.copy()
-    for j, name in enumerate(target.names):
-        low, high = target.lower[j], target.upper[j]
-        if group_of(name) is None and is_at_bound(float(mode.z[j]), float(low), float(high)):
-            weight[j] = max(weight[j], np.sqrt(12.0) / (high - low))
-    return Quadratic(information, gradient, cost, mode.z, target.mean, weight)
-
-
-def _natural(target: Target, mode: Mode, covariance: FloatArray) -> FloatArray:
-    """Covariance of the problem's free parameters, in their units."""
-    names, free = target.names, target.problem.free
-    change = np.zeros((len(free), len(mode.z)))
-    scale = target.scale(mode.z)
-    for i, name in enumerate(free):
-        if name in names:
-            change[i, names.index(name)] = scale[names.index(name)]
-        else:  # the mean of the recordings' zeros
-            change[i, len(names) :] = 1.0 / target.zeros
-    return np.asarray(change @ covariance @ change.T)
-
-
-def _combined(*spreads: Mapping[str, float]) -> FrozenDict[str, float]:
-    """Standard deviations added in squares."""
-    names = dict.fromkeys(name for spread in spreads for name in spread)
-    return FrozenDict(
-        {n: float(np.sqrt(sum(spread.get(n, 0.0) ** 2 for spread in spreads))) for n in names}
-    )
 
 
 def _needless(name: str, silent: set[str]) -> bool:
@@ -598,8 +358,8 @@ def _population(problem: FitProblem) -> dict[str, Belief]:
 def _weights(problem: FitProblem) -> dict[str, float]:
     """EMG weights that make of this EMG a torque of this size: amplifiers differ a thousandfold."""
     weights = {}
-    torque = np.concatenate([one.torque for one in problem.inputs if one.torque is not None])
-    emg = np.concatenate([one.emg for one in problem.inputs])
+    torque = np.concatenate([t.torque for t in problem.inputs if t.torque is not None])
+    emg = np.concatenate([trial.emg for trial in problem.inputs])
     low, high = np.percentile(torque - np.median(torque), [1.0, 99.0])
     for channel, name in enumerate(problem.spec.weights):
         level = float(np.percentile(emg[:, channel], 99.0))
@@ -607,15 +367,3 @@ def _weights(problem: FitProblem) -> dict[str, float]:
             pull = max(-low, 1.0) / 0.04 if channel == 0 else max(high, 1.0) / 0.05 / 3.0
             weights[name] = pull / level
     return weights
-
-
-def _message(chosen: _Member, weight: float, bound: Sequence[str], finite: bool) -> str:
-    if not finite:
-        return "no minimum reached: the model has no finite numbers; give another start or bounds"
-    spec = chosen.target.problem.spec
-    groups = chosen.candidate(weight).groups
-    text = f"the {spec.title} was chosen"
-    text += f" with {', '.join(groups)}" if groups else " without any imperfection"
-    if weight < 0.99:
-        text += f" (probability {100 * weight:.0f} %)"
-    return text + (f"; at a bound: {', '.join(bound)}" if bound else "")

@@ -1,7 +1,7 @@
 """From a problem to its best minimum: projected starts, then all parameters together."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +15,7 @@ from surae.estimation.residuals import Residuals
 from surae.estimation.result import FitResult, Start, is_at_bound
 from surae.estimation.starts import Follow, from_start
 from surae.frozen import read_only
+from surae.progress import SearchProgress
 from surae.settings import STARTS
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
@@ -22,8 +23,6 @@ from surae.versions import versions
 
 #: A sum below this part of the torque's own is an exact fit.
 _EXACT = 1e-12
-#: Called after every start with how many are done, how many there are, and the best sum so far.
-Progress = Callable[[int, int, float], None]
 
 
 def fit_problem(
@@ -31,7 +30,7 @@ def fit_problem(
     *,
     starts: int = STARTS,
     seed: int = 0,
-    progress: Progress | None = None,
+    progress: SearchProgress | None = None,
     noise: float | None = None,
     follow: Follow | None = None,
 ) -> FitResult:
@@ -95,7 +94,7 @@ def fit_problem(
 
 
 def _finite_sum(minimum: Minimum) -> float:
-    """Its sum of squares, infinite where there is none."""
+    """Give a minimum's sum of squares, infinite where there is none."""
     return minimum.sse if np.isfinite(minimum.sse) else np.inf
 
 

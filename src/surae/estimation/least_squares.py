@@ -44,7 +44,7 @@ class Outcome(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Minimum:
-    """Where an iteration ended.
+    """The end of an iteration.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ def compress(rows: FloatArray) -> tuple[FloatArray, FloatArray, float]:
 
 @cache
 def _upper(size: int) -> npt.NDArray[np.bool_]:
-    """Where a square matrix may be triangular."""
+    """Mask of a square matrix's upper triangle."""
     mask = np.triu(np.ones((size, size), dtype=np.bool_))
     mask.setflags(write=False)
     return mask
@@ -192,7 +192,7 @@ def minimise(
             ):
                 outcome = Outcome.CONVERGED
                 break
-            x = np.clip(move(here.x, step), lower, upper)
+            x = np.minimum(np.maximum(move(here.x, step), lower), upper)
             trial = rows(x)
             count += 1
             sse = sum_of_squares(trial[-1]) if np.isfinite(trial).all() else np.inf

@@ -14,14 +14,17 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.estimation.curved import stiffness_valleys
+from surae.estimation.evidence import Quadratic
 from surae.estimation.interrupt import checkpoint
 from surae.estimation.least_squares import Minimum, Outcome, minimise
 from surae.estimation.noise import NoiseModel, noise_of
 from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import simulators
-from surae.model.laboratory import Belief
+from surae.estimation.result import is_at_bound
+from surae.model.laboratory import Belief, group_of
 from surae.model.parameters import OPTIONAL_PARAMETERS
-from surae.signals import thinned
+from surae.model.simulator import TorqueParts
+from surae.signals import ModelInputs, thinned
 from surae.units import FloatArray
 
 #: Parameters that are searched as they are; all others on a logarithm.
@@ -146,7 +149,7 @@ class Target:
 
     def scale(self, z: FloatArray) -> FloatArray:
         """∂value/∂z of the parameters, shape (len(names),)."""
-        return np.asarray(np.where(self.log, np.exp(z[: len(self.names)]), 1.0))
+        return np.asarray(np.exp(np.where(self.log, z[: len(self.names)], 0.0)))
 
     def residuals(self, z: FloatArray) -> tuple[FloatArray, ...]:
         """Modelled minus measured torque of each recording [Nm], as it is."""
@@ -163,8 +166,12 @@ class Target:
             values[self.problem.spec.names.index(_ZERO)] = z[len(self.names) + number]
         return values
 
+    def parts(self, z: FloatArray, number: int) -> TorqueParts:
+        """The modelled torque of one recording, split into its parts."""
+        return self._simulators[number].parts(self._of_recording(self.values(z), z, number))
+
     def data_rows(self, z: FloatArray, *, whiten: bool = True) -> list[FloatArray]:
-        """Of each recording the (q + 1, n) rows of derivatives by z and, last, residual."""
+        """Rows (q + 1, n) of each recording: derivatives by z and, last, residual."""
         checkpoint()
         values, scale, blocks = self.values(z), self.scale(z), []
         q = len(self.names)
@@ -221,6 +228,21 @@ class Target:
             moved[j_x0] = x_ref - phi / np.exp(min(moved[j_k], z[j_k] + 2.0))
         return np.asarray(moved)
 
+    def quadratic(self, mode: Mode) -> Quadratic:
+        """What data say around a mode; a value at a bound is as sure as the bounds are near."""
+        q = len(mode.z)
+        information, gradient, cost = np.zeros((q, q)), np.zeros(q), 0.0
+        for rows in self.data_rows(mode.z):
+            information += rows[:-1] @ rows[:-1].T
+            gradient += rows[:-1] @ rows[-1]
+            cost += float(rows[-1] @ rows[-1])
+        weight = self.weight.copy()
+        for j, name in enumerate(self.names):
+            low, high = self.lower[j], self.upper[j]
+            if group_of(name) is None and is_at_bound(float(mode.z[j]), float(low), float(high)):
+                weight[j] = max(weight[j], np.sqrt(12.0) / (high - low))
+        return Quadratic(information, gradient, cost, mode.z, self.mean, weight)
+
     def sum_of_squares(self, z: FloatArray) -> float:
         """Weighted sum of squared residuals [Nm²], whatever the noise."""
         total = 0.0
@@ -229,8 +251,12 @@ class Target:
         return total
 
     def with_noise(self, noise: Sequence[NoiseModel]) -> "Target":
-        """The same with other noise."""
+        """The posterior with other noise."""
         return Target(self.problem, self.beliefs, noise, self.extra)
+
+    def of_inputs(self, inputs: tuple[ModelInputs, ...]) -> "Target":
+        """The posterior of other recordings."""
+        return Target(replace(self.problem, inputs=inputs), self.beliefs, self.noise, self.extra)
 
     def noise_at(self, z: FloatArray, *, white: bool = False) -> tuple[NoiseModel, ...]:
         """The noise of each recording that its residual at a point has."""

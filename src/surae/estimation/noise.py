@@ -8,6 +8,9 @@ import numpy.typing as npt
 from surae.frozen import Comparable
 from surae.units import FloatArray
 
+#: Frequencies at which a spectrum is looked at, up to half the sampling rate.
+_GRID = 2048
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NoiseModel(Comparable):
@@ -114,3 +117,38 @@ def noise_of(residual: FloatArray, lags: int) -> NoiseModel:
     size = next_fast_len(2 * n, real=True)
     power = np.abs(np.fft.rfft(residual, size)) ** 2
     return autoregressive(np.fft.irfft(power, size)[: lags + 1] / n, n)
+
+
+def level_above_half(noise: NoiseModel) -> NoiseModel:
+    """The noise with a spectrum that falls no further where half of its power lies below.
+
+    Parameters
+    ----------
+    noise : NoiseModel
+        Any.
+    """
+    if not noise.order:
+        return noise
+    density = noise.spectrum(2 * _GRID)
+    half = int(np.searchsorted(np.cumsum(density), 0.5 * density.sum()))
+    density[half:] = np.maximum(density[half:], density[half])
+    covariance = np.fft.irfft(density)[: noise.order + 1]
+    return autoregressive(covariance, noise.samples)
+
+
+def drawn_by(rows: FloatArray, noise: NoiseModel) -> FloatArray:
+    """Rows times a factor of the noise's covariance: their products are rowsᵀ·Σ·rows.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (q, n)
+        Of samples in time.
+    noise : NoiseModel
+        Of covariance Σ, shape (n, n).
+    """
+    from scipy.signal import lfilter
+
+    filtered = rows[:, ::-1]
+    if noise.order:
+        filtered = lfilter([1.0], np.concatenate([[1.0], -noise.coefficients]), filtered, axis=1)
+    return np.asarray(filtered * np.sqrt(noise.variance))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from surae.estimation.fit import Progress, fit_problem
+from surae.estimation.fit import fit_problem
 from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.least_squares import Outcome, minimise
 from surae.estimation.losses import Loss, named_loss, spread
@@ -16,6 +16,7 @@ from surae.estimation.residuals import Residuals
 from surae.estimation.result import FitResult, Outliers
 from surae.estimation.starts import Follow
 from surae.frozen import read_only
+from surae.progress import SearchProgress
 from surae.settings import STARTS
 from surae.signals import ModelInputs
 from surae.threads import one_blas_thread
@@ -39,7 +40,7 @@ def fit_robust(
     *,
     starts: int = STARTS,
     seed: int = 0,
-    progress: Progress | None = None,
+    progress: SearchProgress | None = None,
     follow: Follow | None = None,
 ) -> FitResult:
     """Fit with a loss that grows less than the square of the residual.

@@ -79,6 +79,10 @@ class FitProblem(Comparable):
         """Samples that count, of all recordings together."""
         return sum(one.counted for one in self.inputs)
 
+    def fixed(self, name: str) -> float:
+        """The value of a parameter that is not free."""
+        return float(self.base[self.spec.names.index(name)])
+
     def values(self, x: FloatArray) -> FloatArray:
         """All parameters, shape (P,), from the free ones, shape (p,)."""
         values = self.base.copy()

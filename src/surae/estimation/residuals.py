@@ -41,18 +41,20 @@ class Residuals:
             None if one.weight is None else np.sqrt(one.weight) for one in problem.inputs
         ]
         self._columns = problem.columns
+        self._values = problem.base.copy()
         self._samples = sum(one.n for one in problem.inputs)
         self._rows = np.empty((len(self._columns) + 1, self._samples + len(problem.priors)))
 
     def data_rows(self, x: FloatArray) -> FloatArray:
         """Jacobian rows and the residual [Nm] of the recordings alone, without priors."""
         checkpoint()
-        values, begin = self._problem.values(x), 0
+        self._values[self._columns] = x
+        begin = 0
         for simulator, measured, root in zip(
             self._simulators, self._measured, self._roots, strict=True
         ):
             end = begin + len(measured)
-            torque, jacobian = simulator.torque_jacobian(values, self._columns)
+            torque, jacobian = simulator.torque_jacobian(self._values, self._columns)
             self._rows[:-1, begin:end] = jacobian
             np.subtract(torque, measured, out=self._rows[-1, begin:end])
             if root is not None:

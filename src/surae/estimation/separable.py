@@ -52,14 +52,16 @@ def solve_linear(problem: FitProblem, rows: Rows, x: FloatArray) -> tuple[FloatA
         return x, np.inf
     if not linear:
         return x, sum_of_squares(basis[-1])
-    values = dict(zip(spec.names, problem.values(x), strict=True))
     low, high = (problem.lower - base)[linear], (problem.upper - base)[linear]
+    stiffness = {}
     for i, k_name in slack.items():
         # The unknown is the factor s = exp(−k·(x0' − x0)) on the passive torque, which is −J/k;
         # s − 1 falls as x0' grows, so the bounds change places.
-        k = values[k_name]
+        k = float(x[names.index(k_name)] if k_name in names else problem.fixed(k_name))
+        stiffness[i] = k
         basis[i] /= -k
-        low[i], high[i] = np.expm1(np.clip([-k * high[i], -k * low[i]], -700.0, 700.0))
+        factor = np.array([-k * high[i], -k * low[i]])
+        low[i], high[i] = np.expm1(np.minimum(np.maximum(factor, -700.0), 700.0))
     R, q, rest = compress(basis)
     norms = column_norms(R)
     scale = np.where(norms > 0, norms, 1.0)
@@ -68,11 +70,11 @@ def solve_linear(problem: FitProblem, rows: Rows, x: FloatArray) -> tuple[FloatA
     change = box_quadratic(H, A.T @ q, low * scale, high * scale)
     sse = sum_of_squares(A @ change + q) + rest
     change /= scale
-    for i, k_name in slack.items():
-        change[i] = -np.log1p(change[i]) / values[k_name]
+    for i, k in stiffness.items():
+        change[i] = -np.log1p(change[i]) / k
     solved = base
     solved[linear] += change
-    return np.clip(solved, problem.lower, problem.upper), sse
+    return np.minimum(np.maximum(solved, problem.lower), problem.upper), sse
 
 
 def scan_lengths(problem: FitProblem, rows: Rows, x: FloatArray) -> FloatArray:

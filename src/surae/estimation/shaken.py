@@ -1,93 +1,163 @@
 """What else shakes an estimate, beside the torque's noise: noise of the EMG, and the integrator.
 
 Both are known errors of the modelled torque that the noise of the residual does not tell of. What
-they do to the parameters is linear: δz = V·JᵀWᵀW·δT.
+they do to the parameters is linear, δz = V·JᵀWᵀW·δT. Noise of the EMG does more: it is in the
+model's own columns, so the data ask for a slower filter that lets less of it through. That bias
+does not shrink with more data. As in SIMEX (Cook and Stefanski 1994), more noise of the same kind
+shows it, and it is taken away.
+
+Noise of an envelope is what changes faster than a muscle does. It is stronger where the EMG is,
+most of all in raw EMG that was rectified, whose size fluctuates by as much as itself.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from surae.estimation.evidence import Quadratic
 from surae.estimation.mode import Mode, Target, whitened
-from surae.model.activation import filter_step
-from surae.model.contraction import contraction
-from surae.model.geometry import paths
+from surae.frozen import read_only
 from surae.signals import ModelInputs, thinned
 from surae.units import FloatArray
 
-#: Median absolute third difference of white noise of variance 1: 0.6745·√(1 + 9 + 9 + 1).
-_THIRD = 0.6745 * np.sqrt(20.0)
+#: Band [Hz] in which an envelope is taken for noise, at most these parts of the sampling rate, and
+#: the time [s] over which its size is averaged.
+_NOISE_HZ, _NOISE_PART, _AVERAGED_S = (10.0, 40.0), (0.1, 0.35), 0.25
+#: Shift of a logarithm that is no longer small, and sum of squares, as a part of what it
+#: was, from which the torque is let go by it.
+_FARTHEST, _WORSE = 1.0, 1.3
+#: Samples below which nothing is said of it.
+_FEWEST = 30
+#: Pairs of noise realisations, of opposite signs, that show the bias, and realisations that show
+#: the scatter.
+_PAIRS, _DRAWS = 3, 12
 
 
-def shaken(target: Target, mode: Mode, quadratic: Quadratic) -> dict[str, Mapping[str, float]]:
-    """Standard deviations by source and parameter of the leg, in their units."""
+def without_emg_bias(
+    target: Target, mode: Mode, quadratic: Quadratic
+) -> tuple[FloatArray, FloatArray]:
+    """The mode without what noise of the EMG shifts it by on average, and what is left of that.
+
+    A shift that is not small, or after which the torque is followed much worse, is no matter of
+    first order: the mode stays, and the shift is something that is not known.
+
+    Parameters
+    ----------
+    target : Target
+        What was minimised.
+    mode : Mode
+        Its minimum.
+    quadratic : Quadratic
+        Around it.
+
+    Returns
+    -------
+    z, left : ndarray, shape (q,)
+        The mode, and the size of the shift that was not taken away.
+    """
     covariance = quadratic.solved({})[2]
-    count = len(target.names)
-    emg, step = np.zeros(len(mode.z)), np.zeros(len(mode.z))
-    whole = target.data_rows(mode.z)
-    values = target.values(mode.z)
-    for number, one in enumerate(target.problem.inputs):
-        noise = target.noise[number]
+    gradient = np.zeros(len(mode.z))
+    for noisy in _noisier(target, _PAIRS, both_signs=True):
+        for rows in noisy.data_rows(mode.z):
+            gradient += (rows[:-1] @ rows[-1]) / (2.0 * _PAIRS)
+    shift = covariance @ (gradient - quadratic.gradient)
+    moved = np.clip(mode.z + shift, target.lower, target.upper)
+    far = np.abs(shift[: len(target.names)][target.log]) > _FARTHEST
+    if not np.isfinite(shift).all() or far.any():
+        return mode.z, np.nan_to_num(np.abs(shift))
+    before, after = target.sum_of_squares(mode.z), target.sum_of_squares(moved)
+    if not after < _WORSE * before:
+        return mode.z, np.abs(shift)
+    return np.asarray(moved), np.zeros(len(shift))
+
+
+def emg_draws(target: Target, mode: Mode) -> list[list[FloatArray]]:
+    """What draws of the EMG's noise change of the residual of each recording [Nm]."""
+    before = target.residuals(mode.z)
+    return [
+        [np.nan_to_num(e - old) for e, old in zip(noisy.residuals(mode.z), before, strict=True)]
+        for noisy in _noisier(target, _DRAWS)
+    ]
+
+
+def shaken(
+    target: Target, mode: Mode, quadratic: Quadratic, noisy: Sequence[Sequence[FloatArray]]
+) -> dict[str, Mapping[str, float]]:
+    """Standard deviations by source and parameter of the leg, in their units.
+
+    Parameters
+    ----------
+    target, mode, quadratic : Target, Mode, Quadratic
+        What was minimised, its minimum, and what is around it.
+    noisy : sequence of sequences of ndarray
+        Of `emg_draws`.
+    """
+    covariance = quadratic.solved({})[2]
+    levers = []
+    for rows, noise, recording in zip(
+        target.data_rows(mode.z), target.noise, target.problem.inputs, strict=True
+    ):
         # W twice: forwards on the error, which is backwards on the rows
-        twice = whitened(whole[number][:-1, ::-1], noise)[:, ::-1]
-        lever = covariance @ twice
-        if one.weight is not None:
-            lever = lever * np.sqrt(one.weight)
-        step += lever @ _halved(target, values, one)
-        emg += _emg_variance(target, values, one, lever)
+        lever = covariance @ whitened(rows[:-1, ::-1], noise)[:, ::-1]
+        levers.append(lever if recording.weight is None else lever * np.sqrt(recording.weight))
+    values = target.values(mode.z)
+    step = sum(
+        lever @ _halved(target, values, recording)
+        for lever, recording in zip(levers, target.problem.inputs, strict=True)
+    )
+    emg = np.zeros(len(mode.z))
+    for draw in noisy:
+        emg += sum(lever @ change for lever, change in zip(levers, draw, strict=True)) ** 2
+    emg /= len(noisy)
     scale = target.scale(mode.z)
-    return {
-        "emg_noise": dict(zip(target.names, (np.sqrt(emg)[:count] * scale).tolist(), strict=True)),
-        "integration": dict(zip(target.names, (np.abs(step)[:count] * scale).tolist(),
-                                strict=True)),
-    }  # fmt: skip
+
+    def by_name(deviation: FloatArray) -> dict[str, float]:
+        there = np.nan_to_num(deviation[: len(target.names)] * scale)
+        return dict(zip(target.names, there.tolist(), strict=True))
+
+    return {"emg_noise": by_name(np.sqrt(emg)), "integration": by_name(np.abs(step))}
 
 
-def _halved(target: Target, values: FloatArray, one: ModelInputs) -> FloatArray:
+def emg_noise(recording: ModelInputs) -> FloatArray:
+    """Standard deviation of white noise as strong as that of the envelopes, shape (n, 4)."""
+    from scipy.ndimage import uniform_filter1d
+    from scipy.signal import butter, sosfiltfilt, sosfreqz
+
+    if recording.n < _FEWEST:
+        return np.zeros_like(recording.emg)
+    rate = recording.rate_hz
+    band = [min(hz, part * rate) for hz, part in zip(_NOISE_HZ, _NOISE_PART, strict=True)]
+    sos = butter(2, band, btype="bandpass", fs=rate, output="sos")
+    passed = np.abs(sosfreqz(sos, 2048)[1]) ** 4  # of both passes, on power
+    fast = sosfiltfilt(sos, recording.emg, axis=0)
+    size = max(3, int(_AVERAGED_S * rate))
+    power = uniform_filter1d(fast**2, size, axis=0, mode="nearest") / passed.mean()
+    return np.asarray(np.sqrt(np.maximum(power, 0.0)))  # a running sum may end below zero
+
+
+def _noisier(target: Target, count: int, *, both_signs: bool = False) -> Iterator[Target]:
+    """The target with more noise of the EMG, as much as there is."""
+    rng = np.random.default_rng(0)
+    recordings = target.problem.inputs
+    levels = [emg_noise(recording) for recording in recordings]
+    for _ in range(count):
+        noise = [level * rng.standard_normal(level.shape) for level in levels]
+        for sign in (1.0, -1.0) if both_signs else (1.0,):
+            yield target.of_inputs(
+                tuple(
+                    replace(recording, emg=read_only(recording.emg + sign * more))
+                    for recording, more in zip(recordings, noise, strict=True)
+                )
+            )
+
+
+def _halved(target: Target, values: FloatArray, recording: ModelInputs) -> FloatArray:
     """Error of the torque by the size of the steps [Nm]: a third of what steps of twice it add."""
     spec, options = target.problem.spec, target.problem.options
-    coarse_inputs = thinned(one, 2)
-    fine = spec.simulator(one, options).torque(values)
+    coarse_inputs = thinned(recording, 2)
+    fine = spec.simulator(recording, options).torque(values)
     coarse = spec.simulator(coarse_inputs, options).torque(values)
-    there = np.interp(coarse_inputs.time, one.time, fine)
-    error: FloatArray = np.interp(one.time, coarse_inputs.time, coarse - there) / 3.0
-    return error if np.isfinite(error).all() else np.zeros(one.n)
-
-
-def _emg_variance(
-    target: Target, values: FloatArray, one: ModelInputs, lever: FloatArray
-) -> FloatArray:
-    """Variance of each searched parameter by white noise of the envelopes, shape (q,)."""
-    from scipy.signal import lfilter
-
-    spec, options = target.problem.spec, target.problem.options
-    value = dict(zip(spec.names, values.tolist(), strict=True))
-    dt = 1.0 / one.rate_hz
-    # the filter's response to one sample: what noise of the sample does to the active state
-    n = min(one.n, max(8, int(3.0 / (value["f0"] * dt))))
-    impulse = _response(value["f0"], value["beta"], dt, n)
-    variance = np.zeros(len(lever))
-    for muscle, path in enumerate(paths(angle=one.angle, velocity=one.velocity, options=options)):
-        l0 = value["l0_tri" if muscle == 0 else "l0_tib"]
-        shape = contraction(path.length.copy(), path.speed.copy(), l0, float(options.vmax_factor))
-        gain = path.arm * shape[0]
-        felt = lfilter(impulse, [1.0], (lever * gain)[:, ::-1], axis=1)
-        power = np.sum(felt**2, axis=1)
-        for channel in (1, 2, 3) if muscle == 0 else (0,):
-            weight = value[spec.weights[channel]]
-            deviation = np.median(np.abs(np.diff(one.emg[:, channel], 3))) / _THIRD
-            variance += (weight * deviation) ** 2 * power
-    return variance
-
-
-def _response(f0: float, beta: float, dt: float, n: int) -> FloatArray:
-    """Response of the activation filter (14) to one sample of 1, shape (n,)."""
-    step = filter_step(f0, beta, dt)[0]
-    state, before = np.zeros(2), 0.0
-    out = np.zeros(n)
-    for i in range(n):
-        now = 1.0 if i == 1 else 0.0
-        state = step[:2, :2] @ state + step[:2, 2] * before + step[:2, 3] * now
-        out[i], before = state[0], now
-    return out
+    there = np.interp(coarse_inputs.time, recording.time, fine)
+    error: FloatArray = np.interp(recording.time, coarse_inputs.time, coarse - there) / 3.0
+    return error if np.isfinite(error).all() else np.zeros(recording.n)

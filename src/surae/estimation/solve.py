@@ -2,19 +2,20 @@
 
 from surae.errors import InputError
 from surae.estimation.family import fit_family
-from surae.estimation.fit import Progress, fit_problem
+from surae.estimation.fit import fit_problem
 from surae.estimation.outliers import fit_robust
 from surae.estimation.problem import FitProblem
 from surae.estimation.result import FitResult
 from surae.estimation.starts import Follow
 from surae.model.laboratory import AUTO
+from surae.progress import SearchProgress
 
 
 def solve(
     problem: FitProblem,
     *,
     starts: int | None = None,
-    progress: Progress | None = None,
+    progress: SearchProgress | None = None,
     follow: Follow | None = None,
 ) -> FitResult:
     """Find the best minimum of a problem, with the loss, starts and seed of its settings.

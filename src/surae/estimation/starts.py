@@ -179,7 +179,7 @@ def _with_drives(
 
 
 def _stopped(problem: FitProblem, rows: Rows, x: FloatArray) -> Minimum:
-    """Where the user stopped before the problem's own iteration began."""
+    """The minimum where the user stopped before the problem's own iteration began."""
     here = minimise(rows, x, problem.lower, problem.upper, max_iterations=1)
     return replace(here, outcome=Outcome.INTERRUPTED)
 
@@ -259,7 +259,7 @@ def _other_relaxations(problem: FitProblem, x: FloatArray) -> list[FloatArray]:
 
 
 def _parent(problem: FitProblem) -> FitProblem | None:
-    """The same problem with the parent model; None without one, or with nothing free in it."""
+    """The problem with the parent model; None without one, or with nothing free in it."""
     if problem.spec.parent is None:
         return None
     spec = with_optional(get_model(problem.spec.parent), problem.spec.optional)

@@ -217,30 +217,24 @@ class ActivationFilter:
         too.
         """
         shape = len(self._lags), len(drives[0].signal)
-        by_filter = max(self._columns) >= 0
+        by_filter = [k for k, column in enumerate(self._columns) if column >= 0]
         count = sum(len(drive.slopes) + (drive.delay_column >= 0) for drive in drives)
-        slopes = np.zeros((count + 2 * by_filter, *shape))
+        slopes = np.zeros((count + len(by_filter), *shape))
         columns: list[int] = []
         shares = []
         for drive in drives:
-            shares.append(np.zeros(shape))
-            rows = [shares[-1]]
-            if by_filter:
-                rows.extend(slopes[-2:] if len(shares) == 1 else np.zeros((2, *shape)))
-            self._respond(drive.signal, drive.delay, rows)
-            if by_filter and len(shares) > 1:
-                slopes[-2:] += rows[1:]
+            rows = np.zeros((3 if by_filter else 1, *shape))
+            shares.append(rows[0])
+            self._respond(drive.signal, drive.delay, list(rows))
+            for row, k in enumerate(by_filter, count):
+                slopes[row] += rows[1 + k]
             if drive.delay_column >= 0:
                 self._by_delay(drive, slopes[len(columns)])
                 columns.append(drive.delay_column)
             for column, signal in drive.slopes:
                 self._respond(signal, drive.delay, [slopes[len(columns)]])
                 columns.append(column)
-        if by_filter:
-            columns += self._columns
-        of = np.array(columns, dtype=np.int64)
-        if by_filter and min(self._columns) < 0:
-            slopes, of = slopes[of >= 0], of[of >= 0]
+        of = np.array([*columns, *(self._columns[k] for k in by_filter)], dtype=np.int64)
         return ActiveState(sum(shares[1:], start=shares[0]), slopes, of, tuple(shares))
 
     def _respond(self, signal: FloatArray, delay: float | None, rows: list[FloatArray]) -> None:

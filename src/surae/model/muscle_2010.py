@@ -74,7 +74,7 @@ class Muscle2010Simulator(TiedModel):
         return np.stack([self._passive(p, group, muscle)[0], active_force])
 
     def _contraction(self, group: int, muscle: MusclePath) -> FloatArray:
-        """From `contraction`, which no parameter touches where none touches the movement."""
+        """Give the `contraction`, which is made once where no parameter touches the movement."""
         if group not in self._contractions or not self._movement.is_fixed:
             self._contractions[group] = contraction(
                 muscle.length, muscle.speed, self._l0[group], self._factor

@@ -175,7 +175,7 @@ class MuscleTendonSimulator(TiedModel):
 
 
 class ThesisSimulator(MuscleTendonSimulator):
-    """The same models by the thesis's explicit Euler scheme, at the rate of the recording.
+    """The muscle-tendon models by the thesis's explicit Euler scheme, at the recording's rate.
 
     Its derivatives are central differences with a relative step of `DIFFERENCE`. Where the scheme
     chatters between its clamps, the torque jumps with the parameters and no derivative is of use.

@@ -108,6 +108,10 @@ class Simulator(Protocol):
         """The torque split into its parts."""
         ...
 
+    def active_states(self, values: FloatArray) -> FloatArray:
+        """Active state α of triceps and tibialis at the samples [N], shape (2, n)."""
+        ...
+
     def tendon(self, values: FloatArray) -> TendonState | None:
         """What muscles and tendons do over time; None from a model whose tendons are rigid."""
         ...

@@ -124,8 +124,13 @@ class TiedModel:
             zero=None if self._zero is None else np.full(len(tissue_tri), p[self._zero]),
         )
 
+    def active_states(self, values: FloatArray) -> FloatArray:
+        """Active state α of triceps and tibialis at the samples [N], shape (2, n)."""
+        p = np.array(values, dtype=np.float64)
+        return np.stack([active.alpha[-1] for active in self._active(p, self._movement.at(p))])
+
     def tendon(self, values: FloatArray) -> None:
-        """Nothing: the tendons are rigid."""
+        """Return None: rigid tendons have no state."""
 
     def _active(
         self, p: FloatArray, leg: LegMovement, columns: Collection[int] = ()

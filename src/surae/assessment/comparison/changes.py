@@ -4,10 +4,12 @@ import math
 from collections.abc import Mapping, Sequence
 
 from surae.assessment.assess import Assessment
-from surae.assessment.comparison.finding import Change, ModelScore, best_of
+from surae.assessment.comparison.finding import ModelScore, ParameterChange, best_of
 
 
-def changes(scores: Sequence[ModelScore], worth: Mapping[str, Assessment]) -> tuple[Change, ...]:
+def changes(
+    scores: Sequence[ModelScore], worth: Mapping[str, Assessment]
+) -> tuple[ParameterChange, ...]:
     """Parameters that leave their 95 % intervals when the tendons are no longer rigid.
 
     Parameters
@@ -19,7 +21,7 @@ def changes(scores: Sequence[ModelScore], worth: Mapping[str, Assessment]) -> tu
 
     Returns
     -------
-    tuple of Change
+    tuple of ParameterChange
         The largest relative change first. A parameter without interval in either fit is left out.
     """
     rigid = best_of(scores, rigid=True)
@@ -34,7 +36,7 @@ def changes(scores: Sequence[ModelScore], worth: Mapping[str, Assessment]) -> tu
     return tuple(sorted(changed, key=lambda c: -math.inf if c.percent is None else -abs(c.percent)))
 
 
-def _changed(model: str, rigid: Assessment, compliant: Assessment) -> list[Change]:
+def _changed(model: str, rigid: Assessment, compliant: Assessment) -> list[ParameterChange]:
     changed = []
     for name, before in rigid.parameters.items():
         after = compliant.parameters.get(name)
@@ -46,6 +48,6 @@ def _changed(model: str, rigid: Assessment, compliant: Assessment) -> list[Chang
         if abs(change) > half:
             percent = 100 * change / before.value if before.value else None
             changed.append(
-                Change(model, name, after.unit, before.value, after.value, percent, half)
+                ParameterChange(model, name, after.unit, before.value, after.value, percent, half)
             )
     return changed

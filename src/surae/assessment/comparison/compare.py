@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from surae.assessment.assess import assess
 from surae.assessment.comparison.changes import changes
 from surae.assessment.comparison.conclusion import RULE, cautions, conclude
-from surae.assessment.comparison.finding import Comparison, Finding, ModelScore
+from surae.assessment.comparison.finding import Comparison, ModelScore, TendonEvidence
 from surae.assessment.comparison.held_out import (
     BLOCKS,
     GUARD_PART,
@@ -29,6 +29,7 @@ from surae.estimation import FitProblem, FitResult, FitSettings, make_problem, s
 from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.least_squares import Outcome
 from surae.model import ModelSpec, get_model
+from surae.progress import NamedProgress
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 from surae.versions import versions
@@ -37,8 +38,6 @@ from surae.versions import versions
 COMPARED = ("muscle", "muscle-tendon", "muscle-tendon-strain", "muscle-tendon-toe")
 #: Starts of each fit to all data; the fits of the folds start from its solution.
 FEW_STARTS = 3
-#: Called before every fit with what it is, how many are done, and how many there are.
-Told = Callable[[str, int, int], None]
 
 
 @dataclass(slots=True)
@@ -58,7 +57,7 @@ def compare_models(
     inputs: Sequence[ModelInputs],
     models: Sequence[str] = COMPARED,
     settings: FitSettings | None = None,
-    progress: Told | None = None,
+    progress: NamedProgress | None = None,
 ) -> Comparison:
     """Compare models of rigid and of compliant tendons on the same data.
 
@@ -92,7 +91,7 @@ def compare_models(
     squares, n = _mean_squares(results), works[0].problem.n
     n_effective = _effective(results, squares)
     scores = _scores(done, parts, squares, n, n_effective)
-    finding: Finding | None = None
+    finding: TendonEvidence | None = None
     text = f"No conclusion: stopped before the end; missing: {', '.join(missing)}."
     if not missing:
         finding, text = conclude(scores)
@@ -141,7 +140,7 @@ def _asked(models: Sequence[str], settings: FitSettings) -> list[FitSettings]:
 
 
 def _fit_all(
-    works: Sequence[_Work], parts: Sequence[Fold], progress: Told | None
+    works: Sequence[_Work], parts: Sequence[Fold], progress: NamedProgress | None
 ) -> tuple[str, ...]:
     """Do every fit, those to all data first. Returns what a Ctrl-C left undone."""
     tasks: list[tuple[_Work, Fold | None]] = [(work, None) for work in works]

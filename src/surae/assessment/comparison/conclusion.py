@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from surae.assessment.comparison.finding import Finding, ModelScore, best_of
+from surae.assessment.comparison.finding import ModelScore, TendonEvidence, best_of
 
 #: Difference of AICc that decides, and up to which models are as good as each other
 #: (Burnham & Anderson 2002: essentially no support beyond 10, substantial support within 2).
@@ -25,12 +25,12 @@ RULE = (
 )
 
 
-def conclude(scores: Sequence[ModelScore]) -> tuple[Finding | None, str]:
+def conclude(scores: Sequence[ModelScore]) -> tuple[TendonEvidence | None, str]:
     """The finding and its sentence, from complete scores of at least one model of each kind.
 
     Returns
     -------
-    tuple of (Finding or None, str)
+    tuple of (TendonEvidence or None, str)
         None where the fit of the rigid model, or of every compliant one, failed.
     """
     rigid, best = best_of(scores, rigid=True), best_of(scores, rigid=False)
@@ -40,7 +40,7 @@ def conclude(scores: Sequence[ModelScore]) -> tuple[Finding | None, str]:
     lower = rigid.aicc - best.aicc
     seen = max(compliant) - rigid.aicc > DECISIVE
     if best.held_out is None:
-        return Finding.OPEN, (
+        return TendonEvidence.OPEN, (
             f"The data cannot tell: {best.model} has an AICc {_difference(lower)} than the rigid "
             f"model's, but held-out data could not be predicted ({best.held_out_note})."
         )
@@ -51,22 +51,25 @@ def conclude(scores: Sequence[ModelScore]) -> tuple[Finding | None, str]:
         f"rigid model's and predicts held-out data {_gain(gain, error)}"
     )
     if lower > DECISIVE and better:
-        return Finding.COMPLIANT, f"Compliance is supported: {figures}."
+        return TendonEvidence.COMPLIANT, f"Compliance is supported: {figures}."
     if lower <= EQUAL and not better and seen:
-        return Finding.RIGID, f"A rigid tendon suffices: {figures}."
+        return TendonEvidence.RIGID, f"A rigid tendon suffices: {figures}."
     if lower <= EQUAL and not better:
-        return Finding.OPEN, (
+        return TendonEvidence.OPEN, (
             f"The data cannot tell: {figures}; rigid and compliant tendons give nearly the same "
             "torque here. Larger forces or a model with a fixed tendon (muscle-tendon) may tell."
         )
-    return Finding.OPEN, f"The data cannot tell: {figures}; that is not enough, or contradictory."
+    return (
+        TendonEvidence.OPEN,
+        f"The data cannot tell: {figures}; that is not enough, or contradictory.",
+    )
 
 
-def _without_figures(scores: Sequence[ModelScore]) -> tuple[Finding | None, str]:
+def _without_figures(scores: Sequence[ModelScore]) -> tuple[TendonEvidence | None, str]:
     """What is said where no model of one kind has an AICc."""
     fitted = {s.rigid for s in scores if s.status != "failed"}
     if fitted == {True, False}:
-        return Finding.OPEN, (
+        return TendonEvidence.OPEN, (
             "The data cannot tell: they hold too few independent samples for the parameters of the "
             "models; give longer or more recordings."
         )

@@ -10,7 +10,7 @@ from surae.files import PathLike, write_json
 from surae.frozen import Comparable
 
 
-class Finding(StrEnum):
+class TendonEvidence(StrEnum):
     """What the data say of the tendons."""
 
     RIGID = "rigid-suffices"
@@ -79,7 +79,7 @@ def best_of(scores: Sequence[ModelScore], *, rigid: bool) -> ModelScore | None:
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class ParameterChange:
     """A parameter that a compliant model estimates otherwise than the rigid one.
 
     Attributes
@@ -109,7 +109,7 @@ class Comparison(Comparable):
 
     Attributes
     ----------
-    finding : Finding or None
+    finding : TendonEvidence or None
         None while the comparison is not complete.
     conclusion : str
         The finding in one or two plain sentences, with its figures.
@@ -119,7 +119,7 @@ class Comparison(Comparable):
         What weakens it, one sentence each.
     models : tuple of ModelScore
         Every model whose fit to all data was completed.
-    changes : tuple of Change
+    changes : tuple of ParameterChange
         Parameters that matter to whoever took the rigid model's, the largest change first.
     missing : tuple of str
         What was not done, as the user stopped it.
@@ -141,12 +141,12 @@ class Comparison(Comparable):
         Versions of surae and of what its numbers depend on.
     """
 
-    finding: Finding | None
+    finding: TendonEvidence | None
     conclusion: str
     rule: str
     cautions: tuple[str, ...]
     models: tuple[ModelScore, ...]
-    changes: tuple[Change, ...]
+    changes: tuple[ParameterChange, ...]
     missing: tuple[str, ...]
     recordings: tuple[str, ...]
     n: int

@@ -143,7 +143,7 @@ class Conditional:
             return self._residuals.rows(x)
 
     def _predicted(self, value: float, near: FloatArray, R: FloatArray) -> FloatArray:
-        """Where the linear problem at `near` puts the others, within their bounds."""
+        """Predict where the linear problem at `near` puts the others, within their bounds."""
         norms = column_norms(R)
         scale = np.where(norms > 0, norms, 1.0)
         A = R / scale

@@ -84,7 +84,7 @@ class Profile(Comparable):
     evaluations: int
 
     def plain(self) -> dict[str, Any]:
-        """As plain data, without loss."""
+        """Give its values as plain data, without loss."""
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         arrays = {name: values[name].tolist() for name in _ARRAYS}
         return values | arrays | {"lower": None if self.lower is None else dict(self.lower)}
@@ -187,7 +187,13 @@ def profile(
 
 
 def check_profiled(result: FitResult, name: str, variance_inflation: float = 1.0) -> None:
-    """Refuse what has no profile; see `profile`."""
+    """Refuse what has no profile; see `profile`.
+
+    Raises
+    ------
+    InputError
+        The parameter is unknown or fixed, or the variance inflation is no number above zero.
+    """
     problem = result.problem
     if name not in problem.spec.names:
         raise InputError(

@@ -2,7 +2,7 @@
 
 import threading
 import time
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -14,14 +14,13 @@ from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.files import PathLike, write_json
 from surae.processes import Plain
+from surae.progress import NamedProgress
 from surae.runner import Batch, Engine, cores, results
 from surae.threads import one_blas_thread
 from surae.versions import versions
 
 #: What their file holds.
 _KIND = "profiles"
-#: Called after every profile with its parameter, how many are done, and how many there are.
-Told = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +90,7 @@ def profiles(
     inflation_reason: str = "",
     workers: int | None = None,
     store: PathLike | None = None,
-    progress: Told | None = None,
+    progress: NamedProgress | None = None,
 ) -> Profiles:
     """Profile several parameters of a fit, each in a thread of its own.
 

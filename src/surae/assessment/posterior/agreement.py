@@ -14,7 +14,7 @@ from surae.files import PathLike, shown
 
 #: Ends of intervals agree when they lie within this part of the credible interval's half-width;
 #: with enough draws, chance moves them by less than a third of it.
-AGREES = 0.25
+AGREEMENT_TOLERANCE = 0.25
 
 
 @dataclass(frozen=True, slots=True)

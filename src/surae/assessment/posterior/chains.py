@@ -14,11 +14,9 @@ import numpy as np
 from surae.assessment.posterior.density import Density
 from surae.errors import InputError
 from surae.frozen import read_only
+from surae.progress import Progress
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
-
-#: Called now and then with how many iterations of all chains are done, and how many there are.
-Told = Callable[[int, int], None]
 
 #: How often the chains are looked after [s].
 _PERIOD = 0.1
@@ -87,7 +85,7 @@ def run_chains(
     chains: int,
     seed: int,
     cores: int | None = None,
-    progress: Told | None = None,
+    progress: Progress | None = None,
 ) -> Chains:
     """Draw from a density that is nearly a standard Gaussian.
 
@@ -215,7 +213,7 @@ class _Work:
         return z
 
 
-def _attend(sampler: Any, work: _Work, progress: Told | None, total: int) -> tuple[Any, bool]:
+def _attend(sampler: Any, work: _Work, progress: Progress | None, total: int) -> tuple[Any, bool]:
     """Wait for the sampler; its trace, and whether it came to its end."""
     trace = None
     try:

@@ -14,7 +14,7 @@ import numpy as np
 
 from surae.assessment.inflation import described
 from surae.assessment.posterior.beliefs import Belief, beliefs
-from surae.assessment.posterior.chains import Told, require_sampler, run_chains
+from surae.assessment.posterior.chains import require_sampler, run_chains
 from surae.assessment.posterior.density import make_target
 from surae.assessment.posterior.diagnostics import Convergence, convergence, verdict
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width
@@ -23,6 +23,7 @@ from surae.estimation import FitResult
 from surae.files import PathLike, write_atomic
 from surae.frozen import Comparable, read_only
 from surae.model import adapted
+from surae.progress import Progress
 from surae.units import FloatArray
 from surae.versions import versions
 
@@ -190,7 +191,7 @@ def sample(
     variance_inflation: float = 1.0,
     inflation_reason: str = "",
     cores: int | None = None,
-    progress: Told | None = None,
+    progress: Progress | None = None,
 ) -> Posterior:
     """Draw from the posterior of a fit's free parameters.
 

@@ -50,7 +50,7 @@ def block_length(residual: FloatArray) -> int:
 
 
 def draw_blocks(residual: FloatArray, length: int, rng: np.random.Generator) -> FloatArray:
-    """As many samples as there are, from blocks that begin anywhere and go on past the end."""
+    """Draw as many samples as there are, from blocks that begin anywhere and go on past the end."""
     n = len(residual)
     starts = rng.integers(n, size=math.ceil(n / length))
     index = (starts[:, None] + np.arange(length)) % n

@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
@@ -18,6 +18,7 @@ from surae.estimation import FitResult, Prior
 from surae.files import PathLike, write_json
 from surae.frozen import Comparable, read_only
 from surae.model import adapted
+from surae.progress import Progress
 from surae.runner import Engine, cores, results
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -30,8 +31,6 @@ REPLICATES = 1000
 _FEWEST = 40
 #: What its file holds.
 _KIND = "bootstrap"
-#: Called after every replicate with how many are done and how many there are.
-Told = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +136,7 @@ def bootstrap(
     block_s: float | None = None,
     workers: int | None = None,
     store: PathLike | None = None,
-    progress: Told | None = None,
+    progress: Progress | None = None,
 ) -> Bootstrap:
     """Fit torques made of the modelled one and random blocks of the residual.
 

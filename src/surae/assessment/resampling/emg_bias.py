@@ -6,7 +6,7 @@ the same kind, watches the estimates move, and extrapolates back to where there 
 """
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,6 +21,7 @@ from surae.estimation.noise import NoiseModel, autoregressive
 from surae.files import PathLike, write_json
 from surae.frozen import read_only
 from surae.model import adapted
+from surae.progress import Progress
 from surae.recording import MUSCLES
 from surae.runner import in_threads
 from surae.signals import ModelInputs
@@ -38,8 +39,6 @@ _WINDOW_S, _QUIET = 0.5, 0.1
 _FEWEST, _ORDER = 4, 10
 #: Gain [noise variances] below which a minimum is not sought further.
 _STALL = 1e-4
-#: Called after every pair with how many are done and how many there are.
-Told = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,7 +137,7 @@ def emg_bias(
     pairs: int = PAIRS,
     seed: int = 0,
     workers: int | None = None,
-    progress: Told | None = None,
+    progress: Progress | None = None,
 ) -> EmgBias:
     """Estimate the bias of a fit's parameters by noise in its EMG.
 

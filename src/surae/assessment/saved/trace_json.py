@@ -33,6 +33,7 @@ def trace_as_dict(one: ModelInputs, residual: FloatArray) -> dict[str, Any]:
         "torque": encode(torque),
         "weight": None if one.weight is None else encode(one.weight),
         "emphasised": one.emphasised,
+        "lowpass": None if one.lowpass is None else list(one.lowpass),
         "residual": encode(residual),
     }
 
@@ -65,6 +66,13 @@ def _reference(data: Mapping[str, Any] | None) -> EmgReference | None:
     )
 
 
+def _lowpass(data: Any) -> tuple[float, int] | None:
+    if data is None:
+        return None
+    cutoff, order = data
+    return real(cutoff), int(order)
+
+
 def read_trace(trace: Mapping[str, Any]) -> ModelInputs:
     """What `trace_as_dict` wrote of a recording.
 
@@ -86,6 +94,7 @@ def read_trace(trace: Mapping[str, Any]) -> ModelInputs:
         prepared=bool(trace["prepared"]),
         weight=None if trace["weight"] is None else decode(trace["weight"], (n,)),
         emphasised=bool(trace.get("emphasised", False)),
+        lowpass=_lowpass(trace.get("lowpass")),
         fixed={str(name): real(value) for name, value in trace["fixed"].items()},
         files=tuple(SourceFile(str(f["path"]), str(f["sha256"])) for f in trace["files"]),
         **{name: decode(trace[name], (n,)) for name in _SERIES},

@@ -34,6 +34,7 @@ _EACH_TRIAL = ("zero", "drift")
 REMEDIES = {
     "noise": "measure longer, or with more movement and effort",
     "emg_noise": "smooth the EMG less noisily: better contact, or more effort",
+    "emg_bias": "smooth the EMG less noisily: better contact, or more effort",
     "delay": "measure the delay from EMG to torque, with a twitch",
     "crosstalk": "test the electrodes muscle by muscle",
     "zero": "measure the sensor's zero",
@@ -92,10 +93,10 @@ def budgets(family: Family, free: tuple[str, ...]) -> dict[str, Budget]:
         if group_of(name) is not None:
             continue
         marginal = float(V[j, j])
-        parts = {"noise": _given(V, j, everything)}
+        parts = {"noise": variance_given(V, j, everything)}
         without = {}
         for source, positions in groups.items():
-            left = _given(V, j, positions)
+            left = variance_given(V, j, positions)
             parts[source] = max(marginal - left, 0.0)
             without[source] = left
         scale = marginal / sum(parts.values()) if marginal > 0 else 0.0
@@ -121,7 +122,7 @@ def budgets(family: Family, free: tuple[str, ...]) -> dict[str, Budget]:
     return made
 
 
-def _given(V: FloatArray, j: int, known: list[int]) -> float:
+def variance_given(V: FloatArray, j: int, known: list[int]) -> float:
     """Variance of a parameter with others known; a parameter does not make itself known."""
     known = [i for i in known if i != j]
     if not known:

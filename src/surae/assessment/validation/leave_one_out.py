@@ -1,15 +1,13 @@
 """Every recording predicted with the parameters of all the others."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from surae.assessment.validation.prediction import Pooled, Prediction, pooled, predict_others
 from surae.errors import InputError
 from surae.estimation import FitResult, FitSettings, make_problem, solve
+from surae.progress import NamedProgress
 from surae.signals import ModelInputs
-
-#: Called before every fit with (the recording left out, fits done, all fits).
-Told = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +40,7 @@ class LeaveOneOut:
 
 
 def leave_one_out(
-    inputs: Sequence[ModelInputs], settings: FitSettings, progress: Told | None = None
+    inputs: Sequence[ModelInputs], settings: FitSettings, progress: NamedProgress | None = None
 ) -> LeaveOneOut:
     """Predict every recording with a fit of all the others.
 

@@ -1,0 +1,205 @@
+"""The answer of a search through the family: model, values, and what leaves them unsure."""
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from surae.estimation.correlated import under_noise
+from surae.estimation.left_out import left_out
+from surae.estimation.member import UNSUPPORTED, Member
+from surae.estimation.mode import Mode, Target, straight
+from surae.estimation.result import Candidate, Family, FitResult, Start, is_at_bound
+from surae.estimation.shaken import emg_draws, shaken, without_emg_bias
+from surae.estimation.trials import between_trials
+from surae.frozen import FrozenDict, read_only
+from surae.model.laboratory import group_of
+from surae.signals import ModelInputs
+from surae.units import FloatArray
+from surae.versions import versions
+
+#: Alternatives whose −2 ln p is greater than the best's by more are rejected.
+REJECTED = 12.0
+
+
+@dataclass(frozen=True, slots=True)
+class Valleys:
+    """The modes that a search met under white noise.
+
+    Attributes
+    ----------
+    modes : tuple of Mode
+        The best first.
+    names : tuple of str
+        What they are of.
+    """
+
+    modes: tuple[Mode, ...]
+    names: tuple[str, ...]
+
+    def spread(self, target: Target, mode: Mode) -> dict[str, float]:
+        """How far other valleys are that the data do not reject, by parameter."""
+        away: dict[str, float] = {}
+        best = self.modes[0]
+        for other in self.modes[1:]:
+            likely = np.exp(-(other.cost - best.cost) / (REJECTED / 3.0))
+            for j, name in enumerate(self.names):
+                far = float(np.sqrt(likely) * abs(other.z[j] - best.z[j]))
+                away[name] = max(away.get(name, 0.0), far)
+        scale = dict(zip(target.names, target.scale(mode.z).tolist(), strict=True))
+        return {name: far * scale[name] for name, far in away.items() if name in scale}
+
+    def starts(self, target: Target, values: Mapping[str, float], sse: float) -> tuple[Start, ...]:
+        """The solution, then the other valleys that were met, as far as they are of its model."""
+        free = target.problem.free
+        own = {name: values[name] for name in free}
+        begin = dict(zip(free, target.problem.start.tolist(), strict=True))
+        starts = [Start(begin, own, sse, "converged", 1)]
+        best = self.modes[0].cost
+        for other in self.modes[1:]:
+            met = dict(zip(self.names, other.z.tolist(), strict=False))
+            reached = {
+                n: own[n] if n not in met else met[n] if straight([n])[0] else float(np.exp(met[n]))
+                for n in free
+            }
+            worse = sse * (1.0 + max(other.cost - best, 0.0) / target.problem.n)
+            starts.append(Start(begin, reached, worse, "converged", 1))
+        return tuple(starts)
+
+    @property
+    def agreeing(self) -> int:
+        """How many came to the best."""
+        return max(1, sum(mode.cost - self.modes[0].cost < 1.0 for mode in self.modes))
+
+
+def summed(
+    compliant: Member,
+    rigid: Member,
+    valleys: Valleys,
+    inputs: tuple[ModelInputs, ...],
+    begin: float,
+) -> FitResult:
+    """The fit of the better supported member, and how far the rest is from it.
+
+    Parameters
+    ----------
+    compliant, rigid : Member
+        Both kinds of tendons.
+    valleys : Valleys
+        Of the compliant member.
+    inputs : tuple of ModelInputs
+        The recordings as they were given.
+    begin : float
+        When the search began, by `time.perf_counter`.
+    """
+    members = sorted((compliant, rigid), key=lambda member: member.evidence)
+    chosen, other = members
+    if chosen is rigid:  # its residual is the noise then
+        target, mode = under_noise(chosen.target, chosen.mode)
+        chosen = replace(chosen, target=target, mode=mode, quadratic=target.quadratic(mode))
+    odds = float(np.exp(-0.5 * min(other.evidence - members[0].evidence, 1e3)))
+    weight = 1.0 / (1.0 + odds)
+    target, mode = chosen.target, chosen.mode
+    problem = target.problem
+    z, left = without_emg_bias(target, mode, chosen.quadratic)
+    mode = Mode(z, mode.cost)
+    covariance = _natural(target, mode, chosen.covariance())
+    noisy = emg_draws(target, mode)
+    biased = dict(
+        zip(target.names, (left[: len(target.names)] * target.scale(mode.z)).tolist(), strict=True)
+    )
+    spread = {
+        "model": combined(
+            chosen.between_subsets(),
+            valleys.spread(target, mode) if target is compliant.target else {},
+            other.away_from(chosen, odds * weight) if odds > UNSUPPORTED else {},
+        ),
+        "trials": FrozenDict(between_trials(target, mode, chosen.quadratic)),
+        "left_out": FrozenDict(left_out(target, mode, chosen.quadratic, noisy)),
+        **shaken(target, mode, chosen.quadratic, noisy),
+        "emg_bias": FrozenDict(biased),
+    }
+    problem = replace(problem, inputs=inputs)
+    residuals = tuple(read_only(-e) for e in target.of_inputs(inputs).residuals(mode.z))
+    roots = [1.0 if recording.weight is None else recording.weight for recording in inputs]
+    sse = sum(float(np.sum(w * e**2)) for w, e in zip(roots, residuals, strict=True))
+    values = dict(zip(problem.spec.names, target.values(mode.z).tolist(), strict=True))
+    bound = [
+        name
+        for name, low, high in zip(problem.free, problem.lower, problem.upper, strict=True)
+        if group_of(name) is None and is_at_bound(values[name], low, high)
+    ]
+    candidates = (
+        chosen.candidate(weight),
+        other.candidate(1.0 - weight),
+        *(
+            Candidate(problem.spec.name, s.groups, s.evidence, s.weight, {})
+            for s in chosen.alternatives[1:6]
+            if s.weight > UNSUPPORTED
+        ),
+    )
+    family = Family(
+        candidates=candidates,
+        beliefs=FrozenDict(target.beliefs),
+        noise=target.noise,
+        zeros=tuple(mode.z[len(target.names) :].tolist()),
+        covariance=read_only(covariance),
+        spread=FrozenDict({source: FrozenDict(by) for source, by in spread.items()}),
+    )
+    finite = bool(np.isfinite(sse) and np.isfinite(covariance).all())
+    status = "failed" if not finite else "at-bounds" if bound else "converged"
+    dof = max(problem.n - len(problem.free), 1)
+    R = (
+        np.sqrt(max(sse, 1e-300) / dof) * np.linalg.cholesky(np.linalg.inv(covariance)).T
+        if finite
+        else np.full((len(problem.free),) * 2, np.nan)
+    )
+    return FitResult(
+        problem=problem,
+        status=status,
+        message=_message(chosen, weight, bound, finite),
+        values=values,
+        residuals=residuals,
+        sse=sse,
+        R=read_only(R),
+        starts=valleys.starts(target, values, sse),
+        agreeing=valleys.agreeing,
+        seed=problem.settings.seed,
+        seconds=time.perf_counter() - begin,
+        versions=versions(),
+        family=family,
+    )
+
+
+def _natural(target: Target, mode: Mode, covariance: FloatArray) -> FloatArray:
+    """Covariance of the problem's free parameters, in their units."""
+    names, free = target.names, target.problem.free
+    change = np.zeros((len(free), len(mode.z)))
+    scale = target.scale(mode.z)
+    for i, name in enumerate(free):
+        if name in names:
+            change[i, names.index(name)] = scale[names.index(name)]
+        else:  # the mean of the recordings' zeros
+            change[i, len(names) :] = 1.0 / target.zeros
+    return np.asarray(change @ covariance @ change.T)
+
+
+def combined(*spreads: Mapping[str, float]) -> FrozenDict[str, float]:
+    """Standard deviations added in squares."""
+    names = dict.fromkeys(name for spread in spreads for name in spread)
+    return FrozenDict(
+        {n: float(np.sqrt(sum(spread.get(n, 0.0) ** 2 for spread in spreads))) for n in names}
+    )
+
+
+def _message(chosen: Member, weight: float, bound: Sequence[str], finite: bool) -> str:
+    if not finite:
+        return "no minimum reached: the model has no finite numbers; give another start or bounds"
+    spec = chosen.target.problem.spec
+    groups = chosen.candidate(weight).groups
+    text = f"the {spec.title} was chosen"
+    text += f" with {', '.join(groups)}" if groups else " without any imperfection"
+    if weight < 0.99:
+        text += f" (probability {100 * weight:.0f} %)"
+    return text + (f"; at a bound: {', '.join(bound)}" if bound else "")
