@@ -1,0 +1,16 @@
+"""What a clinician asks of a fit: measures in Nm and degrees, changes, norms, cohorts."""
+
+from surae.measures.compute import ANGLES, measures, measures_of_values
+from surae.measures.definition import Definition
+from surae.measures.measure import Measure, Measures
+from surae.measures.table import DEFINITIONS
+
+__all__ = [
+    "ANGLES",
+    "DEFINITIONS",
+    "Definition",
+    "Measure",
+    "Measures",
+    "measures",
+    "measures_of_values",
+]

@@ -1,0 +1,241 @@
+"""Measures of a leg that is active, of how fast, and of what its torque is made of."""
+
+import numpy as np
+
+from surae.measures.leg import Leg, NotDefinedError, elongation
+from surae.model.contraction import FECC, MVSH, MVSHL, force_length
+from surae.units import FloatArray
+
+#: Most that an active state is raised to for a stated torque [N].
+_STRONGEST = 1e5
+
+
+def active_torque_max_tri(leg: Leg, at: float) -> float:
+    """Torque that the calf muscles add at an angle, held still, at the session's largest activity.
+
+    T(α) − T(0) of the triceps, α the 99th percentile of its active state; equations (15), (16).
+    """
+    return leg.active_torque("tri", at, max(leg.largest_activity["tri"], 0.0))
+
+
+def active_torque_max_tib(leg: Leg, at: float) -> float:
+    """Torque that the tibialis adds at an angle, held still, at the session's largest activity.
+
+    T(α) − T(0) of the tibialis, as of active_torque_max_tri.
+    """
+    return leg.active_torque("tib", at, max(leg.largest_activity["tib"], 0.0))
+
+
+def torque_per_emg_tri(leg: Leg, at: float) -> float:
+    """Torque of the calf muscles at an angle for each unit of EMG in all three of them.
+
+    r·f_l(x)·(g2 + g3 + g4), x the length at rest; equations (13) and (16).
+    """
+    return _per_emg(leg, "tri", at, leg.spec.weights[1:])
+
+
+def torque_per_emg_tib(leg: Leg, at: float) -> float:
+    """Torque of the tibialis at an angle for each unit of EMG.
+
+    r·f_l(x)·g1, x the length at rest; equations (12) and (16).
+    """
+    return _per_emg(leg, "tib", at, leg.spec.weights[:1])
+
+
+def optimal_angle_tri(leg: Leg, _: float) -> float:
+    """Angle at which the relaxed calf muscles have their optimal length.
+
+    x(θ) = l0 + e, the tendon stretched by e at the passive force of l0; equations (9), (16).
+    """
+    return _optimal_angle(leg, "tri")
+
+
+def optimal_angle_tib(leg: Leg, _: float) -> float:
+    """Angle at which the relaxed tibialis anterior has its optimal length.
+
+    x(θ) = l0 + e, as of optimal_angle_tri.
+    """
+    return _optimal_angle(leg, "tib")
+
+
+def active_stiffness(leg: Leg, at: float) -> float:
+    """Stiffness of the calf muscles at 0° while they add a torque, for a slow movement.
+
+    dT_tri/dθ at the active state whose torque it is, held; muscle and tendon in series.
+    """
+    hold = leg.hold("tri", 0.0, _alpha(leg, at))
+    return hold.torque_slope(hold.stiffness)
+
+
+def damping(leg: Leg, at: float) -> float:
+    """Damping of the calf muscles at 0° while they add a torque, for a slow movement.
+
+    r·α·f_l·f_v′(0)·s²·dx/dθ, s the muscle's share of the lengthening; the mean of both branches of
+    equation (17).
+    """
+    alpha = _alpha(leg, at)
+    hold, l0 = leg.hold("tri", 0.0, alpha), leg.optimal_length("tri")
+    a = MVSH * MVSHL
+    branches = (1.0 + 1.0 / MVSH, (1.0 + a) * (FECC - 1.0) / a)
+    slope = 0.5 * sum(branches) / (leg.options.vmax_factor * l0)
+    force = alpha * force_length(hold.length, l0) * slope * hold.given**2
+    return float(np.radians(hold.arm * force * hold.slope))
+
+
+def activation_half_time(leg: Leg, _: float) -> float:
+    """Time in which force comes to half of its end after a step of EMG, the delay not counted.
+
+    Step response of equation (14).
+    """
+    from scipy.optimize import brentq
+
+    f0, beta = _filter(leg)
+    turns = float(brentq(lambda t: _step_response(t, beta) - 0.5, 0.0, 50.0 * (1.0 + beta)))
+    return 1e3 * turns / (2.0 * np.pi * f0)
+
+
+def bandwidth(leg: Leg, _: float) -> float:
+    """Frequency up to which force follows EMG, to −3 dB.
+
+    f0·√(1 − 2β² + √((1 − 2β²)² + 1)) of equation (14).
+    """
+    f0, beta = _filter(leg)
+    b = 1.0 - 2.0 * beta**2
+    return float(f0 * np.sqrt(b + np.sqrt(b**2 + 1.0)))
+
+
+def delay(leg: Leg, _: float) -> float:
+    """Time from EMG to the beginning of force.
+
+    emd of equations (12) and (13).
+    """
+    if "emd" not in leg.values:
+        raise NotDefinedError("this fit has no delay")
+    return 1e3 * leg.values["emd"]
+
+
+def reflex_gain(leg: Leg, at: float) -> float:
+    """Torque of the calf muscles at an angle for each degree a second of stretch, by reflex.
+
+    r·f_l(x)·reflex_tri·dx/dθ, once the reflex's delay is over.
+    """
+    if "reflex_tri" not in leg.values:
+        raise NotDefinedError("this fit has no reflex")
+    hold = leg.hold("tri", at)
+    lift = force_length(hold.length, leg.optimal_length("tri"))
+    return float(np.radians(hold.arm * lift * leg.values["reflex_tri"] * hold.slope))
+
+
+def tissue_share(leg: Leg, _: float) -> float:
+    """Part of tissue in the torque of the recordings.
+
+    Mean |torque of tissue| over the sum of the means of |tissue|, |neural|, |inertia|, |gravity|.
+    """
+    return _share(leg, "tissue")
+
+
+def neural_share(leg: Leg, _: float) -> float:
+    """Part of active contraction in the torque of the recordings.
+
+    As of tissue_share.
+    """
+    return _share(leg, "neural")
+
+
+def inertia_share(leg: Leg, _: float) -> float:
+    """Part of inertia in the torque of the recordings.
+
+    As of tissue_share.
+    """
+    return _share(leg, "inertial")
+
+
+def gravity_share(leg: Leg, _: float) -> float:
+    """Part of gravity in the torque of the recordings.
+
+    As of tissue_share.
+    """
+    return _share(leg, "gravitational")
+
+
+def reflex_share(leg: Leg, _: float) -> float:
+    """Part of the reflex in the active contraction of the recordings.
+
+    Mean |torque by reflex| over mean |torque of active contraction|.
+    """
+    if any(parts.reflex is None for parts in leg.parts):
+        raise NotDefinedError("this fit has no reflex")
+    reflex = np.concatenate([parts.reflex for parts in leg.parts if parts.reflex is not None])
+    neural = np.concatenate([parts.neural for parts in leg.parts])
+    return 100.0 * float(np.abs(reflex).mean() / np.abs(neural).mean())
+
+
+def tissue_work_share(leg: Leg, _: float) -> float:
+    """Part of tissue in the work of the recordings.
+
+    As of tissue_share, of |torque·velocity|.
+    """
+    return _share(leg, "tissue", work=True)
+
+
+def neural_work_share(leg: Leg, _: float) -> float:
+    """Part of active contraction in the work of the recordings.
+
+    As of tissue_work_share.
+    """
+    return _share(leg, "neural", work=True)
+
+
+def _share(leg: Leg, name: str, *, work: bool = False) -> float:
+    sizes = {"tissue": 0.0, "neural": 0.0, "inertial": 0.0, "gravitational": 0.0}
+    for parts, inputs in zip(leg.parts, leg.inputs, strict=True):
+        weight: FloatArray = np.ones(inputs.n) if not work else np.abs(inputs.velocity)
+        for part in sizes:
+            sizes[part] += float(np.sum(weight * np.abs(getattr(parts, part)))) / inputs.rate_hz
+    total = sum(sizes.values())
+    if not total > 0.0:
+        raise NotDefinedError("there is no torque, or no movement, to share")
+    return 100.0 * sizes[name] / total
+
+
+def _per_emg(leg: Leg, group: str, at: float, weights: tuple[str, ...]) -> float:
+    hold = leg.hold(group, at)
+    gain = sum(leg.values[name] for name in weights)
+    lift = force_length(hold.length, leg.optimal_length(group))
+    per_volt = abs(hold.arm) * lift * gain
+    return float(per_volt * (1e-3 if not leg.has_normalised_emg else 1.0))
+
+
+def _optimal_angle(leg: Leg, group: str) -> float:
+    length = leg.optimal_length(group)
+    if leg.is_compliant:
+        stretch = leg.values[f"k_{group}"] * (length - leg.values[f"x0_{group}"])
+        length += elongation(leg.tendon(group), leg.relaxed * float(np.exp(min(stretch, 50.0))))
+    return leg.angle_of(group, length)
+
+
+def _alpha(leg: Leg, torque: float) -> float:
+    """Active state of the triceps [N] that adds a torque at 0° [Nm]."""
+    from scipy.optimize import brentq
+
+    if leg.active_torque("tri", 0.0, _STRONGEST) < torque:
+        raise NotDefinedError(f"no activity makes {torque:g} Nm at 0°")
+    return float(
+        brentq(lambda alpha: leg.active_torque("tri", 0.0, alpha) - torque, 0.0, _STRONGEST,
+               xtol=1e-6)
+    )  # fmt: skip
+
+
+def _filter(leg: Leg) -> tuple[float, float]:
+    if leg.is_of_2010:
+        return leg.values["f"], 1.0
+    return leg.values["f0"], leg.values["beta"]
+
+
+def _step_response(t: float, beta: float) -> float:
+    """Of a second-order filter of natural frequency 1 and this damping."""
+    root = np.sqrt(complex(beta**2 - 1.0))
+    if abs(root) < 1e-6:
+        return float(1.0 - (1.0 + t) * np.exp(-t))
+    slow, fast = -beta + root, -beta - root
+    return float(1.0 - np.real((fast * np.exp(slow * t) - slow * np.exp(fast * t)) / (fast - slow)))

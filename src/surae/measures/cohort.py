@@ -1,0 +1,348 @@
+"""Many legs together: groups, differences between them, change over time, and each leg among them.
+
+Every measure and parameter is a random effect over legs (`surae.measures.reml`), each leg as
+uncertain as its interval says. A value at its bound says only that it lies between the bounds, and
+enters so; a leg without a value, or of an inadequate fit, is left out and counted, with the reason.
+Of a leg with several sessions the first counts for its group, and last minus first is its change.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from surae._version import __version__
+from surae.errors import InputError
+from surae.files import PathLike, write_json
+from surae.frozen import FrozenDict
+from surae.measures.change import compare_sessions
+from surae.measures.quantity import Quantities, Quantity
+from surae.measures.reml import FEWEST, Effects, random_effects
+
+_NORMAL = 1.959964
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """One row of a cohort.
+
+    Attributes
+    ----------
+    subject, side, group, session : str
+        Whose leg it is, and when it was measured; sessions are in the order of their names.
+    scales : mapping of str to float
+        Clinical scales of this row.
+    quantities : Quantities or None
+        Of its fit; None where there is none.
+    missing : str
+        Why there is no fit.
+    """
+
+    subject: str
+    side: str
+    group: str
+    session: str
+    scales: Mapping[str, float]
+    quantities: Quantities | None
+    missing: str = ""
+
+    @property
+    def leg(self) -> str:
+        """Subject and side."""
+        return " ".join(part for part in (self.subject, self.side) if part)
+
+
+@dataclass(frozen=True, slots=True)
+class Among:
+    """One leg among its group: its own value, and the one drawn to the group with its interval."""
+
+    leg: str
+    group: str
+    value: float
+    sd: float
+    shrunken: float
+    ci95: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Contrast:
+    """A difference, its 95 % interval, and the p-value of none; `k` legs are behind it."""
+
+    difference: float
+    ci95: tuple[float, float]
+    p: float
+    k: int
+
+
+@dataclass(frozen=True, slots=True)
+class Pooled:
+    """One measure or parameter over the cohort.
+
+    Attributes
+    ----------
+    name, unit, meaning, kind : str
+        As of `Quantity`.
+    groups : mapping of str to Effects
+        Mean and spread of each group of at least three legs.
+    legs : tuple of Among
+        Every leg that has a value.
+    differences : mapping of str to Contrast
+        Of each pair of groups, the second minus the first, Holm's p over all that is told.
+    changes : mapping of str to Contrast
+        Of each group, last session minus first.
+    scales : mapping of str to (rho, p, n)
+        Rank correlation of legs with each clinical scale.
+    left_out : mapping of str to int
+        Legs without a value, by reason.
+    at_bound : int
+        Legs whose value lies at a bound.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    kind: str
+    groups: FrozenDict[str, Effects]
+    legs: tuple[Among, ...]
+    differences: FrozenDict[str, Contrast]
+    changes: FrozenDict[str, Contrast]
+    scales: FrozenDict[str, tuple[float, float, int]]
+    left_out: FrozenDict[str, int]
+    at_bound: int
+
+
+@dataclass(frozen=True, slots=True)
+class Cohort:
+    """A cohort: its members, and everything they have over all of them."""
+
+    members: tuple[Member, ...]
+    pooled: FrozenDict[str, Pooled]
+    rounds: int = 0
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, as C.json has it."""
+        return {
+            "surae": __version__,
+            "legs": len({m.leg for m in self.members}),
+            "missing": {m.leg: m.missing for m in self.members if m.missing},
+            "refit_rounds": self.rounds,
+            "quantities": {
+                p.name: {
+                    "unit": p.unit,
+                    "kind": p.kind,
+                    "meaning": p.meaning,
+                    "groups": {
+                        g: {"n": e.k, "mean": e.mean, "ci95": list(e.ci95),
+                            "sd_between": math.sqrt(e.tau2)}
+                        for g, e in p.groups.items()
+                    },
+                    "differences": {g: _plain(c) for g, c in p.differences.items()},
+                    "changes": {g: _plain(c) for g, c in p.changes.items()},
+                    "scales": {
+                        s: {"rho": rho, "p": value, "n": n}
+                        for s, (rho, value, n) in p.scales.items()
+                    },
+                    "legs": {
+                        leg.leg: {"group": leg.group, "value": leg.value, "sd": leg.sd,
+                                  "shrunken": leg.shrunken, "ci95": list(leg.ci95)}
+                        for leg in p.legs
+                    },
+                    "left_out": dict(p.left_out),
+                    "at_bound": p.at_bound,
+                }
+                for p in self.pooled.values()
+            },
+        }  # fmt: skip
+
+    def save(self, path: PathLike) -> None:
+        """Write C.json.
+
+        Parameters
+        ----------
+        path : path
+            Where to.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written.
+        """
+        write_json(path, self.as_dict())
+
+
+def _plain(c: Contrast) -> dict[str, Any]:
+    return {"difference": c.difference, "ci95": list(c.ci95), "p": c.p, "n": c.k}
+
+
+def pool(members: Sequence[Member]) -> Cohort:
+    """Everything that a cohort tells.
+
+    Parameters
+    ----------
+    members : sequence of Member
+        Its rows.
+
+    Raises
+    ------
+    InputError
+        A leg is there twice in one session, or no row has a fit.
+    """
+    sessions: dict[str, list[Member]] = {}
+    for member in sorted(members, key=lambda m: m.session):
+        before = sessions.setdefault(member.leg, [])
+        if any(m.session == member.session for m in before):
+            raise InputError(f"cohort: {member.leg} is there twice in session {member.session!r}")
+        if before and before[0].group != member.group:
+            raise InputError(f"cohort: {member.leg} is in two groups")
+        before.append(member)
+    first = [each[0] for each in sessions.values()]
+    known = [m.quantities for m in members if m.quantities is not None]
+    if not known:
+        raise InputError("cohort: no row has a fit")
+    names = dict.fromkeys(name for q in known for name in q.by_name)
+    changes = _changes(sessions)
+    told = {name: _pooled(name, first, changes.get(name, {})) for name in names}
+    return Cohort(tuple(members), FrozenDict(_holm(told)))
+
+
+def borrowed(cohort: Cohort, refitted: Sequence[Member], rounds: int) -> Cohort:
+    """The cohort with each leg's value of a fit that knew its population.
+
+    Means, spreads and differences stay those of fits that did not: what a leg borrows from the
+    others says nothing of them.
+    """
+    own = {m.leg: m.quantities for m in refitted}
+    told = {}
+    for name, p in cohort.pooled.items():
+        legs = []
+        for leg in p.legs:
+            quantities = own.get(leg.leg)
+            q = None if quantities is None else quantities.by_name.get(name)
+            if q is not None and q.value is not None and math.isfinite(q.total):
+                ends = (q.value - _NORMAL * q.total, q.value + _NORMAL * q.total)
+                legs.append(replace(leg, shrunken=q.value, ci95=ends))
+            else:
+                legs.append(leg)
+        told[name] = replace(p, legs=tuple(legs))
+    return replace(cohort, pooled=FrozenDict(told), rounds=rounds)
+
+
+def _pooled(
+    name: str, first: Sequence[Member], changes: Mapping[str, list[tuple[float, float]]]
+) -> Pooled:
+    left_out: Counter[str] = Counter()
+    usable: list[tuple[Member, Quantity, float, float]] = []
+    at_bound, known = 0, None
+    for member in first:
+        q = None if member.quantities is None else member.quantities.by_name.get(name)
+        known = q or known
+        if q is None or q.value is None:
+            left_out[member.missing or "it was not estimated"] += 1
+        elif q.at_bound and q.bounds is not None:
+            low, high = q.bounds  # anywhere between them, for all that is known
+            at_bound += 1
+            usable.append((member, q, 0.5 * (low + high), (high - low) ** 2 / 12.0))
+        elif q.missing and not q.is_comparable_between_legs:
+            left_out[q.missing] += 1
+        elif math.isfinite(q.total) and q.total > 0.0:
+            usable.append((member, q, q.value, q.total**2))
+        else:
+            left_out[q.missing or "it has no interval"] += 1
+    assert known is not None
+    groups: dict[str, Effects] = {}
+    for group in sorted({m.group for m in first}):
+        own = [(y, v) for m, _, y, v in usable if m.group == group]
+        if len(own) >= FEWEST:
+            groups[group] = random_effects(*map(np.array, zip(*own, strict=True)))
+    legs = tuple(_among(m, y, v, groups.get(m.group)) for m, q, y, v in usable if not q.at_bound)
+    return Pooled(
+        known.name, known.unit, known.meaning, known.kind, FrozenDict(groups), legs,
+        FrozenDict({f"{a} → {b}": _contrast(groups[a], groups[b])
+                    for a, b in combinations(groups, 2)}),
+        FrozenDict({g: _change(each) for g, each in changes.items() if len(each) >= FEWEST}),
+        _scales([(m, y) for m, q, y, _ in usable if not q.at_bound]),
+        FrozenDict(left_out), at_bound,
+    )  # fmt: skip
+
+
+def _among(member: Member, value: float, variance: float, effects: Effects | None) -> Among:
+    sd = math.sqrt(variance)
+    drawn, own = (value, sd) if effects is None else effects.shrunken(value, variance)
+    return Among(
+        member.leg, member.group, value, sd, drawn, (drawn - 1.96 * own, drawn + 1.96 * own)
+    )
+
+
+def _contrast(a: Effects, b: Effects) -> Contrast:
+    """Second minus first, with the degrees of freedom of Welch and Satterthwaite."""
+    from scipy.special import stdtr, stdtrit
+
+    se2 = a.se**2 + b.se**2
+    df = se2**2 / max(a.se**4 / (a.k - 1) + b.se**4 / (b.k - 1), 1e-300)
+    se, difference = math.sqrt(se2), b.mean - a.mean
+    half = float(stdtrit(df, 0.975)) * se
+    p = 2.0 * float(stdtr(df, -abs(difference) / se)) if se > 0.0 else 1.0
+    return Contrast(difference, (difference - half, difference + half), p, a.k + b.k)
+
+
+def _change(pairs: Sequence[tuple[float, float]]) -> Contrast:
+    effects = random_effects(*map(np.array, zip(*pairs, strict=True)))
+    from scipy.special import stdtr
+
+    t = abs(effects.mean) / effects.se if effects.se > 0.0 else 0.0
+    p = 2.0 * float(stdtr(effects.k - 1, -t))
+    return Contrast(effects.mean, effects.ci95, p, effects.k)
+
+
+def _changes(
+    sessions: Mapping[str, Sequence[Member]],
+) -> dict[str, dict[str, list[tuple[float, float]]]]:
+    """Differences of last and first session and their variances, by quantity and group."""
+    told: dict[str, dict[str, list[tuple[float, float]]]] = {}
+    for each in sessions.values():
+        before, after = each[0].quantities, each[-1].quantities
+        if len(each) < 2 or before is None or after is None:
+            continue
+        compared = compare_sessions(before, after)
+        for d in (*compared.measures.values(), *compared.parameters.values()):
+            if d.difference is not None and d.ci95 is not None:
+                sd = (d.ci95[1] - d.ci95[0]) / 3.92
+                groups = told.setdefault(d.name, {})
+                groups.setdefault(each[0].group, []).append((d.difference, sd**2))
+    return told
+
+
+def _scales(usable: Sequence[tuple[Member, float]]) -> FrozenDict[str, tuple[float, float, int]]:
+    from scipy.stats import spearmanr
+
+    told = {}
+    for scale in sorted({s for m, _ in usable for s in m.scales}):
+        pairs = [(m.scales[scale], y) for m, y in usable if scale in m.scales]
+        values, marks = np.array([y for _, y in pairs]), np.array([s for s, _ in pairs])
+        if len(pairs) >= 4 and np.ptp(values) > 0 and np.ptp(marks) > 0:
+            rho, p = spearmanr(marks, values)
+            told[scale] = (float(rho), float(p), len(pairs))
+    return FrozenDict(told)
+
+
+def _holm(told: Mapping[str, Pooled]) -> dict[str, Pooled]:
+    """Differences between groups, and changes, each with Holm's p over all quantities."""
+    done = dict(told)
+    for kind in ("differences", "changes"):
+        every = sorted(
+            (c.p, name, key) for name, p in done.items() for key, c in getattr(p, kind).items()
+        )
+        adjusted = 0.0
+        for rank, (p, name, key) in enumerate(every):
+            adjusted = min(1.0, max(adjusted, (len(every) - rank) * p))
+            own = dict(getattr(done[name], kind))
+            own[key] = replace(own[key], p=adjusted)
+            if kind == "changes":
+                done[name] = replace(done[name], changes=FrozenDict(own))
+            else:
+                done[name] = replace(done[name], differences=FrozenDict(own))
+    return done

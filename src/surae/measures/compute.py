@@ -1,0 +1,401 @@
+"""From a fit to its measures: values, intervals through the whole covariance, verdicts."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from surae.assessment import Assessment, Grade, Verdict
+from surae.assessment.verdict import IDENTIFIED, percent
+from surae.errors import ComputationError, InputError
+from surae.estimation import FitResult
+from surae.frozen import FrozenDict
+from surae.measures.definition import Definition
+from surae.measures.leg import Leg, NotDefinedError
+from surae.measures.measure import Measure, Measures
+from surae.measures.spread import Spread, spread_of
+from surae.measures.table import DEFINITIONS
+from surae.model import ModelOptions, get_model, with_optional
+from surae.model.laboratory import group_of
+from surae.units import FloatArray
+
+#: Angles at which measures are asked unless told otherwise, and those that can be asked [deg].
+ANGLES = (-10.0, 0.0, 10.0)
+_MOST = 60.0
+_NORMAL = 1.959964
+#: Possible legs that are drawn, their seed, and how far their interval may differ from the linear
+#: one, as a part of its half-width, before it takes its place.
+_DRAWS, _SEED, _BENT = 256, 7, 0.25
+#: Part of the possible legs that may lack a measure that has an interval.
+_LACKING = 0.02
+#: Step of a derivative: of a logarithm, and of other parameters as a part of value or range.
+_STEP = 1e-3
+#: Half-width up to which an angle is identified, and above which it is undetermined [deg].
+_ANGLE, _ANY_ANGLE = 2.0, 20.0
+#: Degrees beyond the measured range that still count as measured.
+_BEYOND = 0.5
+#: Part of the variance that comes through a parameter at its bound, from which that is told.
+_BOUND = 0.25
+#: Groups of nuisances that the leg itself knows nothing of.
+_OUTSIDE = ("zero", "crosstalk", "axis", "drift", "shape")
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """A measure at a point it is asked at."""
+
+    definition: Definition
+    at: float
+
+    @property
+    def name(self) -> str:
+        """With the point."""
+        return self.definition.named(self.at)
+
+    def value(self, leg: Leg) -> float:
+        """Of a leg; NaN where it is not finite or has no solution.
+
+        Raises
+        ------
+        NotDefinedError
+            The leg has no such measure.
+        """
+        try:
+            value = self.definition.compute(leg, self.at)
+        except (ComputationError, OverflowError, ZeroDivisionError):
+            return math.nan
+        return value if math.isfinite(value) else math.nan
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evaluated:
+    """A measure of one fit, as far as comparisons need it.
+
+    Attributes
+    ----------
+    point : Point
+        Which.
+    value : float or None
+        None where there is none, for the reason `missing`.
+    gradient : ndarray, shape (p,)
+        By the searched coordinates of `Spread`.
+    missing : str
+        Why it has no value or no interval; empty where it has both.
+    """
+
+    point: Point
+    value: float | None
+    gradient: FloatArray
+    missing: str = ""
+
+
+def points(angles: Sequence[float] = ANGLES) -> tuple[Point, ...]:
+    """All measures at the points they are asked at.
+
+    Raises
+    ------
+    InputError
+        An angle is no number of degrees that an ankle has.
+    """
+    for angle in angles:
+        number = isinstance(angle, int | float | np.number) and not isinstance(angle, bool)
+        if not (number and abs(float(angle)) <= _MOST):
+            raise InputError(f"angle {angle!r}: give degrees from −{_MOST:g} to {_MOST:g}")
+    asked = tuple(dict.fromkeys(float(angle) for angle in angles))
+    return tuple(
+        Point(definition, at)
+        for definition in DEFINITIONS
+        for at in (asked if definition.at == "deg" else definition.points)
+    )
+
+
+def measures_of_values(
+    values: Mapping[str, float],
+    model: str,
+    options: ModelOptions | None = None,
+    angles: Sequence[float] = ANGLES,
+) -> dict[str, float]:
+    """Measures of a leg with known parameters: a pure function, those without recordings.
+
+    Parameters
+    ----------
+    values : mapping of str to float
+        Every free parameter of the model; tendon parameters that are left out take their starts.
+    model : str
+        Its name.
+    options : ModelOptions, optional
+        Its switches.
+    angles : sequence of float
+        Where [deg].
+
+    Returns
+    -------
+    dict of str to float
+        By name; what such a leg does not have is left out.
+
+    Raises
+    ------
+    InputError
+        The model, a parameter or an angle is not known.
+    """
+    options = options or ModelOptions()
+    spec = with_optional(get_model(model), values)
+    vector = spec.vector(values, options)
+    leg = Leg(spec, options, dict(zip(spec.names, vector.tolist(), strict=True)))
+    told = {}
+    for point in points(angles):
+        if point.definition.of_recordings:
+            continue
+        try:
+            value = point.value(leg)
+        except NotDefinedError:
+            continue
+        if math.isfinite(value):
+            told[point.name] = value
+    return told
+
+
+def measures(
+    result: FitResult, assessment: Assessment, angles: Sequence[float] = ANGLES
+) -> Measures:
+    """All measures of a fit.
+
+    Parameters
+    ----------
+    result, assessment : FitResult, Assessment
+        The fit and what it is worth.
+    angles : sequence of float
+        Where torque and stiffness are asked [deg], dorsiflexion positive.
+
+    Returns
+    -------
+    Measures
+        By name; one that the model does not have is there without a value, with the reason.
+
+    Raises
+    ------
+    InputError
+        An angle is out of reach of an ankle.
+    """
+    judged = judged_measures(result, assessment, spread_of(result, assessment), angles)
+    made = FrozenDict((measure.name, measure) for _, measure in judged)
+    return Measures(result.problem.spec.name, assessment.adequacy, made)
+
+
+def judged_measures(
+    result: FitResult, assessment: Assessment, spread: Spread, angles: Sequence[float]
+) -> list[tuple[Evaluated, Measure]]:
+    """All measures of a fit, each with its derivatives."""
+    wanted = points(angles)
+    drawn = _drawn(result, spread, wanted)
+    return [
+        (each, _measure(each, drawn.get(each.point.name), result, assessment, spread))
+        for each in evaluate(result, spread, wanted)
+    ]
+
+
+def leg_of(result: FitResult, values: Mapping[str, float] | None = None) -> Leg:
+    """The leg of a fit, or one with other values of its free parameters."""
+    problem = result.problem
+    own = {**result.values, **(values or {})}
+    return Leg(problem.spec, problem.options, own, problem.inputs)
+
+
+def evaluate(result: FitResult, spread: Spread, wanted: Sequence[Point]) -> tuple[Evaluated, ...]:
+    """Values of measures and their derivatives by everything that was estimated."""
+    leg = leg_of(result)
+    values: dict[str, float] = {}
+    missing: dict[str, str] = {}
+    for point in wanted:
+        try:
+            value = point.value(leg)
+        except NotDefinedError as error:
+            missing[point.name] = str(error)
+            continue
+        if math.isfinite(value):
+            values[point.name] = value
+        else:
+            missing[point.name] = "no finite number with these parameters"
+    gradients = {name: np.zeros(len(spread.names)) for name in values}
+    for j, name in enumerate(spread.names):
+        inner = [
+            point
+            for point in wanted
+            if point.name in values
+            and (point.definition.of_recordings or group_of(name) not in _OUTSIDE)
+        ]
+        step = _step(spread, j)
+        sides = [leg_of(result, {name: float(spread.moved(j, by))}) for by in (-step, step)]
+        for point in inner:
+            try:
+                low, high = (point.value(side) for side in sides)
+            except NotDefinedError as error:
+                missing[point.name] = f"at the edge of what is defined: {error}"
+                continue
+            gradients[point.name][j] = (high - low) / (2.0 * step)
+    zero = np.zeros(len(spread.names))
+    return tuple(
+        Evaluated(p, values.get(p.name), gradients.get(p.name, zero), missing.get(p.name, ""))
+        for p in wanted
+    )
+
+
+def deviation(gradient: FloatArray, covariance: FloatArray) -> float:
+    """Standard deviation of what has this gradient."""
+    return math.sqrt(max(float(gradient @ covariance @ gradient), 0.0))
+
+
+def _step(spread: Spread, j: int) -> float:
+    if spread.log[j]:
+        return _STEP
+    reach = 0.01 * (spread.upper[j] - spread.lower[j])
+    return _STEP * float(max(abs(spread.values[j]), reach))
+
+
+def _drawn(result: FitResult, spread: Spread, wanted: Sequence[Point]) -> dict[str, FloatArray]:
+    """Every measure that is not made of the recordings, of possible legs; NaN where it has none."""
+    inner = [point for point in wanted if not point.definition.of_recordings]
+    if spread.lost == spread.names or not np.isfinite(spread.total).all():
+        return {}
+    rows = np.full((_DRAWS, len(inner)), np.nan)
+    problem = result.problem
+    for i, drawn in enumerate(spread.draws(_DRAWS, _SEED)):
+        own = {**result.values, **dict(zip(spread.names, drawn.tolist(), strict=True))}
+        leg = Leg(problem.spec, problem.options, own, problem.inputs)
+        for k, point in enumerate(inner):
+            try:
+                rows[i, k] = point.value(leg)
+            except NotDefinedError:
+                continue
+    return {point.name: rows[:, k] for k, point in enumerate(inner)}
+
+
+def _measure(
+    evaluated: Evaluated,
+    drawn: FloatArray | None,
+    result: FitResult,
+    assessment: Assessment,
+    spread: Spread,
+) -> Measure:
+    definition, name = evaluated.point.definition, evaluated.point.name
+    unit, value = definition.unit, evaluated.value
+    if unit == "Nm/mV" and result.problem.inputs[0].emg_unit == "1":
+        unit = "Nm"
+    bare = Measure(
+        name,
+        unit,
+        definition.meaning,
+        value,
+        None,
+        None,
+        Verdict.UNDETERMINED,
+        evaluated.missing,
+    )
+    if value is None or evaluated.missing:
+        return bare
+    touched = [n for n, g in zip(spread.names, evaluated.gradient, strict=True) if g != 0.0]
+    if not touched:
+        return replace(bare, verdict=Verdict.FIXED, note="it rests on nothing that was estimated")
+    lost = [n for n in touched if n in spread.lost]
+    if lost:
+        return replace(bare, note=f"no interval: the recordings do not tell {', '.join(lost)}")
+    g = evaluated.gradient
+    sd, again = deviation(g, spread.total), deviation(g, 2.0 * spread.repeat)
+    if result.family is None:
+        again = sd  # as of its parameters: a named model does not know what trials share
+    half, method = _NORMAL * sd, "linear"
+    ci95 = (value - half, value + half)
+    if drawn is not None:
+        if np.isnan(drawn).mean() > _LACKING:
+            return replace(bare, note="no interval: some legs that the data allow do not have it")
+        ends = np.nanpercentile(drawn, [2.5, 97.5])
+        if float(np.abs(ends - np.array(ci95)).max()) > _BENT * half:
+            low, high = min(float(ends[0]), value), max(float(ends[1]), value)
+            ci95, method = (low, high), "draws"
+    share = again / sd if sd > 0.0 else 0.0
+    repeat = tuple(value + share * (end - value) for end in ci95)
+    verdict, note = _judge(evaluated, ci95, result, assessment, spread)
+    return replace(
+        bare, ci95=ci95, ci95_repeat=(repeat[0], repeat[1]), verdict=verdict, note=note,
+        method=method,
+    )  # fmt: skip
+
+
+def _judge(
+    evaluated: Evaluated,
+    ci95: tuple[float, float],
+    result: FitResult,
+    assessment: Assessment,
+    spread: Spread,
+) -> tuple[Verdict, str]:
+    """Verdict and sentence of a measure that has an interval."""
+    assert evaluated.value is not None
+    half = max(ci95[1] - evaluated.value, evaluated.value - ci95[0])
+    if evaluated.point.definition.is_angle:
+        relative, wide = IDENTIFIED * half / _ANGLE, half > _ANY_ANGLE
+        known = f"±{half:.2g}°"
+    else:
+        relative = half / abs(evaluated.value) if evaluated.value else math.inf
+        wide, known = relative > 1.0, f"±{percent(relative)}"
+    if wide:
+        return Verdict.UNDETERMINED, "not determined: its interval is as wide as its value"
+    if assessment.adequacy.grade is Grade.INADEQUATE:
+        return Verdict.WEAK, "the fit is inadequate: what it says means nothing"
+    beyond = extrapolated(evaluated, result)
+    if beyond:
+        return Verdict.WEAK, f"{beyond}; {known} if the model holds there"
+    bound = _through_bound(evaluated, spread)
+    if bound:
+        return Verdict.WEAK, f"it rests on {bound}, which lies at its bound"
+    if relative <= IDENTIFIED:
+        return Verdict.IDENTIFIED, f"known to {known}"
+    return Verdict.WEAK, f"known only to {known}"
+
+
+def extrapolated(evaluated: Evaluated, result: FitResult) -> str:
+    """What of a measure was not measured, as a sentence; empty where all was."""
+    definition, at = evaluated.point.definition, evaluated.point.at
+    if definition.at == "deg" or definition.is_angle:
+        asked = at if definition.at == "deg" or evaluated.value is None else evaluated.value
+        low, high = measured_range(result)
+        if low - _BEYOND <= asked <= high + _BEYOND:
+            return ""
+        return f"{asked:.3g}° was not measured ({low:.3g}° to {high:.3g}°)".replace("-", "−")
+    if definition.at == "s":
+        longest = max(float(i.time[-1] - i.time[0]) for i in result.problem.inputs)
+        return "" if at <= longest else f"the recordings last {longest:.2g} s only"
+    if definition.at not in ("N", "Nm"):
+        return ""
+    leg, group = leg_of(result), "tib" if definition.name.endswith("_tib") else "tri"
+    alpha = max(leg.largest_activity[group], 0.0)
+    if definition.at == "N":
+        ends = (leg.hold(group, angle, alpha).force for angle in measured_range(result))
+        most = max(*ends, leg.hold(group, 0.0, alpha).force)
+        return "" if at <= most else f"the tendon was pulled by {most:.0f} N at most"
+    most = leg.active_torque(group, 0.0, alpha)
+    return "" if at <= most else f"the muscles added {most:.3g} Nm at most at 0°"
+
+
+def measured_range(result: FitResult) -> tuple[float, float]:
+    """Lowest and highest angle of the samples that count [deg]."""
+    angles = [
+        recording.angle if recording.weight is None else recording.angle[recording.weight > 0]
+        for recording in result.problem.inputs
+    ]
+    low, high = np.degrees(np.percentile(np.concatenate(angles), [0.5, 99.5]))
+    return float(low), float(high)
+
+
+def _through_bound(evaluated: Evaluated, spread: Spread) -> str:
+    """Parameters at a bound that most of a measure's uncertainty goes through."""
+    g, V = evaluated.gradient, spread.total
+    whole = float(g @ V @ g)
+    if not whole > 0.0:
+        return ""
+    names = []
+    for name in spread.at_bound:
+        j = spread.names.index(name)
+        if V[j, j] > 0.0 and float(V[j] @ g) ** 2 / V[j, j] > _BOUND * whole:
+            names.append(name)
+    return ", ".join(names)

@@ -1,0 +1,68 @@
+"""The torque-angle curve of a fit, at rest and at its largest activity, with bands."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.assessment import Assessment
+from surae.estimation import FitResult
+from surae.frozen import Comparable, read_only
+from surae.measures.compute import Point, deviation, evaluate, measured_range
+from surae.measures.spread import spread_of
+from surae.measures.table import DEFINITIONS
+from surae.units import FloatArray
+
+#: Angles of the curve, at most, and the farthest that an ankle is drawn [deg].
+_COUNT, _LOWEST, _HIGHEST = 15, -50.0, 35.0
+_NORMAL = 1.959964
+_LINES = ("passive_torque", "active_torque_max_tri", "active_torque_max_tib")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Line(Comparable):
+    """One line of the curve: torque [Nm] and its 95 % band at the angles, arrays of shape (n,)."""
+
+    torque: FloatArray
+    low: FloatArray
+    high: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TorqueCurve(Comparable):
+    """Torque against angle over the measured range.
+
+    Attributes
+    ----------
+    angle : ndarray, shape (n,)
+        [deg], dorsiflexion positive.
+    passive, active_tri, active_tib : Line
+        The relaxed ankle; and what calf and tibialis add at the session's largest activity.
+    """
+
+    angle: FloatArray
+    passive: Line
+    active_tri: Line
+    active_tib: Line
+
+
+def torque_curve(result: FitResult, assessment: Assessment) -> TorqueCurve:
+    """The curve of a fit.
+
+    Parameters
+    ----------
+    result, assessment : FitResult, Assessment
+        The fit and what it is worth.
+    """
+    low, high = measured_range(result)
+    low, high = min(max(low, _LOWEST), _HIGHEST), max(min(high, _HIGHEST), _LOWEST)
+    angle = np.linspace(low, high, _COUNT)
+    spread = spread_of(result, assessment)
+    known = {definition.name: definition for definition in DEFINITIONS}
+    lines = []
+    for name in _LINES:
+        wanted = [Point(known[name], float(at)) for at in angle]
+        told = evaluate(result, spread, wanted)
+        value = np.array([np.nan if t.value is None else t.value for t in told])
+        sd = np.array([deviation(t.gradient, spread.total) for t in told])
+        lines.append(Line(*map(read_only, (value, value - _NORMAL * sd, value + _NORMAL * sd))))
+    return TorqueCurve(read_only(angle), *lines)

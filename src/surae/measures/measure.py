@@ -1,0 +1,132 @@
+"""A measure of a fit and what it is worth, as plain data, and all of them as a file."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from surae._version import __version__
+from surae.assessment import Adequacy, Verdict
+from surae.errors import InputError
+from surae.files import PathLike, csv_row, shown, write_atomic, write_json
+from surae.frozen import FrozenDict
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """One measure of a fit.
+
+    Attributes
+    ----------
+    name, unit, meaning : str
+        As in `surae.measures.DEFINITIONS`, the point it is asked at in the name.
+    value : float or None
+        None where there is none, and `note` says why.
+    ci95 : tuple of float, or None
+        95 % interval, systematics included.
+    ci95_repeat : tuple of float, or None
+        95 % interval of what another trial of this leg would give.
+    verdict : Verdict
+        ``identified``: within 10 % (of an angle within 2°), measured and of an adequate fit.
+    note : str
+        The verdict in a plain sentence.
+    method : str
+        ``"linear"``: the interval is that of the covariance; ``"draws"``: of possible legs, as the
+        measure bends too much for it; empty without an interval.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    value: float | None
+    ci95: tuple[float, float] | None
+    ci95_repeat: tuple[float, float] | None
+    verdict: Verdict
+    note: str
+    method: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Measures(Mapping[str, Measure]):
+    """The measures of a fit by name.
+
+    Attributes
+    ----------
+    model : str
+        Name of the model.
+    adequacy : Adequacy
+        Of the fit; an inadequate one identifies no measure.
+    by_name : mapping of str to Measure
+        In the order of the table.
+    """
+
+    model: str
+    adequacy: Adequacy
+    by_name: FrozenDict[str, Measure]
+
+    def __getitem__(self, name: str) -> Measure:
+        return self.by_name[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.by_name)
+
+    def __len__(self) -> int:
+        return len(self.by_name)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, as M.json has it."""
+        return {
+            "surae": __version__,
+            "model": self.model,
+            "adequacy": {
+                "grade": str(self.adequacy.grade),
+                "reasons": list(self.adequacy.reasons),
+            },
+            "measures": {
+                m.name: {
+                    "value": m.value,
+                    "unit": m.unit,
+                    "ci95": None if m.ci95 is None else list(m.ci95),
+                    "ci95_repeat": None if m.ci95_repeat is None else list(m.ci95_repeat),
+                    "verdict": str(m.verdict),
+                    "note": m.note,
+                    "method": m.method,
+                    "meaning": m.meaning,
+                }
+                for m in self.values()
+            },
+        }
+
+    def save(self, path: PathLike) -> None:
+        """Write M.json, or a table where the name ends in ``.csv``.
+
+        Parameters
+        ----------
+        path : path
+            Where to.
+
+        Raises
+        ------
+        InputError
+            The name ends otherwise, or the file cannot be written.
+        """
+        ending = Path(path).suffix.lower()
+        if ending == ".json":
+            write_json(path, self.as_dict())
+        elif ending == ".csv":
+            write_atomic(path, self.as_csv())
+        else:
+            raise InputError(f"{shown(path)}: measures are written as .json or .csv; give one")
+
+    def as_csv(self) -> str:
+        """A table with one row a measure."""
+        head = ("measure", "value", "unit", "ci95_low", "ci95_high", "ci95_repeat_low",
+                "ci95_repeat_high", "verdict", "note", "meaning")  # fmt: skip
+        none = (None, None)
+        return csv_row(head) + "".join(
+            csv_row((
+                m.name, m.value, m.unit, *(m.ci95 or none), *(m.ci95_repeat or none),
+                str(m.verdict), m.note, m.meaning,
+            ))
+            for m in self.values()
+        )  # fmt: skip

@@ -1,0 +1,242 @@
+"""The rows of a cohort: read from a table, their fits measured, and fitted again with a population.
+
+Empirical Bayes: the population's distribution is learned from the fits (REML on logarithms), every
+leg is fitted again with it as a prior, and so on until it rests. What a leg's recordings tell well
+stays; what they tell badly borrows from the other legs.
+"""
+
+import csv
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surae.assessment import Adequacy, Grade
+from surae.assessment.assess import assess
+from surae.assessment.saved.fit_json import load_saved
+from surae.errors import InputError, SuraeError
+from surae.estimation import make_problem, solve
+from surae.files import PathLike, read_bytes, shown
+from surae.frozen import FrozenDict
+from surae.measures.cohort import Member
+from surae.measures.quantity import Quantities, Quantity, quantities
+from surae.measures.reml import FEWEST, random_effects
+from surae.runner import Died, Engine, results
+from surae.settings import FitSettings
+
+_LABELS = ("subject", "side", "group", "session")
+#: Rounds of a refit, at most; it ends where no median moves by more than this part of its spread.
+_ROUNDS, _RESTS = 3, 0.1
+#: Least spread of a prior, and legs from which a group is a population of its own.
+_NARROWEST, _POPULATION = 0.02, 5
+
+#: Told of legs done, and how many there are.
+Told = Callable[[int, int], None]
+Priors = dict[str, tuple[float, float]]
+
+
+def read_table(path: PathLike) -> list[tuple[Path, Member]]:
+    """The rows of a COHORT.csv with the paths of their fits, which are not read yet.
+
+    Columns ``fit`` and ``subject``, further ``side``, ``group`` and ``session``; every other one is
+    a clinical scale, a number or empty.
+
+    Raises
+    ------
+    InputError
+        A column is missing, or a scale is no number.
+    """
+    try:
+        text = read_bytes(path).decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise InputError(f"{shown(path)}: not a text file, expected a table") from None
+    rows = list(csv.DictReader(text.splitlines()))
+    heads = list(rows[0]) if rows else []
+    for needed in ("fit", "subject"):
+        if needed not in heads:
+            raise InputError(f"{shown(path)}: no column {needed!r}; give fit and subject")
+    folder = Path(path).parent
+    members = []
+    for line, row in enumerate(rows, 2):
+        scales = {}
+        for head in heads:
+            cell = (row[head] or "").strip()
+            if head in ("fit", *_LABELS) or not cell:
+                continue
+            try:
+                scales[head] = float(cell)
+            except ValueError:
+                where = f"{shown(path)}, row {line}, column {head}"
+                raise InputError(f"{where}: {cell!r:.40} is not a number") from None
+        subject, side, group, session = ((row.get(name) or "").strip() for name in _LABELS)
+        if not (row["fit"] or "").strip() or not subject:
+            raise InputError(f"{shown(path)}, row {line}: fit or subject is empty")
+        member = Member(subject, side, group, session, FrozenDict(scales), None)
+        members.append((folder / row["fit"].strip(), member))
+    if not members:
+        raise InputError(f"{shown(path)}: no rows")
+    return members
+
+
+def measured(
+    rows: Sequence[tuple[Path, Member]],
+    angles: Sequence[float],
+    engine: Engine,
+    priors: Mapping[str, Priors] | None = None,
+    told: Told | None = None,
+) -> list[Member]:
+    """The rows with what their fits bring; with priors by group, of fits made anew with them."""
+    calls = {
+        str(i): {
+            "path": str(path),
+            "angles": list(angles),
+            "priors": None if priors is None else priors.get(member.group, priors.get("", {})),
+        }
+        for i, (path, member) in enumerate(rows)
+    }
+    name = f"{__name__}:{quantities_of.__name__}"
+    done: dict[int, Any] = {}
+    work = quantities_of if engine.kind == "threads" else name
+    for batch in results(work, calls, engine):
+        for key, outcome in batch:
+            done[int(key)] = outcome
+        if told is not None:
+            told(len(done), len(calls))
+    members = []
+    for i, (_, member) in enumerate(rows):
+        outcome = done[i]
+        if isinstance(outcome, Died):
+            outcome = {"error": outcome.message}
+        if "error" in outcome:
+            members.append(replace(member, missing=str(outcome["error"])))
+        else:
+            members.append(replace(member, quantities=_read(outcome)))
+    return members
+
+
+def quantities_of(
+    *, path: str, angles: list[float], priors: dict[str, list[float]] | None
+) -> dict[str, Any]:
+    """What one fit brings, as plain data; the reason where there is none.
+
+    Parameters
+    ----------
+    path : str
+        Of a FIT.json, or the folder of a session.
+    angles : list of float
+        Where measures are asked [deg].
+    priors : dict, or None
+        Median and spread by parameter, to fit the recordings again with.
+    """
+    place = Path(path)
+    try:
+        saved = load_saved(place / "joint.json" if place.is_dir() else place)
+        result = saved.result
+        if priors is not None:
+            known = {
+                name: (float(pair[0]), float(pair[1]))
+                for name, pair in priors.items()
+                if name in result.problem.free
+            }
+            settings = FitSettings.of(
+                result.problem.settings, priors={**result.problem.settings.priors, **known}
+            )
+            result = solve(make_problem(result.problem.inputs, settings))
+        brought = quantities(result, assess(result), angles)
+    except SuraeError as error:
+        return {"error": str(error)}
+    data = asdict(replace(brought, by_name=FrozenDict(), options=FrozenDict()))
+    rows = [asdict(q) for q in brought.by_name.values()]
+    for row in rows:
+        row |= {n: None for n in ("total", "session", "model") if not math.isfinite(row[n])}
+    adequacy = {**data["adequacy"], "grade": str(brought.adequacy.grade)}
+    return {**data, "adequacy": adequacy, "options": dict(brought.options), "by_name": rows}
+
+
+def populations(members: Sequence[Member]) -> dict[str, Priors]:
+    """Median and spread of every positive parameter of the leg, by group; of all under ``""``."""
+    groups: dict[str, list[Member]] = {"": list(members)}
+    for member in members:
+        groups.setdefault(member.group, []).append(member)
+    told: dict[str, Priors] = {}
+    for group, own in groups.items():
+        if group and len(own) < _POPULATION:
+            continue
+        values: dict[str, list[tuple[float, float]]] = {}
+        for member in own:
+            for q in () if member.quantities is None else member.quantities.by_name.values():
+                usable = q.kind == "parameter" and not q.missing and q.value and q.value > 0.0
+                if usable and q.value and q.total > 0.0:
+                    values.setdefault(q.name, []).append((q.value, q.total))
+        told[group] = {}
+        for name, pairs in values.items():
+            if len(pairs) >= FEWEST:
+                y, sd = np.array(pairs).T
+                effects = random_effects(np.log(y), (sd / y) ** 2)
+                spread = math.sqrt(effects.tau2 + effects.se**2)
+                told[group][name] = (math.exp(effects.mean), max(spread, _NARROWEST))
+    return told
+
+
+def refitted(
+    rows: Sequence[tuple[Path, Member]],
+    members: Sequence[Member],
+    angles: Sequence[float],
+    engine: Engine,
+    told: Told | None = None,
+) -> tuple[list[Member], int]:
+    """Every leg fitted again with its population, until that rests; and the rounds it took."""
+    known, latest = populations(members), list(members)
+    for number in range(1, _ROUNDS + 1):
+        latest = measured(rows, angles, engine, known, told)
+        renewed = _renewed(known, latest)
+        moved = [
+            abs(math.log(renewed[g][n][0] / median)) / spread
+            for g, priors in known.items()
+            for n, (median, spread) in priors.items()
+        ]
+        known = renewed
+        if max(moved, default=0.0) < _RESTS:
+            return latest, number
+    return latest, _ROUNDS
+
+
+def _renewed(known: Mapping[str, Priors], members: Sequence[Member]) -> dict[str, Priors]:
+    """The population of fits that knew one: the step of expectation and maximisation."""
+    told: dict[str, Priors] = {}
+    for group, priors in known.items():
+        told[group] = {}
+        own = [m.quantities for m in members if m.quantities and (not group or m.group == group)]
+        for name, before in priors.items():
+            pairs = [
+                (math.log(q.value), (q.total / q.value) ** 2)
+                for each in own
+                if (q := each.by_name.get(name)) is not None
+                and not q.missing and q.value and q.value > 0.0 and math.isfinite(q.total)
+            ]  # fmt: skip
+            if len(pairs) < FEWEST:
+                told[group][name] = before
+                continue
+            y, v = np.array(pairs).T
+            spread = math.sqrt(float(np.var(y) + v.mean()))
+            told[group][name] = (math.exp(float(y.mean())), max(spread, _NARROWEST))
+    return told
+
+
+def _read(data: Mapping[str, Any]) -> Quantities:
+    rows = {}
+    for row in data["by_name"]:
+        numbers = {n: math.nan if row[n] is None else row[n] for n in ("total", "session", "model")}
+        bounds = None if row["bounds"] is None else tuple(row["bounds"])
+        rows[row["name"]] = Quantity(**{**row, **numbers, "bounds": bounds})
+    adequacy = data["adequacy"]
+    return Quantities(
+        data["model"],
+        FrozenDict(data["options"]),
+        Adequacy(Grade(adequacy["grade"]), tuple(adequacy["reasons"]), adequacy["r2"]),
+        tuple(data["recordings"]),
+        FrozenDict(rows),
+    )

@@ -1,0 +1,206 @@
+"""Measures of a leg at rest: what its tissue does when nothing is active."""
+
+import numpy as np
+
+from surae.errors import ComputationError
+from surae.measures.leg import GROUPS, Leg, NotDefinedError, elongation, slack_length
+from surae.model.tendon import tendon_force
+from surae.units import FloatArray
+
+#: Angles between which the neutral angle is looked for [deg].
+_LOWEST, _HIGHEST = -70.0, 50.0
+#: The slow stretch whose energy is told: from and to [deg], its speed [deg/s], samples a second.
+_FROM, _TO, _SPEED, _RATE = -20.0, 10.0, 10.0, 50.0
+
+
+def passive_torque(leg: Leg, at: float) -> float:
+    """Torque of the relaxed ankle at an angle, its tissue fully relaxed.
+
+    T = r_tri·F_tri − r_tib·F_tib, F = exp(k·(x − x0))/(1 + k_rel) in balance with the tendon;
+    equations (2), (8) and (10).
+    """
+    return sum(leg.hold(group, at).torque for group in GROUPS)
+
+
+def passive_torque_tri(leg: Leg, at: float) -> float:
+    """Pull of the relaxed calf muscles at an angle, towards plantarflexion.
+
+    T_tri = r_tri·F_tri, as of passive_torque.
+    """
+    return leg.hold("tri", at).torque
+
+
+def passive_torque_tib(leg: Leg, at: float) -> float:
+    """Pull of the relaxed tibialis anterior at an angle, towards dorsiflexion.
+
+    T_tib = r_tib·F_tib, as of passive_torque.
+    """
+    return -leg.hold("tib", at).torque
+
+
+def passive_stiffness(leg: Leg, at: float) -> float:
+    """Stiffness of the relaxed ankle at an angle, for a movement so slow that tissue relaxes.
+
+    dT/dθ of passive_torque, the change of the moment arms included; muscle and tendon in series.
+    """
+    return sum(_slow(leg, group, at) for group in GROUPS)
+
+
+def passive_stiffness_tri(leg: Leg, at: float) -> float:
+    """Part of the calf muscles in the stiffness of the relaxed ankle.
+
+    dT_tri/dθ, as of passive_stiffness.
+    """
+    return _slow(leg, "tri", at)
+
+
+def passive_stiffness_tib(leg: Leg, at: float) -> float:
+    """Part of the tibialis anterior in the stiffness of the relaxed ankle.
+
+    −dT_tib/dθ, as of passive_stiffness: the two parts add up.
+    """
+    return _slow(leg, "tib", at)
+
+
+def quick_stiffness(leg: Leg, at: float) -> float:
+    """Stiffness of the relaxed ankle at an angle, for a stretch so quick that nothing relaxes.
+
+    dT/dθ with dF = k·exp(k·(x − x0))·dx, the high-frequency gain of equation (10).
+    """
+    total = 0.0
+    for group in GROUPS:
+        hold = leg.hold(group, at)
+        total += hold.torque_slope(hold.quick)
+    return total
+
+
+def slow_torque(leg: Leg, at: float) -> float:
+    """Torque of the relaxed ankle as it passes an angle in a slow stretch, 5°/s from −30°.
+
+    passive_torque before all has relaxed, by equation (10) and the model's own integrator.
+    """
+    return float(np.interp(at, *_stretch(leg, at)))
+
+
+def slow_stiffness(leg: Leg, at: float) -> float:
+    """Stiffness of the relaxed ankle as it passes an angle in a slow stretch, 5°/s from −30°.
+
+    Slope of slow_torque over 2°.
+    """
+    angles, torque = _stretch(leg, at)
+    low, high = np.interp([at - 1.0, at + 1.0], angles, torque)
+    return float(high - low) / 2.0
+
+
+def neutral_angle(leg: Leg, _: float) -> float:
+    """Angle at which the relaxed ankle comes to rest but for gravity.
+
+    passive_torque = 0; between −70° and 50°.
+    """
+    from scipy.optimize import brentq
+
+    if leg.is_of_2010:
+        raise NotDefinedError("the tibialis of this model has no tissue that would balance")
+    ends = [passive_torque(leg, angle) for angle in (_LOWEST, _HIGHEST)]
+    if not (np.isfinite(ends).all() and ends[0] * ends[1] < 0.0):
+        raise NotDefinedError(f"the torques balance nowhere from {_LOWEST:g}° to {_HIGHEST:g}°")
+    return float(brentq(lambda angle: passive_torque(leg, angle), _LOWEST, _HIGHEST, xtol=1e-8))
+
+
+def slack_angle_tri(leg: Leg, _: float) -> float:
+    """Angle above which the calf muscles begin to pull: at their slack length.
+
+    x(θ) = x0, where equation (8) gives 1 N; the tendon is not stretched there.
+    """
+    return leg.angle_of("tri", _slack(leg, "tri"))
+
+
+def slack_angle_tib(leg: Leg, _: float) -> float:
+    """Angle below which the tibialis anterior begins to pull: at its slack length.
+
+    x(θ) = x0, as of slack_angle_tri.
+    """
+    return leg.angle_of("tib", _slack(leg, "tib"))
+
+
+def relaxed_share(leg: Leg, at: float) -> float:
+    """Part of a sudden stretch's torque that has relaxed after some seconds.
+
+    k_rel/(1 + k_rel)·(1 − exp(−(1 + k_rel)·t/τ_rel)), the step response of equation (10).
+    """
+    if leg.is_of_2010:
+        raise NotDefinedError("nothing relaxes in this model")
+    k, tau = leg.values["k_rel"], leg.values["tau_rel"]
+    return 100.0 * k / (1.0 + k) * -float(np.expm1(-(1.0 + k) * at / tau))
+
+
+def dissipated_energy(leg: Leg, _: float) -> float:
+    """Energy that the relaxed ankle takes from a slow stretch to 10° and back to −20°, at 10°/s.
+
+    ∮ T dθ from rest at −20°, by equation (10) and the model's own integrator.
+    """
+    count = int((_TO - _FROM) / _SPEED * _RATE)
+    there = np.linspace(_FROM, _TO, count + 1)
+    angle = np.concatenate([there, there[-2::-1]])
+    torque = leg.passive_torque(angle, _RATE)
+    between = 0.5 * (torque[1:] + torque[:-1])
+    return 1e3 * float(np.sum(between * np.diff(np.radians(angle))))
+
+
+def tendon_stiffness_tri(leg: Leg, at: float) -> float:
+    """Stiffness of the Achilles tendon at a force.
+
+    dF_t/de of equation (18).
+    """
+    return _tendon_stiffness(leg, "tri", at)
+
+
+def tendon_stiffness_tib(leg: Leg, at: float) -> float:
+    """Stiffness of the tibialis tendon at a force.
+
+    dF_t/de of equation (18).
+    """
+    return _tendon_stiffness(leg, "tib", at)
+
+
+def tendon_strain_tri(leg: Leg, at: float) -> float:
+    """Strain of the Achilles tendon at a force.
+
+    e/lt0, e from equation (18), lt0 of the thesis's Table 2.
+    """
+    return 100.0 * elongation(leg.tendon("tri"), at) / slack_length("tri")
+
+
+def tendon_strain_tib(leg: Leg, at: float) -> float:
+    """Strain of the tibialis tendon at a force.
+
+    e/lt0, as of tendon_strain_tri.
+    """
+    return 100.0 * elongation(leg.tendon("tib"), at) / slack_length("tib")
+
+
+def _slow(leg: Leg, group: str, at: float) -> float:
+    hold = leg.hold(group, at)
+    return hold.torque_slope(hold.stiffness)
+
+
+def _stretch(leg: Leg, at: float) -> tuple[FloatArray, FloatArray]:
+    angles, torque = leg.slow_stretch
+    if not angles[0] + 10.0 <= at <= angles[-1] - 1.0:
+        raise NotDefinedError(f"the stretch goes from {angles[0]:g}° to {angles[-1]:.0f}°")
+    return angles, torque
+
+
+def _slack(leg: Leg, group: str) -> float:
+    name = f"x0_{group}"
+    if name not in leg.values:
+        raise NotDefinedError("the tibialis of this model has no tissue")
+    return leg.values[name]
+
+
+def _tendon_stiffness(leg: Leg, group: str, force: float) -> float:
+    curve = leg.tendon(group)
+    stiffness = tendon_force(elongation(curve, force), curve)[1]
+    if not np.isfinite(stiffness):
+        raise ComputationError("the tendon's curve is not finite with these parameters")
+    return 1e-3 * stiffness

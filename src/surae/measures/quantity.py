@@ -1,0 +1,157 @@
+"""What one fit brings to a comparison with others: every measure and parameter, as plain data."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from surae.assessment import Adequacy, Assessment, Grade
+from surae.estimation import FitResult
+from surae.frozen import FrozenDict
+from surae.measures.compute import ANGLES, deviation, extrapolated, judged_measures
+from surae.measures.spread import spread_of
+from surae.measures.table import ELECTRODES
+from surae.model.laboratory import group_of
+
+_NORMAL = 1.959964
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A measure or parameter of one fit.
+
+    Attributes
+    ----------
+    name, unit, meaning : str
+        As in the tables of measures and parameters.
+    kind : {"measure", "parameter"}
+        Which table.
+    value : float or None
+        None where there is none.
+    total : float
+        Standard deviation, everything included; NaN where there is none.
+    session : float
+        Standard deviation of what another session would draw anew; NaN where there is none.
+    model : float
+        Standard deviation that models add which the data do not reject.
+    missing : str
+        Why it can be compared with nothing; empty where it can.
+    at_bound : bool
+        Whether it is a parameter at its bound.
+    bounds : tuple of float, or None
+        Of a parameter's search.
+    is_comparable_between_legs : bool
+        Whether it can be pooled with other legs although no two sessions are compared by it.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    kind: Literal["measure", "parameter"]
+    value: float | None
+    total: float
+    session: float
+    model: float
+    missing: str = ""
+    at_bound: bool = False
+    bounds: tuple[float, float] | None = None
+    is_comparable_between_legs: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Quantities:
+    """All of one fit, and what decides with which other fits they can be compared.
+
+    Attributes
+    ----------
+    model : str
+        Name of the model.
+    options : mapping of str to object
+        Its switches, without the reference level of the EMG.
+    adequacy : Adequacy
+        Of the fit.
+    recordings : tuple of str
+        Names of the recordings.
+    by_name : mapping of str to Quantity
+        Measures, then parameters.
+    """
+
+    model: str
+    options: Mapping[str, object]
+    adequacy: Adequacy
+    recordings: tuple[str, ...]
+    by_name: FrozenDict[str, Quantity]
+
+
+def quantities(
+    result: FitResult, assessment: Assessment, angles: Sequence[float] = ANGLES
+) -> Quantities:
+    """What a fit brings to a comparison.
+
+    Parameters
+    ----------
+    result, assessment : FitResult, Assessment
+        The fit and what it is worth.
+    angles : sequence of float
+        Where torque and stiffness are asked [deg].
+    """
+    problem, spread = result.problem, spread_of(result, assessment)
+    has_reference = all(
+        one.emg_reference is not None and one.emg_reference.kind == "mvc" for one in problem.inputs
+    )
+    inadequate = (
+        f"the fit is inadequate: {assessment.adequacy.reasons[0]}"
+        if assessment.adequacy.grade is Grade.INADEQUATE
+        else ""
+    )
+    made: dict[str, Quantity] = {}
+    for evaluated, m in judged_measures(result, assessment, spread, angles):
+        g, why = evaluated.gradient, inadequate
+        alone = evaluated.point.definition.alone
+        if alone == ELECTRODES and has_reference:
+            alone = ""
+        if m.value is None or m.ci95 is None:
+            total = session = model = np.nan
+            why = why or m.note
+        else:
+            total, session, model = (
+                deviation(g, V) for V in (spread.total, spread.session, spread.model)
+            )
+            # where the measure bends too much for the covariance, draws are wider or narrower
+            bent = (m.ci95[1] - m.ci95[0]) / (2.0 * _NORMAL * total) if total > 0.0 else 1.0
+            total, session, model = (max(bent, 1.0) * sd for sd in (total, session, model))
+            why = why or alone or extrapolated(evaluated, result)
+        between = bool(alone) and alone != ELECTRODES and why == alone
+        made[m.name] = Quantity(
+            m.name, m.unit, m.meaning, "measure", m.value, total, session, model, why,
+            is_comparable_between_legs=between,
+        )  # fmt: skip
+    scale = np.where(spread.log, spread.values, 1.0)
+    for j, name in enumerate(spread.names):
+        if group_of(name) is not None or name not in assessment.parameters:
+            continue
+        p = assessment.parameters[name]
+        why = inadequate
+        if p.at_bound:
+            why = why or "it lies at its bound"
+        elif p.ci95 is None:
+            why = why or p.note
+        elif name in problem.spec.weights and not has_reference:
+            why = why or ELECTRODES
+        total, session, model = (
+            np.nan if p.ci95 is None else float(scale[j] * np.sqrt(max(V[j, j], 0.0)))
+            for V in (spread.total, spread.session, spread.model)
+        )
+        made[name] = Quantity(
+            name, p.unit, p.meaning, "parameter", p.value, total, session, model, why, p.at_bound,
+            (p.lower, p.upper),
+        )  # fmt: skip
+    options = {n: v for n, v in problem.options.as_dict().items() if n != "emg_ref"}
+    return Quantities(
+        problem.spec.name,
+        FrozenDict(options),
+        assessment.adequacy,
+        tuple(one.name for one in problem.inputs),
+        FrozenDict(made),
+    )

@@ -1,0 +1,176 @@
+"""How uncertain all estimates of a fit are together, and the legs that this leaves possible.
+
+A measure is made of several parameters that trade off, so that their covariance matters more than
+their intervals: stiffness and slack length apart are weak where the torque they make is well known.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from surae.assessment import Assessment, Interval
+from surae.assessment.uncertainty.covariance import inverse_root
+from surae.estimation import FitResult
+from surae.estimation.mode import straight
+from surae.frozen import Comparable
+from surae.model.laboratory import group_of
+from surae.units import FloatArray
+
+#: Groups of nuisances that differ between trials of one session, and further ones that do when
+#: electrodes and foot are mounted anew.
+_EACH_TRIAL = ("zero", "drift")
+_EACH_SESSION = (*_EACH_TRIAL, "crosstalk", "axis")
+#: Sources of `Family.spread` that another trial does not share.
+_NOT_SHARED = ("emg_noise", "trials")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Spread(Comparable):
+    """Covariance of the free parameters as they are searched: logarithms of what is positive.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Free parameters of the fit, those of the laboratory included.
+    log : ndarray of bool, shape (p,)
+        Which of them are on a logarithm.
+    values, lower, upper : ndarray, shape (p,)
+        Estimates and bounds, in their units.
+    total : ndarray, shape (p, p)
+        Everything that is not known.
+    repeat : ndarray, shape (p, p)
+        What another trial of the session would draw anew.
+    session : ndarray, shape (p, p)
+        What another session, electrodes and foot mounted anew, would draw anew.
+    model : ndarray, shape (p, p)
+        Of `total`, what models and sets of imperfections add that the data do not reject.
+    at_bound : tuple of str
+        Those that lie at a bound.
+    lost : tuple of str
+        Those that the recordings cannot tell from others at all: they have no variance.
+    """
+
+    names: tuple[str, ...]
+    log: npt.NDArray[np.bool_]
+    values: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+    total: FloatArray
+    repeat: FloatArray
+    session: FloatArray
+    model: FloatArray
+    at_bound: tuple[str, ...]
+    lost: tuple[str, ...]
+
+    def at(self, z: FloatArray) -> FloatArray:
+        """Values within the bounds of searched coordinates relative to the estimate, (…, p)."""
+        with np.errstate(over="ignore"):
+            moved = np.where(self.log, self.values * np.exp(np.clip(z, -50, 50)), self.values + z)
+        low, high = np.minimum(self.lower, self.values), np.maximum(self.upper, self.values)
+        return np.asarray(np.clip(moved, low, high))
+
+    def moved(self, j: int, by: float) -> float:
+        """Value of one parameter, moved by so much as it is searched, bounds or not."""
+        value = float(self.values[j])
+        return value * float(np.exp(by)) if self.log[j] else value + by
+
+    def draws(self, count: int, seed: int) -> FloatArray:
+        """Values of possible legs, shape (count, p), each with its opposite."""
+        w, vectors = np.linalg.eigh(self.total)
+        root = vectors * np.sqrt(np.maximum(w, 0.0))
+        half = np.random.default_rng(seed).standard_normal((count // 2, len(w))) @ root.T
+        return self.at(np.concatenate([half, -half]))
+
+
+def spread_of(result: FitResult, assessment: Assessment) -> Spread:
+    """The uncertainty of a fit's free parameters together.
+
+    Parameters
+    ----------
+    result : FitResult
+        The fit.
+    assessment : Assessment
+        What it is worth.
+    """
+    problem = result.problem
+    names = problem.free
+    values = np.array([result.values[name] for name in names])
+    log = ~straight(names) & (values > 0.0)
+    scale = np.where(log, 1.0 / np.where(log, values, 1.0), 1.0)
+    both = np.outer(scale, scale)
+    bare = Spread(
+        names, log, values, problem.lower, problem.upper, *(np.zeros((len(names),) * 2),) * 4,
+        result.at_bound, (),
+    )  # fmt: skip
+    if not np.isfinite(result.sse):
+        return replace(bare, lost=names)
+    if result.family is None:
+        total, lost = _of_named(result, assessment)
+        total = both * total
+        return replace(bare, total=total, repeat=total, session=total, lost=lost)
+    V = both * result.family.covariance
+    correlation = _correlation(V)
+    added = {
+        source: _matrix(np.array([by.get(name, 0.0) for name in names]) * scale, correlation)
+        for source, by in result.family.spread.items()
+    }
+    fresh = sum((added[s] for s in _NOT_SHARED if s in added), np.zeros_like(V))
+    return replace(
+        bare,
+        total=V + sum(added.values(), np.zeros_like(V)),
+        repeat=_drawn_anew(result, V, scale, _EACH_TRIAL) + fresh,
+        session=_drawn_anew(result, V, scale, _EACH_SESSION) + fresh,
+        model=added.get("model", np.zeros_like(V)),
+    )
+
+
+def _drawn_anew(
+    result: FitResult, V: FloatArray, scale: FloatArray, anew: Sequence[str]
+) -> FloatArray:
+    """Covariance of the estimates without what is the same again; see `assessment.uncertainty`."""
+    assert result.family is not None
+    shared = np.zeros(len(V))
+    for j, name in enumerate(result.problem.free):
+        belief = result.family.beliefs.get(name)
+        if belief is not None and group_of(name) not in anew:
+            shared[j] = 1.0 / (belief.sd * scale[j]) ** 2
+    return np.asarray(V - V @ (shared[:, None] * V))
+
+
+def _of_named(result: FitResult, assessment: Assessment) -> tuple[FloatArray, tuple[str, ...]]:
+    """Covariance of a named model: its correlations, with the standard errors it believes.
+
+    What lies at a bound may be anywhere between the bounds, and the others move with it.
+    """
+    names = result.problem.free
+    sigma2 = assessment.covariance.sigma2
+    root = inverse_root(result.R, names, sigma2, result.bounded)
+    matrix = np.zeros((len(names), len(names)))
+    if root.matrix.size:
+        kept = list(root.kept)
+        matrix[np.ix_(kept, kept)] = sigma2 * root.matrix @ root.matrix.T
+    lost = tuple(names[root.kept[j]] for group in root.groups for j in group)
+    factor = np.ones(len(names))
+    if assessment.interval is Interval.ROBUST:
+        for j, name in enumerate(names):
+            p = assessment.parameters[name]
+            if p.sem and p.sem_robust:
+                factor[j] = p.sem_robust / p.sem
+    return factor[:, None] * matrix * factor, lost
+
+
+def _correlation(V: FloatArray) -> FloatArray:
+    sd = np.sqrt(np.diag(V))
+    sd = np.where(sd > 0.0, sd, 1.0)
+    return np.asarray(V / np.outer(sd, sd))
+
+
+def _matrix(deviations: FloatArray, correlation: FloatArray) -> FloatArray:
+    """Covariance of what moves parameters by these amounts, along the valleys of the data.
+
+    A model that the data do not reject gives the torque as well, so that its parameters lie in the
+    direction in which they trade off: their correlation is that of the estimates.
+    """
+    return np.asarray(np.outer(deviations, deviations) * correlation)

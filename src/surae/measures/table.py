@@ -1,0 +1,55 @@
+"""All measures, once: `surae measures` tells them, their page is made of them."""
+
+from surae.measures import active, passive
+from surae.measures.definition import Definition
+
+_EFFORT = "it goes with the effort of each session"
+_MOVEMENT = "it goes with the movement and effort of each session"
+#: Why a measure in units of EMG says nothing of two sessions.
+ELECTRODES = (
+    "the electrodes have no common reference; normalise the EMG of both sessions by maximum "
+    "voluntary contractions"
+)
+
+_D = Definition
+DEFINITIONS: tuple[Definition, ...] = (
+    _D("passive_torque", "Nm", passive.passive_torque, "deg"),
+    _D("passive_torque_tri", "Nm", passive.passive_torque_tri, "deg"),
+    _D("passive_torque_tib", "Nm", passive.passive_torque_tib, "deg"),
+    _D("passive_stiffness", "Nm/deg", passive.passive_stiffness, "deg"),
+    _D("passive_stiffness_tri", "Nm/deg", passive.passive_stiffness_tri, "deg"),
+    _D("passive_stiffness_tib", "Nm/deg", passive.passive_stiffness_tib, "deg"),
+    _D("quick_stiffness", "Nm/deg", passive.quick_stiffness, "deg"),
+    _D("slow_torque", "Nm", passive.slow_torque, "deg"),
+    _D("slow_stiffness", "Nm/deg", passive.slow_stiffness, "deg"),
+    _D("neutral_angle", "deg", passive.neutral_angle, is_angle=True),
+    _D("slack_angle_tri", "deg", passive.slack_angle_tri, is_angle=True),
+    _D("slack_angle_tib", "deg", passive.slack_angle_tib, is_angle=True),
+    _D("relaxed_share", "%", passive.relaxed_share, "s", (10.0,)),
+    _D("dissipated_energy", "mJ", passive.dissipated_energy),
+    _D("active_torque_max_tri", "Nm", active.active_torque_max_tri, "deg",
+       of_recordings=True, alone=_EFFORT),
+    _D("active_torque_max_tib", "Nm", active.active_torque_max_tib, "deg",
+       of_recordings=True, alone=_EFFORT),
+    _D("torque_per_emg_tri", "Nm/mV", active.torque_per_emg_tri, alone=ELECTRODES),
+    _D("torque_per_emg_tib", "Nm/mV", active.torque_per_emg_tib, alone=ELECTRODES),
+    _D("optimal_angle_tri", "deg", active.optimal_angle_tri, is_angle=True),
+    _D("optimal_angle_tib", "deg", active.optimal_angle_tib, is_angle=True),
+    _D("active_stiffness", "Nm/deg", active.active_stiffness, "Nm", (20.0,)),
+    _D("damping", "Nm·s/deg", active.damping, "Nm", (20.0,)),
+    _D("activation_half_time", "ms", active.activation_half_time),
+    _D("bandwidth", "Hz", active.bandwidth),
+    _D("delay", "ms", active.delay),
+    _D("reflex_gain", "Nm·s/deg", active.reflex_gain),
+    _D("reflex_share", "%", active.reflex_share, of_recordings=True, alone=_MOVEMENT),
+    _D("tissue_share", "%", active.tissue_share, of_recordings=True, alone=_MOVEMENT),
+    _D("neural_share", "%", active.neural_share, of_recordings=True, alone=_MOVEMENT),
+    _D("inertia_share", "%", active.inertia_share, of_recordings=True, alone=_MOVEMENT),
+    _D("gravity_share", "%", active.gravity_share, of_recordings=True, alone=_MOVEMENT),
+    _D("tissue_work_share", "%", active.tissue_work_share, of_recordings=True, alone=_MOVEMENT),
+    _D("neural_work_share", "%", active.neural_work_share, of_recordings=True, alone=_MOVEMENT),
+    _D("tendon_stiffness_tri", "N/mm", passive.tendon_stiffness_tri, "N", (500.0,)),
+    _D("tendon_stiffness_tib", "N/mm", passive.tendon_stiffness_tib, "N", (100.0,)),
+    _D("tendon_strain_tri", "%", passive.tendon_strain_tri, "N", (500.0,)),
+    _D("tendon_strain_tib", "%", passive.tendon_strain_tib, "N", (100.0,)),
+)  # fmt: skip

@@ -1,0 +1,138 @@
+"""What is called changed, and where it must not be."""
+
+import json
+import math
+from dataclasses import replace
+
+import pytest
+
+import surae
+from surae.assessment import Grade
+from surae.frozen import FrozenDict
+from surae.measures.change import SCATTER, ChangeVerdict, compare_sessions
+from surae.measures.quantity import quantities
+
+CHANGED, NONE, NOT = ChangeVerdict
+
+
+@pytest.fixture(scope="module")
+def pair(fitted):
+    """Two trials of one leg that did not change."""
+    return fitted(1)[0], fitted(1, trial=1)[0]
+
+
+@pytest.fixture(scope="module")
+def sides(pair):
+    return tuple(quantities(fit.result, fit.assessment, [10.0]) for fit in pair)
+
+
+def moved(side, name: str, deviations: float):
+    """The same leg but for one quantity, moved by so many standard deviations of a difference."""
+    q = side.by_name[name]
+    sd = SCATTER * math.sqrt(2.0 * (q.session**2 + q.model**2))
+    shifted = replace(q, value=q.value + deviations * sd)
+    return replace(side, by_name=FrozenDict({**side.by_name, name: shifted}))
+
+
+def test_another_trial_of_a_leg_shows_no_change(pair) -> None:
+    told = surae.change(*pair)
+    assert told.changed == ()
+    assert any(d.verdict is NONE for d in told.measures.values())
+
+
+def test_what_changes_by_far_more_than_its_noise_is_found(sides) -> None:
+    before, _ = sides
+    told = compare_sessions(before, moved(before, "k_tri", 6.0))
+    assert [d.name for d in told.changed] == ["k_tri"]
+    assert told.parameters["k_tri"].note.startswith("more than before")
+
+
+def test_one_difference_of_many_beyond_its_interval_is_no_change(sides) -> None:
+    before, _ = sides
+    told = compare_sessions(before, moved(before, "k_tri", 2.2))
+    k = told.parameters["k_tri"]
+    assert not k.ci95[0] <= 0.0 <= k.ci95[1]
+    assert k.verdict is NONE
+    assert "Holm" in told.multiplicity
+
+
+def test_a_change_that_would_be_shown_is_beyond_the_interval(sides) -> None:
+    told = compare_sessions(*sides)
+    for d in (*told.measures.values(), *told.parameters.values()):
+        if d.smallest is not None:
+            assert d.smallest > 0.5 * (d.ci95[1] - d.ci95[0])
+
+
+def test_electrodes_without_a_common_reference_are_not_compared(sides) -> None:
+    told = compare_sessions(*sides)
+    for name in ("g1", "g2", "g3", "g4"):
+        assert told.parameters[name].verdict is NOT
+        assert "electrodes" in told.parameters[name].note
+    assert told.measures["torque_per_emg_tri"].verdict is NOT
+    assert told.measures["passive_stiffness@10deg"].verdict is not NOT
+
+
+def test_another_model_or_geometry_is_not_compared(sides) -> None:
+    before, after = sides
+    other = replace(after, model="muscle")
+    told = compare_sessions(before, other)
+    assert told.parameters["k_tri"].verdict is NOT
+    assert told.measures["passive_torque@10deg"].verdict is not NOT  # Nm are Nm
+    turned = replace(after, options=FrozenDict({**after.options, "geometry": "virtual-work"}))
+    told = compare_sessions(before, turned)
+    assert {d.verdict for d in (*told.measures.values(), *told.parameters.values())} == {NOT}
+
+
+def test_what_models_leave_unsure_does_not_cancel(sides) -> None:
+    before, after = sides
+    q = before.by_name["passive_torque@10deg"]
+    unsure = replace(q, model=10.0 * q.session)
+    doubtful = replace(before, by_name=FrozenDict({**before.by_name, q.name: unsure}))
+    sure, other = (compare_sessions(side, after).measures[q.name] for side in (before, doubtful))
+    assert other.ci95[1] - other.ci95[0] > 3.0 * (sure.ci95[1] - sure.ci95[0])
+
+
+def test_what_was_not_measured_is_not_compared(pair) -> None:
+    told = surae.change(*pair, angles=[45.0])
+    assert told.measures["passive_torque@45deg"].verdict is NOT
+
+
+def test_an_inadequate_fit_changes_nothing(pair) -> None:
+    fit, other = pair
+    worse = replace(fit.adequacy, grade=Grade.INADEQUATE, reasons=("the ankle hardly moves",))
+    judged = replace(fit, assessment=replace(fit.assessment, adequacy=worse))
+    told = surae.change(judged, other)
+    assert told.changed == ()
+    assert {d.verdict for d in told.measures.values()} == {NOT}
+
+
+def test_baselines_that_scatter_ask_more_of_a_change(sides) -> None:
+    before, _ = sides
+    after = moved(before, "k_tri", 6.0)
+    scattered = [moved(before, "k_tri", by) for by in (-6.0, 6.0)]
+    assert compare_sessions(before, after).parameters["k_tri"].verdict is CHANGED
+    told = compare_sessions(before, after, scattered)
+    assert told.parameters["k_tri"].verdict is NONE
+    assert told.baselines == 3
+
+
+def test_the_file(pair, tmp_path) -> None:
+    told = surae.change(*pair, angles=[10])
+    told.save(tmp_path / "c.json")
+    data = json.loads((tmp_path / "c.json").read_text(encoding="utf-8"))
+    row = data["measures"]["passive_stiffness@10deg"]
+    assert row["verdict"] == "no change shown"
+    assert row["ci95"][0] < row["difference"] < row["ci95"][1]
+
+
+@pytest.mark.slow
+def test_two_trials_of_a_measured_leg_show_no_change(shared, tmp_path) -> None:
+    """PL_50_01 and PL_50_02 are the same condition, minutes apart."""
+    mapping = (shared / "dynamometer" / "PL_50_01.toml").read_text(encoding="utf-8")
+    fits = []
+    for folder, name in (("dynamometer", "PL_50_01"), ("repeats", "PL_50_02")):
+        described = mapping.replace("PL_50_01.mat", str(shared / folder / f"{name}.mat"))
+        (tmp_path / f"{name}.toml").write_text(described, encoding="utf-8")
+        fits.append(surae.fit(tmp_path / f"{name}.toml", quality=()))
+    told = surae.change(*fits)
+    assert told.changed == ()

@@ -1,0 +1,180 @@
+"""Cohorts: what groups have in common, what a leg borrows, and who is not in it."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import surae
+from surae.assessment import Adequacy, Grade
+from surae.errors import InputError
+from surae.frozen import FrozenDict
+from surae.measures.cohort import Member, pool
+from surae.measures.members import populations
+from surae.measures.quantity import Quantities, Quantity
+from surae.measures.reml import random_effects
+from surae.protocol import Protocol, generate
+from surae.studies import virtual_subject, virtual_trial
+
+
+def leg(name: str, value: float, sd: float, group: str = "", session: str = "", **how) -> Member:
+    """A leg of which one parameter is known."""
+    scales = FrozenDict(how.pop("scales", {}))
+    q = Quantity("k_tri", "1/m", "…", "parameter", value, sd, sd, 0.0, bounds=(20.0, 600.0), **how)
+    fine = Adequacy(Grade.ADEQUATE, (), 99.0)
+    own = Quantities("muscle", FrozenDict(), fine, (name,), FrozenDict({"k_tri": q}))
+    return Member(name, "", group, session, scales, own)
+
+
+def test_mean_and_spread_are_found_again_and_their_interval_holds() -> None:
+    """200 cohorts of 12 legs, each leg as uncertain as another: coverage of 95 % intervals."""
+    rng = np.random.default_rng(1)
+    held, tau = [], []
+    for _ in range(200):
+        sd = rng.uniform(2.0, 25.0, 12)
+        y = 200.0 + 15.0 * rng.standard_normal(12) + sd * rng.standard_normal(12)
+        effects = random_effects(y, sd**2)
+        low, high = effects.ci95
+        held.append(low <= 200.0 <= high)
+        tau.append(effects.tau2)
+    assert 0.92 <= np.mean(held) <= 0.98
+    assert np.mean(tau) == pytest.approx(15.0**2, rel=0.15)
+
+
+def test_legs_that_do_not_differ_have_no_spread() -> None:
+    assert random_effects(np.full(5, 3.0), np.full(5, 0.1)).tau2 == pytest.approx(0.0, abs=1e-6)
+
+
+def test_weak_legs_borrow_and_strong_ones_stay() -> None:
+    """Errors of weak values become smaller by 40 % and more; strong values do not move."""
+    rng = np.random.default_rng(2)
+    truth = 200.0 + 10.0 * rng.standard_normal(40)
+    sd = np.where(np.arange(40) % 2, 60.0, 1.0)
+    found = truth + sd * rng.standard_normal(40)
+    told = pool([leg(f"L{i:02d}", y, s) for i, (y, s) in enumerate(zip(found, sd, strict=True))])
+    drawn = np.array([each.shrunken for each in told.pooled["k_tri"].legs])
+    weak = sd > 10
+    before, after = (np.sqrt(np.mean((v - truth)[weak] ** 2)) for v in (found, drawn))
+    assert after < 0.6 * before
+    assert np.abs(drawn - found)[~weak].max() < 1.0
+
+
+def test_groups_that_do_not_differ_are_not_said_to() -> None:
+    rng = np.random.default_rng(3)
+    claimed = 0
+    for _ in range(100):
+        rows = [leg(f"L{i}", 200 + 15 * rng.standard_normal(), 5.0, "ab"[i % 2]) for i in range(16)]
+        claimed += pool(rows).pooled["k_tri"].differences["a → b"].p < 0.05
+    assert claimed <= 11  # of 100 at 5 %
+
+
+def test_a_difference_between_groups_is_found_and_its_interval_holds() -> None:
+    rng = np.random.default_rng(4)
+    held = found = 0
+    for _ in range(100):
+        rows = [leg(f"L{i}", 200 + 40 * (i % 2) + 10 * rng.standard_normal(), 5.0, "ab"[i % 2])
+                for i in range(20)]  # fmt: skip
+        contrast = pool(rows).pooled["k_tri"].differences["a → b"]
+        found += contrast.p < 0.05
+        held += contrast.ci95[0] <= 40.0 <= contrast.ci95[1]
+    assert found >= 98
+    assert 88 <= held <= 100
+
+
+def test_what_is_missing_or_at_a_bound_is_told_and_kept_apart() -> None:
+    rows = [leg(f"L{i}", 200.0 + i, 5.0) for i in range(6)]
+    bound = leg("B", 600.0, 5.0, at_bound=True, missing="it lies at its bound")
+    none = replace(leg("N", 0.0, 1.0), quantities=None, missing="no such file")
+    bad = leg("I", 20.0, 1.0, missing="the fit is inadequate: it hardly moves")
+    told = pool([*rows, bound, none, bad]).pooled["k_tri"]
+    assert told.at_bound == 1
+    assert dict(told.left_out) == {
+        "no such file": 1, "the fit is inadequate: it hardly moves": 1,
+    }  # fmt: skip
+    assert told.groups[""].k == 7
+    assert told.groups[""].mean == pytest.approx(202.5, abs=1.0)  # the bound draws it nowhere
+    assert {each.leg for each in told.legs} == {f"L{i}" for i in range(6)}
+
+
+def test_sessions_of_a_leg_tell_its_change_and_count_once() -> None:
+    rng = np.random.default_rng(5)
+    rows = []
+    for i in range(8):
+        own = 200 + 20 * rng.standard_normal()
+        rows += [leg(f"L{i}", own + 3 * rng.standard_normal(), 3.0, "a", "1"),
+                 leg(f"L{i}", own - 30 + 3 * rng.standard_normal(), 3.0, "a", "2")]  # fmt: skip
+    told = pool(rows).pooled["k_tri"]
+    assert told.groups["a"].k == 8
+    assert told.changes["a"].difference == pytest.approx(-30.0, abs=5.0)
+    assert told.changes["a"].p < 0.01
+
+
+def test_a_clinical_scale_is_correlated_by_rank() -> None:
+    rows = [leg(f"L{i}", 200.0 + i, 1.0, scales={"ashworth": float(i)}) for i in range(8)]
+    assert pool(rows).pooled["k_tri"].scales["ashworth"][0] == pytest.approx(1.0)
+
+
+def test_a_leg_twice_in_a_session_is_refused() -> None:
+    with pytest.raises(InputError, match="twice"):
+        pool([leg("A", 1.0, 1.0), leg("A", 2.0, 1.0)])
+
+
+def test_a_population_has_median_and_spread() -> None:
+    rng = np.random.default_rng(6)
+    rows = [leg(f"L{i}", 200 * math.exp(0.1 * rng.standard_normal()), 2.0) for i in range(40)]
+    median, spread = populations(rows)[""]["k_tri"]
+    assert median == pytest.approx(200.0, rel=0.05)
+    assert spread == pytest.approx(0.1, rel=0.3)
+
+
+@pytest.fixture(scope="module")
+def table(tmp_path_factory):
+    """A table of five fits and one file that is not there."""
+    folder = tmp_path_factory.mktemp("cohort")
+    motion = generate(
+        Protocol(profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5, rate_hz=60.0)
+    )
+    lines = ["fit,subject,side,group,ashworth"]
+    for seed in range(5):
+        trial = virtual_trial(virtual_subject(seed), motion)
+        surae.fit(trial, "muscle", starts=1, quality=()).save(folder / f"{seed}.json")
+        lines.append(f"{seed}.json,S{seed},left,stroke,{seed % 3}")
+    lines.append("gone.json,S9,left,stroke,")
+    (folder / "cohort.csv").write_text("\n".join(lines), encoding="utf-8")
+    return folder / "cohort.csv"
+
+
+def test_a_table_of_fits_is_a_cohort(table, tmp_path) -> None:
+    told = surae.cohort(table)
+    assert told.pooled["passive_stiffness@10deg"].groups["stroke"].k >= 4
+    told.save(tmp_path / "c.json")
+    data = json.loads((tmp_path / "c.json").read_text(encoding="utf-8"))
+    assert data["legs"] == 6
+    assert "gone.json" in data["missing"]["S9 left"]
+
+
+@pytest.mark.slow
+def test_a_refit_narrows_what_is_weak_and_leaves_the_group_as_it_is(table) -> None:
+    alone, together = surae.cohort(table), surae.cohort(table, refit=True)
+    assert together.rounds >= 1
+    a, b = alone.pooled["tau_rel"], together.pooled["tau_rel"]
+    assert a.groups == b.groups
+    widths = [np.mean([leg.ci95[1] - leg.ci95[0] for leg in p.legs]) for p in (a, b)]
+    own = np.mean([2 * 1.96 * leg.sd for leg in a.legs])
+    assert widths[1] < own
+
+
+def test_the_command_writes_file_and_page(table, tmp_path) -> None:
+    from click.testing import CliRunner
+
+    from surae.cli import group
+
+    out, page = tmp_path / "c.json", tmp_path / "c.html"
+    made = CliRunner().invoke(
+        group, ["cohort", str(table), "--workers", "1", "--output", str(out), "--report", str(page)]
+    )
+    assert made.exit_code == 0, made.output
+    assert "S9 left: no fit" in made.output
+    assert "Cohort of 6 legs" in page.read_text(encoding="utf-8")

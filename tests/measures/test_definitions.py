@@ -1,0 +1,220 @@
+"""Every measure of a leg against the same computed anew: the printed equations in small steps."""
+
+import numpy as np
+import pytest
+from scipy import optimize, signal
+
+from surae.errors import InputError
+from surae.measures import DEFINITIONS, measures_of_values
+from surae.studies import virtual_subject
+
+STEP = 1e-3  # degrees
+SLACK = {"tri": 0.415, "tib": 0.216}
+
+
+def random_leg(seed: int) -> dict[str, float]:
+    drawn = virtual_subject(900 + seed, "patient" if seed % 2 else "healthy", tendons=True)
+    return {**drawn.parameters, **drawn.tendons, "emd": 0.04}
+
+
+def arm(group: str, angle: float) -> float:
+    return 0.0480 - 0.0104 * angle if group == "tri" else 0.0393 + 0.0171 * angle
+
+
+def length(group: str, angle: float) -> float:
+    l_m, factor = (0.118, 1.67) if group == "tri" else (0.136, 1.56)
+    return l_m - factor * arm(group, angle)
+
+
+def tendon(p, group: str, e: float) -> float:
+    f_max, eps, toe, k = (8000.0 if group == "tri" else 1400.0), p[f"dlt_{group}"], None, 4.0
+    toe = p[f"pt_{group}"]
+    grown = np.exp(k)
+    e_toe = eps * toe * k * grown / (grown * (1 - toe + toe * k) + toe - 1)
+    k_lin = f_max / eps * (1 - toe + toe * k * grown / (grown - 1))
+    if e <= 0:
+        return 0.0
+    if e <= e_toe:
+        return toe * f_max / (grown - 1) * (np.exp(k * e / e_toe) - 1)
+    return k_lin * (e - e_toe) + toe * f_max
+
+
+def force(p, group: str, degrees: float, alpha: float = 0.0, relaxed: bool = True, kept=None):
+    """Force on the tendon; before relaxing, tissue keeps what `kept` had relaxed of its force."""
+    angle = np.radians(degrees)
+    whole = length(group, angle)
+
+    def muscle(x: float) -> float:
+        elastic = np.exp(p[f"k_{group}"] * (x - p[f"x0_{group}"]))
+        held = elastic / (1 + p["k_rel"]) if relaxed else elastic - kept
+        l0 = p[f"l0_{group}"]
+        return held + alpha * np.exp(-((x - l0) ** 2) / (0.1 * l0**2))
+
+    if "dlt_tri" not in p:
+        return muscle(whole), whole
+    balance = lambda e: tendon(p, group, e) - muscle(whole - e)  # noqa: E731
+    e = optimize.brentq(balance, 0.0, 0.2, xtol=1e-15, rtol=1e-14)
+    return tendon(p, group, e), whole - e
+
+
+def torque(p, group: str, degrees: float, **how) -> float:
+    return arm(group, np.radians(degrees)) * force(p, group, degrees, **how)[0]
+
+
+def both(p, degrees: float, **how) -> float:
+    return torque(p, "tri", degrees, **how) - torque(p, "tib", degrees, **how)
+
+
+def slope(function, at: float) -> float:
+    return (function(at + STEP) - function(at - STEP)) / (2 * STEP)
+
+
+def quick(p, at: float) -> float:
+    total = 0.0
+    for group, sign in (("tri", 1.0), ("tib", -1.0)):
+        x = force(p, group, at)[1]
+        elastic = np.exp(p[f"k_{group}"] * (x - p[f"x0_{group}"]))
+        kept = elastic * p["k_rel"] / (1 + p["k_rel"])
+        total += sign * slope(lambda a: torque(p, group, a, relaxed=False, kept=kept), at)  # noqa: B023
+    return total
+
+
+def active(p, group: str, degrees: float, alpha: float) -> float:
+    return torque(p, group, degrees, alpha=alpha) - torque(p, group, degrees)
+
+
+def optimal_angle(p, group: str) -> float:
+    return optimize.brentq(lambda a: force(p, group, a)[1] - p[f"l0_{group}"], -150, 150)
+
+
+def expected(p) -> dict[str, float]:
+    told = {}
+    for at in (-10.0, 0.0, 10.0):
+        point = f"@{at:g}deg"
+        told |= {
+            f"passive_torque{point}": both(p, at),
+            f"passive_torque_tri{point}": torque(p, "tri", at),
+            f"passive_torque_tib{point}": torque(p, "tib", at),
+            f"passive_stiffness{point}": slope(lambda a: both(p, a), at),
+            f"passive_stiffness_tri{point}": slope(lambda a: torque(p, "tri", a), at),
+            f"passive_stiffness_tib{point}": -slope(lambda a: torque(p, "tib", a), at),
+            f"quick_stiffness{point}": quick(p, at),
+        }
+    told["neutral_angle"] = optimize.brentq(lambda a: both(p, a), -70, 50)
+    for group in ("tri", "tib"):
+        l_m, factor = (0.118, 1.67) if group == "tri" else (0.136, 1.56)
+        r0, r1 = (0.0480, -0.0104) if group == "tri" else (0.0393, 0.0171)
+        told[f"slack_angle_{group}"] = np.degrees(((l_m - p[f"x0_{group}"]) / factor - r0) / r1)
+        told[f"optimal_angle_{group}"] = optimal_angle(p, group)
+        weights = ("g2", "g3", "g4") if group == "tri" else ("g1",)
+        x, l0 = force(p, group, 0.0)[1], p[f"l0_{group}"]
+        lift = np.exp(-((x - l0) ** 2) / (0.1 * l0**2))
+        told[f"torque_per_emg_{group}"] = 1e-3 * arm(group, 0) * lift * sum(p[w] for w in weights)
+    relaxation = signal.TransferFunction([p["tau_rel"], 1], [p["tau_rel"], 1 + p["k_rel"]])
+    t = np.linspace(0, 10, 20001)
+    response = signal.step(relaxation, T=t)[1]
+    told["relaxed_share@10s"] = 100 * (1 - response[-1])
+    w0 = 2 * np.pi * p["f0"]
+    filter_ = signal.TransferFunction([w0**2], [1, 2 * p["beta"] * w0, w0**2])
+    t = np.linspace(0, 2, 40001)
+    told["activation_half_time"] = 1e3 * np.interp(0.5, signal.step(filter_, T=t)[1], t)
+    w, h = signal.freqs(filter_.num, filter_.den, np.linspace(0.1, 60, 200_000))
+    told["bandwidth"] = w[np.argmin(abs(abs(h) - np.sqrt(0.5)))] / (2 * np.pi)
+    told["delay"] = 40.0
+    alpha = optimize.brentq(lambda a: active(p, "tri", 0.0, a) - 20.0, 0, 5e4)
+    told["active_stiffness@20Nm"] = slope(lambda a: torque(p, "tri", a, alpha=alpha), 0.0)
+    if "dlt_tri" in p:
+        for group, at in (("tri", 500.0), ("tib", 100.0)):
+            e = optimize.brentq(lambda e: tendon(p, group, e) - at, 0, 0.1, xtol=1e-15)  # noqa: B023
+            curve = (tendon(p, group, e + 1e-8) - tendon(p, group, e - 1e-8)) / 2e-8
+            told[f"tendon_stiffness_{group}@{at:g}N"] = 1e-3 * curve
+            told[f"tendon_strain_{group}@{at:g}N"] = 100 * e / SLACK[group]
+    return told
+
+
+@pytest.mark.parametrize("compliant", [False, True])
+@pytest.mark.parametrize(
+    "seed", [*range(3), *(pytest.param(s, marks=pytest.mark.slow) for s in range(3, 10))]
+)
+def test_measures_are_what_small_steps_of_the_printed_equations_give(seed, compliant) -> None:
+    p = random_leg(seed)
+    if not compliant:
+        p = {n: v for n, v in p.items() if not n.startswith(("dlt", "pt"))}
+    told = measures_of_values(p, "muscle-tendon" if compliant else "muscle")
+    truth = expected(p)
+    tested_below = {n for n in told if n.startswith(("dissipated", "damping", "slow_"))}
+    assert set(told) - tested_below == set(truth)
+    for name, value in truth.items():
+        assert told[name] == pytest.approx(value, rel=5e-3), name
+
+
+@pytest.mark.parametrize("compliant", [False, True])
+def test_damping_is_what_a_slow_movement_adds(compliant) -> None:
+    """Torque in slow lengthening less that in slow shortening, the tendon's part included."""
+    p = random_leg(3)
+    if not compliant:
+        p = {n: v for n, v in p.items() if not n.startswith(("dlt", "pt"))}
+    told = measures_of_values(p, "muscle-tendon" if compliant else "muscle")["damping@20Nm"]
+    alpha = optimize.brentq(lambda a: active(p, "tri", 0.0, a) - 20.0, 0, 5e4)
+    vmax, speed = 8 * p["l0_tri"], 1e-3  # rad/s
+
+    def moving(sign: float) -> float:
+        x_slow = [force(p, "tri", np.degrees(a), alpha=alpha)[1] for a in (-1e-4, 1e-4)]
+        v = sign * speed * (x_slow[1] - x_slow[0]) / 2e-4
+        f_v = (v + vmax) / (vmax - v / 0.25) if v < 0 else 1 + 1.125 * 0.5 * v / (0.125 * vmax + v)
+        return torque(p, "tri", 0.0, alpha=alpha * f_v)
+
+    # the force that velocity adds stretches the tendon: its part of it is taken up at once
+    lengthening, shortening = moving(1.0), moving(-1.0)
+    expected_damping = np.radians((lengthening - shortening) / (2 * speed))
+    assert told == pytest.approx(expected_damping, rel=5e-3)
+
+
+def test_a_slow_stretch_costs_what_its_loop_encloses() -> None:
+    p = {n: v for n, v in random_leg(2).items() if not n.startswith(("dlt", "pt"))}
+    told = measures_of_values(p, "muscle")["dissipated_energy"]
+    dt = 1e-3
+    there = np.arange(-20.0, 10.0, 10.0 * dt)
+    degrees = np.concatenate([there, there[::-1]])
+    total = np.zeros(len(degrees))
+    for group, sign in (("tri", 1.0), ("tib", -1.0)):
+        angle = np.radians(degrees)
+        elastic = np.exp(p[f"k_{group}"] * (length(group, angle) - p[f"x0_{group}"]))
+        z = elastic[0] * p["k_rel"] / (1 + p["k_rel"])
+        for i, f0 in enumerate(elastic):
+            total[i] += sign * arm(group, angle[i]) * (f0 - z)
+            z += dt / p["tau_rel"] * (p["k_rel"] * f0 - (1 + p["k_rel"]) * z)
+    assert told == pytest.approx(1e3 * np.trapezoid(total, np.radians(degrees)), rel=5e-3)
+
+
+def test_a_slow_stretch_meets_what_has_not_relaxed_yet() -> None:
+    p = {n: v for n, v in random_leg(5).items() if not n.startswith(("dlt", "pt"))}
+    told = measures_of_values(p, "muscle", angles=[10.0])
+    dt = 2e-3
+    degrees = np.arange(-30.0, 12.0, 5.0 * dt)
+    total = np.zeros(len(degrees))
+    for group, sign in (("tri", 1.0), ("tib", -1.0)):
+        angle = np.radians(degrees)
+        elastic = np.exp(p[f"k_{group}"] * (length(group, angle) - p[f"x0_{group}"]))
+        z = elastic[0] * p["k_rel"] / (1 + p["k_rel"])
+        for i, f0 in enumerate(elastic):
+            total[i] += sign * arm(group, angle[i]) * (f0 - z)
+            z += dt / p["tau_rel"] * (p["k_rel"] * f0 - (1 + p["k_rel"]) * z)
+    assert told["slow_torque@10deg"] == pytest.approx(np.interp(10, degrees, total), rel=5e-3)
+    by = np.interp([9, 11], degrees, total)
+    assert told["slow_stiffness@10deg"] == pytest.approx((by[1] - by[0]) / 2, rel=5e-3)
+    assert told["slow_torque@10deg"] > told["passive_torque@10deg"]
+
+
+def test_every_measure_says_what_it_is() -> None:
+    names = [definition.name for definition in DEFINITIONS]
+    assert len(set(names)) == len(names)
+    for definition in DEFINITIONS:
+        assert definition.meaning.endswith("."), definition.name
+        assert definition.formula, definition.name
+
+
+@pytest.mark.parametrize("angle", [61, float("nan"), "10", True])
+def test_an_angle_that_no_ankle_has_is_refused(angle) -> None:
+    with pytest.raises(InputError, match="angle"):
+        measures_of_values(random_leg(1), "muscle-tendon", angles=[angle])

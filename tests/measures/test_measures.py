@@ -1,0 +1,107 @@
+"""What measures of a fit claim, and where they must not claim it."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import surae
+from surae.assessment import Verdict
+from surae.errors import InputError
+from surae.measures import measures_of_values
+from surae.protocol import Protocol, generate
+from surae.studies import virtual_subject, virtual_trial
+
+
+@pytest.fixture(scope="module")
+def still() -> surae.Fit:
+    """A leg that holds still: a fit that is inadequate, whatever its VAF."""
+    motion = generate(Protocol(profile="multiple-holds", duration=20.0, rate_hz=100.0))
+    trial = virtual_trial(virtual_subject(2), motion)
+    moved = {name: 0.02 * getattr(trial, name) for name in ("angle", "velocity", "acceleration")}
+    return surae.fit(replace(trial, **moved), "muscle", starts=2, quality=())
+
+
+def test_a_richer_leg_is_known_by_its_measures(fitted) -> None:
+    fit, truth = fitted(1)
+    told, true = fit.measures(), measures_of_values(truth, "muscle-tendon")
+    identified = [m for m in told.values() if m.verdict is Verdict.IDENTIFIED and m.name in true]
+    comparable = [m for m in identified if not m.name.startswith("torque_per_emg")]
+    assert len(comparable) >= 10
+    held = [m.ci95[0] <= true[m.name] <= m.ci95[1] for m in comparable]
+    assert held.count(False) <= len(held) // 5
+
+
+def test_stiffness_is_far_better_known_than_what_it_is_made_of(fitted) -> None:
+    fit, _ = fitted(1)
+    stiffness = fit.measures()["passive_stiffness_tri@10deg"]
+    part = (stiffness.ci95[1] - stiffness.ci95[0]) / stiffness.value
+    x0 = fit.parameters["x0_tri"]
+    assert part < 0.5 * (x0.ci95[1] - x0.ci95[0]) / x0.value
+
+
+def test_a_saved_fit_has_the_same_measures(fitted, tmp_path) -> None:
+    fit, _ = fitted(1)
+    fit.save(tmp_path / "fit.json")
+    assert surae.load(tmp_path / "fit.json").measures([10]) == fit.measures([10])
+
+
+def test_what_was_not_measured_is_not_identified(fitted) -> None:
+    fit, _ = fitted(1)
+    beyond = fit.measures([45])["passive_torque@45deg"]
+    assert beyond.verdict is not Verdict.IDENTIFIED
+    assert "was not measured" in beyond.note
+
+
+def test_an_inadequate_fit_identifies_no_measure(still) -> None:
+    assert still.adequacy.grade == "inadequate"
+    verdicts = {m.verdict for m in still.measures().values()}
+    assert Verdict.IDENTIFIED not in verdicts
+
+
+def test_what_a_model_lacks_is_none_with_the_reason(still) -> None:
+    tendon = still.measures()["tendon_stiffness_tri@500N"]
+    assert tendon.value is tendon.ci95 is None
+    assert "rigid" in tendon.note
+
+
+def test_a_measure_of_fixed_parameters_has_no_interval() -> None:
+    motion = generate(Protocol(profile="multiple-holds", duration=20.0, rate_hz=100.0))
+    trial = virtual_trial(virtual_subject(2), motion)
+    fit = surae.fit(trial, "muscle", starts=2, fixed={"f0": 2.0, "beta": 1.0}, quality=())
+    bandwidth = fit.measures()["bandwidth"]
+    assert bandwidth.verdict is Verdict.FIXED
+    assert bandwidth.ci95 is None
+
+
+def test_files(still, tmp_path) -> None:
+    told = still.measures([10])
+    told.save(tmp_path / "m.json")
+    data = json.loads((tmp_path / "m.json").read_text(encoding="utf-8"))
+    stiffness = data["measures"]["passive_stiffness@10deg"]
+    assert stiffness["unit"] == "Nm/deg"
+    assert stiffness["value"] == told["passive_stiffness@10deg"].value
+    told.save(tmp_path / "m.csv")
+    lines = (tmp_path / "m.csv").read_text(encoding="utf-8").splitlines()
+    assert len(lines) == 1 + len(told)
+    with pytest.raises(InputError, match="json"):
+        told.save(tmp_path / "m.xlsx")
+
+
+@pytest.mark.slow
+def test_intervals_hold_the_truth_of_richer_legs(fitted) -> None:
+    """Twelve legs; the count over many more is in the page on measures."""
+    held, claimed = [], []
+    for seed in range(12):
+        fit, truth = fitted(seed)
+        true = measures_of_values(truth, "muscle-tendon")
+        for m in fit.measures().values():
+            if m.name in true and m.ci95 and not m.name.startswith("torque_per_emg"):
+                inside = m.ci95[0] <= true[m.name] <= m.ci95[1]
+                held.append(inside)
+                if m.verdict is Verdict.IDENTIFIED:
+                    claimed.append(inside)
+    assert np.mean(held) >= 0.85
+    assert np.mean(claimed) >= 0.85
+    assert len(claimed) > 0.4 * len(held)
