@@ -1,0 +1,1 @@
+"""Which measurement tells most: what a protocol will tell, and the protocol that tells most."""

@@ -1,0 +1,219 @@
+"""A designed protocol: searched, held to its device, judged on legs that the search never saw."""
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.files import PathLike
+from surae.frozen import Comparable, FrozenDict
+from surae.planning.aim import MEAN, WORST, make_aim
+from surae.planning.expectation import Expectation, expected
+from surae.planning.genes import Genes
+from surae.planning.information import information, prior_precision
+from surae.planning.legs import Legs
+from surae.planning.plan import Limits, Plan
+from surae.planning.search import SEARCH_RATE, search
+from surae.planning.torque import EXACT, within_torque
+from surae.progress import SearchProgress
+from surae.protocol import Device, Trajectory, write_protocol
+from surae.units import FloatArray
+
+#: Velocity [rad/s], acceleration [rad/s²] and frequency [Hz] that are not exceeded where a device's
+#: own limit is not known.
+UNKNOWN = (1.5, 100.0, 8.0)
+#: Part of the device's torque that the search keeps to, for legs stronger than those it sees.
+_RESERVE = 0.93
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Design(Comparable):
+    """A designed protocol and what it will tell.
+
+    Attributes
+    ----------
+    plan : Plan
+        The protocol as ramps, perturbations and bursts.
+    trajectory : Trajectory
+        The same, sampled.
+    device : Device or None
+        Whose limits it keeps.
+    expectation : Expectation
+        What it will tell of legs that the search did not see.
+    aimed : mapping of str to float
+        Relative standard error of each parameter or measure that was aimed at by name, root mean
+        square over those legs.
+    notes : tuple of str
+        What was given up for device and subject, a sentence each.
+    curve : tuple of (int, float, float)
+        Plans judged, seconds, and the cost of the best one, as the search went on.
+    seconds : float
+        Time that the search took [s].
+    stopped : bool
+        Whether the user ended it: then this is the best plan until then.
+    """
+
+    plan: Plan
+    trajectory: Trajectory
+    device: Device | None
+    expectation: Expectation
+    aimed: Mapping[str, float]
+    notes: tuple[str, ...]
+    curve: tuple[tuple[int, float, float], ...]
+    seconds: float
+    stopped: bool
+
+    def write(self, path: PathLike, *, without_limits: str | None = None) -> None:
+        """Write the protocol for a device: CSV, or MATLAB where the path ends in ``.mat``.
+
+        Parameters
+        ----------
+        path : path
+            Where to.
+        without_limits : str, optional
+            Why it may be written without the limits of a device; the reason goes into the CSV.
+
+        Raises
+        ------
+        InputError
+            No device was given and no reason, or the file cannot be written.
+        """
+        write_protocol(self.trajectory, path, without_limits=without_limits)
+
+
+def limits_of(device: Device | None, range_of_motion: tuple[float, float]) -> Limits:
+    """What a movement over this range must keep on a device.
+
+    Raises
+    ------
+    InputError
+        The range is none, or beyond the device's.
+    """
+    low, high = range_of_motion
+    if not (math.isfinite(low) and math.isfinite(high) and -3.0 <= low < high <= 3.0):
+        raise InputError(
+            f"range {low:g} … {high:g} rad: give plantarflexion below dorsiflexion, within ±3 rad"
+        )
+    if high - low < 0.05:
+        raise InputError(f"range {low:g} … {high:g} rad is too narrow to move in; widen it")
+    reach = None if device is None else device.range_of_motion
+    if device is not None and reach is not None and not reach[0] <= low < high <= reach[1]:
+        raise InputError(
+            f"{device.name} reaches {reach[0]:g} … {reach[1]:g} rad, not {low:g} … {high:g} rad; "
+            f"give up what is beyond: --range {max(low, reach[0]):g}:{min(high, reach[1]):g}"
+        )
+    velocity, acceleration, _ = UNKNOWN
+    if device is not None:
+        velocity = device.velocity_limit if device.max_velocity is not None else velocity
+        acceleration = min(device.acceleration_limit, 1e6)
+        if device.max_acceleration is None and device.max_torque is None:
+            acceleration = UNKNOWN[1]
+    inside = (1.0 - EXACT) * (high - low)
+    return Limits(low + inside, high - inside, velocity * EXACT, acceleration * EXACT)
+
+
+def make_design(
+    *,
+    name: str,
+    seconds: float,
+    rate_hz: float,
+    device: Device | None,
+    range_of_motion: tuple[float, float],
+    legs: Legs,
+    unseen: Legs,
+    noise: float,
+    aim: str,
+    effort: bool,
+    evaluations: int,
+    seed: int,
+    known: FloatArray | None = None,
+    start: FloatArray | None = None,
+    progress: SearchProgress | None = None,
+) -> Design:
+    """Search a protocol, hold it to the device, and judge it.
+
+    Parameters
+    ----------
+    name : str
+        What it is called.
+    seconds, rate_hz : float
+        Duration [s], and sampling rate of what is written [Hz].
+    device : Device or None
+        Whose limits hold.
+    range_of_motion : (float, float)
+        The subject's [rad].
+    legs, unseen : Legs
+        For whom it is searched, and by whom it is then judged.
+    noise : float
+        Standard deviation of the torque's noise [Nm], sample by sample at `rate_hz`.
+    aim : str
+        As of `make_aim`.
+    effort : bool
+        Whether the subject is asked for any.
+    evaluations, seed, known, start, progress
+        As of `search`.
+
+    Raises
+    ------
+    InputError
+        The device cannot do it; the message says what to give up.
+    """
+    begin = time.perf_counter()
+    limits = limits_of(device, range_of_motion)
+    highest = UNKNOWN[2] if device is None else min(device.frequency_limit, UNKNOWN[2])
+    genes = Genes(name, seconds, limits, highest, effort)
+    torque = math.inf if device is None or device.max_torque is None else device.max_torque
+    if start is not None and len(start) != genes.size:
+        start = None
+    relaxed = genes.plan(genes.start()).eased(0.0)
+    _, limits, given_up = within_torque(relaxed, limits, unseen, device)
+    genes = replace(genes, limits=limits)
+    result = search(
+        genes, legs, make_aim(aim, legs), noise=noise * (SEARCH_RATE / rate_hz) ** 0.5,
+        torque=_RESERVE * torque, evaluations=evaluations, seed=seed, known=known, start=start,
+        progress=progress,
+    )  # fmt: skip
+    plan, limits, notes = within_torque(genes.plan(result.genes), limits, unseen, device)
+    trajectory = plan.trajectory(limits, rate_hz, device=device)
+    if result.stopped:
+        notes = (
+            *notes,
+            f"Stopped by the user after {result.evaluations:,} plans: the best is kept.",
+        )
+    return Design(
+        plan=plan,
+        trajectory=trajectory,
+        device=device,
+        expectation=expected(trajectory, unseen, noise, known=known),
+        aimed=FrozenDict(_aimed(trajectory, unseen, noise, aim, known)),
+        notes=(*_slow(trajectory, limits), *given_up[:-1], *notes),
+        curve=result.curve,
+        seconds=time.perf_counter() - begin,
+        stopped=result.stopped,
+    )
+
+
+def _aimed(
+    trajectory: Trajectory, legs: Legs, noise: float, aim: str, known: FloatArray | None
+) -> dict[str, float]:
+    """What is expected of parameters and measures that were aimed at by name."""
+    if aim in (WORST, MEAN):
+        return {}
+    asked, told = make_aim(aim, legs), information(trajectory, legs, noise)
+    precision = told.matrices + (prior_precision(told.names, legs) if known is None else known)
+    scale = np.sqrt(np.maximum(np.diagonal(precision, axis1=1, axis2=2), 1e-300))
+    across = scale[:, :, None] * scale[:, None, :]
+    covariance = np.linalg.pinv(precision / across, rcond=1e-12, hermitian=True) / across
+    rms = np.sqrt(np.mean(asked.errors(covariance) ** 2, axis=0))
+    return dict(zip(asked.wanted, rms.tolist(), strict=True))
+
+
+def _slow(trajectory: Trajectory, limits: Limits) -> Sequence[str]:
+    """What of the range is not reached."""
+    span = float(np.ptp(trajectory.angle)) / (limits.high - limits.low)
+    if span > 0.98:
+        return ()
+    return (f"Only {100 * span:.0f} % of the range is used.",)

@@ -1,0 +1,284 @@
+"""What a protocol will tell, before anybody is measured: standard errors and verdicts."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from surae.assessment.uncertainty.budget import SOURCES, variance_given
+from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width
+from surae.assessment.verdict import IDENTIFIED, Verdict, judge_interval, judge_singular
+from surae.frozen import Comparable, FrozenDict, read_only
+from surae.model import adapted
+from surae.model.laboratory import group_of
+from surae.planning.information import Information, information, prior_precision
+from surae.planning.legs import Legs
+from surae.protocol import Trajectory
+from surae.threads import one_blas_thread
+from surae.units import FloatArray
+
+#: Standard deviation of the torque's noise [Nm], white, sample by sample: that of a good sensor.
+NOISE = 0.5
+#: Legs that an expectation is an average over.
+LEGS = 20
+
+
+@dataclass(frozen=True, slots=True)
+class Expected:
+    """What is expected of one parameter over all legs.
+
+    Attributes
+    ----------
+    name, unit, meaning : str
+        As of the parameter.
+    value : float
+        Middle of the legs' values.
+    relative_sem : float or None
+        Standard error as a part of the value, root mean square over the legs; None where some leg
+        has none.
+    half_width : float or None
+        Half of the 95 % interval as a part of the value, likewise.
+    verdict : Verdict
+        Of that interval, by the rule of a fit.
+    note : str
+        Why, in a sentence.
+    identified_share : float
+        Part of the legs in which it would be identified.
+    budget : mapping of str to float
+        Parts of the variance by source; they add up to 1. Empty where there is none.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    value: float
+    relative_sem: float | None
+    half_width: float | None
+    verdict: Verdict
+    note: str
+    identified_share: float
+    budget: Mapping[str, float] = field(default_factory=FrozenDict)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Expectation(Comparable):
+    """What a protocol will tell of legs.
+
+    Attributes
+    ----------
+    protocol, model, legs : str
+        What was asked: of which protocol, by which model, of whom.
+    seconds : float
+        Duration of the trial [s].
+    noise : float
+        Standard deviation of the torque's noise [Nm], white, sample by sample at `rate_hz`.
+    rate_hz : float
+        Sampling rate [Hz].
+    parameters : mapping of str to Expected
+        The leg's parameters that would be estimated.
+    nuisances : tuple of str
+        What of the laboratory would be estimated along.
+    relative : ndarray, shape (n_legs, n_parameters)
+        Relative standard error of each parameter of each leg; infinite where there is none.
+    correlation : Covariance or None
+        Of the leg in the middle of the others: names and correlation.
+    torque : (float, float)
+        Least and greatest torque that any of the legs asks of the device [Nm].
+    """
+
+    protocol: str
+    model: str
+    legs: str
+    seconds: float
+    noise: float
+    rate_hz: float
+    parameters: Mapping[str, Expected]
+    nuisances: tuple[str, ...]
+    relative: FloatArray
+    correlation: Covariance | None
+    torque: tuple[float, float]
+
+    @property
+    def worst(self) -> float | None:
+        """The largest relative standard error; None where a parameter has none."""
+        sems = [p.relative_sem for p in self.parameters.values()]
+        return None if None in sems else max(sem for sem in sems if sem is not None)
+
+    @property
+    def weakest(self) -> str:
+        """The parameter that `worst` is of."""
+
+        def sem(p: Expected) -> float:
+            return np.inf if p.relative_sem is None else p.relative_sem
+
+        return max(self.parameters.values(), key=sem).name
+
+    @property
+    def geometric_mean(self) -> float | None:
+        """Geometric mean of the relative standard errors; None where a parameter has none."""
+        sems = [p.relative_sem for p in self.parameters.values()]
+        return None if None in sems else float(np.exp(np.mean(np.log(np.array(sems, float)))))
+
+    @property
+    def identified(self) -> int:
+        """How many parameters are expected to be identified."""
+        return sum(p.verdict is Verdict.IDENTIFIED for p in self.parameters.values())
+
+    def to_json(self) -> dict[str, Any]:
+        """As plain data: E.json."""
+        return {
+            "protocol": self.protocol,
+            "model": self.model,
+            "legs": self.legs,
+            "seconds": self.seconds,
+            "noise_Nm": self.noise,
+            "rate_hz": self.rate_hz,
+            "parameters": {
+                p.name: {
+                    "unit": p.unit,
+                    "value": p.value,
+                    "relative_sem": p.relative_sem,
+                    "relative_half_width": p.half_width,
+                    "verdict": str(p.verdict),
+                    "note": p.note,
+                    "identified_share": p.identified_share,
+                    "budget": dict(p.budget),
+                }
+                for p in self.parameters.values()
+            },
+            "nuisances": list(self.nuisances),
+            "worst": self.worst,
+            "weakest": self.weakest,
+            "geometric_mean": self.geometric_mean,
+            "torque_Nm": list(self.torque),
+        }
+
+
+def expected(
+    trajectory: Trajectory,
+    legs: Legs,
+    noise: float = NOISE,
+    *,
+    known: FloatArray | None = None,
+) -> Expectation:
+    """What a trial will tell of each of the legs, and of all together.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+        The trial.
+    legs : Legs
+        Who may be measured.
+    noise : float
+        As of `Expectation`.
+    known : ndarray, shape (p, p), optional
+        Information that there is before the trial, on the parameters in the order of
+        `Information.names`; by default the priors of the nuisances.
+    """
+    with one_blas_thread():
+        told = information(trajectory, legs, noise)
+        known = prior_precision(told.names, legs) if known is None else known
+        covariances = [_covariance(told.names, m + known) for m in told.matrices]
+        return _summed(trajectory, legs, noise, told, covariances)
+
+
+def _covariance(names: tuple[str, ...], precision: FloatArray) -> Covariance | None:
+    """Of the estimates with this information; None where the model gave no numbers."""
+    if not np.isfinite(precision).all():
+        return None
+    scale = np.sqrt(np.maximum(np.diag(precision), 0.0))
+    scale = np.where(scale > 0.0, scale, 1.0)
+    level, axes = np.linalg.eigh(precision / np.outer(scale, scale))
+    R = np.sqrt(np.maximum(level, 0.0))[:, None] * axes.T * scale
+    many = 10**9  # degrees of freedom: the noise is known
+    return covariance(R, names, float(many), many + len(names))
+
+
+def _summed(
+    trajectory: Trajectory,
+    legs: Legs,
+    noise: float,
+    told: Information,
+    covariances: list[Covariance | None],
+) -> Expectation:
+    own = legs.own
+    table = adapted(legs.spec.parameters, legs.options, legs.emg_unit)
+    columns = [legs.spec.names.index(name) for name in own]
+    relative = np.full((len(legs.values), len(own)), np.inf)
+    shares: list[dict[str, dict[str, float]]] = []
+    for k, estimated in enumerate(covariances):
+        if estimated is None:
+            continue
+        for j, (name, column) in enumerate(zip(own, columns, strict=True)):
+            value = abs(float(legs.values[k, column]))
+            if name in estimated.names and value > 0.0:
+                i = estimated.names.index(name)
+                relative[k, j] = np.sqrt(estimated.matrix[i, i]) / value
+        if legs.beliefs:
+            shares.append(_shares(estimated, own))
+    middle = _middle(relative)
+    central = covariances[middle]
+    wide = half_width(1.0, 1e9)
+    parameters = {}
+    for j, name in enumerate(own):
+        p = table[name]
+        value = float(np.median(legs.values[:, columns[j]]))
+        sem = half = None
+        share = float(np.mean(wide * relative[:, j] <= IDENTIFIED))
+        verdict: Verdict
+        if np.isfinite(relative[:, j]).all() and central is not None:
+            sem = float(np.sqrt(np.mean(relative[:, j] ** 2)))
+            half = wide * sem
+            verdict, note = judge_interval(name, value, half * abs(value), central, p.unit)
+        else:
+            verdict = Verdict.UNDETERMINED
+            worst = covariances[int(np.argmax(~np.isfinite(relative[:, j])))]
+            note = judge_singular(name, worst.directions if worst is not None else ())
+        parts = [s[name] for s in shares if name in s]
+        budget = {} if sem is None else {"noise": 1.0}
+        if parts and sem is not None:
+            budget = {source: float(np.mean([part.get(source, 0.0) for part in parts]))
+                      for source in dict.fromkeys(s for part in parts for s in part)}  # fmt: skip
+        parameters[name] = Expected(
+            name, p.unit, p.meaning, value, sem, half, verdict, note, share, FrozenDict(budget)
+        )
+    return Expectation(
+        protocol=trajectory.settings.profile,
+        model=legs.spec.name,
+        legs=legs.name,
+        seconds=float(trajectory.time[-1]),
+        noise=noise,
+        rate_hz=trajectory.settings.rate_hz,
+        parameters=FrozenDict(parameters),
+        nuisances=tuple(n for n in legs.free if n in legs.beliefs),
+        relative=read_only(relative),
+        correlation=central,
+        torque=(float(told.torque[:, 0].min()), float(told.torque[:, 1].max())),
+    )
+
+
+def _middle(relative: FloatArray) -> int:
+    """The leg whose largest error is the median one."""
+    return int(np.argsort(relative.max(axis=1), kind="stable")[len(relative) // 2])
+
+
+def _shares(estimated: Covariance, own: tuple[str, ...]) -> dict[str, dict[str, float]]:
+    """Parts of each variance by source, as the budget of a fit has them."""
+    V, names = estimated.matrix, estimated.names
+    sources: dict[str, list[int]] = {}
+    for j, name in enumerate(names):
+        if name not in own and (group := group_of(name)) is not None:
+            sources.setdefault(SOURCES[group], []).append(j)
+    everything = sorted(j for at in sources.values() for j in at)
+    made = {}
+    for name in own:
+        if name not in names:
+            continue
+        j = names.index(name)
+        marginal = float(V[j, j])
+        parts = {"noise": variance_given(V, j, everything)}
+        parts |= {s: max(marginal - variance_given(V, j, at), 0.0) for s, at in sources.items()}
+        total = sum(parts.values())
+        made[name] = {s: part / total for s, part in parts.items()} if total > 0.0 else {}
+    return made

@@ -1,0 +1,110 @@
+"""What a trial tells of a leg: the Fisher information of its torque, by exact sensitivities.
+
+The torque's noise is white, so the information is JᵀJ/σ². Priors of nuisances are added by whoever
+uses it: those that the trials of a session share count once, however many trials there are.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.frozen import Comparable, read_only
+from surae.model.laboratory import group_of
+from surae.planning.legs import Legs
+from surae.protocol import Trajectory
+from surae.signals import ModelInputs, thinned
+from surae.units import FloatArray
+
+#: Groups of nuisances that differ from trial to trial.
+EACH_TRIAL = ("zero", "drift")
+#: A trial is judged at this rate at least [Hz]: it moves below 10 Hz.
+RATE = 100.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Information(Comparable):
+    """Information of one trial on each leg.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Parameters of the leg, then nuisances.
+    matrices : ndarray, shape (n_legs, p, p)
+        Without the priors of the latter.
+    torque : ndarray, shape (n_legs, 2)
+        Least and greatest torque that each leg asks of the device [Nm].
+    """
+
+    names: tuple[str, ...]
+    matrices: FloatArray
+    torque: FloatArray
+
+
+def model_inputs(trajectory: Trajectory, legs: Legs, rate_hz: float = RATE) -> ModelInputs:
+    """What a model of these legs reads of a trial, thinned to no less than `rate_hz`."""
+    inputs = ModelInputs(
+        name=trajectory.settings.profile,
+        rate_hz=trajectory.settings.rate_hz,
+        time=trajectory.time,
+        angle=trajectory.angle,
+        velocity=trajectory.velocity,
+        acceleration=trajectory.acceleration,
+        emg=read_only(legs.inputs(trajectory.effort)),
+        emg_unit=legs.emg_unit,
+        torque=None,
+        prepared=True,
+    )
+    factor = max(int(inputs.rate_hz / rate_hz + 1e-9), 1)
+    return inputs if factor == 1 else thinned(inputs, factor)
+
+
+def information(
+    trajectory: Trajectory, legs: Legs, noise: float, rate_hz: float = RATE
+) -> Information:
+    """Information of a trial on each of the legs.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+        The trial.
+    legs : Legs
+        Whose torque it is.
+    noise : float
+        Standard deviation of the torque's white noise [Nm], sample by sample at the rate of the
+        trajectory.
+    rate_hz : float
+        The torque is simulated at this rate at least, where the trajectory has it.
+    """
+    inputs = model_inputs(trajectory, legs, rate_hz)
+    variance = noise**2 * inputs.rate_hz / trajectory.settings.rate_hz
+    simulator = legs.spec.simulator(inputs, legs.options)
+    columns = [legs.spec.names.index(name) for name in legs.free]
+    matrices = np.full((len(legs.values), len(columns), len(columns)), np.nan)
+    torques = np.full((len(legs.values), 2), np.nan)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for k, values in enumerate(legs.values):
+            torque, jacobian = simulator.torque_jacobian(values, columns)
+            torques[k] = torque.min(), torque.max()
+            matrices[k] = jacobian @ jacobian.T / variance
+    return Information(legs.free, read_only(matrices), read_only(torques))
+
+
+def shared(told: Information, legs: Legs) -> Information:
+    """The same, with the trial's own nuisances eliminated: what can be added to other trials."""
+    own = {n for n in told.names if n in legs.beliefs and group_of(n) in EACH_TRIAL}
+    each = [j for j, name in enumerate(told.names) if name in own]
+    kept = [j for j, name in enumerate(told.names) if name not in own]
+    if not each:
+        return told
+    within = told.matrices[:, each][:, :, each] + np.diag(
+        [legs.beliefs[told.names[j]].sd ** -2.0 for j in each]
+    )
+    cross = told.matrices[:, each][:, :, kept]
+    left = told.matrices[:, kept][:, :, kept]
+    left = left - np.swapaxes(cross, 1, 2) @ np.linalg.solve(within, cross)
+    return Information(tuple(told.names[j] for j in kept), read_only(left), told.torque)
+
+
+def prior_precision(names: tuple[str, ...], legs: Legs) -> FloatArray:
+    """What is known beforehand of the nuisances, shape (p, p)."""
+    return np.diag([legs.beliefs[n].sd ** -2.0 if n in legs.beliefs else 0.0 for n in names])

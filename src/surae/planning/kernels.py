@@ -1,0 +1,153 @@
+"""Movement of a plan, sample by sample; the equations are those of `surae.planning.plan`."""
+
+import math
+
+import numpy as np
+
+from surae.model.jit import jit
+from surae.units import FloatArray
+
+#: Longest time in which a perturbation comes and goes [s].
+EDGE = 0.5
+
+
+@jit
+def _step(u: float) -> tuple[float, float, float]:
+    """Minimum-jerk step from 0 to 1 with its first two derivatives."""
+    if u <= 0.0:
+        return 0.0, 0.0, 0.0
+    if u >= 1.0:
+        return 1.0, 0.0, 0.0
+    still = u * (1.0 - u)
+    return u**3 * (10.0 + u * (6.0 * u - 15.0)), 30.0 * still**2, 60.0 * still * (1.0 - 2.0 * u)
+
+
+@jit
+def _integral(u: float) -> float:
+    """Integral of the step from −∞ to u."""
+    if u <= 0.0:
+        return 0.0
+    if u >= 1.0:
+        return u - 0.5
+    return u**4 * (2.5 + u * (u - 3.0))
+
+
+@jit
+def base_motion(
+    t: FloatArray, ramps: FloatArray, origin: float, blend: float, out: FloatArray
+) -> None:
+    """Position, speed and acceleration of ramps between holds, in ranges of motion.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Increasing times [s].
+    ramps : ndarray, shape (k, 3)
+        When each starts [s], where it ends, and its speed [1/s].
+    origin, blend : float
+        Where the first one starts; time in which a ramp gains or loses its speed [s].
+    out : ndarray, shape (3, n)
+        Is filled.
+    """
+    k, begin = 0, origin
+    for i in range(len(t)):
+        while k < len(ramps):
+            moving = abs(ramps[k, 1] - begin) / ramps[k, 2]
+            if t[i] < ramps[k, 0] + moving + blend:
+                break
+            begin = ramps[k, 1]
+            k += 1
+        out[0, i], out[1, i], out[2, i] = begin, 0.0, 0.0
+        if k < len(ramps) and t[i] > ramps[k, 0]:
+            speed = ramps[k, 2] if ramps[k, 1] > begin else -ramps[k, 2]
+            early = (t[i] - ramps[k, 0]) / blend
+            late = early - abs(ramps[k, 1] - begin) / ramps[k, 2] / blend
+            up, down = _step(early), _step(late)
+            out[0, i] += speed * blend * (_integral(early) - _integral(late))
+            out[1, i] = speed * (up[0] - down[0])
+            out[2, i] = speed / blend * (up[1] - down[1])
+
+
+@jit
+def plan_motion(
+    t: FloatArray, ramps: FloatArray, origin: float, blend: float, shakes: FloatArray,
+    low: float, high: float, fastest: float, sharpest: float,
+) -> FloatArray:  # fmt: skip
+    """Angle, velocity and acceleration of a plan, within its limits at every one of the times.
+
+    Parameters
+    ----------
+    t, ramps, origin, blend
+        As in `base_motion`.
+    shakes : ndarray, shape (s, 5)
+        Onset and length [s], amplitude [rad], first and last frequency [Hz].
+    low, high, fastest, sharpest : float
+        Limits of angle [rad], velocity [rad/s] and acceleration [rad/s²].
+
+    Returns
+    -------
+    ndarray, shape (3, n)
+        [rad, rad/s, rad/s²].
+    """
+    n, span = len(t), high - low
+    base = np.empty((3, n))
+    base_motion(t, ramps, origin, blend, base)
+    # how much of what the base leaves of the limits all perturbations ask for, sample by sample
+    part = np.zeros((3, n))
+    shape = np.empty((len(shakes), n, 6))
+    for s in range(len(shakes)):
+        onset, length, size, first, last = shakes[s]
+        edge = min(EDGE, 0.5 * length)
+        for i in range(n):
+            since = t[i] - onset
+            if since <= 0.0 or since >= length:
+                continue
+            up, down = _step(since / edge), _step((length - since) / edge)
+            w = size * up[0] * down[0]
+            w1 = size * (up[1] * down[0] - up[0] * down[1]) / edge
+            w2 = size * (up[2] * down[0] - 2.0 * up[1] * down[1] + up[0] * down[2]) / edge**2
+            bend = 2.0 * math.pi * (last - first) / length
+            p = 2.0 * math.pi * first * since + 0.5 * bend * since**2
+            p1 = 2.0 * math.pi * first + bend * since
+            shape[s, i, 0], shape[s, i, 1], shape[s, i, 2] = w, w1, w2
+            shape[s, i, 3], shape[s, i, 4], shape[s, i, 5] = p, p1, bend
+            part[0, i] += 2.0 * w / span
+            part[1, i] += 2.0 * abs(w1) + w * p1
+            part[2, i] += (
+                2.0 * abs(w2) + 2.0 * abs(w1) * p1 + w * (abs(bend) + p1**2)
+                + 4.0 * abs(w1 * base[1, i])
+            )  # fmt: skip
+    out = np.zeros((3, n))
+    room = np.zeros((3, n))
+    for s in range(len(shakes)):
+        onset, length = shakes[s, 0], shakes[s, 1]
+        share = 1.0
+        for i in range(n):
+            if t[i] > onset and t[i] < onset + length:
+                share = min(share, 1.0 / max(part[0, i], 1.0))
+                speed = max(fastest - span * abs(base[1, i]), 0.0)
+                if part[1, i] > speed:
+                    share = min(share, speed / part[1, i])
+                sharp = max(sharpest - span * abs(base[2, i]), 0.0)
+                if part[2, i] > sharp:
+                    share = min(share, sharp / part[2, i])
+        for i in range(n):
+            if t[i] > onset and t[i] < onset + length:
+                w, w1, w2 = share * shape[s, i, 0], share * shape[s, i, 1], share * shape[s, i, 2]
+                p, p1, p2 = shape[s, i, 3], shape[s, i, 4], shape[s, i, 5]
+                sine, cosine = math.sin(p), math.cos(p)
+                room[0, i] += w
+                room[1, i] += w1
+                room[2, i] += w2
+                out[0, i] += w * sine
+                out[1, i] += w1 * sine + w * p1 * cosine
+                out[2, i] += (
+                    w2 * sine + 2.0 * w1 * p1 * cosine + w * (p2 * cosine - p1**2 * sine)
+                )  # fmt: skip
+    for i in range(n):
+        f, speed, sharp = base[0, i], base[1, i], base[2, i]
+        free = span - 2.0 * room[0, i]
+        out[0, i] += low + free * f + room[0, i]
+        out[1, i] += free * speed + (1.0 - 2.0 * f) * room[1, i]
+        out[2, i] += free * sharp - 4.0 * room[1, i] * speed + (1.0 - 2.0 * f) * room[2, i]
+    return out

@@ -1,0 +1,223 @@
+"""For whom a protocol is judged: draws of a population, or of what a fit leaves open."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from surae.assessment import Assessment
+from surae.errors import InputError
+from surae.estimation import FitResult
+from surae.frozen import Comparable, read_only
+from surae.model import ModelOptions, ModelSpec, get_model, with_optional
+from surae.model.laboratory import AUTO, COMPLIANT, NONE, Belief, laboratory, richest
+from surae.signals import ModelInputs, emg_levels
+from surae.studies.leg import EMG_FULL, EMG_REST
+from surae.studies.populations import POPULATIONS, TENDONS, virtual_subject
+from surae.units import FloatArray
+
+#: Largest deviation of a draw from a fit, as a factor's logarithm; and that of a parameter of
+#: which neither fit nor population says how far it may be off.
+_WIDEST, _VAGUE = np.log(2.0), 0.3
+#: Seed of the first leg that a protocol is judged by; a design is searched on others.
+_SEEDS = 1_000_000
+_WHO = {
+    None: "legs, half of them patients'",
+    "healthy": "healthy legs",
+    "patient": "patients' legs",
+}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Legs(Comparable):
+    """Legs that may be measured, all of one model.
+
+    Attributes
+    ----------
+    name : str
+        Who they are, in words.
+    spec : ModelSpec
+        The model, with its nuisances.
+    options : ModelOptions
+        Its switches.
+    free : tuple of str
+        What a fit would estimate: parameters of the leg, then nuisances.
+    beliefs : mapping of str to Belief
+        Priors of the nuisances.
+    values : ndarray, shape (n_legs, n_parameters)
+        Parameter vectors in the model's order.
+    emg_rest, emg_full : ndarray, shape (4,)
+        EMG envelope of TA, GL, SOL, GM at rest and at the largest effort, in `emg_unit`.
+    emg_unit : {"V", "1"}
+        Volts, or a normalised envelope.
+    """
+
+    name: str
+    spec: ModelSpec
+    options: ModelOptions
+    free: tuple[str, ...]
+    beliefs: Mapping[str, Belief]
+    values: FloatArray
+    emg_rest: FloatArray
+    emg_full: FloatArray
+    emg_unit: str = "V"
+
+    @property
+    def own(self) -> tuple[str, ...]:
+        """The parameters of the leg that a fit would estimate."""
+        return tuple(name for name in self.free if name not in self.beliefs)
+
+    def inputs(self, effort: FloatArray) -> FloatArray:
+        """EMG envelopes, shape (n, 4), of an effort of that shape."""
+        return self.emg_rest + (self.emg_full - self.emg_rest) * effort
+
+
+def population_legs(
+    model: str,
+    population: str | None,
+    count: int,
+    *,
+    first: int = 0,
+    nuisances: str | Mapping[str, tuple[float, float]] | None = None,
+    options: ModelOptions | None = None,
+) -> Legs:
+    """Legs drawn from a population, or half from each.
+
+    Parameters
+    ----------
+    model : str
+        Name of a model, or ``"auto"``: the family's richest one, with the laboratory's nuisances.
+    population : str or None
+        A name of `POPULATIONS`; None for as many of each.
+    count : int
+        How many.
+    first : int
+        Seed of the first one.
+    nuisances : str or mapping, optional
+        As of `surae.fit`; by default all of them for ``"auto"``, and none for a named model.
+    options : ModelOptions, optional
+        Switches of the model.
+
+    Raises
+    ------
+    InputError
+        The model has parameters of which no population knows.
+    """
+    options = options or ModelOptions()
+    if population is not None and population not in POPULATIONS:
+        known = ", ".join(POPULATIONS)
+        raise InputError(f"unknown population {population!r}; known populations: {known}")
+    names = list(POPULATIONS) if population is None else [population]
+    spec, beliefs, free = _asked(model, nuisances)
+    if not set(POPULATIONS["healthy"]) <= set(spec.names):
+        raise InputError(f"nothing typical is known for model {model!r}; choose another model")
+    levels = np.full(4, EMG_FULL)
+    if "emg_shape" in beliefs and options.emg_ref is None:
+        options = replace(options, emg_ref=tuple(levels.tolist()))
+    rows = []
+    for k in range(count):
+        subject = virtual_subject(
+            _SEEDS + first + k, names[k % len(names)], tendons=model in (AUTO, COMPLIANT)
+            or "pt_tri" in free,
+        )  # fmt: skip
+        truth = subject.truth(spec.name, options)
+        truth = {n: v for n, v in truth.items() if n not in TENDONS["healthy"] or n in free}
+        rows.append(spec.vector(truth | {n: b.mean for n, b in beliefs.items()}, options))
+    return Legs(
+        name=f"{count} {_WHO[population]}",
+        spec=spec,
+        options=options,
+        free=free,
+        beliefs=beliefs,
+        values=read_only(np.array(rows)),
+        emg_rest=read_only(np.full(4, EMG_REST)),
+        emg_full=read_only(levels),
+    )
+
+
+def fit_legs(result: FitResult, assessment: Assessment, count: int, *, seed: int = 0) -> Legs:
+    """Legs that a fit leaves possible: its estimate first, then draws of what it left open.
+
+    Parameters
+    ----------
+    result, assessment : FitResult, Assessment
+        A fit and what it is worth.
+    count : int
+        How many.
+    seed : int
+        Of the draws.
+
+    Raises
+    ------
+    InputError
+        The fit failed: it says nothing of a leg.
+    """
+    problem = result.problem
+    if result.status == "failed":
+        raise InputError("the fit failed, so it says nothing of a leg; name a population instead")
+    beliefs = {} if result.family is None else dict(result.family.beliefs)
+    own = tuple(name for name in problem.free if name not in beliefs)
+    centre = problem.spec.vector(result.values, problem.options)
+    estimated = assessment.covariance
+    spread = np.array([_spread(name, assessment) for name in own])
+    shared = np.eye(len(own))
+    at = [own.index(name) for name in estimated.names if name in own]
+    shared[np.ix_(at, at)] = estimated.correlation
+    root = np.linalg.cholesky(shared + 1e-9 * np.eye(len(own)))
+    rng = np.random.default_rng(seed)
+    columns = [problem.spec.names.index(name) for name in own]
+    limits = {n: (lo, hi) for n, lo, hi in zip(problem.free, problem.lower, problem.upper,
+                                               strict=True)}  # fmt: skip
+    rows = [centre]
+    for _ in range(count - 1):
+        off = np.clip(spread * (root @ rng.standard_normal(len(own))), -_WIDEST, _WIDEST)
+        row = centre.copy()
+        for column, name, by in zip(columns, own, off, strict=True):
+            row[column] = np.clip(row[column] * np.exp(by), *limits[name])
+        rows.append(row)
+    levels = _levels(problem.inputs)
+    return Legs(
+        name="the fitted leg, as far as the fit knows it",
+        spec=problem.spec,
+        options=problem.options,
+        free=problem.free,
+        beliefs=beliefs,
+        values=read_only(np.array(rows)),
+        emg_rest=read_only(np.zeros(4)),
+        emg_full=read_only(levels),
+        emg_unit=problem.inputs[0].emg_unit,
+    )
+
+
+def _asked(
+    model: str, nuisances: str | Mapping[str, tuple[float, float]] | None
+) -> tuple[ModelSpec, dict[str, Belief], tuple[str, ...]]:
+    """The model with its nuisances, their priors, and what is free."""
+    base = get_model(richest(model))
+    if nuisances is None:
+        nuisances = "all" if model == AUTO else NONE
+    known = {name for name in laboratory() if name not in base.free}
+    beliefs = {n: b for n, b in laboratory(nuisances).items() if n in known}
+    spec = with_optional(base, beliefs)
+    beliefs = {n: b for n, b in beliefs.items() if n in spec.names}
+    return spec, beliefs, (*base.free, *(n for n in spec.names if n in beliefs))
+
+
+def _spread(name: str, assessment: Assessment) -> float:
+    """Standard deviation of a parameter's logarithm, by the fit, or by both populations."""
+    estimate = assessment.parameters[name]
+    if estimate.ci95 is not None and estimate.value:
+        sd = (estimate.ci95[1] - estimate.ci95[0]) / 3.92
+        return min(sd / abs(estimate.value), float(_WIDEST))
+    ranges = [p[name] for p in (*POPULATIONS.values(), *TENDONS.values()) if name in p]
+    if not ranges:
+        return _VAGUE
+    low, high = min(r[0] for r in ranges), max(r[1] for r in ranges)
+    return float(np.log(high / low) / np.sqrt(12.0))
+
+
+def _levels(inputs: tuple[ModelInputs, ...]) -> FloatArray:
+    """EMG at the largest effort: what the fit's recordings reach, or a typical one if at rest."""
+    typical = EMG_FULL if inputs[0].emg_unit == "V" else 1.0
+    seen = np.array(emg_levels(inputs))
+    return np.where(seen > 0.2 * typical, seen, typical)

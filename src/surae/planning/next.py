@@ -1,0 +1,238 @@
+"""What to measure next: what a fit knows counts, and the ready trial that adds most is told."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from surae.assessment import Assessment
+from surae.assessment.uncertainty.covariance import half_width
+from surae.assessment.verdict import IDENTIFIED, Verdict, percent
+from surae.errors import InputError
+from surae.estimation import FitResult
+from surae.files import PathLike
+from surae.frozen import Comparable, FrozenDict
+from surae.model.laboratory import group_of
+from surae.planning.information import EACH_TRIAL, information, shared
+from surae.planning.legs import Legs
+from surae.planning.ready import Ready, ready_protocols
+from surae.protocol import Device, Trajectory, write_protocol
+from surae.threads import one_blas_thread
+from surae.units import FloatArray
+
+#: More repetitions than these are not asked of anybody.
+MOST = 20
+#: A trial that lowers no wanted interval by this part adds nothing.
+_ADDS = 0.1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NextTrial(Comparable):
+    """The trial that adds most to what a fit knows.
+
+    Attributes
+    ----------
+    protocol : str or None
+        Name of the ready protocol; None where none would help.
+    sentences : tuple of str
+        The answer in words, the first sentence first.
+    gains : mapping of str to (float or None, float or None)
+        Half of each wanted parameter's 95 % interval as a part of its value, now and after one such
+        trial; None where there is none.
+    repetitions : mapping of str to (int or None)
+        How many such trials until it is identified; None for more than `MOST`.
+    trajectory : Trajectory or None
+        The trial.
+    """
+
+    protocol: str | None
+    sentences: tuple[str, ...]
+    gains: Mapping[str, tuple[float | None, float | None]]
+    repetitions: Mapping[str, int | None]
+    trajectory: Trajectory | None
+
+    def write(self, path: PathLike, *, without_limits: str | None = None) -> None:
+        """Write the trial for a device, as `surae.planning.design.Design.write` does.
+
+        Raises
+        ------
+        InputError
+            There is no trial, or it cannot be written.
+        """
+        if self.trajectory is None:
+            raise InputError("there is no trial to write: " + self.sentences[0])
+        write_protocol(self.trajectory, path, without_limits=without_limits)
+
+    def to_json(self) -> dict[str, Any]:
+        """As plain data."""
+        return {
+            "protocol": self.protocol,
+            "sentences": list(self.sentences),
+            "gains": {name: list(pair) for name, pair in self.gains.items()},
+            "repetitions": dict(self.repetitions),
+        }
+
+
+def known_from(result: FitResult, assessment: Assessment, legs: Legs) -> FloatArray:
+    """Information that a fit has, on ``legs.free``, and priors of another trial's own nuisances.
+
+    Parameters
+    ----------
+    result, assessment : FitResult, Assessment
+        The fit; intervals that are believed for correlated residuals are believed here too.
+    legs : Legs
+        Of that fit (`surae.planning.legs.fit_legs`).
+
+    Returns
+    -------
+    ndarray, shape (p, p)
+        Nuisances that trials share are in with their priors, once.
+    """
+    free = legs.free
+    own = {n for n in free if n in legs.beliefs and group_of(n) in EACH_TRIAL}
+    known = np.diag([legs.beliefs[n].sd ** -2.0 if n in own else 0.0 for n in free])
+    if result.family is not None:
+        names, matrix = free, result.family.covariance
+    else:
+        believed = assessment.robust if assessment.robust is not None else assessment.covariance
+        names, matrix = believed.names, believed.matrix
+    kept = [j for j, name in enumerate(names) if name in free and name not in own]
+    if kept:
+        at = [free.index(names[j]) for j in kept]
+        block = matrix[np.ix_(kept, kept)]
+        scale = np.sqrt(np.diag(block))
+        inverse = np.linalg.pinv(block / np.outer(scale, scale), hermitian=True)
+        known[np.ix_(at, at)] += inverse / np.outer(scale, scale)
+    return np.asarray(known)
+
+
+def measure_next_of(
+    result: FitResult,
+    assessment: Assessment,
+    legs: Legs,
+    *,
+    noise: float,
+    device: Device | None,
+    range_of_motion: tuple[float, float],
+    longest: float,
+    wanted: Sequence[str] | None = None,
+    rate_hz: float = 256.0,
+) -> NextTrial:
+    """The ready trial that adds most to a fit.
+
+    Parameters
+    ----------
+    result, assessment : FitResult, Assessment
+        The fit.
+    legs : Legs
+        The fitted leg.
+    noise : float
+        Standard deviation of the torque's noise [Nm], sample by sample at `rate_hz`.
+    device : Device or None
+        What is to move the leg.
+    range_of_motion : (float, float)
+        The subject's [rad].
+    longest : float
+        Longest trial that may be proposed [s].
+    wanted : sequence of str, optional
+        Parameters to know better; by default all that are not identified.
+    rate_hz : float
+        Sampling rate [Hz].
+
+    Raises
+    ------
+    InputError
+        A wanted parameter is none that the fit estimates.
+    """
+    unknown = [name for name in wanted or () if name not in legs.own]
+    if unknown:
+        raise InputError(
+            f"{unknown[0]} is not estimated by this fit; it has: {', '.join(legs.own)}"
+        )
+    weak = tuple(wanted) if wanted else tuple(
+        n for n in legs.own if assessment.parameters[n].verdict is not Verdict.IDENTIFIED
+    )  # fmt: skip
+    if not weak:
+        return _nothing("Every parameter is identified: nothing more needs to be measured.")
+    known = known_from(result, assessment, legs)
+    trials: list[tuple[float, Ready, Trajectory, FloatArray]] = []
+    with one_blas_thread():
+        told = None
+        for ready in ready_protocols().values():
+            if ready.seconds > longest:
+                continue
+            try:
+                trajectory = ready.trajectory(device, range_of_motion, rate_hz, legs)
+            except InputError:
+                continue
+            told = shared(information(trajectory, legs, noise), legs)
+            adds = np.nanmean(told.matrices, axis=0)
+            before = _half_widths(told.names, known, legs, 0.0 * adds)
+            after = _half_widths(told.names, known, legs, adds)
+            gain = sum(np.log(before[n] / after[n]) for n in weak if np.isfinite(after[n]))
+            trials.append((float(gain) / ready.seconds**0.5, ready, trajectory, adds))
+        if told is None:
+            return _nothing(
+                f"No ready trial of up to {longest:g} s fits this device and range: design one "
+                "(surae design --after)."
+            )
+        _, best, trajectory, adds = max(trials, key=lambda trial: trial[0])
+        before = _half_widths(told.names, known, legs, 0.0 * adds)
+        after = _half_widths(told.names, known, legs, adds)
+        many = {
+            n: next((k for k in range(1, MOST + 1)
+                     if _half_widths(told.names, known, legs, k * adds)[n] <= IDENTIFIED), None)
+            for n in weak
+        }  # fmt: skip
+    better = [n for n in weak if after[n] < (1.0 - _ADDS) * before[n]]
+    if not better:
+        return _nothing("No ready trial adds to what is weak: " + ", ".join(weak) + ".")
+    better.sort(key=lambda n: after[n] / before[n] if np.isfinite(before[n]) else 0.0)
+    changes = ", ".join(f"{n} from {_text(before[n])} to {_text(after[n])}" for n in better[:3])
+    sentences = [f"Measure {best.name} next ({best.seconds:g} s: {best.description}): {changes}."]
+    reached = {n: k for n, k in many.items() if k is not None}
+    if reached:
+        times = max(reached.values())
+        sentences.append(
+            f"{'Once' if times == 1 else f'{times} times'} is expected to identify "
+            f"{', '.join(reached)} (95 % within 10 %)."
+        )
+    left = [n for n in weak if n not in reached]
+    if left:
+        sentences.append(f"{', '.join(left)} would stay weak after {MOST} such trials.")
+    return NextTrial(
+        best.name,
+        tuple(sentences),
+        FrozenDict({n: (_finite(before[n]), _finite(after[n])) for n in weak}),
+        FrozenDict(many),
+        trajectory,
+    )
+
+
+def _half_widths(
+    names: Sequence[str], known: FloatArray, legs: Legs, adds: FloatArray
+) -> dict[str, float]:
+    """Half of each 95 % interval as a part of the value, with information added."""
+    at = [legs.free.index(name) for name in names]
+    precision = known[np.ix_(at, at)] + adds
+    scale = np.sqrt(np.maximum(np.diag(precision), 1e-300))
+    covariance = np.linalg.pinv(precision / np.outer(scale, scale), hermitian=True)
+    sems = np.sqrt(np.maximum(np.diag(covariance), 0.0)) / scale
+    values = np.abs(legs.values[0, [legs.spec.names.index(name) for name in names]])
+    with np.errstate(divide="ignore"):
+        parts = half_width(1.0, 1e9) * sems / values
+    parts[np.diag(precision) <= 0.0] = np.inf
+    return dict(zip(names, parts.tolist(), strict=True))
+
+
+def _text(part: float) -> str:
+    return f"±{percent(part)}" if np.isfinite(part) else "nothing known"
+
+
+def _finite(part: float) -> float | None:
+    return part if np.isfinite(part) else None
+
+
+def _nothing(sentence: str) -> NextTrial:
+    return NextTrial(None, (sentence,), FrozenDict(), FrozenDict(), None)

@@ -1,0 +1,145 @@
+"""A designed protocol as few numbers: ramps between holds, small perturbations, bursts of effort.
+
+θ(t) = low + (high − low − 2a)·f(t) + a + Σ Aₖ·wₖ(t)·sin φₖ(t),   a(t) = Σ Aₖ·wₖ(t)
+
+f goes from 0 to 1 by ramps at constant speed with minimum-jerk ends; a perturbation is a chirp
+under a window. The base makes room for the perturbations, so the angle cannot leave its range,
+whatever the numbers; what they may add to velocity and acceleration is bounded sample by sample by
+what the base leaves of the limits, so these hold too (`Limits`).
+"""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from surae.frozen import read_only
+from surae.planning.kernels import plan_motion
+from surae.protocol import Device, Given, Trajectory
+from surae.protocol.effort import Burst, burst_effort
+from surae.protocol.ramps import Ramp
+from surae.units import FloatArray
+
+#: The movement is checked against its limits at this rate at least [Hz].
+_FINE_RATE = 256.0
+
+
+class Shake(NamedTuple):
+    """A small perturbation.
+
+    Attributes
+    ----------
+    onset, length : float
+        When it begins, and how long it lasts [s].
+    amplitude : float
+        At most [rad].
+    first_hz, last_hz : float
+        Its frequency goes linearly from one to the other.
+    """
+
+    onset: float
+    length: float
+    amplitude: float
+    first_hz: float
+    last_hz: float
+
+
+class Limits(NamedTuple):
+    """What a movement must keep: its range [rad], velocity [rad/s] and acceleration [rad/s²]."""
+
+    low: float
+    high: float
+    velocity: float
+    acceleration: float
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A designed protocol.
+
+    Attributes
+    ----------
+    name : str
+        What it is called.
+    seconds : float
+        Duration [s].
+    origin : float
+        Where it begins, as a part of the range of motion.
+    blend : float
+        Time in which a ramp gains or loses its speed [s].
+    ramps : tuple of Ramp
+        Speeds in ranges of motion per second.
+    shakes : tuple of Shake
+        Perturbations.
+    bursts : tuple of Burst
+        What is asked of the subject.
+    """
+
+    name: str
+    seconds: float
+    origin: float
+    blend: float
+    ramps: tuple[Ramp, ...]
+    shakes: tuple[Shake, ...]
+    bursts: tuple[Burst, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """As plain data."""
+        return asdict(self)
+
+    @classmethod
+    def of(cls, data: dict[str, Any]) -> "Plan":
+        """The plan of its plain data."""
+        return cls(
+            **{
+                **data,
+                "ramps": tuple(Ramp(*row) for row in data["ramps"]),
+                "shakes": tuple(Shake(*row) for row in data["shakes"]),
+                "bursts": tuple(Burst(*row) for row in data["bursts"]),
+            }
+        )
+
+    def eased(self, part: float) -> "Plan":
+        """The same with all effort times `part`."""
+        return replace(self, bursts=tuple(b._replace(level=part * b.level) for b in self.bursts))
+
+    def motion(self, t: FloatArray, limits: Limits) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Angle, velocity and acceleration at increasing times `t`; they keep the limits there."""
+        angle, velocity, acceleration = plan_motion(
+            t, _rows(self.ramps, 3), self.origin, self.blend, _rows(self.shakes, 5), *limits
+        )
+        return angle, velocity, acceleration
+
+    def trajectory(
+        self,
+        limits: Limits,
+        rate_hz: float,
+        *,
+        device: Device | None = None,
+        fine_hz: float = _FINE_RATE,
+    ) -> Trajectory:
+        """The protocol sampled at a rate, its limits kept at `fine_hz` at least."""
+        times = max(int(np.ceil(fine_hz / rate_hz - 1e-9)), 1)
+        n = int(self.seconds * rate_hz + 1e-9) + 1
+        fine = np.arange((n - 1) * times + 1) / (rate_hz * times)
+        angle, velocity, acceleration = (x[::times] for x in self.motion(fine, limits))
+        time = np.arange(n) / rate_hz
+        return Trajectory(
+            settings=Given(
+                profile=self.name,
+                task="designed" if self.bursts else "passive",
+                range_of_motion=(limits.low, limits.high),
+                rate_hz=rate_hz,
+                device=device,
+            ),
+            time=read_only(time),
+            angle=read_only(angle),
+            velocity=read_only(velocity),
+            acceleration=read_only(acceleration),
+            effort=read_only(burst_effort(time, self.bursts)),
+        )
+
+
+def _rows(items: Sequence[Ramp | Shake], width: int) -> FloatArray:
+    return np.array(items, dtype=np.float64).reshape(len(items), width)

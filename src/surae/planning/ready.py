@@ -1,0 +1,99 @@
+"""Designed protocols that come with surae: the genes that long searches found, a file each.
+
+Genes are no movement yet: read for another range, device or duration they are a plan that keeps
+those limits, so a ready protocol fits whoever is to be measured, and a search may begin with it.
+"""
+
+import json
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.frozen import Comparable, read_only
+from surae.planning.design import UNKNOWN, limits_of
+from surae.planning.genes import Genes
+from surae.planning.legs import Legs
+from surae.planning.torque import within_torque
+from surae.protocol import Device, Trajectory
+from surae.units import FloatArray
+
+_FILES = Path(__file__).parent / "ready"
+#: A start that is this much longer or shorter than what is searched is none.
+_LIKE = 1.3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ready(Comparable):
+    """A designed protocol that comes with surae.
+
+    Attributes
+    ----------
+    name : str
+        Name in settings and files.
+    description : str
+        What it is good for, in a sentence.
+    seconds : float
+        Duration [s].
+    model, aim : str
+        What it was searched for.
+    effort : bool
+        Whether it asks the subject for any.
+    genes : ndarray, shape (d,)
+        As `Genes` reads them.
+    """
+
+    name: str
+    description: str
+    seconds: float
+    model: str
+    aim: str
+    effort: bool
+    genes: FloatArray
+
+    def trajectory(
+        self,
+        device: Device | None,
+        range_of_motion: tuple[float, float],
+        rate_hz: float,
+        legs: Legs,
+    ) -> Trajectory:
+        """The protocol on a device: within its limits, and its torque for these legs.
+
+        Raises
+        ------
+        InputError
+            The device cannot do it.
+        """
+        limits = limits_of(device, range_of_motion)
+        highest = UNKNOWN[2] if device is None else min(device.frequency_limit, UNKNOWN[2])
+        genes = Genes(self.name, self.seconds, limits, highest, self.effort)
+        if genes.size != len(self.genes):  # a slow device has time for fewer ramps
+            raise InputError(
+                f"{self.name} is too quick for this device; design a protocol for it instead"
+            )
+        plan, limits, _ = within_torque(genes.plan(self.genes), limits, legs, device)
+        return plan.trajectory(limits, rate_hz, device=device)
+
+
+@cache
+def ready_protocols() -> dict[str, Ready]:
+    """Those that come with surae, by name."""
+    made = {}
+    for path in sorted(_FILES.glob("*.json")):
+        data = json.loads(path.read_text(encoding="utf-8"))
+        made[path.stem] = Ready(
+            name=path.stem, **{**data, "genes": read_only(np.array(data["genes"]))}
+        )
+    return made
+
+
+def start_for(seconds: float, model: str, aim: str, effort: bool) -> Ready | None:
+    """The ready protocol from which a search begins best; None where none is like it."""
+    alike = [
+        r for r in ready_protocols().values()
+        if r.effort == effort and max(seconds / r.seconds, r.seconds / seconds) <= _LIKE
+    ]  # fmt: skip
+    return max(alike, key=lambda r: (r.aim == aim, r.model == model), default=None)

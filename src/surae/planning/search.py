@@ -1,0 +1,172 @@
+"""The search for the plan that tells most, by an evolution strategy.
+
+The cost of a plan is that of its information (`surae.planning.aim`) on several legs at once, for
+nobody knows whose leg comes. It has many valleys and kinks where limits are met: covariance matrix
+adaptation with a diagonal matrix (Ros and Hansen 2008) crosses them. Torque beyond the device's
+limit costs; what is left of it is taken out afterwards.
+"""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from surae.estimation.interrupt import checkpoint, postponed_interrupt
+from surae.frozen import Comparable, read_only
+from surae.planning.aim import Aim
+from surae.planning.genes import Genes
+from surae.planning.information import information
+from surae.planning.legs import Legs
+from surae.progress import SearchProgress
+from surae.threads import one_blas_thread
+from surae.units import FloatArray
+
+#: Rate at which plans are judged while they are searched [Hz].
+SEARCH_RATE = 32.0
+#: Plans of a generation, the first step from nowhere, and that from a plan of a like question.
+_POPULATION, _SIGMA, _NEAR = 20, 0.7, 0.25
+#: Relative standard deviation with which a leg's parameters are known before any trial: so vague
+#: that it matters only where a plan says nothing of one, and keeps such plans comparable.
+_VAGUE = 1.0
+#: What the square of the part by which a torque exceeds its limit costs; a plan without numbers.
+_BEYOND, _NOTHING = 20.0, 1e3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Search(Comparable):
+    """Where a search ended.
+
+    Attributes
+    ----------
+    genes : ndarray, shape (d,)
+        The best plan.
+    cost : float
+        Its cost.
+    evaluations : int
+        Plans that were judged.
+    curve : tuple of (int, float, float)
+        Evaluations, seconds and the best cost, each time that it fell by a hundredth.
+    stopped : bool
+        Whether Ctrl-C ended it.
+    """
+
+    genes: FloatArray
+    cost: float
+    evaluations: int
+    curve: tuple[tuple[int, float, float], ...]
+    stopped: bool
+
+
+class _Judge:
+    """Costs of plans; remembers the best."""
+
+    def __init__(
+        self, genes: Genes, legs: Legs, aim: Aim, noise: float, torque: float,
+        known: FloatArray | None, total: int, progress: SearchProgress | None,
+    ) -> None:  # fmt: skip
+        self._genes, self._legs, self._aim, self._noise = genes, legs, aim, noise
+        self._torque, self._total, self._progress = torque, total, progress
+        columns = [legs.spec.names.index(name) for name in legs.free]
+        scale = np.abs(legs.values[:, columns])
+        for j, name in enumerate(legs.free):
+            if name in legs.beliefs:
+                scale[:, j] = legs.beliefs[name].sd
+        self._scale = np.where(scale > 0.0, scale, 1.0)
+        given = np.eye(len(columns)) * _VAGUE**-2.0
+        whole = np.repeat(given[None], len(scale), axis=0)
+        if known is not None:
+            whole = whole + known * self._scale[:, :, None] * self._scale[:, None, :]
+        self._known = whole
+        self._begin = time.perf_counter()
+        self.best, self.cost, self.count = genes.start(), np.inf, 0
+        self.curve: list[tuple[int, float, float]] = []
+
+    def __call__(self, x: FloatArray) -> float:
+        checkpoint()
+        if self.count >= self._total:
+            raise _SpentError
+        cost = self._judged(x)
+        self.count += 1
+        if cost < self.cost:
+            if not self.curve or cost < self.curve[-1][2] - 0.01:
+                seconds = time.perf_counter() - self._begin
+                self.curve.append((self.count, seconds, cost))
+            self.best, self.cost = np.array(x), cost
+        if self._progress is not None and self.count % 50 == 0:
+            self._progress(self.count, self._total, self.cost)
+        return cost
+
+    def _judged(self, x: FloatArray) -> float:
+        plan = self._genes.plan(x)
+        trial = plan.trajectory(self._genes.limits, SEARCH_RATE, fine_hz=SEARCH_RATE)
+        told = information(trial, self._legs, self._noise, SEARCH_RATE)
+        matrices = told.matrices * self._scale[:, :, None] * self._scale[:, None, :] + self._known
+        if not np.isfinite(matrices).all():
+            return _NOTHING
+        covariance = np.linalg.inv(matrices) * self._scale[:, :, None] * self._scale[:, None, :]
+        beyond = max(float(np.abs(told.torque).max()) / self._torque - 1.0, 0.0)
+        return self._aim.cost(covariance) + _BEYOND * beyond**2
+
+
+class _SpentError(Exception):
+    """All evaluations have been made."""
+
+
+def search(
+    genes: Genes,
+    legs: Legs,
+    aim: Aim,
+    *,
+    noise: float,
+    torque: float,
+    evaluations: int,
+    seed: int,
+    known: FloatArray | None = None,
+    start: FloatArray | None = None,
+    progress: SearchProgress | None = None,
+) -> Search:
+    """Search the plan of the smallest cost; the same arguments always find the same one.
+
+    Parameters
+    ----------
+    genes : Genes
+        How plans are written as numbers.
+    legs, aim : Legs, Aim
+        For whom, and what is to be known.
+    noise : float
+        Standard deviation of the torque's noise [Nm], sample by sample at `SEARCH_RATE`.
+    torque : float
+        What no leg should exceed [Nm].
+    evaluations : int
+        Plans that are judged at most.
+    seed : int
+        Of the search.
+    known : ndarray, shape (p, p), optional
+        Information that there is without the trial.
+    start : ndarray, optional
+        Genes where it begins.
+    progress : callable, optional
+        Told of what is done.
+    """
+    from cmaes import SepCMA
+
+    judge = _Judge(genes, legs, aim, noise, torque, known, evaluations, progress)
+    first = genes.start() if start is None else np.array(start)
+    stopped = False
+    with one_blas_thread(), postponed_interrupt(), np.errstate(all="ignore"):
+        try:
+            judge(first)
+            strategy = SepCMA(
+                mean=first, sigma=_SIGMA if start is None else _NEAR, seed=seed,
+                population_size=_POPULATION,
+            )  # fmt: skip
+            while True:
+                asked = [strategy.ask() for _ in range(_POPULATION)]
+                strategy.tell([(x, judge(x)) for x in asked])
+        except _SpentError:
+            pass
+        except KeyboardInterrupt:
+            stopped = True
+    return Search(
+        read_only(judge.best), float(judge.cost), judge.count, tuple(judge.curve), stopped
+    )

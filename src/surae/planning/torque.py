@@ -1,0 +1,124 @@
+"""A plan held to the torque of its device, whatever the leg asks of it.
+
+Relaxed tissue cannot be asked for less: where stiff legs ask too much at an end of the range, the
+range ends a little earlier, or the device is refused. Each burst of effort is then lowered as far
+as its own torque asks for.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.planning.information import model_inputs
+from surae.planning.legs import Legs
+from surae.planning.plan import Limits, Plan
+from surae.protocol import Device
+from surae.protocol.effort import GAP
+from surae.units import FloatArray
+
+#: Rounding must not make a limit exceeded.
+EXACT = 1.0 - 1e-9
+#: Part of the range that is given up without asking, and the steps in which it is looked for.
+_GIVEN_UP, _STEP = 0.12, 0.01
+#: Rate at which torques are looked at [Hz], how long a burst is felt after its end [s], and how
+#: often bursts are lowered until the whole is.
+_RATE, _AFTER, _ROUNDS = 100.0, 0.8, 6
+
+
+def torques(plan: Plan, limits: Limits, legs: Legs, rate_hz: float = _RATE) -> FloatArray:
+    """Torque that each leg asks of the device, shape (n_legs, n) [Nm]; NaN where none is."""
+    inputs = model_inputs(plan.trajectory(limits, rate_hz), legs, rate_hz)
+    simulator = legs.spec.simulator(inputs, legs.options)
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.array([simulator.torque(values) for values in legs.values])
+
+
+def within_torque(
+    plan: Plan, limits: Limits, legs: Legs, device: Device | None
+) -> tuple[Plan, Limits, tuple[str, ...]]:
+    """Plan and range with which no leg exceeds the device's torque, and what that cost.
+
+    Raises
+    ------
+    InputError
+        Even relaxed legs ask for more; the message says what to give up.
+    """
+    if device is None or device.max_torque is None:
+        return plan, limits, ()
+    limit, notes = device.max_torque * EXACT, []
+    held = _narrowed(plan, limits, legs, device, limit)
+    if held != limits:
+        notes.append(
+            f"The range ends at {held.low:.2f} and {held.high:.2f} rad instead of {limits.low:.2f} "
+            f"and {limits.high:.2f}: stiff legs would ask more than the {device.max_torque:g} Nm "
+            f"of {device.name}, even relaxed."
+        )
+    eased = _eased(plan, held, legs, limit)
+    if eased != plan:
+        before, after = (sum(b.level * b.length for b in p.bursts) for p in (plan, eased))
+        notes.append(
+            f"Efforts are lowered by {100 * (1 - after / before):.0f} % in all, to keep within the "
+            f"{device.max_torque:g} Nm of {device.name}."
+        )
+    most = float(np.nanmax(np.abs(torques(eased, held, legs))))
+    notes.append(
+        f"None of {len(legs.values)} virtual legs asks more than {most:.3g} of {device.name}'s "
+        f"{device.max_torque:g} Nm."
+    )
+    return eased, held, tuple(notes)
+
+
+def _narrowed(plan: Plan, limits: Limits, legs: Legs, device: Device, limit: float) -> Limits:
+    """The range over which relaxed legs ask no more than the limit."""
+    relaxed, span = plan.eased(0.0), limits.high - limits.low
+
+    def narrower(lower: float, upper: float) -> Limits:
+        return limits._replace(low=limits.low + lower * span, high=limits.high - upper * span)
+
+    lower = upper = 0.0
+    least = most = 0.0
+    while lower + upper <= 0.7:
+        asked = torques(relaxed, narrower(lower, upper), legs)
+        least, most = (least, most) if most else (float(asked.min()), float(asked.max()))
+        if max(float(asked.max()), -float(asked.min())) <= limit:
+            break
+        lower += _STEP if -float(asked.min()) > limit else 0.0
+        upper += _STEP if float(asked.max()) > limit else 0.0
+    if lower + upper <= _GIVEN_UP:
+        return narrower(lower, upper) if lower + upper > 0.0 else limits
+    advice = "choose a stronger device"
+    if lower + upper <= 0.7:
+        kept = narrower(lower, upper)
+        advice = (
+            f"give up the ends of the range (--range {kept.low:.2f}:{kept.high:.2f}), or {advice}"
+        )
+    raise InputError(
+        f"{device.name} has {device.max_torque:g} Nm, but moving these legs over {limits.low:.2f} "
+        f"… {limits.high:.2f} rad takes {max(most, -least):.3g} Nm even relaxed; {advice}"
+    )
+
+
+def _eased(plan: Plan, limits: Limits, legs: Legs, limit: float) -> Plan:
+    """The plan with each burst as low as its own torque asks for."""
+    if not plan.bursts:
+        return plan
+    relaxed = torques(plan.eased(0.0), limits, legs)
+    time = np.arange(relaxed.shape[1]) / _RATE
+    for _ in range(_ROUNDS):
+        asked = torques(plan, limits, legs)
+        over = np.abs(asked) > limit
+        if not over.any():
+            return plan
+        added = asked - relaxed
+        left = np.where(added > 0.0, limit - relaxed, limit + relaxed)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            part = np.where(over, np.clip(0.99 * left / np.abs(added), 0.0, 1.0), 1.0).min(axis=0)
+        lowered = []
+        for burst in plan.bursts:
+            felt = (time >= burst.onset) & (time <= burst.onset + burst.length + GAP + _AFTER)
+            lowered.append(burst._replace(level=burst.level * float(part[felt].min(initial=1.0))))
+        plan = replace(plan, bursts=tuple(lowered))
+    while np.abs(torques(plan, limits, legs)).max() > limit:
+        plan = plan.eased(0.9)
+    return plan
