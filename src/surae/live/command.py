@@ -1,0 +1,87 @@
+"""`surae live`."""
+
+import os
+from pathlib import Path
+
+import click
+
+from surae.cli.options import Number, Whole
+from surae.errors import InputError
+
+
+@click.command("live")
+@click.option("--rehearse", is_flag=True, help="Practise with a simulated manipulator and leg.")
+@click.option("--unattended", is_flag=True, help="With --rehearse: no person and no browser.")
+@click.option("--trials", type=Whole(1, 1000), default=1, show_default=True, metavar="N",
+              help="With --unattended: how many.")  # fmt: skip
+@click.option("--seconds", type=Number(above=1.0, below=3600.0), default=35.0, show_default=True,
+              metavar="S", help="With --unattended: how long each.")  # fmt: skip
+@click.option("--fault", "faults", multiple=True, metavar="KIND@SECONDS[@TRIAL]",
+              help="With --unattended: a fault, e.g. electrode-off@12.")  # fmt: skip
+@click.option("--seed", type=Whole(0), default=1, show_default=True, metavar="N",
+              help="With --rehearse: whose leg it is.")  # fmt: skip
+@click.option("--mapping", metavar="MAP.toml", help="Which channel of the streams is which signal.")
+@click.option("--output", default="surae-live", show_default=True, metavar="DIR",
+              help="Where the trials are kept.")  # fmt: skip
+@click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS",
+              help="Where the pages are; any but this computer's own needs a token.")  # fmt: skip
+@click.option("--port", type=Whole(0, 65535), default=8766, show_default=True, metavar="N",
+              help="0: any free one.")  # fmt: skip
+@click.option("--token", metavar="T", envvar="SURAE_TOKEN",
+              help="What a browser must know.  [default: made where needed]")  # fmt: skip
+@click.option("--open/--no-open", "open_", default=True, help="Show it in the browser.")
+@click.option("--watch", metavar="DIR", help="Files that appear in DIR are trials too.")
+@click.option("--network", is_flag=True, help="Take streams of other computers too.")
+def command(
+    rehearse: bool,
+    unattended: bool,
+    trials: int,
+    seconds: float,
+    faults: tuple[str, ...],
+    seed: int,
+    mapping: str | None,
+    output: str,
+    host: str,
+    port: int,
+    token: str | None,
+    open_: bool,
+    watch: str | None,
+    network: bool,
+) -> None:
+    """Record streams of the Lab Streaming Layer, show them, and judge every trial as it ends.
+
+    DIR is made where it is missing; trials that are in it are kept. surae commands no motor and is
+    no medical device: the manipulator's own safety applies.
+    """
+    if unattended and not rehearse:
+        raise InputError("--unattended goes with --rehearse; leave it away, or add that")
+    if watch is not None and not Path(watch).is_dir():
+        raise InputError(f"--watch {watch}: there is no such folder; make it first")
+    from surae.live.lsl import SESSION, lsl
+    from surae.recording.reading import open_mapping
+
+    if mapping is not None:
+        open_mapping(mapping)
+    if rehearse:  # two rehearsals on one computer must not hear each other
+        os.environ.setdefault(SESSION, f"rehearsal-{os.getpid()}")
+    lsl(network and not rehearse)
+    if not unattended:
+        from surae.live.serving import serve
+
+        serve(
+            output,
+            mapping=mapping,
+            network=network,
+            watch=watch,
+            leg=seed if rehearse else None,
+            host=host,
+            port=port,
+            token=token,
+            open_browser=open_,
+        )
+        return
+    from surae.live.unattended import unattended as run_unattended
+
+    run_unattended(
+        output, trials=trials, seconds=seconds, faults=faults, seed=seed, mapping=mapping
+    )

@@ -1,0 +1,196 @@
+"""What a trial is worth, said by a child process so that nothing else waits: first quickly."""
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from surae import api
+from surae.errors import SuraeError
+from surae.files import write_atomic
+from surae.frozen import read_only
+from surae.quality import Quality, commanded_file
+from surae.recording import read, write_hdf5
+
+if TYPE_CHECKING:
+    from surae.assessment.parameter import ParameterEstimate
+    from surae.measures import Measure
+
+#: The model of the first answer: it takes a second. What is identified, the second answer says.
+QUICK = "muscle"
+_STARTS = 3
+#: What is said of movement and of a fit, which a trial that holds still has no part in.
+_OF_MOVEMENT = (
+    "angle-still", "rom-not-covered", "trial-too-short", "position-steps", "overshoot",
+    "active-not-active", "torque-sign", "torque-offset", "torque-artefact", "angle-sign",
+)  # fmt: skip
+
+
+def warm() -> None:
+    """Judge a made-up trial, so that the first real one waits for nothing to be compiled."""
+    from surae.live.xdf import XdfLog
+    from surae.protocol import Protocol, generate
+    from surae.studies import virtual_recording, virtual_subject
+
+    asked = Protocol(profile="multiple-holds", task="active", duration=10.0, rate_hz=1024.0)
+    channels = virtual_recording(virtual_subject(1), generate(asked)).channels
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder)
+        log = XdfLog(place / "warm.xdf")
+        described = "".join(
+            f"<channel><label>{role}</label><unit>{channel.unit}</unit></channel>"
+            for role, channel in channels.items()
+        )
+        log.stream(
+            1,
+            f"<info><name>w</name><channel_count>{len(channels)}</channel_count><nominal_srate>"
+            "1024</nominal_srate><channel_format>double64</channel_format><desc><channels>"
+            f"{described}</channels></desc></info>",
+        )
+        time = channels["angle"].time
+        log.samples(1, time, np.column_stack([c.values for c in channels.values()]))
+        log.clock(1, float(time[0]), 0.0)
+        log.close()
+        mapping = (f'[channels.{role}]\ncolumn = "w: {role}"\n' for role in channels)
+        write_atomic(place / "map.toml", "".join(mapping))
+        judge(str(log.path), str(place / "warm.h5"), mapping=str(place / "map.toml"))
+
+
+def judge(
+    file: str,
+    output: str,
+    earlier: Sequence[str] = (),
+    mapping: str | None = None,
+    effort: str | None = None,
+    target: str | None = None,
+    begin: float = 0.0,
+) -> dict[str, Any]:
+    """Read, check and, where it moves, fit a trial; write it as our HDF5.
+
+    Parameters
+    ----------
+    file, output : str
+        The recording as it came, and the file to write.
+    earlier : sequence of str
+        Recordings of the session's other trials: what is rest and what is effort shows in them.
+    mapping : str, optional
+        The file of the session's mapping.
+    effort : str, optional
+        The effort that was asked for, one of `surae.session`'s.
+    target : str, optional
+        The file of what was asked for.
+    begin : float
+        When it began, from the first sample of the recording [s].
+
+    Returns
+    -------
+    dict
+        findings, use, grade, vaf, reasons, verdict, advice; None for what there is not, with `why`.
+    """
+    recording = replace(read(file, mapping=mapping), name=Path(output).stem)
+    write_hdf5(output, recording)
+    asked = None if target is None else commanded_file(target)
+    if asked is not None:
+        asked = replace(asked, time=read_only(asked.time + begin))
+    quality = api.check(recording, commanded=asked)
+    efforts = {} if effort is None else {recording.name: effort}
+    trial = api.session([recording, *earlier], efforts=efforts)[recording.name]
+    if not trial.moves:
+        quality = replace(
+            quality, findings=tuple(f for f in quality.findings if f.code not in _OF_MOVEMENT)
+        )
+    said: dict[str, Any] = {
+        "findings": quality.as_dict()["findings"],
+        "seconds": max(float(c.time[-1] - c.time[0]) for c in recording.channels.values()),
+        "use": trial.use, "effort": trial.effort, "why": trial.problem or trial.why,
+        "grade": None, "vaf": None, "reasons": [],
+    }  # fmt: skip
+    if trial.use == "fit":
+        try:
+            fit = api.fit(recording, QUICK, quality=[quality], starts=_STARTS)
+        except SuraeError as error:
+            said |= {"use": "none", "why": str(error).replace(file, recording.name)}
+        else:
+            said |= {
+                "grade": fit.adequacy.grade,
+                "vaf": fit.vaf,
+                "reasons": list(fit.adequacy.reasons),
+            }
+    return said | verdict(quality, said)
+
+
+def verdict(quality: Quality, said: Mapping[str, Any]) -> dict[str, str]:
+    """One word on a trial, and what to do.
+
+    Doubts of the quick fit alone ask for no repetition: the joint fit of the session judges them.
+    """
+    # The hum of an electrode that came off is no second fault.
+    causes_first = sorted(quality.findings, key=lambda finding: finding.code != "electrode-off")
+    errors, warnings = (
+        [f"{f.message} {f.advice}" for f in causes_first if f.severity == severity]
+        for severity in ("error", "warning")
+    )
+    if errors:
+        return {"verdict": "repeat", "advice": errors[0]}
+    if said["use"] == "none":
+        return {"verdict": "repeat", "advice": said["why"]}
+    if said["grade"] == "inadequate":
+        return {"verdict": "repeat", "advice": "; ".join(said["reasons"])}
+    if warnings:
+        return {"verdict": "look", "advice": warnings[0]}
+    if said["grade"] is None:
+        return {"verdict": "keep", "advice": f"Nothing to fit: {said['why']}."}
+    doubts = "; ".join(said["reasons"])
+    return {"verdict": "keep", "advice": f"Alone it is doubtful: {doubts}." if doubts else ""}
+
+
+def together(recordings: Sequence[str], output: str, target: str) -> dict[str, Any]:
+    """Fit all trials of the session jointly, as `surae.fit` does by itself.
+
+    Parameters
+    ----------
+    recordings : sequence of str
+        Their files.
+    output, target : str
+        Where the fit goes, and what to measure next.
+
+    Returns
+    -------
+    dict
+        grade, vaf, reasons, parameters, measures; and next, sentences on what to measure next,
+        which is `proposed`.
+    """
+    fit = api.session(list(recordings)).fit_together()
+    fit.save(output)
+    measures = fit.measures(angles=(0.0, 10.0))
+    return {
+        "grade": fit.adequacy.grade,
+        "vaf": fit.vaf,
+        "reasons": list(fit.adequacy.reasons),
+        "parameters": [_row(name, p) for name, p in fit.parameters.items()],
+        "measures": [{**_row(name, m), "meaning": m.meaning} for name, m in measures.items()],
+        **_next(fit, target),
+    }
+
+
+def _row(name: str, estimate: "Measure | ParameterEstimate") -> dict[str, Any]:
+    ci95 = estimate.ci95
+    return {
+        "name": name, "value": estimate.value, "unit": estimate.unit,
+        "verdict": str(estimate.verdict),
+        "ci95": None if ci95 is None else [float(end) for end in ci95],
+    }  # fmt: skip
+
+
+def _next(fit: api.Fit, target: str) -> dict[str, Any]:
+    """What to measure next, in sentences, and what the trial is called; its target is written."""
+    try:
+        following = api.measure_next(fit)
+    except SuraeError as error:
+        return {"next": [str(error)], "proposed": None}
+    if following.trajectory is not None:
+        following.write(target)
+    return {"next": list(following.sentences), "proposed": following.protocol}

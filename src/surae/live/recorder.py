@@ -1,0 +1,338 @@
+"""Streams of the Lab Streaming Layer: taken, written to disk, then shown; lost and found again."""
+
+import json
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from surae.live.heard import Stream
+from surae.live.lsl import lsl
+from surae.live.xdf import XdfLog
+from surae.processes import where
+from surae.units import FloatArray
+
+#: Streams are asked for samples this often [s], and for their clocks: at first, and then.
+_POLL, _CLOCK_FIRST, _CLOCK = 0.015, 1.0, 5.0
+#: The disk has what is older than this [s].
+_SYNC = 1.0
+#: Stamps further from where they are expected than this [s], and than so many samples, are a gap.
+_GAP, _GAP_SAMPLES = 0.05, 5.0
+#: A stream that is silent for this long [s] is said to be.
+_SILENT = 0.5
+#: Clock measurements that a new file begins with, and samples that wait for room on the disk [s].
+_CLOCKS, _WAITING = 120, 60.0
+
+#: A lost stream is talked of for so long [s]; whoever is still there then has come back itself.
+_ECHO = 3.0
+
+#: Told of what happens: "lost", "back", "gap", "jump", "disk", with plain data.
+Tell = Callable[[str, Mapping[str, Any]], None]
+
+
+#: New samples of a stream: our times [s] and values, shape (n, channels).
+Show = Callable[[Stream, FloatArray, npt.NDArray[Any]], None]
+
+
+class Recorder:
+    """Takes all streams that there are and writes them, from its start to its end.
+
+    Parameters
+    ----------
+    path : Path
+        The first file.
+    show : callable
+        Gets samples, once they are written.
+    tell : callable
+        Gets what happens.
+    network : bool
+        As of `surae.live.lsl.lsl`.
+    but : sequence of str
+        Sources that are not taken.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        *,
+        show: Show,
+        tell: Tell,
+        network: bool = False,
+        but: Sequence[str] = (),
+    ) -> None:
+        self._lsl = lsl(network)
+        self._show, self._tell = show, tell
+        self._but = frozenset(but)
+        self.streams: dict[str, Stream] = {}
+        self._lock = threading.RLock()
+        self._waiting: list[tuple[float, Callable[[XdfLog], None]]] = []
+        self._full = False
+        self._dropped = 0
+        self._wrong = ""
+        self._origin: float | None = None
+        self._ended = threading.Event()
+        self._log: XdfLog | None = XdfLog(path)
+        self._events = 1  # the number of the stream of what happens
+        self._log.stream(self._events, _EVENTS)
+        self._threads = [
+            threading.Thread(
+                target=self._steadily, args=(work,), name=f"live{work.__name__}", daemon=True
+            )
+            for work in (self._take, self._meet, self._measure, self._keep)
+        ]
+        for thread in self._threads:
+            thread.start()
+
+    def clock(self) -> float:
+        """Our time [s]."""
+        return float(self._lsl.local_clock())
+
+    def turn(self, path: Path | None) -> float | None:
+        """Write to another file from now on, or to none; it begins with all that is known.
+
+        Returns the time of the first sample in the file before, ours [s].
+        """
+        log = None if path is None else XdfLog(path)
+        if log is not None:
+            log.stream(self._events, _EVENTS)
+        with self._lock:
+            before, self._log = self._log, log
+            origin, self._origin = self._origin, None
+            for stream in self.streams.values():
+                self._described(stream)
+        if before is not None:
+            with suppress(OSError):
+                before.sync()
+            before.close()
+        return origin
+
+    def note(self, event: str, **data: Any) -> None:
+        """Write down, and tell, what happens."""
+        text = json.dumps({"event": event, **data})
+        stamp = self.clock()
+        self._write(lambda log: log.words(self._events, [stamp], [[text]]))
+        self._tell(event, data)
+
+    def health(self) -> list[dict[str, Any]]:
+        """How all streams do."""
+        now = self.clock()
+        with self._lock:
+            return [stream.health(now) for stream in self.streams.values()]
+
+    @property
+    def trouble(self) -> str:
+        """What is wrong with the disk, or with us; empty where nothing is."""
+        if not self._full:
+            told = "a part of the recorder failed and began again; report it"
+            return f"{told} ({self._wrong})" if self._wrong else ""
+        held = self._waiting[-1][0] - self._waiting[0][0] if self._waiting else 0.0
+        lost = f"; {self._dropped} pieces are lost already" if self._dropped else ""
+        return f"the disk takes nothing: make room now; {held:.0f} s are kept in memory{lost}"
+
+    def close(self) -> None:
+        """End, with all on disk."""
+        self._ended.set()
+        for thread in self._threads:
+            thread.join(5.0)
+        with self._lock:
+            if self._log is not None:
+                with suppress(OSError):
+                    self._log.sync()
+                self._log.close()
+                self._log = None
+
+    def _steadily(self, work: Callable[[], None]) -> None:
+        """Work until the end; a mistake of ours is told, and does not end a recording."""
+        while not self._ended.is_set():
+            try:
+                work()
+            except Exception as error:
+                self._wrong = where(error)
+                self._ended.wait(_POLL)
+
+    def _take(self) -> None:
+        """Take samples, in a circle."""
+        while not self._ended.wait(_POLL):
+            for stream in list(self.streams.values()):
+                if stream.inlet is None:
+                    continue
+                try:
+                    values, stamps = stream.inlet.pull_chunk(
+                        timeout=0.0, max_samples=4096, as_numpy=not stream.words
+                    )
+                except self._lsl.util.LostError:
+                    self._lose(stream)
+                    continue
+                if len(stamps):
+                    kept = values if stream.words else values.copy()  # of a much larger buffer
+                    self._arrived(stream, np.array(stamps, dtype=np.float64), kept)
+                elif (
+                    stream.rate_hz > 0
+                    and stream.state == "good"
+                    and stream.last_s is not None
+                    and self.clock() - stream.last_s > _SILENT
+                ):
+                    stream.state = "silent"
+                    self.note("silent", stream=stream.name)
+
+    def _arrived(self, stream: Stream, stamps: FloatArray, values: Any) -> None:
+        times = stamps + (stream.offset_s or 0.0)
+        with self._lock:  # the file that they go to is the one whose origin they may be
+            if stream.words:
+                self._write(lambda log: log.words(stream.number, stamps.tolist(), values))
+            else:
+                self._write(lambda log: log.samples(stream.number, stamps, values))
+                if self._origin is None or times[0] < self._origin:
+                    self._origin = float(times[0])
+        now = self.clock()
+        stream.received += len(stamps)
+        if stream.rate_hz > 0:
+            self._gaps(stream, stamps)
+            stream.rates.append((now, stream.received))
+            while stream.rates[0][0] < now - 5.0 and len(stream.rates) > 2:
+                del stream.rates[0]
+        if stream.state != "good":
+            stream.state = "good"
+            self.note("back", stream=stream.name)
+        stream.stamp, stream.last_s = float(stamps[-1]), float(times[-1])
+        if not stream.words:
+            self._show(stream, times, values)
+
+    def _gaps(self, stream: Stream, stamps: FloatArray) -> None:
+        """Notice stamps that are not where the ones before say."""
+        before = stamps[0] - 1.0 / stream.rate_hz if stream.stamp is None else stream.stamp
+        steps = np.diff(stamps, prepend=before) - 1.0 / stream.rate_hz
+        for index in np.flatnonzero(np.abs(steps) > max(_GAP, _GAP_SAMPLES / stream.rate_hz)):
+            stream.gaps += 1
+            missing = float(steps[index])
+            stream.lost_s += max(missing, 0.0)
+            self.note("gap" if missing > 0 else "jump", stream=stream.name, seconds=missing)
+
+    def _lose(self, stream: Stream) -> None:
+        stream.inlet, stream.state, stream.lost_at = None, "lost", time.monotonic()
+        stream.losses += 1
+        self.note("lost", stream=stream.name)
+
+    def _meet(self) -> None:
+        """Find streams, new ones and those that were lost."""
+        resolver = self._lsl.ContinuousResolver(forget_after=2.0)
+        while not self._ended.wait(0.05):
+            for info in resolver.results():
+                key = info.source_id() or f"{info.name()} {info.type()} {info.hostname()}"
+                stream = self.streams.get(key)
+                if key in self._but or (stream is not None and stream.inlet is not None):
+                    continue
+                # One that has just gone is still talked of for a while.
+                if (
+                    stream is None
+                    or stream.uid != info.uid()
+                    or time.monotonic() - stream.lost_at > _ECHO
+                ):
+                    self._open(key, info)
+
+    def _measure(self) -> None:
+        """Measure the clocks of all streams, in a circle."""
+        due: dict[int, float] = {}
+        while not self._ended.wait(0.1):
+            for stream in list(self.streams.values()):
+                inlet = stream.inlet
+                if inlet is None or time.monotonic() < due.get(stream.number, 0.0):
+                    continue
+                wait = _CLOCK_FIRST if len(stream.clocks) < 3 else _CLOCK
+                due[stream.number] = time.monotonic() + wait
+                with suppress(RuntimeError):  # it is lost, or too late
+                    self._measured(stream, float(inlet.time_correction(1.0)))
+
+    def _measured(self, stream: Stream, offset: float) -> None:
+        now = self.clock()
+        with self._lock:
+            stream.offset_s = offset
+            stream.clocks = [*stream.clocks[-_CLOCKS:], (now, offset)]
+            self._write(lambda log: log.clock(stream.number, now, offset))
+
+    def _open(self, key: str, info: Any) -> None:
+        try:
+            inlet = self._lsl.StreamInlet(info, max_buflen=60, recover=False)
+            whole = inlet.info(2.0)
+            inlet.open_stream(2.0)
+        except RuntimeError:  # it is gone again, or does not answer
+            return
+        with self._lock:
+            stream = self.streams.get(key)
+            if stream is None:
+                count = whole.channel_count()
+                labels = whole.get_channel_labels() or []
+                units = whole.get_channel_units() or []
+                stream = self.streams[key] = Stream(
+                    number=len(self.streams) + 2,
+                    name=whole.name(),
+                    kind=whole.type(),
+                    host=whole.hostname(),
+                    labels=[
+                        (labels[i] if i < len(labels) else None) or f"channel {i + 1}"
+                        for i in range(count)
+                    ],
+                    units=[(units[i] if i < len(units) else None) or "" for i in range(count)],
+                    rate_hz=float(whole.nominal_srate()),
+                    words=whole.channel_format() == self._lsl.cf_string,
+                    xml=whole.as_xml(),
+                )
+                self._described(stream)
+                self.note("stream", stream=stream.name, rate_hz=stream.rate_hz)
+            else:
+                stream.clocks.clear()  # its computer may have been started again
+            stream.uid, stream.inlet = whole.uid(), inlet
+
+    def _described(self, stream: Stream) -> None:
+        """Tell the file what a stream is, and what is known of its clock."""
+        self._write(lambda log: log.stream(stream.number, stream.xml))
+        for now, offset in list(stream.clocks):
+            self._write(
+                lambda log, now=now, offset=offset: log.clock(stream.number, now, offset)  # type: ignore[misc]
+            )
+
+    def _keep(self) -> None:
+        """Flush every second, and try again where the disk was full."""
+        while not self._ended.wait(_SYNC):
+            with self._lock:
+                if self._waiting:
+                    self._write(lambda log: None)  # noqa: ARG005
+                log = self._log
+            if log is not None and not self._full:
+                with suppress(OSError):
+                    log.sync()
+
+    def _write(self, what: Callable[[XdfLog], None]) -> None:
+        """Write, or keep in memory while the disk takes nothing; in order."""
+        with self._lock:
+            log = self._log
+            if log is None:
+                return
+            self._waiting.append((time.monotonic(), what))
+            try:
+                while self._waiting:
+                    self._waiting[0][1](log)
+                    del self._waiting[0]
+            except OSError:
+                if not self._full:
+                    self._full = True
+                    self._tell("disk", {"message": self.trouble})
+                while self._waiting[0][0] < time.monotonic() - _WAITING:
+                    del self._waiting[0]
+                    self._dropped += 1
+                return
+            if self._full:
+                self._full = False
+                self._tell("disk", {"message": ""})
+
+
+_EVENTS = (
+    '<?xml version="1.0"?><info><name>surae</name><type>Markers</type>'
+    "<channel_count>1</channel_count><nominal_srate>0</nominal_srate>"
+    "<channel_format>string</channel_format><source_id>surae events</source_id><desc/></info>"
+)

@@ -1,0 +1,258 @@
+"""The room of a measurement: what is asked for, what is recorded, and, in a rehearsal, the leg."""
+
+import threading
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.files import PathLike, shown
+from surae.frozen import read_only
+from surae.live import rehearsal
+from surae.live.laboratory import Laboratory
+from surae.live.recorder import Show
+from surae.live.target import Target
+from surae.live.trials import Trials, silent
+from surae.protocol import (
+    PROFILES,
+    TASKS,
+    Given,
+    Protocol,
+    Trajectory,
+    generate,
+    named_device,
+    read_protocol,
+    write_protocol_csv,
+)
+from surae.protocol.ramps import smooth_step
+from surae.recording import MUSCLES
+
+#: The name of the target of maximum contractions.
+MAXIMUM = "maximum"
+#: Rate of a target's file [Hz].
+_RATE = 256.0
+#: A trial goes on after its movement for so long [s].
+_AFTER = 0.5
+#: A watched folder is looked at this often [s].
+_WATCH = 1.0
+#: The simulated laboratory is waited for so long [s]: the first time, all is compiled.
+_PATIENCE = 180.0
+
+Tell = Callable[[str, Mapping[str, Any]], None]
+
+
+class Room:
+    """Trials with a target; see `Trials` for the parameters.
+
+    Parameters
+    ----------
+    folder, mapping, show, tell, network, joint
+        As of `Trials`.
+    watch : path or None
+        A folder: files that appear in it are trials too.
+    leg : int or None
+        In a rehearsal, whose leg it is; None: the streams are real.
+    """
+
+    def __init__(
+        self,
+        folder: PathLike,
+        *,
+        mapping: PathLike | None = None,
+        show: Show = silent,
+        tell: Tell = silent,
+        network: bool = False,
+        leg: int | None = None,
+        joint: bool = True,
+        watch: PathLike | None = None,
+    ) -> None:
+        self.laboratory = None if leg is None else Laboratory(leg)
+        try:
+            self.trials = Trials(
+                folder,
+                mapping=mapping,
+                show=show,
+                tell=tell,
+                network=network,
+                but=(rehearsal.CONTROL,),
+                joint=joint,
+            )
+        except BaseException:
+            if self.laboratory is not None:
+                self.laboratory.close()
+            raise
+        self.target = Target()
+        self.trajectory: Trajectory | None = None
+        self.asked: dict[str, Any] = {}
+        self.begin: float | None = None
+        self._tell = tell
+        self._timer: threading.Timer | None = None
+        self._lock = threading.Lock()
+        self._ended = threading.Event()
+        if watch is not None:
+            threading.Thread(
+                target=self._watch, args=(Path(watch),), daemon=True, name="live-watch"
+            ).start()
+
+    def load(self, path: PathLike | None = None, **protocol: Any) -> None:
+        """Load what is asked for in the next trial.
+
+        Parameters
+        ----------
+        path : path, optional
+            A file as `surae protocol` writes it.
+        **protocol
+            Else a `surae.protocol.Protocol`, device by name.
+
+        Raises
+        ------
+        InputError
+            There is no such protocol, or a trial is running.
+        """
+        with self._lock:
+            if self.trials.running is not None:
+                raise InputError("a trial is running; stop it before another protocol is loaded")
+            effort = None
+            if path is None and protocol.get("profile") == MAXIMUM:
+                trajectory, name, effort = _maximum(), MAXIMUM, "maximal"
+            elif path is None:
+                device = named_device(protocol.pop("device", "achilles"))
+                trajectory = generate(Protocol(device=device, rate_hz=_RATE, **protocol))
+                name = f"{protocol.get('profile', '')} {protocol.get('task', '')}".strip()
+                effort = "passive" if protocol.get("task") == "passive" else None
+            else:
+                trajectory, name = read_protocol(path), Path(path).stem
+            write_protocol_csv(trajectory, self._file)
+            self.trajectory = trajectory
+            self.asked = {"protocol": shown(name), "seconds": float(trajectory.time[-1])}
+            if effort is not None:
+                self.asked["effort"] = effort
+            self.target.load(trajectory)
+            self._go_back()
+            self._tell("protocol", self.asked)
+
+    @property
+    def _file(self) -> Path:
+        """What is asked for in the next trial."""
+        return self.trials.folder / "next-target.csv"
+
+    def _go_back(self) -> None:
+        """In a rehearsal, the device goes to where the next trial begins."""
+        if self.laboratory is not None and self.trajectory is not None:
+            self.laboratory.load(str(self._file.resolve()), max([*self.trials.trials, 0]) + 1)
+
+    @property
+    def ready(self) -> bool:
+        """Whether a trial can begin: nothing is being loaded, and all are warm and in place."""
+        return (
+            not self._lock.locked()
+            and self.trials.warm.done()
+            and (self.laboratory is None or self.laboratory.ready)
+        )
+
+    def load_next(self) -> None:
+        """Load what was found best to measure next."""
+        file = self.trials.folder / "measure-next.csv"
+        if not file.exists():
+            raise InputError("nothing says yet what to measure next; fit a trial first")
+        self.load(file)
+
+    def start(self, countdown: float = 0.5) -> int:
+        """Begin a trial; the target moves after a countdown [s]. Returns the trial's number.
+
+        Raises
+        ------
+        InputError
+            A trial is running, or the rehearsal's device is not where the trial begins.
+        """
+        with self._lock:
+            if self.laboratory is not None:
+                self.laboratory.wait(_PATIENCE)
+            number = self.trials.start(**self.asked)
+            if self.trajectory is not None:
+                file = self.trials.path(number, "-target.csv")
+                write_protocol_csv(self.trajectory, file)
+                self.begin = self.trials.recorder.clock() + countdown
+                self.target.begin(self.begin)
+                if self.laboratory is not None:
+                    self.laboratory.start(self.begin)
+                seconds = countdown + self.asked["seconds"] + _AFTER
+                self._timer = threading.Timer(seconds, self._over, (number,))
+                self._timer.daemon = True
+                self._timer.start()
+            return number
+
+    def stop(self) -> "Future[dict[str, Any]]":
+        """End the trial, and have it judged."""
+        with self._lock:
+            if self._timer is not None:
+                self._timer.cancel()
+            verdict = self.trials.stop(self.begin)
+            self.target.end()
+            self.begin = None
+            if self.laboratory is not None:
+                self.laboratory.stop()
+                self._go_back()
+            return verdict
+
+    def close(self) -> None:
+        """End all."""
+        self._ended.set()
+        if self._timer is not None:
+            self._timer.cancel()
+        self.trials.close()
+        self.target.close()
+        if self.laboratory is not None:
+            self.laboratory.close()
+
+    def _watch(self, folder: Path) -> None:
+        """Take files that appear, once they do not grow any more."""
+        known = {path.name: path.stat().st_size for path in _files(folder)}
+        growing: dict[str, int] = {}
+        while not self._ended.wait(_WATCH):
+            for path in _files(folder):
+                size = path.stat().st_size
+                if path.name not in known and size > 0 and growing.get(path.name) == size:
+                    known[path.name] = size
+                    self.trials.take(path)
+                growing[path.name] = size
+
+    def _over(self, number: int) -> None:
+        if self.trials.running == number:
+            self.stop()
+
+
+def _files(folder: Path) -> list[Path]:
+    """The files in a folder, in order; none where it cannot be read now."""
+    try:
+        return sorted(path for path in folder.iterdir() if path.is_file())
+    except OSError:
+        return []
+
+
+def known() -> dict[str, list[str]]:
+    """Names of profiles and tasks that can be loaded."""
+    return {"profiles": [*PROFILES, MAXIMUM], "tasks": list(TASKS)}
+
+
+def _maximum() -> Trajectory:
+    """Maximum contractions: the foot is held still, first all push down, then pull up."""
+    time = np.arange(round(18.0 * _RATE) + 1) / _RATE
+    still = np.zeros(len(time))
+    effort = np.zeros((len(time), len(MUSCLES)))
+    for muscles, begins in ((("gl", "sol", "gm"), 3.0), (("ta",), 11.0)):
+        level = smooth_step((time - begins) / 0.5) * smooth_step((begins + 4.0 - time) / 0.5)
+        for muscle in muscles:
+            effort[:, MUSCLES.index(muscle)] = level
+    settings = Given(profile=MAXIMUM, task="maximal", range_of_motion=(-0.01, 0.01), rate_hz=_RATE)
+    return Trajectory(
+        settings=settings,
+        time=read_only(time),
+        angle=read_only(still),
+        velocity=read_only(still),
+        acceleration=read_only(still),
+        effort=read_only(effort),
+    )

@@ -1,0 +1,381 @@
+// The operator's page: streams, traces, trials and what to do next.
+
+import { act, at, get, listen, surface } from "./stream.js";
+
+const byId = (id) => document.getElementById(id);
+const h = (tag, props = {}, ...children) => {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(props)) {
+    if (name === "click") element.addEventListener("click", value);
+    else if (value !== null && value !== false) element.setAttribute(name, value === true ? "" : value);
+  }
+  element.append(...children.flat().filter((child) => child !== null && child !== undefined));
+  return element;
+};
+
+const SECONDS = 12;
+const MUSCLES = [["emg_ta", "tibialis"], ["emg_gl", "gastroc. lat."], ["emg_sol", "soleus"], ["emg_gm", "gastroc. med."]];
+const ROWS = [
+  ["angle", "Angle [°]", 57.29578, "series-1"],
+  ["torque", "Torque [Nm]", 1, "series-2"],
+  ...MUSCLES.map(([role, name], i) => [role, `${name} [mV]`, 1000, `series-${(i % 4) + 3}`]),
+];
+const WORDS = { keep: "Keep", look: "Look at it", repeat: "Repeat" };
+const SIGNS = { keep: "✓", look: "!", repeat: "↻" };
+
+let state = null;
+let frames = [];
+let late = null;
+let sound = true;
+window.suraeLatency = [];
+
+// --- traces ---------------------------------------------------------------------------------
+
+function draw() {
+  requestAnimationFrame(draw);
+  if (!state) return;
+  const { context: c, width, height, colour } = surface(byId("traces"));
+  const now = frames.at(-1)?.t ?? state.now;
+  const end = now + (state.begin !== null && state.curve ? 2 : 0);
+  const left = 150;
+  const x = (t) => left + ((t - end + SECONDS) / SECONDS) * (width - left - 8);
+  const shown = ROWS.filter(([role]) => state.roles.includes(role));
+  const row = height / Math.max(shown.length, 1);
+  c.font = "12px system-ui, sans-serif";
+  shown.forEach(([role, name, factor, series], index) => {
+    const top = index * row + 6;
+    const bottom = (index + 1) * row - 6;
+    const seen = frames.filter((frame) => frame.new[role]);
+    const target = role === "angle" && state.curve;
+    let low = Infinity;
+    let high = -Infinity;
+    for (const frame of seen) {
+      low = Math.min(low, frame.new[role][0]);
+      high = Math.max(high, frame.new[role][1]);
+    }
+    if (target) {
+      low = Math.min(low, ...state.curve.angle);
+      high = Math.max(high, ...state.curve.angle);
+    }
+    if (role.startsWith("emg_")) {
+      high = Math.max(Math.abs(low), Math.abs(high), 5e-5);
+      low = -high;
+    }
+    if (!(high > low)) [low, high] = [low - 1, low + 1];
+    if (!Number.isFinite(low)) [low, high] = [-1, 1];
+    const y = (v) => bottom - ((v - low) / (high - low)) * (bottom - top);
+    c.fillStyle = colour("muted");
+    c.fillText(name, 0, (top + bottom) / 2 + 4);
+    c.textAlign = "right";
+    c.fillText((high * factor).toPrecision(2), left - 6, top + 9);
+    c.fillText((low * factor).toPrecision(2), left - 6, bottom);
+    c.textAlign = "left";
+    c.strokeStyle = colour("grid");
+    c.lineWidth = 1;
+    c.beginPath();
+    c.moveTo(left, bottom + 5.5);
+    c.lineTo(width, bottom + 5.5);
+    c.stroke();
+    if (target) {
+      c.strokeStyle = colour("measured");
+      c.lineWidth = 5;
+      c.beginPath();
+      const first = end - SECONDS;
+      for (let i = 0; i <= 240; i += 1) {
+        const t = first + (i / 240) * SECONDS;
+        const own = state.begin === null ? null : at(state.curve, (k) => state.curve.angle[k], t - state.begin);
+        const value = own ?? (state.begin !== null && t > state.begin ? state.curve.angle.at(-1) : state.curve.angle[0]);
+        c.lineTo(x(t), y(value));
+      }
+      c.stroke();
+    }
+    // A band from the lowest to the highest of each frame: nothing between two frames is hidden.
+    c.fillStyle = c.strokeStyle = colour(series);
+    c.lineWidth = 1.2;
+    for (const piece of unbroken(seen.filter((frame) => x(frame.t) >= left))) {
+      c.beginPath();
+      for (const frame of piece) c.lineTo(x(frame.t), y(frame.new[role][1]));
+      for (const frame of piece.reverse()) c.lineTo(x(frame.t), y(frame.new[role][0]));
+      c.closePath();
+      c.fill();
+      c.stroke();
+    }
+  });
+  if (end > now) {
+    c.strokeStyle = colour("accent");
+    c.lineWidth = 1;
+    c.beginPath();
+    c.moveTo(x(now), 0);
+    c.lineTo(x(now), height);
+    c.stroke();
+  }
+  showClock(now);
+  if (late !== null) {
+    window.suraeLatency.push(Date.now() - late);
+    if (window.suraeLatency.length > 20000) window.suraeLatency.shift();
+    late = null;
+  }
+}
+
+/** Frames in pieces between which nothing came. */
+function unbroken(seen) {
+  const pieces = [];
+  seen.forEach((frame, i) => {
+    if (i === 0 || frame.t - seen[i - 1].t > 0.4) pieces.push([]);
+    pieces.at(-1).push(frame);
+  });
+  return pieces;
+}
+
+function showClock(now) {
+  let text = state.ready ? "Ready" : "Getting ready …";
+  if (state.running !== null) {
+    text = `Trial ${state.running}`;
+    if (state.begin !== null) {
+      const own = now - state.begin;
+      text += own < 0 ? ` in ${Math.ceil(-own)} s` : ` · ${Math.min(own, state.asked.seconds).toFixed(0)} of ${state.asked.seconds.toFixed(0)} s`;
+    }
+  }
+  const place = byId("clock");
+  if (place.textContent !== text) place.textContent = text;
+}
+
+function heardFrame(frame) {
+  frames.push(frame);
+  if (frame.taken !== null) late = frame.taken;
+  const oldest = frame.t - SECONDS - 1;
+  while (frames.length && frames[0].t < oldest) frames.shift();
+  frame.effort.forEach((effort, i) => {
+    const meter = byId(`effort-${i}`);
+    if (!meter) return;
+    meter.value = effort;
+    byId(`effort-${i}-said`).textContent = `${Math.round(100 * effort)} %`;
+  });
+}
+
+// --- what is told ---------------------------------------------------------------------------
+
+function showStreams() {
+  const told = { good: ["keep", "good"], silent: ["look", "silent"], lost: ["repeat", "lost"] };
+  byId("streams").replaceChildren(
+    ...state.streams.map((stream) => {
+      const [kind, word] = told[stream.state];
+      const rate = stream.measured_hz === null ? "" : `${stream.measured_hz.toFixed(0)} of ${stream.rate_hz.toFixed(0)} Hz`;
+      const clock = stream.offset_ms === null ? "" : `, clock ${stream.offset_ms.toFixed(1)} ms`;
+      const wrong = [
+        stream.gaps ? `${stream.gaps} gaps` : "",
+        stream.losses ? `lost ${stream.losses} times` : "",
+        stream.lost_s ? `${stream.lost_s.toFixed(2)} s missing` : "",
+      ].filter(Boolean).join(", ");
+      return h("li", {}, h("strong", {}, stream.name), h("span", { class: `pill ${kind}` }, word),
+        h("span", { class: "muted small" }, `${stream.channels.join(", ")}: ${rate}${clock}${wrong ? `; ${wrong}` : ""}`));
+    }),
+    ...(state.streams.length ? [] : [h("li", { class: "muted" }, "None yet: start the programs that send streams of LSL.")]),
+    ...(state.streams.length && !state.roles.length ? [h("li", { class: "muted" }, "Which channel is the angle? Their names do not say it: start again with --mapping MAP.toml.")] : []),
+  );
+  const box = byId("error");
+  if (state.trouble) {
+    box.textContent = state.trouble;
+    box.hidden = false;
+    box.dataset.disk = "yes";
+  } else if (box.dataset.disk) {
+    box.hidden = true;
+    delete box.dataset.disk;
+  }
+}
+
+function pill(trial) {
+  if (trial.state === "judged") return h("span", { class: `pill ${trial.verdict}` }, `${SIGNS[trial.verdict]} ${WORDS[trial.verdict]}`);
+  return h("span", { class: "pill wait" }, trial.state);
+}
+
+function showTrials() {
+  const items = [...state.trials].reverse().map((trial) => {
+    const numbers = trial.grade ? `${trial.grade}, VAF ${trial.vaf.toFixed(1)} %` : (trial.why ?? "");
+    const said = [trial.protocol, numbers, trial.note].filter(Boolean).join(" · ");
+    return h("li", {}, h("strong", {}, `Trial ${trial.trial}`), pill(trial), h("span", { class: "muted small" }, said),
+      trial.advice ? h("span", { class: "muted small" }, trial.advice) : null);
+  });
+  byId("trials").replaceChildren(...(items.length ? items : [h("li", { class: "muted" }, "None yet.")]));
+  byId("repeat").disabled = !state.trials.length || state.running !== null;
+}
+
+function showVerdict(trial) {
+  const place = byId("verdict");
+  place.className = `verdict ${trial.verdict}`;
+  place.replaceChildren(
+    h("strong", {}, `${SIGNS[trial.verdict]} Trial ${trial.trial}: ${WORDS[trial.verdict]}`),
+    h("span", {}, trial.advice || "Nothing was found against it."),
+  );
+  place.hidden = false;
+  beep(trial.verdict);
+}
+
+function showSession() {
+  const { session } = state;
+  const place = byId("session");
+  const busy = session.state === "fitting" ? [h("p", { class: "muted" }, `Trials ${session.fitting.join(", ")} are being fitted together; it takes a minute.`)] : [];
+  if (!session.parameters) {
+    const text = session.state === "failed" ? session.why : "After the first good trial: all trials fitted together, and what to measure next.";
+    place.replaceChildren(...(busy.length ? busy : [h("p", { class: "muted" }, text)]));
+    return;
+  }
+  place.replaceChildren(...busy,
+    h("p", {}, `Trials ${session.trials.join(", ")} together: ${session.grade}, VAF ${session.vaf.toFixed(1)} %. ${session.reasons.join("; ")}`),
+    h("div", { class: "next" }, ...session.next.map((sentence) => h("p", {}, sentence)),
+      session.proposed ? h("button", { type: "button", id: "next", "aria-keyshortcuts": "N", click: next }, `Load ${session.proposed} `, h("kbd", {}, "N")) : null),
+    estimates("Measures", session.measures, session.before),
+    estimates("Parameters", session.parameters.filter((p) => p.verdict !== "fixed"), session.before));
+}
+
+/** A table of estimates: now, and after the trials before. */
+function estimates(title, rows, before) {
+  const kinds = { identified: "keep", weak: "look" };
+  const number = (value) => (value === null || value === undefined ? "–" : value.toPrecision(3));
+  return h("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": title },
+    h("table", {},
+      h("thead", {}, h("tr", {}, ...[title, "Value", "95 % interval", "Before", "Verdict"].map((text) => h("th", { scope: "col" }, text)))),
+      h("tbody", {}, ...rows.map((row) => h("tr", { title: row.meaning ?? null },
+        h("th", { scope: "row" }, row.name.replaceAll("_", " ")),
+        h("td", { class: "num" }, `${number(row.value)} ${row.unit === "1" ? "" : row.unit}`),
+        h("td", { class: "num" }, row.ci95 && row.verdict !== "undetermined" ? `${number(row.ci95[0])} … ${number(row.ci95[1])}` : "none"),
+        h("td", { class: "num" }, number(before[row.name])),
+        h("td", {}, h("span", { class: `pill ${kinds[row.verdict] ?? "repeat"}` }, row.verdict)))))));
+}
+
+function showAsked() {
+  byId("asked").textContent = state.asked.protocol
+    ? `${state.asked.protocol}, ${state.asked.seconds.toFixed(0)} s`
+    : "Nothing is loaded: a trial records what comes, until it is stopped.";
+  const running = state.running !== null;
+  byId("start").replaceChildren(running ? "Stop " : "Start ", h("kbd", {}, "Space"));
+  byId("start").className = running ? "danger" : "primary";
+  byId("start").disabled = !running && !state.ready;
+  byId("mark").disabled = !running;
+}
+
+function showAll() {
+  byId("where").textContent = `${state.rehearsal ? "Rehearsal, a virtual leg · " : ""}${state.folder}`;
+  byId("faults").hidden = !state.rehearsal;
+  showStreams();
+  showTrials();
+  showSession();
+  showAsked();
+}
+
+// --- sound ----------------------------------------------------------------------------------
+
+let audio = null;
+function beep(verdict) {
+  if (!sound) return;
+  const tones = { keep: [660, 880], look: [660, 660], repeat: [330, 220, 330] }[verdict];
+  try {
+    audio ??= new AudioContext();
+    tones.forEach((frequency, i) => {
+      const tone = audio.createOscillator();
+      const gain = audio.createGain();
+      gain.gain.value = 0.08;
+      tone.frequency.value = frequency;
+      tone.connect(gain).connect(audio.destination);
+      tone.start(audio.currentTime + 0.2 * i);
+      tone.stop(audio.currentTime + 0.2 * i + 0.16);
+    });
+  } catch {
+    // No sound here: the colour and the words remain.
+  }
+}
+
+// --- what is done ---------------------------------------------------------------------------
+
+async function tried(work) {
+  const box = byId("error");
+  try {
+    await work();
+    if (!box.dataset.disk) box.hidden = true;
+  } catch (error) {
+    box.textContent = error.message;
+    box.hidden = false;
+  }
+}
+
+const refresh = async () => {
+  state = await get("/api/live");
+  showAll();
+};
+const startStop = () => tried(async () => {
+  await act(state.running === null ? "start" : "stop");
+  await refresh();
+});
+const mark = () => tried(() => act("mark"));
+const again = () => tried(async () => {
+  if (state.running === null && state.trials.length) {
+    await act("start");
+    await refresh();
+  }
+});
+const next = () => tried(async () => {
+  await act("next");
+  await refresh();
+});
+
+byId("start").addEventListener("click", startStop);
+byId("mark").addEventListener("click", mark);
+byId("repeat").addEventListener("click", again);
+byId("sound").addEventListener("click", () => {
+  sound = !sound;
+  byId("sound").textContent = sound ? "Sound on" : "Sound off";
+  byId("sound").setAttribute("aria-pressed", String(sound));
+});
+byId("theme").addEventListener("click", () => {
+  const dark = document.documentElement.dataset.theme === "dark";
+  localStorage.setItem("surae.theme", dark ? "light" : "dark");
+  dispatchEvent(new Event("themechosen"));
+});
+byId("protocol").addEventListener("submit", (event) => {
+  event.preventDefault();
+  tried(async () => {
+    await act("load", { profile: byId("profile").value, task: byId("task").value,
+      seconds: Number(byId("seconds").value), chirp_amplitude: Number(byId("chirp").value) });
+    await refresh();
+  });
+});
+addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
+  if (event.target.closest("input, select, textarea")) return;
+  const work = { " ": startStop, m: mark, r: again, n: next }[event.key.toLowerCase()];
+  if (!work) return;
+  event.preventDefault();
+  if (event.target instanceof HTMLButtonElement) event.target.blur();
+  work();
+});
+
+byId("efforts").replaceChildren(...MUSCLES.map(([, name], i) =>
+  h("label", {}, h("span", {}, `${name} `, h("span", { id: `effort-${i}-said` }, "0 %")), h("meter", { id: `effort-${i}`, min: 0, max: 1, value: 0 }))));
+byId("fault-buttons").replaceChildren(...[["electrode-off", "electrode off"], ["hum", "hum"], ["torque-sign", "torque turned"], ["dropout", "dropout"], ["none", "mend all"]]
+  .map(([kind, text]) => h("button", { type: "button", class: "small", click: () => tried(() => act("fault", { kind })) }, text)));
+
+tried(async () => {
+  await refresh();
+  for (const [id, names, first] of [["profile", state.profiles, "multiple-holds"], ["task", state.tasks, "active"]]) {
+    byId(id).replaceChildren(...names.map((name) => h("option", { value: name, selected: name === first }, name)));
+  }
+  listen("/api/live/events", {
+    open: refresh,
+    frame: heardFrame,
+    health: (told) => {
+      Object.assign(state, told);
+      showStreams();
+      showAsked();
+    },
+    trial: (trial) => {
+      if (trial.state === "judged") showVerdict(trial);
+      refresh();
+    },
+    protocol: refresh,
+    session: (session) => {
+      state.session = session;
+      showSession();
+    },
+  });
+  requestAnimationFrame(draw);
+});

@@ -1,0 +1,301 @@
+"""A folder of trials: started, stopped and judged; what a crash left behind is found again.
+
+Beside each other lie ``trial-01.xdf`` as it came, ``trial-01.h5`` as a recording, ``trial-01.json``
+with the verdict, and in ``between-01.xdf`` what came before the next trial. A trial without its
+JSON broke off: the next start says so, mends and judges it.
+"""
+
+import json
+import threading
+import time
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from surae.errors import InputError
+from surae.files import PathLike, write_atomic, write_json
+from surae.live.heard import Stream
+from surae.live.recorder import Recorder, Show
+from surae.live.target import KIND
+from surae.live.xdf import mended
+from surae.processes import Child
+from surae.recording import ROLES
+from surae.units import FACTORS, kind, plain
+
+#: After the end of a trial, the samples of its last moments are waited for so long [s].
+_LATE = 0.25
+
+Tell = Callable[[str, Mapping[str, Any]], None]
+
+
+def silent(*what: object) -> None:
+    """Show and tell nobody."""
+
+
+class Trials:
+    """A session's trials, recorded and judged.
+
+    Parameters
+    ----------
+    folder : path
+        Made where it is missing; trials that are in it are kept, and numbered on.
+    mapping : path or None
+        The session's mapping; None where the streams name their channels as we do.
+    show, tell : callable
+        As of `Recorder`; `tell` hears of trials too.
+    network, but
+        As of `Recorder`.
+    joint : bool
+        Whether all trials so far are fitted together after each, beside everything else.
+    """
+
+    def __init__(
+        self,
+        folder: PathLike,
+        *,
+        mapping: PathLike | None = None,
+        show: Show = silent,
+        tell: Tell = silent,
+        network: bool = False,
+        but: tuple[str, ...] = (),
+        joint: bool = True,
+    ) -> None:
+        self.folder = Path(folder)
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{self.folder}: {error.strerror}; give another --output") from None
+        self._mapping = None if mapping is None else Path(mapping)
+        self._tell, self.joint, self._made = tell, joint, ""
+        self._judge, self._refine = Child(calls=None), Child(nice=10, calls=None)
+        self._work = ThreadPoolExecutor(1, "live-judge")
+        self._later = ThreadPoolExecutor(1, "live-refine")
+        self.session: dict[str, Any] = {"state": "waiting"}
+        self._lock = threading.Lock()
+        self.trials: dict[int, dict[str, Any]] = {}
+        self.running: int | None = None
+        self._begun = 0.0
+        broken = self._known()
+        self.recorder = Recorder(self._between(), show=show, tell=tell, network=network, but=but)
+        self.warm = self._work.submit(self._judge.call, "surae.live.judge:warm", {})
+        self.verdicts = {number: self._submit(number, None, None) for number in broken}
+
+    def start(self, **about: Any) -> int:
+        """Begin a trial; what is known `about` it is kept. Returns its number."""
+        with self._lock:
+            if self.running is not None:
+                raise InputError(f"trial {self.running} is running; stop it first")
+            number = max([*self.trials, 0]) + 1
+            self.recorder.turn(self.path(number, ".xdf"))
+            self.running, self._begun = number, self.recorder.clock()
+            self.trials[number] = {
+                "trial": number, "state": "recording", "began": _now(), **about, "marks": [],
+            }  # fmt: skip
+        self.recorder.note("start", trial=number, **about)
+        self._tell("trial", self.trials[number])
+        return number
+
+    def take(self, path: Path) -> int:
+        """Take a file that was recorded otherwise as a trial, and judge it. Returns its number."""
+        with self._lock:
+            number = max([*self.trials, 0]) + 1
+            self.trials[number] = {
+                "trial": number, "state": "being judged", "began": _now(), "protocol": path.name,
+                "file": str(path), "marks": [],
+            }  # fmt: skip
+        self._tell("trial", self.trials[number])
+        self.verdicts[number] = self._submit(number, None, time.monotonic())
+        return number
+
+    def mark(self, text: str = "") -> None:
+        """Write a mark down, at this moment."""
+        number = self.running
+        self.recorder.note("mark", text=text)
+        if number is not None:
+            at = self.recorder.clock() - self._begun
+            self.trials[number]["marks"].append({"at": round(at, 3), "text": text})
+
+    def stop(self, begin: float | None = None) -> "Future[dict[str, Any]]":
+        """End the trial and have it judged; the future holds what is said of it.
+
+        Parameters
+        ----------
+        begin : float, optional
+            When its target began, in LSL's time [s].
+        """
+        with self._lock:
+            number, self.running = self.running, None
+            if number is None:
+                raise InputError("no trial is running; start one first")
+        ended = time.monotonic()
+        self.recorder.note("stop", trial=number)
+        time.sleep(_LATE)
+        origin = self.recorder.turn(self._between())
+        self.trials[number]["state"] = "being judged"
+        self._tell("trial", self.trials[number])
+        late = None if begin is None or origin is None else begin - origin
+        self.verdicts[number] = self._submit(number, late, ended)
+        return self.verdicts[number]
+
+    def close(self) -> None:
+        """End, a trial that is running too; it will be judged when the folder is next opened."""
+        self.recorder.close()
+        for child in (self._judge, self._refine):
+            child.close()
+        for work in (self._work, self._later):
+            work.shutdown(cancel_futures=True)
+
+    @property
+    def broken(self) -> list[str]:
+        """What is to be said of trials that broke off, and are judged now."""
+        return [
+            f"trial {trial['trial']} broke off; what had arrived is kept, and judged now"
+            for trial in self.trials.values()
+            if trial["state"] == "broken off"
+        ]
+
+    @property
+    def mapping(self) -> Path | None:
+        """The session's mapping, or the one that the streams' own names make; None: neither."""
+        if self._mapping is not None:
+            return self._mapping
+        made = self.folder / "mapping.toml"
+        text = mapping_of(list(self.recorder.streams.values()))
+        if text and text != self._made:
+            write_atomic(made, text)
+            self._made = text
+        return made if made.exists() else None
+
+    def _submit(
+        self, number: int, begin: float | None, ended: float | None
+    ) -> "Future[dict[str, Any]]":
+        return self._work.submit(self._judged, number, begin, ended)
+
+    def _judged(self, number: int, begin: float | None, ended: float | None) -> dict[str, Any]:
+        """Judge a trial in the child, keep and tell what it says."""
+        output = self.path(number, ".h5")
+        trial = self.trials[number]
+        said: dict[str, Any]
+        source = Path(trial["file"]) if "file" in trial else self.path(number, ".xdf")
+        if (mapping := self._mapping if "file" in trial else self.mapping) is None and (
+            "file" not in trial
+        ):
+            said = {"why": "the streams do not say which channel is which; give a --mapping"}
+        else:
+            arguments = {
+                "file": str(source),
+                "output": str(output),
+                "earlier": self._others(number),
+                "mapping": None if mapping is None else str(mapping),
+                "effort": trial.get("effort"),
+                "target": None if begin is None else str(self.path(number, "-target.csv")),
+                "begin": begin or 0.0,
+            }
+            end = self._judge.call("surae.live.judge:judge", arguments)
+            said = end.value if end.how == "done" else {"why": end.message}
+            if end.how in ("failed", "killed"):  # our mistake, not the trial's
+                said |= {"verdict": "look", "advice": f"It could not be judged: {end.message}"}
+        if "findings" not in said:
+            said = {"findings": [], "grade": None, "vaf": None, "reasons": [], "verdict": "repeat",
+                    "advice": said["why"], **said}  # fmt: skip
+        trial |= said
+        trial["recording"] = str(output if output.exists() else source)
+        trial["state"] = "judged"
+        if ended is not None:
+            trial["seconds_to_verdict"] = round(time.monotonic() - ended, 3)
+        write_json(self.path(number, ".json"), trial)
+        self._tell("trial", trial)
+        if self.joint and trial["verdict"] != "repeat":
+            self._later.submit(self._together)
+        return trial
+
+    def _others(self, number: int) -> list[str]:
+        """Recordings of all other trials that were not spoilt."""
+        return [
+            str(self.path(other, ".h5"))
+            for other, trial in sorted(self.trials.items())
+            if other != number
+            and trial.get("verdict") in ("keep", "look")
+            and self.path(other, ".h5").exists()
+        ]
+
+    def _together(self) -> None:
+        """Fit all trials that are worth it jointly, beside everything else."""
+        worth = [
+            number
+            for number, trial in sorted(self.trials.items())
+            if trial.get("verdict") in ("keep", "look") and self.path(number, ".h5").exists()
+        ]
+        moving = [number for number in worth if self.trials[number].get("use") == "fit"]
+        if not moving or worth == self.session.get("trials"):
+            return
+        self.session = {**self.session, "state": "fitting", "fitting": worth}
+        self._tell("session", self.session)
+        arguments = {
+            "recordings": [str(self.path(number, ".h5")) for number in worth],
+            "output": str(self.folder / "joint.json"),
+            "target": str(self.folder / "measure-next.csv"),
+        }
+        end = self._refine.call("surae.live.judge:together", arguments)
+        if end.how == "done":
+            rows = (*self.session.get("parameters", ()), *self.session.get("measures", ()))
+            before = {row["name"]: row["value"] for row in rows}
+            self.session = {"state": "fitted", "trials": worth, "before": before, **end.value}
+        else:
+            self.session = {"state": "failed", "trials": worth, "why": end.message}
+        self._tell("session", self.session)
+
+    def _known(self) -> list[int]:
+        """Take up the trials in the folder; the numbers of those that broke off, mended."""
+        broken = []
+        for path in sorted(self.folder.glob("trial-*.json")):
+            with suppress(OSError, ValueError):
+                self.trials[_number(path)] = json.loads(path.read_bytes())
+        for path in sorted(self.folder.glob("trial-*.xdf")):
+            number = _number(path)
+            if number not in self.trials:
+                cut = mended(path)
+                self.trials[number] = {
+                    "trial": number, "state": "broken off", "marks": [], "lost_bytes": cut,
+                    "note": "the recording broke off; what had arrived until then is kept",
+                }  # fmt: skip
+                broken.append(number)
+        return broken
+
+    def path(self, number: int, suffix: str) -> Path:
+        """A file of a trial."""
+        return self.folder / f"trial-{number:02d}{suffix}"
+
+    def _between(self) -> Path:
+        taken = [_number(path) for path in self.folder.glob("between-*.xdf")]
+        return self.folder / f"between-{max(taken, default=0) + 1:02d}.xdf"
+
+
+def mapping_of(streams: list[Stream]) -> str:
+    """A mapping for streams that name their channels as we do: ``angle``, ``emg_ta``, with a unit.
+
+    Empty where the angle is not among them, or two say that they are the same.
+    """
+    lines: dict[str, str] = {}
+    for stream in streams:
+        for column, label, unit in zip(stream.columns, stream.labels, stream.units, strict=True):
+            role, known = plain(label), plain(unit)
+            if role not in ROLES or known not in FACTORS[kind(role)] or stream.kind == KIND:
+                continue
+            if role in lines:
+                return ""
+            lines[role] = (
+                f"[channels.{role}]\ncolumn = {json.dumps(column)}\nunit = {json.dumps(known)}\n"
+            )
+    return "".join(lines.values()) if "angle" in lines else ""
+
+
+def _number(path: Path) -> int:
+    digits = path.stem.rpartition("-")[2]
+    return int(digits) if digits.isdecimal() else 0
+
+
+def _now() -> str:
+    return time.strftime("%Y-%m-%dT%H:%M:%S%z")

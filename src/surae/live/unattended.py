@@ -1,0 +1,97 @@
+"""A rehearsal without a person: trials as a person would make them, a line of JSON for each."""
+
+import json
+import time
+
+import click
+
+from surae.errors import ComputationError, InputError
+from surae.files import PathLike
+from surae.live.rehearsal import FAULTS
+from surae.live.room import Room
+
+#: Streams are waited for so long [s]: the first time, all is compiled.
+_PATIENCE = 180.0
+
+
+def unattended(
+    folder: PathLike,
+    *,
+    trials: int,
+    seconds: float,
+    faults: tuple[str, ...] = (),
+    seed: int = 1,
+    mapping: PathLike | None = None,
+) -> None:
+    """Make some trials of a virtual leg in real time, and print what is said of each.
+
+    Parameters
+    ----------
+    folder : path
+        Where they are kept.
+    trials : int
+        How many.
+    seconds : float
+        How long each is [s].
+    faults : tuple of str
+        As ``kind@seconds`` for all trials, or ``kind@seconds@trial``.
+    seed : int
+        Whose leg it is.
+    mapping : path or None
+        As of `Room`.
+
+    Raises
+    ------
+    InputError
+        A fault is not known.
+    ComputationError
+        The simulated laboratory does not answer.
+    """
+    planned = [_fault(text) for text in faults]
+    room = Room(folder, mapping=mapping, leg=seed, joint=False)
+    laboratory = room.laboratory
+    assert laboratory is not None
+    for sentence in room.trials.broken:
+        click.echo(f"surae: {sentence}", err=True)
+    try:
+        for index in range(1, trials + 1):
+            room.load(
+                profile="multiple-holds", task="active", chirp_amplitude=0.1, duration=seconds
+            )
+            _until_heard(room)
+            for kind, at, only in planned:
+                if only in (None, index):
+                    laboratory.fault(kind=kind, at=at)
+            number = room.start()
+            while number not in room.trials.verdicts:
+                time.sleep(0.05)
+            said = room.trials.verdicts[number].result()
+            laboratory.fault(kind="none")
+            kept = {"trial", "recording", "grade", "vaf", "seconds_to_verdict", "verdict", "advice"}
+            line = {key: value for key, value in said.items() if key in kept}
+            line["findings"] = [finding["code"] for finding in said["findings"]]
+            click.echo(json.dumps(line, ensure_ascii=False))
+    finally:
+        room.close()
+
+
+def _fault(text: str) -> tuple[str, float, int | None]:
+    kind, *numbers = text.split("@")
+    try:
+        at, *only = [float(number) for number in numbers]
+        if kind in FAULTS and len(only) < 2:
+            return kind, at, int(only[0]) if only else None
+    except ValueError:
+        pass
+    raise InputError(f"--fault {text}: give KIND@SECONDS, kind one of: {', '.join(FAULTS)}")
+
+
+def _until_heard(room: Room) -> None:
+    """Wait until the streams are there and everybody is ready."""
+    end = time.monotonic() + _PATIENCE
+    while len(room.trials.recorder.streams) < 3 or room.trials.mapping is None:
+        if time.monotonic() > end:
+            raise ComputationError("the rehearsal's streams did not come; try again")
+        time.sleep(0.1)
+    if (warm := room.trials.warm.result()).how != "done":
+        raise ComputationError(f"the judge cannot work: {warm.message}")

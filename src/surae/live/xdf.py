@@ -1,0 +1,117 @@
+"""What arrives, on disk as it arrives: XDF, the field's append-only format, whole at any moment.
+
+A chunk is written in one go and unbuffered, so that it survives the end of this process at once;
+`XdfLog.sync`, called every second, makes it survive the end of the power. A file without an end is
+a valid file: `mended` cuts off the chunk that was being written.
+"""
+
+import os
+import struct
+import uuid
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from surae.units import FloatArray
+
+_MAGIC = b"XDF:"
+_HEADER = b'<?xml version="1.0"?><info><version>1.0</version></info>'
+_FILE, _STREAM, _SAMPLES, _CLOCK, _BOUNDARY = 1, 2, 3, 4, 5
+#: Where readers find their way back after damage.
+_SIGN = uuid.UUID("43a546dc-cbf5-410f-b30e-d5467383cbe4").bytes
+
+
+class XdfLog:
+    """A new XDF file that is written as streams arrive.
+
+    Parameters
+    ----------
+    path : Path
+        Which must not exist yet.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+        self._file = os.open(path, flags, 0o600)
+        self._size = 0
+        self._append(_MAGIC + _chunk(_FILE, _HEADER))
+
+    def stream(self, number: int, xml: str) -> None:
+        """Describe a stream, before its samples."""
+        self._append(_chunk(_STREAM, struct.pack("<I", number) + xml.encode()))
+
+    def samples(self, number: int, stamps: FloatArray, values: npt.NDArray[Any]) -> None:
+        """Add samples of numbers, shape (n, channels), with a stamp each [s]."""
+        kind = np.dtype(
+            [("bytes", "u1"), ("stamp", "<f8"),
+             ("values", values.dtype.newbyteorder("<"), values.shape[1:])]
+        )  # fmt: skip
+        rows = np.empty(len(stamps), kind)
+        rows["bytes"], rows["stamp"], rows["values"] = 8, stamps, values
+        head = struct.pack("<IBI", number, 4, len(stamps))
+        self._append(_chunk(_SAMPLES, head + rows.tobytes()))
+
+    def words(self, number: int, stamps: list[float], rows: list[list[str]]) -> None:
+        """Add samples of words."""
+        parts = [struct.pack("<IBI", number, 4, len(stamps))]
+        for stamp, row in zip(stamps, rows, strict=True):
+            parts.append(struct.pack("<Bd", 8, stamp))
+            for text in row:
+                data = text.encode()
+                parts.append(struct.pack("<BI", 4, len(data)) + data)
+        self._append(_chunk(_SAMPLES, b"".join(parts)))
+
+    def clock(self, number: int, time: float, offset: float) -> None:
+        """Add a measurement of how far a stream's clock is behind ours [s], at a time of ours."""
+        self._append(_chunk(_CLOCK, struct.pack("<Idd", number, time - offset, offset)))
+
+    def sync(self) -> None:
+        """Have the disk keep what was written, whatever happens to the power."""
+        self._append(_chunk(_BOUNDARY, _SIGN))
+        os.fsync(self._file)
+
+    def close(self) -> None:
+        """End the file."""
+        os.close(self._file)
+
+    def _append(self, chunk: bytes) -> None:
+        """Write a whole chunk, or nothing of it (a full disk takes a part)."""
+        done = 0
+        try:
+            while done < len(chunk):
+                done += os.write(self._file, chunk[done:])
+        except OSError:
+            os.ftruncate(self._file, self._size)
+            os.lseek(self._file, self._size, os.SEEK_SET)
+            raise
+        self._size += done
+
+
+def mended(path: Path) -> int:
+    """Cut off the chunk that was being written when a recording broke off; how many bytes it had.
+
+    0 where the file is whole.
+    """
+    with path.open("r+b") as file:
+        size = file.seek(0, os.SEEK_END)
+        file.seek(0)
+        at = len(_MAGIC) if file.read(len(_MAGIC)) == _MAGIC else 0
+        while at < size:
+            file.seek(at)
+            head = file.read(9)
+            width = head[0] if head[0] in (1, 4, 8) else 0
+            end = at + 1 + width + int.from_bytes(head[1 : 1 + width], "little")
+            if not width or end > size or end == at + 1 + width:
+                break
+            at = end
+        if at < size:
+            file.truncate(at)
+            os.fsync(file.fileno())
+    return size - at
+
+
+def _chunk(tag: int, content: bytes) -> bytes:
+    return struct.pack("<BIH", 4, len(content) + 2, tag) + content

@@ -1,0 +1,79 @@
+"""A rehearsed trial in a browser, with the keyboard alone: both pages, and the verdict."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+from playwright import sync_api
+
+expect = sync_api.expect
+PATIENCE = 240_000
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    path = next((p for n in ("chromium", "chromium-browser", "google-chrome")
+                 if (p := shutil.which(n))), None)  # fmt: skip
+    if path is None:
+        if os.environ.get("CI"):
+            pytest.fail("Chromium is missing; .ci/browser installs it")
+        pytest.skip("LIVE PAGES NOT TESTED: no Chromium here")
+    with sync_api.sync_playwright() as player:
+        browser = player.chromium.launch(
+            executable_path=path, args=["--no-sandbox", "--disable-gpu"]
+        )
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="module")
+def address(lsl, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("browser")
+    command = [sys.executable, "-m", "surae", "live", "--rehearse", "--no-open", "--port", "0"]
+    process = subprocess.Popen(
+        [*command, "--output", str(folder / "leg")],
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+    )  # fmt: skip
+    assert process.stdout is not None
+    said = process.stdout.readline()
+    match = re.search(r"http://\S+", said)
+    assert match, said
+    yield match.group()
+    process.terminate()
+    process.communicate(timeout=60)
+
+
+def test_a_trial_by_keyboard_on_both_pages(chromium, address) -> None:
+    page, wrong = chromium.new_page(), []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.on("console", lambda message: wrong.append(message.text))
+    page.goto(address)
+    expect(page.locator("#profile option")).not_to_have_count(0, timeout=PATIENCE)
+    page.select_option("#profile", "sine")
+    page.fill("#seconds", "12")
+    page.locator("#seconds").press("Enter")
+    expect(page.locator("#asked")).to_contain_text("12 s", timeout=PATIENCE)
+    expect(page.locator("#clock")).to_have_text("Ready", timeout=PATIENCE)
+    expect(page.locator("#streams li")).to_have_count(3)
+
+    subject = chromium.new_context().new_page()
+    subject.on("pageerror", lambda error: wrong.append(str(error)))
+    subject.goto(f"{address}subject")
+    expect(subject.locator("#say")).to_have_text("Relax")
+    page.locator("#clock").click()
+    page.keyboard.press("Space")
+    expect(page.locator("#clock")).to_contain_text("Trial 1", timeout=PATIENCE)
+    expect(subject.locator("#say")).to_have_text(re.compile("Ready …|Push down|Pull up"))
+    expect(subject.locator("#say")).to_have_text(re.compile("Push down|Pull up"), timeout=20_000)
+    assert "Nm" not in subject.inner_text("body")
+    page.keyboard.press("m")
+
+    expect(page.locator("#verdict strong")).to_contain_text("Trial 1:", timeout=PATIENCE)
+    expect(page.locator("#trials li")).to_have_count(1)
+    expect(page.locator("#trials li .pill")).not_to_have_text("being judged")
+    expect(page.locator("#start")).to_contain_text("Start")
+    assert len(page.evaluate("window.suraeLatency")) > 30
+    assert wrong == []

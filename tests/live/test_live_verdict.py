@@ -1,0 +1,103 @@
+"""What is said of a trial, and what must not be said."""
+
+import shutil
+import time
+
+import pytest
+
+from surae.live.heard import Stream
+from surae.live.judge import verdict
+from surae.live.trials import mapping_of
+from surae.protocol import Protocol, generate
+from surae.quality import Finding, Quality
+from surae.recording import write_hdf5
+from surae.studies import virtual_recording, virtual_subject
+
+
+def finding(code: str, severity: str) -> Finding:
+    return Finding(code, severity, "emg_sol", 0.0, 1.0, 1.0, "V", f"It is {code}.", "Mend it.")
+
+
+def said(*findings: Finding, use: str = "fit", grade: str | None = "adequate", reasons=()) -> dict:
+    told = {"use": use, "grade": grade, "reasons": list(reasons), "why": "it holds still"}
+    return verdict(Quality("trial", findings), told)
+
+
+def test_a_good_trial_is_kept_without_a_word() -> None:
+    assert said() == {"verdict": "keep", "advice": ""}
+
+
+def test_what_is_wrong_is_named_and_the_cause_comes_first() -> None:
+    told = said(finding("mains-hum", "error"), finding("electrode-off", "error"))
+    assert told == {"verdict": "repeat", "advice": "It is electrode-off. Mend it."}
+
+
+@pytest.mark.parametrize("grade", ["adequate", "doubtful", None])
+def test_nothing_with_an_error_is_kept(grade) -> None:
+    assert said(finding("time-gap", "error"), grade=grade)["verdict"] == "repeat"
+
+
+def test_a_warning_is_to_be_looked_at_and_a_remark_is_not() -> None:
+    assert said(finding("overshoot", "warning"))["verdict"] == "look"
+    assert said(finding("rom-not-covered", "info"))["verdict"] == "keep"
+
+
+def test_an_inadequate_fit_is_repeated_and_a_doubtful_one_says_why() -> None:
+    assert said(grade="inadequate", reasons=["nothing moves"])["verdict"] == "repeat"
+    told = said(grade="doubtful", reasons=["k_tib lies at a bound"])
+    assert (told["verdict"], "k_tib" in told["advice"]) == ("keep", True)
+
+
+def test_a_hold_is_kept_but_what_cannot_be_used_is_not() -> None:
+    assert said(use="hold", grade=None)["verdict"] == "keep"
+    assert said(use="none", grade=None) == {"verdict": "repeat", "advice": "it holds still"}
+
+
+def stream(labels: list[str], units: list[str], kind: str = "x", name: str = "device") -> Stream:
+    return Stream(2, name, kind, "here", labels, units, 100.0, False, "")
+
+
+def test_streams_that_name_their_channels_as_we_do_need_no_mapping() -> None:
+    target = stream(["angle"], ["rad"], kind="Target", name="surae target")
+    made = mapping_of([target, stream(["angle", "torque", "other"], ["deg", "Nm", "V"])])
+    assert made.count("[channels.") == 2
+    assert '"device: angle"' in made
+    assert 'unit = "deg"' in made
+
+
+@pytest.mark.parametrize(
+    "streams",
+    [
+        [stream(["ankle"], ["rad"])],
+        [stream(["angle"], [""])],
+        [stream(["angle"], ["rad"]), stream(["angle"], ["rad"], name="other")],
+        [stream(["torque"], ["Nm"])],
+    ],
+)
+def test_nothing_is_guessed(streams) -> None:
+    assert mapping_of(streams) == ""
+
+
+def test_a_file_that_appears_in_the_watched_folder_is_a_trial(lsl, tmp_path) -> None:
+    from surae.live.room import Room
+
+    asked = Protocol(profile="multiple-holds", task="active", duration=20.0, rate_hz=1024.0)
+    write_hdf5(tmp_path / "made.h5", virtual_recording(virtual_subject(3), generate(asked)))
+
+    (tmp_path / "in").mkdir()
+    shutil.copy(tmp_path / "made.h5", tmp_path / "in" / "old.h5")
+    room = Room(tmp_path / "out", watch=tmp_path / "in", joint=False)
+    try:
+        time.sleep(0.5)
+        shutil.copy(tmp_path / "made.h5", tmp_path / "in" / "new.h5")
+        end = time.monotonic() + 240
+        while 1 not in room.trials.verdicts and time.monotonic() < end:
+            time.sleep(0.1)
+        told = room.trials.verdicts[1].result(240)
+    finally:
+        room.close()
+    assert list(room.trials.trials) == [1]
+    assert told["protocol"] == "new.h5"
+    assert told["vaf"] > 99.0
+    assert (tmp_path / "out" / "trial-01.h5").exists()
+    assert (tmp_path / "out" / "trial-01.json").exists()
