@@ -46,7 +46,7 @@ def trial(
     )  # fmt: skip
     inputs = replace(inputs, **changes)  # type: ignore[arg-type]
     spec = get_model("muscle")
-    vector = np.array([TRUTH[one] for one in spec.names])
+    vector = np.array([TRUTH[name] for name in spec.names])
     torque = spec.simulator(inputs, ModelOptions()).torque(vector)
     torque = torque + noise * np.random.default_rng(seed).standard_normal(n)
     return replace(inputs, torque=read_only(torque))

@@ -1,10 +1,20 @@
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from surae.assessment import whiteness
-from surae.report.figures import correlation_figure, png, residual_figure, svg, torque_figure
+from surae.report.figures import (
+    correlation_figure,
+    fit_figure,
+    pdf,
+    png,
+    residual_figure,
+    svg,
+    torque_figure,
+    write_figure,
+)
 from surae.report.traces import traces_of
 
 
@@ -19,12 +29,12 @@ def test_traces_are_those_of_the_fit(plain, traces):
 
 
 def test_four_panels_with_units_on_one_time_axis(traces):
-    parts, *strips, angle, torque = torque_figure(traces).axes
+    *strips, angle, torque, parts = torque_figure(traces).axes
     labels = [axes.get_ylabel() for axes in strips]
     assert labels == ["", "EMG [µV]", "", ""]
     assert [t.get_text() for axes in strips for t in axes.texts] == ["TA", "GL", "SOL", "GM"]
     assert angle.get_ylabel() == "Angle [rad]"
-    assert [one.get_ylabel() for one in angle.child_axes] == ["Angle [°]"]
+    assert [axis.get_ylabel() for axis in angle.child_axes] == ["Angle [°]"]
     assert torque.get_ylabel() == parts.get_ylabel() == "Torque [Nm]"
     assert parts.get_xlabel() == "Time [s]"
     assert _legend(torque) == ["measured", "modelled"]
@@ -41,11 +51,56 @@ def test_lines_differ_without_colour(traces):
         assert len(looks) == len(axes.get_lines())
 
 
-def test_a_muscle_without_emg_is_marked(traces):
+def test_emg_that_was_not_recorded_takes_no_panel(traces):
     figure = torque_figure(replace(traces, missing_emg=("sol",), emg_unit="1"))
-    texts = [t.get_text() for axes in figure.axes for t in axes.texts]
-    assert texts == ["TA", "GL", "SOL (not recorded)", "GM"]
+    assert [t.get_text() for axes in figure.axes for t in axes.texts] == ["TA", "GL", "GM"]
     assert "EMG [-]" in [axes.get_ylabel() for axes in figure.axes]
+    without = torque_figure(replace(traces, missing_emg=("ta", "gl", "sol", "gm")))
+    assert [axes.get_ylabel() for axes in without.axes] == [
+        "Angle [rad]", "Torque [Nm]", "Torque [Nm]",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1.0, "µV"), (30.0, "mV"), (3000.0, "V")])
+def test_emg_is_in_a_unit_of_its_size(traces, factor, unit):
+    figure = torque_figure(replace(traces, emg=traces.emg * factor))
+    assert f"EMG [{unit}]" in [axes.get_ylabel() for axes in figure.axes]
+
+
+def test_movement_that_repeats_itself_is_shown_over_the_cycle_too(traces):
+    wave = 0.2 * np.sin(2 * np.pi * 2.0 * traces.time)
+    figure = torque_figure(replace(traces, angle=wave), width=170 / 25.4)
+    assert len(figure.axes) == 14  # two columns of seven
+    labels = [axes.get_xlabel() for axes in figure.axes if axes.get_xlabel()]
+    assert labels == ["Time [s], 8 of 18 cycles", "Cycle of 0.50 s [%]"]
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    assert "Mean ± SD of 18 cycles" in titles
+    narrow = torque_figure(replace(traces, angle=wave), width=85 / 25.4)
+    assert len(narrow.axes) == 7
+
+
+def test_several_recordings_have_a_panel_each_with_their_names(joint):
+    figure = fit_figure(joint.result, ["R² 99.0 %", "R² 98.0 %"])
+    assert figure.axes[0].get_title(loc="left") == "trial 1"
+    assert [axes.get_title(loc="right") for axes in figure.axes] == ["R² 99.0 %", "R² 98.0 %"]
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["measured", "modelled"]
+
+
+def test_a_figure_has_the_width_asked_for_and_its_fonts_within(plain, tmp_path):
+    for name in ("f.svg", "f.PDF", "f.png"):
+        figure = fit_figure(plain.result, width=120 / 25.4)
+        write_figure(tmp_path / name, figure)
+    box = re.search(rb"/MediaBox \[ 0 0 ([\d.]+)", (tmp_path / "f.PDF").read_bytes())
+    assert float(box[1]) / 72 * 25.4 == pytest.approx(120, abs=0.1)
+    assert b"/FontFile2" in (tmp_path / "f.PDF").read_bytes()
+    assert b"/Type3" not in (tmp_path / "f.PDF").read_bytes()
+    drawing = (tmp_path / "f.svg").read_text()
+    assert 'width="340' in drawing  # points
+    assert "<text" not in drawing
+    assert "<path" in drawing
+    assert (tmp_path / "f.png").read_bytes().startswith(b"\x89PNG")
+    assert pdf(fit_figure(plain.result)) == pdf(fit_figure(plain.result))
 
 
 def test_the_residual_has_its_band_and_units(traces):
@@ -86,8 +141,8 @@ def test_the_heat_map_outlines_a_block_in_as_many_pieces_as_it_has():
         names, np.eye(8), ["k_tri", "x0_tri", "b_tri", "F0"], ["e1", "e2", "f"]
     )
     frames = [p for p in figure.axes[0].patches if type(p).__name__ == "Rectangle"]
-    found = [(p.get_xy(), p.get_width(), p.get_height()) for p in frames]
-    assert found == [((2.5, 0.5), 3, 2), ((2.5, 5.5), 3, 2)]
+    boxes = [(p.get_xy(), p.get_width(), p.get_height()) for p in frames]
+    assert boxes == [((2.5, 0.5), 3, 2), ((2.5, 5.5), 3, 2)]
 
 
 def test_equal_figures_give_equal_bytes():

@@ -1,13 +1,20 @@
+import base64
+import hashlib
+import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from datetime import datetime
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 
 from surae.report import build, write_report
 from surae.report.adequacy import adequacy_words
+from surae.report.explore import explorer
+from surae.report.traces import traces_of
 
 HOSTILE = '"><script>alert(1)</script>'
 _EXTERNAL = ("src", "href", "action", "data", "poster", "srcset", "background")
@@ -39,12 +46,22 @@ def test_nothing_is_asked_of_the_outside(name, request):
         for key in _EXTERNAL:
             value = attributes.get(key)
             assert value is None or value.startswith("data:image/")
-    assert not re.search(r"url\(|@import|https?://", page)
-    assert not {"script", "link", "iframe", "object", "embed", "base", "form"} & {
+    said = re.sub(r"/\*!.*?\*/", "", page, flags=re.DOTALL)  # whose library it is, kept as asked
+    assert not re.search(r"url\(|@import|https?://|fetch\(|XMLHttpRequest|WebSocket", said)
+    assert not {"link", "iframe", "object", "embed", "base", "form"} & {
         tag for tag, _ in parsed.tags
     }
     policies = [m["content"] for m in parsed.all("meta") if "http-equiv" in m]
-    assert policies == ["default-src 'none'; img-src data:; style-src 'unsafe-inline'"]
+    data, *scripts = re.findall(r"<script([^>]*)>(.*?)</script>", page, re.DOTALL)
+    assert data[0] == ' type="application/json" id="signals"'
+    hashes = " ".join(
+        f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+        for _, text in scripts
+    )
+    assert len(scripts) == 2
+    assert policies == [
+        f"default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src {hashes}"
+    ]
     assert len(page.encode()) < 1_000_000
 
 
@@ -66,9 +83,42 @@ def test_all_parameters_verdicts_and_reasons_are_on_the_page(joint):
 
 def test_names_are_text(joint):
     parsed = Page(joint.page)
-    assert "<script" not in joint.page
+    assert HOSTILE not in joint.page
+    assert "</script>" not in explorer(traces_of(joint.result)).data
     assert parsed.text.count(HOSTILE) >= 4  # title, heading, file, step
-    assert not parsed.all("script")
+    assert len(parsed.all("script")) == 3  # the data, the library, its use
+
+
+def test_the_plots_hold_the_signals_as_they_are(joint):
+    """The first line of a page: measured torque, of which a step is a part in 65535."""
+    for traces, shown in zip(
+        traces_of(joint.result), json.loads(explorer(traces_of(joint.result)).data), strict=True
+    ):
+        assert shown["name"] == traces.name
+        index = np.frombuffer(base64.b64decode(shown["index"]), "<u4")
+        assert shown["start"] + index / shown["rate"] == pytest.approx(traces.time[index])
+        title, unit, lines = shown["panels"][0]
+        assert (title, unit, [line[0] for line in lines]) == (
+            "Torque", "Nm", ["measured", "modelled"],
+        )  # fmt: skip
+        for (_, low, high, steps), signal in zip(
+            lines, (traces.measured, traces.modelled), strict=True
+        ):
+            values = low + (high - low) * np.frombuffer(base64.b64decode(steps), "<u2") / 65534
+            assert values == pytest.approx(signal[index], abs=(high - low) / 65534)
+
+
+def test_what_is_not_finite_is_a_gap_and_emg_not_recorded_no_line(joint):
+    traces = traces_of(joint.result)[0]
+    broken = traces.modelled.copy()
+    broken[5:] = np.nan
+    (shown,) = json.loads(
+        explorer([replace(traces, modelled=broken, missing_emg=("ta", "gl", "sol"))]).data
+    )
+    steps = np.frombuffer(base64.b64decode(shown["panels"][0][2][1][3]), "<u2")
+    assert (steps[:5] < 65535).all()
+    assert (steps[5:] == 65535).all()
+    assert [line[0] for line in shown["panels"][-1][2]] == ["GM"]
 
 
 def test_images_and_tables_can_be_read_without_seeing(joint):

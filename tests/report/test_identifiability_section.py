@@ -32,12 +32,14 @@ def test_the_report_shows_the_trade_off_of_the_tibialis_tendon(toe):
 
 
 def test_the_rows_are_the_figures(toe):
-    found, said = identifiability(toe), identifiability_section(toe, assess(toe))
+    identified, said = identifiability(toe), identifiability_section(toe, assess(toe))
     assert [row.name for row in said.rows] == sorted(
-        toe.problem.free, key=lambda name: found.parameters[name].rank
+        toe.problem.free, key=lambda name: identified.parameters[name].rank
     )
     assert len(said.directions) == 6
-    assert said.directions[0].uncertainty == f"{100 * found.directions[0].uncertainty:.2g}\u00a0%"
+    assert (
+        said.directions[0].uncertainty == f"{100 * identified.directions[0].uncertainty:.2g}\u00a0%"
+    )
     assert said.directions[0].changes.startswith("pt_tib +")
     assert "dlt_tib −" in said.directions[0].changes
     assert said.sets

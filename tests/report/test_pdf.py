@@ -49,7 +49,7 @@ def test_it_holds_findings_and_predictions(fit, noisy, tmp_path, monkeypatch) ->
     assert seen["predictions"]["drawn"] == 2
     assert seen["budget"]["text"].startswith("The intervals of this fit contain the noise")
     assert {row["verdict"] for group in seen["groups"] for row in group["rows"]} <= set(Verdict)
-    assert {"prediction-0.png", "prediction-1.png", "torque-0.png"} <= seen["images"]
+    assert {"prediction-0.svg", "prediction-1.svg", "torque-0.svg"} <= seen["images"]
 
 
 def test_without_typst_it_is_refused_beforehand(fit, tmp_path, monkeypatch) -> None:

@@ -38,7 +38,7 @@ def test_a_panel_for_each_parameter_and_the_correlated_pairs(posterior):
 
 def test_the_prior_is_a_density(posterior):
     figure = posterior_figure(posterior)
-    (line,) = [one for one in figure.axes[2].get_lines() if one.get_label() == "prior"]
+    (line,) = [line for line in figure.axes[2].get_lines() if line.get_label() == "prior"]
     x, y = line.get_data()
     median, spread = posterior["f0"].prior.median, posterior["f0"].prior.spread
     expected = np.exp(-((np.log(x / median) / spread) ** 2) / 2) / (spread * x * np.sqrt(2 * np.pi))
@@ -53,8 +53,10 @@ def test_a_parameter_without_variance_has_no_gaussian(posterior):
             posterior.covariance, names=names, matrix=posterior.covariance.matrix[1:, 1:]
         ),
         marginals={
-            name: replace(one, from_covariance=one.from_covariance if name in names else None)
-            for name, one in posterior.marginals.items()
+            name: replace(
+                marginal, from_covariance=marginal.from_covariance if name in names else None
+            )
+            for name, marginal in posterior.marginals.items()
         },
     )
     drawn = posterior_figure(less).axes[0]

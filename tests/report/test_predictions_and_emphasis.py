@@ -24,7 +24,7 @@ CREATED = datetime(2026, 1, 5, 14, 3)
 
 def texts(case):
     content = content_of(case)
-    return {one.label: one.value for one in content.settings}, " ".join(content.summary)
+    return {setting.label: setting.value for setting in content.settings}, " ".join(content.summary)
 
 
 def judged(result):
@@ -54,7 +54,7 @@ def test_a_loss_is_told_with_what_it_spared(spared, plain):
     assert "With the samples counted as in the fit, the VAF is" in summary
     assert "no stray artefacts" not in summary
     assert "Only the solution with the weights of the outliers was tried" in spared.page
-    facts = {one.label for one in content_of(spared).recordings[0].facts}
+    facts = {fact.label for fact in content_of(spared).recordings[0].facts}
     assert "VAF, weighted as in the fit" in facts
     without, summary = texts(plain)
     assert without["Loss"] == "squares"

@@ -30,14 +30,14 @@ def informed(make_trial, make_fitted):
 
 def test_priors_are_in_the_settings_and_at_the_parameters(informed, plain):
     content = content_of(informed)
-    settings = {one.label: one.value for one in content.settings}
+    settings = {setting.label: setting.value for setting in content.settings}
     assert settings["Priors"] == "l0_tri = 0.044 m ± 20 %, k_rel = 0.4, times or divided by 1.65"
     rows = rows_of(content)
     assert rows["l0_tri"].prior == "with prior 0.044 ± 20 %"
     assert rows["l0_tib"].prior == ""
     assert "; with prior 0.044 ± 20 %" in informed.page
     assert "the prior, one standard deviation to either side" in informed.page
-    without = {one.label: one.value for one in content_of(plain).settings}
+    without = {setting.label: setting.value for setting in content_of(plain).settings}
     assert without["Priors"] == "none"
     assert 'class="prior"' not in plain.page
     assert informed.page.count('class="prior"') == 2

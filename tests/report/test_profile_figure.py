@@ -64,6 +64,6 @@ def test_the_caption_says_what_the_noise_was_taken_for():
 
 
 def test_the_same_bytes_twice():
-    one = [made("dlt_tib", "m")]
-    assert png(profile_figure(one), 60) == png(profile_figure(one), 60)
-    assert svg(profile_figure(one)) == svg(profile_figure(one))
+    single = [made("dlt_tib", "m")]
+    assert png(profile_figure(single), 60) == png(profile_figure(single), 60)
+    assert svg(profile_figure(single)) == svg(profile_figure(single))

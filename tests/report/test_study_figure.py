@@ -39,17 +39,17 @@ def test_the_factor_that_varies_most_is_the_axis() -> None:
 
 def test_means_spread_and_normalisation() -> None:
     curves = study_curves(crossed(), FACTORS)
-    (one,) = curves.models
+    (model,) = curves.models
     assert curves.values == (0.1, 0.2, 0.3)
-    assert [curve.label for curve in one.sem] == ["m", "f0"]
-    for curve in one.sem:  # the hundredfold between the protocols does not matter
+    assert [curve.label for curve in model.sem] == ["m", "f0"]
+    for curve in model.sem:  # the hundredfold between the protocols does not matter
         np.testing.assert_allclose(curve.mean, [0.5, 1.0, 1.5])
-    assert [curve.label for curve in one.ipde] == ["sine", "multiple-holds"]
-    np.testing.assert_allclose(one.ipde[0].mean, 3.5)
-    np.testing.assert_allclose(one.ipde[0].high - one.ipde[0].low, 2 * np.std([3, 4], ddof=1))
-    assert (one.vaf[0].high <= 100.0).all()
-    (one,) = study_curves(crossed(), FACTORS, "protocol").models
-    np.testing.assert_allclose(one.sem[0].mean, [2 / 1.01, 0.02 / 1.01])
+    assert [curve.label for curve in model.ipde] == ["sine", "multiple-holds"]
+    np.testing.assert_allclose(model.ipde[0].mean, 3.5)
+    np.testing.assert_allclose(model.ipde[0].high - model.ipde[0].low, 2 * np.std([3, 4], ddof=1))
+    assert (model.vaf[0].high <= 100.0).all()
+    (model,) = study_curves(crossed(), FACTORS, "protocol").models
+    np.testing.assert_allclose(model.sem[0].mean, [2 / 1.01, 0.02 / 1.01])
 
 
 def test_what_failed_or_has_no_chirp_is_left_out_and_counted() -> None:
@@ -67,8 +67,8 @@ def test_what_failed_or_has_no_chirp_is_left_out_and_counted() -> None:
 
 
 def test_a_parameter_without_standard_errors_has_no_line() -> None:
-    (one,) = study_curves(crossed(f0_sem=None), FACTORS).models
-    assert [curve.label for curve in one.sem] == ["m"]
+    (model,) = study_curves(crossed(f0_sem=None), FACTORS).models
+    assert [curve.label for curve in model.sem] == ["m"]
 
 
 def test_nothing_to_draw_is_refused() -> None:
@@ -87,7 +87,7 @@ def test_panels_units_and_legends() -> None:
     assert [axes.get_ylabel() for axes in figure.axes] == 2 * labels
     assert [axes.get_xlabel() for axes in figure.axes] == 3 * [""] + 3 * ["chirp_rate [Hz/s]"]
     assert [a.get_title(loc="left") for a in figure.axes[::3]] == ["muscle", "muscle-tendon"]
-    above, below = ([text.get_text() for text in one.get_texts()] for one in figure.legends)
+    above, below = ([text.get_text() for text in legend.get_texts()] for legend in figure.legends)
     assert (above, below) == (["m", "f0"], ["sine", "multiple-holds"])
     assert figure.legends[1].get_title().get_text().startswith("small: 24 rows")
 

@@ -31,15 +31,15 @@ def lines_of(axes):
 def test_every_panel_has_its_units_for_both_groups(traces):
     axes = tendon_figure(traces, traces.tendon).axes
     assert len(axes) == 10
-    labels = [one.get_ylabel().replace("\n", " ") for one in axes]
+    labels = [axis.get_ylabel().replace("\n", " ") for axis in axes]
     for expected in (
         "Muscle length [l0]", "Muscle velocity [l0/s]", "Tendon elongation [mm]",
     ):  # fmt: skip
         assert labels.count(expected) == 2
     assert labels.count("Tendon force [N]") == 4
-    titles = [one.get_title(loc="left") for one in axes]
+    titles = [axis.get_title(loc="left") for axis in axes]
     assert [title for title in titles if title] == ["Triceps surae", "Tibialis anterior"]
-    bottom = [one.get_xlabel() for one in axes if one.get_xlabel()]
+    bottom = [axis.get_xlabel() for axis in axes if axis.get_xlabel()]
     assert sorted(bottom) == ["Tendon elongation [mm]"] * 2 + ["Time [s]"] * 2
 
 

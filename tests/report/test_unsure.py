@@ -185,3 +185,10 @@ def test_one_start_of_a_named_model_is_still_warned_of(make_trial):
     result = fit_problem(make_problem([make_trial()]), starts=1)
     page = build(result, assess(result), versions={}, created=datetime(2026, 1, 5, 14, 3))
     assert "Only the default start was tried" in page
+
+
+def test_every_source_has_a_look_of_its_own():
+    from surae.report.budget import SOURCES
+    from surae.report.figures.budget import _LOOKS
+
+    assert len(set(_LOOKS)) == len(_LOOKS) == len(SOURCES)

@@ -12,6 +12,7 @@ from surae.estimation import FitResult
 SOURCES = {
     "noise": "noise of the torque",
     "emg_noise": "noise of the EMG",
+    "emg_bias": "bias by noise of the EMG",
     "zero": "zero of the torque sensor",
     "delay": "delay from EMG to torque",
     "crosstalk": "crosstalk between electrodes",
@@ -20,6 +21,7 @@ SOURCES = {
     "axis": "axis beside the device’s",
     "tendon": "tendons",
     "model": "choice of the model",
+    "left_out": "what the model leaves out",
     "trials": "differences between trials",
     "integration": "integration",
 }

@@ -12,7 +12,7 @@ from surae.quality import Quality
 from surae.report.adequacy import AdequacyWords, adequacy_words
 from surae.report.budget import BudgetSection, budget_section
 from surae.report.correlations import CorrelationSection, correlation_section
-from surae.report.formatting import NONE, percentage, significant
+from surae.report.formatting import NO_NUMBER, percentage, significant
 from surae.report.identifiability import IdentifiabilitySection, identifiability_section
 from surae.report.laboratory import (
     FamilySection,
@@ -224,7 +224,7 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> tuple[KeyFigu
         ),
         KeyFigure(
             "Parameters identified",
-            NONE if failed else f"{identified} of {free}",
+            NO_NUMBER if failed else f"{identified} of {free}",
             "what is not known of the laboratory allowed for"
             if result.family is not None
             else ("correlation of the residual allowed for" if coloured else "robust errors")
@@ -233,7 +233,7 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> tuple[KeyFigu
         ),
         KeyFigure(
             "Parameters repeatable",
-            NONE if failed else f"{sum(p.repeatable for p in parameters)} of {free}",
+            NO_NUMBER if failed else f"{sum(p.repeatable for p in parameters)} of {free}",
             "another trial would give the same",
         )
         if result.family is not None

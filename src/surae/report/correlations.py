@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from surae.assessment import Assessment
-from surae.report.formatting import NONE, signed, significant
+from surae.report.formatting import NO_NUMBER, signed, significant
 
 #: Correlation from which a pair of parameters is named.
 _STRONG = 0.9
@@ -56,7 +56,7 @@ def correlation_section(assessment: Assessment) -> CorrelationSection:
     pairs = tuple(f"{a} – {b}: {signed(r, 3)}" for r, a, b in strong[:_PAIRS])
     if len(strong) > _PAIRS:
         pairs += (f"and {len(strong) - _PAIRS} more",)
-    ipde = NONE
+    ipde = NO_NUMBER
     if assessment.ipde is not None:
         ipde = (
             f"{significant(assessment.ipde, 3)} (0 if independent, at most "

@@ -6,7 +6,7 @@ from surae.report.formatting import percentage, short, significant
 
 #: Share of samples that count less than half from which they are no stray artefacts; Gaussian noise
 #: has 0.7 % of them under Huber's loss.
-MANY = 0.05
+MANY_OUTLIERS = 0.05
 
 
 def emphasis_text(result: FitResult, assessment: Assessment) -> str:
@@ -21,7 +21,7 @@ def emphasis_text(result: FitResult, assessment: Assessment) -> str:
             "% of the samples count less than half. They are in the plain VAF and error all the "
             "same."
         )
-        if result.outliers.share > MANY:
+        if result.outliers.share > MANY_OUTLIERS:
             texts.append(
                 "So many are no stray artefacts: the model leaves something out, and a loss that "
                 "spares outliers hides it."

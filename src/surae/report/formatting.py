@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 #: What stands for a number that there is not.
-NONE = "—"
+NO_NUMBER = "—"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 #: Digits beyond which a value is not written, however small its standard error.
 _MOST = 9
@@ -21,7 +21,7 @@ class Estimate(NamedTuple):
 def estimate(value: float, sem: float | None, ci95: tuple[float, float] | None) -> Estimate:
     """An estimate written to the second digit of its standard error, the interval alike."""
     if sem is None or ci95 is None or not math.isfinite(sem) or sem <= 0:
-        return Estimate(_rounded(value), NONE, NONE)
+        return Estimate(_rounded(value), NO_NUMBER, NO_NUMBER)
     first = _order(float(f"{sem:.1e}"))
     largest = _order(value or max(map(abs, ci95)))
     shift = _shift(largest)
@@ -43,7 +43,7 @@ def estimate(value: float, sem: float | None, ci95: tuple[float, float] | None) 
 def standard_error(sem: float | None) -> str:
     """A standard error with two digits, or a dash."""
     if sem is None or not math.isfinite(sem) or sem <= 0:
-        return NONE
+        return NO_NUMBER
     return significant(float(f"{sem:.1e}"), 2)
 
 
@@ -55,7 +55,7 @@ def _rounded(value: float) -> str:
 def significant(value: float, digits: int) -> str:
     """A number with so many significant digits; trailing zeros stay."""
     if not math.isfinite(value):
-        return NONE
+        return NO_NUMBER
     if value == 0:
         return "0"
     order = _order(float(f"{value:.{digits - 1}e}"))
@@ -66,7 +66,7 @@ def significant(value: float, digits: int) -> str:
 def short(value: float) -> str:
     """A round number, such as a bound or a setting, with no more digits than it has."""
     if not math.isfinite(value):
-        return NONE
+        return NO_NUMBER
     shift = _shift(_order(value))
     return f"{value / 10.0**shift:.6g}".replace("-", "−") + _power(shift)
 
@@ -74,7 +74,7 @@ def short(value: float) -> str:
 def percentage(vaf: float) -> str:
     """A VAF [%] with two decimals, never rounded up to 100."""
     if not math.isfinite(vaf):
-        return NONE
+        return NO_NUMBER
     if 99.99 < vaf < 100:
         return "> 99.99"
     return _fixed(vaf, 2)
@@ -102,7 +102,7 @@ def _power(shift: int) -> str:
 def signed(value: float, decimals: int) -> str:
     """A number with so many decimals, zero without a sign."""
     if not math.isfinite(value):
-        return NONE
+        return NO_NUMBER
     text = f"{value:.{decimals}f}"
     return text.lstrip("-") if float(text) == 0 else text.replace("-", "−")
 
@@ -110,5 +110,5 @@ def signed(value: float, decimals: int) -> str:
 def chance(p_value: float) -> str:
     """A probability of a test, ``"p = 0.031"`` or ``"p < 0.001"``."""
     if not math.isfinite(p_value):
-        return f"p = {NONE}"
+        return f"p = {NO_NUMBER}"
     return "p < 0.001" if p_value < 1e-3 else f"p = {p_value:.2g}"

@@ -9,9 +9,12 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from surae.assessment import Assessment, Prediction
 from surae.estimation import FitResult
 from surae.report.content import make_content
+from surae.report.explore import explorer
 from surae.report.figures import drawings, png, svg
 from surae.report.traces import traces_of
 
+#: Resolution of the others [dots per inch].
+_DPI = 150
 #: Figures of few lines and many letters, which stay sharp at any size.
 _DRAWN = ("correlation", "budget")
 
@@ -24,7 +27,7 @@ def render(
     content = make_content(result, assessment, traces, predictions=predictions, **what)
     images = {}
     for name, figure in drawings(content, traces, assessment, predictions):
-        kind, data = ("svg+xml", svg(figure)) if name in _DRAWN else ("png", png(figure))
+        kind, data = ("svg+xml", svg(figure)) if name in _DRAWN else ("png", png(figure, _DPI))
         images[name] = f"data:image/{kind};base64,{base64.b64encode(data).decode()}"
     # Names come from files and are untrusted: everything is escaped.
     environment = Environment(
@@ -34,4 +37,6 @@ def render(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template("report.html.j2").render(content=content, images=images)
+    return environment.get_template("report.html.j2").render(
+        content=content, images=images, explore=explorer(traces)
+    )

@@ -9,7 +9,7 @@ from surae.assessment.identifiability.identified import Identified, identifiabil
 from surae.assessment.inflation import described, variance_inflation
 from surae.assessment.verdict import IDENTIFIED
 from surae.estimation import FitResult
-from surae.report.formatting import NONE, significant
+from surae.report.formatting import NO_NUMBER, significant
 
 #: Directions and collinear sets that are shown at most.
 _DIRECTIONS, _SETS = 6, 6
@@ -109,8 +109,8 @@ def _direction(direction: Direction) -> DirectionRow:
     changes = [f"{name} {_signed(scale * part)}" for name, part in direction.changes.items()]
     return DirectionRow(
         words=direction.words,
-        uncertainty=NONE if direction.uncertainty is None else _percent(direction.uncertainty),
-        changes=NONE if direction.uncertainty is None else ", ".join(changes),
+        uncertainty=NO_NUMBER if direction.uncertainty is None else _percent(direction.uncertainty),
+        changes=NO_NUMBER if direction.uncertainty is None else ", ".join(changes),
     )
 
 
@@ -119,8 +119,8 @@ def _row(parameter: Identified, assessment: Assessment) -> SensitivityRow:
     return SensitivityRow(
         name=parameter.name,
         sensitivity=significant(parameter.sensitivity, 2),
-        alone=NONE if parameter.alone is None else _percent(parameter.alone),
-        collinearity=NONE
+        alone=NO_NUMBER if parameter.alone is None else _percent(parameter.alone),
+        collinearity=NO_NUMBER
         if parameter.collinearity is None
         else significant(parameter.collinearity, 2),
         verdict=str(verdict),

@@ -7,7 +7,7 @@ from surae.assessment.adequacy import Grade
 from surae.estimation import Candidate, Family, FitResult
 from surae.model import get_model
 from surae.model.laboratory import GROUPS, Belief, group_of
-from surae.report.formatting import NONE, estimate, significant
+from surae.report.formatting import NO_NUMBER, estimate, significant
 
 #: What a group of imperfections is called, and what it is.
 _GROUPS = {
@@ -136,7 +136,7 @@ def _told(p: ParameterEstimate, belief: Belief) -> str:
         none = p.value == belief.off
         return "none, say the data" if none else "at the end of what is allowed: see the set-up"
     if p.sem is None:
-        return NONE
+        return NO_NUMBER
     part = p.sem / belief.sd
     text = (
         "told by the data" if part <= _TOLD else
@@ -195,7 +195,7 @@ def trials_section(result: FitResult, assessment: Assessment) -> TrialsSection |
         p = assessment.parameters.get(name)
         if p is None or not p.free or not sd > 0.0:
             continue
-        part = f"{significant(100 * sd / abs(p.value), 2)} %" if p.value else NONE
+        part = f"{significant(100 * sd / abs(p.value), 2)} %" if p.value else NO_NUMBER
         rows.append((name, significant(sd, 2), "" if p.unit == "-" else p.unit, part))
     if not rows:
         return None

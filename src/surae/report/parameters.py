@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.estimation import Prior
 from surae.model.laboratory import group_of
-from surae.report.formatting import NONE, estimate, short, standard_error
+from surae.report.formatting import NO_NUMBER, estimate, short, standard_error
 from surae.report.priors import prior_note, prior_span
 
 #: Titles of the groups of parameters.
@@ -28,7 +28,7 @@ _VERDICTS = {
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """Where an estimate and its interval lie between the bounds, as parts from 0 to 1.
+    """An estimate and its interval between the bounds, as parts from 0 to 1.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ def shown_parameters(assessment: Assessment) -> list[ParameterEstimate]:
 
 def repeatable(p: ParameterEstimate) -> str:
     """Whether another trial of the leg would give the same; a dash where nobody can tell."""
-    return NONE if p.ci95_repeat is None else "yes" if p.repeatable else "no"
+    return NO_NUMBER if p.ci95_repeat is None else "yes" if p.repeatable else "no"
 
 
 def _row(p: ParameterEstimate, prior: Prior | None) -> ParameterRow:
@@ -126,10 +126,10 @@ def _row(p: ParameterEstimate, prior: Prior | None) -> ParameterRow:
         meaning=p.meaning,
         unit="" if p.unit == "-" else p.unit,
         value=written.value if written else short(p.value),
-        interval=written.interval if written else NONE,
+        interval=written.interval if written else NO_NUMBER,
         sem=standard_error(p.sem),
         sem_robust=standard_error(p.sem_robust),
-        bounds=f"{short(p.lower)} … {short(p.upper)}" if p.free else NONE,
+        bounds=f"{short(p.lower)} … {short(p.upper)}" if p.free else NO_NUMBER,
         verdict=str(p.verdict),
         verdict_text=_VERDICTS[p.verdict],
         note=p.note,

@@ -10,12 +10,9 @@ from typing import Any
 from surae.assessment import Assessment, Prediction
 from surae.estimation import FitResult
 from surae.report.content import make_content
-from surae.report.figures import drawings, png
+from surae.report.figures import drawings, svg
 from surae.report.traces import traces_of
 from surae.report.typeset import require_typst, typeset
-
-#: Resolution of figures of signals [dots per inch].
-_DPI = 180
 
 
 def render_pdf(
@@ -37,6 +34,6 @@ def render_pdf(
     with tempfile.TemporaryDirectory(prefix="surae-pdf-") as folder:
         images = []
         for name, figure in drawings(content, traces, assessment, predictions):
-            Path(folder, f"{name}.png").write_bytes(png(figure, _DPI))
+            Path(folder, f"{name}.svg").write_bytes(svg(figure))
             images.append(name)
         return typeset(template, Path(folder), asdict(content) | {"images": images})

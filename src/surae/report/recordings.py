@@ -6,6 +6,7 @@ import numpy as np
 
 from surae.assessment import RecordingQuality, Whiteness
 from surae.recording.samples import sample
+from surae.report.cycles import find_cycles
 from surae.report.excluded import excluded_text
 from surae.report.formatting import chance, percentage, short, signed, significant
 from surae.report.provenance import Setting
@@ -18,6 +19,8 @@ class RecordingSection:
     """One recording: its facts, what is wrong with it, and what its figures show in words."""
 
     name: str
+    cycles: int
+    left_out: bool
     facts: tuple[Setting, ...]
     warnings: tuple[str, ...]
     torque_alt: str
@@ -72,12 +75,15 @@ def recording_section(
             f"It takes {significant(white.fall_s, 2)} s to fall within that band. {test}: the "
             "residual is correlated over time."
         )
+    cycles = find_cycles(traces.angle, traces.rate_hz, traces.counted)
     return RecordingSection(
         name=quality.name,
+        cycles=0 if cycles is None else len(cycles.spans),
+        left_out=bool(traces.excluded),
         facts=facts,
         warnings=_warnings(traces),
         torque_alt=(
-            f"Four panels against {short(round(duration, 2))} s of time: EMG of four muscles; "
+            f"Panels against {short(round(duration, 2))} s of time: EMG that was recorded; "
             f"ankle angle from {span.replace('…', 'to')}; measured and modelled torque, VAF "
             f"{percentage(quality.vaf)} %; parts of the modelled torque: {shares}."
         ),
@@ -97,7 +103,7 @@ def recording_section(
 
 
 def _warnings(traces: Traces) -> tuple[str, ...]:
-    """Where the model has no finite number."""
+    """Warn where the model has no finite number."""
     texts = []
     if traces.tendon is not None:
         for name, first in zip(GROUPS, traces.tendon.unsolved, strict=True):

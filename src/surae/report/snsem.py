@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from surae.assessment import Assessment
-from surae.report.formatting import NONE, significant, standard_error
+from surae.report.formatting import NO_NUMBER, significant, standard_error
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ def snsem_section(assessment: Assessment) -> SnsemSection | None:
                 name,
                 standard_error(p.sem),
                 standard_error(baseline.sem[name]),
-                NONE if ratio is None else significant(ratio, 3),
+                NO_NUMBER if ratio is None else significant(ratio, 3),
                 "" if p.unit == "-" else p.unit,
             )
         )

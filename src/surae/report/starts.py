@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.estimation import FitResult
-from surae.report.formatting import NONE, significant
+from surae.report.formatting import NO_NUMBER, significant
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,9 +43,9 @@ def _finite(sse: float) -> float:
 
 
 def _excess(sse: float, best: float) -> str:
-    """By which part a sum of squares exceeds the best one."""
+    """Write by which part a sum of squares exceeds the best one."""
     if not np.isfinite(sse) or best <= 0:
-        return NONE
+        return NO_NUMBER
     part = 100 * (sse / best - 1)
     if part == 0:
         return "best"

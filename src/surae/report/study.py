@@ -142,10 +142,10 @@ def _factor(varying: Mapping[str, tuple[Value, ...]], asked: str | None) -> str:
 
 def _ordered(cells: Iterable[Cell]) -> tuple[Value, ...]:
     """The values there are: numbers by size, texts as they come."""
-    found = [cell for cell in dict.fromkeys(cells) if cell is not None]
-    if any(isinstance(cell, str) for cell in found):
-        return tuple(found)
-    return tuple(sorted(found, key=float))
+    cells_given = [cell for cell in dict.fromkeys(cells) if cell is not None]
+    if any(isinstance(cell, str) for cell in cells_given):
+        return tuple(cells_given)
+    return tuple(sorted(cells_given, key=float))
 
 
 def _model_curves(
@@ -188,13 +188,13 @@ def _curve(
     values: tuple[Value, ...],
     within: tuple[float, float],
 ) -> Curve:
-    found: dict[Cell, list[float]] = {value: [] for value in values}
+    by_value: dict[Cell, list[float]] = {value: [] for value in values}
     for value, cell in pairs:
         if (number := _number(cell)) is not None:
-            found[value].append(number)
-    mean = np.array([np.mean(numbers) if numbers else np.nan for numbers in found.values()])
+            by_value[value].append(number)
+    mean = np.array([np.mean(numbers) if numbers else np.nan for numbers in by_value.values()])
     spread = np.array(
-        [np.std(numbers, ddof=1) if len(numbers) > 1 else 0.0 for numbers in found.values()]
+        [np.std(numbers, ddof=1) if len(numbers) > 1 else 0.0 for numbers in by_value.values()]
     )
     low, high = np.maximum(mean - spread, within[0]), np.minimum(mean + spread, within[1])
     return Curve(label, mean, low, high)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.report.formatting import NONE, signed, significant
+from surae.report.formatting import NO_NUMBER, signed, significant
 from surae.report.traces import Traces
 from surae.units import FloatArray
 
@@ -66,7 +66,7 @@ def tendon_rows(traces: Traces) -> tuple[TendonRow, ...]:
 def _range(values: FloatArray, decimals: int) -> str:
     known = values[np.isfinite(values)]
     if not known.size:
-        return NONE
+        return NO_NUMBER
     return f"{signed(float(known.min()), decimals)} … {signed(float(known.max()), decimals)}"
 
 

@@ -20,6 +20,10 @@ class Traces:
 
     Attributes
     ----------
+    name : str
+        The recording's.
+    rate_hz : float
+        Samples a second.
     time : ndarray
         Time [s].
     emg : ndarray, shape (n, 4)
@@ -42,6 +46,8 @@ class Traces:
         What each sample counts in the fit.
     """
 
+    name: str
+    rate_hz: float
     time: FloatArray
     emg: FloatArray
     emg_unit: str
@@ -80,6 +86,8 @@ def traces_of(result: FitResult) -> tuple[Traces, ...]:
     ]
     return tuple(
         Traces(
+            name=recording.name,
+            rate_hz=recording.rate_hz,
             time=recording.time,
             emg=recording.emg,
             emg_unit=recording.emg_unit,

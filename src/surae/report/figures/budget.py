@@ -13,7 +13,8 @@ from surae.report.figures.style import BLUE, GREY, INK, OCHRE, dress, new_figure
 _LOOKS = (
     (GREY, ""), ("#e3e6ea", "xxxx"), (INK, ""), ("#ffffff", "////"), (BLUE, ""),
     ("#ffffff", "----"), ("#cfe0f5", "...."), ("#eec3bb", "||||"), ("#f6d9b8", "\\\\\\\\"),
-    (OCHRE, ""), ("#57606a", ""), ("#7d9cc8", "++++"),
+    (OCHRE, ""), ("#57606a", ""), ("#7d9cc8", "++++"), ("#ffffff", "oooo"),
+    ("#ffffff", "\\\\\\\\"),
 )  # fmt: skip
 
 

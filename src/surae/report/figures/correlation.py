@@ -87,7 +87,7 @@ def correlation_figure(
 
 
 def _runs(names: Sequence[str], some: Sequence[str]) -> list[range]:
-    """Where `some` of the names stand side by side: the positions of every run of them."""
+    """Positions of every run of `some` of the names that stand side by side."""
     edges = [-1, *(index for index, name in enumerate(names) if name not in some), len(names)]
     return [range(a + 1, b) for a, b in pairwise(edges) if b - a > 1]
 

@@ -1,5 +1,7 @@
 """Measured torque beside the one predicted from other recordings, like Figure 31 of the thesis."""
 
+from collections.abc import Sequence
+
 from matplotlib.figure import Figure
 
 from surae.assessment import Prediction
@@ -8,6 +10,7 @@ from surae.report.figures.style import (
     BLUE,
     GREY,
     INK,
+    WIDTH,
     dress,
     heading,
     legend,
@@ -15,11 +18,35 @@ from surae.report.figures.style import (
     shade_excluded,
     trace,
 )
+from surae.report.figures.torques import TorquePanel, torques_figure
+from surae.report.formatting import percentage
 
 
-def prediction_figure(prediction: Prediction) -> Figure:
+def predictions_figure(predictions: Sequence[Prediction], *, width: float = WIDTH) -> Figure:
+    """The figure of a validation: of one recording also what is left over, of several a panel each.
+
+    Parameters
+    ----------
+    predictions : sequence of Prediction
+        At least one.
+    width : float
+        Width of the figure [inch].
+    """
+    if len(predictions) == 1:
+        return prediction_figure(predictions[0], width=width)
+    panels = [
+        TorquePanel(
+            each.name, each.time, each.measured, each.torque, f"VAF {percentage(each.vaf)} %",
+            excluded_spans(each.weight),
+        )
+        for each in predictions
+    ]  # fmt: skip
+    return torques_figure(panels, "predicted", width=width)
+
+
+def prediction_figure(prediction: Prediction, *, width: float = WIDTH) -> Figure:
     """Two panels against time: both torques, and measured minus predicted."""
-    figure = new_figure(4.2)
+    figure = new_figure(4.2, width=width)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
     time, spans = prediction.time, excluded_spans(prediction.weight)
     dress(above, "Torque [Nm]")

@@ -48,10 +48,10 @@ def study_figure(curves: StudyCurves, caption: str = "") -> Figure:
     grid = figure.subplots(
         len(curves.models), 3, squeeze=False, sharex=True, width_ratios=(1.7, 1, 1)
     )
-    names = dict.fromkeys(curve.label for one in curves.models for curve in one.sem)
+    names = dict.fromkeys(curve.label for model in curves.models for curve in model.sem)
     styles = {name: line(number) for number, name in enumerate(names)}
-    for number, (panels, one) in enumerate(zip(grid, curves.models, strict=True)):
-        _row(panels, one, curves, styles, lowest=number == len(curves.models) - 1)
+    for number, (panels, model) in enumerate(zip(grid, curves.models, strict=True)):
+        _row(panels, model, curves, styles, lowest=number == len(curves.models) - 1)
     shared_legend(figure, [panels[0] for panels in grid], _COLUMNS)
     text = " ".join([caption, *curves.notes]).strip()
     below = [panels[1] for panels in grid]
@@ -62,7 +62,7 @@ def study_figure(curves: StudyCurves, caption: str = "") -> Figure:
 
 def _row(
     panels: Sequence[Axes],
-    one: ModelCurves,
+    of_model: ModelCurves,
     curves: StudyCurves,
     styles: dict[str, dict[str, Any]],
     *,
@@ -75,13 +75,13 @@ def _row(
         dress(axes, text, label if lowest else "")
         _ticks(axes, curves)
     sem, ipde, vaf = panels
-    heading(sem, one.model)
+    heading(sem, of_model.model)
     at = _positions(curves)
-    for curve in one.sem:
+    for curve in of_model.sem:
         sem.plot(at, curve.mean, label=curve.label, **styles[curve.label])
-    _scale(sem, one.sem)
-    for axes, found in ((ipde, one.ipde), (vaf, one.vaf)):
-        for number, curve in enumerate(found):
+    _scale(sem, of_model.sem)
+    for axes, of_panel in ((ipde, of_model.ipde), (vaf, of_model.vaf)):
+        for number, curve in enumerate(of_panel):
             _with_spread(axes, at, curve, number, curves.numeric)
         axes.ticklabel_format(axis="y", useOffset=False)
 
@@ -117,10 +117,10 @@ def _ticks(axes: Axes, curves: StudyCurves) -> None:
     axes.margins(x=0.15)
 
 
-def _scale(axes: Axes, found: tuple[Curve, ...]) -> None:
+def _scale(axes: Axes, curves: tuple[Curve, ...]) -> None:
     """Logarithmic where the means differ much; the mean over the study is marked."""
     axes.axhline(1.0, color=GREY, linewidth=0.8, zorder=1)
-    means = [value for curve in found for value in curve.mean if value > 0.0]
+    means = [value for curve in curves for value in curve.mean if value > 0.0]
     if means and max(means) > _WIDE * min(means):
         axes.set_yscale("log")
         axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))

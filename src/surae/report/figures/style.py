@@ -1,9 +1,9 @@
 """The look that all figures share, and their bytes; matplotlib's global state is left alone."""
 
 import io
-import os
 import re
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
@@ -23,15 +23,17 @@ INK, MUTED, GRID = "#1b1f24", "#57606a", "#e3e6ea"
 #: Dark, mid and light enough to be told apart without their hues.
 BLUE, RED, OCHRE, GREY = "#1f4e8c", "#a8321f", "#b8860b", "#a3abb5"
 
+#: Room [inch] for a heading and for each entry of a legend beside it.
+_HEADING, _ENTRY = 2.0, 0.85
 #: Letters of a footnote in an inch.
 _LETTERS = 14
 _COLOURS = 256
 _RANDOM_ID = re.compile(r'id="([a-z]+[0-9a-f]{10})"')
 
 
-def new_figure(height: float) -> Figure:
-    """An empty white figure of the common width; `height` in inches."""
-    return Figure(figsize=(WIDTH, height), layout="constrained", facecolor="white")
+def new_figure(height: float, *, width: float = WIDTH) -> Figure:
+    """An empty white figure; `height` and `width` in inches."""
+    return Figure(figsize=(width, height), layout="constrained", facecolor="white")
 
 
 def dress(axes: Axes, ylabel: str, xlabel: str = "", *, grid: bool = True) -> None:
@@ -61,18 +63,25 @@ def footnote(figure: Figure, text: str) -> None:
 
 
 def legend(axes: Axes, columns: int) -> None:
-    """A legend above the axis, where it hides no data."""
+    """A legend above the axis, where it hides no data: beside the heading, or below it."""
+    room = float(axes.get_window_extent().width) / axes.figure.dpi
+    narrow = room < _HEADING + _ENTRY * columns
+    if narrow:
+        columns = min(columns, int(room / _ENTRY))
     axes.legend(
-        loc="lower right",
-        bbox_to_anchor=(1.0, 1.0),
+        loc="lower left" if narrow else "lower right",
+        bbox_to_anchor=(0.0 if narrow else 1.0, 1.0),
         ncols=columns,
         frameon=False,
-        fontsize=8,
+        fontsize=7 if narrow else 8,
         labelcolor=INK,
-        handlelength=3.0,
+        handlelength=1.8 if narrow else 3.0,
         borderaxespad=0.1,
-        columnspacing=1.6,
+        columnspacing=1.0 if narrow else 1.6,
     )
+    if narrow and (text := axes.get_title(loc="left")):
+        lines = -(-len(axes.get_legend_handles_labels()[0]) // columns)
+        axes.set_title(text, loc="left", fontsize=9, color=INK, weight="bold", pad=5 + 12 * lines)
 
 
 def trace(
@@ -122,12 +131,30 @@ def svg(figure: Figure) -> bytes:
     return text.encode()
 
 
+def pdf(figure: Figure) -> bytes:
+    """The figure as PDF, its letters from embedded TrueType fonts; equal figures, equal bytes."""
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_pdf import FigureCanvasPdf
+
+    buffer = io.BytesIO()
+    canvas: Any = FigureCanvasPdf(figure)
+    with rc_context({"pdf.fonttype": 42}):  # Type 3, its default, is refused by many journals
+        canvas.print_pdf(buffer, metadata={"CreationDate": None, "Creator": None, "Producer": None})
+    return buffer.getvalue()
+
+
+def figure_bytes(path: PathLike, figure: Figure) -> bytes:
+    """The figure as its file is named: ``.svg`` and ``.pdf`` are lines, all else is a PNG."""
+    kinds: dict[str, Callable[[Figure], bytes]] = {".svg": svg, ".pdf": pdf}
+    return kinds.get(Path(path).suffix.lower(), png)(figure)
+
+
 def write_figure(path: PathLike, figure: Figure) -> None:
-    """Write the figure, as SVG where the name ends in ``.svg`` and else as PNG.
+    """Write the figure to a file; see `figure_bytes`.
 
     Raises
     ------
     InputError
         The file cannot be written.
     """
-    write_atomic(path, (svg if os.fspath(path).lower().endswith(".svg") else png)(figure))
+    write_atomic(path, figure_bytes(path, figure))

@@ -1,10 +1,14 @@
-"""The four panels of the thesis: EMG, angle, measured and modelled torque, torque parts."""
+"""What went in, what came out and what it is made of: beside time, and over the cycle."""
+
+from collections.abc import Sequence
+from typing import Any, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.recording import MUSCLES
+from surae.report.cycles import Cycles, find_cycles
 from surae.report.figures.style import (
     BLUE,
     GREY,
@@ -12,6 +16,7 @@ from surae.report.figures.style import (
     MUTED,
     OCHRE,
     RED,
+    WIDTH,
     dress,
     heading,
     legend,
@@ -20,95 +25,167 @@ from surae.report.figures.style import (
     trace,
 )
 from surae.report.traces import Traces
+from surae.units import FloatArray
 
-_MICRO = 1e6
+#: Units of EMG in volts: the largest signal [V] from which each is used, and how many make a volt.
+_VOLTS = ((0.1, 1.0, "V"), (2e-3, 1e3, "mV"), (0.0, 1e6, "µV"))
+#: Heights [inch] of a strip of EMG, the angle, a panel of torque, and of what surrounds them.
+_STRIP, _ANGLE, _TORQUE, _ROOM = 0.52, 1.35, 2.2, 0.7
+#: Of more cycles than this, the panels against time show as many from the middle: all are a smudge.
+_SHOWN = 8
+#: Width [inch] from which there is room for two columns.
+_BOTH = 5.5
+
+_Row: TypeAlias = tuple[Axes, ...]
+_Look: TypeAlias = dict[str, Any]
+# A wide pale line below a thin dark one: where they part is visible without any hue.
+_MEASURED: _Look = {"color": GREY, "linewidth": 3.0}
+_MODELLED: _Look = {"color": BLUE, "linewidth": 1.0}
 
 
-def torque_figure(traces: Traces) -> Figure:
+def torque_figure(traces: Traces, *, width: float = WIDTH) -> Figure:
     """Figure like 18–20 of the thesis: what went in, what came out, and what it is made of.
 
     Parameters
     ----------
     traces : Traces
         Signals of one recording.
+    width : float
+        Width of the figure [inch].
 
     Returns
     -------
     Figure
-        EMG of the four muscles, one strip each on one scale; angle; torque; torque parts.
+        The EMG that was recorded, a strip each on one scale; angle; torque; torque parts. A
+        movement that repeats itself has a second column, where there is room: mean and standard
+        deviation over the cycle.
     """
-    figure = new_figure(9.0)
-    grid = figure.add_gridspec(7, 1, height_ratios=[0.5, 0.5, 0.5, 0.5, 1.3, 2.1, 2.1])
-    bottom = figure.add_subplot(grid[6])
-    *strips, angle, torque = (figure.add_subplot(grid[row], sharex=bottom) for row in range(6))
-    _emg(strips, traces)
-    _angle(angle, traces)
-    _torque(torque, traces)
-    _parts(bottom, traces)
-    for axes in (*strips, angle, torque):
-        axes.tick_params(labelbottom=False)
-    bottom.set_xlim(float(traces.time[0]), float(traces.time[-1]))
-    figure.align_ylabels()
+    cycles = find_cycles(traces.angle, traces.rate_hz, traces.counted)
+    muscles = [muscle for muscle in MUSCLES if muscle not in traces.missing_emg]
+    heights = [_STRIP] * len(muscles) + [_ANGLE, _TORQUE, _TORQUE]
+    both = cycles is not None and width > _BOTH
+    figure = new_figure((_ROOM + sum(heights)) * _height(width), width=width)
+    grid = figure.subplots(
+        len(heights), 2 if both else 1, squeeze=False, sharex="col", sharey="row",
+        gridspec_kw={"height_ratios": heights, "width_ratios": (3, 2) if both else (1,)},
+    )  # fmt: skip
+    rows: list[_Row] = [tuple(row) for row in grid]
+    _emg(rows[: len(muscles)], traces, muscles, cycles)
+    _angle(rows[-3], traces, cycles)
+    _torque(rows[-2], traces, cycles)
+    _parts(rows[-1], traces, cycles)
+    rows[-1][0].set_xlim(*_shown(traces, cycles))
+    if cycles is not None and len(cycles.spans) > _SHOWN:
+        rows[-1][0].set_xlabel(f"Time [s], {_SHOWN} of {len(cycles.spans)} cycles")
+    if both and cycles is not None:
+        count = len(cycles.spans)
+        rows[0][1].set_title(f"Mean ± SD of {count} cycles", loc="left", fontsize=9, color=INK)
+        rows[-1][1].set_xlabel(f"Cycle of {cycles.seconds:.2f} s [%]", fontsize=9, color=INK)
+        rows[-1][1].set_xlim(0.0, 100.0)
+    figure.align_ylabels(grid[:, 0])
     return figure
 
 
-def _emg(strips: list[Axes], traces: Traces) -> None:
-    volts = traces.emg_unit == "V"
-    signals = traces.emg * (_MICRO if volts else 1.0)
-    highest = float(signals.max()) or 1.0
-    for column, (axes, muscle) in enumerate(zip(strips, MUSCLES, strict=True)):
+def _height(width: float) -> float:
+    """How much lower a narrower figure is."""
+    return (0.6 * WIDTH + 0.4 * width) / WIDTH
+
+
+def _shown(traces: Traces, cycles: Cycles | None) -> tuple[float, float]:
+    if cycles is None or len(cycles.spans) <= _SHOWN:
+        return float(traces.time[0]), float(traces.time[-1])
+    first = (len(cycles.spans) - _SHOWN) // 2
+    some = cycles.spans[first : first + _SHOWN]
+    return float(traces.time[some[0][0]]), float(traces.time[some[-1][1] - 1])
+
+
+def _draw(
+    row: _Row,
+    traces: Traces,
+    cycles: Cycles | None,
+    values: FloatArray,
+    look: _Look,
+    name: str = "",
+) -> None:
+    """A signal against time, and over the cycle."""
+    trace(row[0], traces.time, values, label=name, **look)
+    if cycles is not None and len(row) > 1:
+        share, mean, spread = cycles.over(values)
+        row[1].fill_between(
+            share, mean - spread, mean + spread, color=look["color"], alpha=0.22, linewidth=0
+        )
+        row[1].plot(share, mean, **look)
+
+
+def _dress(row: _Row, ylabel: str, xlabel: str = "") -> None:
+    dress(row[0], ylabel, xlabel)
+    for axes in row[1:]:
         dress(axes, "")
-        axes.set_ylim(0.0, 1.08 * highest)
-        axes.spines["bottom"].set_visible(column == len(strips) - 1)
-        axes.tick_params(bottom=False)
-        axes.locator_params(axis="y", nbins=2)
-        name = muscle.upper()
-        if muscle in traces.missing_emg:
-            name += " (not recorded)"
-        axes.text(
-            0.008, 0.94, name, transform=axes.transAxes, va="top", fontsize=8, weight="bold",
-            color=INK, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
+
+
+def _emg(
+    rows: Sequence[_Row], traces: Traces, muscles: Sequence[str], cycles: Cycles | None
+) -> None:
+    if not rows:
+        return
+    highest = float(traces.emg.max())
+    factor, unit = 1.0, "-"
+    if traces.emg_unit == "V":
+        factor, unit = next((f, u) for least, f, u in _VOLTS if highest >= least)
+    signals, highest = traces.emg * factor, highest * factor or 1.0
+    for row, muscle in zip(rows, muscles, strict=True):
+        _dress(row, "")
+        row[0].set_ylim(0.0, 1.08 * highest)
+        for axes in row:
+            axes.spines["bottom"].set_visible(row is rows[-1])
+            axes.tick_params(bottom=False)
+            axes.locator_params(axis="y", nbins=2)
+        row[0].text(
+            0.008, 0.94, muscle.upper(), transform=row[0].transAxes, va="top", fontsize=8,
+            weight="bold", color=INK,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
         )  # fmt: skip
-        trace(axes, traces.time, signals[:, column], color=INK, linewidth=0.7)
-    heading(strips[0], "EMG, on one scale")
-    strips[1].set_ylabel(f"EMG [{'µV' if volts else '-'}]", fontsize=9, color=INK, y=0.0)
+        look = {"color": INK, "linewidth": 0.7}
+        _draw(row, traces, cycles, signals[:, MUSCLES.index(muscle)], look)
+    heading(rows[0][0], "EMG, on one scale" if len(rows) > 1 else "EMG")
+    rows[(len(rows) - 1) // 2][0].set_ylabel(
+        f"EMG [{unit}]", fontsize=9, color=INK, y=0.5 * (len(rows) % 2)
+    )
 
 
-def _angle(axes: Axes, traces: Traces) -> None:
-    dress(axes, "Angle [rad]")
-    heading(axes, "Ankle angle, dorsiflexion positive")
-    trace(axes, traces.time, traces.angle, color=INK, linewidth=1.1)
-    degrees = axes.secondary_yaxis("right", functions=(np.degrees, np.radians))
+def _angle(row: _Row, traces: Traces, cycles: Cycles | None) -> None:
+    _dress(row, "Angle [rad]")
+    heading(row[0], "Ankle angle, dorsiflexion positive")
+    _draw(row, traces, cycles, traces.angle, {"color": INK, "linewidth": 1.1})
+    degrees = row[-1].secondary_yaxis("right", functions=(np.degrees, np.radians))
     degrees.set_ylabel("Angle [°]", fontsize=9, color=INK)
     degrees.tick_params(labelsize=8, color=MUTED, labelcolor=INK, length=3, width=0.7)
     degrees.spines["right"].set(color=MUTED, linewidth=0.7)
 
 
-def _torque(axes: Axes, traces: Traces) -> None:
-    dress(axes, "Torque [Nm]")
-    heading(axes, "Torque, triceps positive")
-    # A wide pale line below a thin dark one: where they part is visible without any hue.
-    trace(axes, traces.time, traces.measured, label="measured", color=GREY, linewidth=3.0)
-    trace(axes, traces.time, traces.modelled, label="modelled", color=BLUE, linewidth=1.0)
-    shade_excluded(axes, traces.time, traces.excluded)
-    legend(axes, 3)
+def _torque(row: _Row, traces: Traces, cycles: Cycles | None) -> None:
+    _dress(row, "Torque [Nm]")
+    heading(row[0], "Torque, triceps positive")
+    _draw(row, traces, cycles, traces.measured, _MEASURED, "measured")
+    _draw(row, traces, cycles, traces.modelled, _MODELLED, "modelled")
+    shade_excluded(row[0], traces.time, traces.excluded)
+    legend(row[0], 3)
 
 
-def _parts(axes: Axes, traces: Traces) -> None:
-    dress(axes, "Torque [Nm]", "Time [s]")
-    heading(axes, "Parts of the modelled torque")
+def _parts(row: _Row, traces: Traces, cycles: Cycles | None) -> None:
+    _dress(row, "Torque [Nm]", "Time [s]")
+    heading(row[0], "Parts of the modelled torque")
     parts = traces.parts
-    styles: list[tuple[str, dict[str, object]]] = [
+    looks: list[tuple[str, _Look]] = [
         ("tissue", {"color": RED, "linewidth": 2.0, "linestyle": "solid"}),
         ("neural", {"color": BLUE, "linewidth": 1.0, "linestyle": "solid"}),
         ("inertial", {"color": INK, "linewidth": 1.0, "linestyle": (0, (1, 1.2))}),
         ("gravitational", {"color": OCHRE, "linewidth": 1.5, "linestyle": (0, (5, 2))}),
     ]
     if parts.reflex is not None:  # within the neural part, not beside it
-        reflex: dict[str, object] = {"color": INK, "linewidth": 1.2, "linestyle": (0, (4, 1, 1, 1))}
-        styles.append(("reflex", reflex))
+        looks.append(("reflex", {"color": INK, "linewidth": 1.2, "linestyle": (0, (4, 1, 1, 1))}))
     if parts.zero is not None:
-        styles.append(("zero", {"color": MUTED, "linewidth": 2.0, "linestyle": (0, (2, 3))}))
-    for name, line in styles:
-        trace(axes, traces.time, getattr(parts, name), label=name, **line)
-    legend(axes, len(styles))
+        looks.append(("zero", {"color": MUTED, "linewidth": 2.0, "linestyle": (0, (2, 3))}))
+    for name, look in looks:
+        _draw(row, traces, cycles, getattr(parts, name), look, name)
+    legend(row[0], len(looks))

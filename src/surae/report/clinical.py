@@ -1,0 +1,382 @@
+"""The clinical page: a question, one sentence of answer, and what it rests on, on one A4.
+
+It bears no name of a patient or a file. It is written in English, Dutch, German or French, from the
+sentences of clinical.toml, and claims no more than the measures and changes it is made of.
+"""
+
+import base64
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import datetime
+from functools import cache
+from importlib.resources import files
+
+from surae._version import __version__
+from surae.assessment import Adequacy, Assessment, Grade, Verdict
+from surae.assessment.verdict import percent
+from surae.errors import InputError
+from surae.estimation import FitResult
+from surae.files import PathLike
+from surae.measures.change import Change, ChangeVerdict, Difference
+from surae.measures.compute import measures
+from surae.measures.curve import TorqueCurve, torque_curve
+from surae.measures.measure import Measure, Measures
+from surae.measures.norms import Placed, placed, read_norms
+from surae.names import LANGUAGES
+from surae.report.formatting import NO_NUMBER, estimate, significant
+
+#: The angle that the answer speaks of unless others were asked [deg].
+_AT = 10.0
+#: Measures of the page, in this order, where they are told at the answer's angle.
+_SHOWN = (
+    "passive_torque", "passive_stiffness", "slow_torque", "slow_stiffness", "neutral_angle",
+    "relaxed_share", "active_torque_max_tri", "active_torque_max_tib", "optimal_angle_tri",
+    "activation_half_time", "delay",
+)  # fmt: skip
+_SHARES = ("tissue_share", "neural_share", "inertia_share", "gravity_share")
+#: Parameters whose uncertainty says what to measure next.
+_LEADING = ("k_tri", "x0_tri", "k_tib", "x0_tib", "l0_tri", "f0")
+#: Most remedies, and most changes that one sentence names.
+_MOST_NEXT, _MOST_NAMED = 3, 2
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One line of the table, as texts."""
+
+    name: str
+    cells: tuple[str, ...]
+    verdict: str
+    is_strong: bool
+
+
+@dataclass(frozen=True, slots=True)
+class ClinicalPage:
+    """What the page says, in one language.
+
+    Attributes
+    ----------
+    language : str
+        Of all texts.
+    title, question, answer : str
+        What is asked, and the one sentence that answers it.
+    grade : str
+        Of the fit, or the worse of two.
+    adequacy : str
+        The grade in words.
+    reasons : tuple of str
+        Technical, in English.
+    heads : tuple of str
+        Of the table's columns.
+    rows : tuple of Row
+        The numbers.
+    norms : tuple of str
+        How the leg lies among groups, with the source of each.
+    next : tuple of str
+        What to measure next.
+    made : str
+        When, and of how many recordings.
+    note : str
+        On multiplicity; empty for one session.
+    images : mapping of str to str
+        Figures as data URLs.
+    words : mapping of str to str
+        The other texts of the page.
+    """
+
+    language: str
+    title: str
+    question: str
+    answer: str
+    grade: str
+    adequacy: str
+    reasons: tuple[str, ...]
+    heads: tuple[str, ...]
+    rows: tuple[Row, ...]
+    norms: tuple[str, ...]
+    next: tuple[str, ...]
+    made: str
+    note: str
+    images: Mapping[str, str] = field(default_factory=dict)
+    words: Mapping[str, str] = field(default_factory=dict)
+
+
+class _Words:
+    """The sentences of one language."""
+
+    def __init__(self, language: str) -> None:
+        if language not in LANGUAGES:
+            known = ", ".join(LANGUAGES)
+            raise InputError(f"no page in language {language!r}; use one of: {known}")
+        self.language = language
+
+    def __call__(self, key: str, **given: str) -> str:
+        text = _sentences()[key][self.language]
+        return text.format(**given) if given else text
+
+    def number(self, text: str) -> str:
+        """A number as it is written here."""
+        return text if self.language == "en" else text.replace(".", ",")
+
+    def own(self, text: str) -> str:
+        """A text of a norm, translated where the page knows it."""
+        return self(text) if text in _sentences() else text
+
+    def measure(self, name: str) -> str:
+        """What a measure is called here; its own name where the page has none."""
+        base, _, at = name.partition("@")
+        if base not in _sentences():
+            return name
+        at = at.replace("deg", "°").replace("s", " s").replace("-", "−")
+        return self(base).replace("{at}", at)
+
+
+@cache
+def _sentences() -> dict[str, dict[str, str]]:
+    text = files("surae.report").joinpath("clinical.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text)
+
+
+def fit_page(
+    result: FitResult, assessment: Assessment, *, created: datetime, language: str = "en",
+    angle: float = _AT, norms: PathLike | None = None,
+) -> ClinicalPage:  # fmt: skip
+    """The page of one fit.
+
+    Parameters
+    ----------
+    result, assessment : FitResult, Assessment
+        The fit and what it is worth.
+    created : datetime
+        When the page is made.
+    language : {"en", "nl", "de", "fr"}
+        Of all sentences but the technical reasons.
+    angle : float
+        Where torque and stiffness are told [deg].
+    norms : path, optional
+        A laboratory's own norms, in place of those of cited papers.
+
+    Raises
+    ------
+    InputError
+        The language is not known, or the norms cannot be read.
+    """
+    words = _Words(language)
+    told = measures(result, assessment, [angle])
+    beside = placed(told, read_norms(norms))
+    shown = [m for name in _SHOWN for m in told.values() if m.name.partition("@")[0] == name]
+    return ClinicalPage(
+        language=language,
+        title=words("title"),
+        question=words("question"),
+        answer=_answer(told, angle, words),
+        grade=str(told.adequacy.grade),
+        adequacy=words(str(told.adequacy.grade)),
+        reasons=told.adequacy.reasons,
+        heads=("", words("value"), words("interval"), words("judgement")),
+        rows=tuple(_measured(m, told.adequacy, words) for m in shown if m.value is not None),
+        norms=tuple(_beside(p, words) for p in beside),
+        next=_next(assessment, words),
+        made=_made(words, created, len(result.problem.inputs)),
+        note="",
+        images=_figures([("", torque_curve(result, assessment), told)], beside, words),
+        words=_labels(words),
+    )
+
+
+def change_page(
+    change: Change,
+    sides: Sequence[tuple[FitResult, Assessment]],
+    *,
+    created: datetime,
+    language: str = "en",
+    angle: float = _AT,
+) -> ClinicalPage:
+    """The page of two sessions; parameters as of `fit_page`, `sides` the fits of both."""
+    words = _Words(language)
+    told = [measures(*side, [angle]) for side in sides]
+    curves = [torque_curve(*side) for side in sides]
+    names = (words("before"), words("after"))
+    worst = max((side.adequacy for side in told), key=lambda a: list(Grade).index(a.grade))
+    count = sum(len(side[0].problem.inputs) for side in sides)
+    looked_at = sum(
+        d.p is not None for d in (*change.measures.values(), *change.parameters.values())
+    )
+    return ClinicalPage(
+        language=language,
+        title=words("title_change"),
+        question=words("question_change"),
+        answer=_answer_of_change(change, angle, words),
+        grade=str(worst.grade),
+        adequacy=words(str(worst.grade)),
+        reasons=worst.reasons,
+        heads=("", *names, words("difference"), words("interval"), words("judgement")),
+        rows=tuple(_differing(d, words) for d in _rows_of(change, angle)),
+        norms=(),
+        next=_next(sides[1][1], words),
+        made=_made(words, created, count),
+        note=words("many", count=str(looked_at)),
+        images=_figures(list(zip(names, curves, told, strict=True)), (), words),
+        words=_labels(words),
+    )
+
+
+def clinical_html(page: ClinicalPage) -> str:
+    """The page as one HTML file that asks nothing of the outside."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("surae.report"), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    return environment.get_template("clinical.html.j2").render(page=page)
+
+
+def _answer(told: Measures, angle: float, words: _Words) -> str:
+    torque = told[f"passive_torque@{angle:g}deg"]
+    stiffness = told[f"passive_stiffness@{angle:g}deg"]
+    inadequate = told.adequacy.grade is Grade.INADEQUATE
+    if inadequate or torque.value is None or torque.ci95 is None:
+        return words("answer_none")
+    given = {"angle": f"{angle:g}°".replace("-", "−")}
+    for name, m in (("torque", torque), ("stiffness", stiffness)):
+        value, low, high = _texts(m, words)
+        given |= {name: value, f"{name}_low": low, f"{name}_high": high}
+    if {torque.verdict, stiffness.verdict} == {Verdict.IDENTIFIED}:
+        return words("answer", **given)
+    if torque.verdict in (Verdict.IDENTIFIED, Verdict.WEAK):
+        return words("answer_weak", **given)
+    return words("answer_none")
+
+
+def _answer_of_change(change: Change, angle: float, words: _Words) -> str:
+    rows = {d.name for d in _rows_of(change, angle)}
+    changed = sorted(change.changed, key=lambda d: d.name not in rows)  # what the page shows first
+    if changed:
+        named = ", ".join(_named(d, words) for d in changed[:_MOST_NAMED])
+        return words("answer_changed", names=named)
+    every = (*change.measures.values(), *change.parameters.values())
+    if all(d.verdict is ChangeVerdict.NOT_COMPARABLE for d in every):
+        return words("answer_incomparable")
+    d = change.measures.get(f"passive_stiffness@{angle:g}deg")
+    if d is None or d.smallest is None or not d.before:
+        return words("answer_none_shown")
+    smallest = words.number(percent(abs(d.smallest / d.before)))
+    return words("answer_unchanged", smallest=smallest, angle=f"{angle:g}°".replace("-", "−"))
+
+
+def _rows_of(change: Change, angle: float) -> list[Difference]:
+    """The differences that the page shows: those at its angle, and those at none."""
+    rows = []
+    for name in _SHOWN:
+        for d in change.measures.values():
+            base, _, at = d.name.partition("@")
+            there = not at.endswith("deg") or at == f"{angle:g}deg"
+            if base == name and there and not (d.before is None and d.after is None):
+                rows.append(d)
+    return rows
+
+
+def _named(d: Difference, words: _Words) -> str:
+    name = words.measure(d.name)
+    if d.difference is None or not d.before or d.unit == "deg":
+        return name
+    sign = "+" if d.difference > 0 else "−"
+    return f"{name} ({sign}{words.number(percent(abs(d.difference / d.before)))})"
+
+
+def _texts(m: Measure, words: _Words) -> tuple[str, str, str]:
+    """Value and both ends of the interval."""
+    if m.value is None or m.ci95 is None:
+        return (NO_NUMBER if m.value is None else words.number(significant(m.value, 3)),
+                NO_NUMBER, NO_NUMBER)  # fmt: skip
+    value, low, high = (words.number(significant(v, 3)) for v in (m.value, *m.ci95))
+    return value, low, high
+
+
+def _measured(m: Measure, adequacy: Adequacy, words: _Words) -> Row:
+    value, low, high = _texts(m, words)
+    unit = _unit(m.unit)
+    interval = NO_NUMBER if low == NO_NUMBER else f"{low} … {high}"
+    strong = m.verdict is Verdict.IDENTIFIED and adequacy.grade is not Grade.INADEQUATE
+    return Row(words.measure(m.name), (f"{value}{unit}", interval), words(str(m.verdict)), strong)
+
+
+def _differing(d: Difference, words: _Words) -> Row:
+    unit = _unit(d.unit)
+    both = tuple(
+        NO_NUMBER if v is None else f"{words.number(significant(v, 3))}{unit}"
+        for v in (d.before, d.after)
+    )
+    if d.difference is None or d.ci95 is None:
+        change = (NO_NUMBER, NO_NUMBER)
+    else:
+        text = estimate(d.difference, (d.ci95[1] - d.ci95[0]) / 3.92, d.ci95)
+        change = (words.number(text.value), words.number(text.interval))
+    strong = d.verdict is ChangeVerdict.CHANGED
+    return Row(words.measure(d.name), (*both, *change), words(str(d.verdict)), strong)
+
+
+def _beside(p: Placed, words: _Words) -> str:
+    return words(
+        "norm",
+        measure=words.measure(p.norm.measure),
+        below=f"{100 * p.below:.0f} %",
+        group=words.own(p.norm.group),
+        n=str(p.norm.n),
+        condition=words.own(p.norm.condition),
+        reference=p.norm.reference,
+    )
+
+
+def _next(assessment: Assessment, words: _Words) -> tuple[str, ...]:
+    """What would help most, by what makes the leading parameters unsure."""
+    weights: dict[str, float] = {}
+    for name in _LEADING:
+        p = assessment.parameters.get(name)
+        if p is None or p.verdict is Verdict.IDENTIFIED or not p.free:
+            continue
+        for source, share in (p.budget or {"noise": 1.0}).items():
+            weights[source] = weights.get(source, 0.0) + share
+    known = [s for s in weights if f"remedy_{s}" in _sentences()]
+    ranked = sorted(known, key=lambda s: -weights[s])
+    leading = [s for s in ranked if weights[s] >= 0.25 * weights[ranked[0]]][:_MOST_NEXT]
+    return tuple(words(f"remedy_{source}") for source in leading) or (words("next_none"),)
+
+
+def _made(words: _Words, created: datetime, count: int) -> str:
+    return words("made", date=created.strftime("%Y-%m-%d"), count=str(count), version=__version__)
+
+
+def _unit(unit: str) -> str:
+    text = unit.replace("deg", "°").strip("-")
+    return text if text in ("", "°") else f" {text}"
+
+
+def _labels(words: _Words) -> dict[str, str]:
+    keys = ("curve", "curve_note", "shares", "figures", "next", "norms", "name")
+    return {key: words(key) for key in keys}
+
+
+def _figures(
+    sessions: Sequence[tuple[str, TorqueCurve, Measures]], beside: Sequence[Placed], words: _Words
+) -> dict[str, str]:
+    from surae.report.figures import svg
+    from surae.report.figures.clinical import curve_figure, shares_figure
+
+    labels = {key: words(key) for key in ("angle", "torque", "relaxed", "calf", "tibialis")}
+    norms = [(p.norm, words.own(p.norm.group)) for p in beside
+             if p.norm.measure.startswith("slow_torque@")]  # fmt: skip
+    shares = [
+        (name, [(words(part), told[part].value or 0.0) for part in _SHARES])
+        for name, _, told in sessions
+        if all(told[part].value is not None for part in _SHARES)
+    ]
+    figures = {"curve": curve_figure([(n, curve) for n, curve, _ in sessions], norms, labels)}
+    if shares:
+        figures["shares"] = shares_figure(shares)
+    return {
+        name: f"data:image/svg+xml;base64,{base64.b64encode(svg(figure)).decode()}"
+        for name, figure in figures.items()
+    }

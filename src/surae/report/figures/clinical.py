@@ -1,0 +1,110 @@
+"""Figures of the clinical page: torque against angle with bands, and what a torque is made of."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from surae.measures.curve import Line, TorqueCurve
+from surae.measures.norms import Norm
+from surae.report.figures.style import BLUE, GREY, INK, MUTED, dress, new_figure
+from surae.units import FloatArray
+
+#: Of relaxed ankle, calf and tibialis: line, and pattern of its band; told apart in grey too.
+_LOOKS = ((INK, "-"), (BLUE, "--"), (MUTED, ":"))
+#: Fill and hatch of the shares.
+_FILLS = ((INK, ""), (BLUE, "////"), (GREY, ""), ("#ffffff", "...."))
+
+
+def curve_figure(
+    curves: Sequence[tuple[str, TorqueCurve]],
+    norms: Sequence[tuple[Norm, str]],
+    words: Mapping[str, str],
+) -> Figure:
+    """Torque against angle: of one session at rest and active, or of two at rest.
+
+    Parameters
+    ----------
+    curves : sequence of (str, TorqueCurve)
+        One session, or those before and after, each with its name.
+    norms : sequence of (Norm, str)
+        Groups whose torque in a slow stretch is drawn at its angle, mean and spread, by name.
+    words : mapping of str to str
+        Labels in the reader's language: ``angle torque relaxed calf tibialis``.
+    """
+    figure = new_figure(2.75, width=7.2)
+    panels: tuple[Axes, ...]
+    if len(curves) == 1:
+        rest, active = figure.subplots(1, 2, width_ratios=(1, 1))
+        (_, curve) = curves[0]
+        _band(rest, curve.angle, curve.passive, 0, words["relaxed"])
+        _band(active, curve.angle, curve.active_tri, 1, words["calf"])
+        _band(active, curve.angle, curve.active_tib, 2, words["tibialis"])
+        panels = (rest, active)
+    else:
+        rest = figure.subplots()
+        for look, (name, curve) in enumerate(curves):
+            _band(rest, curve.angle, curve.passive, look, f"{name}, {words['relaxed']}")
+        panels = (rest,)
+    for number, (norm, group) in enumerate(norms):
+        at = float(norm.measure.partition("@")[2].removesuffix("deg")) + 0.8 * number
+        rest.errorbar(
+            [at], [norm.mean], [norm.sd], fmt="s", color=MUTED, ms=3.5, lw=1.0, capsize=3,
+            label=group,
+        )  # fmt: skip
+    for axes in panels:
+        dress(axes, words["torque"], words["angle"])
+        axes.legend(frameon=False, fontsize=7.5, labelcolor=INK, loc="upper left")
+        low, high = axes.get_ylim()
+        axes.set_ylim(low, high + 0.18 * (high - low))
+        axes.axhline(0.0, color=MUTED, linewidth=0.6)
+    return figure
+
+
+def shares_figure(shares: Sequence[tuple[str, Sequence[tuple[str, float]]]]) -> Figure:
+    """Parts of the torque as stacked bars [%], one for each session.
+
+    Parameters
+    ----------
+    shares : sequence of (str, sequence of (str, float))
+        Name of the session, and its parts by name.
+    """
+    figure = new_figure(0.42 + 0.26 * len(shares), width=7.2)
+    axes = figure.subplots()
+    for row, (_, parts) in enumerate(shares):
+        left = 0.0
+        for (part, value), (colour, hatch) in zip(parts, _FILLS, strict=False):
+            axes.barh(
+                row, value, left=left, height=0.7, color=colour, hatch=hatch, edgecolor=INK,
+                linewidth=0.6, label=f"{part}" if row == 0 else "_",
+            )  # fmt: skip
+            if value > 6.0:
+                axes.text(
+                    left + 0.5 * value, row, f"{value:.0f} %", ha="center", va="center",
+                    fontsize=8, color=INK, bbox={"facecolor": "white", "edgecolor": "none",
+                                                 "pad": 1.2},
+                )  # fmt: skip
+            left += value
+    axes.set_xlim(0.0, 100.0)
+    axes.set_yticks(range(len(shares)), [name for name, _ in shares], fontsize=8)
+    axes.invert_yaxis()
+    axes.set_xticks([])
+    axes.tick_params(length=0, labelcolor=INK)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+    axes.legend(
+        frameon=False, fontsize=8, labelcolor=INK, ncols=4, loc="lower left",
+        bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, handleheight=1.0,
+    )  # fmt: skip
+    return figure
+
+
+def _band(axes: Axes, angle: FloatArray, line: Line, look: int, label: str) -> None:
+    if not np.isfinite(line.torque).any():
+        return
+    colour, dash = _LOOKS[look]
+    axes.fill_between(angle, line.low, line.high, color=colour, alpha=0.16, linewidth=0)
+    axes.plot(angle, line.torque, dash, color=colour, linewidth=1.6, label=label)
+    for edge in (line.low, line.high):
+        axes.plot(angle, edge, color=colour, linewidth=0.5)

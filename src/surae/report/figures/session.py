@@ -1,0 +1,146 @@
+"""Figures of a session: a parameter over the trials, and the torque of trials that hold still."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from surae.assessment import Assessment, ParameterEstimate, Verdict
+from surae.report.figures.style import (
+    BLUE,
+    GREY,
+    INK,
+    MUTED,
+    dress,
+    heading,
+    legend,
+    new_figure,
+)
+from surae.trials import Crossed, Trial
+from surae.units import FloatArray
+
+_COLUMNS = 4
+_HEIGHT = 0.16
+
+
+def trials_figure(
+    names: Sequence[str], fits: Mapping[str, Assessment], joint: Assessment | None
+) -> Figure:
+    """Each parameter's estimate and 95 % interval by trial, that of all together as a band.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Parameters to show.
+    fits : mapping of str to Assessment
+        By trial.
+    joint : Assessment or None
+        Of all together.
+
+    Returns
+    -------
+    Figure
+        One panel a parameter; an open mark lies at a bound or has no interval.
+    """
+    rows = -(-len(names) // _COLUMNS)
+    figure = new_figure(rows * (0.75 + _HEIGHT * max(len(fits), 2)))
+    panels = figure.subplots(rows, _COLUMNS, squeeze=False, sharey=True)
+    trials = list(fits)
+    for axes, name in zip(panels.flat, names, strict=False):
+        dress(axes, "")
+        heading(axes, name)
+        if joint is not None and name in joint.parameters:
+            _band(axes, joint.parameters[name])
+        for place, trial in enumerate(trials):
+            if name in fits[trial].parameters:
+                _mark(axes, place, fits[trial].parameters[name])
+        axes.set_yticks(range(len(trials)), trials, fontsize=7)
+        axes.set_ylim(len(trials) - 0.4, -0.6)
+        axes.locator_params(axis="x", nbins=4)
+        unit = next(p.unit for a in _every(fits, joint) if (p := a.parameters.get(name)))
+        axes.set_xlabel("" if unit == "-" else unit, fontsize=8, color=MUTED)
+    for axes in panels.flat[len(names) :]:
+        axes.set_visible(False)
+    return figure
+
+
+def _every(fits: Mapping[str, Assessment], joint: Assessment | None) -> list[Assessment]:
+    return [*fits.values(), *([] if joint is None else [joint])]
+
+
+def _band(axes: Axes, p: ParameterEstimate) -> None:
+    if p.ci95 is not None:
+        axes.axvspan(*_within(p), facecolor=BLUE, alpha=0.18, linewidth=0)
+    axes.axvline(p.value, color=BLUE, linewidth=1.0)
+
+
+def _mark(axes: Axes, place: int, p: ParameterEstimate) -> None:
+    sure = p.verdict is Verdict.IDENTIFIED
+    if p.ci95 is not None:
+        axes.plot(_within(p), [place, place], color=INK if sure else GREY, linewidth=1.6)
+    axes.plot(
+        [p.value], [place], marker="o", markersize=3.5, linestyle="none", markeredgecolor=INK,
+        markerfacecolor=INK if p.ci95 is not None else "white", markeredgewidth=0.8,
+    )  # fmt: skip
+
+
+def _within(p: ParameterEstimate) -> tuple[float, float]:
+    """Its interval, cut off at the bounds: beyond them nothing was looked for."""
+    assert p.ci95 is not None
+    return max(p.ci95[0], p.lower), min(p.ci95[1], p.upper)
+
+
+def holds_figure(
+    trials: Sequence[Trial],
+    predicted: Mapping[str, Crossed],
+    moving: Sequence[tuple[FloatArray, FloatArray]],
+) -> Figure:
+    """Mean torque of trials that hold still, against the angle.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        Those with a hold.
+    predicted : mapping of str to Crossed
+        How the joint fit follows them, by name.
+    moving : sequence of (angle, torque)
+        Of passive trials that move [rad, Nm].
+
+    Returns
+    -------
+    Figure
+        Passive holds as full marks, others as squares, what the joint fit says as crosses.
+    """
+    figure = new_figure(3.4)
+    axes = figure.add_subplot()
+    dress(axes, "Torque [Nm]", "Ankle angle [°], dorsiflexion positive")
+    heading(axes, "Trials that hold still")
+    for number, (angle, torque) in enumerate(moving):
+        axes.plot(
+            np.degrees(angle), torque, color=GREY, linewidth=0.8, zorder=1,
+            label="_" if number else "passive movement",
+        )  # fmt: skip
+    styles = {"passive": ("o", INK, "passive hold"), "": ("s", "white", "other hold")}
+    labelled: set[str] = set()
+    for trial in trials:
+        if trial.hold is None:
+            continue
+        degrees = float(np.degrees(trial.hold.angle))
+        marker, face, label = styles["passive" if trial.effort == "passive" else ""]
+        axes.errorbar(
+            [degrees], [trial.hold.torque], [trial.hold.sd], marker=marker, color=INK, capsize=2,
+            markerfacecolor=face, markersize=5, linestyle="none", zorder=3,
+            label="_" if label in labelled else label,
+        )  # fmt: skip
+        labelled.add(label)
+        crossed = predicted.get(trial.name)
+        if crossed is not None and crossed.bias is not None:
+            axes.plot(
+                [degrees], [trial.hold.torque - crossed.bias], marker="x", color=BLUE,
+                markersize=7, markeredgewidth=1.8, linestyle="none", zorder=4,
+                label="_" if "joint" in labelled else "predicted by all together",
+            )  # fmt: skip
+            labelled.add("joint")
+    legend(axes, 4)
+    return figure

@@ -1,0 +1,110 @@
+"""The page for clinicians: what it says, and what it must not say."""
+
+import re
+from dataclasses import replace
+from datetime import datetime
+
+import pytest
+
+import surae
+from surae.assessment import Grade
+from surae.errors import InputError
+from surae.measures.change import compare_sessions
+from surae.measures.quantity import quantities
+from surae.names import LANGUAGES
+from surae.protocol import Protocol, generate
+from surae.report.clinical import _sentences, change_page, clinical_html, fit_page
+from surae.studies import virtual_subject, virtual_trial
+
+NOW = datetime(2026, 11, 22)
+
+
+@pytest.fixture(scope="module")
+def fit() -> surae.Fit:
+    motion = generate(
+        Protocol(profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.5, rate_hz=100.0)
+    )
+    trial = virtual_trial(virtual_subject(2), motion, noise=0.02)
+    return surae.fit(replace(trial, name="Jane Roe"), "muscle", starts=2, quality=())
+
+
+def page(fit, **how):
+    return fit_page(fit.result, fit.assessment, created=NOW, **how)
+
+
+def judged(fit, grade: Grade):
+    worse = replace(fit.adequacy, grade=grade, reasons=("the ankle hardly moves",))
+    return replace(fit, assessment=replace(fit.assessment, adequacy=worse))
+
+
+def test_one_sentence_answers_and_holds_its_numbers(fit) -> None:
+    told = fit.measures([10])
+    text = page(fit).answer
+    numbers = [float(n) for n in re.findall(r"\d+\.\d+", text)]
+    assert numbers[0] == pytest.approx(told["passive_torque@10deg"].value, rel=5e-3)
+    assert numbers[3] == pytest.approx(told["passive_stiffness@10deg"].value, rel=5e-3)
+
+
+def test_an_inadequate_fit_gives_no_answer_and_no_known_number(fit) -> None:
+    told = page(judged(fit, Grade.INADEQUATE))
+    assert told.answer == "These recordings do not tell how stiff this ankle is."
+    assert not any(row.is_strong for row in told.rows)
+    assert told.norms == ()
+    assert "the ankle hardly moves" in clinical_html(told)
+
+
+def test_what_is_not_identified_is_no_plain_answer(fit) -> None:
+    assert "only roughly" in page(fit, angle=45.0).answer  # beyond what was measured
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_every_language_has_a_whole_page_without_names(fit, language) -> None:
+    html = clinical_html(page(fit, language=language))
+    assert f'lang="{language}"' in html
+    assert "Jane" not in html
+    assert "{" not in re.sub(r"<style>.*?</style>", "", html, flags=re.DOTALL)
+    assert "http" not in re.sub(r"<meta[^>]*>", "", html)
+
+
+def test_every_sentence_is_there_in_every_language() -> None:
+    for key, texts in _sentences().items():
+        assert set(texts) == set(LANGUAGES), key
+        fields = {frozenset(re.findall(r"{\w+}", text)) for text in texts.values()}
+        assert len(fields) == 1, key
+
+
+def test_an_unknown_language_is_refused(fit) -> None:
+    with pytest.raises(InputError, match="language"):
+        page(fit, language="it")
+
+
+def test_no_change_is_never_a_yes(fit) -> None:
+    side = (fit.result, fit.assessment)
+    same = quantities(*side, [10.0])
+    told = change_page(compare_sessions(same, same), [side, side], created=NOW)
+    assert told.answer.startswith("No change is shown. One of ")
+    assert not any(row.is_strong for row in told.rows)
+
+
+def test_the_commands_write_it(fit, tmp_path) -> None:
+    from click.testing import CliRunner
+
+    from surae.cli import group
+
+    fit.save(tmp_path / "fit.json")
+    (tmp_path / "after.json").write_bytes((tmp_path / "fit.json").read_bytes())
+    files = [str(tmp_path / name) for name in ("fit.json", "after.json", "p.html", "o.json")]
+    runner = CliRunner()
+    made = runner.invoke(
+        group, ["measures", files[0], "--angle", "10", "--report", files[2], "--output", files[3],
+                "--language", "nl"]
+    )  # fmt: skip
+    assert made.exit_code == 0, made.output
+    assert "passive_stiffness@10deg" in made.output
+    assert "Stijfheid" in (tmp_path / "p.html").read_text(encoding="utf-8")
+    made = runner.invoke(group, ["change", *files[:2], "--report", files[2], "--output", files[3]])
+    assert made.exit_code == 0, made.output
+    assert "no change shown" in made.output
+    assert "Holm" in made.output
+    refused = runner.invoke(group, ["measures", files[0], "--report", str(tmp_path / "p.pdf")])
+    assert isinstance(refused.exception, InputError)
