@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from matplotlib.figure import Figure
 
 from surae.report.figures import INK, correlation_figure, new_figure
-from surae_thesis.claims import Claim, Ruling, judge
+from surae_thesis.claims import Claim, Ruling, judge_all
 from surae_thesis.section import Context, Drawing, Result, Table
 from surae_thesis.springs import (
     TRUTH,
@@ -19,9 +19,6 @@ from surae_thesis.springs import (
     protocol_motion,
 )
 
-#: Correlations below this count as close to zero, above that as high.
-_SMALL, _HIGH = 0.2, 0.5
-
 
 def run(context: Context) -> Result:
     """Fit both models to one noisy force and look at their covariance matrices."""
@@ -31,7 +28,7 @@ def run(context: Context) -> Result:
     unfiltered = fit_linear(protocol_motion(filtered=False), context.seed)
     numbers = Numbers(linear, offset, unfiltered, exponential())
     return Result(
-        findings=tuple(judge(claim, {"": numbers}) for claim in CLAIMS),
+        findings=judge_all("appendix", {"": numbers}, __name__),
         figures=(
             Drawing(
                 name="figure-41",
@@ -65,21 +62,32 @@ class Numbers:
     alike: Fitted
 
 
-def _linear(n: Numbers) -> Ruling:
+def linear(n: Numbers, small: float) -> Ruling:
+    """The linear model's largest correlation."""
     pairs = n.linear.pairs()
     (first, second), worst = max(pairs.items(), key=lambda item: abs(item[1]))
-    return Ruling(abs(worst) <= _SMALL, f"largest {worst:+.2f} ({first}, {second})")
+    return Ruling(abs(worst) <= small, f"largest {worst:+.2f} ({first}, {second})")
 
 
-def _non_linear(n: Numbers) -> Ruling:
+def unfiltered(n: Numbers, _: Claim) -> str:
+    """What the same movement gives before it is filtered."""
+    return (
+        "It depends on the movement, which the thesis does not give: not filtered for the "
+        f"manipulator, the same one gives {n.unfiltered.pairs()['k', 'm']:+.2f} for k and m."
+    )
+
+
+def non_linear(n: Numbers, small: float, high: float) -> Ruling:
+    """The correlation of b and u, and the largest of the others."""
     pairs = n.offset.pairs()
     own = pairs.pop(("b", "u"))
     worst = max(map(abs, pairs.values()))
     text = f"b–u {own:+.2f}, others at most {worst:.2f}"
-    return Ruling(abs(own) >= _HIGH and worst <= _SMALL, text)
+    return Ruling(abs(own) >= high and worst <= small, text)
 
 
-def _accurate(n: Numbers) -> Ruling:
+def accurate(n: Numbers) -> Ruling:
+    """Errors of b and u."""
     fit = n.offset
     off = {name: (fit.values[name] - TRUTH[name]) / fit.sem[name] for name in ("b", "u")}
     part = {name: 100 * fit.sem[name] / abs(TRUTH[name]) for name in ("b", "u")}
@@ -89,32 +97,10 @@ def _accurate(n: Numbers) -> Ruling:
     )
 
 
-def _alike(n: Numbers) -> Ruling:
+def alike(n: Numbers) -> Ruling:
+    """What the covariance cannot tell apart along x = exp(t)."""
     groups = "; ".join(" ".join(group) for group in n.alike.inseparable) or "none"
     return Ruling(n.alike.inseparable == (("k", "b", "m"),), f"inseparable: {groups}")
-
-
-CLAIMS: tuple[Claim[Numbers], ...] = (
-    Claim("linear-independent", "A.2, Figure 42",
-        "The linear model's cross-covariances are close to zero.", "about 0",
-        f"No correlation is larger than {_SMALL:g}.", _linear,
-        lambda n: "It depends on the movement, which the thesis does not give: not filtered for "
-        f"the manipulator, the same one gives {n.unfiltered.pairs()['k', 'm']:+.2f} for k and m.",
-        "figure-42"),
-    Claim("non-linear-dependent", "A.2, Figure 43",
-        "In the non-linear model b and u depend on each other strongly, the others hardly.",
-        "b–u high, others about 0",
-        f"|r| of b and u is at least {_HIGH:g}, of all other pairs at most {_SMALL:g}.",
-        _non_linear,
-        "It follows from our choice of u against the speed: r = u/√(u² + mean of x'²).",
-        "figure-43"),
-    Claim("still-accurate", "A.2",
-        "Although they depend on each other, b and u are estimated accurately.", "no number",
-        "Both are within 3 standard errors of the truth, and these below 5 % of it.", _accurate),
-    Claim("exponential-motion", "A.3",
-        "With x = exp(t), equal to its derivatives, the parameters cannot be distinguished.",
-        "no number", "The covariance names k, b and m as one inseparable direction.", _alike),
-)  # fmt: skip
 
 
 def _drawing(name: str, title: str, fit: Fitted) -> Drawing:

@@ -19,7 +19,7 @@ from surae.protocol import (
 )
 from surae.recording import MUSCLES
 from surae.report.figures import BLUE, GREY, INK, OCHRE, RED
-from surae_thesis.claims import Claim, Ruling, judge
+from surae_thesis.claims import Claim, Ruling, judge_all
 from surae_thesis.plots import Line, Panel, draw
 from surae_thesis.section import Context, Drawing, Result, Table
 
@@ -107,13 +107,20 @@ def _peak(profile: str, amplitude: float, factor: float) -> float:
     return float(np.abs(triceps_path(chirped(profile, amplitude, factor)).velocity).max())
 
 
-def _speed(n: Numbers) -> Ruling:
+def span(n: Numbers) -> Ruling:
+    """Every profile's part of the range."""
+    return Ruling(n.span >= 1 - 2 * _REACHED, f"{100 * n.span:.2f} % of the range at least")
+
+
+def highest_factor(n: Numbers) -> Ruling:
+    """The triceps's speed at the highest factor, and above it."""
     text = ", ".join(f"{value:.1f} l0/s at {a:g} rad" for a, value in n.peaks.items())
     holds = n.peaks[AMPLITUDE] <= _VMAX < n.beyond
     return Ruling(holds, f"at 0.6: {text} (l0 {1e3 * L0_TRI:g} mm)")
 
 
-def _speed_why(n: Numbers) -> str:
+def limits_of_speed(n: Numbers, _: Claim) -> str:
+    """Where the limit lies."""
     return (
         f"At 0.2 rad the triceps stays below 8 l0/s up to a factor of about "
         f"{_HIGHEST * _VMAX / n.peaks[AMPLITUDE]:.1f}, and with an l0 of "
@@ -123,7 +130,8 @@ def _speed_why(n: Numbers) -> str:
     )
 
 
-def _plane(n: Numbers) -> Ruling:
+def plane_visited(n: Numbers) -> Ruling:
+    """Part of the length–velocity plane."""
     low, high = n.shares["before"], n.shares["after"]
     return Ruling(
         high >= 5 * low,
@@ -131,13 +139,23 @@ def _plane(n: Numbers) -> Ruling:
     )
 
 
-def _axes(_: Numbers) -> Ruling:
+def plane_when_filtered(n: Numbers, _: Claim) -> str:
+    """As the manipulator can follow it."""
+    return (
+        "As simulated, with the chirp of 0.2 rad and factor 0.5. Filtered for the manipulator it "
+        f"visits {100 * n.shares['filtered']:.1f} %."
+    )
+
+
+def within_axes(_: Numbers) -> Ruling:
+    """The triceps's speed with the chosen chirp."""
     velocity = triceps_path(chirped("multi-sine-holds")).velocity
     low, high = float(velocity.min()), float(velocity.max())
     return Ruling(low >= -_SHOWN and high <= _SHOWN, f"{low:.1f} … {high:.1f} l0/s")
 
 
-def _device(_: Numbers) -> Ruling:
+def overshoot(_: Numbers) -> Ruling:
+    """Peak velocities before and after filtering."""
     peaks = {name: adaptation(name).peak_velocity for name in CHOSEN}
     return Ruling(
         all(before > 1.5 >= after - 1e-9 for before, after in peaks.values()),
@@ -145,7 +163,8 @@ def _device(_: Numbers) -> Ruling:
     )
 
 
-def _fading(_: Numbers) -> Ruling:
+def fades(_: Numbers) -> Ruling:
+    """The chirp's amplitude at its beginning and end."""
     ends = {
         name: (adaptation(name).chirp_amplitude[1], adaptation(name).chirp_end_amplitude)
         for name in CHOSEN
@@ -154,40 +173,6 @@ def _fading(_: Numbers) -> Ruling:
         all(end < 0.5 * used for used, end in ends.values()),
         "; ".join(f"{name}: {used:.2g} to {end:.2g} rad" for name, (used, end) in ends.items()),
     )
-
-
-CLAIMS: tuple[Claim[Numbers], ...] = (
-    Claim("whole-range", "2.5.1, Figures 2, 6 and 8",
-        "Every profile spans the whole range of motion, with and without a chirp.", "0 … 1.5 rad",
-        f"Each profile reaches both ends within {100 * _REACHED:g} % of the range.",
-        lambda n: Ruling(n.span >= 1 - 2 * _REACHED, f"{100 * n.span:.2f} % of the range at least"),
-        "To make room for the chirp, the basic profile is mapped on a narrower range.",
-        "figure-6"),
-    Claim("highest-chirp-factor", "2.5, 4.1.2, 4.1.4",
-        "A factor of 0.6 is the highest before muscles exceed 8 optimal lengths a second.", "0.6",
-        "At the chosen amplitude (0.2 rad) the triceps stays below 8 l0/s at 0.6 in the chosen "
-        "profiles, and no longer at 0.625.", _speed, _speed_why, "figure-38"),
-    Claim("richer-plane", "1.2 and 4.1.5, Figures 3 and 38",
-        "Multi-sine with holds visits far more of the triceps's length–velocity plane than ramp "
-        "and hold.", "two figures, no number",
-        "It visits at least five times as much of the plane of those figures.", _plane,
-        lambda n: "As simulated, with the chirp of 0.2 rad and factor 0.5. Filtered for the "
-        f"manipulator it visits {100 * n.shares['filtered']:.1f} %.", "figure-38"),
-    Claim("within-axes", "4.1.5, Figure 38",
-        "The length–velocity map of the multi-sine with holds lies within Figure 38's axes.",
-        "−5 … 5 l0/s", "The triceps's speed stays within ±5 l0/s, with the chosen chirp.",
-        _axes, "Read as A·sin(π·s·t²), the chirp would pass them threefold.", "figure-38"),
-    Claim("below-overshoot", "4.1.5, Figures 36 and 37",
-        "The chosen profiles move faster than the 1.5 rad/s from which the manipulator "
-        "overshoots, until they are filtered.", "1.5 rad/s",
-        "Their peak velocity is above 1.5 rad/s before and at most that after filtering.",
-        _device, "", "figure-36"),
-    Claim("chirp-fades", "4.1.5, Figures 36 and 37",
-        "Filtered for the manipulator, the chirp loses amplitude as its frequency rises.",
-        "two figures, no number",
-        "At its end the chirp has less than half the amplitude that it began with.", _fading, "",
-        "figure-37"),
-)  # fmt: skip
 
 
 # Figures
@@ -341,7 +326,7 @@ def run(context: Context) -> Result:
     context.progress("protocols", 0, 1)
     numbers = _numbers()
     return Result(
-        findings=tuple(judge(claim, {"": numbers}) for claim in CLAIMS),
+        findings=judge_all("protocols", {"": numbers}, __name__),
         figures=drawings(),
         tables=(_durations(),),
         notes=(

@@ -71,22 +71,10 @@ def draw(
     note: str = "",
     **grid: Any,
 ) -> Figure:
-    """Draw panels below each other, or in columns.
+    """Draw panels in the order of reading, in columns, on a figure of a height [inch].
 
-    Parameters
-    ----------
-    panels : sequence of Panel
-        In the order of reading.
-    height : float
-        Of the figure [inch].
-    columns : int
-        Panels side by side.
-    shared : int
-        Columns of a legend of all panels together; none with 0.
-    note : str
-        A line below.
-    **grid
-        Of `matplotlib.figure.Figure.subplots`.
+    A legend of all panels together has `shared` columns, none with 0; a note is a line below; the
+    rest is for `matplotlib.figure.Figure.subplots`.
     """
     figure = new_figure(height)
     axes = figure.subplots(-(-len(panels) // columns), columns, squeeze=False, **grid).ravel()

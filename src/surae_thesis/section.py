@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from surae import InputError, __version__
 from surae.files import csv_row, read_bytes, require_writable, shown, write_atomic, write_json
-from surae_thesis.claims import VERDICTS, Finding
+from surae_thesis.claims import CAUSES, VERDICTS, Finding
 
 if TYPE_CHECKING:  # matplotlib is imported by what draws
     from matplotlib.figure import Figure
@@ -109,20 +109,9 @@ class Context:
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """A figure of a section.
+    """A figure of a section, None where it is in its file; `alt` is for those who do not see it.
 
-    Attributes
-    ----------
-    name : str
-        File name without its ending, unique over all sections, e.g. ``"figure-11"``.
-    title : str
-        E.g. ``"Figure 11: SEM against the chirp's factor"``.
-    caption : str
-        What is drawn, in sentences.
-    alt : str
-        What it shows, for those who do not see it.
-    figure : matplotlib.figure.Figure or None
-        In the style of `surae.report.figures`; None where it is in its file.
+    Its name, unique over all sections, is that of its file, e.g. ``"figure-11"``.
     """
 
     name: str
@@ -134,20 +123,9 @@ class Drawing:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table of a section.
+    """A table of a section; its name, unique over all sections, is that of its file.
 
-    Attributes
-    ----------
-    name : str
-        File name without its ending, unique over all sections.
-    title : str
-        What it holds.
-    columns : tuple of str
-        Headings, with units.
-    rows : tuple of tuple
-        As many cells as columns each.
-    long : bool
-        Written as a CSV file only: too long for the page.
+    A long one is written as a CSV file only: it would not fit on the page.
     """
 
     name: str
@@ -161,16 +139,8 @@ class Table:
 class Result:
     """What a section returns; everything on the page in the order given here.
 
-    Attributes
-    ----------
-    insights : tuple of str
-        What we find about the thesis, with numbers, in a sentence or two each: above the claims.
-    notes : tuple of str
-        What was done, with which settings and limits: paragraphs above the findings.
-    findings : tuple of Finding
-        Each claim's verdict.
-    figures, tables : tuple of Drawing, tuple of Table
-        Its figures and tables.
+    Insights say what we find about the thesis, with numbers; notes what was done, with which
+    settings and limits.
     """
 
     insights: tuple[str, ...] = ()
@@ -187,18 +157,9 @@ class Result:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Section:
-    """A part of the thesis that is reproduced.
+    """A part of the thesis that is reproduced: name for ``--only``, heading, place in the thesis.
 
-    Attributes
-    ----------
-    name : str
-        For ``--only``.
-    title : str
-        Heading on the page.
-    source : str
-        Sections and figures of the thesis.
-    run : callable
-        Computes it. Pure but for its stores: the same seed gives the same result.
+    What runs it is pure but for its stores: the same seed gives the same result.
     """
 
     name: str
@@ -258,19 +219,8 @@ def reproduce(
 ) -> list[Path]:
     """Run sections and write the page after each, so that what is finished is there.
 
-    Parameters
-    ----------
-    context : Context
-        Settings; its folder is made where it is not there.
-    chosen : sequence of Section
-        Which; the page also shows the others that have run in the folder with these settings.
-    started : callable, optional
-        Told of each section before it runs.
-
-    Returns
-    -------
-    list of Path
-        What was written, the page first.
+    The page also shows the others that have run in the folder with these settings. `started` is
+    told of each section before it runs. What was written is returned, the page first.
 
     Raises
     ------
@@ -369,6 +319,12 @@ def counts(chapters: Chapters) -> dict[str, int]:
     """How many claims have each verdict."""
     every = [finding.verdict for _, result in chapters for finding in result.findings]
     return {verdict: every.count(verdict) for verdict in VERDICTS}
+
+
+def causes(chapters: Chapters) -> dict[str, int]:
+    """How many of the claims that differ do so by each cause."""
+    every = [finding.said for _, result in chapters for finding in result.findings]
+    return {cause: every.count(f"differs: {cause}") for cause in CAUSES}
 
 
 def make_folder(path: Path) -> None:

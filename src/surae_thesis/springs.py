@@ -23,18 +23,9 @@ _NOISE = 0.05
 
 @dataclass(frozen=True, slots=True)
 class Fitted:
-    """Estimates with their covariance.
+    """Estimates, standard errors where there are any, and their normalised covariance.
 
-    Attributes
-    ----------
-    names : tuple of str
-        Parameters.
-    values, sem : mapping of str to float
-        Estimates and standard errors; no error for a parameter that has none.
-    correlation : ndarray, shape (k, k)
-        Normalised covariance of those that have one.
-    inseparable : tuple of tuple of str
-        Parameters that trade off without changing the force.
+    Inseparable parameters trade off without changing the force.
     """
 
     names: tuple[str, ...]

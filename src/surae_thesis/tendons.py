@@ -1,6 +1,6 @@
 """The models and their tendons: Tables 1 and 2, Figures 10, 39, 44 and 45."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -15,7 +15,9 @@ from surae.protocol import Protocol, chirp_rate, generate
 from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, new_figure
 from surae.studies import VirtualSubject, virtual_subject, virtual_trial
 from surae.units import FloatArray
-from surae_thesis.claims import Claim, Ruling, judge
+from surae_thesis.claims import Claim, Ruling, judge_all
+from surae_thesis.cohort.members import make_cohort
+from surae_thesis.cohort.trials import cohort_inputs
 from surae_thesis.plots import Line, Panel, draw
 from surae_thesis.section import Context, Drawing, Result, Table
 
@@ -30,17 +32,14 @@ SCHEMES = ("implicit", "explicit-euler")
 #: Table 2: slack lengths [m], and of both tendons ε0, F̄toe [-], ktoe [-]; Fmax of the triceps [N].
 SLACK_TRI, SLACK_TIB = 0.415, 0.216
 EPS0, TOE, K_TOE, F_MAX = 0.04, 0.3, 4.0, 8000.0
-#: An error of the torque below this counts as none [% of its RMS].
-_NONE = 0.5
-#: Torques of the thesis's trials reach about 80 Nm (3.2.1).
-_TORQUE = 75.0
 
 
 @dataclass(frozen=True, slots=True)
 class Numbers:
-    """RMS error of the torque by scheme and rate, in percent of the torque's RMS."""
+    """RMS error of the torque by scheme and rate, of the torque's RMS; and `toes`; in percent."""
 
     errors: Mapping[tuple[str, float], float]
+    toes: Sequence[tuple[float, float]]
 
 
 def subject() -> VirtualSubject:
@@ -100,21 +99,10 @@ def errors(*, quick: bool = False) -> dict[tuple[str, float], float]:
 def printed_force(
     length: FloatArray, slack: float = SLACK_TRI, *, strain: bool = False
 ) -> FloatArray:
-    """Force of the triceps's tendon by equations (18) to (21), letter by letter.
+    """Force [N] of the triceps's tendon by equations (18) to (21), letter by letter, shape (n,).
 
-    Parameters
-    ----------
-    length : ndarray, shape (n,)
-        lt [m].
-    slack : float
-        lt0 [m].
-    strain : bool
-        Take ε0 as a strain of `slack` (Thelen 2003); as printed it is in metres.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        F_t [N]; none where the tendon is slack.
+    From its lengths lt and slack length lt0 [m]; with ε0 as a strain of that (Thelen 2003), while
+    as printed it is in metres.
     """
     eps0 = EPS0 * slack if strain else EPS0
     grown = np.exp(K_TOE)
@@ -143,12 +131,14 @@ def _passive(strain: str = "thesis") -> list[float]:
     return _taken(states(inputs, tendon_strain=strain))
 
 
-def _stiff(_: Numbers) -> Ruling:
+def stiff(_: Numbers) -> Ruling:
+    """What tendons take in the passive ramp and hold."""
     shares = _passive()
     return Ruling(max(shares) < 10.0, f"triceps {shares[0]:.0f} %, tibialis {shares[1]:.0f} %")
 
 
-def _stiff_why(_: Numbers) -> str:
+def stiff_as_strain(_: Numbers, __: Claim) -> str:
+    """The same with ε0 as a strain."""
     triceps, tibialis = _passive("slack-length")
     return (
         "With ε0 in metres, 4 cm at the largest force, the printed tendons give way at small "
@@ -157,7 +147,8 @@ def _stiff_why(_: Numbers) -> str:
     )
 
 
-def _slack_length(_: Numbers) -> Ruling:
+def slack_length(_: Numbers) -> Ruling:
+    """Forces by the printed equations with two slack lengths, and ours."""
     elongation = np.linspace(-0.005, 0.04, 400)
     ours = states(trial(COARSE)).laws[0].force(elongation)
     whole, shorter = (printed_force(s + elongation, s) for s in (SLACK_TRI, 0.5 * SLACK_TRI))
@@ -166,7 +157,8 @@ def _slack_length(_: Numbers) -> Ruling:
     return Ruling(worst < 1e-9, f"largest difference {worst:.0e} of the largest force")
 
 
-def _slack_length_why(_: Numbers) -> str:
+def slack_length_as_strain(_: Numbers, __: Claim) -> str:
+    """The same with ε0 as a strain."""
     whole, half = (
         printed_force(np.array([s + 0.01]), s, strain=True)[0] for s in (SLACK_TRI, 0.5 * SLACK_TRI)
     )
@@ -184,7 +176,8 @@ def _longest() -> float:
     return float((0.467 - (0.118 - (lengths - SLACK_TRI))).max())
 
 
-def _printed(_: Numbers) -> Ruling:
+def printed_lengths(_: Numbers) -> Ruling:
+    """The room that the printed lengths leave."""
     room = _longest() - subject().parameters["x0_tri"] - SLACK_TRI
     return Ruling(
         room > 0.0,
@@ -193,21 +186,30 @@ def _printed(_: Numbers) -> Ruling:
     )
 
 
-def _toe(_: Numbers) -> Ruling:
-    inputs, values = trial(256.0), subject().truth(MODEL)
-    largest = 0.0
-    while largest < _TORQUE:  # more effort, until the torque is that of the thesis's trials
-        values = {n: 1.2 * v if n in ("g1", "g2", "g3", "g4") else v for n, v in values.items()}
-        largest = float(np.abs(surae.simulate(MODEL, values, inputs)).max())
-    state = surae.simulate_tendon(MODEL, values, inputs)
-    parts = [
-        100 * float(state.tendon_force[row].max()) / state.laws[row].toe_force for row in range(2)
-    ]
+def toe(n: Numbers) -> Ruling:
+    """Largest forces over the end of the toe, by subject of the cohort."""
+    triceps, tibialis = zip(*n.toes, strict=True)
+    below = sum(part < 100.0 for part in tibialis)
     return Ruling(
-        max(parts) < 100.0,
-        f"triceps up to {parts[0]:.0f} %, tibialis {parts[1]:.0f} % of Ftoe, at torques to "
-        f"{largest:.0f} Nm",
+        max(*triceps, *tibialis) < 100.0,
+        f"triceps {min(triceps):.0f} to {max(triceps):.0f} % of Ftoe, tibialis {min(tibialis):.0f} "
+        f"to {max(tibialis):.0f} %, below it in {below} of {len(tibialis)} subjects",
     )
+
+
+def toes(*, quick: bool = False) -> tuple[tuple[float, float], ...]:
+    """Largest force of both tendons over the end of their toe in multiple holds, by subject [%]."""
+    parts = []
+    for who in make_cohort(1)[: 3 if quick else None]:
+        values = {**who.subject.parameters, **who.subject.tendons}
+        inputs = cohort_inputs(who, "multiple-holds", 1)
+        state = surae.simulate_tendon(MODEL, values, inputs)
+        force = state.tendon_force.max(axis=1).tolist()
+        triceps, tibialis = (
+            100 * most / law.toe_force for most, law in zip(force, state.laws, strict=True)
+        )
+        parts.append((triceps, tibialis))
+    return tuple(parts)
 
 
 def reversals(speed: FloatArray, rate_hz: float) -> float:
@@ -216,7 +218,8 @@ def reversals(speed: FloatArray, rate_hz: float) -> float:
     return float(np.count_nonzero(np.diff(signs))) * rate_hz / len(speed)
 
 
-def _oscillates(_: Numbers) -> Ruling:
+def oscillates(_: Numbers) -> Ruling:
+    """Reversals of the triceps's speed by both schemes."""
     speeds = {scheme: states(trial(FINE), scheme).muscle_velocity[0] for scheme in SCHEMES}
     often = {scheme: reversals(speed, FINE) for scheme, speed in speeds.items()}
     peak = {scheme: float(np.nanmax(np.abs(speed))) for scheme, speed in speeds.items()}
@@ -227,48 +230,12 @@ def _oscillates(_: Numbers) -> Ruling:
     )
 
 
-def _rate(n: Numbers) -> Ruling:
+def coarse_rate(n: Numbers, none: float) -> Ruling:
+    """Errors of the torque at the muscle model's rate; those below `none` count as none [%]."""
     explicit, implicit = (n.errors[scheme, COARSE] for scheme in ("explicit-euler", "implicit"))
     return Ruling(
-        explicit > _NONE, f"at 125 Hz: explicit {explicit:.2g} %, implicit {implicit:.2g} % off"
+        explicit > none, f"at 125 Hz: explicit {explicit:.2g} %, implicit {implicit:.2g} % off"
     )
-
-
-CLAIMS: tuple[Claim[Numbers], ...] = (
-    Claim("passive-tendon-stiff", "2.4",
-        "During passive tasks the tendon is much stiffer than the passive muscle.", "no number",
-        "In passive ramp and hold the tendons take less than 10 % of the length change.",
-        _stiff, _stiff_why),
-    Claim("slack-length-irrelevant", "4.3, Figure 39",
-        "The slack length does not affect the tendon's force once it is subtracted.",
-        "one curve for two slack lengths",
-        "Over the elongation, the printed equations give the same force with the triceps's slack "
-        "length, with half of it, and in our model: within 1e-9 of the largest.",
-        _slack_length, _slack_length_why, "figure-39"),
-    Claim("printed-initial-lengths", "2.4, equations (23) and (24)",
-        "Muscle and tendon together are 0.467 m (triceps) and 0.291 m (tibialis) less the arm's "
-        "share.", "0.467 m, 0.291 m",
-        "With these lengths and a muscle at least as long as its slack length, the triceps's "
-        "tendon is taut somewhere in the range of motion.", _printed,
-        "The arm is subtracted twice: 0.467 = 0.415 + 0.052 contains the muscle at the neutral arm "
-        "already, and leaves no room for any muscle. We use lmt(θ) = lt0 + x(θ) of equation (9)."),
-    Claim("toe-region", "2.6 and 4.2",
-        "The forces of the trials lie in the tendon's non-linear toe region.", "no number",
-        "In the chirped trial, with effort for torques near 80 Nm, both tendons stay below "
-        "Ftoe.", _toe,
-        "Ftoe is 0.3·Fmax: 2,400 N of the triceps but 420 N of the tibialis.", "figure-44"),
-    Claim("explicit-oscillates", "appendix B, Figure 45",
-        "Integrated step by step at 1000 Hz, the triceps's speed oscillates.", "±0.5 m/s",
-        "It changes sign at least ten times as often as by the implicit scheme at that rate.",
-        _oscillates,
-        "It divides by the active state and chatters between its clamps while the muscle is hardly "
-        "active; solved implicitly, the same equations need no clamp.", "figure-45"),
-    Claim("muscle-model-rate", "4.4 and 4.5, future work",
-        "The muscle-tendon model needs 1000 Hz where the muscle model needs 125 Hz; to run it at "
-        "that rate is left as future work.", "1000 Hz against 125 Hz",
-        f"At 125 Hz the explicit scheme is off by more than {_NONE:g} % of the torque's RMS.",
-        _rate, "Solved implicitly the model runs at the muscle model's rate.", "figure-45"),
-)  # fmt: skip
 
 
 # Figures and tables
@@ -398,9 +365,9 @@ def _tendons() -> Table:
 def run(context: Context) -> Result:
     """Tabulate the parameters, integrate one trial both ways, judge and draw."""
     context.progress("tendons", 0, 1)
-    numbers = Numbers(errors(quick=context.quick))
+    numbers = Numbers(errors(quick=context.quick), toes(quick=context.quick))
     return Result(
-        findings=tuple(judge(claim, {"": numbers}) for claim in CLAIMS),
+        findings=judge_all("tendons", {"": numbers}, __name__),
         figures=drawings(),
         tables=(
             _parameters("table-1-left", "Table 1, left: the model of 2010", "muscle-2010"),

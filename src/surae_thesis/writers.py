@@ -10,7 +10,7 @@ from surae import __version__
 from surae.files import csv_row, read_bytes, write_atomic
 from surae.report import has_typst, typeset
 from surae_thesis.claims import Finding
-from surae_thesis.section import Cell, Chapters, Context, chapters, counts
+from surae_thesis.section import Cell, Chapters, Context, causes, chapters, counts
 
 #: Names of what is written, beside a PDF where there is typst.
 PAGE, PDF, CSV, MARKDOWN = "reproduction.html", "reproduction.pdf", "verdicts.csv", "verdicts.md"
@@ -25,12 +25,7 @@ _COLUMNS = (
 
 
 def write(context: Context) -> list[Path]:
-    """Write the page, the verdicts, and a PDF where typst is installed.
-
-    Returns
-    -------
-    list of Path
-        What was written, the page first.
+    """Write the page, the verdicts, and a PDF where typst is installed; what was written.
 
     Raises
     ------
@@ -71,6 +66,7 @@ def page(context: Context, there: Chapters) -> str:
     return environment.get_template("reproduction.html.j2").render(
         chapters=there,
         counts=counts(there),
+        causes=_causes(there),
         images=images,
         classes=CLASSES,
         cell=cell_text,
@@ -89,6 +85,7 @@ def pdf(context: Context, there: Chapters) -> bytes | None:
         "seed": context.seed,
         "quick": context.quick,
         "counts": counts(there),
+        "causes": _causes(there),
         "chapters": [
             {"title": section.title, "source": section.source}
             | asdict(result)
@@ -121,7 +118,13 @@ def verdicts_csv(there: Chapters) -> str:
 def markdown(there: Chapters) -> str:
     """All findings as Markdown: a table for each section, a column for each view, reasons below."""
     total = ", ".join(f"{number} {verdict}" for verdict, number in counts(there).items())
-    lines = ["# The thesis’s results, computed again", "", f"Verdicts: {total}.", ""]
+    lines = [
+        "# The thesis’s results, computed again",
+        "",
+        f"Verdicts: {total}.",
+        _causes(there),
+        "",
+    ]
     for section, result in there:
         lines += [f"## {_plain(section.title)}", "", f"Thesis: {_plain(section.source)}.", ""]
         lines += [f"**{_plain(insight)}**\n" for insight in result.insights]
@@ -136,6 +139,13 @@ def markdown(there: Chapters) -> str:
         told = [f for f in result.findings if f.reason]
         lines += ["", *(f"- *{_plain(f.statement)}* {_plain(f.reason)}" for f in told), ""]
     return "\n".join(lines).rstrip() + "\n"
+
+
+def _causes(there: Chapters) -> str:
+    """What a second look at the claims that differ found, in a sentence; empty where none does."""
+    told = ", ".join(f"{number} by {cause}" for cause, number in causes(there).items() if number)
+    told = told.replace("by not published", "because what decides it is not published")
+    return f"Of those that differ, {told}." if told else ""
 
 
 def _view(finding: Finding, name: str) -> str:

@@ -1,8 +1,15 @@
+import re
 from dataclasses import replace
 
 import pytest
 
-from surae_thesis.claims import INTEGRATOR, Claim, NotThereError, Ruling, judge
+from surae_thesis import appendix, movements, simulation, tendons
+from surae_thesis.claims import INTEGRATOR, Claim, NotThereError, Ruling, judge, read_claims
+from surae_thesis.cohort import beyond, rules, subjects
+from surae_thesis.cohort.rules import METRES
+from surae_thesis.section import SECTIONS
+from surae_thesis.simulation import cells as simulation_cells
+from surae_thesis.simulation.cells import READINGS
 
 
 def above_one(value: float | None) -> Ruling:
@@ -11,9 +18,10 @@ def above_one(value: float | None) -> Ruling:
     return Ruling(value > 1.0, f"{value:g}")
 
 
-CLAIM: Claim[float | None] = Claim(
-    "c", "3.1", "It rises.", "2", "It is above 1.", above_one, lambda value: f"From {value}."
-)
+CLAIM = Claim(
+    "c", "3.1", "It rises.", "2", "It is above 1.", above_one, "So it is.",
+    explain=lambda value, claim: f"{claim.id} from {value}.",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -37,7 +45,7 @@ def test_the_verdict_counts_every_view(views, verdict, said) -> None:
 
 
 def test_a_reason_is_of_the_first_view_and_a_missing_fit_is_told() -> None:
-    assert judge(CLAIM, {"a": 2.0, "b": 0.0}).reason == "From 2.0."
+    assert judge(CLAIM, {"a": 2.0, "b": 0.0}).reason == "c from 2.0. So it is."
     assert judge(CLAIM, {"": None}).reason == "it failed"
 
 
@@ -45,9 +53,42 @@ def test_a_claim_is_judged_under_the_views_that_it_names_in_its_order() -> None:
     claim = replace(CLAIM, views=("b", "a"))
     finding = judge(claim, {"a": 2.0, "b": 3.0, "c": 0.0})
     assert list(finding.ours) == ["b", "a"]
-    assert (finding.verdict, finding.reason) == ("holds", "From 3.0.")
+    assert (finding.verdict, finding.reason) == ("holds", "c from 3.0. So it is.")
 
 
 def test_a_verdict_that_there_is_not_is_refused() -> None:
     with pytest.raises(ValueError, match="maybe"):
         replace(judge(CLAIM, {"a": 2.0}), verdict="maybe")
+
+
+RULES = {
+    "protocols": [movements.__name__],
+    "tendons": [tendons.__name__],
+    "simulation": simulation.RULES,
+    "subjects": [subjects.RULES],
+    "beyond": [beyond.__name__],
+    "appendix": [appendix.__name__],
+}
+#: The views that sections have, by section; of the others there is one.
+VIEWS = {
+    "simulation": {*READINGS, simulation_cells.STRAIN, INTEGRATOR},
+    "subjects": {METRES, rules.STRAIN, INTEGRATOR},
+}
+
+
+@pytest.mark.parametrize("section", [section.name for section in SECTIONS])
+def test_every_row_is_a_whole_claim_under_views_that_there_are(section) -> None:
+    claims = read_claims(section, *RULES[section])
+    assert len({claim.id for claim in claims}) == len(claims) > 0
+    for claim in claims:
+        assert re.fullmatch(r"[a-z0-9-]+", claim.id)
+        texts = (claim.source, claim.statement, claim.number, claim.rule)
+        assert all(texts)
+        assert "{" not in "".join((*texts, claim.why, claim.figure))
+        assert set(claim.views) <= VIEWS.get(section, set())
+
+
+def test_a_rule_in_words_says_the_numbers_that_it_is_given() -> None:
+    (claim,) = [c for c in read_claims("simulation", *simulation.RULES) if c.id == "noise-sem"]
+    assert f"{claim.given['most']:g} %" in claim.rule
+    assert f"{claim.given['most']:g} %" in claim.number

@@ -92,6 +92,7 @@ def test_an_unknown_protocol_is_refused():
         cohort_protocol("sine", (-0.9, 0.6), 200.0)
 
 
+@pytest.mark.slow
 def test_a_recording_does_not_depend_on_the_ones_before():
     first = signals(cohort_recording(ALL_THREE, PASSIVE, 2))
     cohort_recording(ALL_THREE, FAST, 1)
@@ -166,6 +167,7 @@ def test_a_trial_that_stops_the_device_is_redone_with_less_effort(monkeypatch):
     assert np.abs(redone["emg_sol"]).mean() < np.abs(free["emg_sol"]).mean()
 
 
+@pytest.mark.slow
 def test_a_subject_who_cannot_keep_the_limit_is_told(monkeypatch):
     monkeypatch.setattr(
         cohort, "named_device", lambda name: replace(named_device(name), max_torque=1.0)

@@ -56,6 +56,13 @@ def test_every_imperfection_is_spared_in_turn():
     assert {job["model"] for job in jobs.values()} == {"muscle", "muscle-tendon"}
 
 
+def test_some_subjects_are_looked_at_closer():
+    size = plan.Size(1, 5, 2, 64.0, 1, 1, 2)
+    for jobs in (plan.explicit_fits(size), plan.spared_fits(size)):
+        assert {job["member"] for job in jobs.values()} == {0, 1}
+    assert {job["member"] for job in plan.strain_fits(size).values()} == set(range(5))
+
+
 def test_the_explicit_integrator_runs_at_the_rate_of_the_thesis():
     jobs = plan.explicit_fits(TINY)
     assert {job["rate_hz"] for job in jobs.values()} == {1000.0}
@@ -68,6 +75,7 @@ def test_the_explicit_integrator_runs_at_the_rate_of_the_thesis():
 
 def test_joint_fits_leave_the_last_repetition_out():
     for job in joint.joint_jobs(TINY).values():
+        assert job["starts"] == 2  # of one start the best is always the first
         assert {r for _, r in job["trials"]} == {1}
         assert {r for _, r in job["predicted"]} == {2}
 
@@ -108,13 +116,14 @@ def test_a_fit_that_is_spared_its_imperfections_is_better(settings, outcome):
 def test_only_a_strain_of_the_slack_length_reaches_the_torques_of_the_thesis():
     strengths = [
         work.strength_job(seed=1, member=number, protocol="multiple-holds", rate_hz=64.0)
-        for number in (0, 3, 7)
+        for number in (0, 3)
     ]
     for strength in strengths:
         assert strength["measured"] > 1.4 * strength["printed"]
     assert max(strength["measured"] for strength in strengths) > 55.0
 
 
+@pytest.mark.slow
 def test_a_fair_optimiser_is_no_worse_than_where_it_begins(monkeypatch):
     monkeypatch.setattr(work, "_EVALUATIONS", 3)
     who = make_cohort(1)[3].subject

@@ -7,35 +7,29 @@ import numpy as np
 import pytest
 
 from surae.model import get_model
-from surae_thesis.claims import INTEGRATOR, judge
+from surae_thesis.claims import INTEGRATOR, judge, judge_all, read_claims
 from surae_thesis.cohort import beyond, drawings, plan, subjects
 from surae_thesis.cohort.boxes import Box, BoxPanel, snsem_figure, vaf_figure
-from surae_thesis.cohort.claims import (
-    CLAIMS,
+from surae_thesis.cohort.drawings import spectra_figure, spectrum
+from surae_thesis.cohort.joint import Estimate, Way
+from surae_thesis.cohort.members import COMPLETED, make_cohort
+from surae_thesis.cohort.results import Fits, Point, clearly_lower, paired
+from surae_thesis.cohort.rules import (
     METRES,
     STRAIN,
     Evidence,
     described,
     gains,
-    thesis_mean,
+    thesis_means,
 )
-from surae_thesis.cohort.drawings import spectra_figure, spectrum
-from surae_thesis.cohort.joint import Estimate, Way
-from surae_thesis.cohort.members import COMPLETED, make_cohort
-from surae_thesis.cohort.results import Fits, Point, clearly_lower, paired
 from surae_thesis.section import Context
 
 PASSIVE, HOLDS, FAST = COMPLETED
-SIZE = plan.Size(1, 8, 3, 64.0, 1, 1)
+SIZE = plan.Size(1, 8, 3, 64.0, 1, 1, 8)
 MEMBERS = make_cohort(1, 8)
 #: The thesis's own means: every level must then hold.
-THESIS = {
-    (kind, model, protocol): mean
-    for kind in ("fit", "validation", "onto")
-    for model in plan.MODELS
-    for protocol in COMPLETED
-    if (mean := thesis_mean(kind, model, protocol)) is not None
-}
+THESIS = thesis_means()
+CLAIMS = read_claims("subjects", subjects.RULES)
 
 
 def made_up(shift=None, sem=2.0, bound=True, correlation=0.9, short=0.1):
@@ -256,10 +250,19 @@ def made_up_ways(**of_best):
 )
 def test_several_tendon_parameters_must_fit_better_without_local_minima(of_best, verdict):
     numbers = beyond.Numbers(made_up(), made_up_ways(**of_best))
-    said = {claim.id: judge(claim, {"": numbers}).verdict for claim in beyond.CLAIMS}
+    said = {f.id: f.verdict for f in judge_all("beyond", {"": numbers}, beyond.__name__)}
     assert said["several-tendon-parameters"] == verdict
     assert said["low-sem-is-not-right"] == "holds"
     assert said["below-ideal-one-is-wrong"] == "holds"
+
+
+def test_the_strain_is_named_only_where_freeing_it_frees_the_mass():
+    assert "sends it there" not in judged(made_up())["mass-at-bounds"].reason
+    assert "sends it there" not in judged(made_up(bound=False))["mass-at-bounds"].reason
+    fits = made_up()
+    for label, fit in fits.single.items():
+        fit["parameters"]["m"]["at_bound"] = label.startswith("2.0")
+    assert "by 2.1, whose ε0 is free, in 0 %" in judged(fits)["mass-at-bounds"].reason
 
 
 def test_tables_and_figures_beyond():

@@ -35,7 +35,7 @@ def finding_of(name: str, *views: bool | None, ours: str = NASTY) -> Finding:
             raise NotThereError(NASTY)
         return Ruling(holds, ours)
 
-    claim = Claim(name, "3.1", NASTY, NASTY, NASTY, rule, NASTY, "curve")
+    claim = Claim(name, "3.1", NASTY, NASTY, NASTY, rule, NASTY, "curve", cause="our cohort")
     names = ["", NASTY][: len(views)]
     return judge(claim, dict(zip(names, views, strict=True)))
 
@@ -81,6 +81,13 @@ def test_the_folder_holds_page_verdicts_figures_and_tables(context) -> None:
     }  # fmt: skip
 
 
+def test_what_differs_is_counted_by_its_cause(context) -> None:
+    assert "Of those that differ" not in markdown([])
+    reproduce(context, [SECTION])
+    for name in ("reproduction.html", "verdicts.md"):
+        assert "Of those that differ, 1 by our cohort." in (context.folder / name).read_text()
+
+
 def test_the_page_shows_text_and_never_runs_it(context) -> None:
     reproduce(context, [SECTION])
     page = (context.folder / "reproduction.html").read_text()
@@ -89,7 +96,7 @@ def test_the_page_shows_text_and_never_runs_it(context) -> None:
     assert "default-src 'none'" in page
     assert "http" not in page.replace("http-equiv", "")
     assert 'src="data:image/png;base64,' in page
-    for verdict in ("holds", "differs", "cannot be checked"):
+    for verdict in ("holds", "differs: our cohort", "cannot be checked"):
         assert f">{verdict}</span>" in page
 
 
@@ -109,7 +116,7 @@ def test_the_verdicts_as_csv_are_complete(context) -> None:
     rows = list(csv.DictReader(io.StringIO(verdicts_csv(chapters(context)))))
     assert [row["verdict"] for row in rows] == [
         "holds",
-        "differs",
+        "differs: our cohort",
         "cannot be checked",
         "holds under ",
     ]

@@ -5,9 +5,9 @@ from itertools import product
 
 import pytest
 
-from surae_thesis.claims import INTEGRATOR, NotThereError, judge
-from surae_thesis.simulation.claims import CLAIMS
-from surae_thesis.simulation.grid import (
+from surae_thesis.claims import INTEGRATOR, NotThereError, judge, read_claims
+from surae_thesis.simulation import RULES
+from surae_thesis.simulation.cells import (
     AMPLITUDES,
     EQUAL,
     MAGNITUDE,
@@ -27,6 +27,7 @@ from surae_thesis.simulation.grid import (
     under,
 )
 
+CLAIMS = read_claims("simulation", *RULES)
 NAMES = ("m", "k_tri", "tau_rel", "k_rel", "g1")
 GRID_FACTORS = (0.05, 0.1, 0.2, 0.35, 0.5, 0.6)
 #: SEM by profile as the thesis's Figures 13 and 14 rank them.
@@ -158,11 +159,11 @@ def test_each_claim_differs_where_the_grid_does(name, spoilt) -> None:
     assert everything(grid(**spoilt))[name] == "differs"
 
 
-def noisy(vaf=0.0, sem=0.0, ipde=0.0):
+def noisy(vaf=0.0, sem=0.0, ipde=0.0, profile="multiple-holds"):
     """Five repeats, the last of which is off by so much."""
     return [
         Cell(
-            model="muscle", profile="sine", task="part-passive", amplitude=0.1, factor=factor,
+            model="muscle", profile=profile, task="part-passive", amplitude=0.1, factor=factor,
             subject=1, repeat=repeat, vaf=99.9 + vaf * (repeat == 5),
             ipde=2.6 + ipde * (repeat == 5), sem={"k_tri": 1.0 + sem * (repeat == 5)},
             off={"k_tri": 0.0}, truth={"k_tri": 1.0},
@@ -176,6 +177,14 @@ def test_noise_holds_below_the_thesis_spread_and_differs_above() -> None:
     for size, verdict in ((1.0, "holds"), (2.0, "differs")):
         said = everything(grid(), noisy(0.005 * size, 0.03 * size, 0.015 * size))
         assert {said[f"noise-{name}"] for name in ("vaf", "sem", "ipde")} == {verdict}
+
+
+def test_noise_is_judged_with_the_profiles_of_the_figure() -> None:
+    rest = noisy() + noisy(1.0, 1.0, 1.0, profile="sine")
+    said = everything(grid(), rest)
+    assert {said[f"noise-{name}"] for name in ("vaf", "sem", "ipde")} == {"holds"}
+    holds = everything(grid(), noisy() + noisy(ipde=1.0, profile="multi-sine-holds"))
+    assert (holds["noise-ipde"], holds["noise-sem"]) == ("differs", "holds")
 
 
 def test_patients_follow_the_healthy_or_do_not() -> None:

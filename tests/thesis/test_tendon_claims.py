@@ -1,11 +1,13 @@
 """The tendons section: the schemes are compared by what they compute."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from surae_thesis.claims import judge
+from surae_thesis import tendons
+from surae_thesis.claims import judge, read_claims
 from surae_thesis.tendons import (
-    CLAIMS,
     EPS0,
     F_MAX,
     FINEST,
@@ -13,9 +15,12 @@ from surae_thesis.tendons import (
     errors,
     printed_force,
     reversals,
+    toes,
     torque,
     trial,
 )
+
+CLAIMS = read_claims("tendons", tendons.__name__)
 
 
 def verdicts(numbers: Numbers) -> dict[str, str]:
@@ -30,7 +35,7 @@ def test_reversals_are_counted_per_second() -> None:
 
 @pytest.fixture(scope="module")
 def measured() -> Numbers:
-    return Numbers(errors(quick=True))
+    return Numbers(errors(quick=True), ((60.0, 130.0),))
 
 
 def test_the_implicit_scheme_is_accurate_where_the_explicit_one_is_not(measured: Numbers) -> None:
@@ -50,7 +55,7 @@ def test_errors_are_relative_to_the_fine_torque(measured: Numbers) -> None:
 
 def test_the_verdict_on_the_rate_follows_the_errors(measured: Numbers) -> None:
     (rate,) = [claim for claim in CLAIMS if claim.id == "muscle-model-rate"]
-    exact = Numbers(dict.fromkeys(measured.errors, 0.01))
+    exact = replace(measured, errors=dict.fromkeys(measured.errors, 0.01))
     assert judge(rate, {"": measured}).verdict == "holds"
     assert judge(rate, {"": exact}).verdict == "differs"
 
@@ -61,6 +66,14 @@ def test_the_printed_lengths_leave_no_room(measured: Numbers) -> None:
     assert said["explicit-oscillates"] == "holds"
     assert said["slack-length-irrelevant"] == "holds"
     assert said["toe-region"] == "differs"
+    assert verdicts(replace(measured, toes=((75.0, 60.0),)))["toe-region"] == "holds"
+
+
+@pytest.mark.slow
+def test_in_legs_of_the_thesis_s_strength_only_the_triceps_stays_in_its_toe() -> None:
+    parts = toes(quick=True)
+    assert all(triceps < 100.0 for triceps, _ in parts)
+    assert max(tibialis for _, tibialis in parts) > 100.0
 
 
 def test_the_printed_law_knows_its_slack_length() -> None:

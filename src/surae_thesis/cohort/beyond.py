@@ -17,7 +17,7 @@ from surae.report.figures import (
     legend,
     new_figure,
 )
-from surae_thesis.claims import Claim, NotThereError, Ruling, judge
+from surae_thesis.claims import Claim, NotThereError, Ruling, judge_all
 from surae_thesis.cohort import plan
 from surae_thesis.cohort.boxes import EXPECTED, Box, BoxPanel, error_figure, vaf_figure
 from surae_thesis.cohort.joint import JOINT, Way, ways
@@ -49,7 +49,7 @@ def run(context: Context) -> Result:
     fits = thesis_fits(context)
     numbers = Numbers(fits, ways(context, fits))
     return Result(
-        findings=tuple(judge(claim, {"": numbers}) for claim in CLAIMS),
+        findings=judge_all("beyond", {"": numbers}, __name__),
         insights=(_coverage(numbers),),
         figures=_drawings(numbers.ways),
         tables=(_ways_table(numbers.ways), _parameters_table(numbers.ways)),
@@ -57,7 +57,8 @@ def run(context: Context) -> Result:
     )
 
 
-def _below_ideal(n: Numbers) -> Ruling:
+def below_ideal(n: Numbers) -> Ruling:
+    """Fits below the ideal VAF with a wrong parameter."""
     wrong, above = [], 0
     for model in ("1.0", "2.0"):
         for protocol in plan.ACTIVE:
@@ -81,7 +82,8 @@ def _below_ideal(n: Numbers) -> Ruling:
     )
 
 
-def _low_sem(n: Numbers) -> Ruling:
+def low_sem(n: Numbers) -> Ruling:
+    """Wrong estimates among those with a low SEM."""
     precise = [
         estimate.error
         for name in (RIGID, ELASTIC)
@@ -106,7 +108,8 @@ def _coverage(n: Numbers) -> str:
     )
 
 
-def _several(n: Numbers) -> Ruling:
+def several(n: Numbers) -> Ruling:
+    """What free tendon parameters add to the VAF, and whether one start suffices."""
     free, fixed = n.ways[BEST], n.ways["joint 2.0"]
     gain = float(np.median(free.vaf) - np.median(fixed.vaf))
     return Ruling(
@@ -115,7 +118,8 @@ def _several(n: Numbers) -> Ruling:
     )
 
 
-def _several_why(n: Numbers) -> str:
+def errors_of_several(n: Numbers, _: Claim) -> str:
+    """What they do to the estimates."""
     fixed, free = (
         100 * float(np.median(n.ways[name].errors(SHARED))) for name in ("joint 2.0", BEST)
     )
@@ -126,7 +130,8 @@ def _several_why(n: Numbers) -> str:
     )
 
 
-def _equally_good(n: Numbers) -> Ruling:
+def equally_good(n: Numbers) -> Ruling:
+    """Median errors of 1.0 and 2.1."""
     rigid, elastic = (
         float(np.median(n.ways[name].errors(SHARED))) for name in (RIGID, "2.1 alone")
     )
@@ -134,7 +139,8 @@ def _equally_good(n: Numbers) -> Ruling:
     return Ruling(abs(elastic / rigid - 1.0) < 0.25, text)
 
 
-def _equally_good_why(n: Numbers) -> str:
+def errors_of_length(n: Numbers, _: Claim) -> str:
+    """Errors of the triceps's optimal length."""
     lengths = [
         f"{100 * float(np.median(n.ways[name].errors(('l0_tri',)))):.0f} % by {name}"
         for name in (RIGID, "2.1 alone", BEST)
@@ -143,32 +149,6 @@ def _equally_good_why(n: Numbers) -> str:
         "VAF alone cannot see it. l0_tri, which the clinic asks for, is off (medians): "
         f"{', '.join(lengths)}."
     )
-
-
-CLAIMS: tuple[Claim[Numbers], ...] = (
-    Claim("below-ideal-one-is-wrong", "2.7, 4.1",
-        "A VAF below 99.85 % goes with at least one parameter that is more than 10 % off.",
-        "99.85 %",
-        "Models 1.0 and 2.0, active protocols: so in at least 95 % of the fits below 99.85 %.",
-        _below_ideal, "No fit of subjects can reach the ideal, and it does not say which are "
-        "wrong.", "beyond-errors"),
-    Claim("low-sem-is-not-right", "4.4",
-        "A low SEM does not mean a correctly estimated parameter.", "stated",
-        "One recording, models 1.0 and 2.0: of the estimates with a SEM below 5 % of the value, "
-        "more than 10 % are more than 10 % off.", _low_sem, "", "beyond-coverage"),
-    Claim("several-tendon-parameters", "4.5",
-        "Several tendon parameters at once fit better, at the risk of local minima.",
-        "named as future work",
-        "Joint fits, ε0 of both muscles and the triceps' toe force free: the median VAF is higher "
-        "than with none free, and the default start finds the best minimum in at least 90 % of "
-        "the subjects.", _several, _several_why, "beyond-errors"),
-    Claim("models-equally-good", "4.2, Conclusion",
-        "Muscle and muscle-tendon model are equally good in estimating the parameters.",
-        "stated for 1.0 and 2.1",
-        "One recording of the multiple holds: the median relative errors of the parameters that "
-        "both share differ by less than a quarter.", _equally_good, _equally_good_why,
-        "beyond-errors"),
-)  # fmt: skip
 
 
 _LOOKS: tuple[dict[str, Any], ...] = (

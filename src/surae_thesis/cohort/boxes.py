@@ -48,16 +48,9 @@ class BoxPanel:
 def vaf_figure(
     panels: Sequence[BoxPanel], remarked: Sequence[str] = (), ylabel: str = "VAF [%]"
 ) -> Figure:
-    """Box plots of the variance accounted for.
+    """Box plots of the variance accounted for, side by side.
 
-    Parameters
-    ----------
-    panels : sequence of BoxPanel
-        Side by side.
-    remarked : sequence of str
-        Subjects whose knee moved or whose ankle was misaligned: crosses among the dots.
-    ylabel : str
-        What is drawn, with its unit.
+    Those of remarked subjects, whose knee moved or whose ankle was misaligned, are crosses.
     """
     figure = new_figure(3.9)
     widths = [0.6 + len(panel.boxes) for panel in panels]
@@ -79,12 +72,7 @@ def vaf_figure(
 def snsem_figure(ratios: Mapping[str, Sequence[float]], without: Mapping[str, int]) -> Figure:
     """Box plots of the standard errors over those of the simulations, on a logarithmic axis.
 
-    Parameters
-    ----------
-    ratios : mapping of str to sequence of float
-        By parameter, one number for each recording whose fit gives a standard error.
-    without : mapping of str to int
-        Recordings whose fit gives none, by parameter.
+    By parameter, one number for each recording whose fit gives one; and how many are without.
     """
     figure = new_figure(4.1)
     axes = figure.subplots()

@@ -20,7 +20,6 @@ from surae.report.figures import (
 from surae.units import FloatArray
 from surae_thesis.cohort import plan, work
 from surae_thesis.cohort.boxes import Box, BoxPanel, snsem_figure, vaf_figure
-from surae_thesis.cohort.claims import ACTIVE, PASSIVE, PROTOCOLS, thesis_mean
 from surae_thesis.cohort.members import (
     ACTIVE_PROTOCOL,
     FAST_PROTOCOL,
@@ -28,6 +27,7 @@ from surae_thesis.cohort.members import (
     CohortSubject,
 )
 from surae_thesis.cohort.results import Fits, Point
+from surae_thesis.cohort.rules import ACTIVE, PASSIVE, PROTOCOLS, thesis_means
 from surae_thesis.cohort.trials import RECORDED_HZ, cohort_inputs, cohort_recording
 from surae_thesis.plots import Line, Panel, draw
 from surae_thesis.section import Drawing
@@ -75,7 +75,7 @@ def vaf_drawings(fits: Fits) -> Iterator[Drawing]:
     def boxes(
         kind: str, points: Callable[..., list[Point]], *cases: tuple[str, str, str]
     ) -> list[Box]:
-        return [Box(label, points(m, p), thesis_mean(kind, m, p)) for m, p, label in cases]
+        return [Box(label, points(m, p), thesis_means().get((kind, m, p))) for m, p, label in cases]
 
     def cases(model: str, *protocols: str) -> list[tuple[str, str, str]]:
         return [(model, p, PROTOCOLS[p].replace(" ", "\n", 1)) for p in protocols]
@@ -127,7 +127,7 @@ def explicit_drawing(fits: Fits, explicit: Fits) -> Drawing:
             [
                 Box(name.replace(" ", "\n", 1),
                     [point for point in several.vaf("2.0", p) if point.repetition == 1],
-                    thesis_mean("fit", "2.0", p))
+                    thesis_means().get(("fit", "2.0", p)))
                 for p, name in PROTOCOLS.items()
             ],
             70.0,

@@ -25,18 +25,10 @@ SINGLE = {"1.0 alone": "1.0", "2.0 alone": "2.0", "2.1 alone": "2.1"}
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """One parameter of one subject beside the truth.
+    """One parameter of one subject beside the truth, with its standard error, equation (34).
 
-    Attributes
-    ----------
-    name : str
-        Which parameter.
-    value, true : float
-        Estimate and truth.
-    sem : float or None
-        Standard error, equation (34); None at a bound.
-    white, trusted : bool or None
-        Whether the truth lies in the 95 % interval of equation (34), and in ours; None without.
+    `white` and `trusted` say whether the truth lies in the 95 % interval of that equation, and in
+    ours. None where there is none, as at a bound.
     """
 
     name: str
@@ -56,18 +48,9 @@ class Estimate:
 class Way:
     """One way to fit, over all subjects.
 
-    Attributes
-    ----------
-    name : str
-        What it is called.
-    estimates : tuple of Estimate
-        Of the parameters whose truth is known.
-    held_out : mapping of str to tuple of (str, float)
-        Subject and VAF [%] of the last repetition, predicted, by protocol.
-    first_start : float
-        Share of fits whose default start found the best minimum.
-    vaf : tuple of float
-        Of the fitted recordings [%].
+    It has the estimates of the parameters whose truth is known; subject and VAF [%] of the last
+    repetition, predicted, by protocol; the share of fits whose default start found the best
+    minimum; and the VAF of the fitted recordings [%].
     """
 
     name: str
@@ -93,7 +76,7 @@ def joint_jobs(size: plan.Size) -> dict[str, plan.Settings]:
         f"{name}|{member.id}": plan.fit_settings(
             size, number, [(p, r) for p in member.completed for r in range(1, last)], model,
             free=list(free), predicted=[[p, last] for p in member.completed],
-            starts=min(size.starts, 2),
+            starts=2,  # one would always be the best of them
         )
         for number, member in enumerate(size.members)
         for name, (model, free) in JOINT.items()

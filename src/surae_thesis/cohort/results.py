@@ -26,18 +26,9 @@ class Point:
 
 @dataclass(frozen=True, slots=True)
 class Fits:
-    """The thesis's fits of a cohort.
+    """The thesis's fits of a cohort, of one recording each, by label.
 
-    Attributes
-    ----------
-    size : Size
-        How many.
-    members : tuple of CohortSubject
-        The cohort.
-    single : mapping of str to Fit
-        Fits of one recording each, by label.
-    baselines : mapping of str to mapping
-        Mean standard errors of simulations, by label.
+    The baselines are mean standard errors of simulations, by label.
     """
 
     size: plan.Size
@@ -115,7 +106,7 @@ def strengths(context: Context) -> Mapping[str, Mapping[str, float]]:
 def fair_fits(context: Context, fits: Fits) -> Mapping[str, Mapping[str, float | None]]:
     """What a fair optimiser makes of the explicit scheme, by subject; see `work.explicit_job`."""
     jobs = {}
-    for number, member in enumerate(fits.members):
+    for number, member in enumerate(fits.members[: fits.size.closer]):
         fit = fits.single[f"2.0 {member.id} {ACTIVE_PROTOCOL} 1"]
         if fit["status"] != "failed":
             jobs[member.id] = {

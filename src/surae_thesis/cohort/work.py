@@ -82,26 +82,11 @@ def fitted(
     starts: int,
     options: Mapping[str, Any],
 ) -> surae.Fit:
-    """The fit itself.
+    """Fit recordings, protocol and repetition each, of a member of the cohort, counted from 0.
 
-    Parameters
-    ----------
-    seed, member : int
-        Seed of the cohort, and number of the subject in it, from 0.
-    trials : sequence of (str, int)
-        Protocol and repetition of each recording; several are one joint fit.
-    model, free : str, sequence of str
-        What is fitted, and what it estimates beside its own free parameters.
-    without : sequence of str
-        Imperfections that all recordings are spared.
-    predicted : sequence of (str, int)
-        Recordings that are predicted later.
-    rate_hz : float
-        Of the signals [Hz].
-    starts : int
-        Of the fit.
-    options : mapping
-        Of the model, see `surae.model.ModelOptions`.
+    Several are one joint fit. Beside the model's own free parameters it estimates `free`; all
+    recordings are spared the imperfections `without`; the options are those of the model. What it
+    is to predict does not matter to the fit.
     """
     del predicted
     who = make_cohort(seed)[member]

@@ -1,6 +1,6 @@
 """The thesis's simulation study (2.5, 3.1): which motion and task determine the parameters best.
 
-`grid` runs the studies, `claims` has a row for each claim, `figures` draws.
+`grid` runs the studies, whose fits are `cells`; `rules` and `choices` decide the claims.
 """
 
 from collections.abc import Mapping
@@ -8,11 +8,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from surae import ComputationError
-from surae_thesis.claims import judge
+from surae_thesis.claims import judge_all
 from surae_thesis.section import Context, Result, Row, Table
-from surae_thesis.simulation.claims import CLAIMS
-from surae_thesis.simulation.figures import drawings
-from surae_thesis.simulation.grid import (
+from surae_thesis.simulation.cells import (
     CHOSEN_AMPLITUDE,
     CHOSEN_FACTOR,
     EQUAL,
@@ -24,8 +22,12 @@ from surae_thesis.simulation.grid import (
     along_profile,
     scores,
     select,
-    studies,
 )
+from surae_thesis.simulation.figures import drawings
+from surae_thesis.simulation.grid import studies
+
+#: Modules whose functions decide the claims.
+RULES = (f"{__name__}.rules", f"{__name__}.choices")
 
 
 def run(context: Context) -> Result:
@@ -34,7 +36,7 @@ def run(context: Context) -> Result:
     if not views[MAGNITUDE].grid:
         raise ComputationError("simulation-grid: no fit succeeded; see `surae study status`")
     return Result(
-        findings=tuple(judge(claim, views) for claim in CLAIMS),
+        findings=judge_all("simulation", views, *RULES),
         figures=drawings(views),
         tables=(_chosen(views[MAGNITUDE]), _grid(rows)),
         notes=_notes(context, rows, views),
@@ -91,8 +93,9 @@ def _chosen(study: Study) -> Table:
         some = along_profile(study.grid, model)
         for cell, score in zip(some, scores(some), strict=True):
             same = select(
-                study.others, model=model, profile=cell.profile, amplitude=CHOSEN_AMPLITUDE
-            )
+                study.others, model=model, profile=cell.profile, amplitude=CHOSEN_AMPLITUDE,
+                task="part-passive",
+            )  # fmt: skip
             more = [other.ipde for other in same if other.ipde is not None]
             worst, off = cell.worst
             lines.append(

@@ -20,8 +20,7 @@ from surae.report.figures import (
 from surae.studies import POPULATIONS
 from surae_thesis.plots import Line, Panel, draw
 from surae_thesis.section import Drawing
-from surae_thesis.simulation.claims import GOOD_ESTIMATE, GOOD_VAF
-from surae_thesis.simulation.grid import (
+from surae_thesis.simulation.cells import (
     AMPLITUDES,
     CHOSEN,
     CHOSEN_FACTOR,
@@ -38,6 +37,7 @@ from surae_thesis.simulation.grid import (
     normalised,
     select,
 )
+from surae_thesis.simulation.rules import GOOD_ESTIMATE, GOOD_VAF
 
 _SEM = "SEM / its mean [-]"
 _FACTOR, _AMPLITUDE = "chirp factor [-]", "chirp amplitude [rad]"
@@ -76,7 +76,7 @@ def drawings(views: Mapping[str, Study]) -> tuple[Drawing, ...]:
         Drawing("figure-15", "Figure 15: IPDE against the chirp’s factor",
             "Chirp of 0.2 rad, part-passive task; the thesis shows multiple holds. Grey: the "
             "thesis’s figures at 0.5.",
-            "IPDE of five profiles for each model, falling to about 0.2 and flat beyond.",
+            "IPDE of five profiles for each model, falling to a factor of about 0.4, then flat.",
             draw([_ipde(grid, model) for model in MODELS], 6.8, shared=5, sharex=True)),
         Drawing("figure-16", "Figure 16: what the randomness of the noise does",
             "Five repeats of the noise at each factor, chirp of 0.1 rad, muscle model. A: VAF, B: "
