@@ -35,10 +35,10 @@ class Browser(httpx.Client):
 
     def recording(self, path: Path, **more: Any) -> str:
         """Import a CSV with our column names as it is."""
-        found = self.get(f"/api/uploads/{self.upload(path)}/inspect")
-        assert found.status_code == 200, found.text
-        assert found.json()["ready"], found.text
-        answer = self.post("/api/imports", json={"mapping": found.json()["mapping"], **more})
+        content = self.get(f"/api/uploads/{self.upload(path)}/inspect")
+        assert content.status_code == 200, content.text
+        assert content.json()["ready"], content.text
+        answer = self.post("/api/imports", json={"mapping": content.json()["mapping"], **more})
         assert answer.status_code == 201, answer.text
         return str(answer.json()["id"])
 
@@ -115,10 +115,10 @@ Serve = Callable[..., Server]
 
 def least(tries: Callable[[], float], limit: float) -> float:
     """The least of some times, the first below `limit` if any: what else a computer does adds."""
-    end, found = time.monotonic() + 60.0, tries()
-    while found >= limit and time.monotonic() < end:
-        found = min(found, tries())
-    return found
+    end, least = time.monotonic() + 60.0, tries()
+    while least >= limit and time.monotonic() < end:
+        least = min(least, tries())
+    return least
 
 
 @pytest.fixture(scope="session")

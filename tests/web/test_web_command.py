@@ -9,10 +9,10 @@ from surae.web import command as module
 
 
 def refused(*arguments: str) -> str:
-    found = CliRunner().invoke(group, ["serve", *arguments])
-    assert isinstance(found.exception, InputError)
-    assert "\n" not in str(found.exception)
-    return str(found.exception)
+    done = CliRunner().invoke(group, ["serve", *arguments])
+    assert isinstance(done.exception, InputError)
+    assert "\n" not in str(done.exception)
+    return str(done.exception)
 
 
 @pytest.mark.parametrize(

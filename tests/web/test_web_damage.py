@@ -19,7 +19,7 @@ from surae.web.events import Events
 from surae.web.http_errors import RefusedError
 from surae.web.project import Project
 from surae.web.rows import KINDS
-from surae.web.sessions import Sessions
+from surae.web.sessions import BrowserSessions
 
 SUBJECT = {"code": "S01", "group": "", "notes": "", "body_mass": None}
 
@@ -89,7 +89,7 @@ def test_links_in_a_project_reach_nothing(tmp_path, name) -> None:
     link.symlink_to(target)
     with pytest.raises(InputError, match=r"is a link, which leads out"):
         Project(tmp_path / "p")
-    assert [one.name for one in mine.iterdir()] == ["thesis.txt"]
+    assert [path.name for path in mine.iterdir()] == ["thesis.txt"]
     assert (mine / "thesis.txt").read_text() == "years of work"
     assert mine.stat().st_mode & 0o777 == 0o755
 
@@ -142,7 +142,7 @@ def test_a_strangers_project_removes_nothing_of_ours(tmp_path) -> None:
         file.execute("INSERT INTO session VALUES ('../../mine', 'x', '{}', 0, 0.0)")
     file.close()
     project = Project(tmp_path / "p")
-    Sessions(project, Events())
+    BrowserSessions(project, Events())
     with pytest.raises(RefusedError, match="is no id"):
         project.path("recordings", "../../mine/thesis", ".txt")
     project.close()
@@ -163,10 +163,10 @@ def test_a_new_project_is_for_its_owner(tmp_path) -> None:
     (tmp_path / "p").mkdir(mode=0o755)
     project = Project(tmp_path / "p")
     project.database.add("subject", SUBJECT)
-    files = [one for one in (tmp_path / "p").iterdir() if one.is_file()]
-    assert {one.name for one in files} >= {"project.db", "project.db-wal", "project.db.lock"}
-    for one in (*files, *(tmp_path / "p").glob("*/")):
-        assert one.stat().st_mode & 0o077 == 0, one
+    files = [path for path in (tmp_path / "p").iterdir() if path.is_file()]
+    assert {path.name for path in files} >= {"project.db", "project.db-wal", "project.db.lock"}
+    for file in (*files, *(tmp_path / "p").glob("*/")):
+        assert file.stat().st_mode & 0o077 == 0, file
     project.close()
 
 
@@ -229,14 +229,14 @@ def test_a_wrong_clock_removes_nothing(tmp_path, monkeypatch, days) -> None:
     """Once a start 400 days ahead purged uploads, recordings and sessions."""
     filled(tmp_path / "p")
     project = Project(tmp_path / "p")
-    session, cookie = Sessions(project, Events()).make()
+    session, cookie = BrowserSessions(project, Events()).make()
     project.close()
     before = files(tmp_path / "p")
     for _ in range(2):
         reopened(tmp_path / "p", 1, monkeypatch, time.time() + days * 86_400.0)
     assert files(tmp_path / "p") == before
     project = Project(tmp_path / "p")
-    assert Sessions(project, Events()).open([cookie]) == session
+    assert BrowserSessions(project, Events()).open([cookie]) == session
     project.close()
 
 
@@ -290,11 +290,11 @@ def test_one_bad_row_is_one_bad_row(serve) -> None:
                 row = (id_, kind, created, 0, text)
                 database.write("INSERT INTO thing VALUES (?, ?, ?, ?, ?)", *row)
     damaged = browser.get("/api/damaged").json()["damaged"]
-    assert Counter(one["kind"] for one in damaged) == dict.fromkeys(KINDS, len(BAD) + 2)
+    assert Counter(name["kind"] for name in damaged) == dict.fromkeys(KINDS, len(BAD) + 2)
     for kind in ("subjects", "recordings", "fits", "jobs", "comparisons", "studies", "protocols"):
         answer = browser.get(f"/api/{kind}")
         assert answer.status_code == 200, answer.text
-        assert [one["id"] for one in answer.json()[kind]] == ["0" * 16], kind
+        assert [entry["id"] for entry in answer.json()[kind]] == ["0" * 16], kind
     for path in ("cohort", "draft", "uploads", "jobs?active=true"):
         assert browser.get(f"/api/{path}").status_code == 200, path
     for path in ("recordings", "fits", "comparisons", "studies", "jobs"):
@@ -397,13 +397,13 @@ def test_a_full_disk_is_told(serve, monkeypatch) -> None:
     answer = browser.post("/api/uploads", params={"name": "a.csv"}, content=b"x")
     assert (answer.status_code, answer.json()["error"]) == (503, NO_ROOM)
     folder = server.bench.project.folder / "uploads"
-    assert [one for one in folder.rglob("*") if one.is_file()] == []
+    assert [path for path in folder.rglob("*") if path.is_file()] == []
     pages = server.bench.database.row("PRAGMA page_count")
     assert pages is not None
     server.bench.database.write(f"PRAGMA max_page_count = {pages[0]}")
     long = {"notes": "x" * 4000}
     answers = [browser.post("/api/subjects", json={"code": f"S{i}", **long}) for i in range(9)]
-    assert {one.status_code for one in answers} <= {201, 503}
+    assert {answer.status_code for answer in answers} <= {201, 503}
     assert answers[-1].json()["error"] == NO_ROOM
     assert browser.get("/api/subjects").status_code == 200
 

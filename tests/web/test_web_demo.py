@@ -5,7 +5,6 @@ import pytest
 
 import surae
 from surae.studies import virtual_subject
-from surae.web.demo import demo_recording
 from surae.web.routes.common import attachment
 
 
@@ -20,27 +19,32 @@ def test_the_virtual_subject_can_be_tried(serve) -> None:
     assert [first["trial"], second["trial"]] == ["T1", "T2"]
     assert first["emg"] == "raw"
     assert first["duration_s"] == pytest.approx(35.0, abs=10.0)
-    assert {one["role"] for one in first["channels"]} >= {"angle", "torque", "emg_ta", "emg_sol"}
+    assert {channel["role"] for channel in first["channels"]} >= {
+        "angle",
+        "torque",
+        "emg_ta",
+        "emg_sol",
+    }
 
     both = [
-        browser.get(f"/api/recordings/{one['id']}/window", params={"signals": "torque"}).json()
-        for one in (first, second)
+        browser.get(f"/api/recordings/{finding['id']}/window", params={"signals": "torque"}).json()
+        for finding in (first, second)
     ]
-    torques = [np.array(one["signals"][0]["v"]) for one in both]
+    torques = [np.array(recording["signals"][0]["v"]) for recording in both]
     assert not np.array_equal(*torques)
-    found = browser.get(f"/api/recordings/{first['id']}/quality").json()["findings"]
-    assert [one for one in found if one["severity"] == "error"] == []
+    finding = browser.get(f"/api/recordings/{first['id']}/quality").json()["findings"]
+    assert [fault for fault in finding if fault["severity"] == "error"] == []
     browser.change(recordings=[first["id"]])
     assert browser.get("/api/draft/parameters").json()["problem"] is None
 
 
 def test_the_virtual_subject_is_found_again_by_a_fit() -> None:
-    found = surae.fit(demo_recording(1), "muscle", starts=2)
-    assert found.status == "converged"
-    assert 99.0 < found.vaf < 100.0
+    fitted = surae.fit(surae.example(), "muscle", starts=2)
+    assert fitted.status == "converged"
+    assert 99.0 < fitted.vaf < 100.0
     true = virtual_subject(seed=1).parameters
     for name in ("m", "k_tri", "l0_tri"):
-        assert found.parameters[name].value == pytest.approx(true[name], rel=0.1)
+        assert fitted.parameters[name].value == pytest.approx(true[name], rel=0.1)
 
 
 @pytest.mark.parametrize(

@@ -3,36 +3,16 @@
 import io
 import time
 
-import numpy as np
 import pytest
 
-from surae.estimation import fit_problem, make_problem
-from surae.protocol import Protocol, generate, write_csv
-from surae.studies import virtual_trial
-from surae.web.designer import predicted, typical_subject
+import surae
+from surae.planning.ready import ready_protocols
+from surae.protocol import PROFILES, Protocol, generate, named_device, write_protocol_csv
 
 from .conftest import PATIENCE, least
 
 SETTINGS = {"profile": "multi-sine-holds", "chirp_amplitude": 0.2, "chirp_rate": 0.3,
             "rate_hz": 64.0}  # fmt: skip
-
-
-def test_predicted_errors_are_those_of_a_fit() -> None:
-    motion = generate(Protocol(**SETTINGS))
-    found = predicted(motion, "muscle", "healthy", 0.05)
-    subject = typical_subject("healthy")
-    trial = virtual_trial(subject, motion, noise=0.0)
-    rng = np.random.default_rng(4)
-    noisy = trial.torque + found["noise_Nm"] * rng.standard_normal(trial.n)
-    from dataclasses import replace
-
-    from surae.assessment import assess
-
-    problem = make_problem([replace(trial, torque=noisy)], start=subject.parameters)
-    fitted = assess(fit_problem(problem, starts=1))
-    for one in found["parameters"]:
-        assert fitted.parameters[one["name"]].sem == pytest.approx(one["sem"], rel=0.25)
-    assert fitted.ipde == pytest.approx(found["ipde"], rel=0.1)
 
 
 def test_a_preview_comes_in_seconds(browser) -> None:
@@ -45,13 +25,47 @@ def test_a_preview_comes_in_seconds(browser) -> None:
         return time.perf_counter() - begin
 
     assert least(seconds, 5.0) < 5.0
-    found = answers[-1].json()
-    assert len(found["t"]) == len(found["angle"]) == len(found["effort"][3]) <= 2000
-    assert found["adaptation"]["device"] == "achilles"
-    assert 0 < found["coverage"]["share"] < 1
-    verdicts = {one["name"]: one["verdict"] for one in found["prediction"]["parameters"]}
-    assert verdicts["dlt_tri"] == "fixed"
-    assert verdicts["l0_tri"] == "identified"
+    shown = answers[-1].json()
+    assert len(shown["t"]) == len(shown["angle"]) == len(shown["effort"][3]) <= 2000
+    assert any("achilles" in step for step in shown["adaptation"])
+    assert 0 < shown["coverage"]["share"] < 1
+    told = shown["prediction"]["parameters"]
+    assert "dlt_tri" not in told  # model 2.0 takes it for known
+    assert told["l0_tri"]["verdict"] == "identified"
+    velocity = next(limit for limit in shown["limits"] if "velocity" in limit["text"])
+    assert not velocity["exceeded"]
+
+
+def test_a_preview_says_what_an_expectation_says(browser) -> None:
+    body = {"settings": {**SETTINGS, "device": "achilles"}, "noise": 1.0}
+    shown = browser.post("/api/protocols/preview", json=body).json()["prediction"]
+    motion = generate(Protocol(**SETTINGS, device=named_device("achilles")))
+    told = surae.expect(motion, "muscle", population="healthy", noise=1.0, legs=6).to_json()
+    assert {name: shown[name] for name in told} == told
+
+
+def test_nothing_is_exported_beyond_limits_or_without_a_device_but_for_a_reason(browser) -> None:
+    for device, words in ((None, "No device"), ("achilles", "torque of virtual legs")):
+        body = {"settings": {**SETTINGS, "device": device}}
+        refused = browser.post("/api/protocols/csv", json=body)
+        assert refused.status_code == 400
+        assert words in refused.json()["error"]
+        given = browser.post("/api/protocols/csv", json=body | {"reason": "a simulation"})
+        assert given.content.startswith(b"# without limits: a simulation\n")
+    gentle = {**SETTINGS, "profile": "sine", "task": "passive", "chirp_amplitude": 0.0,
+              "range": [-0.6, 0.2], "device": "achilles"}  # fmt: skip
+    allowed = browser.post("/api/protocols/csv", json={"settings": gentle})
+    assert allowed.status_code == 200
+    assert allowed.content.startswith(b"time_s")
+
+
+def test_protocols_side_by_side(browser) -> None:
+    body = {"settings": {**SETTINGS, "device": "achilles"}}
+    rows = browser.post("/api/protocols/side-by-side", json=body).json()["protocols"]
+    assert {row["name"] for row in rows} == {*PROFILES, *ready_protocols()}
+    named = {row["name"]: row for row in rows}
+    assert named["everything-35"]["worst"] < named["multiple-holds"]["worst"]
+    assert named["everything-35"]["exceeded"] == []
 
 
 @pytest.mark.parametrize(
@@ -75,12 +89,15 @@ def test_impossible_protocols_are_refused(browser, change) -> None:
 
 def test_a_kept_protocol_is_the_command_lines_file(browser, tmp_path) -> None:
     made = browser.post("/api/protocols", json={"name": "mine", "settings": SETTINGS}).json()
-    assert made["id"] in [one["id"] for one in browser.get("/api/protocols").json()["protocols"]]
-    write_csv(generate(Protocol(**SETTINGS)), tmp_path / "p.csv")
-    kept = browser.get(f"/api/protocols/{made['id']}/protocol.csv")
+    assert made["id"] in [kept["id"] for kept in browser.get("/api/protocols").json()["protocols"]]
+    note = "without limits: no robot"
+    write_protocol_csv(generate(Protocol(**SETTINGS)), tmp_path / "p.csv", note=note)
+    assert browser.get(f"/api/protocols/{made['id']}/protocol.csv").status_code == 400
+    params = {"reason": "no robot"}
+    kept = browser.get(f"/api/protocols/{made['id']}/protocol.csv", params=params)
     assert kept.content == (tmp_path / "p.csv").read_bytes()
     assert "mine.csv" in kept.headers["content-disposition"]
-    body = {"settings": SETTINGS}
+    body = {"settings": SETTINGS, "reason": "no robot"}
     assert browser.post("/api/protocols/csv", json=body).content == kept.content
     assert browser.delete(f"/api/protocols/{made['id']}").status_code == 204
 

@@ -18,7 +18,10 @@ REFLEX = ("reflex_tri", "reflex_tib", "reflex_delay")
 
 
 def names(browser) -> dict[str, dict]:
-    return {one["name"]: one for one in browser.get("/api/draft/parameters").json()["parameters"]}
+    return {
+        parameter["name"]: parameter
+        for parameter in browser.get("/api/draft/parameters").json()["parameters"]
+    }
 
 
 def test_a_drive_is_in_the_table_while_it_is_mentioned(browser, recorded) -> None:
@@ -28,10 +31,10 @@ def test_a_drive_is_in_the_table_while_it_is_mentioned(browser, recorded) -> Non
     refused = browser.post("/api/live", json={"values": {"emd": 0.04}})
     assert refused.status_code == 400
     browser.change(parameters={"emd": {"free": True}, **{n: {"free": True} for n in REFLEX}})
-    found = names(browser)
-    assert found.keys() > {"emd", *REFLEX, "m"}
-    assert [n for n, one in found.items() if one["optional"]] == ["emd", *REFLEX]
-    assert found["emd"]["free"] is True
+    listed = names(browser)
+    assert listed.keys() > {"emd", *REFLEX, "m"}
+    assert [n for n, row in listed.items() if row["optional"]] == ["emd", *REFLEX]
+    assert listed["emd"]["free"] is True
     browser.change(parameters={"emd": {}})  # held at its default: still there
     assert names(browser)["emd"]["free"] is False
     browser.change(parameters={"emd": None, **dict.fromkeys(REFLEX)})
@@ -40,12 +43,14 @@ def test_a_drive_is_in_the_table_while_it_is_mentioned(browser, recorded) -> Non
 
 def test_a_slider_moves_the_delay(browser, recorded, trial) -> None:
     browser.change(recordings=[recorded], prepared=True, parameters={"emd": {"free": True}})
-    found = browser.post("/api/live", json={"values": {"emd": 0.08}, "points": 2000}).json()
-    values = {name: one["slider"] for name, one in names(browser).items()} | {"emd": 0.08}
+    answer = browser.post("/api/live", json={"values": {"emd": 0.08}, "points": 2000}).json()
+    values = {name: parameter["slider"] for name, parameter in names(browser).items()} | {
+        "emd": 0.08
+    }
     torque = surae.simulate("muscle", values, trial)
-    assert found["modelled"] == pytest.approx(torque.tolist(), rel=1e-5, abs=1e-5)
+    assert answer["modelled"] == pytest.approx(torque.tolist(), rel=1e-5, abs=1e-5)
     still = browser.post("/api/live", json={"values": {}, "points": 2000}).json()
-    assert still["modelled"] != found["modelled"]
+    assert still["modelled"] != answer["modelled"]
 
 
 def test_a_fit_with_a_delay_is_that_of_surae_fit(browser, recorded, trial, tmp_path) -> None:
@@ -61,9 +66,9 @@ def test_a_fit_with_a_delay_is_that_of_surae_fit(browser, recorded, trial, tmp_p
     assert kept["parameters"] == ours["parameters"]
     assert "emd" in kept["parameters"]
     beside = browser.get("/api/compare", params={"fits": job["result"]}).json()["parameters"]
-    assert {one["name"]: one["unit"] for one in beside}["emd"] == "s"
+    assert {name["name"]: name["unit"] for name in beside}["emd"] == "s"
     cohort = browser.get("/api/cohort").json()
-    assert "emd" in {one["name"] for one in cohort["columns"]}
+    assert "emd" in {column["name"] for column in cohort["columns"]}
     assert browser.delete(f"/api/fits/{job['result']}").status_code == 204
 
 
@@ -100,7 +105,7 @@ def test_a_drive_joins_a_fit_that_is_under_way(chirped) -> None:
         following._last = 0.0
         values = np.array([0.1 if p.name == "emd" else p.start for p in spec.parameters])
         following.point(spec, values, 1.0)
-    first, second = (one["traces"][0]["modelled"] for one in told)
+    first, second = (line["traces"][0]["modelled"] for line in told)
     assert first != second
     assert told[1]["values"]["emd"] == 0.1
 
@@ -111,4 +116,4 @@ def test_many_recordings_share_the_points(chirped) -> None:
     following = FitProgress([chirped] * 20, ids, FitSettings(starts=1), told.append)
     spec = get_model("muscle")
     following.point(spec, np.array([p.start for p in spec.parameters]), 1.0)
-    assert all(len(one["t"]) <= 400 for one in told[0]["traces"])
+    assert all(len(trace["t"]) <= 400 for trace in told[0]["traces"])

@@ -26,9 +26,9 @@ def test_a_fit_is_that_of_surae_fit(browser, recorded, trial, tmp_path) -> None:
     import json
 
     ours = json.loads((tmp_path / "fit.json").read_text())
-    for one in (kept, ours):
-        del one["seconds"]
-        one["recordings"][0]["path"] = one["traces"][0]["files"][0]["path"] = "trial.csv"
+    for copy in (kept, ours):
+        del copy["seconds"]
+        copy["recordings"][0]["path"] = copy["traces"][0]["files"][0]["path"] = "trial.csv"
     assert kept == ours
 
 
@@ -81,7 +81,11 @@ def test_a_killed_worker_costs_its_job_only(server, recorded) -> None:
     wait(browser, job["id"], "running")
     small(other, recorded)
     beside = other.post("/api/fits", json={})
-    victims = [w for one, w in server.bench.jobs._lanes["fits"].workers.items() if one == job["id"]]
+    victims = [
+        w
+        for id_of_job, w in server.bench.jobs._lanes["fits"].workers.items()
+        if id_of_job == job["id"]
+    ]
     os.kill(victims[0].process, signal.SIGKILL)
     job = wait(browser, job["id"], "failed")
     assert job["result"] is None
@@ -133,7 +137,6 @@ def test_a_fit_is_understood(browser, recorded) -> None:
     job = browser.job(browser.post("/api/fits", json={}))
     id_ = job["result"]
     fit = browser.get(f"/api/fits/{id_}").json()
-    assert fit["normal"]["m"]["healthy"] == [1.5, 2.7]
     assert fit["settings"]["exclusions"] == {recorded: [[3.0, 4.0]]}
     assert "traces" not in fit["fit"]
     traces = browser.get(f"/api/fits/{id_}/traces", params={"points": 500}).json()
@@ -162,6 +165,9 @@ def test_a_fit_is_understood(browser, recorded) -> None:
     page = browser.get(f"/api/fits/{id_}/report.html", params={"inline": True})
     assert "<html" in page.text
     assert "unsafe" not in page.headers["content-security-policy"]
+    short = browser.get(f"/api/fits/{id_}/clinical.html", params={"inline": True, "language": "de"})
+    assert "Steifigkeit" in short.text
+    assert "sandbox" in short.headers["content-security-policy"]
     printed = browser.get(f"/api/fits/{id_}/report.pdf")
     assert printed.content.startswith(b"%PDF"), printed.text
     assert browser.delete(f"/api/fits/{id_}").status_code == 204
@@ -174,9 +180,9 @@ def test_models_are_compared(browser, recorded) -> None:
     assert same.status_code == 400
     job = browser.job(browser.post("/api/comparisons", json={}))
     assert job["state"] == "done", job
-    found = browser.get(f"/api/comparisons/{job['result']}").json()
-    assert [one["model"] for one in found["models"]] == ["muscle", "muscle-tendon"]
-    assert found["conclusion"] == job["message"]
+    answer = browser.get(f"/api/comparisons/{job['result']}").json()
+    assert [model["model"] for model in answer["models"]] == ["muscle", "muscle-tendon"]
+    assert answer["conclusion"] == job["message"]
 
 
 def test_a_comparison_belongs_to_its_fit(browser, recorded) -> None:
@@ -186,10 +192,10 @@ def test_a_comparison_belongs_to_its_fit(browser, recorded) -> None:
     assert asked.json()["fit"] == own
     assert asked.json()["recordings"] == [recorded]
     active = browser.get("/api/jobs", params={"active": True}).json()["jobs"]
-    assert [one["fit"] for one in active if one["kind"] == "compare"] == [own]
+    assert [state["fit"] for state in active if state["kind"] == "compare"] == [own]
     job = browser.job(asked)
-    found = [browser.get(f"/api/fits/{id_}").json()["comparisons"] for id_ in (own, other)]
-    assert job["result"] in [one["id"] for one in found[0]]
-    assert job["result"] not in [one["id"] for one in found[1]]
+    comparisons = [browser.get(f"/api/fits/{id_}").json()["comparisons"] for id_ in (own, other)]
+    assert job["result"] in [comparison["id"] for comparison in comparisons[0]]
+    assert job["result"] not in [comparison["id"] for comparison in comparisons[1]]
     unknown = browser.post("/api/comparisons", json={"fit": "0" * 16})
     assert unknown.status_code == 404

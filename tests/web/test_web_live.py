@@ -14,17 +14,17 @@ from .conftest import least
 def test_a_slider_gives_the_torque_of_simulate(browser, recorded, trial) -> None:
     browser.change(recordings=[recorded], prepared=True, sliders={"k_tri": 180.0})
     body = {"values": {"l0_tri": 0.047}, "points": 2000, "parts": True}
-    found = browser.post("/api/live", json=body).json()
+    answer = browser.post("/api/live", json=body).json()
     table = browser.get("/api/draft/parameters").json()["parameters"]
-    values = {one["name"]: one["slider"] for one in table} | {"l0_tri": 0.047}
+    values = {row["name"]: row["slider"] for row in table} | {"l0_tri": 0.047}
     assert values["k_tri"] == 180.0
     torque = surae.simulate("muscle", values, trial)
-    assert found["modelled"] == pytest.approx(torque.tolist(), rel=1e-5, abs=1e-5)
-    parts = np.sum([found["parts"][name] for name in found["parts"]], axis=0)
+    assert answer["modelled"] == pytest.approx(torque.tolist(), rel=1e-5, abs=1e-5)
+    parts = np.sum([answer["parts"][name] for name in answer["parts"]], axis=0)
     assert parts == pytest.approx(torque, rel=1e-4, abs=1e-4)
     measured = surae.read(trial).channels["torque"].values
     error = measured - torque
-    assert found["vaf"] == pytest.approx(100 * (1 - np.sum(error**2) / np.sum(measured**2)))
+    assert answer["vaf"] == pytest.approx(100 * (1 - np.sum(error**2) / np.sum(measured**2)))
     assert browser.get("/api/draft").json()["draft"]["sliders"] == {"k_tri": 180.0}
 
 
@@ -36,7 +36,7 @@ def test_sliders_are_quick(browser, recorded, model) -> None:
         answers = [
             browser.post("/api/live", json={"values": {"k_tri": 150.0 + i}}) for i in range(8)
         ]
-        return float(np.median([one.json()["milliseconds"] for one in answers]))
+        return float(np.median([answer.json()["milliseconds"] for answer in answers]))
 
     assert least(milliseconds, 50.0) < 50.0
 

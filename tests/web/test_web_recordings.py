@@ -13,17 +13,17 @@ from surae.web.pyramid import Pyramid
 
 def test_an_upload_is_looked_into_and_imported(browser, trial) -> None:
     upload = browser.upload(trial)
-    found = browser.get(f"/api/uploads/{upload}/inspect").json()
-    columns = {one["name"]: one for one in found["columns"]}
+    answer = browser.get(f"/api/uploads/{upload}/inspect").json()
+    columns = {column["name"]: column for column in answer["columns"]}
     assert columns["angle_rad"]["role"] == "angle"
     assert columns["emg_ta_V"]["unit"] == "V"
     assert len(columns["torque_Nm"]["preview"]["t"]) <= 200
-    assert found["mapping"]["emg"] == "envelope"
-    mapping = found["mapping"]
+    assert answer["mapping"]["emg"] == "envelope"
+    mapping = answer["mapping"]
     mapping["channels"]["torque"]["sign"] = -1
     preview = browser.post("/api/imports/preview", json={"mapping": mapping}).json()
     ours = surae.read(trial)
-    torque = next(one for one in preview["channels"] if one["role"] == "torque")
+    torque = next(channel for channel in preview["channels"] if channel["role"] == "torque")
     assert torque["mean"] == pytest.approx(-ours.channels["torque"].values.mean())
     mapping["channels"]["torque"]["sign"] = 1
     body = {"mapping": mapping, "trial": "T1"}
@@ -59,9 +59,9 @@ def test_unreadable_files_are_refused_by_their_users_name(browser, data, says) -
 def test_a_mapping_reaches_no_file_but_uploads(browser, tmp_path, trial) -> None:
     toml = '[channels.angle]\nfile = "../../project.db"\ncolumn = "x"\nunit = "rad"\n'
     id_ = browser.post("/api/uploads", params={"name": "map.toml"}, content=toml).json()["id"]
-    found = browser.get(f"/api/uploads/{id_}/inspect").json()
-    assert found["ready"] is False
-    assert "project.db" in found["notes"][0]
+    answer = browser.get(f"/api/uploads/{id_}/inspect").json()
+    assert answer["ready"] is False
+    assert "project.db" in answer["notes"][0]
     browser.upload(trial)
     good = toml.replace("../../project.db", "trial.csv").replace('"x"', '"angle_rad"')
     id_ = browser.post("/api/uploads", params={"name": "map2.toml"}, content=good).json()["id"]
@@ -86,8 +86,8 @@ def test_subjects(serve, trial) -> None:
 def test_windows(browser, recorded, trial) -> None:
     ours = surae.read(trial).channels
     url = f"/api/recordings/{recorded}/window"
-    found = browser.get(url, params={"signals": "angle", "points": 2000}).json()
-    assert found["signals"][0]["v"] == ours["angle"].values.tolist()
+    answer = browser.get(url, params={"signals": "angle", "points": 2000}).json()
+    assert answer["signals"][0]["v"] == ours["angle"].values.tolist()
     part = browser.get(url, params={"signals": "torque", "start": 10, "end": 12}).json()
     time = np.array(part["signals"][0]["t"])
     assert time[0] < 10.0 <= time[1]
@@ -110,19 +110,19 @@ def test_binary_windows_hold_the_same(browser, recorded) -> None:
     body = answer.content
     (size,) = struct.unpack("<I", body[:4])
     header = json.loads(body[4 : 4 + size])
-    for one, other in zip(header["signals"], as_json["signals"], strict=True):
-        assert one["t_at"] % 8 == 0
-        assert one["v_at"] % 8 == 0
-        time = np.frombuffer(body, "<f8", one["points"], one["t_at"])
-        values = np.frombuffer(body, "<f4", one["points"], one["v_at"])
+    for signal, other in zip(header["signals"], as_json["signals"], strict=True):
+        assert signal["t_at"] % 8 == 0
+        assert signal["v_at"] % 8 == 0
+        time = np.frombuffer(body, "<f8", signal["points"], signal["t_at"])
+        values = np.frombuffer(body, "<f4", signal["points"], signal["v_at"])
         assert time.tolist() == other["t"]
         np.testing.assert_allclose(values, other["v"], rtol=1e-6)
 
 
 def test_quality_is_marked_in_time(browser, recorded) -> None:
-    found = browser.get(f"/api/recordings/{recorded}/quality").json()["findings"]
-    assert all(one["severity"] in ("info", "warning", "error") for one in found)
-    assert all(one["start_s"] <= one["end_s"] for one in found)
+    finding = browser.get(f"/api/recordings/{recorded}/quality").json()["findings"]
+    assert all(finding["severity"] in ("info", "warning", "error") for finding in finding)
+    assert all(finding["start_s"] <= finding["end_s"] for finding in finding)
 
 
 def test_a_pyramid_loses_no_peak() -> None:
@@ -153,10 +153,10 @@ def test_what_the_samples_do_not_say_is_asked(browser, tmp_path) -> None:
     noise = np.abs(np.random.default_rng(0).standard_normal(time.size))
     table = {"time_s": time, "Angle (deg)": np.sin(time), "Torque": time, "SOL (uV)": noise}
     write_csv(tmp_path / "lab.csv", table)
-    found = browser.get(f"/api/uploads/{browser.upload(tmp_path / 'lab.csv')}/inspect").json()
-    mapping = found["mapping"]
-    assert (mapping["emg"], found["ready"]) == (None, False)
-    assert {role: one["unit"] for role, one in mapping["channels"].items()} == {
+    content = browser.get(f"/api/uploads/{browser.upload(tmp_path / 'lab.csv')}/inspect").json()
+    mapping = content["mapping"]
+    assert (mapping["emg"], content["ready"]) == (None, False)
+    assert {role: channel["unit"] for role, channel in mapping["channels"].items()} == {
         "angle": "deg",
         "torque": None,
         "emg_sol": "uV",

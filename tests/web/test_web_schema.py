@@ -32,8 +32,8 @@ def schema(browser, recorded):
 def examined(schema, browser, examples: int) -> int:
     """Send examples of every operation; how many were sent."""
     sent = 0
-    for found in schema.get_all_operations():
-        operation = found.ok()
+    for get_all_operation in schema.get_all_operations():
+        operation = get_all_operation.ok()
 
         @settings(
             max_examples=examples,

@@ -36,9 +36,9 @@ def raw(server, method: str, path: str, headers: dict[str, str]) -> tuple[int, d
         connection.putheader(key, value)
     connection.endheaders()
     answer = connection.getresponse()
-    found = answer.status, dict(answer.getheaders()), answer.read().decode()
+    told = answer.status, dict(answer.getheaders()), answer.read().decode()
     connection.close()
-    return found
+    return told
 
 
 @pytest.mark.parametrize(
@@ -100,9 +100,9 @@ def test_without_the_sessions_token_nothing_changes(browser, token, method, path
 
 
 def test_the_token_of_another_session_is_no_use(server) -> None:
-    one, other = server.browser(), server.browser()
+    first, other = server.browser(), server.browser()
     headers = {"X-CSRF-Token": other.headers["X-CSRF-Token"]}
-    assert one.post("/api/draft/undo", headers=headers).status_code == 403
+    assert first.post("/api/draft/undo", headers=headers).status_code == 403
 
 
 def test_without_a_session_nothing_is_told(server) -> None:
@@ -130,25 +130,25 @@ def test_another_site_reads_nothing_either(server) -> None:
     """Other ports of this computer are the same site: cookies marked Strict go with them."""
     for site in ("cross-site", "same-site"):
         headers = {"Host": "localhost", "Sec-Fetch-Site": site}
-        status, found, _ = raw(server, "GET", "/api/session", headers)
+        status, headers_back, _ = raw(server, "GET", "/api/session", headers)
         assert status == 403
-        assert "set-cookie" not in found
+        assert "set-cookie" not in headers_back
         # A link that somebody follows comes without the cookies: were it given new ones, the
         # session would be lost. It gets a page that asks again, by then from here.
-        status, found, text = raw(server, "GET", "/import", headers)
+        status, headers_back, text = raw(server, "GET", "/import", headers)
         assert status == 200
-        assert "set-cookie" not in found
+        assert "set-cookie" not in headers_back
         assert 'http-equiv="refresh" content="0"' in text
 
 
 def test_two_projects_on_one_computer_keep_their_sessions(serve) -> None:
-    one, other = serve("one"), serve("other")
+    first, other = serve("one"), serve("other")
     with httpx.Client() as client:
-        client.get(f"{one.address}/")
+        client.get(f"{first.address}/")
         mine = dict(client.cookies)
         client.get(f"{other.address}/")  # cookies do not know ports
         assert dict(client.cookies).items() > mine.items()
-        assert client.get(f"{one.address}/api/draft").status_code == 200
+        assert client.get(f"{first.address}/api/draft").status_code == 200
 
 
 @pytest.mark.parametrize(
@@ -190,7 +190,7 @@ def test_a_broken_off_upload_leaves_nothing(server, caplog) -> None:
     folder = server.bench.project.folder / "uploads"
 
     def files() -> set[Path]:
-        return {one for one in folder.rglob("*") if one.is_file()}
+        return {path for path in folder.rglob("*") if path.is_file()}
 
     before = files()
     with socket.create_connection((place.hostname, place.port)) as connection:
@@ -216,11 +216,11 @@ def test_a_mapping_of_other_files_reaches_none(browser) -> None:
         scale = inf
     """
     id_ = browser.post("/api/uploads", params={"name": "m.toml"}, content=text.encode()).json()
-    found = browser.get(f"/api/uploads/{id_['id']}/inspect")
-    assert found.status_code == 200, found.text
-    assert found.json()["mapping"]["channels"] == {}
-    assert found.json()["mapping"]["fixed"] == {}
-    assert not found.json()["ready"]
+    answer = browser.get(f"/api/uploads/{id_['id']}/inspect")
+    assert answer.status_code == 200, answer.text
+    assert answer.json()["mapping"]["channels"] == {}
+    assert answer.json()["mapping"]["fixed"] == {}
+    assert not answer.json()["ready"]
 
 
 @pytest.mark.parametrize("code", ["a\u2028b", "a\u202eb", "a\x85b", "a\x1bb", "a\nb"])
@@ -261,7 +261,7 @@ def test_windows_that_follow_have_a_limit(serve) -> None:
     browser = server.browser()
     with contextlib.ExitStack() as stack:
         answers = [stack.enter_context(browser.stream("GET", "/api/events")) for _ in range(25)]
-        assert [one.status_code for one in answers] == [200] * 24 + [503]
+        assert [answer.status_code for answer in answers] == [200] * 24 + [503]
         with server.browser().stream("GET", "/api/events") as other:
             assert other.status_code == 200
         assert browser.get("/api/draft").status_code == 200
@@ -342,7 +342,7 @@ def test_too_much_is_refused_while_it_comes(serve) -> None:
     assert browser.post(url, content=endless()).status_code == 413  # no length announced
     assert browser.get("/api/uploads").json()["uploads"] == []
     folder = server.bench.project.folder / "uploads"
-    assert [one for one in folder.rglob("*") if one.is_file()] == []
+    assert [path for path in folder.rglob("*") if path.is_file()] == []
     assert browser.post(url, content=b"x" * 100_000).status_code == 201
     long = {"change": {"model": "m" * 3_000_000}}
     assert browser.patch("/api/draft", json=long).status_code == 413

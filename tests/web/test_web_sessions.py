@@ -4,9 +4,9 @@ import pytest
 
 
 def test_two_browsers_know_nothing_of_each_other(server, trial, recorded) -> None:
-    one, other = server.browser(), server.browser()
-    one.change(recordings=[recorded], model="muscle-tendon", sliders={"k_tri": 123.0})
-    upload = one.upload(trial)
+    first, other = server.browser(), server.browser()
+    first.change(recordings=[recorded], model="muscle-tendon", sliders={"k_tri": 123.0})
+    upload = first.upload(trial)
     assert other.get("/api/draft").json()["draft"]["recordings"] == []
     assert other.get("/api/draft").json()["draft"]["model"] == "auto"
     assert other.get("/api/uploads").json() == {"uploads": []}
@@ -15,7 +15,7 @@ def test_two_browsers_know_nothing_of_each_other(server, trial, recorded) -> Non
     mapping = {"name": "x", "channels": {"angle": {"upload": upload, "column": "angle_rad"}}}
     assert other.post("/api/imports", json={"mapping": mapping}).status_code == 404
     assert other.post("/api/draft/undo").status_code == 409
-    assert one.delete(f"/api/uploads/{upload}").status_code == 204
+    assert first.delete(f"/api/uploads/{upload}").status_code == 204
 
 
 def test_undo_and_redo(browser, recorded) -> None:
@@ -84,11 +84,12 @@ def test_what_makes_no_sense_is_refused_in_a_line(browser, change) -> None:
 def test_deleted_things_come_back_with_undo(server, trial) -> None:
     browser = server.browser()
     id_ = browser.recording(trial)
+    name = browser.get(f"/api/recordings/{id_}").json()["name"]
     browser.change(recordings=[id_])
     assert browser.delete(f"/api/recordings/{id_}").status_code == 204
     assert browser.get(f"/api/recordings/{id_}").status_code == 404
     assert browser.get("/api/draft").json()["draft"]["recordings"] == []
-    assert browser.get("/api/draft").json()["undo"] == "delete recording trial"
+    assert browser.get("/api/draft").json()["undo"] == f"delete recording {name}"
     browser.post("/api/draft/undo")
     assert browser.get(f"/api/recordings/{id_}").status_code == 200
     browser.post("/api/draft/redo")
@@ -96,20 +97,20 @@ def test_deleted_things_come_back_with_undo(server, trial) -> None:
 
 
 def test_undo_does_not_bring_back_what_somebody_else_deleted(server) -> None:
-    one, other = server.browser(), server.browser()
-    id_ = one.post("/api/subjects", json={"code": "mine and yours"}).json()["id"]
+    first, other = server.browser(), server.browser()
+    id_ = first.post("/api/subjects", json={"code": "mine and yours"}).json()["id"]
 
     def there() -> bool:
-        return id_ in [p["id"] for p in one.get("/api/subjects").json()["subjects"]]
+        return id_ in [p["id"] for p in first.get("/api/subjects").json()["subjects"]]
 
-    one.delete(f"/api/subjects/{id_}")
-    one.post("/api/draft/undo")
-    one.post("/api/draft/redo")
-    one.post("/api/draft/undo")
+    first.delete(f"/api/subjects/{id_}")
+    first.post("/api/draft/undo")
+    first.post("/api/draft/redo")
+    first.post("/api/draft/undo")
     assert there()
     other.delete(f"/api/subjects/{id_}")
     for step in ("redo", "undo"):  # neither is its to take
-        answer = one.post(f"/api/draft/{step}")
+        answer = first.post(f"/api/draft/{step}")
         assert answer.status_code == 409
         assert not there()
     other.post("/api/draft/undo")
@@ -117,12 +118,12 @@ def test_undo_does_not_bring_back_what_somebody_else_deleted(server) -> None:
 
 
 def test_the_later_of_two_who_edit_is_told_what_he_would_overwrite(server) -> None:
-    one, other = server.browser(), server.browser()
-    seen = one.post("/api/subjects", json={"code": "edited by two"}).json()
+    first, other = server.browser(), server.browser()
+    seen = first.post("/api/subjects", json={"code": "edited by two"}).json()
     path, seen_too = f"/api/subjects/{seen['id']}", {"If-Match": f'"{seen["revision"]}"'}
     assert other.patch(path, json={"notes": "left leg"}, headers=seen_too).status_code == 200
-    answer = one.patch(path, json={"notes": "right leg"}, headers=seen_too)
+    answer = first.patch(path, json={"notes": "right leg"}, headers=seen_too)
     assert answer.status_code == 409
     assert "notes 'left leg'" in answer.json()["error"]
     now = {"If-Match": f'"{other.patch(path, json={}).json()["revision"]}"'}
-    assert one.patch(path, json={"notes": "both"}, headers=now).status_code == 200
+    assert first.patch(path, json={"notes": "both"}, headers=now).status_code == 200

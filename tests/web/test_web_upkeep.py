@@ -55,7 +55,7 @@ def test_a_copy_of_a_project_in_use_is_a_project(filled, tmp_path) -> None:
     filled.database.add("subject", {**SUBJECT, "code": "S02"})  # it goes on
     assert files(tmp_path / "copy") == files(filled.folder)
     copy = Project(tmp_path / "copy")
-    assert [one["code"] for one in copy.database.all("subject")] == ["S01"]
+    assert [subject["code"] for subject in copy.database.all("subject")] == ["S01"]
     assert copy.id == filled.id
     copy.close()
     assert (tmp_path / "copy" / "project.db").stat().st_mode & 0o077 == 0
@@ -83,19 +83,19 @@ def test_what_is_wrong_is_told_and_set_aside(filled) -> None:
     with pytest.raises(ComputationError, match="cannot copy"):
         upkeep.backup(root, root.parent / "copy")
     assert not (root.parent / "copy").exists()
-    assert [one.name for one in root.parent.iterdir()] == ["p"]  # no half copy either
+    assert [path.name for path in root.parent.iterdir()] == ["p"]  # no half copy either
     assert "in use" in told("repair", root)[1]
     filled.close()
     assert told("repair", root)[0] == 0
     after = upkeep.check(root)
     assert [line.split(": ")[0] for line in after.problems] == [f"recording {'a' * 16}"]
     assert after.orphans == ()
-    trash = {one.name for one in (root / "trash").iterdir()}
+    trash = {path.name for path in (root / "trash").iterdir()}
     assert {"project.db-1", "project.db-1-rows.json", "recordings-.surae-0123.part",
             f"fits-{'9' * 16}.json"} <= trash  # fmt: skip
     project = Project(root)
-    assert [one["id"] for one in project.database.all("recording")] == ["a" * 16]
-    assert [one["code"] for one in project.database.all("subject")] == ["S01"]
+    assert [recording["id"] for recording in project.database.all("recording")] == ["a" * 16]
+    assert [subject["code"] for subject in project.database.all("subject")] == ["S01"]
     project.close()
 
 

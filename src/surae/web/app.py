@@ -21,6 +21,7 @@ from surae.web.http_errors import RefusedError
 from surae.web.routes import (
     cohort,
     comparisons,
+    descriptions,
     draft,
     fits,
     jobs,
@@ -79,7 +80,8 @@ def create_app(bench: Workbench, policy: Policy) -> ASGIApp:
     )
     app.state.workbench, app.state.policy = bench, policy
     for module in (
-        draft, uploads, recordings, fits, jobs, comparisons, cohort, protocols, studies, pages
+        draft, uploads, recordings, descriptions, fits, jobs, comparisons, cohort, protocols,
+        studies, pages,
     ):  # fmt: skip
         app.include_router(module.router)
     app.mount("/static", _Static(directory=pages.STATIC, check_dir=False), name="static")

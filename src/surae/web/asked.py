@@ -22,8 +22,8 @@ class Asked:
 
     def header(self, name: str) -> str:
         """A header; empty where it is missing or comes twice."""
-        found = [value for key, value in self._headers if key == name.encode()]
-        return found[0].decode("latin-1") if len(found) == 1 else ""
+        values = [value for key, value in self._headers if key == name.encode()]
+        return values[0].decode("latin-1") if len(values) == 1 else ""
 
     def cookies(self, name: str) -> list[str]:
         """The values of the cookies of exactly this name.

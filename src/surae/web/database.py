@@ -121,7 +121,7 @@ class Database:
             return file.execute(query, values).fetchall()
 
     def row(self, query: str, *values: object) -> tuple[Any, ...] | None:
-        """Its first row; None where there is none."""
+        """Give the first row of an answer; None where there is none."""
         return next(iter(self.rows(query, *values)), None)
 
     def write(self, query: str, *values: object) -> int:

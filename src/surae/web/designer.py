@@ -1,24 +1,22 @@
-"""A protocol before anybody is measured: the motion, what it covers, and what it will tell.
-
-The information matrix needs no fit: the Jacobian of the torque at a typical subject's parameters
-and the noise that is expected give the standard errors (Cramér and Rao's bound) at once.
-"""
+"""A protocol before anybody is measured: the motion, its limits, what it covers and will tell."""
 
 import time
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from surae.assessment.uncertainty.covariance import covariance, half_width, ipde
-from surae.assessment.verdict import judge_interval, judge_singular
+from surae.api import (
+    PROFILES,
+    Protocol,
+    Trajectory,
+    asked_limits,
+    expect,
+    extremes,
+    generate,
+    named_device,
+    ready_protocols,
+    ready_trajectory,
+    triceps_path,
+)
 from surae.errors import InputError
-from surae.estimation.least_squares import compress
-from surae.model import ModelOptions, get_model
-from surae.protocol import Protocol, Trajectory, generate, named_device
-from surae.protocol.triceps import triceps_path
-from surae.report.decimate import extremes
-from surae.studies import POPULATIONS, VirtualSubject, virtual_trial
 from surae.web.live import plain
 
 if TYPE_CHECKING:
@@ -29,16 +27,24 @@ _POINTS = 2000
 _MOST_SAMPLES = 1_200_000
 #: Samples of the torque that the prediction is made of; more tell it nothing else.
 _PREDICTED = 60_000
+#: Legs that a preview is an average over.
+_LEGS = 6
 
 
-def protocol(settings: "ProtocolSettings") -> Protocol:
-    """The protocol of some settings.
+def trajectory_of(settings: "ProtocolSettings") -> Trajectory:
+    """The trajectory of some settings: a designed protocol, or a profile of the thesis.
 
     Raises
     ------
     InputError
-        A setting is out of its range.
+        A setting is out of its range, or the device cannot do it.
     """
+    low, high = settings.range
+    if not -3.0 <= low < high <= 3.0:
+        raise InputError(f"range of motion {low:g} … {high:g} rad; give angles of an ankle")
+    device = None if settings.device is None else named_device(settings.device)
+    if settings.profile in ready_protocols():
+        return ready_trajectory(settings.profile, device, settings.range, settings.rate_hz)
     made = Protocol(
         profile=settings.profile,
         task=settings.task,
@@ -47,7 +53,7 @@ def protocol(settings: "ProtocolSettings") -> Protocol:
         range_of_motion=settings.range,
         duration=settings.duration,
         rate_hz=settings.rate_hz,
-        device=None if settings.device is None else named_device(settings.device),
+        device=device,
         adapt=settings.adapt,
     )
     if made.seconds * max(made.rate_hz, 2000.0) > _MOST_SAMPLES:
@@ -55,24 +61,45 @@ def protocol(settings: "ProtocolSettings") -> Protocol:
             f"{made.seconds:g} s at {made.rate_hz:g} Hz are too many samples; use a shorter "
             "duration or a lower rate"
         )
-    low, high = made.range_of_motion
-    if not -3.0 <= low < high <= 3.0:
-        raise InputError(f"range of motion {low:g} … {high:g} rad; give angles of an ankle")
-    return made
+    return generate(made)
+
+
+def for_export(settings: "ProtocolSettings", reason: str) -> Trajectory:
+    """The trajectory, if it may be written: within a device's limits, or for a reason.
+
+    Raises
+    ------
+    InputError
+        There is no device, or one of its limits is exceeded, and no reason is given.
+    """
+    trajectory = trajectory_of(settings)
+    exceeded = [limit for limit in limits(trajectory) if limit["exceeded"]]
+    if exceeded and not reason.strip():
+        told = "; ".join(limit["text"] for limit in exceeded)
+        raise InputError(f"{told}; nothing is exported without a reason: type it, or change this")
+    return trajectory
+
+
+def limits(trajectory: Trajectory) -> list[dict[str, Any]]:
+    """Every limit of the device, whether it is exceeded, and by how much in words."""
+    if trajectory.settings.device is None:
+        return [{"text": "No device: no limit is kept", "exceeded": True}]
+    return [{"text": limit.text, "exceeded": limit.exceeded} for limit in asked_limits(trajectory)]
 
 
 def preview(
     settings: "ProtocolSettings", model: str, population: str, noise: float
 ) -> dict[str, Any]:
-    """The motion, the effort, the coverage, and the standard errors to expect."""
-    made = protocol(settings)
-    if made.seconds * made.rate_hz > _PREDICTED:
+    """The motion, the effort, the limits, the coverage, and the standard errors to expect."""
+    begin = time.perf_counter()
+    trajectory = trajectory_of(settings)
+    if len(trajectory.time) > _PREDICTED:
         raise InputError(
-            f"{made.seconds:g} s at {made.rate_hz:g} Hz are too many samples to predict from; use "
-            "a rate of 125 Hz: it tells as much"
+            f"{len(trajectory.time)} samples at {settings.rate_hz:g} Hz are too many to predict "
+            "from; use a rate of 125 Hz: it tells as much"
         )
-    trajectory = generate(made)
     path, adaptation = triceps_path(trajectory), trajectory.adaptation
+    told = expect(trajectory, model, population=population, noise=noise, legs=_LEGS)
     shown = extremes([trajectory.angle, trajectory.velocity], _POINTS)
     step = max(-(-len(trajectory.time) // _POINTS), 1)
     return {
@@ -80,19 +107,10 @@ def preview(
         "angle": plain(trajectory.angle[shown]),
         "velocity": plain(trajectory.velocity[shown]),
         "effort": [plain(trajectory.effort[shown, i]) for i in range(4)],
-        "seconds": trajectory.settings.seconds,
+        "seconds": float(trajectory.time[-1]),
         "samples": len(trajectory.time),
-        "adaptation": None
-        if adaptation is None
-        else {
-            "device": adaptation.device,
-            "steps": list(adaptation.steps),
-            "chirp_amplitude": list(adaptation.chirp_amplitude),
-            "cutoff_hz": adaptation.cutoff_hz,
-            "peak_velocity": list(adaptation.peak_velocity),
-            "peak_acceleration": list(adaptation.peak_acceleration),
-            "span": adaptation.span,
-        },
+        "limits": limits(trajectory),
+        "adaptation": None if adaptation is None else list(adaptation.steps),
         "coverage": {
             "share": path.coverage.share,
             "outside": path.coverage.outside,
@@ -101,81 +119,37 @@ def preview(
             "time_share": [plain(row) for row in path.coverage.time_share],
         },
         "path": {"length": plain(path.length[::step]), "velocity": plain(path.velocity[::step])},
-        "prediction": predicted(trajectory, model, population, noise),
-    }
-
-
-def typical_subject(population: str) -> VirtualSubject:
-    """The subject in the middle of a population's ranges."""
-    middle = {name: 0.5 * (low + high) for name, (low, high) in POPULATIONS[population].items()}
-    return VirtualSubject(population, 0, middle)
-
-
-def predicted(trajectory: Trajectory, model: str, population: str, noise: float) -> dict[str, Any]:
-    """Standard errors, dependency and verdicts that a trial of a typical subject would give.
-
-    Parameters
-    ----------
-    trajectory : Trajectory
-        The protocol.
-    model : str
-        A model that the population's parameters are of.
-    population : str
-        Whose middle the typical subject is.
-    noise : float
-        Standard deviation of the torque's noise as a part of its mean magnitude, white.
-
-    Raises
-    ------
-    InputError
-        The model has parameters of which the population knows nothing.
-    """
-    begin = time.perf_counter()
-    spec, options, subject = get_model(model), ModelOptions(), typical_subject(population)
-    if not set(subject.parameters) <= set(spec.names):
-        raise InputError(f"nothing typical is known for model {model!r}; choose another model")
-    trial = virtual_trial(subject, trajectory, model=model, noise=0.0)
-    vector = spec.vector(subject.truth(model, options), options)
-    columns = [spec.names.index(name) for name in spec.free]
-    torque, jacobian = spec.simulator(trial, options).torque_jacobian(vector, columns)
-    sigma = noise * float(np.abs(torque).mean())
-    rows = np.vstack([jacobian, np.zeros(trial.n)])
-    R, _, _ = compress(rows)
-    dof = trial.n - len(spec.free)
-    if dof <= 0:
-        raise InputError(f"{trial.n} samples cannot tell {len(spec.free)} parameters; measure more")
-    result = covariance(R, spec.free, max(sigma, 1e-12) ** 2 * dof, trial.n)
-    return {
-        "model": model,
-        "population": population,
-        "torque_rms": float(np.sqrt(np.mean(torque**2))),
-        "noise_Nm": sigma,
-        "ipde": ipde(result.correlation) if len(result.names) > 1 else None,
-        "parameters": _parameters(spec, vector, result),
-        "correlation": {"names": list(result.names), "matrix": result.correlation.tolist()},
+        "prediction": told.to_json() | {"identified": told.identified},
         "milliseconds": round(1e3 * (time.perf_counter() - begin), 3),
     }
 
 
-def _parameters(spec: Any, vector: Any, result: Any) -> list[Mapping[str, Any]]:
-    rows: list[Mapping[str, Any]] = []
-    for p, value in zip(spec.parameters, vector.tolist(), strict=True):
-        sem = relative = None
-        if p.name not in spec.free:
-            verdict, note = "fixed", "fixed, not estimated"
-        elif p.name in result.names:
-            j = result.names.index(p.name)
-            sem = float(np.sqrt(result.matrix[j, j]))
-            half = half_width(sem, result.dof)
-            relative = sem / abs(value) if value else None
-            judged, note = judge_interval(p.name, value, half, result, p.unit)
-            verdict = str(judged)
-        else:
-            verdict, note = "weak", judge_singular(p.name, result.directions)
+def side_by_side(
+    settings: "ProtocolSettings", model: str, population: str, noise: float
+) -> list[dict[str, Any]]:
+    """Every protocol, of the thesis and designed, with the same device, range, noise and legs."""
+    rows = []
+    for name in (*ready_protocols(), *PROFILES):
+        asked = settings.model_copy(update={"profile": name, "rate_hz": 128.0, "duration": None})
+        if name in PROFILES and PROFILES[name].duration < 20.0:
+            asked = asked.model_copy(update={"task": "passive"})
+        row: dict[str, Any] = {"name": name, "designed": name in ready_protocols()}
+        try:
+            trajectory = trajectory_of(asked)
+            told = expect(trajectory, model, population=population, noise=noise, legs=_LEGS)
+        except InputError as refusal:
+            rows.append(row | {"refused": str(refusal)})
+            continue
         rows.append(
-            {
-                "name": p.name, "unit": p.unit, "meaning": p.meaning, "value": value, "sem": sem,
-                "relative": relative, "verdict": verdict, "note": note,
+            row
+            | {
+                "seconds": told.seconds,
+                "worst": told.worst,
+                "weakest": told.weakest,
+                "geometric_mean": told.geometric_mean,
+                "identified": told.identified,
+                "of": len(told.parameters),
+                "exceeded": [x["text"] for x in limits(trajectory) if x["exceeded"]],
             }
-        )  # fmt: skip
+        )
     return rows

@@ -4,12 +4,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
+from surae.api import (
+    FitSettings,
+    ModelSpec,
+    Parameter,
+    Weighting,
+    adapted,
+    get_model,
+    richest,
+    with_optional,
+)
 from surae.errors import InputError
-from surae.model import ModelSpec, Parameter, adapted, get_model, with_optional
-from surae.model.laboratory import richest
-from surae.settings import FitSettings
-from surae.signals import Weighting
-from surae.studies.populations import POPULATIONS, TENDONS
 
 #: Keys whose entries a change adds to or, with None, takes away; it replaces all others.
 _MERGED = ("exclusions", "sliders")
@@ -178,8 +183,6 @@ def parameter_table(
                 "prior": told.get("prior") or priors.get(name),
                 "default": default,
                 "slider": now[name],
-                "normal": normal(name, "healthy"),
-                "patient": normal(name, "patient"),
                 "prescribed": prescribed.get(name),
                 "optional": name in spec.optional,
             }
@@ -192,15 +195,9 @@ def described(p: Parameter, free: bool) -> dict[str, Any]:
     return {"free": free, "value": p.start, "lower": p.lower, "upper": p.upper}
 
 
-def normal(name: str, population: str) -> list[float] | None:
-    """The range of a parameter in a population; None where nothing is known."""
-    limits = POPULATIONS[population].get(name) or TENDONS[population].get(name)
-    return None if limits is None else list(limits)
-
-
 def _population(draft: Draft) -> dict[str, dict[str, float]]:
     """Default priors that the draft asks for."""
-    from surae.estimation.population import population_priors
+    from surae.api import population_priors
 
     if draft["population"] is None:
         return {}

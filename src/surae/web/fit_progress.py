@@ -6,9 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from surae.model import ModelSpec, Simulator
-from surae.settings import FitSettings
-from surae.signals import ModelInputs, thinned, thinning_factor
+from surae.api import FitSettings, ModelInputs, ModelSpec, Simulator, thinned, thinning_factor
 from surae.units import FloatArray
 from surae.web.pyramid import Pyramid
 

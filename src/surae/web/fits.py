@@ -7,22 +7,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from surae.api import (
+    adequacy_words,
+    budget_section,
+    extremes,
+    family_section,
+    laboratory_section,
+    trials_section,
+)
 from surae.errors import InputError
-from surae.report.adequacy import adequacy_words
-from surae.report.budget import budget_section
-from surae.report.decimate import extremes
-from surae.report.laboratory import family_section, laboratory_section, trials_section
-from surae.web.draft import normal, settings_of, shown, upgraded
+from surae.web.draft import settings_of, shown, upgraded
 from surae.web.jobs import Kind
 from surae.web.live import plain
-from surae.web.project import when
+from surae.web.project import unique_name, when
 from surae.web.rows import Thing
-from surae.web.sessions import Session
+from surae.web.sessions import BrowserSession
 
 if TYPE_CHECKING:
-    from surae.api import Fit
-    from surae.settings import FitSettings
-    from surae.signals import ModelInputs
+    from surae.api import Fit, FitSettings, ModelInputs
     from surae.web.workbench import Workbench
 
 _PARTS = ("tissue_tri", "tissue_tib", "neural_tri", "neural_tib", "inertial", "gravitational")
@@ -31,19 +33,24 @@ _LONG = ("R", "traces", "outliers")
 
 
 def submit_fit(
-    bench: "Workbench", session: Session, draft: dict[str, Any], name: str | None
+    bench: "Workbench", session: BrowserSession, draft: dict[str, Any], name: str | None
 ) -> Thing:
     """Ask for the fit that a draft describes; wrong settings are refused now, not in the job."""
     recordings = bench.draft_recordings(draft)
     check_draft(bench, draft)
-    label = f"{draft['model']} · {', '.join(one['name'] for one in recordings)}"
-    task = {"draft": draft, "name": name, "recordings": [one["id"] for one in recordings]}
+    label = f"{draft['model']} · {', '.join(recording['name'] for recording in recordings)}"
+    task = {
+        "draft": draft,
+        "name": name,
+        "recordings": [recording["id"] for recording in recordings],
+        "versions": _versions(bench, draft),
+    }
     return bench.jobs.submit("fit", (name or label)[:200], session, task, recordings[0]["id"])
 
 
 def submit_comparison(
     bench: "Workbench",
-    session: Session,
+    session: BrowserSession,
     draft: dict[str, Any],
     models: list[str],
     fit: str | None,
@@ -51,21 +58,28 @@ def submit_comparison(
     """Ask whether the draft's recordings need tendons that give way; `fit` is what for."""
     recordings = bench.draft_recordings(draft)
     check_draft(bench, draft)
-    names = ", ".join(one["name"] for one in recordings)
+    names = ", ".join(recording["name"] for recording in recordings)
     task = {
         "draft": draft,
         "models": models,
         "fit": fit,
-        "recordings": [one["id"] for one in recordings],
+        "recordings": [recording["id"] for recording in recordings],
+        "versions": _versions(bench, draft),
     }
     return bench.jobs.submit(
         "compare", f"compare models · {names}"[:200], session, task, recordings[0]["id"]
     )
 
 
+def _versions(bench: "Workbench", draft: Mapping[str, Any]) -> dict[str, int]:
+    """Which descriptions of its recordings a draft is about."""
+    ids = [*draft["recordings"], *draft["mvc"]]
+    return {id_: bench.project.need("recording", id_).get("version", 0) for id_ in ids}
+
+
 def check_draft(bench: "Workbench", draft: dict[str, Any]) -> None:
     """Refuse a draft that no fit can be made of, with the line that the fit would give."""
-    from surae.estimation import make_problem
+    from surae.api import make_problem
 
     settings, inputs = prepared_draft(bench, draft)
     make_problem(inputs, settings)
@@ -98,8 +112,11 @@ def keep_fit(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
     names = ", ".join(told["names"])
     data = {
         **told,
-        "name": task["name"] or f"{told['model']} · {names}"[:200],
+        "name": unique_name(
+            bench.database.all("fit"), task["name"] or f"{told['model']} · {names}"
+        ),
         "recordings": task["recordings"],
+        "versions": task.get("versions", {}),
         "settings": task["draft"],
     }
     id_ = bench.project.add("fit", data, job["id"])
@@ -112,10 +129,10 @@ def keep_profile(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
     del end
     id_ = str(job["about"])
     made = bench.project.path("fits", job["id"], ".profiles.json")
-    found = json.loads(made.read_text(encoding="utf-8"))["profiles"]
+    profile = json.loads(made.read_text(encoding="utf-8"))["profiles"]
     made.unlink(missing_ok=True)
     fit = bench.project.need("fit", id_)
-    kept = {**fit.get("profiles", {}), **{name: _profile(one) for name, one in found.items()}}
+    kept = {**fit.get("profiles", {}), **{name: _profile(row) for name, row in profile.items()}}
     bench.project.change("fit", id_, profiles=kept)
     bench.changed("fits")
     return id_
@@ -141,18 +158,18 @@ def keep_study(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
     return str(job["about"])
 
 
-def _profile(one: Mapping[str, Any]) -> dict[str, Any]:
+def _profile(row: Mapping[str, Any]) -> dict[str, Any]:
     """What a page draws of a profile."""
-    low, high = one["interval"]
+    low, high = row["interval"]
     return {
-        "values": one["grid"],
-        "delta": one["delta_chi2"],
-        "threshold": one["threshold"],
+        "values": row["grid"],
+        "delta": row["delta_chi2"],
+        "threshold": row["threshold"],
         "lower": low,
         "upper": high,
-        "status": one["status"],
-        "note": one["message"],
-        "open": one["open"],
+        "status": row["status"],
+        "note": row["message"],
+        "open": row["open"],
     }
 
 
@@ -165,8 +182,18 @@ def fit_summary(bench: "Workbench", fit: Thing) -> dict[str, Any]:
         "id": fit["id"],
         **{key: fit[key] for key in keys},
         "created": when(fit["created"]),
+        "older": _older(bench, fit),
         "subject": None if first is None else first["subject"],
     }
+
+
+def _older(bench: "Workbench", fit: Thing) -> list[str]:
+    """Names of its recordings that have been described anew since."""
+    rows = (bench.database.get("recording", id_) for id_ in fit["recordings"])
+    made_of = fit.get("versions", {})
+    return [
+        row["name"] for row in rows if row and row.get("version", 0) != made_of.get(row["id"], 0)
+    ]
 
 
 def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
@@ -177,10 +204,17 @@ def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
     except (OSError, ValueError):
         raise InputError("the file of this fit is missing or damaged; fit again") from None
     comparisons = [
-        {"id": one["id"], "created": when(one["created"]), "conclusion": one["conclusion"]}
-        for one in bench.database.all("comparison")
-        if one.get("fit") == fit["id"]
-        or (one.get("fit") is None and set(one["recordings"]) == set(fit["recordings"]))
+        {
+            "id": comparison["id"],
+            "created": when(comparison["created"]),
+            "conclusion": comparison["conclusion"],
+        }
+        for comparison in bench.database.all("comparison")
+        if comparison.get("fit") == fit["id"]
+        or (
+            comparison.get("fit") is None
+            and set(comparison["recordings"]) == set(fit["recordings"])
+        )
     ]
     steps = [trace["steps"] for trace in whole.get("traces", [])]
     return {
@@ -188,7 +222,6 @@ def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
         **_told(bench.fit(fit["id"])),
         "fit": {key: value for key, value in whole.items() if key not in _LONG},
         "steps": steps,
-        "normal": {name: ranges(name) for name in whole["parameters"]},
         "settings": shown(upgraded(fit["settings"])),
         "profiles": fit.get("profiles", {}),
         "comparisons": comparisons,
@@ -208,39 +241,36 @@ def _told(fit: "Fit") -> dict[str, Any]:
     return {name: None if each is None else asdict(each) for name, each in sections.items()}
 
 
-def ranges(name: str) -> dict[str, list[float] | None]:
-    """Where a parameter lies in health and in patients."""
-    return {population: normal(name, population) for population in ("healthy", "patient")}
-
-
 def fit_traces(
     fitted: "Fit", number: int, start: float | None, end: float | None, points: int
 ) -> dict[str, Any]:
     """The curves of one recording of a fit, at common instants."""
     parts = fitted.parts(number)  # refuses a wrong number
-    one = fitted.result.problem.inputs[number]
+    recording = fitted.result.problem.inputs[number]
     residual = fitted.result.residuals[number]
-    first = 0 if start is None else max(int(np.searchsorted(one.time, start)) - 1, 0)
-    last = one.n if end is None else int(np.searchsorted(one.time, end, "right")) + 1
-    last = min(max(last, first), one.n)
-    measured = np.zeros(one.n) if one.torque is None else one.torque
+    first = 0 if start is None else max(int(np.searchsorted(recording.time, start)) - 1, 0)
+    last = recording.n if end is None else int(np.searchsorted(recording.time, end, "right")) + 1
+    last = min(max(last, first), recording.n)
+    measured = np.zeros(recording.n) if recording.torque is None else recording.torque
     modelled = measured - residual
     inside = slice(first, last)
     # Every point is a sample: parts add up to the torque, and no swing of a chirp is lost.
-    shown = first + extremes([each[inside] for each in (measured, modelled, one.angle)], points)
+    shown = first + extremes(
+        [each[inside] for each in (measured, modelled, recording.angle)], points
+    )
     return {
-        "name": one.name,
-        "n": one.n,
-        "rate_hz": one.rate_hz,
-        "t": plain(one.time[shown]),
+        "name": recording.name,
+        "n": recording.n,
+        "rate_hz": recording.rate_hz,
+        "t": plain(recording.time[shown]),
         "measured": plain(measured[shown]),
         "modelled": plain(modelled[shown]),
         "residual": plain(residual[shown]),
-        "angle": plain(one.angle[shown]),
-        "emg": [plain(one.emg[shown, column]) for column in range(one.emg.shape[1])],
-        "emg_unit": one.emg_unit,
+        "angle": plain(recording.angle[shown]),
+        "emg": [plain(recording.emg[shown, column]) for column in range(recording.emg.shape[1])],
+        "emg_unit": recording.emg_unit,
         "parts": {name: plain(getattr(parts, name)[shown]) for name in _PARTS},
-        "excluded": _excluded(one.time, one.weight),
+        "excluded": _excluded(recording.time, recording.weight),
     }
 
 
@@ -248,6 +278,6 @@ def _excluded(time: Any, weight: Any) -> list[list[float]]:
     """Spans that were left out [s]."""
     if weight is None:
         return []
-    from surae.report.excluded import excluded_spans
+    from surae.api import excluded_spans
 
     return [[float(time[a]), float(time[b])] for a, b in excluded_spans(weight)]

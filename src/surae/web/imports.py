@@ -18,12 +18,17 @@ from typing import Any
 
 import numpy as np
 
+from surae.api import (
+    Recording,
+    is_mapping,
+    load_each,
+    min_max,
+    open_source,
+    open_table,
+    read,
+    write_hdf5,
+)
 from surae.errors import InputError
-from surae.recording import Recording, read, write_hdf5
-from surae.recording.formats import open_table
-from surae.recording.source import open_source
-from surae.recording.table import load_each
-from surae.report.decimate import min_max
 from surae.units import FloatArray
 
 #: The description that we write beside the files.
@@ -81,16 +86,14 @@ def inspected(files: Sequence[Upload]) -> dict[str, Any]:
         first = names[files[0]["id"]]
         ids = {name: id_ for id_, name in names.items()}
         source = open_source(first)
-        from surae.recording import mapping, opensim
-
-        if mapping.recognises(source) and not opensim.recognises(source):
+        if is_mapping(source):
             return _of_mapping(source.data, first, ids)
         return _of_data(list(names.values()), ids)
 
 
 def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
     """Columns of data files with the guesses of `surae.recording.inspection`."""
-    from surae.recording.inspection import inspect
+    from surae.api import inspect
 
     inspection = inspect(list(names))
     previews: dict[tuple[str, str], Any] = {}
@@ -98,7 +101,7 @@ def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
         table = open_table(open_source(name))
         for column, loaded in load_each(table, list(dict.fromkeys(table.names))).items():
             if not isinstance(loaded, InputError):
-                previews[name, column] = _preview(loaded.time, loaded.values)
+                previews[name, column] = preview(loaded.time, loaded.values)
     taken = {id(channel): role for role, channel in inspection.roles.items()}
     columns = [
         {
@@ -242,7 +245,7 @@ def described(recording: Recording) -> dict[str, Any]:
                 "low": float(channel.values.min()),
                 "high": float(channel.values.max()),
                 "mean": float(channel.values.mean()),
-                "preview": _preview(channel.time, channel.values),
+                "preview": preview(channel.time, channel.values),
             }
             for channel in channels
         ],
@@ -261,7 +264,7 @@ def findings(recording: Recording) -> list[dict[str, Any]]:
     """What is questionable about a recording."""
     from dataclasses import asdict
 
-    from surae.api.quality import check
+    from surae.api import check
 
     rows = [asdict(finding) for finding in check(recording).findings]
     return [
@@ -314,7 +317,7 @@ def _value(value: object) -> str:
     return _text(str(value))
 
 
-def _preview(time: FloatArray, values: FloatArray) -> dict[str, Any]:
+def preview(time: FloatArray, values: FloatArray) -> dict[str, Any]:
     """A curve of few points, and its mean."""
     good = np.isfinite(time) & np.isfinite(values)
     if not good.any():

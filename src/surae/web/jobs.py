@@ -21,7 +21,7 @@ from surae.web.events import Events
 from surae.web.http_errors import RefusedError, not_found
 from surae.web.project import Project, when
 from surae.web.rows import Thing
-from surae.web.sessions import Session
+from surae.web.sessions import BrowserSession
 
 _log = logging.getLogger("surae.web")
 
@@ -106,7 +106,12 @@ class Jobs:
                 thread.join(5.0)
 
     def submit(
-        self, kind: str, label: str, session: Session, task: Mapping[str, Any], about: str | None
+        self,
+        kind: str,
+        label: str,
+        session: BrowserSession,
+        task: Mapping[str, Any],
+        about: str | None,
     ) -> Thing:
         """Ask for a job.
 
@@ -116,7 +121,7 @@ class Jobs:
             What to do.
         label : str
             What lists call it.
-        session : Session
+        session : BrowserSession
             Who asks.
         task : mapping
             What the worker is given; kept, so that the job can be restarted.
@@ -160,7 +165,7 @@ class Jobs:
                 raise RefusedError(409, f"this job has ended already: {job['state']}")
         return self._project.need("job", id_)
 
-    def restart(self, id_: str, session: Session) -> Thing:
+    def restart(self, id_: str, session: BrowserSession) -> Thing:
         """Ask again for what a job that was not done was asked for."""
         job = self._project.need("job", id_)
         if job["state"] in (*ACTIVE, "done"):
@@ -171,7 +176,9 @@ class Jobs:
         """Jobs about a thing that wait or are at work."""
         return [job for job in self._project.database.active() if job["about"] == about]
 
-    def shown(self, job: Thing, session: Session | None, *, traces: bool = True) -> dict[str, Any]:
+    def shown(
+        self, job: Thing, session: BrowserSession | None, *, traces: bool = True
+    ) -> dict[str, Any]:
         """A job as the API shows it."""
         state, progress = job["state"], self._progress.get(job["id"])
         if progress is not None and not traces:
@@ -289,7 +296,7 @@ class Jobs:
         return {**self.shown(job, None), "owner": job["session"]}
 
     @staticmethod
-    def seen_by(session: Session | None, data: Any) -> Any:
+    def seen_by(session: BrowserSession | None, data: Any) -> Any:
         """What a browser hears of a job: whether it is its own, not whose."""
         if not isinstance(data, dict) or "owner" not in data:
             return data

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from surae.api import ModelInputs, ModelOptions, Simulator, adapted, check_value, thinned
 from surae.errors import InputError
-from surae.model import ModelOptions, Simulator, adapted, check_value
-from surae.signals import ModelInputs, thinned
 from surae.units import FloatArray
 from surae.web.caches import Cache
 from surae.web.draft import Draft, spec_of, values_of
@@ -139,7 +138,7 @@ def plain(values: FloatArray) -> list[float | None]:
 
 def warm() -> None:
     """Run every model once on a short made-up signal."""
-    from surae.model import MODELS
+    from surae.api import MODELS
 
     n = 64
     t = np.arange(n) / 128.0

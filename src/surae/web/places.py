@@ -120,6 +120,11 @@ def _checked(text: object, form: "re.Pattern[str]") -> str:
     return text
 
 
+def recording_suffix(version: int) -> str:
+    """How the file of a recording ends: 0 is what was imported, each description has its own."""
+    return f".v{version}.h5" if version else ".h5"
+
+
 def move_to_trash(root: Path, path: Path) -> str:
     """Move a file of a project to its trash; its name there."""
     (root / "trash").mkdir(mode=0o700, exist_ok=True)

@@ -3,7 +3,7 @@
 import os
 import sqlite3
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -21,6 +21,7 @@ from surae.web.places import (
     FOLDERS,
     file_of,
     new_private,
+    recording_suffix,
     refuse_foreign,
     uploads_of,
 )
@@ -124,6 +125,12 @@ class Project:
         """
         return file_of(self.folder, folder, id_, suffix)
 
+    def recording_path(self, recording: Mapping[str, Any]) -> Path:
+        """The file of a recording as it is described now."""
+        return self.path(
+            "recordings", recording["id"], recording_suffix(recording.get("version", 0))
+        )
+
     def hidden(self, text: str) -> str:
         """A message without where on this computer the project lies."""
         return text.replace(f"{self.folder}{os.sep}", "")
@@ -201,6 +208,16 @@ class Project:
         if thing is None:
             raise not_found(kind)
         return thing
+
+
+def unique_name(things: Iterable[Mapping[str, Any]], name: str, longest: int = 200) -> str:
+    """The name, with a number where one of the things has it."""
+    taken = {thing["name"] for thing in things}
+    fresh, number = name[:longest], 2
+    while fresh in taken:
+        end = f" ({number})"
+        fresh, number = name[: longest - len(end)] + end, number + 1
+    return fresh
 
 
 def when(seconds: float | None) -> str | None:

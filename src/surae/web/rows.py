@@ -65,6 +65,10 @@ class _Recording(_Row):
     files: list[_File]
     mapping: dict[str, Any] | None
     findings: list[dict[str, Any]] | None = None
+    first: dict[str, Any] | None = None
+    version: int = 0
+    version_sha256: str | None = None
+    latest: int = 0
 
 
 class _Estimate(_Row):
@@ -89,6 +93,7 @@ class _Fit(_Row):
     parameters: dict[str, _Estimate]
     settings: dict[str, Any]
     profiles: dict[str, dict[str, Any]] = {}
+    versions: dict[str, int] = {}
 
 
 class _Comparison(_Row):
@@ -176,7 +181,7 @@ def thing(kind: str, id_: object, created: object, text: object) -> Thing:
             place = ".".join(str(part)[:40] for part in first["loc"][:4])
             raise ValueError(f"{place}: {first['msg']}".removeprefix(": ")) from None
     if kind == "study":
-        from surae.studies.study import parse_study
+        from surae.api import parse_study
 
         try:
             parse_study(content["toml"])

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
 from surae import names
-from surae.recording import ROLES
+from surae.api import ROLES
 
 #: No control characters, nor those that break lines or turn the direction of writing.
 _PRINTED = r"^[^\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]"
@@ -162,7 +162,7 @@ class DraftPatch(Strict):
 
 
 class ChannelGiven(Strict):
-    """Where a channel comes from, and what is done to it."""
+    """The origin of a channel, and what is done to it."""
 
     upload: Id
     column: Annotated[str, StringConstraints(min_length=1, max_length=500, pattern=r"^[^\x00]+$")]
@@ -190,6 +190,13 @@ class ImportGiven(Strict):
     subject: Id | None = None
     trial: Line | None = None
     condition: Line | None = None
+
+
+class DescriptionGiven(Strict):
+    """Another description of recordings: of the first as it is, of others in the same way."""
+
+    recordings: Annotated[list[Id], Field(min_length=1, max_length=64)]
+    mapping: MappingGiven
 
 
 class SubjectGiven(Strict):
@@ -284,7 +291,7 @@ class ProtocolPreview(Strict):
     settings: ProtocolSettings
     model: Model = "muscle"
     population: Population = "healthy"
-    noise: Annotated[float, Field(ge=0, le=10, allow_inf_nan=False)] = 0.05
+    noise: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] = 0.5
 
 
 class ProtocolGiven(Strict):
@@ -295,9 +302,10 @@ class ProtocolGiven(Strict):
 
 
 class ProtocolFile(Strict):
-    """A protocol to export."""
+    """A protocol to export, and why, where it has no device or exceeds a limit of it."""
 
     settings: ProtocolSettings
+    reason: Annotated[str, StringConstraints(max_length=300)] = ""
 
 
 class StudyGiven(Strict):

@@ -10,9 +10,10 @@ import hmac
 import ipaddress
 import re
 import socket
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
+from typing import Protocol
 from urllib.parse import urlencode
 
 from starlette.concurrency import run_in_threadpool
@@ -22,7 +23,7 @@ from surae.errors import SuraeError
 from surae.processes import one_line
 from surae.web.asked import Asked, redirect, refuse, respond
 from surae.web.http_errors import RefusedError
-from surae.web.sessions import Sessions
+from surae.web.sessions import BrowserSession
 
 CSRF_HEADER = "x-csrf-token"
 #: Pages are as local as what they show: nothing from outside, no script or style within a page.
@@ -103,6 +104,24 @@ def is_loopback(host: str) -> bool:
         return False
 
 
+class Browsers(Protocol):
+    """Browsers kept apart by a cookie, see `surae.web.sessions`."""
+
+    project_id: str
+
+    def hidden(self, text: str) -> str:
+        """A message without names of folders."""
+        ...
+
+    def open(self, cookies: Sequence[str]) -> BrowserSession | None:
+        """The session of the first cookie that has one."""
+        ...
+
+    def make(self) -> tuple[BrowserSession, str]:
+        """A new session, and its cookie."""
+        ...
+
+
 class Security:
     """ASGI middleware that refuses what the policy does not allow.
 
@@ -112,11 +131,11 @@ class Security:
         The application.
     policy : Policy
         What is allowed.
-    sessions : Sessions
+    sessions : Browsers
         Found by cookie; made for whoever loads a page or asks for ``/api/session``.
     """
 
-    def __init__(self, app: ASGIApp, policy: Policy, sessions: Sessions) -> None:
+    def __init__(self, app: ASGIApp, policy: Policy, sessions: Browsers) -> None:
         self._app, self._policy, self._sessions = app, policy, sessions
         self._token = None if policy.token is None else _digest(policy.token)
         self._guessing = asyncio.Lock()

@@ -8,11 +8,13 @@ import socket
 import sys
 import threading
 import webbrowser
-from typing import ClassVar
+from collections.abc import Callable
+from typing import ClassVar, Protocol
 from urllib.parse import quote
 
 import click
 import uvicorn
+from starlette.types import ASGIApp
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from surae.errors import InputError
@@ -26,6 +28,22 @@ _CONNECTIONS = 250
 #: A connection that has not said within this time what it wants is closed [s]; and so is, at once,
 #: the oldest of those that have said nothing where one address has more of them than this.
 _PATIENCE, _SILENT = 5.0, 32
+
+
+class Served(Protocol):
+    """What a server serves: told when it answers, and when it ends."""
+
+    def warm(self) -> None:
+        """Get ready, beside the first requests."""
+        ...
+
+    def stop(self) -> None:
+        """End streams, which would never end of themselves."""
+        ...
+
+    def close(self) -> None:
+        """Let go of everything."""
+        ...
 
 
 def serve(
@@ -45,17 +63,56 @@ def serve(
     InputError
         The address or the project cannot be used.
     """
-    if token is None and not is_loopback(host):
-        token = secrets.token_urlsafe(24)
+    token = token_for(host, token)
+
+    def made() -> tuple[Served, ASGIApp]:
+        bench = Workbench(project, workers)
+        return bench, create_app(bench, Policy.of(host, token, upload_bytes))
+
+    run(made, "workbench", host=host, port=port, token=token, open_browser=open_browser)
+
+
+def token_for(host: str, token: str | None) -> str | None:
+    """The token that is asked for: as given, made where others reach the address, or none."""
+    return secrets.token_urlsafe(24) if token is None and not is_loopback(host) else token
+
+
+def run(
+    made: Callable[[], tuple[Served, ASGIApp]],
+    name: str,
+    *,
+    host: str,
+    port: int,
+    token: str | None,
+    open_browser: bool,
+    more: Callable[[str], None] = lambda root: None,  # noqa: ARG005
+) -> None:
+    """Serve an application until the user stops it.
+
+    Parameters
+    ----------
+    made : callable
+        Makes what is served and its application, once the address is ours.
+    name : str
+        What it is called.
+    host, port, token, open_browser
+        Where it listens, what everybody must know, and whether it is shown.
+    more : callable
+        Called with the address, without token, once it answers.
+
+    Raises
+    ------
+    InputError
+        The address cannot be used.
+    """
     listening = _listen(host, port)
     try:
-        bench = Workbench(project, workers)
+        served, app = made()
     except BaseException:
         listening.close()
         raise
-    address = _address(host, listening.getsockname()[1], token)
+    taken = listening.getsockname()[1]
     try:
-        app = create_app(bench, Policy.of(host, token, upload_bytes))
         config = uvicorn.Config(
             app,
             http=_Connection,
@@ -69,16 +126,29 @@ def serve(
             timeout_graceful_shutdown=2,
             h11_max_incomplete_event_size=64 * 1024,
         )
-        server = _Server(
-            config, bench, address, is_loopback(host), open_browser and sys.stdout.isatty()
-        )
+
+        def answers() -> None:
+            served.warm()
+            click.echo(f"surae {name}: {_address(host, taken, token)}  (Ctrl-C ends it)")
+            more(_address(host, taken, None))
+            if not is_loopback(host):
+                click.echo(
+                    "surae: others on this network can read along, token and recordings too: "
+                    "http is not encrypted; put it behind a server that is, or use an SSH tunnel",
+                    err=True,
+                )
+            if open_browser and sys.stdout.isatty():
+                shown = (_address(host, taken, token),)
+                threading.Thread(target=webbrowser.open, args=shown, daemon=True).start()
+
+        server = _Server(config, answers, served.stop)
         if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
             signal.signal(signal.SIGHUP, server.handle_exit)  # the terminal was closed
         server.run(sockets=[listening])
     except KeyboardInterrupt:
         pass
     finally:
-        bench.close()
+        served.close()
         listening.close()
     if server.failed:
         raise InputError("the server could not start")
@@ -131,39 +201,24 @@ class _Connection(H11Protocol):
 
 
 class _Server(uvicorn.Server):
-    """Says where it is once it answers."""
+    """Says when it answers, and when it ends."""
 
     def __init__(
-        self,
-        config: uvicorn.Config,
-        bench: Workbench,
-        address: str,
-        local: bool,
-        open_browser: bool,
+        self, config: uvicorn.Config, answers: Callable[[], None], stops: Callable[[], None]
     ) -> None:
         super().__init__(config)
-        self._local = local
-        self._bench, self._address, self._open = bench, address, open_browser
+        self._answers, self._stops = answers, stops
         self.failed = True
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
-        if not self.started:
-            return
-        self.failed = False
-        self._bench.warm()
-        click.echo(f"surae workbench: {self._address}  (Ctrl-C ends it)")
-        if not self._local:
-            click.echo(
-                "surae: others on this network can read along, token and recordings too: http is "
-                "not encrypted; put it behind a server that is, or use an SSH tunnel", err=True
-            )  # fmt: skip
-        if self._open:
-            threading.Thread(target=webbrowser.open, args=(self._address,), daemon=True).start()
+        if self.started:
+            self.failed = False
+            self._answers()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         # Streams would never end of themselves, and requests would wait for their files.
-        await asyncio.to_thread(self._bench.stop)
+        await asyncio.to_thread(self._stops)
         await super().shutdown(sockets)
 
 

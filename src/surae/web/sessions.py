@@ -26,14 +26,14 @@ _SEEN = 600.0
 
 
 @dataclass(frozen=True, slots=True)
-class Session:
+class BrowserSession:
     """One browser: `key`, which names it on disk but opens nothing, and its CSRF token."""
 
     key: str
     csrf: str
 
 
-class Sessions:
+class BrowserSessions:
     """All sessions of a project."""
 
     def __init__(self, project: Project, events: Events) -> None:
@@ -42,7 +42,7 @@ class Sessions:
         self.project_id, self.hidden = project.id, project.hidden
         self._forget()
 
-    def open(self, cookies: Sequence[str]) -> Session | None:
+    def open(self, cookies: Sequence[str]) -> BrowserSession | None:
         """The session of the first cookie that has one; None where none has."""
         for cookie in cookies:
             key = sha256(cookie.encode("utf-8", "surrogateescape")).hexdigest()
@@ -54,24 +54,24 @@ class Sessions:
                     self._database.write(
                         "UPDATE session SET seen = ? WHERE key = ?", time.time(), key
                     )
-            return Session(key, row[0])
+            return BrowserSession(key, row[0])
         return None
 
-    def make(self) -> tuple[Session, str]:
+    def make(self) -> tuple[BrowserSession, str]:
         """A new session, and the cookie that opens it, which is kept nowhere here."""
         cookie = secrets.token_urlsafe(32)
-        made = Session(sha256(cookie.encode()).hexdigest(), secrets.token_urlsafe(32))
+        made = BrowserSession(sha256(cookie.encode()).hexdigest(), secrets.token_urlsafe(32))
         self._database.write(
             "INSERT INTO session VALUES (?, ?, ?, 0, ?)",
             made.key, made.csrf, json.dumps(empty_draft()), time.time(),
         )  # fmt: skip
         return made, cookie
 
-    def draft(self, session: Session) -> Draft:
+    def draft(self, session: BrowserSession) -> Draft:
         """What the session is working on."""
         return self._read(session)[0]
 
-    def state(self, session: Session) -> dict[str, Any]:
+    def state(self, session: BrowserSession) -> dict[str, Any]:
         """The draft, its revision, and what undo and redo would do."""
         draft, revision = self._read(session)
         undo, redo = self._next(session, done=1), self._next(session, done=0)
@@ -84,7 +84,7 @@ class Sessions:
 
     def change(
         self,
-        session: Session,
+        session: BrowserSession,
         change: Mapping[str, Any],
         label: str,
         *,
@@ -119,7 +119,7 @@ class Sessions:
             self._write(session, made, now + 1)
         self._tell(session, now + 1)
 
-    def delete(self, session: Session, kind: str, id_: str, label: str) -> None:
+    def delete(self, session: BrowserSession, kind: str, id_: str, label: str) -> None:
         """Delete a thing, so that undo brings it back."""
         with self._database.transaction():
             self._mark(session, kind, id_, deleted=True)
@@ -133,15 +133,53 @@ class Sessions:
             self._write(session, draft, now + 1)
         self._tell(session, now + 1)
 
-    def undo(self, session: Session) -> None:
+    def describe(
+        self,
+        session: BrowserSession,
+        before: Mapping[str, Mapping[str, Any]],
+        after: Mapping[str, Mapping[str, Any]],
+        firsts: Mapping[str, Mapping[str, Any]],
+        label: str,
+    ) -> None:
+        """Give recordings, by id, other descriptions, as one step that can be undone.
+
+        Raises
+        ------
+        RefusedError
+            One has meanwhile been described by somebody else.
+        """
+        with self._database.transaction():
+            if not self._switch(before, after):
+                raise RefusedError(
+                    409, "somebody else has described it meanwhile; load the page again and repeat"
+                )
+            for id_, first in firsts.items():
+                told = {"first": first, "latest": after[id_]["version"]}
+                self._database.update("recording", id_, told)
+            self._record(session, label, "described", {"rows": before}, {"rows": after})
+            draft, now = self._read(session)
+            self._write(session, draft, now + 1)
+        self._tell(session, now + 1)
+
+    def _switch(self, now: Mapping[str, Any], then: Mapping[str, Any]) -> bool:
+        """Let recordings be as they are `then`, if all are as they are `now`; whether it did."""
+        for id_, fields in now.items():
+            row = self._database.get("recording", id_)
+            if row is None or row.get("version", 0) != (fields["version"] or 0):
+                return False
+        for id_, fields in then.items():
+            self._database.update("recording", id_, {**fields, "version": fields["version"] or 0})
+        return True
+
+    def undo(self, session: BrowserSession) -> None:
         """Take the last step back."""
         self._move(session, back=True)
 
-    def redo(self, session: Session) -> None:
+    def redo(self, session: BrowserSession) -> None:
         """Do the step again that was taken back last."""
         self._move(session, back=False)
 
-    def _move(self, session: Session, *, back: bool) -> None:
+    def _move(self, session: BrowserSession, *, back: bool) -> None:
         with self._database.transaction():
             step = self._next(session, done=int(back))
             if step is None:
@@ -152,6 +190,9 @@ class Sessions:
             moved = True
             if kind == "draft":
                 draft |= {key: part for key, part in draft_parts(what).items() if key in draft}
+            elif kind == "described":
+                now_, then = (after, before) if back else (before, after)
+                moved = self._switch(plain(now_)["rows"], plain(then)["rows"])
             else:
                 moved = self._mark(session, what["kind"], what["id"], deleted=not back)
             if moved:
@@ -162,14 +203,16 @@ class Sessions:
         if not moved:
             raise RefusedError(
                 409,
-                "somebody else has deleted it, or brought it back, meanwhile: it stays so, and "
-                "this step is left out",
+                "somebody else has deleted it, brought it back or described it meanwhile: it stays "
+                "so, and this step is left out",
             )
+        if kind == "described":
+            self._events.tell("project", "changed", {"what": "recordings"})
         if kind == "deleted":
             self._events.tell("project", "changed", {"what": f"{what['kind']}s"})
         self._tell(session, now + 1)
 
-    def _mark(self, session: Session, kind: str, id_: str, *, deleted: bool) -> bool:
+    def _mark(self, session: BrowserSession, kind: str, id_: str, *, deleted: bool) -> bool:
         """Delete a thing again, or bring it back if this session deleted it; whether it did."""
         thing = self._database.get(kind, id_, deleted=True)
         if thing is None or (not deleted and thing.get("deleted_by", session.key) != session.key):
@@ -181,7 +224,7 @@ class Sessions:
 
     def _record(
         self,
-        session: Session,
+        session: BrowserSession,
         label: str,
         kind: str,
         before: Mapping[str, Any],
@@ -201,7 +244,7 @@ class Sessions:
             key, key, _STEPS,
         )  # fmt: skip
 
-    def _next(self, session: Session, *, done: int) -> tuple[int, str, str, str, str] | None:
+    def _next(self, session: BrowserSession, *, done: int) -> tuple[int, str, str, str, str] | None:
         """The step to take back (done) or to do again; damaged ones are passed over."""
         order = "DESC" if done else "ASC"
         for row in self._database.rows(
@@ -212,14 +255,16 @@ class Sessions:
             id_, label, kind, before, after = row
             with suppress(ValueError):
                 tables = [plain(text) for text in (before, after)]
-                known = {"draft": (), "deleted": ("kind", "id")}.get(kind)
+                known = {"draft": (), "deleted": ("kind", "id"), "described": ()}.get(kind)
                 if known is None or not all(isinstance(table, dict) for table in tables):
+                    continue
+                if kind == "described" and not all(map(_are_rows, tables)):
                     continue
                 if all(isinstance(table.get(key), str) for table in tables for key in known):
                     return int(id_), str(label), str(kind), before, after
         return None
 
-    def _read(self, session: Session) -> tuple[Draft, int]:
+    def _read(self, session: BrowserSession) -> tuple[Draft, int]:
         """The draft and its revision; keys of it that make no sense are as in a new one."""
         row = self._database.row("SELECT draft, revision FROM session WHERE key = ?", session.key)
         if row is None:
@@ -230,13 +275,13 @@ class Sessions:
         revision = row[1] if isinstance(row[1], int) and 0 <= row[1] < 2**53 else 0
         return {**empty_draft(), **draft_parts(upgraded(kept))}, revision
 
-    def _write(self, session: Session, draft: Draft, revision: int) -> None:
+    def _write(self, session: BrowserSession, draft: Draft, revision: int) -> None:
         self._database.write(
             "UPDATE session SET draft = ?, revision = ? WHERE key = ?",
             json.dumps(draft, allow_nan=False), revision, session.key,
         )  # fmt: skip
 
-    def _tell(self, session: Session, revision: int) -> None:
+    def _tell(self, session: BrowserSession, revision: int) -> None:
         self._events.tell(f"session:{session.key}", "draft", {"revision": revision})
 
     def _forget(self) -> None:
@@ -253,3 +298,12 @@ class Sessions:
             with self._database.transaction():
                 self._database.write("DELETE FROM step WHERE session = ?", key)
                 self._database.write("DELETE FROM session WHERE key = ?", key)
+
+
+def _are_rows(table: Mapping[str, Any]) -> bool:
+    """Whether a step tells what recordings were like."""
+    rows = table.get("rows")
+    return isinstance(rows, dict) and all(
+        isinstance(fields, dict) and isinstance(fields.get("version"), int | None)
+        for fields in rows.values()
+    )

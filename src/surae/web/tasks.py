@@ -11,15 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from surae import processes
-from surae.recording import Recording, read
+from surae.api import Recording, read
 from surae.web import imports
 from surae.web.draft import settings_of, upgraded
-from surae.web.places import file_of
+from surae.web.places import file_of, recording_suffix
 
 if TYPE_CHECKING:
-    from surae.api import Fit
-    from surae.settings import FitSettings
-    from surae.signals import ModelInputs
+    from surae.api import Fit, FitSettings, ModelInputs
 
 Tell = Callable[[Mapping[str, Any]], None]
 
@@ -40,7 +38,8 @@ def _read(task: Mapping[str, Any], ids: Sequence[str], tell: Tell) -> list[Recor
     recordings = []
     for id_ in ids:
         tell({"phase": "reading"})
-        recordings.append(read_recording(_file(task, "recordings", id_, ".h5")))
+        suffix = recording_suffix(task.get("versions", {}).get(id_, 0))
+        recordings.append(read_recording(_file(task, "recordings", id_, suffix)))
     return recordings
 
 
@@ -58,7 +57,7 @@ def _asked(
 
 def _compiling(tell: Tell) -> AbstractContextManager[None]:
     """Tell when the models have to be compiled, which takes some ten seconds, once."""
-    from surae.model.jit import on_compilation
+    from surae.api import on_compilation
 
     return on_compilation(lambda: tell({"phase": "compiling"}))
 
@@ -135,16 +134,14 @@ def compare(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
         tell({"what": what, "done": done, "total": total})
 
     with _compiling(tell):
-        comparison = api.compare_inputs(inputs, task["models"], settings, told)
+        comparison = api.compare_models(inputs, task["models"], settings, told)
     comparison.save(_file(task, "comparisons", task["id"], ".json"))
     return {"message": comparison.conclusion, "interrupted": bool(comparison.missing)}
 
 
 def study(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Run a study, or go on with it."""
-    from surae.studies.run import run
-    from surae.studies.store import Store
-    from surae.studies.study import parse_study
+    from surae.api import Store, parse_study, run_study
 
     last = 0.0
 
@@ -155,24 +152,27 @@ def study(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
             tell({"done": done, "total": total})
 
     with Store(_file(task, "studies", task["study"], ".db"), write=True) as kept:
-        finished = run(parse_study(task["toml"]), kept, progress=told)
+        finished = run_study(parse_study(task["toml"]), kept, progress=told)
     return {"message": f"{finished.fits} fits, all there", "interrupted": False}
 
 
 def report(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
-    """Write a fit's report."""
+    """Write a fit's report, or, in a language, its page for clinicians."""
     del tell
     from surae import api
 
-    api.load(task["fit"]).report(task["output"])
+    fit = api.load(task["fit"])
+    if "language" in task:
+        api.write_clinical_page(task["output"], [fit], language=task["language"])
+    else:
+        fit.report(task["output"])
     return {}
 
 
 def warm(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Load what a report needs, which takes longer than the report."""
     del task, tell
-    from surae.report.figures import png
-    from surae.report.figures.style import new_figure
+    from surae.api import new_figure, png
     from surae.web.live import warm
 
     warm()
@@ -191,13 +191,35 @@ def load(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     return {"found": imports.imported(task["files"], task["mapping"], task.get("output"))}
 
 
+def describe(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
+    """Describe an imported recording anew, from its own file or, for other columns, the uploads."""
+    del tell
+    from surae.api import write_hdf5
+    from surae.web.remap import described_anew
+
+    if task["files"] is not None:
+        return {"found": imports.imported(task["files"], task["wanted"], task["output"])}
+    recording = read_recording(task["path"])
+    recording = described_anew(recording, task["first"], task["wanted"])
+    if task["output"] is not None:
+        write_hdf5(task["output"], recording)
+    return {"found": imports.described(recording)}
+
+
+def columns(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
+    """The columns that an imported recording was made of, in their files' own numbers."""
+    del tell
+    from surae.web.remap import imported_columns
+
+    return {"columns": imported_columns(read_recording(task["path"]), task["first"])}
+
+
 def demo(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Make a recording of the virtual subject, and keep it."""
     del tell
-    from surae.recording import write_hdf5
-    from surae.web.demo import demo_recording
+    from surae.api import example, write_hdf5
 
-    recording = demo_recording(task["trial"])
+    recording = example(trial=task["trial"])
     write_hdf5(task["output"], recording)
     return {"found": imports.described(recording)}
 
@@ -218,6 +240,8 @@ TASKS: dict[str, Callable[[Mapping[str, Any], Tell], dict[str, Any]]] = {
     "warm": warm,
     "inspect": inspect,
     "load": load,
+    "describe": describe,
+    "columns": columns,
     "demo": demo,
     "quality": quality,
 }

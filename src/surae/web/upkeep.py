@@ -18,6 +18,7 @@ from surae.web.places import (
     FOLDERS,
     file_of,
     move_to_trash,
+    recording_suffix,
     refuse_foreign,
     uploads_of,
 )
@@ -206,6 +207,9 @@ def _paths(root: Path, kind: str, kept: Thing) -> Iterator[tuple[Path, str | Non
     """The files of a thing, and the checksum that was kept of each."""
     if kind in FILES:
         yield file_of(root, FILES[kind][0], kept["id"], FILES[kind][1]), kept.get("sha256")
+        if kept.get("version"):
+            suffix = recording_suffix(kept["version"])
+            yield file_of(root, "recordings", kept["id"], suffix), kept["version_sha256"]
     elif kind == "upload":
         yield uploads_of(root, kept["session"]) / kept["id"], kept["sha256"]
 

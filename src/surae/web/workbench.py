@@ -6,8 +6,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from surae.api import Recording
 from surae.files import PathLike
-from surae.recording import Recording
 from surae.web.caches import Cache
 from surae.web.events import Events
 from surae.web.http_errors import RefusedError
@@ -16,12 +16,10 @@ from surae.web.project import Project
 from surae.web.pyramid import Pyramid
 from surae.web.request_workers import RequestWorkers
 from surae.web.rows import Thing
-from surae.web.sessions import Session, Sessions
+from surae.web.sessions import BrowserSession, BrowserSessions
 
 if TYPE_CHECKING:
-    from surae.api import Fit
-    from surae.settings import FitSettings
-    from surae.signals import ModelInputs
+    from surae.api import Fit, FitSettings, ModelInputs
 
 #: Memory for curves, for what models read, for fits and for reports [bytes].
 _CURVES, _PREPARED, _FITS, _REPORTS = 400e6, 400e6, 400e6, 40e6
@@ -56,7 +54,7 @@ class Workbench:
         self.project = Project(folder)
         self.database = self.project.database
         self.events = Events()
-        self.sessions = Sessions(self.project, self.events)
+        self.sessions = BrowserSessions(self.project, self.events)
         self.jobs = Jobs(self.project, self.events, {"fits": workers, "studies": 1})
         self.workers = RequestWorkers()
         self.reports: Cache[bytes] = Cache(_REPORTS, len)
@@ -106,23 +104,23 @@ class Workbench:
 
     def curves(self, id_: str) -> Curves:
         """A recording of the project, with its pyramids."""
-        self.project.need("recording", id_)
+        row = self.project.need("recording", id_)
 
         def make() -> Curves:
             from surae.web.tasks import read_recording
 
-            recording = read_recording(self.project.path("recordings", id_, ".h5"))
+            recording = read_recording(self.project.recording_path(row))
             pyramids = {
                 role: Pyramid(kept.time, kept.values) for role, kept in recording.channels.items()
             }
             return Curves(recording, pyramids)
 
-        return self._curves.get(id_, make)
+        return self._curves.get((id_, row.get("version", 0)), make)
 
     def prepared(self, id_: str, settings: "FitSettings") -> "ModelInputs":
         """What a model reads of a recording, prepared as a fit asks, EMG in its own unit."""
-        self.project.need("recording", id_)
-        key = (id_, settings.prepared, settings.preparation)
+        version = self.project.need("recording", id_).get("version", 0)
+        key = (id_, version, settings.prepared, settings.preparation)
         return self._prepared.get(key, lambda: settings.prepare(self.recording(id_)))
 
     def fit(self, id_: str) -> "Fit":
@@ -136,7 +134,7 @@ class Workbench:
 
         return self._fits.get(id_, make)
 
-    def delete(self, session: Session, kind: str, id_: str, label: str) -> None:
+    def delete(self, session: BrowserSession, kind: str, id_: str, label: str) -> None:
         """Delete a thing so that undo brings it back; its files stay."""
         self.project.need(kind, id_)
         if self.jobs.of(id_):
@@ -144,7 +142,7 @@ class Workbench:
         self.sessions.delete(session, kind, id_, label)
         self.changed(f"{kind}s" if kind != "study" else "studies")
 
-    def draft(self, session: Session, given: Mapping[str, Any] | None) -> dict[str, Any]:
+    def draft(self, session: BrowserSession, given: Mapping[str, Any] | None) -> dict[str, Any]:
         """The draft that a request means: its own, or the session's."""
         return dict(given) if given is not None else self.sessions.draft(session)
 

@@ -52,10 +52,10 @@ class Server:
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
         self._heard.wait(PATIENCE / 1000)
-        found = _ADDRESS.search(" ".join(self.said))
-        if found is None:
+        match = _ADDRESS.search(" ".join(self.said))
+        if match is None:
             raise AssertionError(f"surae serve did not start: {self.said}")
-        self.address = found.group()
+        self.address = match.group()
 
     def _read(self) -> None:
         assert self.process.stdout is not None
@@ -160,7 +160,7 @@ class Desk:
 @pytest.fixture(scope="package")
 def browser() -> Iterator[Any]:
     """A headless Chromium; never missing where the tests are run for all."""
-    path = next((found for name in CHROMIUM if (found := shutil.which(name))), None)
+    path = next((file for name in CHROMIUM if (file := shutil.which(name))), None)
     if path is None and os.environ.get("CI"):
         pytest.fail("no Chromium: install it, the workbench is tested with it")
     if path is None:

@@ -59,6 +59,7 @@ def test_a_csv_becomes_a_report(desk: Desk, csv: Path) -> None:
     page.get_by_role("link", name="Open the result").click()
 
     page.wait_for_url("**/fits/*")
+    page.get_by_role("tab", name="Parameters").click()
     rows = page.locator("#parameter-table tbody tr")
     rows.first.wait_for()
     assert rows.count() == PARAMETERS
@@ -146,6 +147,7 @@ def test_a_stopped_fit_keeps_the_best_and_a_reload_goes_on(desk: Desk, csv: Path
     page.get_by_text("Stopped; the best so far is kept.").wait_for()
     page.get_by_role("link", name="Open the result").click()
     page.wait_for_url("**/fits/*")
+    page.get_by_role("tab", name="Parameters").click()
     page.locator("#parameter-table tbody tr").first.wait_for()
 
 
@@ -174,6 +176,7 @@ def test_a_protocol_is_designed(desk: Desk) -> None:
     after = figures.text_content()
     page.reload()
     expect(figures).to_have_text(after)
+    page.get_by_label("Reason to export").fill("a test")
     with page.expect_download() as file:
         page.get_by_role("button", name="Export CSV").click()
     assert "angle_rad" in Path(file.value.path()).read_text(encoding="utf-8")[:2000]

@@ -4,6 +4,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from surae.studies.study import parse_study
+
 from .conftest import Desk, Server, expect
 
 AXE = files("axe_playwright_python").joinpath("axe.min.js")
@@ -13,8 +15,8 @@ LEVELS = {
     "dark": {"type": "rule", "values": ["color-contrast", "link-in-text-block"]},
 }
 TABS = ("torque", "correlations", "profiles", "validation", "models", "details")
-#: A laptop and a tablet.
-SCREENS = ((820, 1180), (1280, 800))
+#: A telephone, a tablet and a laptop.
+SCREENS = ((390, 844), (820, 1180), (1280, 800))
 #: What says that a page has been filled.
 FILLED = {
     "/": "#fits tbody tr",
@@ -26,6 +28,7 @@ FILLED = {
     "/cohort": "#table tbody tr",
     "/protocol": "#prediction tbody tr",
     "/studies": "#list tbody tr",
+    "/glossary": "#k_tri",
     "/studies/{study}": "#toml:not(:empty)",
     "/nowhere": ".alert",
 }
@@ -38,6 +41,7 @@ def pages(desk: Desk, done: dict[str, str]) -> Any:
         page.locator(sign).first.wait_for(state="attached")
         yield path, page
     page = desk.go(f"/fits/{done['fit']}")
+    page.locator("#tab-parameters").click()
     page.locator("#parameter-table tbody tr").first.wait_for()  # all tabs are filled with it
     for tab in TABS:
         page.locator(f"#tab-{tab}").click()
@@ -50,7 +54,7 @@ def pages(desk: Desk, done: dict[str, str]) -> Any:
 def test_no_page_shuts_anyone_out(browser: Any, server: Server, done: dict[str, str]) -> None:
     desk = Desk(browser, server, bypass_csp=True)
     axe = AXE.read_text(encoding="utf-8")
-    found = []
+    violations = []
     for name, page in pages(desk, done):
         page.evaluate(axe)
         for scheme in ("light", "dark"):
@@ -60,11 +64,13 @@ def test_no_page_shuts_anyone_out(browser: Any, server: Server, done: dict[str, 
                 "levels => axe.run(document, { runOnly: levels, resultTypes: ['violations'] })",
                 LEVELS[scheme],
             )
-            for one in told["violations"]:
-                where = [node["target"] for node in one["nodes"]][:3]
-                found.append(f"{name}, {scheme}: {one['id']} ({one['help']}) at {where}")
+            for violation in told["violations"]:
+                where = [node["target"] for node in violation["nodes"]][:3]
+                violations.append(
+                    f"{name}, {scheme}: {violation['id']} ({violation['help']}) at {where}"
+                )
     desk.close()
-    assert found == []
+    assert violations == []
 
 
 def test_pages_fit_the_screen_and_ask_nobody_else(desk: Desk, done: dict[str, str]) -> None:
@@ -78,7 +84,60 @@ def test_pages_fit_the_screen_and_ask_nobody_else(desk: Desk, done: dict[str, st
 def test_the_report_is_shown_within_the_page(desk: Desk, done: dict[str, str]) -> None:
     page = desk.go(f"/fits/{done['fit']}#report")
     page.get_by_role("button", name="Show the report here").click()
-    page.frame_locator("iframe").get_by_role("heading", level=1).wait_for()
+    frame = page.frame_locator("iframe")
+    frame.get_by_role("heading", level=1).wait_for()
+    frame.locator(".uplot canvas").first.wait_for()  # its own scripts run, by their hashes
+
+
+def test_a_symbol_says_what_it_means_and_leads_to_the_glossary(
+    desk: Desk, done: dict[str, str]
+) -> None:
+    page = desk.go(f"/fits/{done['fit']}")
+    assert page.evaluate("document.activeElement === document.body")  # no frame at first
+    page.get_by_role("tab", name="Parameters").click()
+    symbol = page.locator("#parameter-table").get_by_role("link", name="k_tri")
+    symbol.hover()
+    expect(symbol).to_have_attribute("title", "stiffness coefficient, triceps surae [1/m]")
+    symbol.click()
+    page.wait_for_url("**/glossary#k_tri")
+
+
+def test_a_study_is_made_without_toml(desk: Desk) -> None:
+    page = desk.go("/studies")
+    page.get_by_label("Amplitude of the chirp [rad]").fill("0, 0.15")
+    page.get_by_label("Virtual legs").fill("3")
+    page.get_by_role("checkbox", name="passive", exact=True).check()
+    expect(page.locator("#count")).to_have_text("12 fits: every value with every other.")
+    study = parse_study(page.locator("#toml").input_value())
+    assert study.size == 12
+    assert study.factors["chirp_amplitude"] == (0.0, 0.15)
+    assert study.factors["task"] == ("part-passive", "passive")
+    page.get_by_label("Amplitude of the chirp [rad]").fill("0, much")
+    expect(page.locator("#start")).to_be_disabled()
+
+
+def test_one_click_mends_what_the_check_is_sure_of(desk: Desk, csv: Path, tmp_path: Path) -> None:
+    lines = csv.read_text().splitlines()
+    head = next(i for i, line in enumerate(lines) if line.startswith("time_s"))
+    column = lines[head].split(",").index("torque_Nm")
+    rows = [line.split(",") for line in lines[head + 1 :]]
+    for row in rows:
+        row[column] = str(-float(row[column]))
+    turned = tmp_path / "turned.csv"
+    turned.write_text("\n".join([*lines[: head + 1], *(",".join(row) for row in rows)]) + "\n")
+    page = desk.go(f"/recordings/{desk.add(turned)}")
+    page.get_by_role("button", name="Turn the torque").click()
+    page.get_by_text("Turn the torque: done. Undo takes it back.").wait_for()
+    expect(page.get_by_role("button", name="Turn the torque")).to_have_count(0)
+    page.locator("#undo").click()
+    page.get_by_role("button", name="Turn the torque").wait_for()
+
+
+def test_a_result_begins_with_the_page_for_clinicians(desk: Desk, done: dict[str, str]) -> None:
+    page = desk.go(f"/fits/{done['fit']}")
+    page.frame_locator("iframe").get_by_text("Stiffness and strength of the ankle").wait_for()
+    page.get_by_label("Language").select_option("nl")
+    page.frame_locator("iframe").get_by_text("Stijfheid en kracht van de enkel").wait_for()
 
 
 def test_the_report_is_downloaded_for_paper(desk: Desk, done: dict[str, str]) -> None:
@@ -94,7 +153,7 @@ def test_the_report_is_downloaded_for_paper(desk: Desk, done: dict[str, str]) ->
 
 
 def test_a_running_comparison_is_seen_under_its_own_fit(desk: Desk, done: dict[str, str]) -> None:
-    (job,) = (one for one in desk.api("GET", "/api/jobs")["jobs"] if one["result"] == done["fit"])
+    (job,) = (job for job in desk.api("GET", "/api/jobs")["jobs"] if job["result"] == done["fit"])
     running = {**job, "id": "f" * 16, "kind": "compare", "state": "running"}
     page = desk.page
     page.route("**/api/jobs?active=true", lambda route: route.fulfill(json={"jobs": [running]}))

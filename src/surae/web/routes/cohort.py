@@ -4,10 +4,8 @@ from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Response
 
+from surae.api import ModelSpec, get_model, with_optional
 from surae.files import csv_row
-from surae.model import ModelSpec, get_model
-from surae.model.registry import with_optional
-from surae.web.fits import ranges
 from surae.web.project import when
 from surae.web.routes.common import ERRORS, Bench, Responses, attachment
 from surae.web.rows import Thing
@@ -33,20 +31,19 @@ def get_cohort(bench: Bench, model: Model = "muscle", which: Which = "latest") -
             {"name": p.name, "unit": p.unit, "meaning": p.meaning} for p in spec.parameters
         ],
         "rows": rows,
-        "normal": {p.name: ranges(p.name) for p in spec.parameters},
     }
 
 
 @router.get("/cohort.csv", response_class=Response, responses=_CSV)
 def get_cohort_csv(bench: Bench, model: Model = "muscle", which: Which = "latest") -> Response:
-    """The same table as a file."""
+    """The cohort's table as a file."""
     rows = _rows(bench, model, which)
     names = [p.name for p in _with_found(model, rows).parameters]
     cells = {"": "value", "_sem": "sem", "_low": "low", "_high": "high", "_verdict": "verdict"}
     lines = [csv_row([*_LABELS, *(name + end for name in names for end in cells)])]
     for row in rows:
         estimates = [row["parameters"].get(name, {}) for name in names]
-        numbers = (one.get(key) for one in estimates for key in cells.values())
+        numbers = (estimate.get(key) for estimate in estimates for key in cells.values())
         lines.append(csv_row([*(row[key] for key in _LABELS), *numbers]))
     headers = attachment(f"cohort-{model}", ".csv")
     return Response("".join(lines), media_type="text/csv", headers=headers)
@@ -58,8 +55,8 @@ def _with_found(model: str, rows: list[dict[str, Any]]) -> ModelSpec:
 
 
 def _rows(bench: Workbench, model: str, which: str) -> list[dict[str, Any]]:
-    recordings = {one["id"]: one for one in bench.database.all("recording")}
-    subjects = {one["id"]: one for one in bench.database.all("subject")}
+    recordings = {recording["id"]: recording for recording in bench.database.all("recording")}
+    subjects = {subject["id"]: subject for subject in bench.database.all("subject")}
     rows: dict[object, dict[str, Any]] = {}
     for fit in bench.database.all("fit"):
         first = recordings.get(fit["recordings"][0])
@@ -80,6 +77,7 @@ def _row(fit: Thing, recording: Thing, subject: Thing | None) -> dict[str, Any]:
         "subject_id": None if subject is None else subject["id"],
         "group": "" if subject is None else subject["group"],
         **{key: recording[key] for key in ("side", "trial", "condition")},
+        "name": fit["name"],
         "recordings": fit["recordings"],
         "names": fit["names"],
         **{key: fit[key] for key in ("model", "status", "vaf", "ipde", "parameters")},

@@ -11,7 +11,7 @@ from surae.web.draft import changed, empty_draft
 from surae.web.http_errors import RefusedError
 from surae.web.rows import Thing
 from surae.web.schemas import DraftChange, Error
-from surae.web.sessions import Session
+from surae.web.sessions import BrowserSession
 from surae.web.workbench import Workbench
 
 #: What a route may answer, for the description of the API.
@@ -26,9 +26,9 @@ def workbench(request: Request) -> Workbench:
     return state
 
 
-def session(request: Request) -> Session:
+def session(request: Request) -> BrowserSession:
     """The browser's session, which `surae.web.security` has found."""
-    state: Session | None = getattr(request.state, "session", None)
+    state: BrowserSession | None = getattr(request.state, "session", None)
     if state is None:
         raise RefusedError(403, "no session: GET /api/session first, and send its cookie")
     return state
@@ -66,7 +66,7 @@ def refuse_unseen(thing: Thing, seen: str | None) -> None:
 _TWICE = re.compile(r"(?<![A-Za-z0-9_-])([A-Za-z][A-Za-z0-9_-]*)-\1(?=-|$)")
 
 Bench = Annotated[Workbench, Depends(workbench)]
-Browser = Annotated[Session, Depends(session)]
+Browser = Annotated[BrowserSession, Depends(session)]
 PathId = Annotated[str, Path(pattern=r"^[0-9a-f]{16}$")]
 
 
@@ -77,7 +77,9 @@ def attachment(name: str, suffix: str) -> dict[str, str]:
     return {"content-disposition": f'attachment; filename="{slug or "surae"}{suffix}"'}
 
 
-def chosen_draft(bench: Workbench, browser: Session, given: DraftChange | None) -> dict[str, Any]:
+def chosen_draft(
+    bench: Workbench, browser: BrowserSession, given: DraftChange | None
+) -> dict[str, Any]:
     """The settings that came with a request, else those of the session."""
     if given is None:
         return bench.sessions.draft(browser)

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
 
-from surae.web.fits import fit_summary, ranges, submit_comparison
+from surae.web.fits import fit_summary, submit_comparison
 from surae.web.http_errors import RefusedError
 from surae.web.project import when
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId, chosen_draft
@@ -20,16 +20,15 @@ def get_compare(bench: Bench, fits: Annotated[str, Query(max_length=340)]) -> di
     """Several fits side by side, parameter by parameter."""
     chosen = [bench.project.need("fit", id_) for id_ in dict.fromkeys(fits.split(","))]
     names: dict[str, None] = {}
-    for one in chosen:
-        names |= dict.fromkeys(one["parameters"])
+    for fit in chosen:
+        names |= dict.fromkeys(fit["parameters"])
     return {
-        "fits": [fit_summary(bench, one) for one in chosen],
+        "fits": [fit_summary(bench, fit) for fit in chosen],
         "parameters": [
             {
                 "name": name,
                 **_described(name),
-                "estimates": [_estimate(one, name) for one in chosen],
-                "normal": ranges(name),
+                "estimates": [_estimate(model, name) for model in chosen],
             }
             for name in names
         ],
@@ -37,8 +36,7 @@ def get_compare(bench: Bench, fits: Annotated[str, Query(max_length=340)]) -> di
 
 
 def _described(name: str) -> dict[str, str]:
-    from surae.model import MODELS
-    from surae.model.parameters import OPTIONAL_PARAMETERS
+    from surae.api import MODELS, OPTIONAL_PARAMETERS
 
     known = {p.name: p for p in OPTIONAL_PARAMETERS}
     known |= {p.name: p for spec in MODELS.values() for p in reversed(spec.parameters)}
@@ -47,17 +45,22 @@ def _described(name: str) -> dict[str, str]:
 
 
 def _estimate(fit: Thing, name: str) -> dict[str, Any] | None:
-    one = fit["parameters"].get(name)
-    if one is None:
+    answer = fit["parameters"].get(name)
+    if answer is None:
         return None
-    ci95 = None if one["low"] is None else [one["low"], one["high"]]
-    return {"value": one["value"], "sem": one["sem"], "ci95": ci95, "verdict": one["verdict"]}
+    ci95 = None if answer["low"] is None else [answer["low"], answer["high"]]
+    return {
+        "value": answer["value"],
+        "sem": answer["sem"],
+        "ci95": ci95,
+        "verdict": answer["verdict"],
+    }
 
 
 @router.post("/comparisons", status_code=202)
 def post_comparison(given: ComparisonGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Ask whether the recordings need tendons that give way; the answer is the job."""
-    from surae.model import MODELS
+    from surae.api import MODELS
 
     models = given.models or ["muscle", "muscle-tendon"]
     tendons = {name: any(p.group == "tendon" for p in MODELS[name].parameters) for name in models}
@@ -78,10 +81,10 @@ def get_comparisons(bench: Bench) -> dict[str, Any]:
     return {
         "comparisons": [
             {
-                "id": one["id"], "created": when(one["created"]),
-                "conclusion": one["conclusion"], "recordings": one["recordings"],
+                "id": comparison["id"], "created": when(comparison["created"]),
+                "conclusion": comparison["conclusion"], "recordings": comparison["recordings"],
             }
-            for one in reversed(bench.database.all("comparison"))
+            for comparison in reversed(bench.database.all("comparison"))
         ]
     }  # fmt: skip
 
@@ -89,15 +92,15 @@ def get_comparisons(bench: Bench) -> dict[str, Any]:
 @router.get("/comparisons/{id}")
 def get_comparison(id: PathId, bench: Bench) -> dict[str, Any]:
     """One of them, as `surae compare --output` writes it."""
-    one = bench.project.need("comparison", id)
+    row = bench.project.need("comparison", id)
     path = bench.project.path("comparisons", id, ".json")
     try:
-        found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         raise RefusedError(404, "the file of this comparison is missing; compare again") from None
     return {
         "id": id,
-        "created": when(one["created"]),
-        "recording_ids": one["recordings"],
-        **found,
+        "created": when(row["created"]),
+        "recording_ids": row["recordings"],
+        **content,
     }

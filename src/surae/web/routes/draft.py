@@ -6,12 +6,10 @@ from typing import Any
 from fastapi import APIRouter, Request
 
 from surae import names
+from surae.api import MODELS, OPTIONAL, Parameter, Preparation, normalised
 from surae.errors import InputError
-from surae.model import MODELS
-from surae.model.parameters import OPTIONAL, Parameter
 from surae.processes import one_line
-from surae.signals import Preparation, normalised
-from surae.web.draft import described, empty_draft, normal, parameter_table, settings_of
+from surae.web.draft import described, empty_draft, parameter_table, settings_of
 from surae.web.fits import check_draft, prepared_draft
 from surae.web.http_errors import RefusedError
 from surae.web.live import live
@@ -84,7 +82,9 @@ def get_parameters(bench: Bench, browser: Browser) -> dict[str, Any]:
         bench.draft_recordings(draft)
         _, inputs = prepared_draft(bench, draft)
         unit = inputs[0].emg_unit
-        prescribed = {name: value for one in inputs for name, value in one.fixed.items()}
+        prescribed = {
+            name: value for recording in inputs for name, value in recording.fixed.items()
+        }
         check_draft(bench, draft)
     except InputError as error:
         problem = one_line(error)
@@ -95,10 +95,18 @@ def get_parameters(bench: Bench, browser: Browser) -> dict[str, Any]:
     }
 
 
+@router.get("/glossary")
+def get_glossary() -> dict[str, str]:
+    """What every symbol and term means, in a line."""
+    from surae.web.glossary import meanings
+
+    return meanings()
+
+
 @router.get("/models")
 def get_models() -> dict[str, Any]:
     """The models, their parameters and options."""
-    from surae.model import ModelOptions
+    from surae.api import ModelOptions
 
     defaults = ModelOptions().as_dict()
     return {
@@ -135,8 +143,6 @@ def _row(p: Parameter, free: bool) -> dict[str, Any]:
         "meaning": p.meaning,
         "group": p.group,
         **described(p, free),
-        "normal": normal(p.name, "healthy"),
-        "patient": normal(p.name, "patient"),
     }
 
 
@@ -152,8 +158,8 @@ def post_live(given: LiveGiven, bench: Bench, browser: Browser) -> dict[str, Any
     if settings.normalise is not None:  # the reference is that of all recordings
         _, every = prepared_draft(bench, draft)
         inputs = normalised(inputs, every[0].emg_reference)
-    found = live(
+    shown = live(
         inputs, draft, given.values, points=given.points, parts=given.parts, start=given.start,
         end=given.end, key=(id_, settings.prepared, settings.preparation, inputs.emg_reference),
     )  # fmt: skip
-    return {"recording": id_, **found}
+    return {"recording": id_, **shown}

@@ -2,12 +2,12 @@
 
 import tempfile
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Response
 from fastapi.responses import FileResponse
 
-from surae.report.decimate import extremes
+from surae.api import extremes
 from surae.web.fits import (
     fit_detail,
     fit_summary,
@@ -37,6 +37,8 @@ from surae.web.workbench import Workbench
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["fits"])
 
+_NONE = "'none'"
+
 #: Points of a predicted curve.
 _SHOWN = 2000
 _HTML: Responses = {200: {"content": {"text/html": {}}}}
@@ -57,13 +59,13 @@ def get_fits(
     recording: Annotated[str | None, Query(max_length=16)] = None,
 ) -> dict[str, Any]:
     """Fits, the newest first."""
-    found = [fit_summary(bench, one) for one in reversed(bench.database.all("fit"))]
+    summaries = [fit_summary(bench, fit) for fit in reversed(bench.database.all("fit"))]
     return {
         "fits": [
-            one
-            for one in found
-            if (subject is None or one["subject"] == subject)
-            and (recording is None or recording in one["recordings"])
+            summary
+            for summary in summaries
+            if (subject is None or summary["subject"] == subject)
+            and (recording is None or recording in summary["recordings"])
         ]
     }
 
@@ -77,27 +79,27 @@ def get_fit(id: PathId, bench: Bench) -> dict[str, Any]:
 @router.patch("/fits/{id}")
 def patch_fit(id: PathId, given: NameGiven, bench: Bench) -> dict[str, Any]:
     """Give it another name."""
-    found = bench.project.change("fit", id, name=given.name)
+    changed = bench.project.change("fit", id, name=given.name)
     bench.changed("fits")
-    return fit_summary(bench, found)
+    return fit_summary(bench, changed)
 
 
 @router.delete("/fits/{id}", status_code=204)
 def delete_fit(id: PathId, bench: Bench, browser: Browser) -> Response:
     """Delete it; undo brings it back."""
-    one = bench.project.need("fit", id)
-    bench.delete(browser, "fit", id, f"delete fit {one['name']}"[:120])
+    row = bench.project.need("fit", id)
+    bench.delete(browser, "fit", id, f"delete fit {row['name']}"[:120])
     return Response(status_code=204)
 
 
 @router.get("/fits/{id}/fit.json", response_class=FileResponse)
 def get_fit_json(id: PathId, bench: Bench) -> FileResponse:
     """FIT.json, as `surae fit --output` writes it."""
-    one = bench.project.need("fit", id)
+    row = bench.project.need("fit", id)
     path = bench.project.path("fits", id, ".json")
     if not path.is_file():
         raise RefusedError(404, "the file of this fit is missing; fit again")
-    headers = attachment(one["name"], ".json")
+    headers = attachment(row["name"], ".json")
     return FileResponse(path, media_type="application/json", headers=headers)
 
 
@@ -110,14 +112,14 @@ def get_traces(
     end: Instant = None,
     points: Annotated[Points, Query()] = 2000,
 ) -> dict[str, Any]:
-    """Its curves at common instants: measured, modelled, residual, parts."""
+    """A fit's curves at common instants: measured, modelled, residual, parts."""
     return fit_traces(bench.fit(id), recording, start, end, points)
 
 
 @router.post("/fits/{id}/profile", status_code=202)
 def post_profile(id: PathId, given: ProfileGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Ask for profiles of its parameters; the answer is their job."""
-    from surae.assessment.likelihood.profile import check_profiled
+    from surae.api import check_profiled
 
     fit = bench.project.need("fit", id)
     result = bench.fit(id).result
@@ -134,32 +136,46 @@ def post_validate(id: PathId, given: ValidateGiven, bench: Bench) -> dict[str, A
     """Predict other recordings with its parameters."""
     from surae import api
 
-    fitted, found = bench.fit(id), []
+    fitted, predictions = bench.fit(id), []
     for other in dict.fromkeys(given.recordings):
         name = bench.project.need("recording", other)["name"]
         inputs = bench.prepared(other, fitted.settings)
-        (one,) = api.validate(fitted, [inputs])
+        (prediction,) = api.validate(fitted, [inputs])
         assert inputs.torque is not None  # else it could not be validated
-        shown = extremes([inputs.torque, one.torque], _SHOWN)
-        found.append(
+        shown = extremes([inputs.torque, prediction.torque], _SHOWN)
+        predictions.append(
             {
                 "recording": other,
                 "name": name,
-                "vaf": one.vaf,
-                "rmse_Nm": one.rmse,
-                "bias_Nm": one.bias,
+                "vaf": prediction.vaf,
+                "rmse_Nm": prediction.rmse,
+                "bias_Nm": prediction.bias,
                 "t": plain(inputs.time[shown]),
                 "measured": plain(inputs.torque[shown]),
-                "predicted": plain(one.torque[shown]),
+                "predicted": plain(prediction.torque[shown]),
             }
         )
-    return {"predictions": found}
+    return {"predictions": predictions}
 
 
 @router.get("/fits/{id}/report.html", response_class=Response, responses=_HTML)
 def get_report(id: PathId, bench: Bench, inline: bool = False) -> Response:
-    """Its report: one file to keep, or, inline, to be shown within a page."""
+    """A fit's report: one file to keep, or, inline, to be shown within a page."""
     name, data = _report(bench, id, "html")
+    if not inline:
+        return Response(data, media_type="text/html", headers=attachment(name, ".html"))
+    return Response(data, media_type="text/html", headers=_framed(data.decode()))
+
+
+@router.get("/fits/{id}/clinical.html", response_class=Response, responses=_HTML)
+def get_clinical(
+    id: PathId,
+    bench: Bench,
+    language: Literal["en", "nl", "de", "fr"] = "en",
+    inline: bool = False,
+) -> Response:
+    """Its page for clinicians: one file to keep, or, inline, to be shown within a page."""
+    name, data = _report(bench, id, "html", language)
     if not inline:
         return Response(data, media_type="text/html", headers=attachment(name, ".html"))
     return Response(data, media_type="text/html", headers=_framed(data.decode()))
@@ -167,35 +183,40 @@ def get_report(id: PathId, bench: Bench, inline: bool = False) -> Response:
 
 @router.get("/fits/{id}/report.pdf", response_class=Response, responses=_PDF)
 def get_pdf(id: PathId, bench: Bench) -> Response:
-    """Its report for paper."""
+    """A fit's report for paper."""
     name, data = _report(bench, id, "pdf")
     return Response(data, media_type="application/pdf", headers=attachment(name, ".pdf"))
 
 
-def _report(bench: Workbench, id_: str, kind: str) -> tuple[str, bytes]:
+def _report(
+    bench: Workbench, id_: str, kind: str, language: str | None = None
+) -> tuple[str, bytes]:
     name, fit = bench.project.need("fit", id_)["name"], bench.project.path("fits", id_, ".json")
 
     def make() -> bytes:
         with tempfile.TemporaryDirectory(prefix="surae-report-") as folder:
             output = Path(folder) / f"report.{kind}"
-            bench.workers.ask("report", fit=str(fit), output=str(output))
+            asked = {} if language is None else {"language": language}
+            bench.workers.ask("report", fit=str(fit), output=str(output), **asked)
             return output.read_bytes()
 
-    return name, bench.reports.get((id_, kind), make)  # a fit never changes
+    return name, bench.reports.get((id_, kind + (language or "")), make)  # a fit never changes
 
 
 def _framed(page: str) -> dict[str, str]:
-    """Headers of a report within a page: its own style by its hash, and nothing that runs."""
+    """Headers of a report within a page: its own styles and scripts by their hashes, walled in."""
     import base64
     import hashlib
     import re
 
-    styles = re.findall(r"<style>(.*?)</style>", page, re.DOTALL)
-    hashes = " ".join(
-        f"'sha256-{base64.b64encode(hashlib.sha256(s.encode()).digest()).decode()}'" for s in styles
-    )
+    def allowed(tag: str) -> str:
+        parts = re.findall(f"<{tag}>(.*?)</{tag}>", page, re.DOTALL)
+        digests = (hashlib.sha256(part.encode()).digest() for part in parts)
+        return " ".join(f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests)
+
     policy = (
-        f"default-src 'none'; img-src data:; style-src {hashes or chr(39) + 'none' + chr(39)}; "
-        "base-uri 'none'; form-action 'none'; frame-ancestors 'self'; sandbox"
+        f"default-src 'none'; img-src data:; style-src {allowed('style') or _NONE}; "
+        f"script-src {allowed('script') or _NONE}; base-uri 'none'; form-action 'none'; "
+        "frame-ancestors 'self'; sandbox allow-scripts"
     )
     return {"content-security-policy": policy, "x-frame-options": "SAMEORIGIN"}

@@ -7,8 +7,9 @@ from fastapi import APIRouter, Request, Response
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from surae._version import __version__
+from surae.web.glossary import symbols, terms
 from surae.web.routes.common import Bench, Browser, PathId
-from surae.web.sessions import Session
+from surae.web.sessions import BrowserSession
 
 router = APIRouter(include_in_schema=False)
 
@@ -24,7 +25,7 @@ _environment = Environment(
 
 
 def page(
-    request: Request, name: str, browser: Session | None, code: int = 200, **more: Any
+    request: Request, name: str, browser: BrowserSession | None, code: int = 200, **more: Any
 ) -> Response:
     """A page of a template."""
     text = _environment.get_template(f"{name}.html.j2").render(
@@ -91,6 +92,12 @@ def protocol_page(request: Request, browser: Browser) -> Response:
 def studies_page(request: Request, browser: Browser) -> Response:
     """Studies."""
     return page(request, "studies", browser)
+
+
+@router.get("/glossary")
+def glossary_page(request: Request, browser: Browser) -> Response:
+    """What terms and symbols mean."""
+    return page(request, "glossary", browser, terms=terms(), symbols=symbols())
 
 
 @router.get("/studies/{id}")

@@ -3,12 +3,12 @@
 import tempfile
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Response
+from fastapi import APIRouter, Query, Response
 
-from surae.protocol import DEVICES, PROFILES, TASKS, generate, write_csv
-from surae.web.designer import preview, protocol
+from surae.api import DEVICES, PROFILES, TASKS, ready_protocols, write_protocol_csv
+from surae.web.designer import for_export, preview, side_by_side, trajectory_of
 from surae.web.project import when
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId, Responses, attachment
 from surae.web.rows import Thing
@@ -22,10 +22,19 @@ _CSV: Responses = {200: {"content": {"text/csv": {}}}}
 @router.get("/choices")
 def get_choices() -> dict[str, Any]:
     """The profiles, tasks and devices."""
-    from surae.studies.study import _SIMULATED
+    from surae.api import SIMULATED_MODELS
 
     return {
         "profiles": [
+            {
+                "name": r.name,
+                "duration_s": r.seconds,
+                "description": r.description,
+                "designed": True,
+            }
+            for r in ready_protocols().values()
+        ]
+        + [
             {"name": choice.name, "duration_s": choice.duration, "description": choice.description}
             for choice in PROFILES.values()
         ],
@@ -34,20 +43,27 @@ def get_choices() -> dict[str, Any]:
         ],
         "devices": [asdict(choice) for choice in DEVICES.values()],
         "populations": ["healthy", "patient"],
-        "models": list(_SIMULATED),
+        "models": list(SIMULATED_MODELS),
     }
 
 
 @router.post("/preview")
 def post_preview(given: ProtocolPreview) -> dict[str, Any]:
-    """The motion, what it covers, and what it will tell of a typical subject."""
+    """The motion, its limits, what it covers, and what it will tell of virtual legs."""
     return preview(given.settings, given.model, given.population, given.noise)
+
+
+@router.post("/side-by-side")
+def post_side_by_side(given: ProtocolPreview) -> dict[str, Any]:
+    """What every protocol, of the thesis and designed, will tell of the same legs."""
+    rows = side_by_side(given.settings, given.model, given.population, given.noise)
+    return {"protocols": rows}
 
 
 @router.post("/csv", response_class=Response, responses=_CSV)
 def post_csv(given: ProtocolFile) -> Response:
-    """The protocol as the file for a device."""
-    return _file(given.settings, given.settings.profile)
+    """The protocol as the file for a device, within its limits or for a reason."""
+    return _file(given.settings, given.settings.profile, given.reason)
 
 
 @router.get("")
@@ -59,7 +75,7 @@ def get_protocols(bench: Bench) -> dict[str, Any]:
 @router.post("", status_code=201)
 def post_protocol(given: ProtocolGiven, bench: Bench) -> dict[str, Any]:
     """Keep one."""
-    protocol(given.settings)
+    trajectory_of(given.settings)
     id_ = bench.database.add("protocol", given.model_dump(mode="json"))
     bench.changed("protocols")
     return _shown(bench.project.need("protocol", id_))
@@ -74,17 +90,20 @@ def delete_protocol(id: PathId, bench: Bench, browser: Browser) -> Response:
 
 
 @router.get("/{id}/protocol.csv", response_class=Response, responses=_CSV)
-def get_csv(id: PathId, bench: Bench) -> Response:
-    """It as the file for a device, as `surae protocol` writes it."""
+def get_csv(
+    id: PathId, bench: Bench, reason: Annotated[str, Query(max_length=300)] = ""
+) -> Response:
+    """It as the file for a device, as `surae protocol` writes it, in limits or for a reason."""
     thing = bench.project.need("protocol", id)
-    return _file(ProtocolSettings(**thing["settings"]), thing["name"])
+    return _file(ProtocolSettings(**thing["settings"]), thing["name"], reason)
 
 
-def _file(settings: ProtocolSettings, name: str) -> Response:
-    trajectory = generate(protocol(settings))
+def _file(settings: ProtocolSettings, name: str, reason: str) -> Response:
+    trajectory = for_export(settings, reason)
+    note = f"without limits: {' '.join(reason.split())}" if reason.strip() else ""
     with tempfile.TemporaryDirectory(prefix="surae-protocol-") as folder:
         path = Path(folder) / "protocol.csv"
-        write_csv(trajectory, path)
+        write_protocol_csv(trajectory, path, note=note)
         data = path.read_bytes()
     return Response(data, media_type="text/csv", headers=attachment(name, ".csv"))
 

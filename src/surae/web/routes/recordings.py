@@ -8,11 +8,11 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from fastapi import APIRouter, Query, Response
 
-from surae.recording import ROLES
-from surae.settings import FitSettings
+from surae.api import ROLES, FitSettings
 from surae.web.http_errors import RefusedError
 from surae.web.project import when
 from surae.web.pyramid import Pyramid, Window
+from surae.web.remap import proposals
 from surae.web.routes.common import (
     ERRORS,
     Bench,
@@ -94,6 +94,14 @@ def delete_subject(id: PathId, bench: Bench, browser: Browser) -> Response:
     return Response(status_code=204)
 
 
+def _refuse_name(bench: Workbench, name: str | None, own: str) -> None:
+    if any(
+        recording["name"] == name and recording["id"] != own
+        for recording in bench.database.all("recording")
+    ):
+        raise RefusedError(409, f"there is a recording {name!r} already; give another name")
+
+
 def _refuse_code(bench: Workbench, code: str, own: str | None) -> None:
     if any(
         subject["code"] == code and subject["id"] != own
@@ -143,6 +151,7 @@ def patch_recording(
         del changes["name"]
     with bench.database.transaction():
         refuse_unseen(bench.project.need("recording", id), seen)
+        _refuse_name(bench, changes.get("name"), id)
         recording = bench.project.change("recording", id, **changes)
     bench.changed("recordings")
     return shown_recording(bench, recording)
@@ -171,6 +180,7 @@ def _recording(recording: Thing, fits: int) -> dict[str, Any]:
         "created": when(recording["created"]),
         **{key: recording[key] for key in keys},
         "fits": fits,
+        "version": recording.get("version", 0),
         "revision": revision(recording),
     }
 
@@ -180,10 +190,10 @@ def get_quality(id: PathId, bench: Bench) -> dict[str, Any]:
     """What is questionable about it, where in time, and what to do."""
     recording = bench.project.need("recording", id)
     if recording.get("findings") is None:
-        path = str(bench.project.path("recordings", id, ".h5"))
+        path = str(bench.project.recording_path(recording))
         findings = bench.workers.ask("quality", path=path)["findings"]
         recording = bench.project.change("recording", id, findings=findings)
-    return {"findings": recording["findings"]}
+    return {"findings": proposals(recording["findings"], recording)}
 
 
 @router.get(

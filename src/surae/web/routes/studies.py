@@ -7,16 +7,14 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Response
 
+from surae.api import Store, Study, export_study, parse_study, study_columns, study_table
 from surae.errors import SuraeError
-from surae.studies.store import Store
-from surae.studies.study import Study, parse_study
-from surae.studies.table import columns, export, table
 from surae.web.http_errors import RefusedError
 from surae.web.project import when
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId, Responses, attachment
 from surae.web.rows import Thing
 from surae.web.schemas import StudyGiven
-from surae.web.sessions import Session
+from surae.web.sessions import BrowserSession
 from surae.web.workbench import Workbench
 
 router = APIRouter(prefix="/api/studies", responses=ERRORS, tags=["studies"])
@@ -76,12 +74,12 @@ def get_table(
 ) -> dict[str, Any]:
     """The rows that are there."""
     thing = bench.project.need("study", id)
-    names = columns(parse_study(thing["toml"]))
+    names = study_columns(parse_study(thing["toml"]))
     path = bench.project.path("studies", id, ".db")
     if not path.exists():
         return {"columns": names, "rows": [], "total": 0}
     with Store(path) as kept:
-        rows = [[row[name] for name in names] for row in islice(table(kept), limit)]
+        rows = [[row[name] for name in names] for row in islice(study_table(kept), limit)]
         total = kept.status().done
     return {"columns": names, "rows": rows, "total": max(total, len(rows))}
 
@@ -92,7 +90,7 @@ def get_csv(id: PathId, bench: Bench) -> Response:
     thing = bench.project.need("study", id)
     with _kept(bench, id) as kept, tempfile.TemporaryDirectory(prefix="surae-study-") as folder:
         path = Path(folder) / "table.csv"
-        export(kept, path)
+        export_study(kept, path)
         data = path.read_bytes()
     return Response(data, media_type="text/csv", headers=attachment(thing["name"], ".csv"))
 
@@ -102,13 +100,11 @@ def get_figure(
     id: PathId, bench: Bench, x: Annotated[str | None, Query(max_length=40)] = None
 ) -> Response:
     """Standard errors, IPDE and VAF against one factor."""
-    from surae.report.figures import svg
-    from surae.report.figures.study import study_figure
-    from surae.report.study import study_curves
+    from surae.api import study_curves, study_figure, svg
 
     thing = bench.project.need("study", id)
     with _kept(bench, id) as kept:
-        curves = study_curves(table(kept), tuple(parse_study(thing["toml"]).factors), x)
+        curves = study_curves(study_table(kept), tuple(parse_study(thing["toml"]).factors), x)
     return Response(svg(study_figure(curves, f"{thing['name']}:")), media_type="image/svg+xml")
 
 
@@ -119,7 +115,7 @@ def _kept(bench: Workbench, id_: str) -> Store:
     return Store(path)
 
 
-def _start(bench: Workbench, browser: Session, thing: Thing, study: Study) -> dict[str, Any]:
+def _start(bench: Workbench, browser: BrowserSession, thing: Thing, study: Study) -> dict[str, Any]:
     if bench.jobs.of(thing["id"]):
         raise RefusedError(409, "this study is at work already")
     task = {"study": thing["id"], "toml": thing["toml"]}

@@ -11,12 +11,12 @@ from surae.units import FACTORS, kind
 from surae.web.database import new_id
 from surae.web.http_errors import RefusedError, not_found
 from surae.web.imports import file_name
-from surae.web.project import when
+from surae.web.project import unique_name, when
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId
 from surae.web.routes.recordings import shown_recording
 from surae.web.rows import Thing
 from surae.web.schemas import ImportGiven
-from surae.web.sessions import Session
+from surae.web.sessions import BrowserSession
 from surae.web.workbench import Workbench
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["import"])
@@ -85,12 +85,12 @@ async def post_upload(
     return _shown({**data, "id": id_, "created": None})
 
 
-def _refuse_more(bench: Workbench, browser: Session) -> None:
+def _refuse_more(bench: Workbench, browser: BrowserSession) -> None:
     if len(_uploads(bench, browser)) >= MOST_UPLOADS:
         raise RefusedError(409, f"{MOST_UPLOADS} files are uploaded already; delete some first")
 
 
-def _keep(bench: Workbench, browser: Session, data: Thing, id_: str) -> None:
+def _keep(bench: Workbench, browser: BrowserSession, data: Thing, id_: str) -> None:
     """Note a file, unless others came in at the same time and there are now too many."""
     with bench.database.transaction():
         _refuse_more(bench, browser)
@@ -136,7 +136,7 @@ def inspect_upload(
 @router.get("/units")
 def get_units() -> dict[str, Any]:
     """The roles that a channel can have, and the units of each."""
-    from surae.recording import ROLES
+    from surae.api import ROLES
 
     return {"roles": list(ROLES), "units": {role: list(FACTORS[kind(role)]) for role in ROLES}}
 
@@ -144,7 +144,8 @@ def get_units() -> dict[str, Any]:
 @router.post("/imports/preview")
 def preview_import(given: ImportGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
     """What a mapping makes of the files."""
-    return {**_imported(given, bench, browser, None)}
+    result = _imported(given, bench, browser, None)
+    return {**result, "twin": _twin(bench, result["files"], given.mapping.model_dump(mode="json"))}
 
 
 @router.post("/imports", status_code=201)
@@ -177,6 +178,21 @@ def post_demo(bench: Bench, browser: Browser) -> dict[str, Any]:
     return _added(bench, id_, result, subject, f"T{trial}", "", None)
 
 
+def _twin(
+    bench: Workbench, files: list[Mapping[str, str]], mapping: Mapping[str, Any]
+) -> dict[str, str] | None:
+    """The recording that was made of the same columns of the same files before."""
+    sums = {file["sha256"] for file in files}
+    columns = {channel["column"] for channel in mapping["channels"].values()}
+    for recording in bench.database.all("recording"):
+        known = (recording.get("first") or recording["mapping"] or {"channels": {}})["channels"]
+        if {file["sha256"] for file in recording["files"]} == sums and {
+            channel["column"] for channel in known.values()
+        } & columns:
+            return {"id": recording["id"], "name": recording["name"]}
+    return None
+
+
 def _virtual(bench: Workbench) -> str | None:
     """The subject that is not real, where it has been made."""
     ids = [
@@ -196,7 +212,7 @@ def _added(
 ) -> dict[str, Any]:
     """Add a recording, whose file is there, to the project."""
     data = {
-        "name": result["name"],
+        "name": unique_name(bench.database.all("recording"), result["name"], 120),
         "subject": subject,
         "side": result["side"],
         "trial": trial,
@@ -218,7 +234,7 @@ def _added(
 
 
 def _imported(
-    given: ImportGiven, bench: Workbench, browser: Session, output: str | None
+    given: ImportGiven, bench: Workbench, browser: BrowserSession, output: str | None
 ) -> dict[str, Any]:
     mapping = given.mapping.model_dump(mode="json")
     wanted = dict.fromkeys(upload["upload"] for upload in mapping["channels"].values())
@@ -230,18 +246,18 @@ def _imported(
     return result
 
 
-def _uploads(bench: Workbench, browser: Session) -> list[Thing]:
+def _uploads(bench: Workbench, browser: BrowserSession) -> list[Thing]:
     return [upload for upload in bench.database.all("upload") if upload["session"] == browser.key]
 
 
-def _upload(bench: Workbench, browser: Session, id_: str) -> Thing:
+def _upload(bench: Workbench, browser: BrowserSession, id_: str) -> Thing:
     upload = bench.database.get("upload", id_)
     if upload is None or upload["session"] != browser.key:
         raise not_found("upload")
     return upload
 
 
-def _files(bench: Workbench, browser: Session, uploads: list[Thing]) -> list[dict[str, str]]:
+def _files(bench: Workbench, browser: BrowserSession, uploads: list[Thing]) -> list[dict[str, str]]:
     folder = bench.project.uploads(browser.key)
     return [
         {"id": upload["id"], "path": str(folder / upload["id"]), "name": upload["name"]}

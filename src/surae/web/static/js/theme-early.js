@@ -17,4 +17,9 @@
   system.addEventListener("change", apply);
   addEventListener("storage", (event) => event.key === "surae.theme" && apply());
   addEventListener("themechosen", apply);
+  addEventListener("beforeprint", () => { // paper is white
+    document.documentElement.dataset.theme = "light";
+    dispatchEvent(new Event("themechange"));
+  });
+  addEventListener("afterprint", apply);
 })();

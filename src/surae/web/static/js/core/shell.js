@@ -76,6 +76,16 @@ async function readJobs() {
   showJobs();
 }
 
+// What symbols mean is asked for once, when somebody points at one.
+let meanings = null;
+async function explain({ target }) {
+  const pointed = target.closest?.("[data-meant]");
+  if (!pointed || pointed.title) return;
+  meanings ??= get("/api/glossary").catch(() => ({}));
+  pointed.title = (await meanings)[pointed.dataset.meant] ?? "";
+}
+for (const kind of ["pointerover", "focusin"]) addEventListener(kind, explain);
+
 byId("undo").addEventListener("click", () => history("undo", box));
 byId("redo").addEventListener("click", () => history("redo", box));
 addEventListener("keydown", keys);

@@ -21,14 +21,14 @@ const show = latest(async () => {
     replace(byId("table"), h("div", { class: "empty" }, h("p", {}, h("strong", {}, "No fits of this model yet."), " Fit recordings, and give them a subject on the Project page.")));
     return;
   }
-  const table = sortable(`${told.rows.length} ${told.rows.length === 1 ? "fit" : "fits"}. ▲ and ▼ lie above and below the healthy range.`, columns(told));
+  const table = sortable(`${told.rows.length} ${told.rows.length === 1 ? "fit" : "fits"}.`, columns(told));
   table.update(told.rows);
   replace(byId("table"), table.element);
 });
 
-function columns({ columns: parameters, normal }) {
+function columns({ columns: parameters }) {
   return [
-    { title: "Subject", value: (r) => r.subject, show: (r) => h("a", { href: `/fits/${r.fit}` }, r.subject || (r.recordings.join(", ") || "fit")) },
+    { title: "Subject", value: (r) => r.subject, show: (r) => h("a", { href: `/fits/${r.fit}` }, r.subject || r.name) },
     { title: "Group", value: (r) => r.group, show: (r) => r.group || NONE },
     { title: "Side", value: (r) => r.side, show: (r) => r.side ?? NONE },
     { title: "Trial", value: (r) => r.trial, show: (r) => [r.trial, r.condition].filter(Boolean).join(", ") || NONE },
@@ -39,18 +39,14 @@ function columns({ columns: parameters, normal }) {
       title: unitText(p.unit) ? `${p.name} [${unitText(p.unit)}]` : p.name,
       numeric: true,
       value: (r) => r.parameters[p.name]?.value ?? null,
-      show: (r) => cell(p, r.parameters[p.name], normal[p.name]?.healthy ?? normal[p.name]),
+      show: (r) => cell(r.parameters[p.name]),
     })),
   ];
 }
 
-function cell(p, one, healthy) {
+function cell(one) {
   if (!one || one.value === null) return NONE;
-  const range = Array.isArray(healthy) ? healthy : null;
-  const place = range && one.value < range[0] ? "▼ " : range && one.value > range[1] ? "▲ " : "";
-  const told = place && `${place === "▲ " ? "above" : "below"} the healthy range ${number(range[0], 3)} … ${number(range[1], 3)}`;
   return [
-    place && h("span", { title: told, role: "img", "aria-label": told }, place),
     estimate(one.value, one.sem),
     h("div", { class: "small" }, one.sem ? `± ${number(one.sem, 2)} ` : "", one.verdict !== "identified" && verdict(one.verdict)),
   ];

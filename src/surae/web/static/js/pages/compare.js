@@ -7,7 +7,7 @@ import { NONE, estimate, number, unitText, vaf, when } from "../core/format.js";
 import { attempt } from "../core/notice.js";
 import { latest } from "../core/pace.js";
 import { ranges } from "../plot/ranges.js";
-import { status, verdict } from "../ui/marks.js";
+import { meant, status, verdict } from "../ui/marks.js";
 
 const SHAPES = ["●", "■", "▲", "◆"];
 const box = byId("error");
@@ -57,7 +57,7 @@ function table({ fits, parameters }) {
     h(
       "table",
       { class: "comparison" },
-      h("caption", {}, "Estimates with their 95 % intervals. The green field is the range of healthy legs."),
+      h("caption", {}, "Estimates with their 95 % intervals."),
       h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "Parameter"), fits.map((fit, i) => h("th", { scope: "col" }, `${shape(i)} `, h("a", { href: `/fits/${fit.id}` }, fit.name))), h("th", { scope: "col" }, "Together"))),
       h(
         "tbody",
@@ -73,15 +73,14 @@ function table({ fits, parameters }) {
 }
 
 function row(p) {
-  const healthy = p.normal?.healthy ?? (Array.isArray(p.normal) ? p.normal : null);
   return h(
     "tr",
     {},
-    h("th", { scope: "row", title: p.meaning }, p.name, h("span", { class: "muted small" }, unitText(p.unit) && ` [${unitText(p.unit)}]`)),
+    h("th", { scope: "row" }, meant(p.name), h("span", { class: "muted small" }, unitText(p.unit) && ` [${unitText(p.unit)}]`)),
     p.estimates.map((one) =>
       h("td", { class: "est" }, one ? [`${estimate(one.value, one.sem)} ${one.sem ? `± ${number(one.sem, 2)} ` : ""}`, verdict(one.verdict)] : NONE),
     ),
-    h("td", { class: "range-cell" }, ranges(p.estimates, { normal: healthy }, `${p.name} of ${p.estimates.length} fits`)),
+    h("td", { class: "range-cell" }, ranges(p.estimates, {}, `${p.name} of ${p.estimates.length} fits`)),
   );
 }
 

@@ -3,10 +3,11 @@
 import { get, post, query, remove, upload } from "../core/api.js";
 import { button, byId, h, replace, select } from "../core/dom.js";
 import { onChanged } from "../core/events.js";
-import { bytes, rate, roleText, seconds, shownRange } from "../core/format.js";
+import { bytes, seconds } from "../core/format.js";
 import { attempt, calm, complain, tell } from "../core/notice.js";
 import { latest, settled } from "../core/pace.js";
 import { editSubject } from "../ui/subjects.js";
+import { ranges } from "../ui/describe.js";
 import { findingsTable } from "../ui/findings.js";
 import { emptyMapping, mappingTable } from "../ui/mapping.js";
 
@@ -115,9 +116,12 @@ async function inspect(given = null) {
   check();
 }
 
+const isMapping = (id) => inspected.get(id)?.format === "TOML mapping";
+
 /** Several files as one recording; null where the server cannot see them as one. */
 async function both() {
-  const [first, ...others] = included;
+  const described = [...included].sort((a, b) => isMapping(b) - isMapping(a)); // which says what the others hold
+  const [first, ...others] = described;
   try {
     return await get(`/api/uploads/${first}/inspect${query({ also: others.join(",") })}`);
   } catch {
@@ -174,11 +178,8 @@ const preview = latest(async () => {
     replace(
       byId("preview"),
       h("h3", {}, `As it will be imported: ${seconds(seen.duration_s)}`),
-      h(
-        "p",
-        { class: "muted small" },
-        seen.channels.map((c) => `${roleText(c.role)} ${shownRange(c.low, c.high, c.unit)} at ${rate(c.rate_hz)}`).join(" · "),
-      ),
+      seen.twin && h("p", { class: "note" }, "These files are in the project already, as ", h("a", { href: `/recordings/${seen.twin.id}` }, seen.twin.name), ". There, what they mean can be changed; to import them again makes a second recording."),
+      ranges(seen.channels),
       findingsTable(seen.findings, null),
     );
   } catch (error) {

@@ -9,7 +9,7 @@ import { attempt, complain, tell } from "../core/notice.js";
 import { latest } from "../core/pace.js";
 import { demoButton } from "../ui/demo.js";
 import { cancel, ended } from "../ui/jobs.js";
-import { mark, status } from "../ui/marks.js";
+import { mark, older, status } from "../ui/marks.js";
 import { editSubject } from "../ui/subjects.js";
 import { sortable } from "../ui/table.js";
 
@@ -64,7 +64,7 @@ const fitsTable = sortable("All fits of the project", [
   { title: "Fit", value: (f) => f.name, show: (f) => h("a", { href: `/fits/${f.id}` }, f.name) },
   { title: "Model", value: (f) => f.model, show: (f) => f.model },
   { title: "Subject", value: (f) => code(f.subject), show: (f) => code(f.subject) ?? "—" },
-  { title: "Status", value: (f) => f.status, show: (f) => status(f.status) },
+  { title: "Status", value: (f) => f.status, show: (f) => [status(f.status), older(f)] },
   { title: "VAF", numeric: true, value: (f) => f.vaf, show: (f) => vaf(f.vaf) },
   { title: "Made", value: (f) => f.created, show: (f) => when(f.created) },
   { title: "", show: (f) => drop("fits", f, f.name) },

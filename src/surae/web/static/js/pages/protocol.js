@@ -13,9 +13,9 @@ import { ask } from "../ui/dialog.js";
 import { verdict } from "../ui/marks.js";
 import { sortable } from "../ui/table.js";
 
-const KEPT = "surae.protocol";
+const KEPT = "surae.protocol.2";
 const NUMBERS = ["chirp_amplitude", "chirp_rate", "rate_hz"];
-const START = { settings: { profile: "multi-sine-holds", task: "part-passive", chirp_amplitude: 0.2, chirp_rate: 0.159, range: [-0.9, 0.6], duration: null, rate_hz: 125, device: null, adapt: true }, model: "muscle", population: "healthy", noise: 0.05 };
+const START = { settings: { profile: "multi-sine-holds", task: "part-passive", chirp_amplitude: 0.2, chirp_rate: 0.159, range: [-0.9, 0.6], duration: null, rate_hz: 125, device: "achilles", adapt: true }, model: "muscle", population: "healthy", noise: 0.5 };
 const box = byId("error");
 let choices = null;
 
@@ -75,15 +75,17 @@ function show(seen) {
   const { prediction, coverage, adaptation } = seen;
   replace(
     byId("adaptation"),
-    adaptation && h("ul", {}, (adaptation.steps ?? []).map((line) => h("li", {}, line)), adaptation.peak_velocity && h("li", {}, `Fastest movement ${number(adaptation.peak_velocity[0] * degrees, 3)} → ${number(adaptation.peak_velocity[1] * degrees, 3)} °/s`)),
+    h("ul", {}, (adaptation ?? []).map((line) => h("li", {}, line)), seen.limits.filter((one) => !one.exceeded).map((one) => h("li", {}, one.text))),
   );
-  const counts = (name) => prediction.parameters.filter((p) => p.verdict === name).length;
+  const exceeded = seen.limits.filter((one) => one.exceeded);
+  byId("limits").hidden = byId("reason-field").hidden = exceeded.length === 0;
+  replace(byId("limits"), exceeded.map((one) => h("li", {}, one.text)));
   const entries = [
     ["Length", seconds(seen.seconds)],
-    ["Identified", `${counts("identified")} of ${prediction.parameters.length - counts("fixed")}`],
-    ["IPDE", number(prediction.ipde, 3)],
-    ["Torque, RMS", `${number(prediction.torque_rms, 3)} Nm`],
-    ["Noise of the torque", `${number(prediction.noise_Nm, 2)} Nm`],
+    ["Identified", `${prediction.identified} of ${Object.keys(prediction.parameters).length}`],
+    ["Largest error", `${part(prediction.worst)} (${prediction.weakest})`],
+    ["Geometric mean", part(prediction.geometric_mean)],
+    ["Torque", `${number(prediction.torque_Nm[0], 3)} … ${number(prediction.torque_Nm[1], 3)} Nm`],
     ["Area covered", percent(100 * coverage.share, 2)],
   ];
   replace(byId("figures"), entries.map(([term, text]) => h("div", {}, h("dt", {}, term), h("dd", {}, text))));
@@ -93,18 +95,21 @@ function show(seen) {
     density({ label: "Length of the triceps [optimal lengths]", edges: coverage.length_edges }, { label: "Velocity [optimal lengths/s]", edges: coverage.velocity_edges }, coverage.time_share, `Share of time over length and velocity; ${percent(100 * coverage.share, 2)} of the area is covered`),
     h("p", { class: "muted small" }, `Darker: more time. ${percent(100 * coverage.share, 2)} of the cells are visited${coverage.outside > 0 ? `; ${percent(100 * coverage.outside, 2)} of the time lies outside` : ""}.`),
   );
-  byId("said").textContent = `Worked out in ${number(prediction.milliseconds / 1000, 2)} s.`;
+  byId("said").textContent = `Worked out in ${number(seen.milliseconds / 1000, 2)} s, over ${prediction.legs}.`;
 }
 
-function predicted(parameters) {
-  const head = ["Parameter", "Value assumed", "Standard error", "Relative", "Verdict", "Why"];
+const part = (x) => (x === null ? "—" : percent(100 * x, 2));
+
+function predicted(table) {
+  const parameters = Object.entries(table).map(([name, p]) => ({ name, ...p }));
+  const head = ["Parameter", "Typical value", "Standard error", "95 % within", "Identified in", "Verdict", "Why"];
   return scroll(
     "Predicted uncertainty",
     h(
       "table",
       {},
       h("caption", {}, "Predicted standard errors; the bar ends at 20 %"),
-      h("thead", {}, h("tr", {}, head.map((text, i) => h("th", { scope: "col", class: i > 0 && i < 4 ? "num" : null }, text)))),
+      h("thead", {}, h("tr", {}, head.map((text, i) => h("th", { scope: "col", class: i > 0 && i < 5 ? "num" : null }, text)))),
       h(
         "tbody",
         {},
@@ -114,8 +119,9 @@ function predicted(parameters) {
             {},
             h("th", { scope: "row" }, p.name),
             h("td", { class: "num" }, quantity(p.value, p.unit, 3)),
-            h("td", { class: "num" }, quantity(p.sem, p.unit, 2)),
-            h("td", { class: "num" }, p.relative === null ? "—" : [percent(100 * p.relative, 2), " ", h("meter", { min: 0, max: 0.2, high: 0.1, low: 0.05, optimum: 0, value: Math.min(p.relative, 0.2), "aria-label": `Relative standard error of ${p.name}` })]),
+            h("td", { class: "num" }, p.relative_sem === null ? "—" : [part(p.relative_sem), " ", h("meter", { min: 0, max: 0.2, high: 0.1, low: 0.05, optimum: 0, value: Math.min(p.relative_sem, 0.2), "aria-label": `Relative standard error of ${p.name}` })]),
+            h("td", { class: "num" }, p.relative_half_width === null ? "—" : `±${part(p.relative_half_width)}`),
+            h("td", { class: "num" }, percent(100 * p.identified_share, 2)),
             h("td", {}, verdict(p.verdict)),
             h("td", { class: "why" }, p.note ?? ""),
           ),
@@ -138,7 +144,7 @@ const savedTable = sortable("Protocols of this project", [
         "div",
         { class: "button-row" },
         button("Open", () => { fill({ settings: p.settings }); preview(); }, { class: "small", "aria-label": `Open ${p.name}` }),
-        button("CSV", () => attempt(box, () => download(`/api/protocols/${p.id}/protocol.csv`, "protocol.csv")), { class: "small", "aria-label": `CSV of ${p.name}` }),
+        button("CSV", () => attempt(box, () => download(`/api/protocols/${p.id}/protocol.csv?reason=${encodeURIComponent(byId("reason").value)}`, "protocol.csv")), { class: "small", "aria-label": `CSV of ${p.name}` }),
         button("Delete", () => attempt(box, async () => { await remove(`/api/protocols/${p.id}`); tell(`Deleted ${p.name}. Undo brings it back.`); await showSaved(); }), { class: "small danger", "aria-label": `Delete ${p.name}` }),
       ),
   },
@@ -150,13 +156,48 @@ async function showSaved() {
   replace(byId("saved"), protocols.length ? savedTable.element : h("p", { class: "muted" }, "None yet. Save keeps a design under a name."));
 }
 
+byId("compare").addEventListener("click", () =>
+  attempt(
+    box,
+    async () => {
+      const { protocols } = await post("/api/protocols/side-by-side", told());
+      replace(byId("beside"), beside(protocols));
+    },
+    byId("compare"),
+  ),
+);
+
+function beside(rows) {
+  const head = ["Protocol", "Length", "Largest error", "Geometric mean", "Identified", "Limits"];
+  const cells = (row) =>
+    row.refused
+      ? [h("td", { colspan: 5, class: "why" }, row.refused)]
+      : [
+          h("td", { class: "num" }, seconds(row.seconds)),
+          h("td", { class: "num" }, `${part(row.worst)} (${row.weakest})`),
+          h("td", { class: "num" }, part(row.geometric_mean)),
+          h("td", { class: "num" }, `${row.identified} of ${row.of}`),
+          h("td", { class: row.exceeded.length ? "why exceeded" : "why" }, row.exceeded.length ? row.exceeded.join("; ") : "kept"),
+        ];
+  return scroll(
+    "Protocols side by side",
+    h(
+      "table",
+      {},
+      h("caption", {}, "Standard errors to expect of the same legs, with this device, range and noise"),
+      h("thead", {}, h("tr", {}, head.map((text, i) => h("th", { scope: "col", class: i > 0 && i < 5 ? "num" : null }, text)))),
+      h("tbody", {}, rows.map((row) => h("tr", {}, h("th", { scope: "row" }, row.designed ? `${row.name} (designed)` : row.name), cells(row)))),
+    ),
+  );
+}
+
 const soon = settled(() => byId("settings").checkValidity() && preview(), 250);
 byId("settings").addEventListener("input", soon);
 byId("settings").addEventListener("submit", (event) => {
   event.preventDefault();
   preview();
 });
-byId("export").addEventListener("click", () => byId("settings").reportValidity() && attempt(box, () => download("/api/protocols/csv", "protocol.csv", { settings: told().settings }), byId("export")));
+byId("export").addEventListener("click", () => byId("settings").reportValidity() && attempt(box, () => download("/api/protocols/csv", "protocol.csv", { settings: told().settings, reason: byId("reason").value }), byId("export")));
 byId("save").addEventListener("click", async () => {
   if (!byId("settings").reportValidity()) return;
   const name = h("input", { type: "text", required: true, maxlength: 120, value: byId("profile").value });

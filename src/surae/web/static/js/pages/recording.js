@@ -7,9 +7,10 @@ import { onChanged } from "../core/events.js";
 import { number, rate, roleText, seconds, span, unitText, vaf } from "../core/format.js";
 import { attempt, calm, complain } from "../core/notice.js";
 import { signalPlots } from "../plot/signals.js";
+import { describe, mend } from "../ui/describe.js";
 import { ask } from "../ui/dialog.js";
-import { findingsTable } from "../ui/findings.js";
-import { status } from "../ui/marks.js";
+import { findingsTable, part } from "../ui/findings.js";
+import { older, status } from "../ui/marks.js";
 
 const id = byId("recording").dataset.id;
 let recording = null;
@@ -20,7 +21,7 @@ const excluded = () => draft()?.exclusions[id] ?? [];
 
 function spans() {
   return [
-    ...findings.filter((one) => one.start_s !== null && one.start_s !== undefined).map((one) => ({ start: one.start_s, end: one.end_s, kind: one.severity, role: one.channel })),
+    ...findings.filter((one) => part(one, recording.duration_s)).map((one) => ({ start: one.start_s, end: one.end_s, kind: one.severity, role: one.channel })),
     ...excluded().map(([start, end]) => ({ start, end, kind: "excluded" })),
   ];
 }
@@ -70,6 +71,8 @@ function showFindings() {
         byId("plots").scrollIntoView({ block: "start" });
       },
       exclude: (one) => exclude(one.start_s, one.end_s),
+      mend: (one) => attempt(byId("quality-error"), () => mend(id, one)),
+      duration: () => recording.duration_s,
     }),
   );
   plots?.redraw();
@@ -131,7 +134,7 @@ async function showFits() {
   replace(
     byId("fits"),
     fits.length
-      ? h("ul", { class: "list" }, fits.map((fit) => h("li", {}, h("a", { href: `/fits/${fit.id}` }, fit.name), status(fit.status), h("span", { class: "muted" }, `VAF ${vaf(fit.vaf)}`))))
+      ? h("ul", { class: "list" }, fits.map((fit) => h("li", {}, h("a", { href: `/fits/${fit.id}` }, fit.name), status(fit.status), older(fit), h("span", { class: "muted" }, `VAF ${vaf(fit.vaf)}`))))
       : h("p", { class: "muted" }, "None yet: choose “Fit this recording”."),
   );
 }
@@ -169,16 +172,21 @@ byId("use").addEventListener("click", () =>
     location.href = "/fit";
   }, byId("use")),
 );
+byId("describe").addEventListener("click", () => {
+  byId("describe").hidden = true;
+  attempt(byId("description-error"), () => describe(id, byId("description"), byId("description-error"), () => (byId("describe").hidden = false)), byId("describe"));
+});
 onChanged(["fits"], () => showFits().catch(() => null));
-
-attempt(byId("error"), async () => {
+onChanged(["recordings"], () => attempt(byId("error"), async () => {
+  const { version } = recording;
   recording = await get(`/api/recordings/${id}`);
   showAbout();
+  if (recording.version === version) return;
   makePlots();
-  onDraft(showExclusions);
-  await showFits();
-});
-attempt(byId("quality-error"), async () => {
+  await Promise.all([check(), showFits()]);
+}));
+
+const check = () => attempt(byId("quality-error"), async () => {
   try {
     findings = (await get(`/api/recordings/${id}/quality`)).findings;
   } catch (error) {
@@ -186,4 +194,12 @@ attempt(byId("quality-error"), async () => {
     throw error;
   }
   showFindings();
+});
+
+attempt(byId("error"), async () => {
+  recording = await get(`/api/recordings/${id}`);
+  showAbout();
+  makePlots();
+  onDraft(showExclusions);
+  await Promise.all([check(), showFits()]);
 });

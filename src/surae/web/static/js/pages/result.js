@@ -16,7 +16,7 @@ import { traces } from "../result/traces.js";
 import { showUnsure } from "../result/unsure.js";
 import { validation } from "../result/validation.js";
 import { ask } from "../ui/dialog.js";
-import { status } from "../ui/marks.js";
+import { meant, older, status } from "../ui/marks.js";
 import { tabs } from "../ui/tabs.js";
 
 const id = byId("fit").dataset.id;
@@ -33,11 +33,11 @@ function showHead() {
   byId("adequacy").hidden = false;
   replace(byId("adequacy"), h("p", {}, h("span", { "aria-hidden": "true" }, `${mark} `), sentence), reasons.length > 0 && h("ul", {}, reasons.map((reason) => h("li", {}, reason))));
   const entries = [
-    ["Status", status(fit.status)],
+    ["Status", [status(fit.status), " ", older(summary)]],
     ["Centred R²", vaf(fit.adequacy.r2)],
-    ["VAF", vaf(fit.vaf)],
-    ["RMSE", `${number(fit.rmse_Nm, 3)} Nm`],
-    ["IPDE", h("span", { title: fit.ipde_note || null }, number(summary.ipde, 3))],
+    [meant("vaf", "VAF"), vaf(fit.vaf)],
+    [meant("residual", "RMSE"), `${number(fit.rmse_Nm, 3)} Nm`],
+    [meant("ipde", "IPDE"), h("span", { title: fit.ipde_note || null }, number(summary.ipde, 3))],
     ["Starts that agree", `${summary.agreeing} of ${summary.starts}`],
     ["Took", seconds(summary.seconds)],
   ];
@@ -76,6 +76,12 @@ function file(knob, url, name) {
 
 file("report-html", `/api/fits/${id}/report.html`, "report.html");
 file("report-pdf", `/api/fits/${id}/report.pdf`, "report.pdf");
+const clinical = () => `/api/fits/${id}/clinical.html?language=${byId("language").value}`;
+function showClinical() {
+  replace(byId("clinical-place"), h("iframe", { class: "report-frame", title: "The fit in short", src: `${clinical()}&inline=true` }));
+}
+byId("language").addEventListener("change", showClinical);
+byId("clinical-html").addEventListener("click", () => attempt(byId("error"), () => download(clinical(), "page.html"), byId("clinical-html")));
 file("save-json", `/api/fits/${id}/fit.json`, "fit.json");
 
 byId("rename").addEventListener("click", async () => {
@@ -112,6 +118,7 @@ byId("report-show").addEventListener("click", () =>
 const ready = attempt(byId("error"), read);
 const filled = (work) => () => ready.then(() => result && work());
 tabs(byId("tabs"), {
+  short: filled(showClinical),
   parameters: filled(overview),
   torque: filled(() => traces(id, result)),
   profiles: filled(() => profiles(id, () => result, read)),

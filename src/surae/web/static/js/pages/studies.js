@@ -5,17 +5,10 @@ import { byId, h, replace } from "../core/dom.js";
 import { onChanged, onJob } from "../core/events.js";
 import { when } from "../core/format.js";
 import { attempt, calm } from "../core/notice.js";
+import { factors } from "../ui/factors.js";
 import { mark } from "../ui/marks.js";
 import { sortable } from "../ui/table.js";
 
-const EXAMPLE = `# How does the size of the chirp change what the fit can tell?
-name = "chirp"
-protocol = "multiple-holds"
-chirp_amplitude = [0.0, 0.1, 0.2]
-chirp_rate = 0.159
-subjects = 2
-model = "muscle"
-`;
 const box = byId("error");
 
 const table = sortable("Studies", [
@@ -28,7 +21,7 @@ const table = sortable("Studies", [
 async function refresh() {
   const { studies } = await get("/api/studies");
   table.update(studies);
-  replace(byId("list"), studies.length ? table.element : h("div", { class: "empty" }, h("p", {}, h("strong", {}, "No studies yet."), " Change the example below to your question, and start it.")));
+  replace(byId("list"), studies.length ? table.element : h("div", { class: "empty" }, h("p", {}, h("strong", {}, "No studies yet."), " Choose below what to vary, and start.")));
 }
 
 byId("new").addEventListener("submit", async (event) => {
@@ -39,10 +32,21 @@ byId("new").addEventListener("submit", async (event) => {
 byId("file").addEventListener("change", async (event) => {
   calm(byId("new-error"));
   const [file] = event.target.files;
-  if (file) byId("toml").value = await file.text();
+  if (!file) return;
+  byId("toml").value = await file.text();
+  byId("as-toml").open = true;
+  byId("count").textContent = "As the file says.";
 });
-byId("toml").addEventListener("input", () => sessionStorage.setItem("surae.study", byId("toml").value));
-byId("toml").value = sessionStorage.getItem("surae.study") ?? EXAMPLE;
+byId("toml").addEventListener("input", () => (byId("count").textContent = "As the text below says."));
+attempt(box, async () => {
+  const form = factors(await get("/api/protocols/choices"), (toml, fits) => {
+    byId("start").disabled = toml === null;
+    byId("count").textContent = toml === null ? "An entry is missing or no number." : `${fits.toLocaleString("en")} ${fits === 1 ? "fit" : "fits"}: every value with every other.`;
+    if (toml !== null) byId("toml").value = toml;
+  });
+  replace(byId("factors"), form.element);
+  form.write();
+});
 onChanged(["studies"], () => attempt(box, refresh));
 onJob((job) => job.kind === "study" && attempt(box, refresh));
 attempt(box, refresh);

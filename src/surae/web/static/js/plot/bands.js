@@ -1,8 +1,12 @@
-// Spans of time behind the lines: findings and what is left out of the fit.
+// Spans of time: findings as bars above the lines, what is left out of the fit hatched behind them.
 
+import { h } from "../core/dom.js";
 import { colour } from "./colours.js";
 
-const STROKES = { info: "accent", warning: "weak", error: "bad", excluded: "muted" };
+const COLOURS = { info: "accent", warning: "weak", error: "bad" };
+const WORDS = { error: "error", warning: "warning", info: "for information", excluded: "left out of the fit" };
+/** Height of the bars; a graver finding's is higher, so that they are told apart in grey, too. */
+const HEIGHTS = { info: 4, warning: 6, error: 8 };
 
 /** A uPlot plugin that paints what `spans()` gives: [{start, end, kind}]. */
 export function bands(spans) {
@@ -15,21 +19,25 @@ export function bands(spans) {
     for (const { start, end, kind } of spans()) {
       const left = u.valToPos(start ?? u.scales.x.min, "x", true);
       const right = Math.max(u.valToPos(end ?? u.scales.x.max, "x", true), left + 2 * devicePixelRatio);
-      const all = kind !== "excluded" && left <= bbox.left && right >= bbox.left + bbox.width;
-      ctx.fillStyle = colour(`band-${kind}`);
-      // What holds for all of the signal is said by the bar alone: nothing stands out in a full plot.
-      if (!all) ctx.fillRect(left, bbox.top, right - left, bbox.height);
-      if (kind === "excluded") hatch(ctx, left, right, bbox);
-      else {
-        // A bar on top: findings are seen without their colour, too.
-        ctx.fillStyle = colour(STROKES[kind]);
-        ctx.fillRect(left, bbox.top, right - left, 3 * devicePixelRatio);
+      if (kind === "excluded") {
+        ctx.fillStyle = colour("band-excluded");
+        ctx.fillRect(left, bbox.top, right - left, bbox.height);
+        hatch(ctx, left, right, bbox);
+      } else {
+        ctx.fillStyle = colour(COLOURS[kind]);
+        ctx.fillRect(left, bbox.top, right - left, HEIGHTS[kind] * devicePixelRatio);
       }
     }
     ctx.restore();
   }
   return { hooks: { drawClear: paint } };
 }
+
+/** What the bars and the hatching of some spans mean. */
+export const bandsKey = (spans) =>
+  Object.keys(WORDS)
+    .filter((kind) => spans.some((one) => one.kind === kind))
+    .map((kind) => h("li", {}, h("span", { class: `band-key ${kind}`, "aria-hidden": "true" }), WORDS[kind]));
 
 function hatch(ctx, left, right, bbox) {
   ctx.save();

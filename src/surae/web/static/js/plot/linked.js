@@ -1,7 +1,8 @@
 // Panels under one another that share their time: zoom, pan, exclude, with mouse and keyboard.
 
-import { button, h } from "../core/dom.js";
+import { button, h, replace } from "../core/dom.js";
 import { settled } from "../core/pace.js";
+import { bandsKey } from "./bands.js";
 import { onTheme } from "./colours.js";
 import { lines } from "./lines.js";
 
@@ -66,10 +67,13 @@ export function linked(panels, options) {
     for (const panel of made) panel.canvas.dataset.drag = name;
   }
 
+  const legend = h("ul", { class: "legend", "aria-label": "Marks in the plots" });
+  const marks = () => replace(legend, options.spans ? bandsKey(options.spans()) : []);
   const tools = h(
     "div",
     { class: "plot-tools" },
     h("div", { class: "button-row", role: "group", "aria-label": "What dragging does" }, options.onExclude ? modes : []),
+    legend,
     h(
       "div",
       { class: "button-row", role: "group", "aria-label": "Zoom" },
@@ -109,6 +113,9 @@ export function linked(panels, options) {
     /** The range that is looked at; null for all. */
     range: () => range,
     reload: () => options.load(range),
-    redraw: () => made.forEach((panel) => panel.redraw()),
+    redraw: () => {
+      marks();
+      made.forEach((panel) => panel.redraw());
+    },
   };
 }

@@ -1,4 +1,4 @@
-// Estimates with their intervals on the range of what is normal: one small drawing per parameter.
+// Estimates with their intervals: one small drawing per parameter.
 
 import { s } from "../core/dom.js";
 import { number } from "../core/format.js";
@@ -8,16 +8,13 @@ const MARGIN = 6;
 
 /**
  * @param estimates [{value, ci95, dash}] one line each
- * @param limits {normal: [lo, hi]|null, lower, upper}: the axis covers all of them and the estimates
+ * @param limits {lower, upper}: the axis covers all of them and the estimates
  */
 export function ranges(estimates, limits, label) {
   const rows = estimates.length;
   const height = Math.max(24, 12 + 12 * rows);
   const known = estimates.filter((one) => one && one.value !== null && one.value !== undefined);
-  const points = [
-    ...(limits.normal ?? []),
-    ...known.flatMap((one) => [one.value, ...inside(one.ci95, limits)]),
-  ];
+  const points = known.flatMap((one) => [one.value, ...inside(one.ci95, limits)]);
   if (!points.length) return "—";
   let [low, high] = [Math.min(...points), Math.max(...points)];
   const pad = 0.12 * (high - low) || 0.3 * Math.abs(high) || 1;
@@ -25,12 +22,6 @@ export function ranges(estimates, limits, label) {
   const x = (value) => MARGIN + ((WIDTH - 2 * MARGIN) * (Math.min(Math.max(value, low), high) - low)) / (high - low);
 
   const drawing = s("svg", { class: "chart", width: WIDTH, height, viewBox: `0 0 ${WIDTH} ${height}`, role: "img", "aria-label": label });
-  if (limits.normal) {
-    const [a, b] = limits.normal.map(x);
-    drawing.append(
-      s("rect", { class: "normal", x: a, y: 2, width: Math.max(b - a, 1), height: height - 4, rx: 2 }),
-    );
-  }
   drawing.append(s("line", { class: "axis", x1: MARGIN, x2: WIDTH - MARGIN, y1: height - 2, y2: height - 2 }));
   for (const [name, at] of [["lower", limits.lower], ["upper", limits.upper]]) {
     if (at !== null && at !== undefined && at >= low && at <= high) {

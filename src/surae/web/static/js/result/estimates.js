@@ -1,38 +1,36 @@
-// The table of estimates: value, interval, verdict, and where it lies in what is normal.
+// The table of estimates: value, interval, verdict, and what it rests on.
 
 import { h, scroll } from "../core/dom.js";
 import { NONE, estimate, interval, number, quantity, unitText } from "../core/format.js";
 import { ranges } from "../plot/ranges.js";
-import { verdict } from "../ui/marks.js";
+import { meant, verdict } from "../ui/marks.js";
 
 const KINDS = { robust: "Intervals allow for correlated residuals", thesis: "Intervals as in the thesis", marginal: "About the intervals" };
 
 /** Imperfections of the laboratory that had nothing to act on. */
 const UNFELT = /^(xt_|emg_|pt_|axis_|emd$|torque_zero$|angle_zero$)/;
 
-export function estimates({ fit, normal }) {
-  const head = ["Parameter", "Estimate", "Standard error", "95 % interval", "Repeatable", "Verdict", "Healthy range", "Why"];
+export function estimates({ fit }) {
+  const head = ["Parameter", "Estimate", meant("sem", "Standard error"), meant("interval-95", "95 % interval"), "Repeatable", meant("identified", "Verdict"), "Interval and bounds", "Why"];
   return scroll(
     "Estimates",
     h(
       "table",
       {},
-      h("caption", {}, "Estimates. In the drawings: the dot is the estimate, the bar its 95 % interval, the green field the range of healthy legs, dashed lines the bounds of the fit. Repeatable: another trial of this leg would give the same within 10 %, right or wrong.", fit.interval_note ? ` ${KINDS[fit.interval] ?? "Intervals"}: ${fit.interval_note}.` : ""),
+      h("caption", {}, "Estimates. In the drawings: the dot is the estimate, the bar its 95 % interval, dashed lines the bounds of the fit. Repeatable: another trial of this leg would give the same within 10 %, right or wrong.", fit.interval_note ? ` ${KINDS[fit.interval] ?? "Intervals"}: ${fit.interval_note}.` : ""),
       h("thead", {}, h("tr", {}, head.map((text, i) => h("th", { scope: "col", class: [1, 2].includes(i) ? "num" : null }, text)))),
-      h("tbody", {}, Object.entries(fit.parameters).filter(([name, p]) => p.free || !(fit.family && UNFELT.test(name))).map(([name, p]) => row(name, p, normal[name]?.healthy ?? null))),
+      h("tbody", {}, Object.entries(fit.parameters).filter(([name, p]) => p.free || !(fit.family && UNFELT.test(name))).map(([name, p]) => row(name, p))),
     ),
   );
 }
 
-function row(name, p, healthy) {
+function row(name, p) {
   const known = p.free ? p : { ...p, ci95: null };
   const sem = (p.interval === "robust" && p.sem_robust) || p.sem;
-  const place = outside(p.value, healthy);
-  const marked = place !== "" && place !== "within";
   return h(
     "tr",
     {},
-    h("th", { scope: "row" }, name),
+    h("th", { scope: "row" }, meant(name)),
     h("td", { class: "num" }, `${estimate(p.value, sem)} ${unitText(p.unit)}`),
     h("td", { class: "num" }, sem ? quantity(sem, p.unit, 2) : NONE),
     h("td", { class: "nowrap" }, p.free ? interval(p.ci95, sem, p.value) : NONE),
@@ -41,16 +39,8 @@ function row(name, p, healthy) {
     h(
       "td",
       { class: "range-cell" },
-      ranges([known], { normal: healthy, lower: p.lower, upper: p.upper }, `${name} is ${number(p.value, 3)}${place ? `, ${place} the healthy range` : ""}`),
-      h("div", { class: "small nowrap" }, healthy ? `${number(healthy[0], 3)} … ${number(healthy[1], 3)}` : "none known"),
-      marked && h("div", { class: "small" }, place),
+      ranges([known], { lower: p.lower, upper: p.upper }, `${name} is ${number(p.value, 3)}`),
     ),
     h("td", { class: "why" }, p.note ?? ""),
   );
-}
-
-function outside(value, range) {
-  if (!range || value === null || value === undefined) return "";
-  if (value < range[0]) return "▼ below";
-  return value > range[1] ? "▲ above" : "within";
 }

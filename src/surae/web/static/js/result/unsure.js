@@ -1,6 +1,7 @@
 // What makes each parameter unsure, what the laboratory may have wrong, and which models were weighed.
 
 import { byId, h, replace, scroll } from "../core/dom.js";
+import { meant } from "../ui/marks.js";
 
 export function showUnsure({ budget, laboratory, family, trials }) {
   replace(byId("budget"), h("p", {}, budget.text), helps(budget.helps), budget.rows.length > 0 && [legend(budget), bars(budget), shares(budget)]);
@@ -30,7 +31,7 @@ const legend = ({ keys, sources }) =>
 
 const bars = ({ keys, rows, alt }) =>
   h("div", { class: "shares", role: "img", "aria-label": alt }, rows.map((row) => [
-    h("span", {}, row.name),
+    meant(row.name),
     h("span", { class: "bar" }, row.shares.map((share, i) => share > 0.002 && part(keys[i], share))),
     h("span", { class: "small nowrap" }, row.known),
   ]));
@@ -51,6 +52,6 @@ const table = (caption, head, rows) =>
       {},
       h("caption", {}, caption),
       h("thead", {}, h("tr", {}, head.map((text) => h("th", { scope: "col" }, text)))),
-      h("tbody", {}, rows.map(([first, ...cells]) => h("tr", {}, h("th", { scope: "row" }, first), cells.map((text) => h("td", {}, text))))),
+      h("tbody", {}, rows.map(([first, ...cells]) => h("tr", {}, h("th", { scope: "row" }, ["Parameter", "Imperfection"].includes(head[0]) ? meant(first) : first), cells.map((text) => h("td", {}, text))))),
     ),
   );

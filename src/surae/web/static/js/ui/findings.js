@@ -4,7 +4,7 @@ import { button, h, scroll } from "../core/dom.js";
 import { roleText, span } from "../core/format.js";
 import { mark } from "./marks.js";
 
-/** A list of findings; `act` gives {show(finding), exclude(finding)} or null where there is no plot. */
+/** A list of findings; `act` gives {show, exclude, mend} of a finding, and the trial's `duration`; null: nothing to do. */
 export function findingsTable(findings, act) {
   if (!findings.length) return h("p", { class: "muted" }, "The check found nothing to object to.");
   const ranked = [...findings].sort((a, b) => order(a) - order(b) || (a.start_s ?? -1) - (b.start_s ?? -1));
@@ -12,7 +12,7 @@ export function findingsTable(findings, act) {
     "Findings",
     h(
       "table",
-      {},
+      { class: "findings" },
       h("caption", {}, `${findings.length} ${findings.length === 1 ? "finding" : "findings"} of the check`),
       h("thead", {}, h("tr", {}, ["Severity", "Signal", "When", "What, and what to do"].map((t) => h("th", { scope: "col" }, t)), act && h("th", { scope: "col" }, h("span", { class: "sr" }, "Actions")))),
       h("tbody", {}, ranked.map((one) => row(one, act))),
@@ -22,6 +22,9 @@ export function findingsTable(findings, act) {
 
 const order = (one) => ["error", "warning", "info"].indexOf(one.severity);
 const timed = (one) => one.start_s !== null && one.start_s !== undefined && one.end_s !== null && one.end_s !== undefined;
+
+/** Whether it is about a part of the trial: to leave out the whole would mend nothing. */
+export const part = (one, duration) => timed(one) && one.end_s - one.start_s < 0.9 * duration;
 
 function row(one, act) {
   const what = `${one.message}`;
@@ -41,7 +44,8 @@ function row(one, act) {
             "div",
             { class: "button-row" },
             button("Show", () => act.show(one), { class: "small", "aria-label": `Show ${what}` }),
-            button("Exclude", () => act.exclude(one), { class: "small", "aria-label": `Exclude ${span(one.start_s, one.end_s)}` }),
+            part(one, act.duration()) && button("Exclude", () => act.exclude(one), { class: "small", "aria-label": `Exclude ${span(one.start_s, one.end_s)}` }),
+            one.mend && button(one.mend.label, () => act.mend(one), { class: "small primary" }),
           ),
       ),
   );

@@ -20,11 +20,11 @@ export function mappingTable(mapping, files, { roles, units }, changed) {
     h(
       "table",
       { class: "mapping" },
-      h("caption", {}, "Angle: dorsiflexion positive. Torque: positive where the triceps pulls. Turn a sign where the file has it the other way."),
+      h("caption", {}, "Angle: dorsiflexion positive. Torque: positive where the triceps pulls. Turn a sign where the file has it the other way. A value is sign · (scale · number + offset), in the unit."),
       h(
         "thead",
         {},
-        h("tr", {}, ["Signal", "Column", "Unit", "Sign", "Range in the file", "Preview"].map((text) => h("th", { scope: "col" }, text))),
+        h("tr", {}, ["Signal", "Column", "Unit", "Sign", "Scale", "Offset", "Range in the file", "Preview"].map((text) => h("th", { scope: "col" }, text))),
       ),
       h("tbody", {}, all.map((role) => row(role, mapping, files, units[role] ?? [], changed))),
     ),
@@ -82,6 +82,14 @@ function row(role, mapping, files, units, changed) {
       "data-focus": `sign-${role}`,
     },
   );
+  const amount = (key, label) => {
+    const input = h("input", { type: "number", step: "any", value: channel ? String(channel[key]) : "", disabled: !channel, "aria-label": `${label} of ${roleText(role)}`, "data-focus": `${key}-${role}` });
+    input.addEventListener("change", () => {
+      channel[key] = Number.isFinite(input.valueAsNumber) && (key !== "scale" || input.valueAsNumber) ? input.valueAsNumber : key === "scale" ? 1 : 0;
+      changed();
+    });
+    return h("td", {}, input);
+  };
   const range = column ? `${number(column.low, 3)} … ${number(column.high, 3)} ${unitText(told)}` : "—";
   return h(
     "tr",
@@ -90,6 +98,8 @@ function row(role, mapping, files, units, changed) {
     h("td", {}, choose),
     h("td", {}, unit),
     h("td", {}, sign),
+    amount("scale", "Scale"),
+    amount("offset", "Offset"),
     h("td", { class: "nowrap" }, range),
     h("td", { class: "spark" }, column?.preview ? sparkline(column.preview, `Preview of ${roleText(role)}`, channel.sign) : "—"),
   );

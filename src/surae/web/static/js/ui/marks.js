@@ -7,3 +7,9 @@ export const verdict = (name, note = null) => h("span", { class: `mark ${name}`,
 export const mark = (name, text = name) => h("span", { class: `mark ${name}` }, text);
 /** The status of a fit: only "converged" is good news. */
 export const status = (name) => h("span", { class: `mark ${name === "converged" ? "converged" : "warning"}` }, name);
+/** A fit of recordings that mean something else now. */
+export const older = (fit) =>
+  fit.older.length > 0 && h("span", { class: "mark warning", title: `Described anew since: ${fit.older.join(", ")}` }, "older description");
+
+/** A symbol or a term of the glossary: its meaning comes where it is pointed at, and in full where it is chosen. */
+export const meant = (name, text = name) => h("a", { class: "meant", href: `/glossary#${name}`, "data-meant": name }, text);

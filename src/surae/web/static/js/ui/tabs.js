@@ -1,4 +1,5 @@
-// Tabs: arrow keys move between them, the address remembers which is open.
+// Tabs: arrow keys move between them, the address remembers which is open. It names the tab, not the
+// panel: a browser would put the focus, and a frame around it, on what the address names.
 
 import { byId } from "../core/dom.js";
 
@@ -16,7 +17,7 @@ export function tabs(list, opened = {}) {
     }
     if (focus) knob.focus();
     const panel = knob.getAttribute("aria-controls");
-    history.replaceState(null, "", `#${panel}`);
+    history.replaceState(null, "", `#show-${panel}`);
     if (!seen.has(panel)) {
       seen.add(panel);
       opened[panel]?.();
@@ -31,7 +32,7 @@ export function tabs(list, opened = {}) {
     open(knobs[(to + knobs.length) % knobs.length], true);
   });
   for (const knob of knobs) knob.addEventListener("click", () => open(knob));
-  const named = knobs.find((knob) => `#${knob.getAttribute("aria-controls")}` === location.hash);
+  const named = knobs.find((knob) => ["#", "#show-"].some((mark) => mark + knob.getAttribute("aria-controls") === location.hash));
   open(named ?? knobs[0]);
   return { open: (panel) => open(knobs.find((k) => k.getAttribute("aria-controls") === panel)) };
 }

@@ -1,0 +1,80 @@
+"""What terms and symbols mean, for the page and for whoever points at one."""
+
+import re
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+
+#: A term of the glossary: its bold name, what else stands on its line, and the explanation.
+_ENTRY = re.compile(r"^\*\*(.+?)\*\*(.*)\n: ((?:.+\n?(?:  )?)+)", re.MULTILINE)
+_CODE = re.compile(r"`([^`]+)`")
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """An entry of the glossary.
+
+    Attributes
+    ----------
+    key : str
+        What a link to it says after the ``#``.
+    name, more, text : str
+        Its name, what stands beside it, and what it means.
+    """
+
+    key: str
+    name: str
+    more: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Symbol:
+    """A parameter: its symbol, meaning, unit, and the models that have it."""
+
+    name: str
+    meaning: str
+    unit: str
+    models: tuple[str, ...]
+
+
+@cache
+def terms() -> tuple[Term, ...]:
+    """The entries of the documentation's glossary, in its order."""
+    text = (files("surae.web") / "glossary.md").read_text(encoding="utf-8")
+    return tuple(
+        Term(
+            re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-"),
+            _CODE.sub(r"\1", name),
+            _CODE.sub(r"\1", more).lstrip(", "),
+            _CODE.sub(r"\1", " ".join(explanation.split())),
+        )
+        for name, more, explanation in _ENTRY.findall(text)
+    )
+
+
+@cache
+def symbols() -> tuple[Symbol, ...]:
+    """Every parameter of every model, and what the laboratory cannot rule out."""
+    from surae.api import MODELS, OPTIONAL_PARAMETERS
+
+    known: dict[str, Symbol] = {}
+    rows = [(p, spec.name) for spec in MODELS.values() for p in spec.parameters]
+    for parameter, model in (*rows, *((p, "") for p in OPTIONAL_PARAMETERS)):
+        before = known.get(parameter.name)
+        meaning, models = parameter.meaning, (model,) if model else ()
+        if before is not None:  # the same letter may stand for another thing in another model
+            other = "" if before.meaning.startswith(meaning) else f"; of {model}: {meaning}"
+            meaning, models = (
+                before.meaning + other,
+                tuple(dict.fromkeys((*before.models, *models))),
+            )
+        known[parameter.name] = Symbol(parameter.name, meaning, parameter.unit, models)
+    return tuple(known.values())
+
+
+def meanings() -> dict[str, str]:
+    """A line for each symbol and term, by what a page calls it."""
+    lines = {term.key: f"{term.name}: {term.text}" for term in terms()}
+    units = {symbol.name: f" [{symbol.unit}]" if symbol.unit != "-" else "" for symbol in symbols()}
+    return lines | {symbol.name: f"{symbol.meaning}{units[symbol.name]}" for symbol in symbols()}

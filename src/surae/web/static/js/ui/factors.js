@@ -1,0 +1,75 @@
+// The factors of a study as a form, which writes the TOML.
+
+import { field, h } from "../core/dom.js";
+
+/** Numbers that may be varied: what they are called, what they are, and where one begins. */
+const NUMBERS = [
+  ["chirp_amplitude", "Amplitude of the chirp [rad]", "0, 0.1, 0.2"],
+  ["chirp_rate", "Rise of its frequency [Hz/s]", "0.159"],
+  ["noise", "Noise, part of each signal", "0.05"],
+];
+const COUNTS = [["subjects", "Virtual legs", "2"], ["repeats", "Trials of each", "1"]];
+/** What may be chosen: its key among the choices, and what it is called. */
+const CHOICES = [
+  ["protocol", "profiles", "Movement", ["multiple-holds"]],
+  ["task", "tasks", "Effort", ["part-passive"]],
+  ["population", "populations", "Population", ["healthy"]],
+  ["model", "models", "Model that is fitted", ["muscle"]],
+];
+
+/**
+ * The form.
+ *
+ * @param choices what the server offers
+ * @param told called with the TOML and the number of fits, or null where an entry is wrong
+ */
+export function factors(choices, told) {
+  const name = h("input", { type: "text", required: true, maxlength: 60, value: "chirp" });
+  const numbers = NUMBERS.map(([key, label, value]) => [key, h("input", { type: "text", required: true, value, inputmode: "decimal", "aria-label": label }), label]);
+  const counts = COUNTS.map(([key, label, value]) => [key, h("input", { type: "number", required: true, min: 1, max: 10000, step: 1, value }), label]);
+  const lists = CHOICES.map(([key, from, label, chosen]) => [
+    key,
+    choices[from].map((one) => one.name ?? one).map((value) => [value, h("input", { type: "checkbox", checked: chosen.includes(value) })]),
+    label,
+  ]);
+
+  function write() {
+    const lines = [`name = ${JSON.stringify(name.value.trim() || "study")}`];
+    let fits = 1;
+    let good = true;
+    const add = (key, values) => {
+      fits *= values.length;
+      lines.push(`${key} = ${values.length === 1 ? values[0] : `[${values.join(", ")}]`}`);
+    };
+    for (const [key, ticks] of lists) {
+      const values = ticks.filter(([, tick]) => tick.checked).map(([value]) => JSON.stringify(value));
+      ticks[0][1].setCustomValidity(values.length ? "" : "choose at least one");
+      good &&= values.length > 0;
+      add(key, values);
+    }
+    for (const [key, input] of numbers) {
+      const values = input.value.split(/[,;\s]+/).filter(Boolean).map(Number);
+      const fine = values.length > 0 && values.every((value) => Number.isFinite(value) && value >= 0);
+      input.setCustomValidity(fine ? "" : "numbers of 0 or more, with commas between them");
+      good &&= fine;
+      // TOML tells whole numbers from others: these are all others.
+      add(key, values.map((value) => (Number.isInteger(value) ? value.toFixed(1) : String(value))));
+    }
+    for (const [key, input] of counts) {
+      good &&= input.checkValidity();
+      fits *= input.valueAsNumber || 0;
+      lines.push(`${key} = ${input.valueAsNumber || 1}`);
+    }
+    if (good) told(`${lines.join("\n")}\n`, fits);
+    else told(null, 0);
+  }
+
+  const element = h(
+    "div",
+    { class: "panel", on: { input: write } },
+    h("div", { class: "fields" }, field("Name", name), counts.map(([, input, label]) => field(label, input))),
+    h("div", { class: "fields" }, numbers.map(([, input, label]) => field(label, input, "several with commas"))),
+    lists.map(([, ticks, label]) => h("fieldset", { class: "plain" }, h("legend", {}, label), ticks.map(([value, tick]) => h("label", { class: "check" }, tick, value)))),
+  );
+  return { element, write };
+}
