@@ -47,9 +47,9 @@ def fit(inputs):
     return surae.fit(inputs, "muscle", starts=1)
 
 
-def same(one, other):
-    assert one.values == other.values
-    assert one.result.sse == other.result.sse
+def same(first, other):
+    assert first.values == other.values
+    assert first.result.sse == other.result.sse
 
 
 def test_fit_of_any_form_of_recording(fit, inputs, path):
@@ -91,7 +91,7 @@ def test_two_recordings_are_one_joint_fit(inputs, path):
 
 def test_arguments_reach_the_fit(inputs):
     seen = []
-    found = surae.fit(
+    fitted = surae.fit(
         inputs,
         "muscle",
         fixed={"beta": 1.0},
@@ -103,15 +103,15 @@ def test_arguments_reach_the_fit(inputs):
         geometry="virtual-work",
         theta_foot=0.1,
     )
-    problem = found.result.problem
-    assert found.parameters["beta"].value == 1.0
+    problem = fitted.result.problem
+    assert fitted.parameters["beta"].value == 1.0
     assert "beta" not in problem.free
     assert problem.start[problem.free.index("f0")] == 3.0
     assert problem.upper[0] == 2.9
     assert problem.options.geometry == "virtual-work"
     assert problem.options.theta_foot == 0.1
     assert [(done, starts) for done, starts, _ in seen] == [(1, 3), (2, 3), (3, 3)]
-    assert found.result.seed == 4
+    assert fitted.result.seed == 4
 
 
 def test_an_unknown_option_lists_the_known_ones(inputs, fit):
@@ -221,16 +221,16 @@ def test_simulate_without_a_torque(fit, inputs):
 
 def test_predict_and_validate(fit, inputs):
     other = trial(seed=1, noise=0.05)
-    found = fit.predict(other)
+    predicted = fit.predict(other)
     (again,) = surae.validate(fit, [other])
     residual = other.torque - surae.simulate("muscle", fit.values, other)
-    for one in (found, again):
-        assert one.vaf == pytest.approx(
+    for prediction in (predicted, again):
+        assert prediction.vaf == pytest.approx(
             100 * (1 - residual @ residual / (other.torque @ other.torque)), rel=1e-13
         )
-        assert one.rmse == pytest.approx(np.sqrt(np.mean(residual**2)), rel=1e-13)
-        assert one.bias == pytest.approx(residual.mean(), abs=1e-12)
-        assert one.name == other.name
+        assert prediction.rmse == pytest.approx(np.sqrt(np.mean(residual**2)), rel=1e-13)
+        assert prediction.bias == pytest.approx(residual.mean(), abs=1e-12)
+        assert prediction.name == other.name
     assert fit.predict(inputs).vaf == pytest.approx(fit.vaf, rel=1e-12)
 
 

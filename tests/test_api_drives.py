@@ -94,15 +94,15 @@ def test_a_fixed_delay_is_in_the_file_and_an_ordinary_fit_has_none(clean):
 
 
 def test_the_profile_of_the_delay(fitted):
-    found = surae.profile(fitted, "emd").profiles["emd"]
-    low, high = found.interval
+    line = surae.profile(fitted, "emd").profiles["emd"]
+    low, high = line.interval
     assert low is not None
     assert high is not None
     assert low < DRIVES["emd"] < high
     # One valley: the sum of squares falls to the minimum and rises from it.
-    lowest = int(np.argmin(found.sse))
-    assert (np.diff(found.sse[: lowest + 1]) < 0).all()
-    assert (np.diff(found.sse[lowest:]) > 0).all()
+    lowest = int(np.argmin(line.sse))
+    assert (np.diff(line.sse[: lowest + 1]) < 0).all()
+    assert (np.diff(line.sse[lowest:]) > 0).all()
 
 
 def test_the_figure_of_the_torque_has_the_reflex_as_a_line_of_its_own(fitted):
@@ -134,8 +134,8 @@ def test_models_can_be_compared_under_one_delay(clean):
             for name in ("time", "angle", "velocity", "acceleration", "emg", "torque")
         },
     )
-    found = surae.compare(
+    comparison = surae.compare(
         [short], ["muscle", "muscle-tendon"], fixed={"emd": 0.03}, starts=1, prepared=True
     )
-    assert found.settings.fixed == {"emd": 0.03}
-    assert not found.missing
+    assert comparison.settings.fixed == {"emd": 0.03}
+    assert not comparison.missing

@@ -117,10 +117,10 @@ def test_columns_hold_every_state_under_names_with_units(state):
 
 def test_a_fit_gives_parts_and_states_of_each_recording(fit):
     problem = fit.result.problem
-    for number, one in enumerate(problem.inputs):
-        modelled = one.torque - fit.result.residuals[number]
+    for number, recording in enumerate(problem.inputs):
+        modelled = recording.torque - fit.result.residuals[number]
         np.testing.assert_allclose(fit.parts(number).total, modelled, atol=1e-9)
-        alone = surae.simulate_tendon("muscle-tendon", fit.values, one)
+        alone = surae.simulate_tendon("muscle-tendon", fit.values, recording)
         np.testing.assert_array_equal(fit.tendon(number).tendon_force, alone.tendon_force)
     np.testing.assert_array_equal(fit.parts().total, fit.parts(0).total)
     assert not fit.tendon().muscle_length.flags.writeable

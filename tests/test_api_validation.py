@@ -39,7 +39,7 @@ def test_bursts_in_measured_walking_spoil_squares_but_not_huber(walk, struck) ->
     bad, hit = struck
     squares = surae.fit(bad, "muscle", starts=2)
     assert followed(squares, walk, hit) < 93
-    before, after = (surae.fit(one, "muscle", starts=2, loss="huber") for one in (walk, bad))
+    before, after = (surae.fit(trial, "muscle", starts=2, loss="huber") for trial in (walk, bad))
     assert followed(after, walk, hit) == pytest.approx(followed(before, walk, hit), abs=0.1)
     for name in ("k_tri", "g2", "l0_tri", "l0_tib", "f0", "beta"):
         assert after.values[name] == pytest.approx(before.values[name], rel=0.1), name
@@ -52,26 +52,26 @@ def test_excluding_the_bursts_does_as_well(walk, struck) -> None:
         (float(walk.time[a]), float(walk.time[b - 1]), 0.0)
         for a, b in zip(edges[::2], edges[1::2], strict=True)
     )
-    found = surae.fit(bad, "muscle", starts=2, weights=surae.Weighting(windows))
-    assert found.vaf == pytest.approx(96.8, abs=0.2)
-    assert found.vaf_weighted is None
-    assert found.result.problem.n == walk.n - hit.sum()
+    fitted = surae.fit(bad, "muscle", starts=2, weights=surae.Weighting(windows))
+    assert fitted.vaf == pytest.approx(96.8, abs=0.2)
+    assert fitted.vaf_weighted is None
+    assert fitted.result.problem.n == walk.n - hit.sum()
 
 
 def test_walking_does_not_predict_running(walk, run) -> None:
-    found = surae.leave_one_out([walk, run], starts=1)
-    first, second = found.predictions
+    predictions = surae.leave_one_out([walk, run], starts=1)
+    first, second = predictions.predictions
     assert surae.fit(run, "muscle", starts=1).predict(walk).vaf == pytest.approx(first.vaf)
     assert first.vaf < 90
     assert second.vaf < 60
-    assert min(first.vaf, second.vaf) < found.pooled.vaf < max(first.vaf, second.vaf)
+    assert min(first.vaf, second.vaf) < predictions.pooled.vaf < max(first.vaf, second.vaf)
 
 
 def test_peaks_are_followed_more_closely_when_they_count_more(walk) -> None:
     plain = surae.fit(walk, "muscle", starts=2)
     peaks = surae.fit(walk, "muscle", starts=2, weights=surae.Weighting(peaks=9.0))
     high = np.abs(walk.torque) > np.percentile(np.abs(walk.torque), 90)
-    missed = [np.sqrt(np.mean(one.result.residuals[0][high] ** 2)) for one in (plain, peaks)]
+    missed = [np.sqrt(np.mean(fitted.result.residuals[0][high] ** 2)) for fitted in (plain, peaks)]
     assert missed[1] < missed[0]
     assert peaks.vaf <= plain.vaf + 1e-6
     assert peaks.vaf_weighted > peaks.vaf

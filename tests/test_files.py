@@ -42,7 +42,7 @@ def test_a_polite_kill_leaves_no_half_file(tmp_path, name) -> None:
         assert process.stdout.readline() == "writing\n"
         process.send_signal(getattr(signal, name))
         assert process.wait(60) in (143, 129, 130)
-    assert [one.name for one in tmp_path.iterdir()] == ["out.csv"]
+    assert [path.name for path in tmp_path.iterdir()] == ["out.csv"]
     assert (tmp_path / "out.csv").read_text() == "before"
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import surae
+import surae.api
 
 PACKAGE = Path(surae.__file__).parent
 THESIS = PACKAGE.parent / "surae_thesis"
@@ -18,6 +19,7 @@ THESIS = PACKAGE.parent / "surae_thesis"
 #: From the bottom to the top; modules on one line may use each other, never in a circle.
 LAYERS = (
     (
+        "_lazy",
         "_version",
         "database",
         "errors",
@@ -25,6 +27,7 @@ LAYERS = (
         "frozen",
         "names",
         "processes",
+        "progress",
         "runner",
         "threads",
         "units",
@@ -38,12 +41,16 @@ LAYERS = (
     ("settings",),
     ("estimation",),
     ("diagnosis",),
+    ("trials",),
     ("assessment",),
+    ("measures",),
     ("studies",),
+    ("planning",),
     ("report",),
     ("api",),
     ("cli", "__main__"),
     ("web",),
+    ("live",),
 )
 RANK = {name: rank for rank, layer in enumerate(LAYERS) for name in layer}
 #: Light enough to run a command that computes nothing without a pause.
@@ -66,19 +73,19 @@ def imports(source: Path, package: Path, known: frozenset[str]) -> set[str]:
     """Modules of the package that a file imports anywhere, inside functions too."""
     own = module_name(source, package)
     base = own.split(".") if source.name == "__init__.py" else own.split(".")[:-1]
-    found: set[str] = set()
+    names: set[str] = set()
     for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
-            found.update(alias.name for alias in node.names)
+            names.update(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             above = base[: len(base) - node.level + 1] if node.level else []
             origin = ".".join([*above, *([node.module] if node.module else [])])
             for alias in node.names:
                 inner = f"{origin}.{alias.name}"
-                found.add(inner if inner in known else origin)
+                names.add(inner if inner in known else origin)
         elif isinstance(node, ast.Call) and called(node) in ("import_module", "__import__"):
-            found.update(str(a.value) for a in node.args if isinstance(a, ast.Constant))
-    return {name for name in found if name == "surae" or name.startswith("surae.")} - {own}
+            names.update(str(a.value) for a in node.args if isinstance(a, ast.Constant))
+    return {name for name in names if name == "surae" or name.startswith("surae.")} - {own}
 
 
 def graph(package: Path) -> dict[str, set[str]]:
@@ -95,21 +102,21 @@ def surae_graph() -> dict[str, set[str]]:
 
 def upward(edges: dict[str, set[str]]) -> list[str]:
     """Imports that do not go down, and modules without a layer, one sentence each."""
-    found = []
+    complaints = []
     for module, imported in edges.items():
         if module == "surae":
             continue  # names everything, lazily: tested apart
         layer = module.split(".")[1]
         if layer not in RANK:
-            found.append(f"{module} belongs to no layer")
+            complaints.append(f"{module} belongs to no layer")
             continue
         for name in imported:
             if name == "surae":
                 if RANK[layer] <= RANK["api"]:
-                    found.append(f"{module} imports surae itself; take _version or the module")
+                    complaints.append(f"{module} imports surae itself; take _version or the module")
             elif RANK.get(name.split(".")[1], 99) > RANK[layer]:
-                found.append(f"{module} imports {name}, which lies above it")
-    return found
+                complaints.append(f"{module} imports {name}, which lies above it")
+    return complaints
 
 
 def circle(edges: dict[str, set[str]]) -> list[str]:
@@ -122,14 +129,14 @@ def circle(edges: dict[str, set[str]]) -> list[str]:
         if module in done:
             return []
         for name in sorted(edges.get(module, ())):
-            if found := visit(name, [*path, module]):
-                return found
+            if circle := visit(name, [*path, module]):
+                return circle
         done.add(module)
         return []
 
     for start in sorted(edges):
-        if found := visit(start, []):
-            return found
+        if circle := visit(start, []):
+            return circle
     return []
 
 
@@ -151,6 +158,40 @@ def test_every_import_of_the_package_leads_somewhere() -> None:
         if name not in edges
     }
     assert missing == set()
+
+
+@pytest.mark.parametrize("front_end", ["cli", "web"])
+def test_front_ends_are_built_on_the_api(front_end) -> None:
+    """What they compute with is `surae.api`; beside it they take files, processes and the like."""
+    allowed = {*LAYERS[0], "api", "cli", front_end}
+    inner = {
+        f"{module} imports {name}: offer it in api/__init__.pyi"
+        for module, imported in surae_graph().items()
+        if module.split(".")[1:2] == [front_end]
+        for name in imported
+        if name != "surae" and (name.split(".")[1] not in allowed or name.startswith("surae.api."))
+    }
+    assert inner == set()
+
+
+@pytest.mark.parametrize("package", [surae, surae.api])
+def test_what_a_stub_lists_is_there(package) -> None:
+    """A stub lists every public name once, under its own name, and homes that lie below it."""
+    stub = Path(package.__file__).with_suffix(".pyi")
+    listed = [
+        (node.module, alias.name, alias.asname)
+        for node in ast.parse(stub.read_text(encoding="utf-8")).body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    ]
+    names = [name for _, name, _ in listed]
+    assert sorted(names) == package.__all__ == dir(package)
+    for home, name, public in listed:
+        assert public == name
+        assert RANK[home.split(".")[1]] <= RANK["api"]
+        assert getattr(package, name) is getattr(importlib.import_module(home), name)
+    with pytest.raises(AttributeError, match="has no attribute 'nothing'"):
+        _ = package.nothing
 
 
 #: Packages whose public names others build on: those in their `__all__`; and modules that are one
@@ -196,7 +237,7 @@ def test_only_its_command_knows_the_thesis() -> None:
     assert users == {"cli/reproduce.py"}
 
 
-def test_the_package_itself_imports_its_version_and_errors_only() -> None:
+def test_the_package_itself_imports_next_to_nothing() -> None:
     tree = ast.parse((PACKAGE / "__init__.py").read_text(encoding="utf-8"))
     eager = {
         node.module if isinstance(node, ast.ImportFrom) else node.names[0].name
@@ -204,17 +245,23 @@ def test_the_package_itself_imports_its_version_and_errors_only() -> None:
         if isinstance(node, ast.Import | ast.ImportFrom)
     }
     ours = {name for name in eager if name and name.split(".")[0] == "surae"}
-    assert ours <= {"surae._version", "surae.errors"}  # the rest when it is first used
+    assert ours <= {
+        "surae._lazy",
+        "surae._version",
+        "surae.errors",
+    }  # the rest when it is first used
 
 
-@pytest.mark.parametrize("module", ["surae", "surae.model", "surae.errors", "surae.units"])
+@pytest.mark.parametrize(
+    "module", ["surae", "surae.api", "surae.model", "surae.errors", "surae.units"]
+)
 def test_importing_is_light(module) -> None:
     code = f"import sys, json, {module}; print(json.dumps(sorted(sys.modules)))"
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
     )
     loaded = {name.split(".")[0] for name in json.loads(done.stdout)}
-    heavy = [*HEAVY, "numpy"] if module in ("surae", "surae.errors") else HEAVY
+    heavy = [*HEAVY, "numpy"] if module in ("surae", "surae.api", "surae.errors") else HEAVY
     assert loaded & set(heavy) == set()
 
 
@@ -259,13 +306,13 @@ def test_the_test_follows_every_kind_of_import(small) -> None:
 def test_the_test_finds_what_it_is_for(small, name, text, complaint) -> None:
     (small / name).parent.mkdir(exist_ok=True)
     (small / name).write_text(text, encoding="utf-8")
-    found = upward(graph(small))
-    assert len(found) == 1
-    assert complaint in found[0]
+    complaints = upward(graph(small))
+    assert len(complaints) == 1
+    assert complaint in complaints[0]
 
 
 def test_the_test_finds_circles(small) -> None:
     (small / "signals" / "inputs.py").write_text("def f():\n    from surae.signals import x\n")
-    found = circle(graph(small))
-    assert found[0] == found[-1]
-    assert set(found) == {"surae.signals", "surae.signals.inputs"}
+    path = circle(graph(small))
+    assert path[0] == path[-1]
+    assert set(path) == {"surae.signals", "surae.signals.inputs"}

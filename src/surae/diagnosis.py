@@ -19,6 +19,7 @@ from surae.frozen import read_only
 from surae.quality import Commanded, Finding, Quality, check_recording
 from surae.quality.numeric import quantile, quantiles, shifted, smooth
 from surae.quality.registry import ordered, unfit
+from surae.quality.torque import GRAVITY
 from surae.quality.trial import Signals, signals_of
 from surae.quality.wording import muscle_name
 from surae.recording import MUSCLES, Recording
@@ -44,6 +45,8 @@ STILL = 0.03
 _TORQUES, _SECONDS, _RATES = (1.0, 400.0), (2.0, 3600.0), (20.0, 50_000.0)
 #: A zero that is worth a word [Nm], in a fit that explains so much and leaves so much less by it.
 _ZERO, _GOOD_ENOUGH, _ZERO_GAIN = 8.0, 0.9, 1.3
+#: Part of a zero told by the torque's constant part that a fit must find too.
+_AGREED = 0.25
 #: No two muscles of a leg differ by this factor.
 _MUSCLES = 100.0
 #: The largest EMG that skin gives [V], and the largest of any amplifier's output.
@@ -106,9 +109,13 @@ def examined(recording: Recording, commanded: Commanded | None = None) -> Qualit
         if turned[1] is not right:
             quality = check_recording(turned[1], commanded)
         return _together(quality, [*told, *turned[0]], but=("torque-sign",))
-    if not any(finding.code == "torque-offset" for finding in quality.findings):
+    constant = next((f for f in quality.findings if f.code == "torque-offset"), None)
+    if constant is None:
         zero = _zero(right, signals, fit)
         told += [] if zero is None else [zero]
+    elif fit.r2 >= _GOOD_ENOUGH and not _borne_out(constant, fit):
+        findings = tuple(f for f in quality.findings if f is not constant)
+        quality = replace(quality, findings=findings)
     return _together(_without_false_lags(right, signals, quality, fit), told)
 
 
@@ -326,6 +333,12 @@ def _zero(recording: Recording, signals: Signals, fit: QuickFit) -> Finding | No
     )  # fmt: skip
 
 
+def _borne_out(constant: Finding, fit: QuickFit) -> bool:
+    """Whether a fit's zero goes the way, and a part of it, that the torque's constant part says."""
+    beyond = (constant.value or 0.0) - sum(GRAVITY) / 2
+    return bool(fit.zero * beyond >= _AGREED * beyond**2)
+
+
 #: A finding on a unit, and the recording with that unit put right.
 _Righted = tuple[Finding, Recording]
 
@@ -434,7 +447,7 @@ def _emg_unit(recording: Recording) -> _Righted | None:
 def _without_false_lags(
     recording: Recording, signals: Signals, quality: Quality, first: QuickFit
 ) -> Quality:
-    """Without the lags that do not make a fit better when they are taken away."""
+    """Leave out the lags that do not make a fit better when they are taken away."""
     kept = []
     for finding in quality.findings:
         if finding.code in ("electrode-lag", "emg-torque-lag") and finding.value is not None:

@@ -138,6 +138,6 @@ def read_only(values: Any) -> FloatArray:
 
 
 def freeze(values: FloatArray) -> FloatArray:
-    """The same float64 array, made read-only: for one that nobody else holds."""
+    """Make a float64 array read-only that nobody else holds, and return it."""
     values.setflags(write=False)
     return values

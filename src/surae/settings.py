@@ -187,12 +187,12 @@ class FitSettings:
 
     @property
     def mentioned(self) -> frozenset[str]:
-        """The same, a drive's name replaced by those of its parameters."""
+        """These names, a drive's name replaced by those of its parameters."""
         given = self.parameters
         return frozenset(name for drive in given for name in OPTIONAL.get(drive, (drive,)))
 
     def for_model(self, model: str) -> "FitSettings":
-        """The same for another model, without what it has no parameter for.
+        """These settings for another model, without what it has no parameter for.
 
         Parameters
         ----------

@@ -72,9 +72,9 @@ def made(tmp_path_factory) -> Path:
 
     from surae import fit
 
-    found = fit(folder / "trial.csv", "muscle", prepared=True, start=subject.parameters, starts=1)
-    assert found.status == "converged"
-    found.save(folder / "fit.json")
+    fitted = fit(folder / "trial.csv", "muscle", prepared=True, start=subject.parameters, starts=1)
+    assert fitted.status == "converged"
+    fitted.save(folder / "fit.json")
     return folder
 
 

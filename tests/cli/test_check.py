@@ -5,13 +5,13 @@ import json
 import pytest
 
 from surae.quality import recording_of
-from surae.recording import columns, write_csv
+from surae.recording import csv_columns, write_csv
 
 
 @pytest.fixture
 def paths(tmp_path, noisy):
     """A clean recording, one with a wrong sign and one with an offset of the torque."""
-    table = columns(recording_of(noisy))
+    table = csv_columns(recording_of(noisy))
     torque = table["torque_Nm"]
     for name, values in (("clean", torque), ("wrong", -torque), ("offset", torque + 15.0)):
         write_csv(tmp_path / f"{name}.csv", table | {"torque_Nm": values}, ["emg: envelope"])
@@ -25,7 +25,7 @@ def test_findings_are_no_failure_unless_strict(run, paths) -> None:
     assert run("check", clean, "--strict").code == 0
 
 
-def test_the_screen_has_all_of_it_in_100_columns(run, paths) -> None:
+def test_the_screen_has_all_of_it_in_100_csv_columns(run, paths) -> None:
     clean, wrong, _ = (path.name for path in paths)
     done = run("check", clean, wrong)
     assert "clean.csv: nothing found" in done.out

@@ -15,17 +15,17 @@ def test_the_figures_are_those_of_the_api(run, files) -> None:
     done = run("compare", "trial.csv", *FAST, "--models", "muscle, muscle-tendon", "--output", "c")
     assert (done.code, done.err) == (0, "")
     written = json.loads((files / "c").read_text(encoding="utf-8"))
-    found = surae.compare(
+    comparison = surae.compare(
         files / "trial.csv",
         ["muscle", "muscle-tendon"],
         prepared=True,
         starts=1,
         tendon_strain="slack-length",
     )
-    assert written["conclusion"] == found.conclusion
-    assert written["finding"] == found.finding == "rigid-suffices"
+    assert written["conclusion"] == comparison.conclusion
+    assert written["finding"] == comparison.finding == "rigid-suffices"
     assert [s["held_out"]["vaf"] for s in written["models"]] == [
-        s.held_out.vaf for s in found.models
+        s.held_out.vaf for s in comparison.models
     ]
     assert written["settings"]["options"]["tendon_strain"] == "slack-length"
     assert written["recordings"] == ["trial.csv"]

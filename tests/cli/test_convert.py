@@ -13,9 +13,9 @@ def test_formats_that_read_back_to_the_same_numbers(files, run, name):
     done = run("convert", "trial.csv", name)
     assert (done.code, done.err) == (0, "")
     assert done.out == f"converted: {name}\n"
-    one, again = read("trial.csv"), read(name)
-    assert one.channels.keys() == again.channels.keys()
-    for role, channel in one.channels.items():
+    recording, again = read("trial.csv"), read(name)
+    assert recording.channels.keys() == again.channels.keys()
+    for role, channel in recording.channels.items():
         np.testing.assert_array_equal(channel.values, again.channels[role].values)
         np.testing.assert_array_equal(channel.time, again.channels[role].time)
 
@@ -23,9 +23,9 @@ def test_formats_that_read_back_to_the_same_numbers(files, run, name):
 def test_bids_reads_back_to_its_resolution(files, run):
     pytest.importorskip("edfio")
     assert run("convert", "trial.csv", "out").code == 0
-    one, again = read("trial.csv"), read("out/sub-01/emg/sub-01_task-ankle_emg.bdf")
-    assert one.channels.keys() == again.channels.keys()
-    for role, channel in one.channels.items():
+    recording, again = read("trial.csv"), read("out/sub-01/emg/sub-01_task-ankle_emg.bdf")
+    assert recording.channels.keys() == again.channels.keys()
+    for role, channel in recording.channels.items():
         step = np.ptp(channel.values) / 2**24
         error = np.abs(channel.values - again.channels[role].values).max()
         assert error <= step + 1e-11
@@ -38,9 +38,9 @@ def test_other_channels_are_prepared_first(files, run):
     done = run("convert", "own.csv", "out.csv", "--prepare")
     assert (done.code, done.err) == (0, "")
     assert "fit it with --prepared" in done.out
-    one = read("out.csv")
-    assert one.emg == "envelope"
-    assert {"angular_velocity", "angular_acceleration"} <= one.channels.keys()
+    recording = read("out.csv")
+    assert recording.emg == "envelope"
+    assert {"angular_velocity", "angular_acceleration"} <= recording.channels.keys()
     assert run("fit", "--model", "muscle", "out.csv", "--prepared", "--starts", "2").code == 0
 
 

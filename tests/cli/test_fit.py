@@ -220,3 +220,29 @@ def test_a_fit_in_place_of_a_recording_is_named(run, files) -> None:
     refused(
         run("fit", "--model", "muscle", "fit.json"), "fit.json", "this is a fit", "surae validate"
     )
+
+
+@pytest.mark.parametrize(
+    ("name", "begins"), [("f.svg", b"<?xml"), ("f.pdf", b"%PDF"), ("f.png", b"\x89PNG")]
+)
+def test_a_figure_for_a_paper(run, files, name, begins) -> None:
+    done = run(*FIT, "--figure", name, "--width", "120")
+    assert done.code == 0
+    assert done.out.endswith(f"figure: {name}\n")
+    assert (files / name).read_bytes().startswith(begins)
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (("--figure", "f.gif"), "--figure f.gif must end in .svg, .pdf or .png"),
+        (("--figure", "trial.csv"), "must end in"),
+        (("--figure", "f.svg", "--width", "3"), "--width 3: give a number above 40 and below 500"),
+        (("--figure", "f.svg", "--report", "f.svg"), ".html or .pdf"),
+        (("--figure", "f.pdf", "--report", "f.pdf"), "is the file of"),
+    ],
+)
+def test_a_figure_that_cannot_be_made_is_refused_before_the_fit(run, files, more, said) -> None:
+    done = run(*FIT, *more)
+    refused(done, said)
+    assert not (files / "f.pdf").exists()

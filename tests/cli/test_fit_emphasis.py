@@ -28,7 +28,7 @@ def test_windows_peaks_and_loss_are_those_of_the_api(run, files) -> None:
     assert "Loss huber: " in done.out
     assert "(weighted " in done.out
     windows = ((30.0, float("inf"), 0.0), (float("-inf"), 1.0, 0.0), (3.0, 4.0, 2.0))
-    found = surae.fit(
+    fit_again = surae.fit(
         files / "trial.csv",
         "muscle",
         prepared=True,
@@ -37,10 +37,10 @@ def test_windows_peaks_and_loss_are_those_of_the_api(run, files) -> None:
         loss="huber",
     )
     content = fitted(files)
-    assert content["vaf_weighted"] == found.vaf_weighted
+    assert content["vaf_weighted"] == fit_again.vaf_weighted
     assert content["outliers"]["loss"] == "huber"
     for name, p in content["parameters"].items():
-        assert p["value"] == found.values[name], name
+        assert p["value"] == fit_again.values[name], name
 
 
 def test_priors_of_a_population_and_given_ones(run, files) -> None:
@@ -51,14 +51,14 @@ def test_priors_of_a_population_and_given_ones(run, files) -> None:
     priors = fitted(files)["priors"]
     assert priors["f0"] == {"median": 2.0, "spread": 0.1}
     assert priors["l0_tri"] == {"median": 0.0378, "spread": 0.2}
-    found = surae.fit(
+    fit_again = surae.fit(
         files / "trial.csv",
         "muscle",
         prepared=True,
         starts=1,
         priors=("patient", {"f0": (2.0, 0.1)}),
     )
-    assert found.values["m"] == fitted(files)["parameters"]["m"]["value"]
+    assert fit_again.values["m"] == fitted(files)["parameters"]["m"]["value"]
     alone = surae.fit(files / "trial.csv", "muscle", prepared=True, starts=1, priors="patient")
     assert alone.result.problem.priors["f0"].median == 1.96
 

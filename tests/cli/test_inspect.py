@@ -127,7 +127,7 @@ def test_the_dynamometers_passive_and_active_trials(shared, run, tmp_path):
     )
     assert done.code == 0, done
     fit = load("f.json")
-    vaf = {one.name: one.vaf for one in fit.assessment.recordings}
+    vaf = {recording.name: recording.vaf for recording in fit.assessment.recordings}
     assert vaf["Pas_Sho2Long"] > 99.0
     assert vaf["PL_50_01"] > 98.0
     assert fit.status in ("converged", "at-bounds")

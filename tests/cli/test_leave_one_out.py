@@ -24,24 +24,25 @@ def three(edit):
 
 def test_each_is_predicted_from_the_others(run, files, three) -> None:
     options = ("--leave-one-out", "--prepared", "--starts", "1", "--fixed", "beta=1")
-    done = run("validate", *options, *three, "--output", "v.json")
+    done = run("validate", *options, *three, "--output", "v.json", "--figure", "v.pdf")
     assert done.code == 0, done
     assert "all together" in done.out
+    assert (files / "v.pdf").read_bytes().startswith(b"%PDF-")
     content = json.loads((files / "v.json").read_text(encoding="utf-8"))
     assert content["model"] == "muscle"
-    assert [one["path"] for one in content["recordings"]] == three
-    found = surae.leave_one_out(
+    assert [recording["path"] for recording in content["recordings"]] == three
+    left_out = surae.leave_one_out(
         [files / name for name in three], prepared=True, starts=1, fixed={"beta": 1.0}
     )
     assert content["pooled"] == {
-        "vaf": found.pooled.vaf, "rmse_Nm": found.pooled.rmse, "bias_Nm": found.pooled.bias
+        "vaf": left_out.pooled.vaf, "rmse_Nm": left_out.pooled.rmse, "bias_Nm": left_out.pooled.bias
     }  # fmt: skip
-    for one, made in zip(content["recordings"], found.recordings, strict=True):
-        assert one["vaf"] == made.prediction.vaf
-        assert one["rmse_Nm"] == made.prediction.rmse
-        assert one["bias_Nm"] == made.prediction.bias
-        assert one["parameters"] == dict(made.fit.values)
-        assert one["status"] == made.fit.status
+    for recording, made in zip(content["recordings"], left_out.recordings, strict=True):
+        assert recording["vaf"] == made.prediction.vaf
+        assert recording["rmse_Nm"] == made.prediction.rmse
+        assert recording["bias_Nm"] == made.prediction.bias
+        assert recording["parameters"] == dict(made.fit.values)
+        assert recording["status"] == made.fit.status
 
 
 def test_options_of_the_fit_go_along(run, files, three) -> None:

@@ -46,19 +46,19 @@ def test_simulated_fitted_reported_and_validated(run, old) -> None:
     assert "muscle model of 2010, reconstructed" in page
     done = run("validate", "fit.json", "old.csv", "--output", "v.json")
     assert done.code == 0
-    (one,) = json.loads((old / "v.json").read_text(encoding="utf-8"))["recordings"]
-    assert one["vaf"] == pytest.approx(100.0, abs=1e-6)
+    (recording,) = json.loads((old / "v.json").read_text(encoding="utf-8"))["recordings"]
+    assert recording["vaf"] == pytest.approx(100.0, abs=1e-6)
 
 
 def test_a_saved_fit_is_read_back_as_it_was(old) -> None:
-    found = surae.fit(old / "trial.csv", model="muscle-2010", prepared=True, starts=1)
-    assert found.values["F0"] < 0
-    found.save(old / "a.json")
+    fitted = surae.fit(old / "trial.csv", model="muscle-2010", prepared=True, starts=1)
+    assert fitted.values["F0"] < 0
+    fitted.save(old / "a.json")
     again = surae.load(old / "a.json")
-    assert again.values == found.values
-    assert again.vaf == found.vaf
-    assert again.parameters == found.parameters
-    assert (again.parts().total == found.parts().total).all()
+    assert again.values == fitted.values
+    assert again.vaf == fitted.vaf
+    assert again.parameters == fitted.parameters
+    assert (again.parts().total == fitted.parts().total).all()
     again.save(old / "b.json")
     assert (old / "a.json").read_bytes() == (old / "b.json").read_bytes()
 

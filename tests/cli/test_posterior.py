@@ -51,7 +51,7 @@ def test_too_few_draws_are_not_believed(run, files, sampler) -> None:
         (["--variance-inflation", "x"], "not a number"),
         (["--prior", "f0=2"], "name=median:spread"),
         (["--prior", "nope=2:1"], "not estimated"),
-        (["--figure", "p.txt"], "must end in .png or .svg"),
+        (["--figure", "p.txt"], "must end in .svg, .pdf or .png"),
         (["--output", "fit.json"], "is read by this command"),
         (["--profile", "true.json"], "not a whole PROFILE.json"),
         (["--profile", "none.json"], "no such file"),
@@ -62,16 +62,18 @@ def test_wrong_use(run, files, sampler, arguments, says) -> None:
 
 
 def test_profiles_of_another_fit(run, files, sampler) -> None:
-    one = {"value": 2.5, "interval": [2.0, None], "variance_inflation": 1.0}
-    content = {"model": "muscle", "profiles": {"m": one}}
+    marginal = {"value": 2.5, "interval": [2.0, None], "variance_inflation": 1.0}
+    content = {"model": "muscle", "profiles": {"m": marginal}}
     (files / "p.json").write_text(json.dumps(content), encoding="utf-8")
     refused(run("posterior", "fit.json", "--profile", "p.json"), "p.json", "another fit")
 
 
 def test_without_the_extra(run, files, monkeypatch) -> None:
-    found = importlib.util.find_spec
+    find_spec = importlib.util.find_spec
     monkeypatch.setattr(
-        importlib.util, "find_spec", lambda name, *a: None if name == "nutpie" else found(name, *a)
+        importlib.util,
+        "find_spec",
+        lambda name, *a: None if name == "nutpie" else find_spec(name, *a),
     )
     done = run("posterior", "fit.json")
     refused(done, 'the posterior needs nutpie, which is not installed: pip install "surae[bayes]"')

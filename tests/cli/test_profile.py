@@ -50,10 +50,10 @@ def test_the_noise_is_what_the_residual_is_or_what_is_given(run, files) -> None:
     assert "variance of the noise ×" in done.out
     assert ", by parameter: the residual is correlated over time (p" in done.out
     content = json.loads((files / "p.json").read_text(encoding="utf-8"))
-    for name, one in content["profiles"].items():
+    for name, profile in content["profiles"].items():
         p = fit.parameters[name]
-        assert one["variance_inflation"] == pytest.approx((p.sem_robust / p.sem) ** 2)
-        assert one["sem"] == pytest.approx(p.sem_robust, rel=1e-3)
+        assert profile["variance_inflation"] == pytest.approx((p.sem_robust / p.sem) ** 2)
+        assert profile["sem"] == pytest.approx(p.sem_robust, rel=1e-3)
 
     done = run("profile", "drifting.json", "m", "--variance-inflation", "2", "--output", "p.json")
     assert "variance of the noise ×2: given" in done.out
@@ -67,7 +67,7 @@ def test_an_svg(run, files) -> None:
 
 
 def test_without_names_all_that_were_estimated(run, files) -> None:
-    found = surae.fit(
+    fitted = surae.fit(
         files / "trial.csv",
         "muscle",
         prepared=True,
@@ -75,7 +75,7 @@ def test_without_names_all_that_were_estimated(run, files) -> None:
         fixed={k: v for k, v in surae.load(files / "fit.json").values.items() if k not in "m g1"},
         bounds={"m": (1.2, 1.3)},
     )
-    found.save(files / "two.json")
+    fitted.save(files / "two.json")
     done = run("profile", "two.json", "--workers", "1")
     assert done.code == 0
     assert [line.split()[0] for line in done.out.splitlines()[3:5]] == ["m", "g1"]
@@ -91,7 +91,7 @@ def test_without_names_all_that_were_estimated(run, files) -> None:
         (["fit.json", "m", "m"], "m is given twice"),
         (["fit.json", "--workers", "0"], "--workers 0"),
         (["fit.json", "--variance-inflation", "0"], "--variance-inflation 0: give a number above"),
-        (["fit.json", "--figure", "p.pdf"], "must end in .png or .svg"),
+        (["fit.json", "--figure", "p.gif"], "must end in .svg, .pdf or .png"),
         (["fit.json", "--output", "fit.json"], "--output"),
         (["fit.json", "--output", "p.png", "--figure", "p.png"], "--figure"),
         (["trial.csv"], "trial.csv"),

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.io import loadmat
 
-from surae.cli.protocol import DEVICE_NAMES, PROFILE_NAMES, TASK_NAMES
+from surae.cli.protocol import DEVICE_NAMES, PROFILE_NAMES, READY_NAMES, TASK_NAMES
+from surae.planning.ready import ready_protocols
 from surae.protocol import DEVICES, PROFILES, TASKS, Protocol, generate, named_device
 
 from .conftest import refused
@@ -91,8 +92,8 @@ def test_what_needs_no_adaptation_says_so(run) -> None:
 def test_a_matlab_file(run, tmp_path) -> None:
     assert run("protocol", "sine", "--output", "p.mat").code == 0
     assert run("protocol", "sine", "--output", "p.csv").code == 0
-    found = loadmat(tmp_path / "p.mat")
-    columns = np.hstack([found[name] for name in HEADER])
+    content = loadmat(tmp_path / "p.mat")
+    columns = np.hstack([content[name] for name in HEADER])
     np.testing.assert_allclose(columns, table(tmp_path / "p.csv"), rtol=1e-11, atol=1e-12)
 
 
@@ -135,7 +136,7 @@ def test_no_adapt_refuses_what_the_device_cannot_follow(run, tmp_path) -> None:
         (["sine", "--rate", "1e9"], "too many samples"),
         (["sine", "--no-adapt"], "--no-adapt has no effect without --device"),
         (["sine", "--output", "p.txt"], "p.txt must end in .csv or .mat"),
-        (["sine", "--figure", "p.pdf"], "p.pdf must end in .png or .svg"),
+        (["sine", "--figure", "p.gif"], "--figure p.gif must end in .svg, .pdf or .png"),
         (["sine", "--figure", "none/p.png"], "there is no folder"),
     ],
 )
@@ -151,6 +152,7 @@ def test_the_output_is_required(run) -> None:
 
 def test_the_help_names_what_there_is() -> None:
     assert PROFILE_NAMES.replace(" or ", ", ").split(", ") == [*PROFILES]
+    assert READY_NAMES.replace(" or ", ", ").split(", ") == [*ready_protocols()]
     assert TASK_NAMES.split("|") == [*TASKS]
     assert DEVICE_NAMES.split("|") == [*DEVICES]
 

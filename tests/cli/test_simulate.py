@@ -25,25 +25,25 @@ def simulate(run, *arguments: object):
 def test_the_output_has_the_input_the_torque_and_parts_that_add_up(run, files) -> None:
     done = simulate(run, "--model", "muscle", "--parameters", "true.json")
     assert done == (0, "simulated: out.csv\n", "")
-    given, found = columns(files / "trial.csv"), columns(files / "out.csv")
-    assert [*found][: len(given)] == [*given]
+    given, table = columns(files / "trial.csv"), columns(files / "out.csv")
+    assert [*table][: len(given)] == [*given]
     for name in given.keys() - {"torque_Nm"}:
-        np.testing.assert_array_equal(found[name], given[name])
-    parts = sum(found[name] for name in PARTS)
-    np.testing.assert_allclose(parts, found["torque_Nm"], rtol=0, atol=1e-12)
+        np.testing.assert_array_equal(table[name], given[name])
+    parts = sum(table[name] for name in PARTS)
+    np.testing.assert_allclose(parts, table["torque_Nm"], rtol=0, atol=1e-12)
     for name in ("tissue", "neural"):
-        groups = found[f"{name}_tri_Nm"] + found[f"{name}_tib_Nm"]
-        np.testing.assert_allclose(groups, found[f"{name}_Nm"], rtol=0, atol=1e-12)
+        groups = table[f"{name}_tri_Nm"] + table[f"{name}_tib_Nm"]
+        np.testing.assert_allclose(groups, table[f"{name}_Nm"], rtol=0, atol=1e-12)
 
 
 def test_the_torque_is_that_of_the_api_and_near_the_measured(run, files) -> None:
     assert simulate(run, "--parameters", "true.json").code == 0
-    given, found = columns(files / "trial.csv"), columns(files / "out.csv")
+    given, table = columns(files / "trial.csv"), columns(files / "out.csv")
     truth = json.loads((files / "true.json").read_text(encoding="utf-8"))["parameters"]
     recording = surae.read(files / "trial.csv")
     exact = surae.simulate("muscle", truth, recording)
-    np.testing.assert_allclose(found["torque_Nm"], exact, rtol=0, atol=1e-12)
-    residual = found["torque_Nm"] - given["torque_Nm"]
+    np.testing.assert_allclose(table["torque_Nm"], exact, rtol=0, atol=1e-12)
+    residual = table["torque_Nm"] - given["torque_Nm"]
     assert 0.25 < residual.std() < 0.35  # the noise of the trial, 0.3 Nm
 
 
@@ -56,10 +56,10 @@ def test_the_output_reads_back_and_fits(run, files) -> None:
     )
     assert done.code == 0
     truth = json.loads((files / "true.json").read_text(encoding="utf-8"))["parameters"]
-    found = surae.load(files / "f.json")
-    assert found.vaf > 99.99
+    loaded = surae.load(files / "f.json")
+    assert loaded.vaf > 99.99
     for name, value in truth.items():
-        assert found.values[name] == pytest.approx(value, rel=0.02)
+        assert loaded.values[name] == pytest.approx(value, rel=0.02)
 
 
 def test_a_fit_brings_its_model_and_options(run, files) -> None:

@@ -22,14 +22,14 @@ def truth(files):
 def test_muscle_tendon_models_add_muscles_and_tendons(run, files, truth) -> None:
     done = simulate(run, "--parameters", "true.json", "--model", "muscle-tendon")
     assert done == (0, "simulated: out.csv\n", "")
-    found = columns(files / "out.csv")
+    table = columns(files / "out.csv")
     state = surae.simulate_tendon("muscle-tendon", truth, surae.read(files / "trial.csv"))
-    assert [*found][-16:] == [*state.columns()]
-    assert {name.rsplit("_tri_")[0] for name in found if "_tri_" in name} >= set(STATES)
+    assert [*table][-16:] == [*state.columns()]
+    assert {name.rsplit("_tri_")[0] for name in table if "_tri_" in name} >= set(STATES)
     for name, values in state.columns().items():
-        np.testing.assert_array_equal(found[name], values)
+        np.testing.assert_array_equal(table[name], values)
     np.testing.assert_allclose(
-        sum(found[name] for name in PARTS), found["torque_Nm"], rtol=0, atol=1e-12
+        sum(table[name] for name in PARTS), table["torque_Nm"], rtol=0, atol=1e-12
     )
 
 

@@ -61,12 +61,12 @@ def outcomes(path: Path) -> dict[str, tuple[float, ...]]:
         return {}
     file = sqlite3.connect(path, timeout=10)
     try:
-        found = file.execute("SELECT key, finished, value FROM result").fetchall()
+        rows = file.execute("SELECT key, finished, value FROM result").fetchall()
     except sqlite3.OperationalError:  # killed before there was a table
         return {}
     finally:
         file.close()
-    return {key: tuple(rest) for key, *rest in found}
+    return {key: tuple(rest) for key, *rest in rows}
 
 
 def numbers(path: Path) -> list[list[str]]:
@@ -175,12 +175,12 @@ def test_a_figure_is_drawn_beside_the_table(run, study) -> None:
     done = run(*export, "--figure", "f.svg", "--x", "chirp_rate")
     assert done.code == 0
     assert b"<svg" in (study / "f.svg").read_bytes()
-    refused(run(*export, "--figure", "f.pdf"), "--figure: f.pdf must end in .png or .svg")
+    refused(run(*export, "--figure", "f.gif"), "f.gif must end in .svg, .pdf or .png")
     refused(run(*export, "--x", "noise"), "--x has no effect without --figure")
     refused(
         run(*export, "--figure", "u.csv.png", "--x", "noise"), "'noise' is no factor that varies"
     )
-    refused(run(*export, "--figure", "s.db"), "--figure: s.db must end in")
+    refused(run(*export, "--figure", "s.db"), "s.db must end in")
     file = sqlite3.connect(study / "s.db")
     lost = "json_set(value, '$.status', 'failed', '$.vaf', NULL)"
     file.execute(f"UPDATE result SET value = {lost}, failed = 'lost'")
@@ -220,11 +220,11 @@ def test_a_store_is_copied_checked_and_repaired(run, study) -> None:
 
 def until_some(folder: Path, process: "subprocess.Popen[str]", least: int) -> int:
     end = time.monotonic() + PATIENCE
-    while len(found := outcomes(folder / "s.db")) < least:
+    while len(seen := outcomes(folder / "s.db")) < least:
         assert process.poll() is None
         assert time.monotonic() < end
         time.sleep(0.01)
-    return len(found)
+    return len(seen)
 
 
 def test_status_tells_of_a_run_at_work_and_a_second_run_is_refused(study, undisturbed) -> None:

@@ -28,23 +28,26 @@ def test_the_figures_are_those_of_the_api(run, files, second) -> None:
     assert "validation: v.json" in done.out
     content = json.loads((files / "v.json").read_text(encoding="utf-8"))
     assert list(content) == ["recordings"]
-    (one,) = content["recordings"]
+    (recording,) = content["recordings"]
     predicted = surae.load(files / "fit.json").predict(second)
-    assert one == {
+    assert recording == {
         "path": "second half.csv",
         "vaf": predicted.vaf,
         "rmse_Nm": predicted.rmse,
         "bias_Nm": predicted.bias,
     }
-    assert 90 < one["vaf"] < 100
-    assert f"{one['vaf']:.2f}" in done.out
+    assert 90 < recording["vaf"] < 100
+    assert f"{recording['vaf']:.2f}" in done.out
 
 
 def test_several_recordings_keep_their_order(run, files, second) -> None:
     done = run("validate", "fit.json", "second half.csv", "trial.csv", "--output", "v.json")
     assert done.code == 0
     content = json.loads((files / "v.json").read_text(encoding="utf-8"))
-    assert [one["path"] for one in content["recordings"]] == ["second half.csv", "trial.csv"]
+    assert [recording["path"] for recording in content["recordings"]] == [
+        "second half.csv",
+        "trial.csv",
+    ]
     assert content["recordings"][0]["vaf"] < content["recordings"][1]["vaf"]
 
 
@@ -79,3 +82,10 @@ def test_a_prediction_that_overflows(run, files, edit_fit) -> None:
     done = run("validate", "f.json", "trial.csv", "--output", "v.json")
     refused(done, "trial.csv", "overflows", code=1)
     assert not (files / "v.json").exists()
+
+
+def test_a_figure_of_the_predictions(run, files, second) -> None:
+    done = run("validate", "fit.json", "second half.csv", "trial.csv", "--figure", "v.svg")
+    assert done.code == 0
+    assert done.out.endswith("figure: v.svg\n")
+    assert (files / "v.svg").read_bytes().startswith(b"<?xml")

@@ -66,6 +66,11 @@ def prepared(tmp_path_factory) -> Path:
         shutil.copy(folder / "trial.csv", folder / "cohort" / person / "trial.csv")
     columns = _columns(trials["trial"])
     write_csv(folder / "lab.csv", {_LAB[n]: _TO_LAB.get(n, 1.0) * columns[n] for n in columns})
+    (folder / "leg").mkdir()
+    for name, source in {"trial1": "trial", "trial2": "other", "rest": "trial"}.items():
+        own = _columns(trials[source])
+        laboratory = {_LAB[n]: _TO_LAB.get(n, 1.0) * own[n] for n in own}
+        write_csv(folder / "leg" / f"{name}.csv", laboratory)
     for name in ("map", "corrected"):
         (folder / f"{name}.toml").write_text(_mapping())
     write_hdf5(folder / "recording.h5", surae.read(folder / "trial.csv"))
@@ -73,6 +78,10 @@ def prepared(tmp_path_factory) -> Path:
     (folder / "p.json").write_text(json.dumps({"parameters": dict(subject.parameters)}))
     fit = surae.fit(folder / "trial.csv", "muscle", starts=1)
     fit.save(folder / "fit.json")
+    for name in ("before", "after", "leg1", "leg2", "leg3"):
+        shutil.copy(folder / "fit.json", folder / f"{name}.json")
+    rows = "".join(f"leg{i}.json,S{i},left\n" for i in (1, 2, 3))
+    (folder / "legs.csv").write_text(f"fit,subject,side\n{rows}")
     (folder / "docs").mkdir()
     return folder
 

@@ -53,18 +53,18 @@ class Snippet:
 def snippets(page: str) -> Iterator[Snippet]:
     """Everything that a page has to be typed."""
     content = (ROOT / page).read_text(encoding="utf-8")
-    for found in _BLOCK.finditer(content):
-        line = content.count("\n", 0, found.start()) + 1
-        if found["inline"] is not None:
-            if found["inline"].split()[0] in _PROGRAMS and " " in found["inline"]:
-                yield Snippet("mention", found["inline"], line)
-        elif not found["language"].strip():
-            for i, text in enumerate(found["text"].splitlines()):
+    for match in _BLOCK.finditer(content):
+        line = content.count("\n", 0, match.start()) + 1
+        if match["inline"] is not None:
+            if match["inline"].split()[0] in _PROGRAMS and " " in match["inline"]:
+                yield Snippet("mention", match["inline"], line)
+        elif not match["language"].strip():
+            for i, text in enumerate(match["text"].splitlines()):
                 command = text.split("  #")[0].strip()
                 if command:
                     yield Snippet("command", command, line + 1 + i)
-        elif not found["language"].startswith("{"):
-            yield Snippet(found["language"].strip(), found["text"], line)
+        elif not match["language"].startswith("{"):
+            yield Snippet(match["language"].strip(), match["text"], line)
 
 
 def is_command(text: str) -> bool:

@@ -19,27 +19,27 @@ LAYERS = (
 
 def documented() -> dict[str, object]:
     """Everything public, each object once, under the shortest name that it has."""
-    found: dict[int, tuple[str, object]] = {}
+    functions: dict[int, tuple[str, object]] = {}
     for module in ("surae", *(f"surae.{layer}" for layer in LAYERS)):
         home = import_module(module)
         for name in home.__all__:
-            one = getattr(home, name)
-            if inspect.isfunction(one) or inspect.isclass(one):
-                found.setdefault(id(one), (f"{module}.{name}", one))
-    return dict(found.values())
+            public = getattr(home, name)
+            if inspect.isfunction(public) or inspect.isclass(public):
+                functions.setdefault(id(public), (f"{module}.{name}", public))
+    return dict(functions.values())
 
 
 PUBLIC = documented()
-CLASSES = {name: one for name, one in PUBLIC.items() if inspect.isclass(one)}
+CLASSES = {name: public for name, public in PUBLIC.items() if inspect.isclass(public)}
 
 
 def functions() -> Iterator[tuple[str, Callable[..., object], bool]]:
     """Name, function, and whether its first parameter is self or cls."""
-    for name, one in PUBLIC.items():
-        if inspect.isfunction(one):
-            yield name, one, False
-        elif inspect.isclass(one):
-            for member, value in vars(one).items():
+    for name, public in PUBLIC.items():
+        if inspect.isfunction(public):
+            yield name, public, False
+        elif inspect.isclass(public):
+            for member, value in vars(public).items():
                 if member.startswith("_"):
                     continue
                 if isinstance(value, classmethod | staticmethod):
@@ -96,18 +96,18 @@ def test_what_users_call_says_all_of_it(name):
 
 @pytest.mark.parametrize("name", CLASSES)
 def test_a_class_names_what_it_is_made_of(name):
-    one = CLASSES[name]
-    doc = ClassDoc(one)
+    kind = CLASSES[name]
+    doc = ClassDoc(kind)
     assert doc["Summary"], "no summary"
     given = _named(doc["Parameters"]) + _named(doc["Attributes"])
-    fields = getattr(one, "__dataclass_fields__", {})
+    fields = getattr(kind, "__dataclass_fields__", {})
     if fields and doc["Parameters"] + doc["Attributes"]:
-        assert set(fields) <= set(given) | _undocumented(one)
-    for member, value in vars(one).items():
+        assert set(fields) <= set(given) | _undocumented(kind)
+    for member, value in vars(kind).items():
         if isinstance(value, property) and not member.startswith("_"):
             assert inspect.getdoc(value), f"{member} has no docstring"
 
 
-def _undocumented(one: type) -> set[str]:
+def _undocumented(kind: type) -> set[str]:
     """Fields that are nobody's business."""
-    return {name for name in one.__dataclass_fields__ if name.startswith("_")}
+    return {name for name in kind.__dataclass_fields__ if name.startswith("_")}

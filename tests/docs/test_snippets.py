@@ -23,6 +23,7 @@ SHOWN = {"docs/start.md": "time_s,angle_rad", "CONTRIBUTING.md": "src/surae/"}
 PLACEHOLDERS = {"FILE": "lab.csv", "START:END": "1:2"}
 #: Commands whose options are read but which are not run here, and why.
 READ_ONLY = {
+    "surae live": "runs in real time until it is stopped; tests/live runs it",
     "surae serve": "serves until it is stopped; tests/web runs it",
     "surae reproduce": "takes minutes; tests/thesis runs it",
     "surae posterior": "takes a minute to converge; tests/cli/test_posterior.py runs it",
@@ -36,7 +37,9 @@ QUICKER = {
     "surae bootstrap": ["--replicates", "10", "--workers", "1"],
     "surae emg-bias": ["--pairs", "2", "--workers", "1"],
     "surae compare": ["--starts", "1"],
+    "surae session": ["--model", "muscle", "--starts", "1"],
     "surae profile": ["--workers", "1"],
+    "surae design": ["--evaluations", "20"],
     "surae study run": ["--workers", "1"],
     "surae baseline": ["--subjects", "2", "--rate", "50"],
 }
@@ -70,9 +73,9 @@ def _resolved(words: list[str]) -> tuple[click.Command, list[str]]:
     command: click.Command = group
     rest = words[1:]
     while isinstance(command, click.Group) and rest:
-        found = command.get_command(click.Context(command), rest[0])
-        assert found is not None, f"there is no command {' '.join(words)}"
-        command, rest = found, rest[1:]
+        called = command.get_command(click.Context(command), rest[0])
+        assert called is not None, f"there is no command {' '.join(words)}"
+        command, rest = called, rest[1:]
     return command, rest
 
 
@@ -100,9 +103,9 @@ def _check_other(words: list[str]) -> None:
         assert rest[0] in TARGETS
     elif program == "pip":
         assert rest[0] == "install"
-        found = re.fullmatch(r"surae(?:\[([a-z,]+)\])?", rest[1])
-        assert found, rest
-        assert set((found[1] or "all").split(",")) <= set(EXTRAS)
+        match = re.fullmatch(r"surae(?:\[([a-z,]+)\])?", rest[1])
+        assert match, rest
+        assert set((match[1] or "all").split(",")) <= set(EXTRAS)
     elif program == "python" and rest[0] == "-m":
         assert find_spec(f"{rest[1]}.__main__"), rest
     elif program == "python":
@@ -112,7 +115,7 @@ def _check_other(words: list[str]) -> None:
     else:
         assert program == ".venv/bin/pre-commit", words
         assert (ROOT / ".pre-commit-config.yaml").exists()
-        assert any(one.startswith("pre-commit") for one in EXTRAS["dev"])
+        assert any(requirement.startswith("pre-commit") for requirement in EXTRAS["dev"])
 
 
 def _do(snippet: Snippet, page: str, surae, namespace: dict[str, object]) -> None:
@@ -125,7 +128,9 @@ def _do(snippet: Snippet, page: str, surae, namespace: dict[str, object]) -> Non
         elif snippet.kind == "mention" and len(_resolved(words)[1]) == 0:
             surae([*words, "--help"])  # only named
         elif snippet.kind == "mention" and words[-1].startswith("--"):
-            named = {option for one in _resolved(words)[0].params for option in one.opts}
+            named = {
+                option for parameter in _resolved(words)[0].params for option in parameter.opts
+            }
             assert words[-1] in named
         else:
             _run_surae(words, surae)
@@ -143,12 +148,19 @@ def _do(snippet: Snippet, page: str, surae, namespace: dict[str, object]) -> Non
 
 
 def _read_toml(text: str) -> None:
-    """A mapping, or a study."""
-    if "[channels." in text:
+    """A mapping, a device, or a study."""
+    if "max_torque_Nm" in text:
+        from surae.protocol import read_device
+
+        Path("printed.toml").write_text(text, encoding="utf-8")
+        assert read_device("printed.toml").sources
+    elif "[channels." in text:
         from surae import read
 
         Path("printed.toml").write_text(text, encoding="utf-8")
-        assert len(read("printed.toml").channels) > 2
+        alone = "file =" in text  # else it is of many files
+        mapped = read("printed.toml") if alone else read("leg/trial1.csv", mapping="printed.toml")
+        assert len(mapped.channels) > 2
     else:
         from surae.studies.study import parse_study
 

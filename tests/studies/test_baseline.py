@@ -16,7 +16,7 @@ PROTOCOL = Protocol(profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.
 
 def test_it_is_the_mean_over_the_subjects() -> None:
     done = []
-    found = simulated_baseline(PROTOCOL, n=2, seed=4, progress=lambda *at: done.append(at))
+    baseline = simulated_baseline(PROTOCOL, n=2, seed=4, progress=lambda *at: done.append(at))
     assert done == [(1, 2), (2, 2)]
     each = []
     for seed in (4, 5):
@@ -25,8 +25,8 @@ def test_it_is_the_mean_over_the_subjects() -> None:
         problem = make_problem([trial], start=subject.parameters)
         each.append(assess(fit_problem(problem, starts=1)).parameters)
     for name in ("m", "l0_tri", "f0", "g3"):
-        assert found[name] == pytest.approx(np.mean([p[name].sem for p in each])), name
-    assert list(found) == [p for p in each[0] if p in found]
+        assert baseline[name] == pytest.approx(np.mean([p[name].sem for p in each])), name
+    assert list(baseline) == [p for p in each[0] if p in baseline]
 
 
 def test_a_subject_of_the_same_kind_has_an_snsem_around_1() -> None:
@@ -48,8 +48,8 @@ def test_options_go_along() -> None:
 
 
 def test_subjects_have_tendons_of_their_own_where_the_model_frees_them() -> None:
-    found = simulated_baseline(PROTOCOL, "muscle-tendon-strain", n=1)
-    assert 0 < found["dlt_tri"] < 0.01
+    baseline = simulated_baseline(PROTOCOL, "muscle-tendon-strain", n=1)
+    assert 0 < baseline["dlt_tri"] < 0.01
 
 
 def test_no_subjects() -> None:

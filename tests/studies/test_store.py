@@ -14,12 +14,12 @@ import pytest
 from surae.errors import ComputationError, InputError
 from surae.studies.store import Store
 from surae.studies.study import parse_study
-from surae.studies.table import columns, export, table
-from surae.studies.tasks import Estimate, Outcome
+from surae.studies.table import export_study, study_columns, study_table
+from surae.studies.tasks import Estimate, TaskOutcome
 
 TEXT = 'name = "a"\nprotocol = "sine"\nnoise = [0.01, 0.05]\nsubjects = 2\n'
-DONE = Outcome("converged", "all well", 99.9, 3.1, (Estimate("m", 0.1 + 0.2, 1e-17, 2.0),), 0.5)
-LOST = Outcome("failed", "its worker died")
+DONE = TaskOutcome("converged", "all well", 99.9, 3.1, (Estimate("m", 0.1 + 0.2, 1e-17, 2.0),), 0.5)
+LOST = TaskOutcome("failed", "its worker died")
 
 
 @pytest.fixture
@@ -302,22 +302,22 @@ def test_a_store_without_a_study(path) -> None:
 
 def test_the_table_has_its_columns_in_order(path) -> None:
     study = parse_study(TEXT + 'model = ["muscle", "muscle-tendon-toe"]\ngeometry = "thesis"\n')
-    names = columns(study)
+    names = study_columns(study)
     assert names[:3] == ["protocol", "chirp_amplitude", "chirp_rate"]
     start = names.index("status")
     assert names[start - 1] == "geometry"
     assert names[start : start + 6] == ["status", "vaf", "ipde", "m", "m_sem", "m_true"]
     assert names[-4:] == ["pt_tib", "pt_tib_sem", "pt_tib_true", "seconds"]
     assert len(names) == start + 3 + 3 * 17 + 1
-    assert "pt_tri" not in columns(parse_study(TEXT))
+    assert "pt_tri" not in study_columns(parse_study(TEXT))
 
 
 def test_missing_numbers_are_empty_cells(path, tmp_path) -> None:
     fill(path, outcome=replace(DONE, ipde=None, estimates=(Estimate("m", 0.3, None, 2.0),)), most=1)
     fill(path, outcome=LOST, most=1)
     with Store(path) as store:
-        assert export(store, tmp_path / "t.csv")[0] == 2
-        names = list(next(table(store)))
+        assert export_study(store, tmp_path / "t.csv")[0] == 2
+        names = list(next(study_table(store)))
     lines = (tmp_path / "t.csv").read_text().splitlines()
     assert lines[0].split(",") == names
     fitted, lost = (dict(zip(names, line.split(","), strict=True)) for line in lines[1:])
@@ -330,8 +330,8 @@ def test_parquet_holds_the_same(path, tmp_path) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
     fill(path, outcome=replace(DONE, ipde=None))
     with Store(path) as store:
-        assert export(store, tmp_path / "t.parquet")[0] == 4
-        rows = list(table(store))
+        assert export_study(store, tmp_path / "t.parquet")[0] == 4
+        rows = list(study_table(store))
     assert parquet.read_table(tmp_path / "t.parquet").to_pylist() == rows
 
 
@@ -339,5 +339,5 @@ def test_without_pyarrow_parquet_is_refused_kindly(path, tmp_path, monkeypatch) 
     fill(path)
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with Store(path) as store, pytest.raises(InputError, match=r"pip install 'surae\[formats\]'"):
-        export(store, tmp_path / "t.parquet")
+        export_study(store, tmp_path / "t.parquet")
     assert not (tmp_path / "t.parquet").exists()

@@ -12,10 +12,10 @@ MINIMAL = 'protocol = "sine"\n'
 
 
 def test_a_scalar_stands_for_a_list_of_one() -> None:
-    one, same = parse_study(MINIMAL), parse_study('protocol = ["sine"]')
-    assert one.factors == same.factors
-    assert one.size == 1
-    assert one.name == "study"
+    study, same = parse_study(MINIMAL), parse_study('protocol = ["sine"]')
+    assert study.factors == same.factors
+    assert study.size == 1
+    assert study.name == "study"
 
 
 def test_lists_are_crossed_the_last_factor_fastest() -> None:

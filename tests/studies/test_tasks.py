@@ -14,7 +14,7 @@ from surae.estimation import fit_problem, make_problem
 from surae.protocol import Protocol, generate
 from surae.studies import program, virtual_subject, virtual_trial
 from surae.studies.study import parse_study
-from surae.studies.tasks import Outcome, outcome_of, planned, run_task
+from surae.studies.tasks import TaskOutcome, outcome_of, planned, run_task
 
 TEXT = 'protocol = "ramp-and-hold"\nrate_hz = 50\nstarts = 1\nchirp_amplitude = 0.2\n'
 
@@ -92,7 +92,7 @@ def test_another_program_has_other_keys(monkeypatch) -> None:
 def test_a_worker_gives_the_same_and_refuses_another_program(monkeypatch) -> None:
     (task,) = tasks(TEXT + 'geometry = "virtual-work"\n')
     call = json.loads(json.dumps({"key": task.key, "settings": asdict(task)}))
-    outcome = Outcome.of(outcome_of(**call))
+    outcome = TaskOutcome.of(outcome_of(**call))
     assert replace(outcome, seconds=0) == replace(run_task(task), seconds=0)
     monkeypatch.setattr("surae.studies.tasks.fingerprint", lambda: "another")
     with pytest.raises(ComputationError, match="a worker has another surae"):

@@ -95,14 +95,14 @@ def test_the_torque_is_simulated_from_the_true_emg(trajectory):
 
 
 def test_realisations(trajectory):
-    one, same = (virtual_trial(virtual_subject(2), trajectory, seed=3) for _ in range(2))
-    np.testing.assert_array_equal(one.torque, same.torque)
-    np.testing.assert_array_equal(one.emg, same.emg)
+    first, same = (virtual_trial(virtual_subject(2), trajectory, seed=3) for _ in range(2))
+    np.testing.assert_array_equal(first.torque, same.torque)
+    np.testing.assert_array_equal(first.emg, same.emg)
     for other in (
         virtual_trial(virtual_subject(2), trajectory, seed=4),
         virtual_trial(virtual_subject(3), trajectory, seed=3),
     ):
-        error, another = one.emg[:, 0] - other.emg[:, 0], one.torque - other.torque
+        error, another = first.emg[:, 0] - other.emg[:, 0], first.torque - other.torque
         assert np.abs(error).max() > 0
         assert np.abs(another).max() > 0
 

@@ -94,15 +94,15 @@ def test_the_preparation_gives_the_envelope_back_on_average(rate_hz, settings):
     wanted = 2e-4 * (1.2 + np.sin(2 * np.pi * 0.3 * t))[:, None] * np.array([1.0, 0.5, 2.0, 0.1])
     raw = raw_emg(wanted, rate_hz, rng())
     recording = Recording.from_arrays(t, 0.1 * np.sin(t), None, raw)
-    found = prepare(recording, settings)
-    envelopes = np.column_stack([np.interp(found.time, t, one) for one in wanted.T])
+    prepared = prepare(recording, settings)
+    envelopes = np.column_stack([np.interp(prepared.time, t, channel) for channel in wanted.T])
     factor = passed(rate_hz, settings) / passed(rate_hz)
-    slope = (found.emg * envelopes).sum(axis=0) / (envelopes**2).sum(axis=0)
+    slope = (prepared.emg * envelopes).sum(axis=0) / (envelopes**2).sum(axis=0)
     assert slope == pytest.approx([factor] * 4, rel=0.03)
     # Proportional: as much too small where it is small as where it is large.
     low = envelopes[:, 0] < 2e-4
     for part in (low, ~low):
-        ratio = found.emg[part].mean(axis=0) / envelopes[part].mean(axis=0)
+        ratio = prepared.emg[part].mean(axis=0) / envelopes[part].mean(axis=0)
         assert ratio == pytest.approx([factor] * 4, rel=0.03)
 
 

@@ -52,23 +52,23 @@ def test_every_size_is_zero_by_default():
 
 def test_the_kind_of_a_disturbance_of_no_size_has_no_effect(trajectory):
     ideal = trial(trajectory)
-    found = trial(
+    again = trial(
         trajectory, torque_noise_time=1.0, reflex_delay=0.1, reflex_threshold=0.0, reflex_limit=1.0
     )
-    np.testing.assert_array_equal(found.torque, ideal.torque)
-    np.testing.assert_array_equal(found.emg, ideal.emg)
+    np.testing.assert_array_equal(again.torque, ideal.torque)
+    np.testing.assert_array_equal(again.emg, ideal.emg)
 
 
 @pytest.mark.parametrize("name", SIZES)
 def test_each_changes_what_it_should_and_is_told(trajectory, name):
-    ideal, found = trial(trajectory), trial(trajectory, **{name: SIZES[name]})
-    torque, emg = np.abs(found.torque - ideal.torque).max(), np.abs(found.emg - ideal.emg).max()
+    ideal, again = trial(trajectory), trial(trajectory, **{name: SIZES[name]})
+    torque, emg = np.abs(again.torque - ideal.torque).max(), np.abs(again.emg - ideal.emg).max()
     assert (torque > 0.05) == (name != "crosstalk")
     assert (emg > 1e-6) == (name in ("crosstalk", "effort_variation", "reflex_gain"))
-    np.testing.assert_array_equal(found.angle, ideal.angle)
-    assert len(found.steps) == 2
-    assert not found.torque.flags.writeable
-    assert not found.emg.flags.writeable
+    np.testing.assert_array_equal(again.angle, ideal.angle)
+    assert len(again.steps) == 2
+    assert not again.torque.flags.writeable
+    assert not again.emg.flags.writeable
     almost = trial(trajectory, **{name: 1e-9 * SIZES[name]})  # none is the limit of a little
     np.testing.assert_allclose(almost.torque, ideal.torque, atol=1e-5)
     np.testing.assert_allclose(almost.emg, ideal.emg, atol=1e-12)
@@ -103,8 +103,8 @@ def test_seeds_are_those_of_subject_and_trial(trajectory, name):
     def torque(seed, number, population="healthy"):
         subject = virtual_subject(seed, population)
         ideal = virtual_trial(subject, trajectory, noise=0.0)
-        found = virtual_trial(subject, trajectory, noise=0.0, seed=number, imperfections=settings)
-        return found.torque - ideal.torque
+        trial = virtual_trial(subject, trajectory, noise=0.0, seed=number, imperfections=settings)
+        return trial.torque - ideal.torque
 
     first = torque(4, 0)
     np.testing.assert_array_equal(torque(4, 0), first)
@@ -149,32 +149,32 @@ def test_realistic_imperfections_are_drawn_once_for_a_subject():
     for population in POPULATIONS:
         drawn = [realistic_imperfections(virtual_subject(seed, population)) for seed in range(200)]
         assert drawn[7] == realistic_imperfections(virtual_subject(7, population))
-        assert len({one.crosstalk for one in drawn}) == 200
-        assert all(0.03 <= one.crosstalk <= 0.10 for one in drawn)
-        assert max(abs(one.axis_up) for one in drawn) <= 0.015
-        axis = np.array([(one.axis_forward, one.axis_up) for one in drawn])
+        assert len({value.crosstalk for value in drawn}) == 200
+        assert all(0.03 <= value.crosstalk <= 0.10 for value in drawn)
+        assert max(abs(value.axis_up) for value in drawn) <= 0.015
+        axis = np.array([(value.axis_forward, value.axis_up) for value in drawn])
         assert axis.std(axis=0) == pytest.approx([0.006, 0.006], rel=0.15)
         assert abs(np.corrcoef(axis.T)[0, 1]) < 0.2
-        assert all((one.reflex_gain > 0.0) == (population == "patient") for one in drawn)
+        assert all((value.reflex_gain > 0.0) == (population == "patient") for value in drawn)
 
 
 def test_all_of_them_go_together_with_tendons(trajectory):
     subject = virtual_subject(3, "patient", tendons=True)
-    found = virtual_trial(
+    trial = virtual_trial(
         subject, trajectory, model="muscle-tendon-toe",
         imperfections=realistic_imperfections(subject),
     )  # fmt: skip
-    assert np.isfinite(found.torque).all()
-    assert len(found.steps) == 8
+    assert np.isfinite(trial.torque).all()
+    assert len(trial.steps) == 8
 
 
 def test_a_recording_has_them_too():
     fast = generate(Protocol(profile="ramp-and-hold", rate_hz=1024.0))
     ideal = virtual_recording(SUBJECT, fast)
     for name, size in SIZES.items():
-        found = virtual_recording(SUBJECT, fast, imperfections=Imperfections(**{name: size}))
-        torque = found.channels["torque"].values - ideal.channels["torque"].values
-        emg = found.channels["emg_sol"].values - ideal.channels["emg_sol"].values
+        recording = virtual_recording(SUBJECT, fast, imperfections=Imperfections(**{name: size}))
+        torque = recording.channels["torque"].values - ideal.channels["torque"].values
+        emg = recording.channels["emg_sol"].values - ideal.channels["emg_sol"].values
         assert (np.abs(torque).max() > 0.05) == (name != "crosstalk")
         assert (np.abs(emg).max() > 1e-6) == (
             name in ("crosstalk", "effort_variation", "reflex_gain")

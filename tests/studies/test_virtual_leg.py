@@ -40,12 +40,12 @@ def test_the_reflex_is_delayed_rectified_above_a_threshold_and_limited():
     settings = Imperfections(
         reflex_gain=0.5, reflex_delay=0.05, reflex_threshold=0.4, reflex_limit=0.6
     )
-    found = reflex(t, stretch, settings)
+    reflexes = reflex(t, stretch, settings)
     delayed = np.where(t < 0.05, 0.0, 2.0 * np.sin(2 * np.pi * (t - 0.05)))
     expected = np.clip(0.5 * (delayed - 0.4), 0.0, 0.6)
-    np.testing.assert_allclose(found, expected, atol=1e-3)
-    assert found.max() == 0.6
-    assert (found[(t > 0.56) & (t < 1.04)] == 0.0).all()  # while the muscle shortens
+    np.testing.assert_allclose(reflexes, expected, atol=1e-3)
+    assert reflexes.max() == 0.6
+    assert (reflexes[(t > 0.56) & (t < 1.04)] == 0.0).all()  # while the muscle shortens
 
 
 def test_the_reflex_is_in_the_triceps_emg_and_drives_the_torque(trajectory, ideal):
@@ -104,7 +104,7 @@ def test_knee_flexion_acts_on_the_gastrocnemius_as_its_model_says(trajectory, id
     spec = get_model("muscle")
     values = spec.vector(SUBJECT.parameters, OPTIONS)
     flexion = np.full(ideal.n, 0.1)
-    found = knee_torque(ideal, "muscle", OPTIONS, values, flexion)
+    torque = knee_torque(ideal, "muscle", OPTIONS, values, flexion)
     arm = arm_tri(ideal.angle)
     shift = -0.1 * KNEE_ARM / arm
     p = dict(zip(spec.names, values, strict=True))
@@ -113,9 +113,9 @@ def test_knee_flexion_acts_on_the_gastrocnemius_as_its_model_says(trajectory, id
     start = ideal.time < 0.9  # at rest: the tissue has relaxed, the muscles are passive
     steady = KNEE_TISSUE * passive / (1.0 + p["k_rel"]) * arm
     # Muscles at rest have an EMG of 1 µV, not of zero: a few mN·m.
-    assert found[start] == pytest.approx(steady[start], abs=0.01)
-    assert found.max() < 0.05  # slackened: less torque, but on the descending limb
-    assert found.min() < -0.3
+    assert torque[start] == pytest.approx(steady[start], abs=0.01)
+    assert torque.max() < 0.05  # slackened: less torque, but on the descending limb
+    assert torque.min() < -0.3
     zero = knee_torque(ideal, "muscle", OPTIONS, values, np.zeros(ideal.n))
     assert (zero == 0.0).all()
 
@@ -125,8 +125,8 @@ def test_knee_flexion_leaves_a_leg_without_gastrocnemius_activity_its_active_tor
     spec = get_model("muscle")
     parameters = dict(SUBJECT.parameters) | {"g2": 0.0, "g4": 0.0, "k_tri": 1e-3, "x0_tri": 1e-3}
     values = spec.vector(parameters, OPTIONS)
-    found = knee_torque(silent, "muscle", OPTIONS, values, np.full(silent.n, 0.2))
-    assert np.abs(found).max() < 1e-5
+    torque = knee_torque(silent, "muscle", OPTIONS, values, np.full(silent.n, 0.2))
+    assert np.abs(torque).max() < 1e-5
 
 
 def test_knee_motion_has_its_size(trajectory, ideal):
@@ -161,16 +161,16 @@ def test_effort_varies_about_its_target_by_as_much_as_asked(trajectory):
 
 def test_effort_differs_between_repetitions_and_is_seen_in_emg(trajectory, ideal):
     settings = Imperfections(effort_variation=0.25)
-    one, two = (
+    first, two = (
         virtual_trial(SUBJECT, trajectory, noise=0.0, seed=seed, imperfections=settings)
         for seed in (0, 1)
     )
-    for a, b in ((one, two), (one, ideal)):
+    for a, b in ((first, two), (first, ideal)):
         assert np.abs(a.emg - b.emg).max() > 2e-5
         assert np.abs(a.torque - b.torque).max() > 1.0
     spec = get_model("muscle")
-    torque = spec.simulator(one, OPTIONS).torque(spec.vector(SUBJECT.parameters, OPTIONS))
-    np.testing.assert_allclose(one.torque, torque, atol=1e-9)
+    torque = spec.simulator(first, OPTIONS).torque(spec.vector(SUBJECT.parameters, OPTIONS))
+    np.testing.assert_allclose(first.torque, torque, atol=1e-9)
 
 
 def test_muscles_without_electrodes_add_their_share_on_average(trajectory):

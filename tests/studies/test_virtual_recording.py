@@ -6,7 +6,7 @@ import pytest
 from surae import read
 from surae.errors import InputError
 from surae.protocol import Protocol, generate, named_device
-from surae.recording import columns, write_csv
+from surae.recording import csv_columns, write_csv
 from surae.signals import prepare
 from surae.studies import Imperfections, virtual_recording, virtual_subject, virtual_trial
 from surae.studies.disturbances import mixing
@@ -48,33 +48,33 @@ def test_it_is_raw_at_the_rate_of_the_trajectory(recording, trajectory):
 
 
 def test_the_chain_gives_back_what_the_torque_was_simulated_from(recording):
-    found = prepare(recording)
+    prepared = prepare(recording)
     truth = virtual_trial(SUBJECT, motion(256.0), noise=0.0)
-    n = found.n
-    assert found.rate_hz == 256.0
-    np.testing.assert_allclose(found.angle, truth.angle[:n], atol=2e-3)
-    assert np.std(found.torque - truth.torque[:n]) < 0.1
-    slope = (found.emg * truth.emg[:n]).sum(axis=0) / (truth.emg[:n] ** 2).sum(axis=0)
+    n = prepared.n
+    assert prepared.rate_hz == 256.0
+    np.testing.assert_allclose(prepared.angle, truth.angle[:n], atol=2e-3)
+    assert np.std(prepared.torque - truth.torque[:n]) < 0.1
+    slope = (prepared.emg * truth.emg[:n]).sum(axis=0) / (truth.emg[:n] ** 2).sum(axis=0)
     assert slope == pytest.approx(np.ones(4), rel=0.05)
-    passive = found.time < 10.5
-    assert found.emg[passive].mean(axis=0) == pytest.approx(np.full(4, 1e-6), rel=0.05)
+    passive = prepared.time < 10.5
+    assert prepared.emg[passive].mean(axis=0) == pytest.approx(np.full(4, 1e-6), rel=0.05)
 
 
 def test_the_model_explains_it_but_for_the_fluctuation_of_emg(recording):
     from surae import simulate
 
-    found = prepare(recording)
-    error = simulate("muscle", SUBJECT.parameters, found) - found.torque
-    assert 97.0 < 100 * (1 - (error**2).sum() / (found.torque**2).sum()) < 100.0
+    prepared = prepare(recording)
+    error = simulate("muscle", SUBJECT.parameters, prepared) - prepared.torque
+    assert 97.0 < 100 * (1 - (error**2).sum() / (prepared.torque**2).sum()) < 100.0
 
 
 def test_crosstalk_mixes_raw_signals(recording, trajectory):
     mixed = virtual_recording(SUBJECT, trajectory, imperfections=Imperfections(crosstalk=0.1))
-    own, found = (
+    own, measured = (
         np.column_stack([r.channels[f"emg_{m}"].values for m in ("ta", "gl", "sol", "gm")])
         for r in (recording, mixed)
     )
-    np.testing.assert_allclose(found, own @ mixing(0.1), rtol=0, atol=1e-15)
+    np.testing.assert_allclose(measured, own @ mixing(0.1), rtol=0, atol=1e-15)
 
 
 def test_raw_emg_has_draws_of_its_own_for_each_trial(recording, trajectory):
@@ -90,7 +90,7 @@ def test_raw_emg_has_draws_of_its_own_for_each_trial(recording, trajectory):
 def test_as_a_file_it_reads_back_the_same(tmp_path):
     short = generate(Protocol(profile="ramp-and-hold", rate_hz=1000.0))
     recording = virtual_recording(SUBJECT, short)
-    write_csv(tmp_path / "raw.csv", columns(recording), ["emg: raw"])
+    write_csv(tmp_path / "raw.csv", csv_columns(recording), ["emg: raw"])
     back = read(tmp_path / "raw.csv")
     assert back.emg == "raw"
     np.testing.assert_array_equal(prepare(back).emg, prepare(recording).emg)

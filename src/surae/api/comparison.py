@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from typing import Any
 
 from surae.api.recordings import AnyRecording, read_in, several
-from surae.assessment.comparison.compare import COMPARED, FEW_STARTS, Told, compare_models
+from surae.assessment.comparison.compare import COMPARED, FEW_STARTS, compare_models
 from surae.assessment.comparison.finding import Comparison
 from surae.estimation import FitSettings
+from surae.progress import NamedProgress
 
 
 def compare(
@@ -15,7 +16,7 @@ def compare(
     settings: FitSettings | None = None,
     *,
     mvc: AnyRecording | Sequence[AnyRecording] = (),
-    progress: Told | None = None,
+    progress: NamedProgress | None = None,
     **asked: Any,
 ) -> Comparison:
     """Rigid or elastic: whether the data need tendons that give way, and what it changes.

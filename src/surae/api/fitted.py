@@ -2,7 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
+from surae.api.plots import Plots
 from surae.api.recordings import AnyRecording, as_in_fit
 from surae.api.simulation import parts_of, tendon_of
 from surae.assessment.adequacy import Adequacy
@@ -19,8 +21,11 @@ from surae.quality import Quality
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 
+if TYPE_CHECKING:
+    from surae.measures import Measures
 
-@dataclass(frozen=True, slots=True)
+
+@dataclass(frozen=True, slots=True, repr=False)
 class Fit:
     """A fit and what it is worth.
 
@@ -37,6 +42,64 @@ class Fit:
     result: FitResult
     assessment: Assessment
     quality: tuple[Quality, ...] = ()
+
+    def __repr__(self) -> str:
+        return self.summary()
+
+    def _repr_html_(self) -> str:
+        from surae.report.summary import fit_html
+
+        return fit_html(self.result, self.assessment)
+
+    def summary(self) -> str:
+        """The fit on one screen: what it is worth, its parameters and their verdicts.
+
+        Returns
+        -------
+        str
+            Some thirty lines.
+        """
+        from surae.report.summary import fit_text
+
+        return fit_text(self.result, self.assessment)
+
+    @property
+    def plot(self) -> Plots:
+        """Plots that return Matplotlib axes: ``fit.plot()``, ``fit.plot.torque()``, …."""
+        return Plots(self.result, self.assessment)
+
+    def to_dataframe(self) -> Any:
+        """The parameters as a pandas DataFrame, a row each by name.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Value, unit, ends of the 95 % interval and of that of another trial, standard error,
+            verdict, whether it is free and at a bound, meaning; NaN where there is no number.
+        """
+        from surae.recording.frames import frame
+
+        rows = []
+        for p in self.parameters.values():
+            low, high = p.ci95 or (None, None)
+            again = p.ci95_repeat or (None, None)
+            rows.append(
+                {
+                    "parameter": p.name,
+                    "value": p.value,
+                    "unit": p.unit,
+                    "low": low,
+                    "high": high,
+                    "repeat_low": again[0],
+                    "repeat_high": again[1],
+                    "sem": p.trusted_sem,
+                    "verdict": str(p.verdict),
+                    "free": p.free,
+                    "at_bound": p.at_bound,
+                    "meaning": p.meaning,
+                }
+            )
+        return frame(rows, {}).set_index("parameter")
 
     @property
     def parameters(self) -> Mapping[str, ParameterEstimate]:
@@ -179,6 +242,28 @@ class Fit:
         inputs = as_in_fit(self.result.problem, [recording], prepared)
         return predict_others(self.result, inputs)[0]
 
+    def measures(self, angles: Sequence[float] = (-10.0, 0.0, 10.0)) -> "Measures":
+        """Torque, stiffness and more in a clinician's units, with intervals and verdicts.
+
+        Parameters
+        ----------
+        angles : sequence of float
+            Where torque and stiffness are asked [deg], dorsiflexion positive.
+
+        Returns
+        -------
+        Measures
+            By name, e.g. ``"passive_stiffness@10deg"``.
+
+        Raises
+        ------
+        InputError
+            An angle is out of reach of an ankle.
+        """
+        from surae.measures import measures
+
+        return measures(self.result, self.assessment, angles)
+
     def save(self, path: PathLike) -> None:
         """Write FIT.json; `load` reads it back without loss.
 
@@ -193,6 +278,37 @@ class Fit:
             The file cannot be written.
         """
         save_fit(path, self.result, self.assessment, self.quality)
+
+    def figure(
+        self, path: PathLike, *, validation: Sequence[Prediction] = (), width: float = 170.0
+    ) -> None:
+        """Draw the fit for a paper: lines with embedded fonts as ``.svg`` or ``.pdf``, or a PNG.
+
+        Of one recording it shows the EMG, the angle, the torque and its parts, of movement that
+        repeats itself over the cycle too; of several their torque.
+
+        Parameters
+        ----------
+        path : path
+            Where to.
+        validation : sequence of Prediction, optional
+            Draw these predictions of other recordings instead.
+        width : float
+            Width of the figure [mm].
+
+        Raises
+        ------
+        InputError
+            The file cannot be written.
+        """
+        from surae.report.figures import fit_figure, predictions_figure, write_figure
+
+        inches = width / 25.4
+        if validation:
+            write_figure(path, predictions_figure(validation, width=inches))
+            return
+        notes = [f"R² {recording.r2:.1f} %" for recording in self.assessment.recordings]
+        write_figure(path, fit_figure(self.result, notes, width=inches))
 
     def report(self, path: PathLike, *, validation: Sequence[Prediction] = ()) -> None:
         """Write the report: one self-contained HTML file, or a PDF where it ends in ``.pdf``.

@@ -12,10 +12,10 @@ from surae.assessment.saved.fit_json import load_saved
 from surae.assessment.uncertainty.snsem import Baseline, check_baseline
 from surae.errors import InputError
 from surae.estimation import FitSettings, make_problem, solve
-from surae.estimation.fit import Progress
 from surae.estimation.starts import Follow
 from surae.files import PathLike
 from surae.model.laboratory import AUTO
+from surae.progress import SearchProgress
 from surae.quality import Quality
 from surae.recording import Recording
 from surae.signals import ModelInputs, Weighting
@@ -47,7 +47,7 @@ def fit(
     starts: int | None = None,
     seed: int | None = None,
     quality: Sequence[Quality] | None = None,
-    progress: Progress | None = None,
+    progress: SearchProgress | None = None,
     follow: Follow | None = None,
     **options: Any,
 ) -> Fit:
@@ -155,7 +155,13 @@ def inputs_for(
     recordings: Sequence[Recording | ModelInputs],
     mvc: Sequence[Recording | ModelInputs] = (),
 ) -> Sequence[ModelInputs]:
-    """What settings make of recordings; an error says too what is wrong with their units."""
+    """What settings make of recordings; an error says too what is wrong with their units.
+
+    Raises
+    ------
+    InputError
+        A recording cannot be prepared as the settings ask.
+    """
     try:
         return settings.inputs(recordings, mvc)
     except InputError as error:
@@ -167,7 +173,7 @@ def fit_inputs(
     settings: FitSettings,
     quality: Sequence[Quality] = (),
     baseline: Baseline | PathLike | None = None,
-    progress: Progress | None = None,
+    progress: SearchProgress | None = None,
     follow: Follow | None = None,
 ) -> Fit:
     """The fit of recordings that have been prepared as its settings ask.
@@ -186,7 +192,7 @@ def fit_inputs(
     if compared is not None:
         check_baseline(compared, problem)
     result = solve(problem, progress=progress, follow=follow)
-    return Fit(result, assess(result, compared), tuple(quality))
+    return Fit(result, assess(result, compared, alternatives=True), tuple(quality))
 
 
 def load(path: PathLike) -> Fit:
@@ -208,4 +214,4 @@ def load(path: PathLike) -> Fit:
         The file is missing, damaged, or of a newer surae.
     """
     saved = load_saved(path)
-    return Fit(saved.result, assess(saved.result, saved.baseline), saved.quality)
+    return Fit(saved.result, assess(saved.result, saved.baseline, alternatives=True), saved.quality)

@@ -5,15 +5,13 @@ from collections.abc import Mapping, Sequence
 from surae.api.fitted import Fit
 from surae.assessment.inflation import variance_inflation as inflation_of
 from surae.assessment.likelihood.profiles import Profiles, profiles
-from surae.assessment.likelihood.profiles import Told as ProfileTold
-from surae.assessment.posterior.chains import Told as ChainsTold
 from surae.assessment.posterior.sample import CHAINS, DRAWS, TUNE, Posterior, sample
 from surae.assessment.resampling.bootstrap import REPLICATES, Bootstrap
-from surae.assessment.resampling.bootstrap import Told as BootstrapTold
 from surae.assessment.resampling.bootstrap import bootstrap as bootstrap_fit
 from surae.assessment.resampling.emg_bias import PAIRS, EmgBias
 from surae.assessment.resampling.emg_bias import emg_bias as emg_bias_of
 from surae.files import PathLike
+from surae.progress import NamedProgress, Progress
 
 
 def profile(
@@ -23,7 +21,7 @@ def profile(
     variance_inflation: float | Mapping[str, float] | None = None,
     workers: int | None = None,
     store: PathLike | None = None,
-    progress: ProfileTold | None = None,
+    progress: NamedProgress | None = None,
 ) -> Profiles:
     """Profile likelihood: intervals that need not be symmetric, nor end where the data set no end.
 
@@ -58,9 +56,9 @@ def profile(
     wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
     reason = "given"
     if variance_inflation is None:
-        found = inflation_of(fitted.assessment)
-        reason = found.reason
-        variance_inflation = {n: factor for n, factor in found.factors.items() if n in wanted}
+        inflation = inflation_of(fitted.assessment)
+        reason = inflation.reason
+        variance_inflation = {n: factor for n, factor in inflation.factors.items() if n in wanted}
     return profiles(
         fitted.result,
         wanted,
@@ -82,7 +80,7 @@ def posterior(
     priors: Mapping[str, tuple[float, float]] | None = None,
     variance_inflation: float | None = None,
     cores: int | None = None,
-    progress: ChainsTold | None = None,
+    progress: Progress | None = None,
 ) -> Posterior:
     """Draws from the posterior: what recordings and prior knowledge say together.
 
@@ -125,10 +123,10 @@ def posterior(
     """
     reason = "given"
     if variance_inflation is None:
-        found = inflation_of(fitted.assessment)
-        variance_inflation = found.common
-        reason = found.reason
-        if found.common != 1.0:
+        inflation = inflation_of(fitted.assessment)
+        variance_inflation = inflation.common
+        reason = inflation.reason
+        if inflation.common != 1.0:
             reason = f"{reason}; the median over the parameters"
     return sample(
         fitted.result,
@@ -152,7 +150,7 @@ def bootstrap(
     block_s: float | None = None,
     workers: int | None = None,
     store: PathLike | None = None,
-    progress: BootstrapTold | None = None,
+    progress: Progress | None = None,
 ) -> Bootstrap:
     """Percentile intervals from fits to random blocks of the residual; no formula is trusted.
 
@@ -201,7 +199,7 @@ def emg_bias(
     pairs: int = PAIRS,
     seed: int = 0,
     workers: int | None = None,
-    progress: BootstrapTold | None = None,
+    progress: Progress | None = None,
 ) -> EmgBias:
     """How far noise of the EMG has shifted each parameter, by simulation and extrapolation.
 

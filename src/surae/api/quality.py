@@ -15,6 +15,7 @@ from surae.quality import (
 )
 from surae.quality.reading import commanded_column
 from surae.recording import Recording, read
+from surae.recording.dataframe import DataFrame, of_frame
 from surae.signals import ModelInputs
 
 
@@ -55,6 +56,8 @@ def check(recording: AnyRecording, *, commanded: Commanded | PathLike | None = N
     asked = commanded if isinstance(commanded, Commanded | None) else commanded_file(commanded)
     if isinstance(recording, ModelInputs):
         recording = recording_of(recording)
+    if isinstance(recording, DataFrame):
+        recording = of_frame(recording)
     if not isinstance(recording, Recording):
         path = recording
         try:

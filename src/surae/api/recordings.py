@@ -5,33 +5,34 @@ from collections.abc import Iterable, Sequence
 from surae.estimation import FitProblem
 from surae.files import PathLike
 from surae.recording import Recording, read
+from surae.recording.dataframe import DataFrame, of_frame
 from surae.settings import FitSettings
 from surae.signals import EmgReference, ModelInputs, normalised, prepare
 from surae.signals import normalise as normalise_inputs
 
-#: A recording in any form: read, prepared, or the path of its file.
-AnyRecording = Recording | ModelInputs | PathLike
+#: A recording in any form: read, prepared, the path of its file, or a DataFrame with the columns of
+#: our CSV.
+AnyRecording = Recording | ModelInputs | PathLike | DataFrame
 
 
 def several(recordings: AnyRecording | Sequence[AnyRecording]) -> Sequence[AnyRecording]:
     """A sequence of recordings, of one that is given alone too."""
-    alone = isinstance(recordings, Recording | ModelInputs | str)
+    alone = isinstance(recordings, Recording | ModelInputs | str | DataFrame)
     alone = alone or hasattr(recordings, "__fspath__")
     return [recordings] if alone else recordings  # type: ignore[list-item,return-value]
 
 
 def read_in(recording: AnyRecording) -> Recording | ModelInputs:
-    """A recording, read if it is a file."""
-    return recording if isinstance(recording, Recording | ModelInputs) else read(recording)
+    """A recording, read if it is a file or a table."""
+    if isinstance(recording, Recording | ModelInputs):
+        return recording
+    return of_frame(recording) if isinstance(recording, DataFrame) else read(recording)
 
 
 def as_inputs(recording: AnyRecording, prepared: bool) -> ModelInputs:
     """What a model takes; a file is read, and a recording filtered unless it is `prepared`."""
-    if isinstance(recording, ModelInputs):
-        return recording
-    if not isinstance(recording, Recording):
-        recording = read(recording)
-    return prepare(recording, prepared=prepared)
+    given = read_in(recording)
+    return given if isinstance(given, ModelInputs) else prepare(given, prepared=prepared)
 
 
 def as_in_fit(
@@ -80,6 +81,6 @@ def normalise(
     InputError
         See `surae.signals.normalise`.
     """
-    inputs = [as_inputs(one, prepared) for one in several(recordings)]
-    contractions = [as_inputs(one, prepared) for one in several(mvc)]
+    inputs = [as_inputs(recording, prepared) for recording in several(recordings)]
+    contractions = [as_inputs(recording, prepared) for recording in several(mvc)]
     return normalise_inputs(inputs, reference, mvc=contractions)

@@ -6,10 +6,10 @@ from typing import Any
 from surae.api.fitted import Fit
 from surae.api.recordings import AnyRecording, as_in_fit, read_in, several
 from surae.assessment.validation.leave_one_out import LeaveOneOut
-from surae.assessment.validation.leave_one_out import Told as LeaveOneOutTold
 from surae.assessment.validation.leave_one_out import leave_one_out as leave_one_out_of
 from surae.assessment.validation.prediction import Prediction, predict_others
 from surae.estimation import FitSettings
+from surae.progress import NamedProgress
 from surae.signals import ModelInputs, Weighting, weighted
 
 
@@ -48,7 +48,7 @@ def leave_one_out(
     model: str | FitSettings = "muscle",
     *,
     mvc: AnyRecording | Sequence[AnyRecording] = (),
-    progress: LeaveOneOutTold | None = None,
+    progress: NamedProgress | None = None,
     **asked: Any,
 ) -> LeaveOneOut:
     """Predict every recording with the parameters of a fit of all the others (thesis 2.7).

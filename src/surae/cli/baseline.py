@@ -58,8 +58,7 @@ def command(
     """
     check_outputs({"--output": output}, [])
 
-    from surae.model import ModelOptions, get_model
-    from surae.protocol import Protocol, named_device
+    from surae.api import ModelOptions, Protocol, get_model, named_device
 
     get_model(model)
     protocol = Protocol(
@@ -71,11 +70,9 @@ def command(
         device=None if device is None else named_device(device),
     )
 
-    from surae.assessment.saved.baseline_json import save_baseline
+    from surae.api import make_baseline, save_baseline, standard_error
     from surae.cli.progress import compilation_notice, work
     from surae.cli.screen import show_line
-    from surae.report.formatting import standard_error
-    from surae.studies.baseline import make_baseline
 
     with work() as progress, compilation_notice():
         baseline = make_baseline(

@@ -9,7 +9,7 @@ from surae.cli.paths import check_outputs
 from surae.files import shown
 
 if TYPE_CHECKING:
-    from surae.assessment.resampling.bootstrap import Bootstrap
+    from surae.api import Bootstrap
 
 
 @click.command("bootstrap")
@@ -80,7 +80,7 @@ def command(
 
 
 def _table(drawn: "Bootstrap") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    from surae.report.formatting import estimate
+    from surae.api import estimate
 
     rows: list[tuple[str, ...]] = []
     for p in drawn.parameters.values():

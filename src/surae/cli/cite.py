@@ -11,8 +11,8 @@ def command(fitted: str | None, bibtex: bool) -> None:
 
     Without a fit: what every use of surae stands on.
     """
+    from surae.api import always_cited, cited_by
     from surae.cli.screen import show_line
-    from surae.report.references import always_cited, cited_by
 
     cited = always_cited()
     if fitted is not None:

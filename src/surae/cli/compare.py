@@ -50,7 +50,7 @@ def command(
         measured, contractions = read_all(recordings, progress), read_all(mvc, progress)
         check_outputs(
             {"--output": output},
-            (file.path for one in (*measured, *contractions) for file in one.files),
+            (file.path for recording in (*measured, *contractions) for file in recording.files),
         )
         from surae.api import compare  # numba: only when the input is in order
 

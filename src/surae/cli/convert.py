@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING
 
 import click
 
+from surae.cli.options import MAPPING
 from surae.cli.paths import check_outputs
 from surae.errors import InputError
 from surae.files import shown
 
 if TYPE_CHECKING:
-    from surae.recording import Recording
+    from surae.api import Recording
 
 _SUFFIXES = (".h5", ".hdf5", ".csv", ".sto")
 
@@ -18,9 +19,10 @@ _SUFFIXES = (".h5", ".hdf5", ".csv", ".sto")
 @click.command("convert")
 @click.argument("recording", metavar="IN")
 @click.argument("output", metavar="OUT")
+@MAPPING
 @click.option("--prepare", "prepared", is_flag=True,
               help="Filter and resample as a fit does: one time axis for all.")  # fmt: skip
-def command(recording: str, output: str, prepared: bool) -> None:
+def command(recording: str, output: str, mapping: str | None, prepared: bool) -> None:
     """Write a recording in another format, in SI units with our signs.
 
     OUT ends in .h5 (keeps everything), .csv or .sto (one time axis), or is a new folder, which is
@@ -35,34 +37,41 @@ def command(recording: str, output: str, prepared: bool) -> None:
     if suffix:
         check_outputs({"OUT": output}, [recording])
 
+    from surae.api import (
+        csv_columns,
+        read,
+        shared_time,
+        write_bids,
+        write_csv,
+        write_hdf5,
+        write_sto,
+    )
     from surae.cli.progress import work
-    from surae.recording import columns, read, write_bids, write_csv, write_hdf5, write_sto
-    from surae.recording.writing import shared_time
 
     with work() as progress:
         progress.describe(f"reading {recording}")
-        one = read(recording)
-        check_outputs({"OUT": output} if suffix else {}, [file.path for file in one.files])
+        measured = read(recording, mapping=mapping)
+        check_outputs({"OUT": output} if suffix else {}, [file.path for file in measured.files])
         if prepared:
             progress.describe(f"preparing {recording}")
-            one = _prepared(one)
+            measured = _prepared(measured)
         progress.describe(f"writing {output}")
         if suffix in (".h5", ".hdf5"):
-            write_hdf5(output, one)
+            write_hdf5(output, measured)
         elif suffix == ".csv":
-            shared_time(one, f"cannot write {shown(output)}")
-            name = " ".join(one.name.split())
-            write_csv(output, columns(one), [f"name: {name}", f"emg: {one.emg}"])
+            shared_time(measured, f"cannot write {shown(output)}")
+            name = " ".join(measured.name.split())
+            write_csv(output, csv_columns(measured), [f"name: {name}", f"emg: {measured.emg}"])
         elif suffix == ".sto":
-            write_sto(output, one)
+            write_sto(output, measured)
         else:
-            write_bids(output, one)
+            write_bids(output, measured)
 
     from surae.cli.screen import show_line
 
     again = "; fit it with --prepared, or it is filtered again" if prepared else ""
     show_line(f"converted: {shown(output)}{again}")
-    lost = [name for name in ("fixed", "prepare", "side", "device") if getattr(one, name)]
+    lost = [name for name in ("fixed", "prepare", "side", "device") if getattr(measured, name)]
     if lost and suffix not in (".h5", ".hdf5"):
         show_line(f"not kept in this format: {', '.join(lost)}; .h5 keeps all")
 
@@ -71,8 +80,7 @@ def _prepared(recording: "Recording") -> "Recording":
     """The recording as a model reads it."""
     from dataclasses import replace
 
-    from surae.recording import MUSCLES, Channel, Recording
-    from surae.signals import prepare
+    from surae.api import MUSCLES, Channel, Recording, prepare
     from surae.units import SI
 
     inputs = prepare(recording)

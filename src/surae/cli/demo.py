@@ -25,12 +25,10 @@ def command(output: str) -> int:
     fitted, report, true = (str(folder / f) for f in ("fit.json", "report.html", "true.json"))
     check_outputs({"fit": fitted, "report": report, "true values": true}, ())
 
-    from surae.api import fit  # numba: only when everything is in order
+    from surae.api import Protocol, fit, generate, named_device, virtual_subject, virtual_trial
     from surae.cli.fit import finish
     from surae.cli.progress import compilation_notice, work
     from surae.cli.screen import show_line
-    from surae.protocol import Protocol, generate, named_device
-    from surae.studies import virtual_subject, virtual_trial
 
     subject = virtual_subject(seed=1)
     # The protocol that the thesis chose, on the device it was chosen for.
@@ -41,10 +39,10 @@ def command(output: str) -> int:
     with work() as progress, compilation_notice():
         progress.describe("simulating a trial")
         trial = virtual_trial(subject, generate(protocol))
-        found = fit(trial, progress=progress.starts)
+        result = fit(trial, progress=progress.starts)
     write_json(true, {"parameters": dict(subject.parameters)})
-    code = finish(found, fitted, report)
-    intervals = {p.name: p.ci95 for p in found.parameters.values() if p.ci95 is not None}
+    code = finish(result, fitted, report)
+    intervals = {p.name: p.ci95 for p in result.parameters.values() if p.ci95 is not None}
     inside = sum(low <= subject.parameters[p] <= high for p, (low, high) in intervals.items())
     show_line(f"{inside} of {len(intervals)} true values lie in their 95 % interval: {shown(true)}")
     return code

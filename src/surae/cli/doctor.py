@@ -10,6 +10,7 @@ import click
 EXTRAS = {
     "formats": (("edfio", "edfio"), ("pyarrow", "pyarrow"), ("pyxdf", "pyxdf")),
     "web": (("fastapi", "fastapi"), ("uvicorn", "uvicorn"), ("pydantic", "pydantic")),
+    "live": (("pylsl", "pylsl"),),
     "pdf": (("typst", "typst"),),
     "bayes": (("nutpie", "nutpie"), ("arviz_stats", "arviz-stats")),
     "cluster": (("distributed", "distributed"),),
@@ -31,7 +32,7 @@ def command() -> int:
     show_line(f"processors: {_processors()}")
     for name, packages in EXTRAS.items():
         show_line(f"extra {name}: {_extra(name, packages)}")
-    from surae.model.jit import cache_folder
+    from surae.api import cache_folder
 
     folder = cache_folder()
     held = [path.stat().st_size for path in folder.rglob("*") if path.is_file()]
@@ -62,11 +63,9 @@ def _self_test() -> int:
     """Fit a virtual trial without noise: every parameter must come back."""
     from time import perf_counter
 
-    from surae.api import fit
+    from surae.api import Protocol, fit, generate, virtual_subject, virtual_trial
     from surae.cli.progress import compilation_notice, work
     from surae.cli.screen import show_line
-    from surae.protocol import Protocol, generate
-    from surae.studies import virtual_subject, virtual_trial
 
     subject = virtual_subject(seed=1)
     protocol = Protocol(profile="multiple-holds", chirp_amplitude=0.1, rate_hz=64.0)
@@ -74,10 +73,10 @@ def _self_test() -> int:
     with work() as progress, compilation_notice():
         progress.describe("fitting a small trial")
         begin = perf_counter()
-        found = fit(trial, starts=2, progress=progress.starts)
+        fitted = fit(trial, starts=2, progress=progress.starts)
         seconds = perf_counter() - begin
     off = {
-        name: abs(found.values[name] / truth - 1.0) for name, truth in subject.parameters.items()
+        name: abs(fitted.values[name] / truth - 1.0) for name, truth in subject.parameters.items()
     }
     worst = max(off, key=lambda name: off[name])
     if off[worst] < _CLOSE:

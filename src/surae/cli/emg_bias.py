@@ -9,8 +9,7 @@ from surae.cli.paths import check_outputs
 from surae.files import shown
 
 if TYPE_CHECKING:
-    from surae.api import Fit
-    from surae.assessment.resampling.emg_bias import EmgBias
+    from surae.api import EmgBias, Fit
 
 #: More pairs than these are a slip of the keyboard.
 _MOST = 100_000
@@ -69,7 +68,7 @@ def command(
 
 
 def _table(fit: "Fit", bias: "EmgBias") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    from surae.report.formatting import NONE, significant
+    from surae.api import NO_NUMBER, significant
 
     rows: list[tuple[str, ...]] = []
     estimates = {**fit.parameters, **fit.nuisances}
@@ -79,9 +78,9 @@ def _table(fit: "Fit", bias: "EmgBias") -> tuple[tuple[str, ...], list[tuple[str
             (
                 p.name,
                 significant(p.value, 4),
-                NONE if p.bias is None else significant(p.bias, 2),
-                NONE if p.error is None else significant(p.error, 2),
-                NONE if p.bias is None or not sem else f"{100 * p.bias / sem:+.0f} %",
+                NO_NUMBER if p.bias is None else significant(p.bias, 2),
+                NO_NUMBER if p.error is None else significant(p.error, 2),
+                NO_NUMBER if p.bias is None or not sem else f"{100 * p.bias / sem:+.0f} %",
                 p.unit,
             )
         )

@@ -2,8 +2,8 @@
 
 import textwrap
 
+from surae.api import Finding, Quality
 from surae.cli.screen import show_line
-from surae.quality import Finding, Quality
 
 #: Widest text [columns].
 _MOST = 100
@@ -22,8 +22,8 @@ def show_quality(quality: Quality, name: str) -> None:
     if quality.skipped:
         show_line("")
         show_line("Not checked:")
-        for one in quality.skipped:
-            show_line(_wrapped(f"{one.check}: {one.reason}"))
+        for skip in quality.skipped:
+            show_line(_wrapped(f"{skip.check}: {skip.reason}"))
     show_line("")
 
 

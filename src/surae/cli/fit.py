@@ -6,16 +6,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from surae import names
-from surae.cli.options import MODEL_NAMES, request, request_options
+from surae.cli.options import MAPPING, MODEL_NAMES, figure_options, request, request_options
 from surae.cli.paths import check_outputs, check_recordings
 from surae.cli.progress import Work
 from surae.errors import InputError
 from surae.files import shown
 
 if TYPE_CHECKING:
-    from surae.api import Fit
-    from surae.quality import Quality
-    from surae.recording import Recording
+    from surae.api import Fit, Quality, Recording
 
 
 @click.command("fit")
@@ -28,6 +26,7 @@ if TYPE_CHECKING:
     metavar="M",
     help=f"{names.AUTO}: what the data support; or {MODEL_NAMES}.",
 )
+@MAPPING
 @click.option("--prepared", is_flag=True, help="Use the signals as they are, without filters.")
 @request_options
 @click.option("--baseline", metavar="B.json", help="Compare SEM with simulations (snSEM).")
@@ -36,9 +35,11 @@ if TYPE_CHECKING:
 )
 @click.option("--output", metavar="FIT.json", help="Write the fit.")
 @click.option("--report", metavar="REPORT.html", help="Write the report; .pdf makes a PDF.")
+@figure_options
 def command(
     recordings: tuple[str, ...],
     model: str,
+    mapping: str | None,
     prepared: bool,
     asked: dict[str, Any],
     mvc: tuple[str, ...],
@@ -46,23 +47,26 @@ def command(
     strict: bool,
     output: str | None,
     report: str | None,
+    figure: str | None,
+    width: float,
 ) -> int:
     """Estimate a model's parameters from one recording, or jointly from several.
 
-    REC is a CSV with named channels, or a TOML that maps the channels of other files.
+    REC is a CSV with named channels, a TOML that maps the channels of other files, or with
+    --mapping one of the files that this TOML describes.
     Ctrl-C stops the search: the best fit so far is shown and written.
     """
     settings = request(model, asked | {"prepared": prepared})
     check_recordings(recordings)
 
+    from surae.api import check_report
     from surae.cli.progress import compilation_notice, work
-    from surae.report import check_report
 
     check_report(report)
     with work() as progress:
-        measured = read_all(recordings, progress)
+        measured = read_all(recordings, progress, mapping)
 
-        from surae.api.quality import check  # numba: only when there is something to check
+        from surae.api import check  # numba: only when there is something to check
 
         quality = []
         for path, recording in zip(recordings, measured, strict=True):
@@ -70,30 +74,29 @@ def command(
             quality.append(check(recording))
             if strict:
                 refuse_errors(path, quality[-1])
-        contractions = read_all(mvc, progress)
+        contractions = read_all(mvc, progress, mapping)
         check_outputs(
-            {"--output": output, "--report": report},
+            {"--output": output, "--report": report, "--figure": figure},
             [*([] if baseline is None else [baseline]),
-             *(file.path for one in (*measured, *contractions) for file in one.files)],
+             *(file.path for recording in (*measured, *contractions) for file in recording.files)],
         )  # fmt: skip
-        from surae.api import fit_inputs  # numba: only when the input is in order
-        from surae.api.fitting import inputs_for
+        from surae.api import fit_inputs, inputs_for
 
         inputs = inputs_for(settings, measured, contractions)
 
         with compilation_notice():
             fit = fit_inputs(inputs, settings, quality, baseline, progress.starts)
-    return finish(fit, output, report)
+    return finish(fit, output, report, figure, width)
 
 
-def read_all(paths: Sequence[str], progress: Work) -> "list[Recording]":
+def read_all(paths: Sequence[str], progress: Work, mapping: str | None = None) -> "list[Recording]":
     """Recordings, each read once."""
-    from surae.recording import read
+    from surae.api import read
 
     recordings = []
     for path in paths:
         progress.describe(f"reading {path}")
-        recordings.append(read(path))
+        recordings.append(read(path, mapping=mapping))
     return recordings
 
 
@@ -108,7 +111,13 @@ def refuse_errors(path: str, quality: "Quality") -> None:
         )
 
 
-def finish(fit: "Fit", output: str | None, report: str | None) -> int:
+def finish(
+    fit: "Fit",
+    output: str | None,
+    report: str | None,
+    figure: str | None = None,
+    width: float = 0.0,
+) -> int:
     """Write a fit, then show it: a closed pipe must not cost a result. Returns the exit code."""
     from surae.cli.findings import show_short
     from surae.cli.screen import show_fit, show_line
@@ -123,6 +132,9 @@ def finish(fit: "Fit", output: str | None, report: str | None) -> int:
     if report is not None:
         fit.report(report)
         show_line(f"report: {shown(report)}")
+    if figure is not None:
+        fit.figure(figure, width=width)
+        show_line(f"figure: {shown(figure)}")
     if fit.result.starts[-1].outcome == "interrupted":
         click.echo(
             "surae: stopped by the user; the best fit so far is shown"

@@ -1,101 +1,164 @@
 """`surae inspect`."""
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from surae.cli.options import MAPPING
 from surae.cli.paths import check_outputs, check_recordings
 from surae.errors import InputError
-from surae.files import shown
+from surae.files import shown, write_atomic
 
 if TYPE_CHECKING:
-    from surae.recording import InspectedChannel, Inspection
+    from surae.api import InspectedChannel, InspectedTrials, Inspection
 
 
 @click.command("inspect")
-@click.argument("files", metavar="FILE…", nargs=-1, required=True)
+@click.argument("files", metavar="FILE…|DIR", nargs=-1, required=True)
+@MAPPING
 @click.option("--side", metavar="left|right", help="The leg, where the files hold both.")
 @click.option("--output", metavar="MAP.toml", help="Write the mapping, to check and then fit.")
 @click.option("--json", "as_json", is_flag=True, help="Write JSON to stdout instead of a table.")
-def command(files: tuple[str, ...], side: str | None, output: str | None, as_json: bool) -> None:
+def command(
+    files: tuple[str, ...], mapping: str | None, side: str | None, output: str | None, as_json: bool
+) -> int:
     """List the channels of data files, and guess which signal each is.
 
-    Several files may hold the channels of one recording. Guesses go by names and are never used
-    unseen: MAP.toml holds them with comments on what to check, and is what `surae fit` takes.
+    Several files, or a folder, may hold the channels of one recording, or trials of one layout:
+    then one mapping serves all, and where trials differ is listed. Guesses go by names and are
+    never used unseen: MAP.toml holds them with comments on what to check, and is what `surae fit`
+    takes. With --mapping: what each file is when it is read so.
     """
     check_recordings(files)
     if output is not None and not output.lower().endswith(".toml"):
         raise InputError(f"--output: {shown(output)} must end in .toml, which says what it is")
-    check_outputs({"--output": output}, files)
 
+    from surae.api import InspectedTrials, data_files, inspect_trials, mapping_text, trials_text
     from surae.cli.progress import work
-    from surae.recording import inspect, write_mapping
 
+    paths = [
+        str(path)
+        for given in files
+        for path in (data_files(given) if Path(given).is_dir() else [given])
+    ]
+    if not paths:
+        raise InputError(f"{shown(files[0])}: no data file is there")
+    check_outputs({"--output": output}, paths)
+    if mapping is not None:
+        if output is not None or as_json:
+            raise InputError("--mapping shows how files are read; give it alone")
+        return _as_mapped(paths, mapping)
     with work() as progress:
-        progress.describe(f"reading {', '.join(files)}")
-        found = inspect(files, side=side)
+        progress.describe(f"reading {', '.join(paths[:3])}{' …' if len(paths) > 3 else ''}")
+        inspected = inspect_trials(paths, side=side)
     if output is not None:
-        write_mapping(found, output)
+        folder = Path(output).parent
+        text = (
+            trials_text(inspected, folder)
+            if isinstance(inspected, InspectedTrials)
+            else mapping_text(inspected, folder)
+        )
+        write_atomic(output, text)
 
     from surae.cli.screen import show_line
 
     if as_json:
-        show_line(json.dumps(found.to_json(), indent=1, allow_nan=False, ensure_ascii=False))
-        return
-    _show(found)
-    if output is not None:
-        show_line(f"mapping: {shown(output)}; check its comments, then: surae fit {shown(output)}")
+        show_line(json.dumps(inspected.to_json(), indent=1, allow_nan=False, ensure_ascii=False))
+        return 0
+    _show(inspected.typical if isinstance(inspected, InspectedTrials) else inspected)
+    if isinstance(inspected, InspectedTrials):
+        _show_trials(inspected)
+    to = "MAP.toml" if output is None else shown(output)
+    given = f"{shown(files[0])}{' …' if len(files) > 1 else ''}"
+    many = isinstance(inspected, InspectedTrials)
+    then = f"surae session {given} --mapping {to} --output OUT" if many else f"surae fit {to}"
+    if output is None:
+        show_line(f"To use it: --output MAP.toml, check the comments in it, {then}")
     else:
-        show_line("To use it: --output MAP.toml, check the comments in it, surae fit MAP.toml")
+        show_line(f"mapping: {to}; check its comments, then: {then}")
+    return 0
 
 
-def _show(found: "Inspection") -> None:
+def _show_trials(inspected: "InspectedTrials") -> None:
+    """Show of how many trials that was one, and where the others differ."""
+    from surae.cli.screen import show_line
+
+    show_line(f"- {len(inspected.trials)} trials of this layout: {', '.join(inspected.trials)}")
+    told: dict[str, list[str]] = {}
+    for difference in inspected.differences:
+        told.setdefault(difference.text, []).append(difference.trial)
+    for text, trials in told.items():
+        show_line(f"- {', '.join(trials)}: {text}")
+    for text in inspected.directions:
+        show_line(f"- {text}")
+
+
+def _as_mapped(paths: list[str], mapping: str) -> int:
+    """What a mapping makes of each file; 2 where one cannot be read so."""
+    from surae.api import read
+    from surae.cli.screen import show_line
+
+    wrong = 0
+    for path in paths:
+        try:
+            show_line(repr(read(path, mapping=mapping)))
+        except InputError as error:
+            wrong += 1
+            show_line(f"{shown(path)}: {error}")
+    if wrong:
+        click.echo(f"surae: {wrong} of {len(paths)} files cannot be read so", err=True)
+    return 2 if wrong else 0
+
+
+def _show(inspection: "Inspection") -> None:
     """The channels as a table, then what was found and what is left to say."""
+    from surae.api import some
     from surae.cli.screen import show_line, show_table
-    from surae.recording.table import some
 
-    for path, form in found.formats.items():
+    for path, form in inspection.formats.items():
         show_line(f"{shown(path)}: {form}")
         headings = ("channel", "unit", "Hz", "samples", "start [s]", "least", "greatest", "role")
         rows = [
             (
-                _printable(one.column),
-                _printable(one.unit or "–"),
-                _number(one.rate_hz, 6),
-                "–" if one.n is None else str(one.n),
-                _number(one.start_s, 4),
-                _number(one.low, 4),
-                _number(one.high, 4),
-                _role(one, found),
+                _printable(channel.column),
+                _printable(channel.unit or "–"),
+                _number(channel.rate_hz, 6),
+                "–" if channel.n is None else str(channel.n),
+                _number(channel.start_s, 4),
+                _number(channel.low, 4),
+                _number(channel.high, 4),
+                _role(channel, inspection),
             )
-            for one in found.channels
-            if one.file == path
+            for channel in inspection.channels
+            if channel.file == path
         ]
         show_table(headings, rows)
-    for role, one in found.roles.items():
-        assert one.guess is not None
-        show_line(f"{role} = {_printable(one.column)} ({one.guess.confidence}: {one.guess.rule})")
-    if found.side is not None:
-        show_line(f"side = {found.side} ({found.side_rule})")
-    if found.emg is not None:
-        show_line(f"EMG = {found.emg} ({found.emg_rule})")
+    for role, channel in inspection.roles.items():
+        guess = channel.guess
+        assert guess is not None
+        show_line(f"{role} = {_printable(channel.column)} ({guess.confidence}: {guess.rule})")
+    if inspection.side is not None:
+        show_line(f"side = {inspection.side} ({inspection.side_rule})")
+    if inspection.emg is not None:
+        show_line(f"EMG = {inspection.emg} ({inspection.emg_rule})")
     remarks: dict[str, list[str]] = {}
-    for one in found.channels:
-        for remark in filter(None, one.remark.split("; ")):
-            remarks.setdefault(remark, []).append(one.column)
+    for channel in inspection.channels:
+        for remark in filter(None, channel.remark.split("; ")):
+            remarks.setdefault(remark, []).append(channel.column)
     for remark, names in remarks.items():
         show_line(f"- {some(names, 3)}: {remark}")
-    for line in found.advice:
+    for line in inspection.advice:
         show_line(f"- {line}")
 
 
-def _role(one: "InspectedChannel", found: "Inspection") -> str:
+def _role(channel: "InspectedChannel", inspection: "Inspection") -> str:
     """The role that a channel has, or with a question mark could have."""
-    from surae.recording import MUSCLES
+    from surae.api import MUSCLES
 
-    role = next((role for role, chosen in found.roles.items() if chosen is one), None)
-    left = [role for role, several in found.open.items() if any(c is one for c in several)]
+    role = next((role for role, chosen in inspection.roles.items() if chosen is channel), None)
+    left = [role for role, several in inspection.open.items() if any(c is channel for c in several)]
     if role is None and len(left) == len(MUSCLES) and all(r.startswith("emg_") for r in left):
         return "emg_?"
     return role or " or ".join(f"{each}?" for each in left) or "–"

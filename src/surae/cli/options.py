@@ -11,7 +11,7 @@ from surae.errors import InputError
 from surae.files import shown
 
 if TYPE_CHECKING:
-    from surae.settings import FitSettings
+    from surae.api import FitSettings
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -162,9 +162,9 @@ class Picture(OptionType):
     """The file of a figure."""
 
     def read(self, text: str, where: str) -> str:
-        """Its path."""
-        if not text.lower().endswith((".png", ".svg")):
-            raise InputError(f"{shown(where)} must end in .png or .svg")
+        """Give the path of a file that can be read."""
+        if not text.lower().endswith((".png", ".svg", ".pdf")):
+            raise InputError(f"{shown(where)} must end in .svg, .pdf or .png")
         return text
 
 
@@ -248,6 +248,21 @@ _MVC = click.option(
 )
 
 
+LANGUAGE = click.option("--language", type=click.Choice(names.LANGUAGES), default="en",
+                        help="Of the report.  [default: en]")  # fmt: skip
+MAPPING = click.option("--mapping", metavar="MAP.toml",
+                       help="Read the files as this mapping says, of all of them.")  # fmt: skip
+
+
+def figure_options(function: F) -> F:
+    """Add a figure and its width [mm], which arrive as the keywords `figure` and `width`."""
+    width = click.option("--width", type=Number(above=40.0, below=500.0), default=170.0,
+                         metavar="MM", help="Width of the figure.  [default: 170]")  # fmt: skip
+    figure = click.option("--figure", type=Picture(), metavar="F.svg|pdf|png",
+                          help="Draw it for a paper.")  # fmt: skip
+    return figure(width(function))
+
+
 WORKERS = Whole(1, MOST_WORKERS)
 SEED = click.option("--seed", type=Whole(0), default=0, metavar="N",
                     help="Of what is random.  [default: 0]")  # fmt: skip
@@ -306,8 +321,7 @@ def request(model: "str | FitSettings", asked: dict[str, Any]) -> "FitSettings":
     InputError
         An option contradicts another, or makes no sense.
     """
-    from surae.settings import FitSettings
-    from surae.signals import Weighting
+    from surae.api import FitSettings, Weighting
 
     given = dict(asked)
     windows = (*given.pop("exclude", ()), *given.pop("weight", ()))

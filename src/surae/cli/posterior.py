@@ -10,8 +10,7 @@ from surae.cli.paths import check_outputs
 from surae.files import shown
 
 if TYPE_CHECKING:
-    from surae.assessment.posterior.agreement import Agreement
-    from surae.assessment.posterior.sample import Posterior
+    from surae.api import Agreement, Posterior
 
 #: More of anything than this is a slip of the keyboard.
 _MOST_DRAWS, _MOST_CHAINS = 1_000_000, 100
@@ -34,7 +33,7 @@ _SAME = 0.05
 @INFLATION
 @click.option("--profile", "profiled", metavar="PROFILE.json", help="Show its intervals beside.")
 @click.option("--output", metavar="POSTERIOR.json", help="Write the posterior with its draws.")
-@click.option("--figure", type=Picture(), metavar="POSTERIOR.png|svg", help="Draw it.")
+@click.option("--figure", type=Picture(), metavar="POSTERIOR.svg|pdf|png", help="Draw it.")
 def command(
     fitted: str,
     prior: dict[str, tuple[float, float]],
@@ -53,8 +52,7 @@ def command(
     read = [fitted] if profiled is None else [fitted, profiled]
     check_outputs({"--output": output, "--figure": figure}, read)
 
-    from surae.api import load, posterior  # numba: only when the command is in order
-    from surae.assessment.posterior.agreement import agreements, read_profile_intervals
+    from surae.api import agreements, load, posterior, read_profile_intervals
     from surae.cli.progress import compilation_notice, work
 
     fit = load(fitted)
@@ -77,8 +75,7 @@ def command(
     if output is not None:
         drawn.save(output)
     if figure is not None:
-        from surae.report.figures import write_figure
-        from surae.report.figures.posterior import posterior_figure
+        from surae.api import posterior_figure, write_figure
 
         ends = {name: interval.ends for name, interval in (intervals or {}).items()}
         write_figure(figure, posterior_figure(drawn, ends))
@@ -102,11 +99,11 @@ def _table(
     drawn: "Posterior", compared: "dict[str, Agreement]"
 ) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """The intervals of posterior, covariance and profile beside each other, and diagnostics."""
-    from surae.report.formatting import NONE, significant
+    from surae.api import NO_NUMBER, significant
 
     def interval(ends: Sequence[float | None] | None) -> str:
         if ends is None:
-            return NONE
+            return NO_NUMBER
         return " … ".join("open" if end is None else significant(end, 4) for end in ends)
 
     profiled = any(agreement.profile is not None for agreement in compared.values())
@@ -122,7 +119,7 @@ def _table(
                 interval(marginal.ci95),
                 interval(marginal.from_covariance),
                 *([interval(None if beside is None else beside.ends)] if profiled else []),
-                NONE if seen.rhat is None else f"{seen.rhat:.3f}",
+                NO_NUMBER if seen.rhat is None else f"{seen.rhat:.3f}",
                 f"{min(seen.ess_bulk or 0.0, seen.ess_tail or 0.0):.0f}",
                 marginal.unit,
             )
@@ -131,8 +128,8 @@ def _table(
 
 
 def _notes(drawn: "Posterior", compared: "dict[str, Agreement]") -> list[str]:
-    """Where intervals part, what rests on priors, and whether the draws can be believed."""
-    from surae.assessment.posterior.agreement import AGREES
+    """Say where intervals part, what rests on priors, and whether the draws can be believed."""
+    from surae.api import AGREEMENT_TOLERANCE
 
     lines = []
     for what, off in (
@@ -140,7 +137,7 @@ def _notes(drawn: "Posterior", compared: "dict[str, Agreement]") -> list[str]:
         ("profile", {n: agreement.off_profile for n, agreement in compared.items()}),
     ):
         known = {name: value for name, value in off.items() if value is not None}
-        apart = {name: value for name, value in known.items() if value > AGREES}
+        apart = {name: value for name, value in known.items() if value > AGREEMENT_TOLERANCE}
         if apart:
             named = ", ".join(f"{name} by {100 * value:.0f} %" for name, value in apart.items())
             lines.append(
@@ -148,7 +145,9 @@ def _notes(drawn: "Posterior", compared: "dict[str, Agreement]") -> list[str]:
                 f"{named}"
             )
         elif known:
-            lines.append(f"as the {what}: all ends within {100 * AGREES:.0f} % of a half-width")
+            lines.append(
+                f"as the {what}: all ends within {100 * AGREEMENT_TOLERANCE:.0f} % of a half-width"
+            )
     other = [
         name
         for name, agreement in compared.items()

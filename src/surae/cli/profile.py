@@ -9,7 +9,7 @@ from surae.cli.paths import check_outputs
 from surae.files import shown
 
 if TYPE_CHECKING:
-    from surae.assessment.likelihood.profiles import Profiles
+    from surae.api import Profiles
 
 
 @click.command("profile")
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
               help="Profiles at a time.  [default: all processors]")  # fmt: skip
 @INFLATION
 @click.option("--output", metavar="PROFILE.json", help="Write the profiles; makes it resumable.")
-@click.option("--figure", type=Picture(), metavar="PROFILE.png|svg", help="Draw them.")
+@click.option("--figure", type=Picture(), metavar="PROFILE.svg|pdf|png", help="Draw them.")
 def command(
     fitted: str,
     names: tuple[str, ...],
@@ -63,8 +63,7 @@ def command(
         profiles.save(output)
     drawn = figure is not None and bool(profiles.profiles)
     if figure is not None and drawn:
-        from surae.report.figures import write_figure
-        from surae.report.figures.profile import profile_figure
+        from surae.api import profile_figure, write_figure
 
         write_figure(figure, profile_figure(tuple(profiles.profiles.values()), profiles.noise))
     show_table(*_table(profiles))
@@ -84,14 +83,14 @@ def command(
 
 def _table(profiles: "Profiles") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Intervals of profile and covariance beside each other."""
-    from surae.report.formatting import NONE, significant
+    from surae.api import NO_NUMBER, significant
 
     heads = ("parameter", "value", "95 % profile", "95 % covariance", "status", "unit")
     rows: list[tuple[str, ...]] = []
     for p in profiles.profiles.values():
         low, high = ("open" if end is None else significant(end, 4) for end in p.interval)
         ends = p.from_covariance
-        parabola = NONE if ends is None else " … ".join(significant(end, 4) for end in ends)
+        parabola = NO_NUMBER if ends is None else " … ".join(significant(end, 4) for end in ends)
         rows.append(
             (p.name, significant(p.value, 4), f"{low} … {high}", parabola, str(p.status), p.unit)
         )

@@ -92,7 +92,7 @@ def work() -> Iterator[Work]:
 @contextmanager
 def compilation_notice() -> Iterator[None]:
     """Say why the first run is slow, when and only when the model really is compiled."""
-    from surae.model.jit import on_compilation
+    from surae.api import on_compilation
 
     with on_compilation(lambda: click.echo(_COMPILING, err=True)):
         yield

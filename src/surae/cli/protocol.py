@@ -6,19 +6,19 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from surae.cli.options import number
+from surae.cli.options import Picture, number
 from surae.cli.paths import check_outputs
 from surae.errors import InputError
-from surae.files import shown, write_atomic
+from surae.files import shown
 
 if TYPE_CHECKING:
-    from surae.protocol import Trajectory
-    from surae.protocol.triceps import TricepsPath
+    from surae.api import Protocol, Trajectory, TricepsPath
 
 Command = Callable[..., Any]
 
 #: Every profile, task and device by name; written out, since help must not import what knows them.
 PROFILE_NAMES = "ramp-and-hold, sine, multiple-holds, multi-sine, multi-sine-holds or scaled-chirp"
+READY_NAMES = "compliant-35, everything-35, passive-20 or relaxed-35"
 TASK_NAMES = "part-passive|active|passive"
 DEVICE_NAMES = "achilles"
 #: More samples than this, ten minutes at 2 kHz, are a slip of the keyboard.
@@ -38,7 +38,7 @@ def chirp_rise_options(function: Command) -> Command:
 
 def chirp_rise(rate: str | None, factor: str | None) -> float:
     """Rise of the chirp's frequency [Hz/s] from --chirp-rate or --chirp-factor."""
-    from surae.protocol.chirp import DEFAULT_RATE, chirp_rate
+    from surae.api import DEFAULT_RATE, chirp_rate
 
     if rate is not None and factor is not None:
         raise InputError("--chirp-rate and --chirp-factor say the same; give one of them")
@@ -51,8 +51,10 @@ def chirp_rise(rate: str | None, factor: str | None) -> float:
     "protocol",
     help=f"""Make a measurement protocol: the motion and the effort to ask for.
 
-    NAME is {PROFILE_NAMES}. The file holds time_s, angle_rad and the target effort 0…1 of the four
-    muscles, emg_ta … emg_gm.
+    NAME is {PROFILE_NAMES};
+    or one that was designed: {READY_NAMES}.
+    The file holds time_s, angle_rad and the target effort 0…1 of the four muscles,
+    emg_ta … emg_gm.
     """,
 )
 @click.argument("name", metavar="NAME")
@@ -68,7 +70,7 @@ def chirp_rise(rate: str | None, factor: str | None) -> float:
 @click.option("--device", metavar=DEVICE_NAMES, help="Adapt the motion to its limits.")
 @click.option("--no-adapt", is_flag=True, help="Refuse what the device cannot follow instead.")
 @click.option("--output", required=True, metavar="P.csv|P.mat", help="Where the protocol goes.")
-@click.option("--figure", metavar="P.png|P.svg", help="Draw it.")
+@click.option("--figure", type=Picture(), metavar="P.svg|pdf|png", help="Draw it.")
 def command(
     name: str,
     task: str,
@@ -86,18 +88,32 @@ def command(
     """Make a measurement protocol."""
     amplitude = number("--chirp-amplitude", chirp_amplitude)
     rise = chirp_rise(chirp_rate, chirp_factor)
-    span = _span(range_)
+    span = span_of(range_)
     seconds = None if duration is None else number("--duration", duration)
     rate_hz = number("--rate", rate)
     if no_adapt and device is None:
         raise InputError("--no-adapt has no effect without --device; give one")
-    kind = _suffix("--output", output, ".csv", ".mat")
-    drawn = None if figure is None else _suffix("--figure", figure, ".png", ".svg")
+    kind = file_kind("--output", output, ".csv", ".mat")
     check_outputs({"--output": output, "--figure": figure}, [])
 
-    from surae.protocol import Protocol, generate, named_device, write_csv, write_mat
-    from surae.protocol.triceps import triceps_path
+    from surae.api import (
+        Protocol,
+        generate,
+        named_device,
+        ready_protocols,
+        ready_trajectory,
+        triceps_path,
+        write_protocol,
+        write_protocol_csv,
+        write_protocol_mat,
+    )
 
+    if name in ready_protocols():
+        limits = None if device is None else named_device(device)
+        designed = ready_trajectory(name, limits, span, rate_hz)
+        write_protocol(designed, output)
+        _show_designed(designed, output)
+        return
     settings = Protocol(
         profile=name,
         task=task,
@@ -116,24 +132,34 @@ def command(
             f"{longest:g} s at that rate"
         )
     trajectory = generate(settings)
-    (write_mat if kind == ".mat" else write_csv)(trajectory, output)
+    (write_protocol_mat if kind == ".mat" else write_protocol_csv)(trajectory, output)
     if figure is not None:
-        from surae.report.figures import png, svg
-        from surae.report.figures.protocol import protocol_figure
+        from surae.api import protocol_figure, write_figure
 
-        draw = svg if drawn == ".svg" else png
-        write_atomic(figure, draw(protocol_figure(trajectory)))
+        write_figure(figure, protocol_figure(trajectory))
 
     from surae.cli.screen import show_line
 
-    for line in _table(trajectory, triceps_path(trajectory)):
+    for line in _table(settings, trajectory, triceps_path(trajectory)):
         show_line(line)
     show_line(f"protocol: {shown(output)}")
     if figure is not None:
         show_line(f"figure: {shown(figure)}")
 
 
-def _span(text: str) -> tuple[float, float]:
+def _show_designed(trajectory: "Trajectory", output: str) -> None:
+    """What a designed protocol is, and what it asks of the device."""
+    from surae.api import asked_limits, ready_protocols
+    from surae.cli.screen import show_line
+
+    name = trajectory.settings.profile
+    show_line(f"{name}: {ready_protocols()[name].description}")
+    for limit in asked_limits(trajectory):
+        show_line(f"  {limit.text}")
+    show_line(f"protocol: {shown(output)}")
+
+
+def span_of(text: str) -> tuple[float, float]:
     """The range of motion from LOW:HIGH."""
     low, colon, high = (part.strip() for part in text.partition(":"))
     if not (low and colon and high):
@@ -141,7 +167,7 @@ def _span(text: str) -> tuple[float, float]:
     return number(f"--range {text}", low), number(f"--range {text}", high)
 
 
-def _suffix(option: str, path: str, *allowed: str) -> str:
+def file_kind(option: str, path: str, *allowed: str) -> str:
     """The kind of file that a path's ending names."""
     suffix = Path(path).suffix.lower()
     if suffix not in allowed:
@@ -151,12 +177,11 @@ def _suffix(option: str, path: str, *allowed: str) -> str:
     return suffix
 
 
-def _table(trajectory: "Trajectory", path: "TricepsPath") -> list[str]:
+def _table(settings: "Protocol", trajectory: "Trajectory", path: "TricepsPath") -> list[str]:
     """What the protocol asks for, in a few lines."""
-    from surae.protocol import PROFILES, TASKS
-    from surae.protocol.adaptation import peaks
+    from surae.api import PROFILES, TASKS, peaks
 
-    settings, adaptation = trajectory.settings, trajectory.adaptation
+    adaptation = trajectory.adaptation
     low, high = settings.range_of_motion
     least, most = float(trajectory.angle.min()), float(trajectory.angle.max())
     velocity, acceleration = peaks((trajectory.angle, trajectory.velocity, trajectory.acceleration))

@@ -12,17 +12,17 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from surae.api import estimate, percentage, significant
 from surae.files import shown
-from surae.report.formatting import estimate, percentage, significant
 
 if TYPE_CHECKING:  # a line is shown without the libraries that compute
-    from surae.api import Fit
-    from surae.assessment import Comparison, Pooled, Prediction
+    from surae.api import Adequacy, Comparison, Fit, Pooled, Prediction
 
 #: Style of a verdict, by its text.
 _STYLES = {
     "identified": "green", "weak": "yellow", "undetermined": "magenta", "at-bound": "red",
     "fixed": "dim", "holds": "green", "differs": "red", "cannot be checked": "yellow",
+    "changed": "green", "no change shown": "yellow", "not comparable": "dim",
 }  # fmt: skip
 #: Style of the sentence on a whole fit, by its grade.
 _GRADES = {"adequate": "green", "doubtful": "yellow", "inadequate": "bold red"}
@@ -36,7 +36,7 @@ _NARROW, _WIDE = 72, 130
 
 def show_fit(fit: "Fit") -> None:
     """Parameters with intervals and verdicts, what to do, and how well the torque is followed."""
-    from surae.report.parameters import repeatable, shown_parameters
+    from surae.api import repeatable, shown_parameters
 
     out = _console()
     table = _table()
@@ -60,7 +60,7 @@ def show_fit(fit: "Fit") -> None:
             p.name, text.value, text.interval, p.unit, repeatable(p), verdict, *against, *meaning
         )
     show_line(fit.result.problem.spec.title)
-    _show_adequacy(fit, out)
+    show_adequacy(fit.adequacy)
     _print(out, table)
     for line in (*_notes(fit, out.width), *_unknown(fit, out.width)):
         show_line(line)
@@ -85,11 +85,11 @@ def show_fit(fit: "Fit") -> None:
     show_line(f"{fit.status}: {fit.message} ({fit.result.seconds:.2f} s)")
 
 
-def _show_adequacy(fit: "Fit", out: Console) -> None:
+def show_adequacy(adequacy: "Adequacy") -> None:
     """What the whole fit is good for: a coloured sentence, and its reasons under it."""
-    from surae.report.adequacy import adequacy_words
+    from surae.api import adequacy_words
 
-    words = adequacy_words(fit.adequacy)
+    out, words = _console(), adequacy_words(adequacy)
     with out.capture() as captured:
         out.print(Text(f"{words.mark} {words.sentence}", _GRADES[words.grade]))
         for reason in words.reasons:
@@ -104,10 +104,10 @@ def _weighted(vaf: float | None) -> str:
 
 def _told(fit: "Fit") -> list[str]:
     """What the fit was told beside its recordings: weights, the foot's mass, priors, the loss."""
-    from surae.report.emphasis import MANY
+    from surae.api import MANY_OUTLIERS
 
     result = fit.result
-    steps = (step for one in result.problem.inputs for step in one.steps)
+    steps = (step for recording in result.problem.inputs for step in recording.steps)
     lines = [step for step in dict.fromkeys(steps) if step.startswith(_TOLD)]
     if result.problem.priors:
         lines.append(f"Priors on {', '.join(result.problem.priors)}.")
@@ -116,7 +116,7 @@ def _told(fit: "Fit") -> list[str]:
             f"Loss {result.outliers.loss}: {significant(100 * result.outliers.share, 2)} % of the "
             f"samples count less than half; noise {significant(result.outliers.scale, 3)} Nm."
         )
-        if result.outliers.share > MANY:
+        if result.outliers.share > MANY_OUTLIERS:
             lines.append("So many are no stray artefacts: the model leaves something out.")
     return lines
 
@@ -129,15 +129,19 @@ def show_predictions(
     table.add_column("recording", overflow="fold")
     for heading in ("VAF [%]", "RMSE [Nm]", "bias [Nm]"):
         table.add_column(heading, justify="right", no_wrap=True)
-    for path, one in zip(paths, predictions, strict=True):
-        table.add_row(Text(shown(path)), *_figures(one))
+    for path, prediction in zip(paths, predictions, strict=True):
+        table.add_row(Text(shown(path)), *_figures(prediction))
     if together is not None:
         table.add_row("all together", *_figures(together))
     _print(_console(), table)
 
 
-def _figures(one: "Prediction | Pooled") -> tuple[str, str, str]:
-    return percentage(one.vaf), significant(one.rmse, 3), significant(one.bias, 3)
+def _figures(prediction: "Prediction | Pooled") -> tuple[str, str, str]:
+    return (
+        percentage(prediction.vaf),
+        significant(prediction.rmse, 3),
+        significant(prediction.bias, 3),
+    )
 
 
 def show_comparison(comparison: "Comparison") -> None:
@@ -201,11 +205,19 @@ def show_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     _print(_console(), table)
 
 
-def show_verdicts(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """A table of texts, folded to the width, the last one a verdict that is never folded."""
+def show_verdicts(
+    headings: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[str] = ()
+) -> None:
+    """A table of texts, folded to the width, the last one a verdict that is never folded.
+
+    Columns headed by one of `numbers` stand to the right and are not folded either.
+    """
     table = _table()
     for heading in headings[:-1]:
-        table.add_column(heading, overflow="fold")
+        if heading in numbers:
+            table.add_column(heading, justify="right", no_wrap=True)
+        else:
+            table.add_column(heading, overflow="fold")
     table.add_column(headings[-1], no_wrap=True)
     for row in rows:
         table.add_row(*(Text(cell) for cell in row[:-1]), Text(row[-1], _STYLES.get(row[-1], "")))
@@ -231,8 +243,7 @@ def _notes(fit: "Fit", width: int) -> list[str]:
 
 def _unknown(fit: "Fit", width: int) -> list[str]:
     """What to measure to know more, and which model the data support, of a fit with model auto."""
-    from surae.report.budget import what_would_help
-    from surae.report.laboratory import family_section
+    from surae.api import family_section, what_would_help
 
     helps = [f"– {line}" for line in what_would_help(fit.result, fit.assessment)]
     family = family_section(fit.result, fit.assessment)
@@ -246,7 +257,7 @@ def _table() -> Table:
 
 
 def _console() -> Console:
-    """For the terminal's width, or COLUMNS, or enough for a table in a file."""
+    """Make a console of the terminal's width, or COLUMNS, or enough for a table in a file."""
     if sys.stdout.isatty():
         return Console()
     columns = os.environ.get("COLUMNS", "")

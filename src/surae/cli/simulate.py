@@ -29,16 +29,22 @@ def command(
     P.json may hold emd, a delay of the EMG, and reflex_tri, reflex_tib, reflex_delay, a reflex. A
     FIT.json also says the model and its options, unless they are given here.
     """
-    from surae.model import ModelOptions, get_model, with_optional
-    from surae.recording import MUSCLES, columns, read, write_csv
-    from surae.signals import prepare
+    from surae.api import (
+        MUSCLES,
+        ModelOptions,
+        csv_columns,
+        get_model,
+        prepare,
+        read,
+        with_optional,
+        write_csv,
+    )
 
     measured = read(recording)
     inputs = prepare(measured, prepared=True)
     check_outputs({"--output": output}, [parameters, *(file.path for file in measured.files)])
 
-    from surae.api import simulate_parts  # numba: only when the input is in order
-    from surae.assessment.saved.parameters_json import read_parameters
+    from surae.api import read_parameters, simulate_parts
     from surae.cli.progress import compilation_notice
     from surae.cli.screen import show_line
 
@@ -67,7 +73,7 @@ def command(
         except ComputationError as error:
             raise ComputationError(f"{shown(parameters)}: {error}") from None
         state = spec.simulator(inputs, known).tendon(values)
-    table = columns(measured) | {"torque_Nm": parts.total} | dict(parts.columns())
+    table = csv_columns(measured) | {"torque_Nm": parts.total} | dict(parts.columns())
     if state is not None:
         table |= state.columns()
     # The model takes the EMG as an envelope, whatever the file said of it.

@@ -1,18 +1,17 @@
 """`surae study`: run, status, export."""
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from surae.cli.options import WORKERS
+from surae.cli.options import WORKERS, Picture
 from surae.cli.paths import check_outputs
 from surae.errors import InputError
 from surae.files import shown, write_atomic
 
 if TYPE_CHECKING:
-    from surae.studies.store import Store
+    from surae.api import Store
 
 #: Reasons of failures that `status` lists.
 _REASONS = 5
@@ -49,15 +48,14 @@ def run_command(
         raise InputError(f"--engine {engine}: use processes or threads")
     check_outputs({"--store": store}, [study])
 
-    from surae.studies.study import read_study
+    from surae.api import read_study
 
     asked = read_study(study)
 
+    from surae.api import Store, run_study
     from surae.cli.progress import compilation_notice, work
     from surae.cli.screen import show_line
     from surae.runner import Engine, cores
-    from surae.studies.run import run
-    from surae.studies.store import Store
 
     chosen = (
         Engine("dask", address=dask)
@@ -68,7 +66,7 @@ def run_command(
         try:
             with work() as progress, compilation_notice():
                 progress.describe(f"planning {asked.size:,} fits")
-                done = run(asked, kept, engine=chosen, progress=progress.fits, retry=retry)
+                done = run_study(asked, kept, engine=chosen, progress=progress.fits, retry=retry)
         except KeyboardInterrupt:
             try:
                 now = kept.status()
@@ -95,8 +93,8 @@ def run_command(
 @click.argument("store", metavar="S.db")
 def status_command(store: str) -> None:
     """Tell how far a study is, also while it runs."""
+    from surae.api import Store
     from surae.cli.screen import show_line
-    from surae.studies.store import Store
 
     with Store(store) as kept:
         now = kept.status()
@@ -118,7 +116,7 @@ def status_command(store: str) -> None:
 @command.command("export", short_help="Write its table.")
 @click.argument("store", metavar="S.db")
 @click.option("--output", required=True, metavar="TABLE.csv", help="Or TABLE.parquet.")
-@click.option("--figure", metavar="F.png|svg", help="Draw it.")
+@click.option("--figure", type=Picture(), metavar="F.svg|pdf|png", help="Draw it.")
 @click.option(
     "--x", metavar="FACTOR", help="Factor to draw it against.  [default: the one that varies most]"
 )
@@ -127,20 +125,16 @@ def export_command(store: str, output: str, figure: str | None, x: str | None) -
 
     The figure shows standard errors, IPDE and VAF against one factor, means over the others.
     """
-    kind = Path(figure or "").suffix.lower()
-    if figure is not None and kind not in (".png", ".svg"):
-        raise InputError(f"--figure: {shown(figure)} must end in .png or .svg")
     if x is not None and figure is None:
         raise InputError("--x has no effect without --figure; give one")
     read = [store, f"{store}-wal", f"{store}-shm", f"{store}.lock"]
     check_outputs({"--output": output, "--figure": figure}, read)
+    from surae.api import Store, export_study
     from surae.cli.screen import show_line
-    from surae.studies.store import Store
-    from surae.studies.table import export
 
     with Store(store) as kept:
-        drawn = _drawn(kept, kind, x) if figure is not None else b""
-        rows, hash_ = export(kept, output)
+        drawn = _drawn(kept, figure, x) if figure is not None else b""
+        rows, hash_ = export_study(kept, output)
         all_rows = kept.status().rows
     if figure is not None:
         write_atomic(figure, drawn)
@@ -160,8 +154,8 @@ def export_command(store: str, output: str, figure: str | None, x: str | None) -
 @click.argument("copy", metavar="COPY.db")
 def backup_command(store: str, copy: str) -> None:
     """Copy a study's store as it is at one moment, also while a run writes to it."""
+    from surae.api import Store
     from surae.cli.screen import show_line
-    from surae.studies.store import Store
 
     with Store(store) as kept:
         kept.backup(copy)
@@ -172,8 +166,8 @@ def backup_command(store: str, copy: str) -> None:
 @click.argument("store", metavar="S.db")
 def check_command(store: str) -> int:
     """Look for damage in a study's store; changes nothing."""
+    from surae.api import Store
     from surae.cli.screen import show_line
-    from surae.studies.store import Store
 
     with Store(store) as kept:
         damage = kept.damage()
@@ -192,8 +186,8 @@ def repair_command(store: str) -> None:
 
     What could not be read is computed by the next `surae study run`.
     """
+    from surae.api import Store
     from surae.cli.screen import show_line
-    from surae.studies.store import Store
 
     with Store(store) as kept:
         whole = not kept.damage()
@@ -204,19 +198,16 @@ def repair_command(store: str) -> None:
     show_line(f"{shown(store)}: {saved:,} fits saved; the damaged file is {shown(aside.name)}")
 
 
-def _drawn(kept: "Store", kind: str, x: str | None) -> bytes:
+def _drawn(kept: "Store", figure: str, x: str | None) -> bytes:
     """The figure of what is there."""
-    from surae.report.study import study_curves
-    from surae.studies.study import parse_study
-    from surae.studies.table import table
+    from surae.api import parse_study, study_curves, study_table
 
     study = parse_study(kept.text())
-    curves = study_curves(table(kept), tuple(study.factors), x)
+    curves = study_curves(study_table(kept), tuple(study.factors), x)
 
-    from surae.report.figures import png, svg
-    from surae.report.figures.study import study_figure
+    from surae.api import figure_bytes, study_figure
 
-    return (svg if kind == ".svg" else png)(study_figure(curves, f"{study.name}:"))
+    return figure_bytes(figure, study_figure(curves, f"{study.name}:"))
 
 
 def _counted(fits: int, rows: int) -> str:

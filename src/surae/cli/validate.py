@@ -7,14 +7,13 @@ import click
 
 from surae import names
 from surae.cli.fit import read_all
-from surae.cli.options import MODEL_NAMES, request, request_options
+from surae.cli.options import MODEL_NAMES, figure_options, request, request_options
 from surae.cli.paths import check_outputs, check_recordings
 from surae.errors import InputError
 from surae.files import shown, write_json
 
 if TYPE_CHECKING:
-    from surae.assessment import Pooled, Prediction
-    from surae.settings import FitSettings
+    from surae.api import FitSettings, Pooled, Prediction
 
 
 @click.command("validate")
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
 @click.option("--model", type=click.Choice(names.MODELS), metavar="M",
               help=f"Leave one out: {MODEL_NAMES}.  [default: muscle]")  # fmt: skip
 @request_options
+@figure_options
 def command(
     fitted: str,
     recordings: tuple[str, ...],
@@ -39,6 +39,8 @@ def command(
     model: str | None,
     asked: dict[str, Any],
     mvc: tuple[str, ...],
+    figure: str | None,
+    width: float,
 ) -> None:
     """Predict the torque of other recordings with the parameters of a fit.
 
@@ -50,21 +52,20 @@ def command(
         if report is not None:
             raise InputError("--report shows one fit, and --leave-one-out makes several; give one")
         settings = request(model or "muscle", asked | {"prepared": bool(prepared)})
-        _leave_one_out((fitted, *recordings), settings, mvc, output)
+        _leave_one_out((fitted, *recordings), settings, mvc, output, figure, width)
         return
     for name, value in {**asked, "model": model, "mvc": mvc}.items():
         if value and name != "exclude":
             raise InputError(f"--{name.replace('_', '-')} has no effect without --leave-one-out")
     weighting = request("muscle", asked).weights
 
-    from surae.recording import read
-    from surae.report import check_report
+    from surae.api import check_report, read
 
     check_report(report)
     measured = [read(path) for path in recordings]
     check_outputs(
-        {"--output": output, "--report": report},
-        [fitted, *(f.path for one in measured for f in one.files)],
+        {"--output": output, "--report": report, "--figure": figure},
+        [fitted, *(f.path for recording in measured for f in recording.files)],
     )
 
     from surae.api import load, validate  # numba: only when the input is in order
@@ -77,19 +78,27 @@ def command(
     if output is not None:
         write_json(output, {"recordings": _table(recordings, predictions)})
     show_predictions(predictions, recordings)
-    used = {file.sha256 for one in fit.result.problem.inputs for file in one.files}
-    for path, one in zip(recordings, measured, strict=True):
-        if any(file.sha256 in used for file in one.files):
+    used = {file.sha256 for recording in fit.result.problem.inputs for file in recording.files}
+    for path, recording in zip(recordings, measured, strict=True):
+        if any(file.sha256 in used for file in recording.files):
             show_line(f"{shown(path)} was used in the fit: following it proves nothing")
     if output is not None:
         show_line(f"validation: {shown(output)}")
     if report is not None:
         fit.report(report, validation=predictions)
         show_line(f"report: {shown(report)}")
+    if figure is not None:
+        fit.figure(figure, validation=predictions, width=width)
+        show_line(f"figure: {shown(figure)}")
 
 
 def _leave_one_out(
-    paths: tuple[str, ...], settings: "FitSettings", mvc: tuple[str, ...], output: str | None
+    paths: tuple[str, ...],
+    settings: "FitSettings",
+    mvc: tuple[str, ...],
+    output: str | None,
+    figure: str | None,
+    width: float,
 ) -> None:
     """Predict each recording with a fit of the others."""
     check_recordings(paths)
@@ -99,14 +108,14 @@ def _leave_one_out(
     with work() as progress:
         measured, contractions = read_all(paths, progress), read_all(mvc, progress)
         check_outputs(
-            {"--output": output},
-            [file.path for one in (*measured, *contractions) for file in one.files],
+            {"--output": output, "--figure": figure},
+            [file.path for recording in (*measured, *contractions) for file in recording.files],
         )
         from surae.api import leave_one_out  # numba: only when the input is in order
         from surae.cli.screen import show_line, show_predictions
 
         with compilation_notice():
-            found = leave_one_out(
+            left_out = leave_one_out(
                 measured,
                 settings,
                 mvc=contractions,
@@ -115,23 +124,32 @@ def _leave_one_out(
                 ),
             )
     if output is not None:
-        rows = _table(paths, found.predictions)
-        for row, one in zip(rows, found.recordings, strict=True):
-            row |= {"status": one.fit.status, "parameters": dict(one.fit.values)}
+        rows = _table(paths, left_out.predictions)
+        for row, recording in zip(rows, left_out.recordings, strict=True):
+            row |= {"status": recording.fit.status, "parameters": dict(recording.fit.values)}
         write_json(
-            output, {"model": settings.model, "recordings": rows, "pooled": _figures(found.pooled)}
+            output,
+            {"model": settings.model, "recordings": rows, "pooled": _figures(left_out.pooled)},
         )
-    show_predictions(found.predictions, paths, found.pooled)
-    for path, one in zip(paths, found.recordings, strict=True):
-        if one.fit.status != "converged":
-            show_line(f"without {shown(path)}: {one.fit.status}, {one.fit.message}")
+    show_predictions(left_out.predictions, paths, left_out.pooled)
+    for path, recording in zip(paths, left_out.recordings, strict=True):
+        if recording.fit.status != "converged":
+            show_line(f"without {shown(path)}: {recording.fit.status}, {recording.fit.message}")
     if output is not None:
         show_line(f"validation: {shown(output)}")
+    if figure is not None:
+        from surae.api import predictions_figure, write_figure
+
+        write_figure(figure, predictions_figure(left_out.predictions, width=width / 25.4))
+        show_line(f"figure: {shown(figure)}")
 
 
 def _table(paths: Sequence[str], predictions: Sequence["Prediction"]) -> list[dict[str, Any]]:
-    return [{"path": path, **_figures(one)} for path, one in zip(paths, predictions, strict=True)]
+    return [
+        {"path": path, **_figures(prediction)}
+        for path, prediction in zip(paths, predictions, strict=True)
+    ]
 
 
-def _figures(one: "Prediction | Pooled") -> dict[str, Any]:
-    return {"vaf": one.vaf, "rmse_Nm": one.rmse, "bias_Nm": one.bias}
+def _figures(prediction: "Prediction | Pooled") -> dict[str, Any]:
+    return {"vaf": prediction.vaf, "rmse_Nm": prediction.rmse, "bias_Nm": prediction.bias}

@@ -249,7 +249,7 @@ def _starter(owner: int) -> ThreadPoolExecutor:
 
 
 def _import_path() -> list[str]:
-    """Where this program imports from, without the working folder that Python put first."""
+    """List where this program imports from, without the working folder that Python put first."""
     path = [entry for entry in sys.path if entry and Path(entry).is_absolute()]
     first = sys.path[0] if sys.path else ""
     if path and path[0] == first and not sys.flags.safe_path and Path(first) == Path.cwd():

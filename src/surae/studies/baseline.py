@@ -1,20 +1,17 @@
 """Mean standard errors of simulated trials, with which those of a measurement are compared."""
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from surae.errors import ComputationError, InputError
 from surae.model import ModelOptions, get_model
+from surae.progress import Progress
 from surae.protocol import Protocol, generate
 from surae.studies.virtual import virtual_subject, virtual_trial
 
 if TYPE_CHECKING:
     from surae.assessment import Baseline
-
-#: Called after every subject with (done, all).
-Progress = Callable[[int, int], None]
 
 
 def simulated_baseline(
@@ -73,7 +70,7 @@ def simulated_baseline(
     options, trajectory = options or ModelOptions(), generate(protocol)
     spec = get_model(model)
     tendons = any(p.group == "tendon" and p.name in spec.free for p in spec.parameters)
-    found: dict[str, list[float]] = {}
+    values_by_name: dict[str, list[float]] = {}
     for number in range(n):
         subject = virtual_subject(seed + number, population, tendons=tendons)
         trial = virtual_trial(subject, trajectory, model=model, options=options, noise=noise)
@@ -83,12 +80,14 @@ def simulated_baseline(
         if result.status != "failed":
             known = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
             for name, variance in zip(known.names, np.diag(known.matrix).tolist(), strict=True):
-                found.setdefault(name, []).append(float(np.sqrt(variance)))
+                values_by_name.setdefault(name, []).append(float(np.sqrt(variance)))
         if progress is not None:
             progress(number + 1, n)
-    if not found:
+    if not values_by_name:
         raise ComputationError("no simulated fit gave a standard error; use another protocol")
-    return {name: float(np.mean(found[name])) for name in spec.names if name in found}
+    return {
+        name: float(np.mean(values_by_name[name])) for name in spec.names if name in values_by_name
+    }
 
 
 def make_baseline(

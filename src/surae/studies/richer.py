@@ -3,17 +3,28 @@
 Tendons of their own, electrodes that hear other muscles, a torque that follows the EMG late, a
 sensor whose zero is off, noise on EMG and torque; with `drifting` an axis beside the device's and
 electrodes whose gain drifts too. The leg is simulated at four times the rate of the recording, and
-delay, mixing and drift are applied to the envelopes here, not by what a fit uses.
+delay, mixing and drift are applied to the envelopes here, not by what a fit uses. A `foreign` leg
+is outside of the family that a fit searches: its muscles have a wider or narrower force-length
+curve, another maximum speed, tendons with toes of another form, and antagonists that no electrode
+hears.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
+from surae.files import PathLike
 from surae.frozen import read_only
 from surae.model import ModelOptions, get_model
+from surae.model.contraction import CF
+from surae.model.geometry import paths
 from surae.protocol import Protocol, Trajectory, generate
+from surae.recording import MUSCLES
+from surae.recording.writing import write_csv
 from surae.signals import ModelInputs
+from surae.studies.disturbances import raw_emg, wandering
 from surae.studies.leg import EMG_FULL, EMG_REST, misaligned
 from surae.studies.populations import VirtualSubject, stream, virtual_subject
 from surae.units import FloatArray
@@ -23,6 +34,11 @@ _FINER = 4
 #: Ranges of ε0 of triceps and tibialis [m].
 _TENDONS = {"dlt_tri": (0.012, 0.030), "dlt_tib": (0.005, 0.012)}
 _CROSSTALK, _DELAY, _ZERO, _AXIS, _DRIFT = 0.08, (0.020, 0.060), 6.0, 0.006, 0.10
+#: What a foreign leg has: F̄toe and ktoe of its tendons, the width cf of its force-length curve,
+#: vmax in optimal lengths a second, and the part of a muscle's effort that its antagonist has too.
+_TOE, _BEND, _WIDTH, _VMAX, _UNHEARD = (0.2, 0.4), (2.0, 4.0), (0.08, 0.13), (6.0, 10.0), 0.10
+#: Rate of raw EMG [Hz].
+RAW_HZ = 1024.0
 _FIRST = 40_000
 
 
@@ -33,7 +49,9 @@ class RicherLeg:
     Attributes
     ----------
     inputs : ModelInputs
-        The recording, prepared.
+        The recording as it is measured, EMG as envelopes that may be negative by their noise.
+    raw : ndarray, shape (n, 4), or None
+        Raw EMG [V] in place of the envelopes.
     parameters : mapping of str to float
         The true parameters of the leg, tendons included.
     delay : float
@@ -45,19 +63,34 @@ class RicherLeg:
     """
 
     inputs: ModelInputs
+    raw: FloatArray | None
     parameters: dict[str, float]
     delay: float
     zero: float
     noise: float
+
+    def write(self, path: PathLike, muscles: Sequence[str] = MUSCLES) -> None:
+        """Write the trial as a CSV file, as a laboratory that knows nothing of it would have it."""
+        inputs = self.inputs
+        emg = np.maximum(inputs.emg, 0.0) if self.raw is None else self.raw
+        columns = {"time_s": inputs.time, "angle_rad": inputs.angle}
+        if inputs.torque is not None:
+            columns["torque_Nm"] = inputs.torque
+        columns |= {f"emg_{name}_V": emg[:, MUSCLES.index(name)] for name in muscles}
+        write_csv(path, columns, [f"emg: {'envelope' if self.raw is None else 'raw'}"])
 
 
 def richer_leg(
     seed: int,
     *,
     drifting: bool = False,
+    foreign: bool = False,
     noise: float = 0.03,
+    emg_noise: float | None = None,
+    raw: bool = False,
     rate_hz: float = 128.0,
     trial: int = 0,
+    **motion: Any,
 ) -> RicherLeg:
     """Draw a leg and one trial of it: 35 s of holds with a chirp and alternating effort.
 
@@ -67,13 +100,22 @@ def richer_leg(
         Of the leg; odd ones are active throughout, the others relaxed to 11 s.
     drifting : bool
         Whether the axis is beside the device's and the electrodes' gain drifts.
+    foreign : bool
+        Whether the muscles are of another kind than those of every model.
     noise : float
         Of EMG and torque, as a part of each one's mean magnitude.
+    emg_noise : float, optional
+        Of EMG, where it is another.
+    raw : bool
+        Raw EMG, sampled at `RAW_HZ` as everything is then; its noise is its own.
     rate_hz : float
         Of the recording.
     trial : int
         Trials of a leg share all but effort, zero, drift and noise.
+    **motion
+        Settings of the `Protocol` that differ: ``profile``, ``task``, ``duration``, …
     """
+    rate_hz, finer = (RAW_HZ, 1) if raw else (rate_hz, _FINER)
     drawn = virtual_subject(_FIRST + seed)
     rng = stream(drawn, "richer leg")
     tendons = {name: float(rng.uniform(*limits)) for name, limits in _TENDONS.items()}
@@ -86,27 +128,35 @@ def richer_leg(
     levels = rng.uniform(0.7, 1.0, 4)
     drift = rng.uniform(-_DRIFT, _DRIFT, 4) if drifting else np.zeros(4)
 
-    motion = _motion(rate_hz * _FINER, "active" if seed % 2 else "part-passive")
-    time = motion.time
-    envelopes = EMG_REST + (EMG_FULL - EMG_REST) * motion.effort * levels
-    torque = zero + _torque(drawn, tendons, motion, _late(envelopes, time, delay), axis)
-    heard = envelopes @ crosstalk.T * (1.0 + drift * (time[:, None] / time[-1] - 0.5))
-    kept = slice(None, None, _FINER)
+    path = _motion(rate_hz * finer, seed, motion)
+    time = path.time
+    envelopes = EMG_REST + (EMG_FULL - EMG_REST) * path.effort * levels
+    driving, options = _late(envelopes, time, delay), ModelOptions()
+    toes: dict[str, float] = {}
+    if foreign:
+        driving, options, toes = _foreign(drawn, path, driving, trial)
+    torque = zero + _torque(drawn, tendons, toes, path, driving, options, axis)
+    gain = 1.0 + drift * (time[:, None] / time[-1] - 0.5)
+    heard = envelopes @ crosstalk.T * gain
+    sampled = raw_emg(envelopes, rate_hz, rng) @ crosstalk.T * gain if raw else None
+    kept = slice(None, None, finer)
     emg, torque = heard[kept], torque[kept]
     deviation = noise * float(np.abs(torque).mean())
+    scatter = (noise if emg_noise is None else emg_noise) * emg.mean(axis=0)
     return RicherLeg(
         inputs=ModelInputs(
             name=f"richer leg {seed}",
             rate_hz=rate_hz,
             time=read_only(time[kept]),
-            angle=read_only(motion.angle[kept]),
-            velocity=read_only(motion.velocity[kept]),
-            acceleration=read_only(motion.acceleration[kept]),
-            emg=read_only(emg + noise * emg.mean(axis=0) * rng.standard_normal(emg.shape)),
+            angle=read_only(path.angle[kept]),
+            velocity=read_only(path.velocity[kept]),
+            acceleration=read_only(path.acceleration[kept]),
+            emg=read_only(emg + scatter * rng.standard_normal(emg.shape)),
             emg_unit="V",
             torque=read_only(torque + deviation * rng.standard_normal(len(torque))),
             prepared=True,
         ),
+        raw=sampled,
         parameters={**drawn.parameters, **tendons},
         delay=delay,
         zero=zero,
@@ -114,30 +164,56 @@ def richer_leg(
     )
 
 
-def _motion(rate_hz: float, task: str) -> Trajectory:
-    return generate(
-        Protocol(
-            profile="multiple-holds", task=task, chirp_amplitude=0.2, chirp_rate=0.16,
-            rate_hz=rate_hz,
-        )
-    )  # fmt: skip
+def _motion(rate_hz: float, seed: int, settings: Mapping[str, Any]) -> Trajectory:
+    usual = {
+        "profile": "multiple-holds", "task": "active" if seed % 2 else "part-passive",
+        "chirp_amplitude": 0.2, "chirp_rate": 0.16,
+    }  # fmt: skip
+    return generate(Protocol(**{**usual, **settings}, rate_hz=rate_hz))
 
 
 def _late(envelopes: FloatArray, time: FloatArray, delay: float) -> FloatArray:
     """The envelopes that drive the torque: those of `delay` ago."""
-    return np.stack([np.interp(time - delay, time, one) for one in envelopes.T], axis=1)
+    return np.stack([np.interp(time - delay, time, column) for column in envelopes.T], axis=1)
+
+
+def _foreign(
+    subject: VirtualSubject, motion: Trajectory, emg: FloatArray, trial: int
+) -> tuple[FloatArray, ModelOptions, dict[str, float]]:
+    """What drives a foreign leg, its options and its tendons' toes.
+
+    The force-length curve of another width is that of the model times a factor of the length on a
+    rigid tendon, which is put on what drives the muscle.
+    """
+    rng = stream(subject, "foreign leg")
+    toes = {f"pt_{group}": float(rng.uniform(*_TOE)) for group in ("tri", "tib")}
+    toes |= {f"kt_{group}": float(rng.uniform(*_BEND)) for group in ("tri", "tib")}
+    narrower = 1.0 / rng.uniform(*_WIDTH) - 1.0 / CF
+    options = ModelOptions(vmax_factor=float(rng.uniform(*_VMAX)))
+    unheard = rng.uniform(0.0, _UNHEARD, 2)
+    wave = wandering(motion.time, 1.0, 2, stream(subject, "unheard", trial))
+    driven = emg.copy()
+    driven[:, 0] += unheard[0] * np.exp(0.5 * wave[:, 0]) * emg[:, 1:].mean(axis=1)
+    driven[:, 1:] += (unheard[1] * np.exp(0.5 * wave[:, 1]) * emg[:, 0])[:, None]
+    both = paths(angle=motion.angle, velocity=motion.velocity, options=options)
+    for columns, path, name in zip((slice(1, 4), slice(0, 1)), both, ("tri", "tib"), strict=True):
+        u = path.length / subject.parameters[f"l0_{name}"] - 1.0
+        driven[:, columns] *= np.exp(-narrower * u**2)[:, None]
+    return driven, options, toes
 
 
 def _torque(
     subject: VirtualSubject,
-    tendons: dict[str, float],
+    tendons: Mapping[str, float],
+    toes: Mapping[str, float],
     motion: Trajectory,
     emg: FloatArray,
+    options: ModelOptions,
     axis: FloatArray,
 ) -> FloatArray:
     plate = (motion.angle, motion.velocity, motion.acceleration)
     ankle, turn = misaligned(plate, float(axis[0]), float(axis[1]))
-    spec, options = get_model("muscle-tendon"), ModelOptions()
+    spec = get_model("muscle-tendon")
     inputs = ModelInputs(
         name="richer leg",
         rate_hz=motion.settings.rate_hz,
@@ -150,6 +226,7 @@ def _torque(
         torque=None,
         prepared=True,
     )
-    values = spec.vector(replace(subject, tendons=tendons).truth("muscle-tendon", options), options)
+    own = replace(subject, tendons=tendons).truth("muscle-tendon", options)
+    values = spec.vector({**own, **toes}, options)
     torque = spec.simulator(inputs, options).torque(values)
     return torque if turn is None else turn * torque

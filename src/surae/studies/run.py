@@ -1,17 +1,15 @@
 """Run a study: whatever of its plan has no outcome yet is computed and kept."""
 
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Generator, Mapping
 from dataclasses import asdict, dataclass
 from time import perf_counter
 
 from surae.files import PathLike
+from surae.progress import Progress
 from surae.runner import Batch, Engine, results
 from surae.studies.store import Store
 from surae.studies.study import Study, Value, parse_study
 from surae.studies.tasks import Task, run_task
-
-#: Called after every fit that is kept: how many of the study are, and how many there are.
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +32,7 @@ class Finished:
     seconds: float
 
 
-def run(
+def run_study(
     study: Study,
     store: Store,
     *,
@@ -97,12 +95,12 @@ def study_rows(
     InputError, ComputationError
         As of `parse_study` and `run`.
     """
-    from surae.studies.table import table
+    from surae.studies.table import study_table
 
     study = parse_study(text)
     with Store(store, write=True) as kept:
-        run(study, kept, engine=Engine("processes", workers), progress=progress)
-        return list(table(kept))
+        run_study(study, kept, engine=Engine("processes", workers), progress=progress)
+        return list(study_table(kept))
 
 
 def _computed(tasks: Mapping[str, Task], engine: Engine) -> Generator[Batch]:

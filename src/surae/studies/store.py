@@ -8,7 +8,7 @@ from surae.errors import InputError
 from surae.processes import Plain
 from surae.runner import Died, Ledger
 from surae.studies.study import Study, Value
-from surae.studies.tasks import Outcome, Task, planned
+from surae.studies.tasks import Task, TaskOutcome, planned
 
 
 class Store(Ledger):
@@ -44,25 +44,31 @@ class Store(Ledger):
         with told(self._name):
             return self._file.execute(f"DELETE FROM result WHERE {without}").rowcount
 
-    def keep_outcomes(self, outcomes: Iterable[tuple[str, Outcome]]) -> None:
+    def keep_outcomes(self, outcomes: Iterable[tuple[str, TaskOutcome]]) -> None:
         """Put outcomes on disk, all of them or none, by their tasks' keys."""
         self.add([(key, outcome.plain()) for key, outcome in outcomes])
 
     def text(self) -> str:
-        """The STUDY.toml that the plan was made from."""
+        """The STUDY.toml that the plan was made from.
+
+        Raises
+        ------
+        InputError
+            The store holds nothing yet.
+        """
         held = self.about()
         if held is None:
             raise InputError(f"{self._name} holds {self._NOTHING}")
         return held[2]
 
-    def rows(self) -> Iterator[tuple[dict[str, Value], Outcome]]:
+    def rows(self) -> Iterator[tuple[dict[str, Value], TaskOutcome]]:
         """The rows of the table whose outcome is there, in its order."""
         for combination, outcome in self.results():
             died = isinstance(outcome, Died)
-            yield combination, Outcome("failed", outcome.message) if died else outcome
+            yield combination, TaskOutcome("failed", outcome.message) if died else outcome
 
     def _reason(self, value: Any) -> str | None:
         return str(value["message"]) if value["status"] == "failed" else None
 
-    def _read(self, value: Any) -> Outcome:
-        return Outcome.of(value)
+    def _read(self, value: Any) -> TaskOutcome:
+        return TaskOutcome.of(value)

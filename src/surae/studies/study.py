@@ -20,7 +20,7 @@ MOST_FITS = 1_000_000
 _MOST_BYTES = 1_000_000
 
 #: Models whose parameters a virtual subject has: it is their truth.
-_SIMULATED = tuple(
+SIMULATED_MODELS = tuple(
     name for name, spec in MODELS.items() if set(POPULATIONS["healthy"]) <= set(spec.names)
 )
 
@@ -124,7 +124,7 @@ FACTORS: dict[str, Factor] = {
     "rate_hz": Factor(_real("a rate above 0 Hz", 1e-9), (125.0,)),
     "seed": Factor(_whole(0, 999_999_999), (1,)),
     "starts": Factor(_whole(1, 10_000), (2,)),
-    "model": Factor(_one_of(_SIMULATED), ("muscle",)),
+    "model": Factor(_one_of(SIMULATED_MODELS), ("muscle",)),
 }
 #: Model options may be factors too; left out, they are no columns of the table.
 OPTIONS: dict[str, Factor] = {
@@ -158,7 +158,13 @@ def read_study(path: PathLike) -> Study:
 
 
 def parse_study(text: str) -> Study:
-    """The study that the text of a STUDY.toml describes; errors as of `read_study`."""
+    """The study that the text of a STUDY.toml describes.
+
+    Raises
+    ------
+    InputError
+        As of `read_study`.
+    """
     try:
         given = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # also of thousands of digits or brackets

@@ -82,7 +82,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class TaskOutcome:
     """What became of a task.
 
     Attributes
@@ -107,7 +107,7 @@ class Outcome:
     seconds: float = 0.0
 
     def plain(self) -> dict[str, Any]:
-        """As plain data."""
+        """Give the outcome as plain data."""
         return asdict(self)
 
     @classmethod
@@ -153,7 +153,7 @@ def outcome_of(key: str, settings: Mapping[str, Any]) -> dict[str, Any]:
     return run_task(task).plain()
 
 
-def run_task(task: Task) -> Outcome:
+def run_task(task: Task) -> TaskOutcome:
     """Simulate the task's trial, fit it and judge the fit.
 
     The same task gives the same bits anywhere, but for `seconds`. Whatever goes wrong is an
@@ -165,11 +165,11 @@ def run_task(task: Task) -> Outcome:
     except Exception as error:
         if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
             raise KeyboardInterrupt from None  # compiled code makes it a SystemError
-        outcome = Outcome("failed", " ".join(f"{type(error).__name__}: {error}".split()))
+        outcome = TaskOutcome("failed", " ".join(f"{type(error).__name__}: {error}".split()))
     return replace(outcome, seconds=time.perf_counter() - begin)
 
 
-def _fit(task: Task) -> Outcome:
+def _fit(task: Task) -> TaskOutcome:
     from surae.assessment import assess
     from surae.estimation import FitSettings, make_problem, solve
     from surae.model import ModelOptions, get_model
@@ -194,7 +194,7 @@ def _fit(task: Task) -> Outcome:
         raise KeyboardInterrupt
     assessment = assess(result)
     truth = subject.truth(task.model, options)
-    return Outcome(
+    return TaskOutcome(
         result.status,
         result.message,
         _finite(assessment.vaf),

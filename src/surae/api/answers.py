@@ -1,0 +1,216 @@
+"""Answers of more than one fit: what changed in a leg, and what many legs tell together."""
+
+from collections.abc import Sequence
+from datetime import datetime
+from pathlib import Path
+
+from surae.api.fitted import Fit
+from surae.api.fitting import load
+from surae.errors import InputError
+from surae.files import PathLike, shown, write_atomic
+from surae.measures.change import Change, compare_sessions
+from surae.measures.cohort import Cohort, borrowed, pool
+from surae.measures.members import Told, measured, read_table, refitted
+from surae.measures.quantity import Quantities, quantities
+from surae.runner import Engine
+
+#: Where changes are asked unless told otherwise [deg].
+CHANGE_ANGLES = (0.0, 10.0)
+
+
+def change(
+    before: Fit | PathLike,
+    after: Fit | PathLike,
+    *,
+    baselines: Sequence[Fit | PathLike] = (),
+    angles: Sequence[float] | None = None,
+) -> Change:
+    """Whether a leg has changed between two sessions, or how its two legs differ.
+
+    Parameters
+    ----------
+    before, after : Fit or path
+        Fits, files of fits, or folders of sessions (`surae session`), whose joint fit is taken.
+    baselines : sequence of Fit or path
+        Further sessions of the leg from before anything changed; they tell how much sessions
+        differ by themselves.
+    angles : sequence of float, optional
+        Where torque and stiffness are asked [deg]; by default 0 and 10. Each adds differences that
+        are looked at, which asks more of all.
+
+    Returns
+    -------
+    Change
+        Every measure and parameter: difference, interval and verdict.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read, or an angle is out of reach.
+    """
+    sides = [_quantities(each, angles or CHANGE_ANGLES) for each in (before, after, *baselines)]
+    return compare_sessions(sides[0], sides[1], sides[2:])
+
+
+def cohort(
+    table: PathLike,
+    *,
+    refit: bool = False,
+    angles: Sequence[float] = (10.0,),
+    engine: Engine | None = None,
+    progress: Told | None = None,
+) -> Cohort:
+    """What many legs tell together: groups, differences, change, and each leg among them.
+
+    Parameters
+    ----------
+    table : path
+        A CSV with the columns ``fit`` (a FIT.json or the folder of a session, from where the table
+        is), ``subject``, and as far as there are ``side``, ``group``, ``session``; every other
+        column is a clinical scale.
+    refit : bool
+        Learn the population from the fits and fit every leg again with it, until both rest.
+    angles : sequence of float
+        Where torque and stiffness are asked [deg].
+    engine : Engine, optional
+        Where the work is done; by default in one process.
+    progress : callable, optional
+        Called with legs done and all legs.
+
+    Returns
+    -------
+    Cohort
+        A fit that cannot be read leaves its leg out, and its reason is kept.
+
+    Raises
+    ------
+    InputError
+        The table is damaged, or has no fit that can be read.
+    """
+    where = engine or Engine("threads", 1)
+    rows = read_table(table)
+    members = measured(rows, angles, where, told=progress)
+    told = pool(members)
+    if not refit:
+        return told
+    again, rounds = refitted(rows, members, angles, where, progress)
+    return borrowed(told, again, rounds)
+
+
+def write_cohort_page(path: PathLike, told: Cohort) -> None:
+    """Write the page of a cohort: groups, differences, changes, and every leg.
+
+    Parameters
+    ----------
+    path : path
+        An HTML file.
+    told : Cohort
+        As `cohort` made it.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    from surae.report.cohort import cohort_html  # matplotlib
+
+    write_atomic(path, cohort_html(told, created=datetime.now().astimezone()))
+
+
+def write_clinical_page(
+    path: PathLike,
+    fits: Sequence[Fit],
+    *,
+    language: str = "en",
+    angle: float = 10.0,
+    norms: PathLike | None = None,
+    told: Change | None = None,
+) -> None:
+    """Write the page for clinicians: of one fit, or of what changed between two.
+
+    Parameters
+    ----------
+    path : path
+        An HTML file; it prints on one A4.
+    fits : sequence of Fit
+        One, or the two of `told`.
+    language : {"en", "nl", "de", "fr"}
+        Of the page.
+    angle : float
+        Where torque and stiffness are told [deg].
+    norms : path, optional
+        A laboratory's own norms, in place of those of cited papers.
+    told : Change, optional
+        What `change` made of two fits.
+
+    Raises
+    ------
+    InputError
+        The language is not known, the norms cannot be read, or the page cannot be written.
+    """
+    write_atomic(path, clinical_page(fits, language=language, angle=angle, norms=norms, told=told))
+
+
+def clinical_page(
+    fits: Sequence[Fit],
+    *,
+    language: str = "en",
+    angle: float = 10.0,
+    norms: PathLike | None = None,
+    told: Change | None = None,
+) -> str:
+    """The page that `write_clinical_page` writes, as HTML; parameters as there."""
+    from surae.report.clinical import change_page, clinical_html, fit_page  # matplotlib
+
+    now = datetime.now().astimezone()
+    if told is None:
+        fit = fits[0]
+        page = fit_page(
+            fit.result, fit.assessment, created=now, language=language, angle=angle, norms=norms
+        )
+    else:
+        sides = [(fit.result, fit.assessment) for fit in fits]
+        page = change_page(told, sides, created=now, language=language, angle=angle)
+    return clinical_html(page)
+
+
+def check_clinical_page(path: PathLike | None) -> None:
+    """Refuse a page that could not be made, before the work instead of after it.
+
+    Raises
+    ------
+    InputError
+        Its name is not that of a page.
+    """
+    if path is not None and Path(path).suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"{shown(path)}: the page for clinicians is .html; print it from there")
+
+
+def fit_of(given: Fit | PathLike) -> Fit:
+    """A fit that is given as itself, as its file, or as the folder of a session.
+
+    Raises
+    ------
+    InputError
+        There is none, or a folder has several and no joint one.
+    """
+    if isinstance(given, Fit):
+        return given
+    path = Path(given)
+    if not path.is_dir():
+        return load(path)
+    joint = path / "joint.json"
+    if joint.is_file():
+        return load(joint)
+    alone = sorted(path.glob("fits/*.json"))
+    if len(alone) != 1:
+        raise InputError(
+            f"{shown(path)}: {len(alone)} fits and no joint.json; give the FIT.json to compare, or "
+            "fit the session together with `surae session`"
+        )
+    return load(alone[0])
+
+
+def _quantities(given: Fit | PathLike, angles: Sequence[float]) -> Quantities:
+    fit = fit_of(given)
+    return quantities(fit.result, fit.assessment, angles)

@@ -1,0 +1,188 @@
+"""Protocols that tell most: designed for a device, and what to measure after a fit."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from surae.api.expecting import asked_legs
+from surae.api.fitted import Fit
+from surae.errors import InputError
+from surae.files import PathLike
+from surae.model.laboratory import AUTO
+from surae.planning.design import Design, make_design
+from surae.planning.next import NextTrial, known_from, measure_next_of
+from surae.planning.ready import start_for
+from surae.progress import SearchProgress
+from surae.protocol import DEVICES, Device, named_device, read_device
+
+#: Legs that a design is searched for, of a rigid and of a compliant model, and those that it is
+#: judged by.
+_SEARCHED, _SEARCHED_COMPLIANT, _JUDGED = 8, 5, 40
+#: Plans that are judged in a search, likewise.
+_EVALUATIONS, _EVALUATIONS_COMPLIANT = 8000, 10_000
+#: Seeds of the legs of the search come before those of every expectation.
+_SEARCH_SEEDS = -500_000
+
+
+def design(
+    duration: float = 35.0,
+    *,
+    device: str | PathLike | Device | None = "achilles",
+    model: str = "muscle",
+    population: str | None = None,
+    fit: Fit | None = None,
+    after: Fit | None = None,
+    range: tuple[float, float] = (-0.9, 0.6),
+    noise: float | None = None,
+    nuisances: str | Mapping[str, tuple[float, float]] | None = None,
+    aim: str = "worst",
+    effort: str = "levels",
+    rate_hz: float = 256.0,
+    seed: int = 0,
+    evaluations: int | None = None,
+    progress: SearchProgress | None = None,
+    **options: Any,
+) -> Design:
+    """Find the movement and effort that tell most, within the limits of a device and a subject.
+
+    The same arguments give the same design. Ctrl-C keeps the best until then.
+
+    Parameters
+    ----------
+    duration : float
+        Of the trial [s], rests at both ends included.
+    device : str, path, Device or None
+        Whose limits hold: a name, a TOML file, or a `surae.protocol.Device`. None designs within
+        moderate limits, and `Design.write` then asks for a reason.
+    model : str
+        Which model's parameters are to be known; ``"auto"``: with the laboratory's imperfections.
+    population : {"healthy", "patient"}, optional
+        Whose legs; by default as many of each.
+    fit : Fit, optional
+        Instead: one leg, as far as this fit knows it.
+    after : Fit, optional
+        The same, and what the fit knows already counts: the trial that adds most.
+    range : (float, float)
+        The subject's full plantarflexion and dorsiflexion [rad].
+    noise : float, optional
+        Standard deviation of the torque's noise [Nm], as of `expect`.
+    nuisances : str or mapping, optional
+        As of `surae.fit`.
+    aim : str
+        ``"worst"``: the largest relative standard error; ``"mean"``: the mean of their logarithms;
+        or names of parameters and measures with commas between, e.g. ``"passive_stiffness@10deg"``.
+    effort : {"levels", "none"}
+        What the subject can do: bursts of any level, or nothing.
+    rate_hz : float
+        Sampling rate [Hz].
+    seed : int
+        Of the search.
+    evaluations : int, optional
+        Plans that are judged; more is better and takes longer.
+    progress : callable, optional
+        Told (plans judged, of how many, best cost).
+    **options
+        Model options, see `surae.model.ModelOptions`.
+
+    Returns
+    -------
+    Design
+        The protocol, what it will tell, and what was given up for device and subject.
+
+    Raises
+    ------
+    InputError
+        Something given is unusable, or the device cannot do it: then what to give up.
+    """
+    if effort not in ("levels", "none"):
+        raise InputError(f"effort is {effort!r}; use 'levels' or 'none'")
+    if not 5.0 <= duration <= 600.0:
+        raise InputError(f"duration {duration!r} s: design a trial of 5 to 600 s")
+    if not 20.0 <= rate_hz <= 2048.0:
+        raise InputError(f"rate {rate_hz!r} Hz: use 20 to 2048 Hz")
+    if evaluations is not None and evaluations < 1:
+        raise InputError(f"evaluations is {evaluations!r}; judge at least one plan")
+    if fit is not None and after is not None:
+        raise InputError("give fit or after, not both: after counts what the fit knows, too")
+    who = after if after is not None else fit
+    given = model if who is None else who.result.problem.spec.name
+    rigid = given == "muscle"
+    count = _SEARCHED if rigid else _SEARCHED_COMPLIANT
+    asked = (model, population, who, noise, nuisances)
+    first = _SEARCH_SEEDS if who is None else 1
+    legs, level = asked_legs(*asked, count, options, rate_hz, first=first)
+    unseen, _ = asked_legs(*asked, _JUDGED, options, rate_hz)
+    start = start_for(duration, AUTO if given == AUTO else given, aim, effort == "levels")
+    return make_design(
+        name=f"design of {duration:g} s",
+        seconds=float(duration),
+        rate_hz=rate_hz,
+        device=as_device(device),
+        range_of_motion=(float(range[0]), float(range[1])),
+        legs=legs,
+        unseen=unseen,
+        noise=level,
+        aim=aim,
+        effort=effort == "levels",
+        evaluations=evaluations or (_EVALUATIONS if rigid else _EVALUATIONS_COMPLIANT),
+        seed=seed,
+        known=None if after is None else known_from(after.result, after.assessment, legs),
+        start=None if start is None else start.genes,
+        progress=progress,
+    )
+
+
+def measure_next(
+    fit: Fit,
+    *,
+    device: str | PathLike | Device | None = "achilles",
+    duration: float = 60.0,
+    range: tuple[float, float] | None = None,
+    wanted: Sequence[str] | None = None,
+    noise: float | None = None,
+) -> NextTrial:
+    """The trial that would add most to what a fit knows, of those that come with surae.
+
+    It takes seconds; `design` with ``after=fit`` searches a trial of its own, which takes minutes.
+
+    Parameters
+    ----------
+    fit : Fit
+        What is known so far.
+    device : str, path, Device or None
+        What is to move the leg.
+    duration : float
+        Longest trial that may be proposed [s].
+    range : (float, float), optional
+        The subject's full plantarflexion and dorsiflexion [rad]; by default what the fit's
+        recordings reached.
+    wanted : sequence of str, optional
+        Parameters to know better; by default all that are not identified.
+    noise : float, optional
+        Of the torque [Nm], sample by sample at 256 Hz; by default what the residual comes to.
+
+    Returns
+    -------
+    NextTrial
+        In words and numbers.
+
+    Raises
+    ------
+    InputError
+        The fit failed, or something given is unusable.
+    """
+    legs, level = asked_legs(AUTO, None, fit, noise, None, _SEARCHED, {}, 256.0)
+    inputs = fit.result.problem.inputs
+    reached = (min(float(i.angle.min()) for i in inputs), max(float(i.angle.max()) for i in inputs))
+    return measure_next_of(
+        fit.result, fit.assessment, legs, noise=level, device=as_device(device),
+        range_of_motion=reached if range is None else range, longest=duration, wanted=wanted,
+    )  # fmt: skip
+
+
+def as_device(device: str | PathLike | Device | None) -> Device | None:
+    """The device of a name or a TOML file."""
+    if device is None or isinstance(device, Device):
+        return device
+    if str(device) in DEVICES or not str(device).lower().endswith(".toml"):
+        return named_device(str(device))
+    return read_device(device)

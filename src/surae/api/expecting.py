@@ -1,0 +1,158 @@
+"""What a protocol will tell, before anybody is measured."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from surae.api.fitted import Fit
+from surae.errors import InputError
+from surae.files import PathLike
+from surae.model import ModelOptions
+from surae.model.laboratory import AUTO
+from surae.planning.expectation import LEGS, NOISE, Expectation, expected
+from surae.planning.legs import Legs, fit_legs, population_legs
+from surae.planning.ready import ready_protocols
+from surae.protocol import (
+    PROFILES,
+    Device,
+    Protocol,
+    Trajectory,
+    generate,
+    named_device,
+    read_protocol,
+)
+
+#: Legs by which the torque of a ready protocol is held to a device's.
+_CHECKED = 40
+
+
+def expect(
+    protocol: str | PathLike | Trajectory,
+    model: str = AUTO,
+    *,
+    population: str | None = None,
+    fit: Fit | None = None,
+    noise: float | None = None,
+    nuisances: str | Mapping[str, tuple[float, float]] | None = None,
+    legs: int = LEGS,
+    **options: Any,
+) -> Expectation:
+    """Standard errors, intervals and verdicts that a protocol will give, over many legs.
+
+    They come from the information matrix (the bound of Cramér and Rao), by exact sensitivities of
+    the torque at virtual legs; no fit is made. What no model can describe is not in them.
+
+    Parameters
+    ----------
+    protocol : path, name or Trajectory
+        A protocol as CSV, as `surae protocol` writes it; or the name of one: its movement as it is,
+        without the limits of a device (a designed one: on Achilles).
+    model : str
+        Name of a model; ``"auto"``: muscles on compliant tendons with all that the laboratory
+        cannot rule out, under its priors.
+    population : {"healthy", "patient"}, optional
+        Whose legs; by default as many of each.
+    fit : Fit, optional
+        Instead: one leg, as far as this fit knows it; model and noise are then the fit's too.
+    noise : float, optional
+        Standard deviation of the torque's noise [Nm], white, sample by sample at the protocol's
+        rate; by default 0.5, or what the fit's residual comes to.
+    nuisances : str or mapping, optional
+        As of `surae.fit`.
+    legs : int
+        How many legs are drawn.
+    **options
+        Model options, see `surae.model.ModelOptions`.
+
+    Returns
+    -------
+    Expectation
+        By parameter, and in all.
+
+    Raises
+    ------
+    InputError
+        Something given is unknown, contradictory or unusable.
+    """
+    trajectory = as_trajectory(protocol)
+    rate_hz = trajectory.settings.rate_hz
+    who, level = asked_legs(model, population, fit, noise, nuisances, legs, options, rate_hz)
+    return expected(trajectory, who, level)
+
+
+def as_trajectory(protocol: str | PathLike | Trajectory) -> Trajectory:
+    """The trajectory of a file or a name."""
+    if isinstance(protocol, Trajectory):
+        return protocol
+    if isinstance(protocol, str) and protocol in ready_protocols():
+        return ready_trajectory(protocol, named_device("achilles"), (-0.9, 0.6), 256.0)
+    if isinstance(protocol, str) and protocol in PROFILES:
+        passive = PROFILES[protocol].duration <= 11.0
+        return generate(Protocol(profile=protocol, task="passive" if passive else "part-passive"))
+    return read_protocol(protocol)
+
+
+def ready_trajectory(
+    name: str,
+    device: Device | None,
+    range_of_motion: tuple[float, float],
+    rate_hz: float,
+) -> Trajectory:
+    """A designed protocol that comes with surae, on a device whose torque no leg exceeds."""
+    ready = ready_protocols()[name]
+    legs = population_legs(ready.model, None, _CHECKED)
+    return ready.trajectory(device, range_of_motion, rate_hz, legs)
+
+
+def asked_legs(
+    model: str,
+    population: str | None,
+    fit: Fit | None,
+    noise: float | None,
+    nuisances: str | Mapping[str, tuple[float, float]] | None,
+    count: int,
+    options: Mapping[str, Any],
+    rate_hz: float,
+    *,
+    first: int = 0,
+) -> tuple[Legs, float]:
+    """Whose legs are meant, and the noise of their torque."""
+    if noise is not None and not 0.0 < noise < float("inf"):
+        raise InputError(f"noise is {noise!r}; give the torque's noise in Nm, more than 0")
+    if count < 1:
+        raise InputError(f"legs is {count!r}; draw at least one")
+    if fit is None:
+        chosen = ModelOptions.of(**options)
+        who = population_legs(
+            model, population, count, first=first, nuisances=nuisances, options=chosen
+        )
+        return who, NOISE if noise is None else noise
+    if population is not None:
+        raise InputError("give a population or a fit, not both")
+    who = fit_legs(fit.result, fit.assessment, count, seed=first)
+    return who, fit_noise(fit, rate_hz) if noise is None else noise
+
+
+def fit_noise(fit: Fit, rate_hz: float) -> float:
+    """White noise [Nm], sample by sample at a rate, that would tell as little as a fit's residual.
+
+    A residual that is correlated over time tells less than its size says: what counts is its
+    spectral density at the frequencies of the movement, which the believed intervals know.
+    """
+    result = fit.result
+    density = 0.0
+    for residual, inputs in zip(result.residuals, result.problem.inputs, strict=True):
+        density += _slow_density(residual, inputs.rate_hz) * len(residual)
+    density /= sum(len(residual) for residual in result.residuals)
+    return float((density * rate_hz) ** 0.5)
+
+
+def _slow_density(residual: Any, rate_hz: float) -> float:
+    """Variance per Hz of sampling rate, over the frequencies below 3 Hz [Nm²/Hz]."""
+    import numpy as np
+
+    n = len(residual)
+    power = np.abs(np.fft.rfft(residual - residual.mean())) ** 2 / n
+    slow = np.fft.rfftfreq(n, 1.0 / rate_hz) <= 3.0
+    slow[0] = False
+    level = float(power[slow].mean()) if slow.any() else float(np.var(residual))
+    return max(level, 1e-12) / rate_hz

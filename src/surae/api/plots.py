@@ -1,0 +1,230 @@
+"""Plots of a fit for a notebook or a script: Matplotlib axes to go on with."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from surae.assessment.assess import Assessment
+from surae.errors import InputError
+from surae.estimation import FitResult
+from surae.recording import MUSCLES
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from surae.report.traces import Traces
+
+
+@dataclass(frozen=True, slots=True)
+class Plots:
+    """Plots of a fit: ``fit.plot()`` is all of a recording, its methods are one plot each.
+
+    Each takes the axes to draw on (``ax``), makes them where none are given, and returns them.
+
+    Attributes
+    ----------
+    result : FitResult
+        What was found.
+    assessment : Assessment
+        What it is worth.
+    """
+
+    result: FitResult
+    assessment: Assessment
+
+    def __repr__(self) -> str:
+        names = ", ".join(f".{name}()" for name in dir(self) if not name.startswith("_")
+                          and callable(getattr(self, name)))  # fmt: skip
+        return f"plots of a fit: call it, or {names}"
+
+    def __call__(self, recording: int = 0) -> "Sequence[Axes]":
+        """EMG, angle, torque and its parts against time, one below the other.
+
+        Parameters
+        ----------
+        recording : int
+            Which one of the fit's, from 0.
+
+        Returns
+        -------
+        sequence of Axes
+            Four of them.
+        """
+        from surae.report.figures.style import WIDTH, dress, heading, trace
+
+        traces = self._traces(recording)
+        from matplotlib import pyplot
+
+        figure, panels = pyplot.subplots(4, 1, sharex=True, figsize=(WIDTH, 8.0),
+                                         layout="constrained")  # fmt: skip
+        emg, angle, torque, parts = panels
+        figure.suptitle(traces.name, fontsize=10)
+        volts = traces.emg_unit == "V"
+        for column, muscle in enumerate(MUSCLES):
+            if muscle not in traces.missing_emg:
+                trace(emg, traces.time, traces.emg[:, column] * (1e6 if volts else 1.0),
+                      label=muscle.upper(), linewidth=0.7)  # fmt: skip
+        dress(emg, f"EMG [{'µV' if volts else '-'}]")
+        heading(emg, "EMG envelopes")
+        emg.legend(fontsize=8, frameon=False)
+        dress(angle, "Angle [°]")
+        heading(angle, "Ankle angle, dorsiflexion positive")
+        trace(angle, traces.time, np.degrees(traces.angle), linewidth=1.0)
+        self.torque(recording, ax=torque)
+        self.parts(recording, ax=parts)
+        torque.set_xlabel("")
+        return list(panels)
+
+    def torque(self, recording: int = 0, *, ax: "Axes | None" = None) -> "Axes":
+        """Measured and modelled torque against time.
+
+        Parameters
+        ----------
+        recording : int
+            Which one of the fit's, from 0.
+        ax : Axes, optional
+            Where to draw.
+
+        Returns
+        -------
+        Axes
+            The plot.
+        """
+        from surae.report.figures.style import BLUE, GREY, dress, legend, shade_excluded, trace
+
+        traces, axes = self._traces(recording), _axes(ax)
+        dress(axes, "Torque [Nm]", "Time [s]")
+        trace(axes, traces.time, traces.measured, label="measured", color=GREY, linewidth=3.0)
+        trace(axes, traces.time, traces.modelled, label="modelled", color=BLUE, linewidth=1.0)
+        shade_excluded(axes, traces.time, traces.excluded)
+        legend(axes, 3)
+        return axes
+
+    def parts(self, recording: int = 0, *, ax: "Axes | None" = None) -> "Axes":
+        """What the modelled torque is made of, against time.
+
+        Parameters
+        ----------
+        recording : int
+            Which one of the fit's, from 0.
+        ax : Axes, optional
+            Where to draw.
+
+        Returns
+        -------
+        Axes
+            The plot.
+        """
+        from surae.report.figures.style import dress, legend, trace
+
+        traces, axes = self._traces(recording), _axes(ax)
+        dress(axes, "Torque [Nm]", "Time [s]")
+        names = ("tissue", "neural", "inertial", "gravitational", "reflex", "zero")
+        shown = [name for name in names if getattr(traces.parts, name, None) is not None]
+        for name in shown:
+            trace(axes, traces.time, getattr(traces.parts, name), label=name, linewidth=1.2)
+        legend(axes, len(shown))
+        return axes
+
+    def residuals(self, recording: int = 0, *, ax: "Axes | None" = None) -> "Axes":
+        """Measured minus modelled torque against time.
+
+        Parameters
+        ----------
+        recording : int
+            Which one of the fit's, from 0.
+        ax : Axes, optional
+            Where to draw.
+
+        Returns
+        -------
+        Axes
+            The plot.
+        """
+        from surae.report.figures.style import INK, dress, shade_excluded, trace
+
+        traces, axes = self._traces(recording), _axes(ax)
+        dress(axes, "Measured − modelled [Nm]", "Time [s]")
+        trace(axes, traces.time, traces.residual, color=INK, linewidth=0.7)
+        shade_excluded(axes, traces.time, traces.excluded)
+        return axes
+
+    def parameters(self, *, ax: "Axes | None" = None) -> "Axes":
+        """Every estimate with its 95 % interval, between its bounds (0 and 1 of the axis).
+
+        Parameters
+        ----------
+        ax : Axes, optional
+            Where to draw.
+
+        Returns
+        -------
+        Axes
+            The plot: dark what is identified, open what has no interval.
+        """
+        from surae.report.figures.style import GREY, INK, dress
+
+        free = [p for p in self.assessment.parameters.values() if p.free]
+        axes = _axes(ax)
+        dress(axes, "", "Part of the way from the lower to the upper bound")
+        for place, p in enumerate(free):
+            width = p.upper - p.lower
+            sure = p.verdict == "identified"
+            if p.ci95 is not None:
+                ends = [min(max((end - p.lower) / width, 0.0), 1.0) for end in p.ci95]
+                axes.plot(ends, [place, place], color=INK if sure else GREY, linewidth=2.0)
+            axes.plot([(p.value - p.lower) / width], [place], "o", color=INK, markersize=4,
+                      markerfacecolor="white" if p.ci95 is None else INK)  # fmt: skip
+        axes.set_yticks(range(len(free)), [p.name for p in free])
+        axes.set(xlim=(-0.02, 1.02), ylim=(len(free) - 0.5, -0.5))
+        return axes
+
+    def correlation(self, *, ax: "Axes | None" = None) -> "Axes":
+        """Correlations of the estimates as a map.
+
+        Parameters
+        ----------
+        ax : Axes, optional
+            Where to draw.
+
+        Returns
+        -------
+        Axes
+            The plot.
+
+        Raises
+        ------
+        InputError
+            No estimate has a standard error.
+        """
+        names = self.assessment.covariance.names
+        if not names:
+            raise InputError("no estimate has a standard error: there is nothing to correlate")
+        axes = _axes(ax)
+        matrix = self.assessment.covariance.correlation
+        shades = axes.imshow(matrix, cmap="RdBu_r", vmin=-1.0, vmax=1.0)
+        axes.set_xticks(range(len(names)), names, rotation=90)
+        axes.set_yticks(range(len(names)), names)
+        axes.figure.colorbar(shades, ax=axes, label="Correlation")
+        return axes
+
+    def _traces(self, recording: int) -> "Traces":
+        from surae.report.traces import traces_of
+
+        every = traces_of(self.result)
+        if recording not in range(len(every)):
+            known = "only 0" if len(every) == 1 else f"0 … {len(every) - 1}"
+            raise InputError(f"the fit has no recording {recording!r}; they are numbered {known}")
+        return every[recording]
+
+
+def _axes(given: "Axes | None") -> "Axes":
+    """The axes to draw on, of a new figure where none are given."""
+    if given is not None:
+        return given
+    from matplotlib import pyplot
+
+    axes: Axes = pyplot.subplots(figsize=(8.4, 3.6), layout="constrained")[1]
+    return axes

@@ -1,0 +1,335 @@
+"""What came of a session: its fits, what they predict of each other, its table and folder."""
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from datetime import datetime
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surae._version import __version__
+from surae.api.fitted import Fit
+from surae.api.fitting import load
+from surae.errors import InputError
+from surae.files import PathLike, read_bytes, shown, write_atomic, write_json, write_table
+from surae.frozen import FrozenDict
+from surae.quality import Quality
+from surae.settings import FitSettings
+from surae.trials import Crossed, Hold, Trial, TrialSet, common_errors
+
+FORMAT = 1
+#: Names of what is in the folder.
+INDEX, JOINT, FITS, REPORT = "session.json", "joint.json", "fits", "report.html"
+_ABOUT = ("name", "side", "date", "condition", "notes")
+
+
+@dataclass(frozen=True, slots=True)
+class SessionResult:
+    """What came of a session.
+
+    Attributes
+    ----------
+    session : Session
+        Its trials; of a result that was read from a folder without their signals.
+    fits : mapping of str to Fit
+        By trial.
+    joint : Fit or None
+        Of all trials in `joined` together.
+    joined : tuple of str
+        Trials of the joint fit.
+    failed : mapping of str to str
+        Trials without a fit, and fits that were left out of the joint one: why. ``"joint"``: why
+        there is none.
+    quality : mapping of str to Quality
+        What was found in each trial.
+    predictions : mapping of str to (mapping of str to Crossed)
+        How the fit of a trial (the first name) follows another.
+    joint_predictions : mapping of str to Crossed
+        How the joint fit follows each trial.
+    settings : FitSettings
+        What every fit was asked.
+    interrupted : bool
+        Whether the user stopped it.
+    """
+
+    session: TrialSet
+    settings: FitSettings
+    fits: Mapping[str, Fit] = field(default_factory=FrozenDict)
+    joint: Fit | None = None
+    joined: tuple[str, ...] = ()
+    failed: Mapping[str, str] = field(default_factory=FrozenDict)
+    quality: Mapping[str, Quality] = field(default_factory=FrozenDict)
+    predictions: Mapping[str, Mapping[str, Crossed]] = field(default_factory=FrozenDict)
+    joint_predictions: Mapping[str, Crossed] = field(default_factory=FrozenDict)
+    interrupted: bool = False
+
+    def __post_init__(self) -> None:
+        """Make the mappings read-only."""
+        for name in ("fits", "failed", "quality", "joint_predictions"):
+            object.__setattr__(self, name, FrozenDict(getattr(self, name)))
+        crossed = {name: FrozenDict(row) for name, row in self.predictions.items()}
+        object.__setattr__(self, "predictions", FrozenDict(crossed))
+
+    def __repr__(self) -> str:
+        lines = [f"{self.session.name}: {len(self.fits)} fits of {len(self.session.trials)} trials"]
+        fits = [*self.fits.items(), *([("joint", self.joint)] if self.joint else [])]
+        for name, fit in fits:
+            lines.append(f"  {name}: {fit.adequacy.grade}, R² {fit.adequacy.r2:.2f} %")
+        lines += [f"  {name}: {why}" for name, why in self.failed.items()]
+        return "\n".join(lines)
+
+    @property
+    def common(self) -> tuple[str, ...]:
+        """What is wrong in most trials alike, and what to do: it is mended once, in the mapping."""
+        return common_errors(self.quality[name] for name in self.fits if name in self.quality)
+
+    def rows(self) -> list[dict[str, Any]]:
+        """The table: a row for every fit, the joint one last.
+
+        Returns
+        -------
+        list of dict
+            Trial, effort, grade, R² and VAF [%], RMSE [Nm], then of every parameter its value,
+            ends of its 95 % interval and verdict; None where there is no number.
+        """
+        every = [(name, self.session[name], fit) for name, fit in self.fits.items()]
+        rows = [_row(name, trial.effort, fit) for name, trial, fit in every]
+        if self.joint is not None:
+            rows.append(_row("joint", "", self.joint))
+        return rows
+
+    def to_dataframe(self) -> Any:
+        """Convert the rows to a pandas DataFrame, units of the columns in ``attrs["units"]``."""
+        from surae.recording.frames import frame
+
+        every = [*self.fits.values(), *([self.joint] if self.joint else [])]
+        units = {n: p.unit for fit in every for n, p in fit.parameters.items()}
+        return frame(self.rows(), units)
+
+    def write_table(self, path: PathLike) -> None:
+        """Write the table of `rows` as CSV, or as Parquet where the name ends so.
+
+        Parameters
+        ----------
+        path : path
+            Where to.
+        """
+        rows = self.rows()
+        write_table(path, list(dict.fromkeys(name for row in rows for name in row)), rows)
+
+    def report(self, path: PathLike) -> None:
+        """Write the report: one self-contained HTML file.
+
+        Parameters
+        ----------
+        path : path
+            Where to.
+        """
+        from surae.report.session import session_page
+
+        text = session_page(
+            self.session.name,
+            {key: getattr(self.session, key) for key in ("side", "date", "condition", "notes")},
+            self.session.trials,
+            {name: (fit.result, fit.assessment) for name, fit in self.fits.items()},
+            None if self.joint is None else (self.joint.result, self.joint.assessment),
+            joined=self.joined,
+            failed=self.failed,
+            quality=self.quality,
+            predictions=self.predictions,
+            joint_predictions=self.joint_predictions,
+            created=datetime.now().astimezone(),
+            interrupted=self.interrupted,
+        )
+        write_atomic(path, text)
+
+    def save(self, folder: PathLike) -> None:
+        """Write the folder that `load_session` reads: fits, tables, report and index.
+
+        Parameters
+        ----------
+        folder : path
+            It is made where it is missing.
+
+        Raises
+        ------
+        InputError
+            Something cannot be written.
+        """
+        root = made_folder(folder)
+        for name, fit in self.fits.items():
+            fit.save(root / FITS / f"{slug(name)}.json")
+        if self.joint is not None:
+            self.joint.save(root / JOINT)
+        write_summary(self, root)
+
+
+def _row(name: str, effort: str, fit: Fit) -> dict[str, Any]:
+    row: dict[str, Any] = {
+        "trial": name,
+        "effort": effort,
+        "model": fit.result.problem.spec.name,
+        "status": fit.status,
+        "grade": str(fit.adequacy.grade),
+        "r2": finite(fit.adequacy.r2),
+        "vaf": finite(fit.vaf),
+        "rmse_Nm": finite(fit.assessment.rmse),
+    }
+    for p in fit.parameters.values():
+        low, high = p.ci95 or (None, None)
+        row |= {p.name: p.value, f"{p.name}_low": low, f"{p.name}_high": high}
+        row[f"{p.name}_verdict"] = str(p.verdict)
+    return row
+
+
+def finite(value: float) -> float | None:
+    """A number, None where it is none."""
+    return float(value) if np.isfinite(value) else None
+
+
+def write_summary(result: SessionResult, root: Path) -> None:
+    """Write everything but the fits: index, tables, report."""
+    write_json(root / INDEX, _index(result))
+    result.write_table(root / "table.csv")
+    if find_spec("pyarrow") is not None:
+        result.write_table(root / "table.parquet")
+    result.report(root / REPORT)
+
+
+def _index(result: SessionResult) -> dict[str, Any]:
+    session = result.session
+    return {
+        "format": "surae session",
+        "version": FORMAT,
+        "surae": __version__,
+        **{key: getattr(session, key) for key in ("name", "side", "date", "condition", "notes")},
+        "mapping": None
+        if session.mapping is None
+        else {"name": session.mapping.name, "sha256": session.mapping.sha256},
+        "trials": [_trial_json(trial, trial.name in result.fits) for trial in session.trials],
+        "settings": result.settings.as_dict(),
+        "joint": None if result.joint is None else JOINT,
+        "joined": list(result.joined),
+        "failed": dict(result.failed),
+        "quality": {name: quality.as_dict() for name, quality in result.quality.items()},
+        "predictions": {
+            name: {other: crossed.as_dict() for other, crossed in row.items()}
+            for name, row in result.predictions.items()
+        },
+        "joint_predictions": {n: c.as_dict() for n, c in result.joint_predictions.items()},
+        "interrupted": result.interrupted,
+    }
+
+
+def slug(name: str) -> str:
+    """A trial's name as the name of a file."""
+    return re.sub(r"[^\w.+-]+", "_", name).strip(".") or "trial"
+
+
+def load_session(folder: PathLike) -> SessionResult:
+    """Read the folder that `surae session` or `SessionResult.save` wrote.
+
+    Parameters
+    ----------
+    folder : path
+        The folder.
+
+    Returns
+    -------
+    SessionResult
+        With its fits; the trials' own signals stay where they were.
+
+    Raises
+    ------
+    InputError
+        It is no such folder, or is damaged.
+    """
+    from surae.quality.finding import quality_of
+
+    root = Path(folder)
+    if not (root / INDEX).is_file():
+        raise InputError(f"{shown(folder)}: this is no session: it has no {INDEX}")
+    where = f"{shown(root / INDEX)}: damaged, or of a newer surae"
+    try:
+        data = json.loads(read_bytes(root / INDEX))
+        if data["format"] != "surae session" or data["version"] != FORMAT:
+            raise InputError(where)
+        trials = tuple(_trial_of(each) for each in data["trials"])
+        about = {key: data[key] for key in ("name", "side", "date", "condition", "notes")}
+        made = SessionResult(
+            session=TrialSet(trials, **about),
+            settings=FitSettings.from_dict(data["settings"]),
+            joined=tuple(data["joined"]),
+            failed=data["failed"],
+            quality={name: quality_of(each) for name, each in data["quality"].items()},
+            predictions={
+                name: {other: Crossed.from_dict(c) for other, c in row.items()}
+                for name, row in data["predictions"].items()
+            },
+            joint_predictions={
+                name: Crossed.from_dict(c) for name, c in data["joint_predictions"].items()
+            },
+            interrupted=bool(data["interrupted"]),
+        )
+        names = [each["name"] for each in data["trials"] if each["fit"]]
+    except (ValueError, TypeError, LookupError, AttributeError):
+        raise InputError(where) from None
+    return replace(
+        made,
+        fits={name: load(root / FITS / f"{slug(name)}.json") for name in names},
+        joint=load(root / JOINT) if data["joint"] else None,
+    )
+
+
+def _trial_json(trial: Trial, fitted: bool) -> dict[str, Any]:
+    recording = trial.recording
+    files = () if recording is None else recording.files
+    hold = trial.hold
+    return {
+        "name": trial.name,
+        "file": None if trial.path is None else Path(trial.path).name,
+        "files": [{"name": each.name, "sha256": each.sha256} for each in files],
+        "effort": trial.effort,
+        "moves": trial.moves,
+        "why": trial.why,
+        "use": trial.use,
+        "problem": trial.problem,
+        "condition": trial.condition,
+        "notes": trial.notes,
+        "hold": None
+        if hold is None
+        else {"angle_rad": hold.angle, "torque_Nm": hold.torque, "sd_Nm": hold.sd},
+        "fit": f"{FITS}/{slug(trial.name)}.json" if fitted else None,
+    }
+
+
+def _trial_of(data: Mapping[str, Any]) -> Trial:
+    hold = data["hold"]
+    return Trial(
+        name=str(data["name"]),
+        path=data["file"],
+        recording=None,
+        problem=str(data["problem"]),
+        effort=str(data["effort"]),
+        moves=bool(data["moves"]),
+        why=str(data["why"]),
+        use=str(data["use"]),
+        hold=None if hold is None else Hold(hold["angle_rad"], hold["torque_Nm"], hold["sd_Nm"]),
+        condition=data["condition"],
+        notes=data["notes"],
+    )
+
+
+def made_folder(folder: PathLike) -> Path:
+    """The folder of a session, with that of its fits."""
+    root = Path(folder)
+    try:
+        (root / FITS).mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"cannot make the folder {shown(folder)}: {reason.lower()}") from None
+    return root

@@ -1,0 +1,270 @@
+"""A session's run: every trial checked and fitted, all together, each predicted by the others."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from surae._version import __version__
+from surae.api.fitted import Fit
+from surae.api.fitting import fit_inputs, load
+from surae.api.quality import check, explained
+from surae.api.session_result import (
+    FITS,
+    JOINT,
+    SessionResult,
+    finite,
+    made_folder,
+    slug,
+    write_summary,
+)
+from surae.assessment.residual.quality import centred_r2
+from surae.assessment.validation.prediction import predict_others
+from surae.diagnosis import STILL
+from surae.errors import ComputationError, InputError
+from surae.files import PathLike
+from surae.quality import Quality
+from surae.settings import FitSettings
+from surae.signals import ModelInputs
+from surae.trials import Crossed, Trial, TrialSet, prepared_for
+
+#: What a joint fit costs, in samples of fits of one trial.
+_JOINT_COST = 1.5
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """Where a run is.
+
+    Attributes
+    ----------
+    what : str
+        What is being done, or was.
+    done, total : int
+        Steps that are complete, and all.
+    left_s : float or None
+        About how many seconds it still takes; None while nobody knows.
+    outcome : str
+        What came of it, in a few words; empty before the step.
+    """
+
+    what: str
+    done: int
+    total: int
+    left_s: float | None = None
+    outcome: str = ""
+
+
+Told = Callable[[Step], None]
+
+
+def run(
+    session: TrialSet, settings: FitSettings, output: PathLike | None, told: Told | None
+) -> SessionResult:
+    """Check, fit each and all, cross-predict; see `Session.run`."""
+    root = None if output is None else made_folder(output)
+    work = _Run(session, settings, root, told or _unheard)
+    try:
+        work.every_trial()
+        work.together()
+        work.crossed()
+    except KeyboardInterrupt:
+        work.interrupted = True
+        work.crossed()
+    result = work.result()
+    if root is not None:
+        write_summary(result, root)
+    return result
+
+
+def _unheard(step: Step) -> None:
+    del step
+
+
+class _Run:
+    """The state of a run: what is done already is kept whatever happens next."""
+
+    def __init__(
+        self, session: TrialSet, settings: FitSettings, root: Path | None, told: Told
+    ) -> None:
+        self.session, self.settings, self.root, self.told = session, settings, root, told
+        self.inputs: dict[str, ModelInputs] = {}
+        self.fits: dict[str, Fit] = {}
+        self.joint: Fit | None = None
+        self.joined: tuple[str, ...] = ()
+        self.failed: dict[str, str] = {}
+        self.quality: dict[str, Quality] = {}
+        self.predictions: dict[str, dict[str, Crossed]] = {}
+        self.joint_predictions: dict[str, Crossed] = {}
+        self.interrupted = False
+        self._cost: dict[str, float] = {}
+        self._begun, self._paid = time.monotonic(), 0.0
+        self._steps = [*(trial.name for trial in session.trials), "all together"]
+        self._done = 0
+
+    def every_trial(self) -> None:
+        """Prepare and check each trial, and fit those that can be."""
+        reference = self.session.emg_reference(self.settings)
+        for trial in self.session.trials:
+            if trial.problem or trial.recording is None:
+                self.failed[trial.name] = trial.problem
+                continue
+            self._tell(f"checking {trial.name}")
+            try:
+                self.inputs[trial.name] = prepared_for(self.settings, trial.recording, reference)
+            except InputError as error:
+                self.failed[trial.name] = str(explained(error, [trial.recording]))
+                continue
+            self.quality[trial.name] = check(trial.recording)
+        for name in self.session.fitted:
+            if name in self.inputs:
+                self._cost[name] = float(self.inputs[name].n)
+        self._cost["all together"] = _JOINT_COST * sum(self._cost.values())
+        for trial in self.session.trials:
+            if trial.name in self.failed:
+                self._step(trial.name, self.failed[trial.name])
+            elif trial.use != "fit":
+                self._step(trial.name, f"not fitted: {trial.why}")
+            else:
+                self._fit(trial.name)
+
+    def together(self) -> None:
+        """Fit all trials together that were fitted and have no error."""
+        wrong = {
+            name: next((f for f in self.quality[name].findings if f.severity == "error"), None)
+            for name in self.fits
+        }
+        for name, finding in wrong.items():
+            if finding is not None:
+                self.failed[name] = f"not in the joint fit: {finding.code}: {finding.message}"
+        names = tuple(
+            name for name, fit in self.fits.items() if not wrong[name] and fit.status != "failed"
+        )
+        if len(names) < 2:
+            self.failed["joint"] = "a joint fit needs two trials that can be fitted"
+            self._step("all together", self.failed["joint"])
+            return
+        quality = tuple(self.quality[name] for name in names)
+        inputs = tuple(self.inputs[name] for name in names)
+        path = None if self.root is None else self.root / JOINT
+        fit, outcome = self._made(f"{len(names)} trials together", path, inputs, quality)
+        if fit is None:
+            self.failed["joint"] = outcome
+        else:
+            self.joint, self.joined = fit, names
+        self._step("all together", outcome)
+
+    def crossed(self) -> None:
+        """Predict every trial by every fit."""
+        for name, fit in self.fits.items():
+            self.predictions[name] = {
+                other: _crossed(fit, inputs, other == name) for other, inputs in self.inputs.items()
+            }
+        if self.joint is not None:
+            self.joint_predictions = {
+                other: _crossed(self.joint, inputs, other in self.joined, self.joined.index(other)
+                                if other in self.joined else 0)
+                for other, inputs in self.inputs.items()
+            }  # fmt: skip
+
+    def result(self) -> SessionResult:
+        """What there is; a check finds nothing new where it says what the trial is known to be."""
+        quality = {}
+        for name, checked in self.quality.items():
+            known = _known(self.session[name])
+            findings = tuple(f for f in checked.findings if f.code not in known)
+            quality[name] = replace(checked, findings=findings)
+        return SessionResult(
+            self.session, self.settings, self.fits, self.joint, self.joined, self.failed,
+            quality, self.predictions, self.joint_predictions, self.interrupted,
+        )  # fmt: skip
+
+    def _fit(self, name: str) -> None:
+        path = None if self.root is None else self.root / FITS / f"{slug(name)}.json"
+        fit, outcome = self._made(name, path, (self.inputs[name],), (self.quality[name],))
+        if fit is None:
+            self.failed[name] = outcome
+        else:
+            self.fits[name] = fit
+        self._step(name, outcome)
+
+    def _made(
+        self,
+        name: str,
+        path: Path | None,
+        inputs: Sequence[ModelInputs],
+        quality: tuple[Quality, ...],
+    ) -> tuple[Fit | None, str]:
+        """A fit, the one on disk where it is of the same, and how it went."""
+        kept = None if path is None else _kept(path, inputs, self.settings)
+        if kept is not None:
+            return kept, f"{kept.adequacy.grade}, R² {kept.adequacy.r2:.2f} % (kept)"
+        self._tell(f"fitting {name}")
+        begun = time.monotonic()
+        try:
+            fit = fit_inputs(inputs, self.settings, quality)
+        except (InputError, ComputationError) as error:
+            return None, str(error)
+        if fit.result.starts[-1].outcome == "interrupted":
+            raise KeyboardInterrupt  # an unfinished fit is none
+        if path is not None:
+            fit.save(path)
+        seconds = time.monotonic() - begun
+        return fit, f"{fit.adequacy.grade}, R² {fit.adequacy.r2:.2f} %, {seconds:.0f} s"
+
+    def _tell(self, what: str) -> None:
+        self.told(Step(what, self._done, len(self._steps), self._left()))
+
+    def _step(self, name: str, outcome: str) -> None:
+        self._done += 1
+        self._paid += self._cost.pop(name, 0.0)
+        self.told(Step(name, self._done, len(self._steps), self._left(), outcome))
+
+    def _left(self) -> float | None:
+        """About how long the rest takes, by how long a sample has taken."""
+        if self._paid <= 0.0:
+            return None
+        return (time.monotonic() - self._begun) * sum(self._cost.values()) / self._paid
+
+
+def _known(trial: Trial) -> tuple[str, ...]:
+    """Codes of findings that say again that a trial holds still, or is passive."""
+    still = () if trial.moves else ("angle-still", "rom-not-covered")
+    return (*still, *(("active-not-active",) if trial.effort == "passive" else ()))
+
+
+def _kept(path: Path, inputs: Sequence[ModelInputs], settings: FitSettings) -> Fit | None:
+    """The fit in a file, where it is of these data and this question and by this surae."""
+    if not path.is_file():
+        return None
+    try:
+        fit = load(path)
+    except InputError:
+        return None
+    same = (
+        fit.result.versions.get("surae") == __version__
+        and fit.settings == settings
+        and fit.result.problem.inputs == tuple(inputs)
+    )
+    return fit if same else None
+
+
+def _crossed(fit: Fit, inputs: ModelInputs, fitted: bool, number: int = 0) -> Crossed:
+    """How a fit follows a trial; one of its own as it was fitted."""
+    if fitted:
+        own = fit.assessment.recordings[number]
+        bias = float(np.mean(fit.result.residuals[number]))
+        return Crossed(finite(own.vaf), finite(own.r2), finite(own.rmse), finite(bias), fitted=True)
+    try:
+        (prediction,) = predict_others(fit.result, [inputs])
+    except (InputError, ComputationError) as error:
+        return Crossed(reason=str(error))
+    moves = float(np.ptp(inputs.angle)) >= STILL
+    return Crossed(
+        finite(prediction.vaf),
+        finite(centred_r2([prediction.errors])) if moves else None,
+        finite(prediction.rmse),
+        finite(prediction.bias),
+    )

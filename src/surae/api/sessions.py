@@ -1,0 +1,214 @@
+"""A session: the trials of one leg, read through one mapping, fitted each and together."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from surae.api.fitted import Fit
+from surae.api.fitting import fit_inputs
+from surae.api.quality import check
+from surae.api.session_result import SessionResult
+from surae.api.session_run import Told, run
+from surae.errors import InputError
+from surae.files import PathLike, shown
+from surae.model.laboratory import AUTO
+from surae.recording import Recording
+from surae.recording.mapping import Description, Said
+from surae.recording.reading import open_mapping, read
+from surae.settings import FitSettings
+from surae.trials import Reading, TrialSet, prepared_for, reading_of, sorted_trials, trial_files
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Session(TrialSet):
+    """The trials of one leg, to be fitted each and together; `session` makes one from files."""
+
+    def fit(self, trial: str, model: str | FitSettings = AUTO, **asked: Any) -> Fit:
+        """Fit one trial.
+
+        Parameters
+        ----------
+        trial : str
+            Its name, one of `fitted`.
+        model : str or FitSettings
+            As of `surae.fit`.
+        **asked
+            Keywords of `surae.fit`. ``normalise`` divides EMG by the session's reference.
+
+        Returns
+        -------
+        Fit
+            Of that trial alone.
+
+        Raises
+        ------
+        InputError
+            There is no such trial, it cannot be fitted, or what is asked makes no sense.
+        """
+        return self.fit_together(model, names=[trial], **asked)
+
+    def fit_together(
+        self,
+        model: str | FitSettings = AUTO,
+        *,
+        names: Sequence[str] | None = None,
+        **asked: Any,
+    ) -> Fit:
+        """Fit several trials jointly: they share all parameters of the leg.
+
+        Parameters
+        ----------
+        model : str or FitSettings
+            As of `surae.fit`.
+        names : sequence of str, optional
+            Trials; by default all that can be fitted.
+        **asked
+            Keywords of `surae.fit`. ``normalise`` divides EMG by the session's reference.
+
+        Returns
+        -------
+        Fit
+            One set of parameters.
+
+        Raises
+        ------
+        InputError
+            A trial is unknown or cannot be fitted, or what is asked makes no sense.
+        """
+        told = {key: asked.pop(key, None) for key in ("progress", "follow", "baseline")}
+        settings = FitSettings.of(model, **asked)
+        chosen = self.fitted if names is None else tuple(names)
+        if not chosen:
+            raise InputError(f"{self.name}: no trial can be fitted: none of them moves")
+        recordings = [self.to_fit(name) for name in chosen]
+        reference = self.emg_reference(settings)
+        inputs = [prepared_for(settings, recording, reference) for recording in recordings]
+        return fit_inputs(inputs, settings, tuple(map(check, recordings)), **told)
+
+    def run(
+        self,
+        output: PathLike | None = None,
+        model: str | FitSettings = AUTO,
+        *,
+        told: Told | None = None,
+        **asked: Any,
+    ) -> SessionResult:
+        """Check every trial, fit each and all together, and predict each by the others.
+
+        Parameters
+        ----------
+        output : path, optional
+            A folder: fits that are in it already, of the same data and question, are taken as they
+            are, and every new one is written as soon as it is made.
+        model : str or FitSettings
+            As of `surae.fit`.
+        told : callable, optional
+            Called before every step and after it; see `surae.api.session_run.Step`.
+        **asked
+            Keywords of `surae.fit`.
+
+        Returns
+        -------
+        SessionResult
+            Ctrl-C keeps the fits that are complete; `SessionResult.interrupted` says so.
+        """
+        return run(self, FitSettings.of(model, **asked), output, told)
+
+
+def session(
+    recordings: PathLike | Sequence[PathLike | Recording],
+    *,
+    mapping: PathLike | None = None,
+    name: str | None = None,
+    side: str | None = None,
+    date: str | None = None,
+    condition: str | None = None,
+    notes: str | None = None,
+    efforts: Mapping[str, str] | None = None,
+) -> Session:
+    """Read the trials of one leg, and decide what each of them is.
+
+    Parameters
+    ----------
+    recordings : path, or sequence of paths and Recordings
+        A folder of files, or the files. One that cannot be read is reported in its trial.
+    mapping : path, optional
+        The TOML that describes all files, as `surae inspect` writes it; not needed for files whose
+        columns have our names.
+    name, side, date, condition, notes : str, optional
+        Of the session, in place of what the mapping says.
+    efforts : mapping of str to str, optional
+        Of trials: ``"passive"``, ``"active"`` or ``"maximal"``, where the data say otherwise.
+
+    Returns
+    -------
+    Session
+
+    Raises
+    ------
+    InputError
+        There is no file, none can be read, the mapping is wrong, or two trials are called alike.
+    """
+    description = None if mapping is None else Description.of(open_mapping(mapping))
+    alone = isinstance(recordings, str) or hasattr(recordings, "__fspath__")
+    given: list[Any] = [recordings] if alone else list(recordings)  # type: ignore[arg-type]
+    made = [reading_of(each) for each in given if isinstance(each, Recording)]
+    paths = [each for each in given if not isinstance(each, Recording)]
+    files = trial_files(paths, description) if paths else {}
+    readings = [*made, *(_reading(trial, path, description) for trial, path in files.items())]
+    names = [reading.name for reading in readings]
+    for reading in readings:
+        if names.count(reading.name) > 1:
+            raise InputError(f"two trials are called {reading.name!r}; name them apart")
+    if not readings:
+        raise InputError("there is no recording; give files, a folder or recordings")
+    if all(reading.recording is None for reading in readings):
+        first = readings[0]
+        more = f" (and {len(readings) - 1} more files)" if len(readings) > 1 else ""
+        raise InputError(f"no trial can be read: {first.problem}{more}")
+    _check_named(description, names)
+    sides = {r.recording.side for r in readings if r.recording is not None and r.recording.side}
+    if side is None and len(sides) > 1:
+        raise InputError("the trials are of both legs; a session is of one: give side")
+    said = Said() if description is None else description.said()
+    return Session(
+        trials=sorted_trials(readings, efforts),
+        name=name or (description.name if description else None) or _folder_name(paths),
+        side=side or said.side or next(iter(sides), None),
+        date=date or said.date,
+        condition=condition or said.condition,
+        notes=notes or said.notes,
+        mapping=None if description is None else description.source.file,
+        efforts=efforts or {},
+    )
+
+
+def _reading(name: str, path: Path, description: Description | None) -> Reading:
+    """A trial's file as it was read, or why it could not be."""
+    said = Said() if description is None else description.said(name)
+    try:
+        recording = read(path) if description is None else description.read(path)
+    except InputError as error:
+        return Reading(name, str(path), None, str(error), said)
+    return Reading(name, str(path), replace(recording, name=name), said=said)
+
+
+def _check_named(description: Description | None, names: Sequence[str]) -> None:
+    """Refuse what differs in a trial that is not there: a slip would go unseen."""
+    if description is None:
+        return
+    for trial in description.trials:
+        if trial not in names:
+            raise InputError(
+                f"{description.source.shown}: trials.{trial}: there is no such trial; trials: "
+                f"{', '.join(names)}"
+            )
+
+
+def _folder_name(paths: Sequence[Any]) -> str:
+    """The folder that a session was read from."""
+    if not paths:
+        return "session"
+    first = Path(paths[0]).resolve()
+    return shown((first if first.is_dir() else first.parent).name) or "session"

@@ -1,0 +1,94 @@
+"""`surae change`."""
+
+from typing import TYPE_CHECKING
+
+import click
+
+from surae.cli.options import LANGUAGE, Number
+from surae.cli.paths import check_outputs
+from surae.files import shown
+
+if TYPE_CHECKING:
+    from surae.api import Change
+
+_NUMBERS = ("before", "after", "difference", "95 % interval", "would show")
+
+
+@click.command("change")
+@click.argument("before", metavar="BEFORE")
+@click.argument("after", metavar="AFTER")
+@click.option("--baseline", "baselines", multiple=True, metavar="FIT.json|DIR",
+              help="A further session before anything changed; may be repeated.")  # fmt: skip
+@click.option("--angle", "angles", type=Number(), multiple=True, metavar="DEG",
+              help="Where torque and stiffness are compared; may be repeated.  "
+              "[default: 0, 10]")  # fmt: skip
+@click.option("--output", metavar="C.json", help="Write the comparison.")
+@click.option("--report", metavar="C.html", help="Write the page for clinicians.")
+@LANGUAGE
+def command(
+    before: str,
+    after: str,
+    baselines: tuple[str, ...],
+    angles: tuple[float, ...],
+    output: str | None,
+    report: str | None,
+    language: str,
+) -> None:
+    """Tell what has changed in a leg between two sessions, or what differs between two legs.
+
+    BEFORE and AFTER are files of fits or folders of sessions. What both are wrong in alike cancels;
+    a change is claimed only where it is beyond what noise, electrodes and foot mounted anew can do,
+    among all that is looked at.
+    """
+    check_outputs({"--output": output, "--report": report}, [before, after, *baselines])
+
+    from surae.api import change, check_clinical_page, fit_of, write_clinical_page
+    from surae.cli.progress import compilation_notice
+
+    check_clinical_page(report)
+    sides = [fit_of(before), fit_of(after)]
+    with compilation_notice():
+        told = change(sides[0], sides[1], baselines=baselines, angles=angles or None)
+
+    from surae.cli.screen import show_line, show_verdicts
+
+    if output is not None:
+        told.save(output)
+    show_verdicts(*_table(told), numbers=_NUMBERS)
+    for reason, names in _reasons(told).items():
+        show_line(f"{reason}: {', '.join(names)}")
+    show_line(told.multiplicity)
+    if told.baselines:
+        show_line(f"the spread between sessions is that of {told.baselines} baselines")
+    if output is not None:
+        show_line(f"change: {shown(output)}")
+    if report is not None:
+        angle = angles[0] if len(angles) == 1 else 10.0
+        write_clinical_page(report, sides, language=language, angle=angle, told=told)
+        show_line(f"report: {shown(report)}")
+
+
+def _table(told: "Change") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """What can be compared; what cannot stands below, by reason."""
+    from surae.api import estimate, significant
+
+    rows: list[tuple[str, ...]] = []
+    for d in (*told.measures.values(), *told.parameters.values()):
+        if d.difference is None or d.ci95 is None or d.smallest is None:
+            continue
+        values = ["—" if value is None else significant(value, 3) for value in (d.before, d.after)]
+        text = estimate(d.difference, (d.ci95[1] - d.ci95[0]) / 3.92, d.ci95)
+        rows.append((
+            d.name, *values, text.value, text.interval, significant(d.smallest, 2),
+            d.unit, str(d.verdict),
+        ))  # fmt: skip
+    return ("of", *_NUMBERS, "unit", "verdict"), rows
+
+
+def _reasons(told: "Change") -> dict[str, list[str]]:
+    """What cannot be compared, by reason."""
+    reasons: dict[str, list[str]] = {}
+    for d in (*told.measures.values(), *told.parameters.values()):
+        if d.verdict == "not comparable" and (d.before is not None or d.after is not None):
+            reasons.setdefault(d.note, []).append(d.name)
+    return reasons

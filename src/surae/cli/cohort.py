@@ -1,0 +1,110 @@
+"""`surae cohort`."""
+
+from typing import TYPE_CHECKING
+
+import click
+
+from surae.cli.options import WORKERS, Number
+from surae.cli.paths import check_outputs
+from surae.errors import InputError
+from surae.files import shown
+from surae.runner import Engine, cores
+
+if TYPE_CHECKING:
+    from surae.api import Cohort
+
+
+@click.command("cohort")
+@click.argument("table", metavar="COHORT.csv")
+@click.option("--refit", is_flag=True,
+              help="Learn the population and fit every leg again with it.")  # fmt: skip
+@click.option("--angle", type=Number(), default=10.0, metavar="DEG",
+              help="Where torque and stiffness are told.  [default: 10]")  # fmt: skip
+@click.option("--workers", type=WORKERS, metavar="N",
+              help="Legs at a time.  [default: all processors]")  # fmt: skip
+@click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster to run on instead.")
+@click.option("--output", metavar="C.json", help="Write the cohort.")
+@click.option("--report", metavar="C.html", help="Write a page with its tables and figures.")
+def command(
+    table: str,
+    refit: bool,
+    angle: float,
+    workers: int | None,
+    dask: str | None,
+    output: str | None,
+    report: str | None,
+) -> None:
+    """Tell what many legs have in common, how groups differ, and what changed over sessions.
+
+    COHORT.csv has the columns fit (a FIT.json or the folder of a session) and subject, and as far
+    as there are side, group and session; other columns are clinical scales. Every leg counts as
+    much as its interval allows; what is missing or at a bound is told.
+    """
+    if dask is not None and workers is not None:
+        raise InputError("--dask brings workers of its own; give it without --workers")
+    check_outputs({"--output": output, "--report": report}, [table])
+
+    from surae.api import check_clinical_page, cohort, write_cohort_page
+    from surae.cli.progress import compilation_notice, work
+
+    check_clinical_page(report)
+    count = workers or cores()
+    engine = (
+        Engine("dask", address=dask)
+        if dask is not None
+        else Engine("processes" if count > 1 else "threads", count)
+    )
+    with work() as progress, compilation_notice():
+
+        def told(done: int, total: int) -> None:
+            progress.describe(f"{done} of {total} legs")
+
+        made = cohort(table, refit=refit, angles=[angle], engine=engine, progress=told)
+
+    from surae.cli.screen import show_line, show_verdicts
+
+    if output is not None:
+        made.save(output)
+    show_verdicts(*_table(made), numbers=("legs", "mean", "95 % interval", "spread"))
+    for line in _notes(made):
+        show_line(line)
+    if output is not None:
+        show_line(f"cohort: {shown(output)}")
+    if report is not None:
+        write_cohort_page(report, made)
+        show_line(f"report: {shown(report)}")
+
+
+def _table(made: "Cohort") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    from surae.api import estimate, significant
+
+    rows: list[tuple[str, ...]] = []
+    for p in made.pooled.values():
+        for group, effects in p.groups.items():
+            text = estimate(effects.mean, effects.se, effects.ci95)
+            spread = significant(effects.tau2**0.5, 2)
+            rows.append(
+                (p.name, group or "all", str(effects.k), text.value, text.interval, spread, p.unit)
+            )
+    heads = ("of", "group", "legs", "mean", "95 % interval", "spread", "unit")
+    return heads, rows
+
+
+def _notes(made: "Cohort") -> list[str]:
+    """Differences and changes that are shown, and who is not in them."""
+    notes = []
+    for p in made.pooled.values():
+        for kind, contrasts in (("differs", p.differences), ("changed", p.changes)):
+            notes += [
+                f"{p.name} {kind}, {key or 'all'}: {c.difference:.3g} {p.unit} "
+                f"({c.ci95[0]:.3g} … {c.ci95[1]:.3g}), p = {c.p:.2g}"
+                for key, c in contrasts.items()
+                if c.p < 0.05
+            ]
+    notes += [f"{m.leg}: no fit ({m.missing})" for m in made.members if m.missing]
+    bound = [f"{p.name} {p.at_bound}" for p in made.pooled.values() if p.at_bound]
+    if bound:
+        notes.append(f"at a bound, so that they may lie anywhere between: {', '.join(bound)}")
+    if made.rounds:
+        notes.append(f"every leg was fitted again with its population, {made.rounds} rounds")
+    return notes

@@ -1,0 +1,111 @@
+"""`surae session`."""
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from surae import names
+from surae.cli.options import MAPPING, MODEL_NAMES, request, request_options
+from surae.cli.progress import Work
+from surae.errors import InputError
+from surae.files import shown
+
+if TYPE_CHECKING:
+    from surae.api import SessionResult, Step
+
+
+@click.command("session")
+@click.argument("recordings", metavar="FILES|DIR", nargs=-1, required=True)
+@MAPPING
+@click.option(
+    "--model",
+    type=click.Choice(names.FITTED),
+    default=names.AUTO,
+    show_default=True,
+    metavar="M",
+    help=f"{names.AUTO}: what the data support; or {MODEL_NAMES}.",
+)
+@click.option("--prepared", is_flag=True, help="Use the signals as they are, without filters.")
+@request_options
+@click.option("--output", required=True, metavar="OUT/", help="Folder of the fits and the report.")
+def command(
+    recordings: tuple[str, ...],
+    mapping: str | None,
+    model: str,
+    prepared: bool,
+    asked: dict[str, Any],
+    mvc: tuple[str, ...],
+    output: str,
+) -> int:
+    """Fit the trials of one leg: each, all together, and each predicted by the others.
+
+    FILES are data files or a folder of them; --mapping says which column is which signal, for all.
+    Trials that hold still or are of maximal effort are used for what they can tell. A file that
+    cannot be read is reported and the others go on. OUT/ then holds report.html, table.csv,
+    fits/TRIAL.json and joint.json; the same command again takes fits that are there already.
+    Ctrl-C keeps what is complete.
+    """
+    if mvc:
+        raise InputError(
+            "--mvc: the maximal contractions of a session are among its trials: name them so, or "
+            'write effort = "maximal" in the mapping\'s [trials]'
+        )
+    settings = request(model, asked | {"prepared": prepared})
+
+    from surae.cli.progress import compilation_notice, work
+
+    with work() as progress:
+        progress.describe("reading and sorting the trials")
+        from surae.api import session  # numba: only when there is something to read
+
+        trials = session(list(recordings), mapping=mapping)
+        with compilation_notice():
+            result = trials.run(output, settings, told=lambda step: _tell(progress, step))
+    return _show(result, output)
+
+
+def _tell(progress: Work, step: "Step") -> None:
+    """A bar while something is done, a line when it is."""
+    if not step.outcome:
+        progress.parts(step.what, step.done, step.total)
+        return
+    left = "" if step.left_s is None or step.done == step.total else f"; about {_span(step.left_s)}"
+    click.echo(f"[{step.done}/{step.total}] {step.what}: {step.outcome}{left}", err=True)
+
+
+def _span(seconds: float) -> str:
+    if seconds < 90:
+        return f"{max(round(seconds), 1)} s left"
+    return f"{round(seconds / 60)} min left"
+
+
+def _show(result: "SessionResult", output: str) -> int:
+    """What came of it; the exit code."""
+    from surae.api import percentage
+    from surae.cli.screen import show_line, show_table
+
+    rows = [
+        (row["trial"], row["effort"], row["grade"], percentage(row["r2"] or float("nan")), "%")
+        for row in result.rows()
+    ]
+    if rows:
+        show_table(("fit of", "effort", "grade", "R²", ""), rows)
+    for name, why in result.failed.items():
+        show_line(f"{name}: {why}")
+    for text in result.common:
+        show_line(text)
+    show_line(f"report: {shown(output)}/report.html; table: {shown(output)}/table.csv")
+    if result.interrupted:
+        click.echo(
+            "surae: stopped by the user; the fits that are complete are written, and the same "
+            "command goes on",
+            err=True,
+        )
+        return 130
+    unread = [trial.name for trial in result.session.trials if trial.recording is None]
+    if unread:
+        click.echo(f"surae: could not be read: {', '.join(unread)}", err=True)
+    if not result.fits:
+        click.echo("surae: no trial could be fitted", err=True)
+        return 1
+    return 0

@@ -1,0 +1,54 @@
+"""What README and the page on the reproduction say of its verdicts is what its table says."""
+
+import re
+from collections import Counter
+
+from docs.pages import ROOT
+from surae_thesis.claims import CAUSES, VERDICTS
+
+TABLE = (ROOT / "docs" / "reproduction-table.md").read_text(encoding="utf-8")
+#: The verdicts of the table, in full, by section.
+SAID = [
+    re.findall(r"\*\*([^*]+)\*\* \|$", part, flags=re.MULTILINE)
+    for part in TABLE.split("\n## ")[1:]
+]
+EVERY = [said for section in SAID for said in section]
+COUNTS = Counter(
+    "differs" if said.startswith("differs")
+    else "holds with the thesis's integrator" if "integrator" in said
+    else "holds under a reading" if said.startswith("holds under")
+    else said
+    for said in EVERY
+)  # fmt: skip
+
+
+def test_the_table_counts_its_own_rows() -> None:
+    (line,) = re.findall(r"^Verdicts: (.*)\.$", TABLE, flags=re.MULTILINE)
+    assert line == ", ".join(f"{COUNTS[verdict]} {verdict}" for verdict in VERDICTS)
+    for cause in CAUSES:
+        assert sum(said == f"differs: {cause}" for said in EVERY) in map(
+            int, re.findall(r"\d+", TABLE.split("Of those that differ")[1].split("\n")[0])
+        )
+
+
+def test_everything_that_differs_says_why() -> None:
+    assert {said for said in EVERY if said.startswith("differs")} <= {
+        f"differs: {cause}" for cause in CAUSES
+    }
+
+
+def test_readme_and_page_give_these_counts() -> None:
+    page = (ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8").split("\n##")[0]
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    (line,) = [line for line in readme.splitlines() if "reproduce the thesis?" in line]
+    for text in (page, line):
+        for number in (len(EVERY), COUNTS["holds"], COUNTS["holds under a reading"]):
+            assert re.search(rf"\b{number}\b", text)
+        assert re.search(rf"\b{COUNTS['differs']}\s+differ", text)
+    rows = re.findall(r"^\| `\w+` \|.*$", page, flags=re.MULTILINE)
+    assert len(rows) == len(SAID)
+    for row, section in zip(rows, SAID, strict=True):
+        differs = sum(said.startswith("differs") for said in section)
+        holds = section.count("holds")
+        numbers = [int(cell) for cell in row.split("|") if cell.strip().isdigit()]
+        assert numbers[:3] == [holds, len(section) - holds - differs, differs]

@@ -1,0 +1,66 @@
+"""`surae.fit` as people call it: a file, its filters, and no model named."""
+
+import numpy as np
+import pytest
+
+import surae
+from surae.protocol import Protocol, generate
+from surae.recording import MUSCLES
+from surae.studies import virtual_subject, virtual_trial
+from surae.studies.richer import richer_leg
+
+
+def fitted(folder, seed: int):
+    """The fit of a virtual subject's file, envelopes clipped at zero, and its true values."""
+    subject = virtual_subject(seed)
+    motion = generate(
+        Protocol(profile="multiple-holds", chirp_amplitude=0.1, chirp_rate=0.2, rate_hz=125.0)
+    )
+    trial = virtual_trial(subject, motion)
+    columns = {"time_s": trial.time, "angle_rad": trial.angle, "torque_Nm": trial.torque}
+    emg = np.maximum(trial.emg, 0.0)
+    columns |= {f"emg_{m}_V": emg[:, i] for i, m in enumerate(MUSCLES)}
+    path = folder / f"{seed}.csv"
+    surae.write_csv(path, columns, ["emg: envelope"])
+    return surae.fit(path, quality=()), subject.parameters
+
+
+@pytest.fixture(scope="module")
+def legs(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("auto")
+    return [fitted(folder, seed) for seed in (1, 2, 4)]
+
+
+def test_a_filtered_recording_keeps_its_model(legs) -> None:
+    """The filters take noise away where there is no signal: that is not to be trusted."""
+    for fit, _ in legs:
+        assert fit.result.problem.spec.name == "muscle"
+        assert fit.adequacy.grade == "adequate"
+
+
+def test_what_is_identified_of_a_filtered_recording_is_true(legs) -> None:
+    held = [
+        p.ci95[0] <= truth[name] <= p.ci95[1]
+        for fit, truth in legs
+        for name, p in fit.parameters.items()
+        if p.verdict == "identified"
+    ]
+    assert len(held) >= 25  # of 45
+    assert held.count(False) <= 4  # of 95 % intervals, 4 false of 40 come once in twenty times
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("drifting", [False, True])
+def test_what_is_identified_of_richer_legs_is_true(tmp_path, drifting) -> None:
+    """Twelve legs richer than every model, as files; `benchmarks/trust.py` counts more."""
+    free = claimed = true = 0
+    for seed in range(900, 912):
+        leg = richer_leg(seed, drifting=drifting)
+        leg.write(tmp_path / "leg.csv")
+        for name, p in surae.fit(tmp_path / "leg.csv", quality=()).parameters.items():
+            free += p.free
+            if p.verdict == "identified":
+                claimed += 1
+                true += p.ci95[0] <= leg.parameters[name] <= p.ci95[1]
+    assert claimed >= 0.6 * free
+    assert true >= 0.9 * claimed
