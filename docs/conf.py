@@ -16,6 +16,7 @@ version = release
 
 extensions = [
     "mathml",
+    "measure_tables",
     "parameter_tables",
     "quality_table",
     "reproduction_table",
@@ -32,6 +33,7 @@ exclude_patterns = [
     "images",
     "reproduction-table.md",
     "how-to/quality-codes.md",
+    "methods/measure-table.md",
     "models/parameters-*.md",
 ]
 root_doc = "index"
@@ -40,7 +42,7 @@ html_theme = "pydata_sphinx_theme"
 html_title = "surae"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
-html_sidebars = {page: [] for page in ("index", "start", "reproduction", "glossary")}
+html_sidebars = {page: [] for page in ("index", "start", "clinicians", "reproduction", "glossary")}
 html_copy_source = False
 html_show_sourcelink = False
 html_theme_options = {

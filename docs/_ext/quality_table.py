@@ -26,6 +26,7 @@ ADVICE = {
     "emg-offset": "take the offset away in the mapping; rest the muscle for an envelope",
     "emg-artefact": "fasten cable and electrode; `--exclude` that time, or `--robust`",
     "mains-hum": "reference electrode; cables away from power lines",
+    "electrode-off": "fix the electrode, then record again",
     "electrode-lag": "the delay of that sensor, a wireless one above all",
     "emg-torque-lag": "how the devices are synchronised; shift the time of one file",
     "torque-limit": "less effort or slower motion",

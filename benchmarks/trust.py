@@ -1,0 +1,114 @@
+"""How much of what is called identified is true, on legs richer than every model of a fit.
+
+Virtual legs of `surae.studies.richer`, each written as a CSV file and fitted as anybody would,
+through the ordinary filters. Run it as
+
+    .venv/bin/python benchmarks/trust.py --legs 60 --set a
+
+Set a has tendons of its own, crosstalk, a delay and a zero; b an axis beside the device's and drift
+too; c is foreign to every model of the family.
+"""
+
+import argparse
+import tempfile
+import time
+import warnings
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+
+import surae
+from surae.recording import MUSCLES
+from surae.studies.richer import RicherLeg, richer_leg
+
+
+def trials_of(seed: int, asked: argparse.Namespace) -> list[RicherLeg]:
+    """The trials of a leg."""
+    motion = {
+        name: value
+        for name in ("profile", "task", "duration", "chirp_amplitude")
+        if (value := getattr(asked, name)) is not None
+    }
+    return [
+        richer_leg(
+            seed, drifting=asked.set in "bc", foreign=asked.set == "c", noise=asked.noise,
+            emg_noise=asked.emg_noise, raw=asked.raw, rate_hz=asked.rate, trial=trial, **motion,
+        )
+        for trial in range(asked.trials)
+    ]  # fmt: skip
+
+
+def fitted(legs: list[RicherLeg], asked: argparse.Namespace) -> surae.Fit:
+    """The fit of files of these trials."""
+    given: dict = {"model": asked.model}
+    if asked.model == "auto":
+        given["nuisances"] = asked.nuisances
+    muscles = MUSCLES if asked.channels == 4 else ("ta", "sol")
+    fixed = {} if asked.channels == 4 else {"g2": 0.0, "g4": 0.0}
+    with tempfile.TemporaryDirectory() as folder:
+        paths = [Path(folder) / f"{number}.csv" for number in range(len(legs))]
+        for path, leg in zip(paths, legs, strict=True):
+            leg.write(path, muscles)
+        return surae.fit(paths, fixed=fixed, quality=(), **given)
+
+
+def main() -> None:
+    """Count."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--legs", type=int, default=60)
+    parser.add_argument("--first", type=int, default=0, help="seed of the first leg")
+    parser.add_argument("--set", choices="abc", default="a")
+    parser.add_argument("--trials", type=int, default=1, help="trials of a leg in one joint fit")
+    parser.add_argument("--model", default="auto")
+    parser.add_argument("--nuisances", default="all")
+    parser.add_argument("--noise", type=float, default=0.03)
+    parser.add_argument("--emg-noise", type=float)
+    parser.add_argument("--rate", type=float, default=128.0)
+    parser.add_argument("--raw", action="store_true", help="raw EMG at 1024 Hz")
+    parser.add_argument("--channels", type=int, choices=(2, 4), default=4)
+    parser.add_argument("--profile")
+    parser.add_argument("--task")
+    parser.add_argument("--duration", type=float)
+    parser.add_argument("--chirp-amplitude", type=float)
+    asked = parser.parse_args()
+    warnings.simplefilter("ignore")
+    free = claimed = true = 0
+    grades: Counter[str] = Counter()
+    seconds, away, misses = [], [], Counter()
+    for seed in range(asked.first, asked.first + asked.legs):
+        legs = trials_of(seed, asked)
+        begin = time.process_time()
+        fit = fitted(legs, asked)
+        seconds.append(time.process_time() - begin)
+        truth, said = legs[0].parameters, []
+        for name, p in fit.parameters.items():
+            if not p.free or (asked.channels == 2 and name == "g3"):
+                continue
+            free += 1
+            if p.sem:
+                away.append((p.value - truth.get(name, 0.3)) / p.sem)
+            if p.verdict == "identified":
+                claimed += 1
+                hit = p.ci95[0] <= truth.get(name, 0.3) <= p.ci95[1]
+                true += hit
+                if not hit:
+                    misses[name] += 1
+                    said.append(f"{name} {(p.value - truth.get(name, 0.3)) / p.sem:+.1f}")
+        grades[str(fit.adequacy.grade)] += 1
+        family = fit.result.family
+        groups = family.candidates[0].groups if family else ()
+        count = sum(p.verdict == "identified" for p in fit.parameters.values())
+        print(seed, fit.result.problem.spec.name, ",".join(groups), fit.adequacy.grade,
+              f"r2 {fit.adequacy.r2:.2f}", count, "false:", *said, flush=True)  # fmt: skip
+    print(
+        f"{asked.legs} legs of set {asked.set}: {100 * claimed / free:.1f} % identified, "
+        f"{100 * true / max(claimed, 1):.1f} % of these true ({true} of {claimed}); "
+        f"errors {np.sqrt(np.mean(np.square(away))):.2f} times what is told "
+        f"(median {np.median(np.abs(away)):.2f}); {dict(grades)}; "
+        f"{np.mean(seconds):.1f} s of processor each; missed: {dict(misses)}"
+    )
+
+
+if __name__ == "__main__":
+    main()
