@@ -13,6 +13,7 @@ from surae.measures.cohort import Cohort, borrowed, pool
 from surae.measures.members import Told, measured, read_table, refitted
 from surae.measures.quantity import Quantities, quantities
 from surae.runner import Engine
+from surae.trials.folder import fit_in
 
 #: Where changes are asked unless told otherwise [deg].
 CHANGE_ANGLES = (0.0, 10.0)
@@ -197,18 +198,7 @@ def fit_of(given: Fit | PathLike) -> Fit:
     if isinstance(given, Fit):
         return given
     path = Path(given)
-    if not path.is_dir():
-        return load(path)
-    joint = path / "joint.json"
-    if joint.is_file():
-        return load(joint)
-    alone = sorted(path.glob("fits/*.json"))
-    if len(alone) != 1:
-        raise InputError(
-            f"{shown(path)}: {len(alone)} fits and no joint.json; give the FIT.json to compare, or "
-            "fit the session together with `surae session`"
-        )
-    return load(alone[0])
+    return load(fit_in(path) if path.is_dir() else path)
 
 
 def _quantities(given: Fit | PathLike, angles: Sequence[float]) -> Quantities:

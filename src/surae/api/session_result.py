@@ -1,7 +1,6 @@
 """What came of a session: its fits, what they predict of each other, its table and folder."""
 
 import json
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime
@@ -20,10 +19,19 @@ from surae.frozen import FrozenDict
 from surae.quality import Quality
 from surae.settings import FitSettings
 from surae.trials import Crossed, Hold, Trial, TrialSet, common_errors
+from surae.trials.folder import (
+    INDEX,
+    JOINT,
+    PARQUET,
+    REPORT,
+    TABLE,
+    claimed,
+    fit_name,
+    remove_stale,
+    results_in,
+)
 
 FORMAT = 1
-#: Names of what is in the folder.
-INDEX, JOINT, FITS, REPORT = "session.json", "joint.json", "fits", "report.html"
 _ABOUT = ("name", "side", "date", "condition", "notes")
 
 
@@ -153,16 +161,17 @@ class SessionResult:
         Parameters
         ----------
         folder : path
-            It is made where it is missing.
+            It is made where it is missing. Results that are in it already are replaced.
 
         Raises
         ------
         InputError
-            Something cannot be written.
+            Something cannot be written, or would replace what is no result of a session.
         """
-        root = made_folder(folder)
+        root = claimed(folder, self.session.trials)
+        write_index(self, root, begun=True)
         for name, fit in self.fits.items():
-            fit.save(root / FITS / f"{slug(name)}.json")
+            fit.save(root / fit_name(name))
         if self.joint is not None:
             self.joint.save(root / JOINT)
         write_summary(self, root)
@@ -192,12 +201,31 @@ def finite(value: float) -> float | None:
 
 
 def write_summary(result: SessionResult, root: Path) -> None:
-    """Write everything but the fits: index, tables, report."""
-    write_json(root / INDEX, _index(result))
-    result.write_table(root / "table.csv")
+    """Write everything but the fits: index, tables, report. Fits of earlier runs go."""
+    remove_stale(root, _results(result))
+    write_index(result, root)
+    result.write_table(root / TABLE)
     if find_spec("pyarrow") is not None:
-        result.write_table(root / "table.parquet")
+        result.write_table(root / PARQUET)
     result.report(root / REPORT)
+
+
+def write_index(result: SessionResult, root: Path, *, begun: bool = False) -> None:
+    """Write the index; of a run that has `begun`, before there is any fit.
+
+    A fit that is on its way is the run's own then, whenever it is stopped; what was there before is
+    no longer told as a result.
+    """
+    data = _index(replace(result, fits={}, joint=None, interrupted=True) if begun else result)
+    data["results"] = sorted(_results(result))
+    if begun:
+        planned = {fit_name(trial.name) for trial in result.session.trials}
+        data["results"] = sorted(results_in(root) | planned | {JOINT})
+    write_json(root / INDEX, data)
+
+
+def _results(result: SessionResult) -> set[str]:
+    return {fit_name(name) for name in result.fits} | ({JOINT} if result.joint else set())
 
 
 def _index(result: SessionResult) -> dict[str, Any]:
@@ -223,11 +251,6 @@ def _index(result: SessionResult) -> dict[str, Any]:
         "joint_predictions": {n: c.as_dict() for n, c in result.joint_predictions.items()},
         "interrupted": result.interrupted,
     }
-
-
-def slug(name: str) -> str:
-    """A trial's name as the name of a file."""
-    return re.sub(r"[^\w.+-]+", "_", name).strip(".") or "trial"
 
 
 def load_session(folder: PathLike) -> SessionResult:
@@ -280,7 +303,7 @@ def load_session(folder: PathLike) -> SessionResult:
         raise InputError(where) from None
     return replace(
         made,
-        fits={name: load(root / FITS / f"{slug(name)}.json") for name in names},
+        fits={name: load(root / fit_name(name)) for name in names},
         joint=load(root / JOINT) if data["joint"] else None,
     )
 
@@ -303,7 +326,7 @@ def _trial_json(trial: Trial, fitted: bool) -> dict[str, Any]:
         "hold": None
         if hold is None
         else {"angle_rad": hold.angle, "torque_Nm": hold.torque, "sd_Nm": hold.sd},
-        "fit": f"{FITS}/{slug(trial.name)}.json" if fitted else None,
+        "fit": fit_name(trial.name) if fitted else None,
     }
 
 
@@ -322,14 +345,3 @@ def _trial_of(data: Mapping[str, Any]) -> Trial:
         condition=data["condition"],
         notes=data["notes"],
     )
-
-
-def made_folder(folder: PathLike) -> Path:
-    """The folder of a session, with that of its fits."""
-    root = Path(folder)
-    try:
-        (root / FITS).mkdir(parents=True, exist_ok=True)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"cannot make the folder {shown(folder)}: {reason.lower()}") from None
-    return root

@@ -11,15 +11,7 @@ from surae._version import __version__
 from surae.api.fitted import Fit
 from surae.api.fitting import fit_inputs, load
 from surae.api.quality import check, explained
-from surae.api.session_result import (
-    FITS,
-    JOINT,
-    SessionResult,
-    finite,
-    made_folder,
-    slug,
-    write_summary,
-)
+from surae.api.session_result import SessionResult, finite, write_index, write_summary
 from surae.assessment.residual.quality import centred_r2
 from surae.assessment.validation.prediction import predict_others
 from surae.diagnosis import STILL
@@ -29,6 +21,7 @@ from surae.quality import Quality
 from surae.settings import FitSettings
 from surae.signals import ModelInputs
 from surae.trials import Crossed, Trial, TrialSet, prepared_for
+from surae.trials.folder import JOINT, claimed, fit_name
 
 #: What a joint fit costs, in samples of fits of one trial.
 _JOINT_COST = 1.5
@@ -64,7 +57,11 @@ def run(
     session: TrialSet, settings: FitSettings, output: PathLike | None, told: Told | None
 ) -> SessionResult:
     """Check, fit each and all, cross-predict; see `Session.run`."""
-    root = None if output is None else made_folder(output)
+    if any(trial.name == "joint" for trial in session.trials):
+        raise InputError("a trial is called 'joint', as the fit of all together is; rename it")
+    root = None if output is None else claimed(output, session.trials)
+    if root is not None:
+        write_index(SessionResult(session, settings), root, begun=True)
     work = _Run(session, settings, root, told or _unheard)
     try:
         work.every_trial()
@@ -182,7 +179,7 @@ class _Run:
         )  # fmt: skip
 
     def _fit(self, name: str) -> None:
-        path = None if self.root is None else self.root / FITS / f"{slug(name)}.json"
+        path = None if self.root is None else self.root / fit_name(name)
         fit, outcome = self._made(name, path, (self.inputs[name],), (self.quality[name],))
         if fit is None:
             self.failed[name] = outcome

@@ -26,6 +26,7 @@ from surae.measures.quantity import Quantities, Quantity, quantities
 from surae.measures.reml import FEWEST, random_effects
 from surae.runner import Died, Engine, results
 from surae.settings import FitSettings
+from surae.trials.folder import fit_in
 
 _LABELS = ("subject", "side", "group", "session")
 #: Rounds of a refit, at most; it ends where no median moves by more than this part of its spread.
@@ -133,7 +134,7 @@ def quantities_of(
     """
     place = Path(path)
     try:
-        saved = load_saved(place / "joint.json" if place.is_dir() else place)
+        saved = load_saved(fit_in(place) if place.is_dir() else place)
         result = saved.result
         if priors is not None:
             known = {

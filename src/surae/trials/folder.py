@@ -1,0 +1,158 @@
+"""The folder of a session's results: what is in it, and what is never touched there.
+
+Its index, session.json, says which files are results of which run: only these are taken, replaced
+or removed. Whatever else lies there is the user's.
+"""
+
+import json
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from surae.errors import InputError
+from surae.files import PathLike, read_bytes, shown
+from surae.trials.sorting import Trial
+
+#: Names of what is in the folder.
+INDEX, JOINT, FITS = "session.json", "joint.json", "fits"
+REPORT, TABLE, PARQUET = "report.html", "table.csv", "table.parquet"
+_SUMMARY = (INDEX, REPORT, TABLE, PARQUET)
+#: What a run may remove: fits of its own folder, nothing that a damaged index could name.
+_FIT = re.compile(rf"{FITS}/[\w.+-]+\.json|{re.escape(JOINT)}")
+
+
+def slug(name: str) -> str:
+    """A trial's name as the name of a file."""
+    return re.sub(r"[^\w.+-]+", "_", name).strip(".") or "trial"
+
+
+def fit_name(trial: str) -> str:
+    """The file of a trial's fit, from the folder."""
+    return f"{FITS}/{slug(trial)}.json"
+
+
+def index_of(folder: PathLike) -> dict[str, Any] | None:
+    """The index of a folder; None where it has none of ours."""
+    path = Path(folder) / INDEX
+    if not path.is_file():
+        return None
+    try:
+        data = json.loads(read_bytes(path))
+    except (ValueError, InputError):
+        return None
+    return data if isinstance(data, dict) and data.get("format") == "surae session" else None
+
+
+def results_in(folder: PathLike) -> frozenset[str]:
+    """The fits that runs have put into a folder, by its index."""
+    told = (index_of(folder) or {}).get("results", ())
+    names = told if isinstance(told, list) else ()
+    return frozenset(name for name in names if isinstance(name, str) and _FIT.fullmatch(name))
+
+
+def claimed(folder: PathLike, trials: Sequence[Trial]) -> Path:
+    """The folder for a session's results, made where it is missing.
+
+    Parameters
+    ----------
+    folder : path
+        Where to.
+    trials : sequence of Trial
+        The session's.
+
+    Raises
+    ------
+    InputError
+        The trials themselves lie in it, it holds a file that is no result and would be replaced,
+        two fits would have one name, or it cannot be made.
+    """
+    root = Path(folder)
+    names = _distinct(trial.name for trial in trials)
+    _refuse_own(root, trials)
+    ours = {*results_in(root), *(() if index_of(root) is None else _SUMMARY)}
+    for name in (*_SUMMARY, JOINT, *names):
+        if name not in ours and (root / name).exists():
+            raise InputError(
+                f"{shown(root / name)} is not a result of this session and would be replaced; "
+                "give another folder"
+            )
+    try:
+        (root / FITS).mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"cannot make the folder {shown(folder)}: {reason.lower()}") from None
+    return root
+
+
+def remove_stale(folder: PathLike, present: Iterable[str]) -> None:
+    """Remove fits of earlier runs that are not of this one."""
+    for name in results_in(folder) - set(present):
+        (Path(folder) / name).unlink(missing_ok=True)
+
+
+def fit_in(folder: PathLike) -> Path:
+    """The fit that stands for a session: the joint one, or the only one that there is.
+
+    Parameters
+    ----------
+    folder : path
+        What `surae session` wrote, or a folder with a joint.json alone.
+
+    Raises
+    ------
+    InputError
+        There is none, or there are several and no joint one; why.
+    """
+    root = Path(folder)
+    index = index_of(root)
+    if index is None:
+        if (root / JOINT).is_file():
+            return root / JOINT
+        raise InputError(f"{shown(folder)}: this is no session: it has no {INDEX}; give a FIT.json")
+    if index.get("joint"):
+        return root / JOINT
+    alone = [fit_name(each["name"]) for each in _dicts(index.get("trials")) if each.get("fit")]
+    if len(alone) == 1:
+        return root / alone[0]
+    failed = index.get("failed")
+    why = failed.get("joint") if isinstance(failed, dict) else None
+    why = why or ("it was stopped" if index.get("interrupted") else "none was made")
+    raise InputError(
+        f"{shown(folder)}: {len(alone)} fits and no joint one ({why}); give the FIT.json to "
+        "compare, or run `surae session` again"
+    )
+
+
+def _dicts(value: object) -> list[Mapping[str, Any]]:
+    every = value if isinstance(value, list) else []
+    return [each for each in every if isinstance(each, dict) and isinstance(each.get("name"), str)]
+
+
+def _distinct(trials: Iterable[str]) -> tuple[str, ...]:
+    """The names of all fits, of which no two are one file, on systems either that mind no case."""
+    taken: dict[str, str] = {}
+    for trial in trials:
+        name = fit_name(trial).casefold()
+        if name in taken:
+            raise InputError(
+                f"the fits of trials {taken[name]!r} and {trial!r} would both be "
+                f"{fit_name(trial)}; rename one of the trials"
+            )
+        taken[name] = trial
+    return tuple(map(fit_name, taken.values()))
+
+
+def _refuse_own(root: Path, trials: Iterable[Trial]) -> None:
+    """Refuse a folder in which files of the trials lie."""
+    mine = {root.resolve(), (root / FITS).resolve()}
+    for trial in trials:
+        files = () if trial.recording is None else trial.recording.files
+        for path in (*((trial.path,) if trial.path else ()), *(file.path for file in files)):
+            place = Path(path).resolve()
+            # A mapping may lie beside the results.
+            if place.suffix != ".toml" and place.parent in mine and place.exists():
+                raise InputError(
+                    f"{shown(root)} holds the recordings themselves ({shown(place.name)}); give "
+                    f"the results a folder of their own, as {shown(root / 'OUT')}"
+                )

@@ -1,0 +1,137 @@
+"""The folder of results: never over the user's files, never a fit that is not of this run."""
+
+import json
+import shutil
+
+import pytest
+
+import surae
+from surae.api import session_run
+from surae.api.answers import fit_of
+from surae.errors import InputError
+from surae.measures.members import quantities_of
+
+QUICK = {"model": "muscle", "prepared": True, "starts": 1}
+
+
+@pytest.fixture(scope="module")
+def walks(leg, tmp_path_factory):
+    """Two trials in a folder, and their results."""
+    folder = tmp_path_factory.mktemp("walks")
+    for name in ("walk 1", "walk 2"):
+        shutil.copy(leg / f"{name}.csv", folder)
+    out = tmp_path_factory.mktemp("results") / "out"
+    return folder, out, surae.session(folder).run(out, **QUICK)
+
+
+def content(folder):
+    return {p.relative_to(folder): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+
+def test_the_folder_of_the_recordings_is_no_place_for_results(walks, tmp_path, run):
+    leg = tmp_path / "leg"
+    shutil.copytree(walks[0], leg)
+    shutil.copy(leg / "walk 1.csv", leg / "table.csv")  # which the results would replace
+    before = content(leg)
+    done = run("session", leg, "--output", leg, "--model", "muscle", "--prepared")
+    assert done.code == 2
+    assert "holds the recordings themselves" in done.err
+    with pytest.raises(InputError, match="holds the recordings themselves"):
+        walks[2].__class__(surae.session(leg), walks[2].settings).save(leg)
+    assert content(leg) == before
+
+
+@pytest.mark.parametrize(
+    "name", ["table.csv", "report.html", "joint.json", "session.json", "fits/walk_1.json"]
+)
+def test_what_is_no_result_is_never_replaced(walks, tmp_path, name):
+    (tmp_path / "fits").mkdir()
+    (tmp_path / name).write_text("mine")
+    for write in (
+        lambda: surae.session(walks[0]).run(tmp_path, **QUICK),
+        lambda: walks[2].save(tmp_path),
+    ):
+        with pytest.raises(InputError, match="is not a result of this session"):
+            write()
+    assert (tmp_path / name).read_text() == "mine"
+    assert len(content(tmp_path)) == 1
+
+
+@pytest.mark.parametrize("names", [("walk 1", "walk_1"), ("walk", "Walk")])
+def test_two_trials_of_one_file_name_are_refused(walks, tmp_path, names):
+    for name in names:
+        shutil.copy(walks[0] / "walk 1.csv", tmp_path / f"{name}.csv")
+    session = surae.session(tmp_path)
+    with pytest.raises(InputError, match=r"would both be .*rename one of the trials"):
+        session.run(tmp_path / "out", **QUICK)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_trial_called_joint_is_refused(walks, tmp_path):
+    for name in ("joint", "walk 2"):
+        shutil.copy(walks[0] / "walk 2.csv", tmp_path / f"{name}.csv")
+    with pytest.raises(InputError, match=r"called 'joint'.*rename it"):
+        surae.session(tmp_path).run(**QUICK)
+
+
+def test_fits_of_an_earlier_run_are_not_taken_for_this_ones(walks, tmp_path):
+    folder, done, _ = walks
+    out = tmp_path / "out"
+    shutil.copytree(done, out)
+    (out / "fits" / "mine.json").write_text("the user's")
+    assert fit_of(out) == fit_of(done)
+    alone = surae.session(folder / "walk 1.csv").run(out, **QUICK)
+    assert alone.joint is None
+    assert sorted(p.name for p in (out / "fits").iterdir()) == ["mine.json", "walk_1.json"]
+    assert not (out / "joint.json").exists()
+    assert surae.load_session(out).rows() == alone.rows()
+
+
+def test_a_run_that_was_stopped_tells_no_older_joint_fit(walks, tmp_path, monkeypatch):
+    """A change of settings, stopped before the joint fit: the older one stands for nothing."""
+    folder, done, _ = walks
+    out = tmp_path / "out"
+    shutil.copytree(done, out)
+
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(session_run, "fit_inputs", stopped)
+    surae.session(folder).run(out, **QUICK, fixed={"beta": 1.0})
+    with pytest.raises(InputError, match=r"no joint one \(it was stopped\)"):
+        surae.change(out, done)
+    told = quantities_of(path=str(out), angles=[10.0], priors=None)
+    assert "no joint one" in told["error"]
+
+
+def test_a_killed_run_leaves_an_index_and_goes_on(walks, tmp_path, monkeypatch):
+    folder, _, result = walks
+    out, whole, calls = tmp_path / "out", session_run.fit_inputs, []
+
+    def killed(*given):
+        calls.append(given)
+        if len(calls) == 2:
+            raise SystemExit(137)  # no code of ours runs any more
+        return whole(*given)
+
+    monkeypatch.setattr(session_run, "fit_inputs", killed)
+    with pytest.raises(SystemExit):
+        surae.session(folder).run(out, **QUICK)
+    assert json.loads((out / "session.json").read_text())["interrupted"] is True
+    monkeypatch.setattr(session_run, "fit_inputs", whole)
+    told = []
+    again = surae.session(folder).run(out, told=told.append, **QUICK)
+    assert any("(kept)" in step.outcome for step in told)
+    assert again.rows() == result.rows()
+
+
+def test_an_index_cannot_have_other_files_removed(walks, tmp_path):
+    folder, done, _ = walks
+    out = tmp_path / "out"
+    shutil.copytree(done, out)
+    (tmp_path / "mine.json").write_text("the user's")
+    index = json.loads((out / "session.json").read_text())
+    index["results"] += ["../mine.json", "fits/../../mine.json", str(tmp_path / "mine.json")]
+    (out / "session.json").write_text(json.dumps(index))
+    surae.session(folder).run(out, **QUICK)
+    assert (tmp_path / "mine.json").exists()
