@@ -14,6 +14,7 @@ from surae.protocol import DEVICES, PROFILES, TASKS, Protocol, generate, named_d
 from .conftest import refused
 from .test_startup import COMPUTING, imported
 
+BARE = ("--device", "none", "--without-limits", "simulation only")
 HEADER = ["time_s", "angle_rad", "emg_ta", "emg_gl", "emg_sol", "emg_gm"]
 
 
@@ -27,7 +28,7 @@ def table(path: Path) -> np.ndarray:
 def test_every_protocol_is_that_of_the_library(run, tmp_path, name) -> None:
     done = run("protocol", name, "--output", "p.csv")
     assert (done.code, done.err) == (0, "")
-    made = generate(Protocol(profile=name))
+    made = generate(Protocol(profile=name, device=named_device("achilles")))
     expected = np.column_stack([made.time, made.angle, made.effort])
     np.testing.assert_allclose(table(tmp_path / "p.csv"), expected, rtol=1e-11, atol=1e-12)
     assert "protocol: p.csv" in done.out
@@ -83,10 +84,48 @@ def test_the_thesis_s_factor_is_a_rate_of_its_part_by_pi(run) -> None:
 
 
 def test_what_needs_no_adaptation_says_so(run) -> None:
-    done = run("protocol", "sine", "--device", "achilles", "--output", "p.csv")
+    done = run("protocol", "sine", "--output", "p.csv")
     assert "nothing: the device follows it as it is." in done.out
     assert "chirp              none" in done.out
-    assert "adapted" not in run("protocol", "sine", "--output", "p.csv").out
+    bare = run("protocol", "sine", *BARE, "--output", "p.csv")
+    assert bare.code == 0
+    assert "adapted" not in bare.out
+    assert Path("p.csv").read_text().startswith("# without limits: simulation only\n")
+
+
+def test_what_strong_legs_ask_of_the_device_is_said(run) -> None:
+    done = run("protocol", "sine", "--output", "p.csv")
+    assert "velocity 0.942 rad/s, within the 1.5 rad/s of achilles" in done.out
+    assert "beyond the 80 Nm of achilles" in done.out
+
+
+def test_a_device_of_ones_own(run, tmp_path) -> None:
+    (tmp_path / "mine.toml").write_text(
+        'name = "mine"\nmax_velocity_rad_s = 0.5\nrange_rad = [-0.5, 0.3]\n'
+    )
+    done = run("protocol", "multiple-holds", "--device", "mine.toml", "--output", "p.csv")
+    assert done.code == 0
+    assert "Low-pass filtered" in done.out
+    angle = table(tmp_path / "p.csv")[:, 1]
+    assert (angle.min(), angle.max()) == pytest.approx((-0.5, 0.3), abs=1e-3)
+    assert angle.min() >= -0.5
+    assert angle.max() <= 0.3
+    given = ("--device", "mine.toml", "--range", "-0.9:0.2", "--output", "q.csv")
+    for name in ("multiple-holds", "everything-35"):
+        refused(run("protocol", name, *given), "mine reaches -0.5 … 0.3 rad", "--range -0.5:0.2")
+    assert not (tmp_path / "q.csv").exists()
+
+
+def test_a_designed_protocol_is_drawn_and_takes_no_settings_of_profiles(run, tmp_path) -> None:
+    done = run("protocol", "passive-20", "--rate", "64", "--output", "p.csv", "--figure", "p.png")
+    assert done.code == 0
+    assert done.out.endswith("protocol: p.csv\nfigure: p.png\n")
+    assert (tmp_path / "p.png").read_bytes().startswith(b"\x89PNG")
+    (tmp_path / "p.csv").unlink()
+    for option in (["--duration", "30"], ["--task", "active"], ["--chirp-amplitude", "0.1"],
+                   ["--no-adapt"]):  # fmt: skip
+        refused(run("protocol", "passive-20", *option, "--output", "p.csv"), option[0], "designed")
+    assert not (tmp_path / "p.csv").exists()
 
 
 def test_a_matlab_file(run, tmp_path) -> None:
@@ -134,7 +173,14 @@ def test_no_adapt_refuses_what_the_device_cannot_follow(run, tmp_path) -> None:
         (["sine", "--duration", "1e9"], "too many samples; use at most 600 s"),
         (["sine", "--rate", "0"], "rate 0 Hz"),
         (["sine", "--rate", "1e9"], "too many samples"),
-        (["sine", "--no-adapt"], "--no-adapt has no effect without --device"),
+        (
+            ["sine", "--no-adapt", "--device", "none", "--without-limits", "simulation"],
+            "--no-adapt has no effect without",
+        ),
+        (["sine", "--device", "none"], "nothing is written without the limits of a device"),
+        (["sine", "--device", "none", "--without-limits", " "], "nothing is written without"),
+        (["sine", "--without-limits", "haste"], "the limits of achilles are kept"),
+        (["sine", "--device", "none.toml"], "none.toml"),
         (["sine", "--output", "p.txt"], "p.txt must end in .csv or .mat"),
         (["sine", "--figure", "p.gif"], "--figure p.gif must end in .svg, .pdf or .png"),
         (["sine", "--figure", "none/p.png"], "there is no folder"),

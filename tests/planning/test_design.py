@@ -146,7 +146,7 @@ def test_what_a_device_cannot_do_is_said_with_what_to_give_up() -> None:
         surae.design(20.0, device=Device("toy", max_torque=1.0), **QUICK)
     short = Device("short", max_velocity=1.0, range_of_motion=(-0.5, 0.3))
     with pytest.raises(InputError, match=r"short reaches -0.5 … 0.3 rad.*--range -0.5:0.3"):
-        surae.design(20.0, device=short, **QUICK)
+        surae.design(20.0, device=short, range=(-0.9, 0.6), **QUICK)
     slow = Device("slow", max_velocity=0.01)
     made = surae.design(20.0, device=slow, **QUICK)
     assert any("% of the range is used" in note for note in made.notes)
@@ -170,6 +170,14 @@ def test_a_design_without_effort_asks_for_none() -> None:
     assert not made.trajectory.effort.any()
     assert set(made.aimed) == {"passive_stiffness@10deg"}
     assert made.expectation.parameters["g1"].verdict == "undetermined"
+
+
+def test_a_range_nobody_gave_is_the_device_s_and_patients_are_asked_for_it() -> None:
+    short = Device("short", max_velocity=1.0, range_of_motion=(-0.5, 0.8))
+    made = surae.design(15.0, device=short, **{**QUICK, "evaluations": 1})
+    assert made.trajectory.settings.range_of_motion == pytest.approx((-0.5, 0.6))
+    with pytest.raises(InputError, match="a patient's range"):
+        surae.design(15.0, population="patient", **QUICK)
 
 
 def test_patients_have_a_range_of_their_own() -> None:

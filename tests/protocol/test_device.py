@@ -6,7 +6,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from surae.errors import InputError
-from surae.protocol import DEVICES, PROFILES, Device, Protocol, generate, named_device
+from surae.protocol import (
+    DEVICES,
+    PROFILES,
+    Device,
+    Protocol,
+    allowed_range,
+    generate,
+    named_device,
+)
 from surae.protocol.adaptation import low_pass
 
 ACHILLES = DEVICES["achilles"]
@@ -40,6 +48,32 @@ def test_limits_hold_after_adaptation(name, amplitude, rate, velocity, accelerat
     assert trajectory.angle.max() <= 0.6 + 1e-9
     assert trajectory.adaptation is not None
     assert 0.0 < trajectory.adaptation.span <= 1.0 + 1e-9
+
+
+SHORT = Device("short", range_of_motion=(-0.5, 0.3))
+
+
+@pytest.mark.parametrize(
+    ("device", "asked", "allowed"),
+    [
+        (None, None, (-0.9, 0.6)),
+        (ACHILLES, None, (-0.9, 0.6)),
+        (ACHILLES, (-1.2, 0.1), (-1.2, 0.1)),
+        (SHORT, None, (-0.5, 0.3)),
+        (SHORT, (-0.4, 0.2), (-0.4, 0.2)),
+        (Device("up", range_of_motion=(0.7, 0.9)), None, (0.7, 0.9)),
+    ],
+)
+def test_the_range_is_what_was_asked_for_or_what_the_device_reaches(device, asked, allowed):
+    assert allowed_range(device, asked) == allowed
+
+
+@pytest.mark.parametrize("asked", [(-0.9, 0.3), (-0.5, 0.6), (0.4, 0.5), (0.3, -0.3), (-4.0, 0.0)])
+def test_a_range_beyond_the_device_s_is_refused(asked):
+    with pytest.raises(InputError, match=r"reaches|must be below"):
+        allowed_range(SHORT, asked)
+    with pytest.raises(InputError, match=r"reaches|must be below"):
+        Protocol(profile="sine", range_of_motion=asked, device=SHORT)
 
 
 @EVERY

@@ -8,6 +8,7 @@ from surae.api.answers import fit_of as fit_of
 from surae.api.answers import write_clinical_page as write_clinical_page
 from surae.api.answers import write_cohort_page as write_cohort_page
 from surae.api.comparison import compare as compare
+from surae.api.designing import as_device as as_device
 from surae.api.designing import design as design
 from surae.api.designing import measure_next as measure_next
 from surae.api.examples import example as example
@@ -82,6 +83,7 @@ from surae.protocol import PROFILES as PROFILES
 from surae.protocol import TASKS as TASKS
 from surae.protocol import Protocol as Protocol
 from surae.protocol import Trajectory as Trajectory
+from surae.protocol import allowed_range as allowed_range
 from surae.protocol import generate as generate
 from surae.protocol import named_device as named_device
 from surae.protocol import write_protocol as write_protocol

@@ -12,7 +12,7 @@ from surae.planning.design import Design, make_design
 from surae.planning.next import NextTrial, known_from, measure_next_of
 from surae.planning.ready import start_for
 from surae.progress import SearchProgress
-from surae.protocol import DEVICES, Device, named_device, read_device
+from surae.protocol import DEVICES, Device, allowed_range, named_device, read_device
 
 #: Legs that a design is searched for, of a rigid and of a compliant model, and those that it is
 #: judged by.
@@ -31,7 +31,7 @@ def design(
     population: str | None = None,
     fit: Fit | None = None,
     after: Fit | None = None,
-    range: tuple[float, float] = (-0.9, 0.6),
+    range: tuple[float, float] | None = None,
     noise: float | None = None,
     nuisances: str | Mapping[str, tuple[float, float]] | None = None,
     aim: str = "worst",
@@ -61,8 +61,9 @@ def design(
         Instead: one leg, as far as this fit knows it.
     after : Fit, optional
         The same, and what the fit knows already counts: the trial that adds most.
-    range : (float, float)
-        The subject's full plantarflexion and dorsiflexion [rad].
+    range : (float, float), optional
+        The subject's full plantarflexion and dorsiflexion [rad]; by default what the fit's
+        recordings reached, or -0.9 … 0.6 rad, as far as the device reaches. Patients' is asked for.
     noise : float, optional
         Standard deviation of the torque's noise [Nm], as of `expect`.
     nuisances : str or mapping, optional
@@ -112,12 +113,13 @@ def design(
     legs, level = asked_legs(*asked, count, options, rate_hz, first=first)
     unseen, _ = asked_legs(*asked, _JUDGED, options, rate_hz)
     start = start_for(duration, AUTO if given == AUTO else given, aim, effort == "levels")
+    limits = as_device(device)
     return make_design(
         name=f"design of {duration:g} s",
         seconds=float(duration),
         rate_hz=rate_hz,
-        device=as_device(device),
-        range_of_motion=(float(range[0]), float(range[1])),
+        device=limits,
+        range_of_motion=_range_of(limits, range, population, who),
         legs=legs,
         unseen=unseen,
         noise=level,
@@ -171,16 +173,48 @@ def measure_next(
         The fit failed, or something given is unusable.
     """
     legs, level = asked_legs(AUTO, None, fit, noise, None, _SEARCHED, {}, 256.0)
-    inputs = fit.result.problem.inputs
-    reached = (min(float(i.angle.min()) for i in inputs), max(float(i.angle.max()) for i in inputs))
+    limits = as_device(device)
     return measure_next_of(
-        fit.result, fit.assessment, legs, noise=level, device=as_device(device),
-        range_of_motion=reached if range is None else range, longest=duration, wanted=wanted,
+        fit.result, fit.assessment, legs, noise=level, device=limits,
+        range_of_motion=_range_of(limits, range, None, fit), longest=duration, wanted=wanted,
     )  # fmt: skip
 
 
+def _range_of(
+    device: Device | None,
+    asked: tuple[float, float] | None,
+    population: str | None,
+    fit: Fit | None,
+) -> tuple[float, float]:
+    """Over which angles: what was asked for, or what the fitted leg was seen to reach."""
+    if asked is not None:
+        return allowed_range(device, (float(asked[0]), float(asked[1])))
+    if fit is not None:
+        angles = [i.angle for i in fit.result.problem.inputs]
+        low, high = min(float(a.min()) for a in angles), max(float(a.max()) for a in angles)
+        reach = (low, high) if device is None else device.range_of_motion or (low, high)
+        return allowed_range(device, (max(low, reach[0]), min(high, reach[1])))
+    if population == "patient":
+        raise InputError(
+            "a patient's range is not that of a healthy leg: measure it, and give it as --range "
+            "LOW:HIGH in rad (range= in Python)"
+        )
+    return allowed_range(device)
+
+
 def as_device(device: str | PathLike | Device | None) -> Device | None:
-    """The device of a name or a TOML file."""
+    """The device of a name or a TOML file; None is none.
+
+    Parameters
+    ----------
+    device : str, path, Device or None
+        Which.
+
+    Raises
+    ------
+    InputError
+        There is no such device, or its file cannot be read.
+    """
     if device is None or isinstance(device, Device):
         return device
     if str(device) in DEVICES or not str(device).lower().endswith(".toml"):

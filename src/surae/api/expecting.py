@@ -16,6 +16,7 @@ from surae.protocol import (
     Device,
     Protocol,
     Trajectory,
+    allowed_range,
     generate,
     named_device,
     read_protocol,
@@ -84,7 +85,8 @@ def as_trajectory(protocol: str | PathLike | Trajectory) -> Trajectory:
     if isinstance(protocol, Trajectory):
         return protocol
     if isinstance(protocol, str) and protocol in ready_protocols():
-        return ready_trajectory(protocol, named_device("achilles"), (-0.9, 0.6), 256.0)
+        device = named_device("achilles")
+        return ready_trajectory(protocol, device, allowed_range(device), 256.0)
     if isinstance(protocol, str) and protocol in PROFILES:
         passive = PROFILES[protocol].duration <= 11.0
         return generate(Protocol(profile=protocol, task="passive" if passive else "part-passive"))

@@ -6,6 +6,7 @@ import click
 
 from surae.cli.options import SEED, Number, Picture, Whole, model_options
 from surae.cli.paths import check_outputs
+from surae.cli.protocol import device_of, device_options, file_kind, span_of
 from surae.errors import InputError
 from surae.files import shown
 from surae.names import FITTED, NUISANCES, POPULATIONS
@@ -22,12 +23,10 @@ from surae.names import FITTED, NUISANCES, POPULATIONS
               help="The same, and what the fit knows counts: what adds most.")  # fmt: skip
 @click.option("--duration", type=Number(above=0.0), default=35.0, show_default=True, metavar="S",
               help="Of the trial, in s.")  # fmt: skip
-@click.option("--device", default="achilles", show_default=True, metavar="NAME|FILE.toml|none",
-              help="Whose limits hold.")  # fmt: skip
-@click.option("--without-limits", metavar="REASON",
-              help="Why a protocol for no device is written all the same.")  # fmt: skip
-@click.option("--range", "range_", default="-0.9:0.6", show_default=True, metavar="LOW:HIGH",
-              help="Full plantarflexion and dorsiflexion of the subject, in rad.")  # fmt: skip
+@device_options
+@click.option("--range", "range_", metavar="LOW:HIGH",
+              help="Full plantarflexion and dorsiflexion of the subject, in rad; asked for of "
+              "patients.  [default: the fit's, or -0.9:0.6 as far as the device]")  # fmt: skip
 @click.option("--noise", type=Number(above=0.0), metavar="NM",
               help="Of the torque, white.  [default: 0.5, or the fit's]")  # fmt: skip
 @click.option("--nuisances", type=click.Choice(NUISANCES), metavar="all|none",
@@ -52,7 +51,7 @@ def command(
     duration: float,
     device: str,
     without_limits: str | None,
-    range_: str,
+    range_: str | None,
     rate: float,
     output: str,
     target: str | None,
@@ -64,8 +63,6 @@ def command(
 
     The same options find the same protocol. Ctrl-C keeps the best so far.
     """
-    from surae.cli.protocol import file_kind, span_of
-
     file_kind("--output", output, ".csv", ".mat")
     check_outputs(
         {"--output": output, "--target": target, "--figure": figure},
@@ -73,12 +70,7 @@ def command(
     )
     if fitted is not None and after is not None:
         raise InputError("--fit and --after: give one of them; --after counts what it knows, too")
-    bare = device.lower() == "none"
-    if bare and not (without_limits or "").strip():
-        raise InputError(
-            "--device none: nothing is written without the limits of a device; name it, or say why "
-            "with --without-limits REASON"
-        )
+    limiting = device_of(device, without_limits)
 
     from surae.api import design, load, write_protocol_target
     from surae.cli.expect import part, show_expectation
@@ -93,11 +85,11 @@ def command(
 
         made = design(
             duration,
-            device=None if bare else device,
+            device=limiting,
             model=model,
             fit=None if fitted is None else load(fitted),
             after=None if after is None else load(after),
-            range=span_of(range_),
+            range=None if range_ is None else span_of(range_),
             rate_hz=rate,
             progress=counted,
             **asked,

@@ -47,6 +47,17 @@ def chirp_rise(rate: str | None, factor: str | None) -> float:
     return DEFAULT_RATE if rate is None else number("--chirp-rate", rate)
 
 
+def device_options(function: Command) -> Command:
+    """Add --device and --without-limits, which `device_of` reads."""
+    device = click.option("--device", default="achilles", show_default=True,
+                          metavar="NAME|FILE.toml|none",
+                          help=f"Whose limits hold: {DEVICE_NAMES}, or yours.")  # fmt: skip
+    reason = click.option("--without-limits", metavar="REASON",
+                          help="Why a protocol for no device is written all the "
+                          "same.")  # fmt: skip
+    return device(reason(function))
+
+
 @click.command(
     "protocol",
     help=f"""Make a measurement protocol: the motion and the effort to ask for.
@@ -58,105 +69,127 @@ def chirp_rise(rate: str | None, factor: str | None) -> float:
     """,
 )
 @click.argument("name", metavar="NAME")
-@click.option("--task", default="part-passive", show_default=True, metavar=TASK_NAMES,
-              help="What the subject is asked to do.")  # fmt: skip
-@click.option("--chirp-amplitude", default="0", show_default=True, metavar="A",
-              help="Of the added chirp, in rad.")  # fmt: skip
+@click.option("--task", metavar=TASK_NAMES,
+              help="What the subject is asked to do.  [default: part-passive]")  # fmt: skip
+@click.option("--chirp-amplitude", metavar="A",
+              help="Of the added chirp, in rad.  [default: 0]")  # fmt: skip
 @chirp_rise_options
-@click.option("--range", "range_", default="-0.9:0.6", show_default=True, metavar="LOW:HIGH",
-              help="Full plantarflexion and dorsiflexion of the subject, in rad.")  # fmt: skip
+@click.option("--range", "range_", metavar="LOW:HIGH",
+              help="Full plantarflexion and dorsiflexion of the subject, in rad.  "
+              "[default: -0.9:0.6, as far as the device]")  # fmt: skip
 @click.option("--duration", metavar="S", help="In s.  [default: the profile's own]")
 @click.option("--rate", default="256", show_default=True, metavar="HZ", help="Samples per second.")
-@click.option("--device", metavar=DEVICE_NAMES, help="Adapt the motion to its limits.")
+@device_options
 @click.option("--no-adapt", is_flag=True, help="Refuse what the device cannot follow instead.")
 @click.option("--output", required=True, metavar="P.csv|P.mat", help="Where the protocol goes.")
 @click.option("--figure", type=Picture(), metavar="P.svg|pdf|png", help="Draw it.")
 def command(
     name: str,
-    task: str,
-    chirp_amplitude: str,
+    task: str | None,
+    chirp_amplitude: str | None,
     chirp_rate: str | None,
     chirp_factor: str | None,
-    range_: str,
+    range_: str | None,
     duration: str | None,
     rate: str,
-    device: str | None,
+    device: str,
+    without_limits: str | None,
     no_adapt: bool,
     output: str,
     figure: str | None,
 ) -> None:
     """Make a measurement protocol."""
-    amplitude = number("--chirp-amplitude", chirp_amplitude)
+    amplitude = 0.0 if chirp_amplitude is None else number("--chirp-amplitude", chirp_amplitude)
     rise = chirp_rise(chirp_rate, chirp_factor)
-    span = span_of(range_)
+    span = None if range_ is None else span_of(range_)
     seconds = None if duration is None else number("--duration", duration)
     rate_hz = number("--rate", rate)
-    if no_adapt and device is None:
-        raise InputError("--no-adapt has no effect without --device; give one")
-    kind = file_kind("--output", output, ".csv", ".mat")
+    limiting = device_of(device, without_limits)
+    if no_adapt and limiting is None:
+        raise InputError("--no-adapt has no effect without the limits of a device")
+    file_kind("--output", output, ".csv", ".mat")
     check_outputs({"--output": output, "--figure": figure}, [])
 
     from surae.api import (
         Protocol,
+        allowed_range,
+        as_device,
+        asked_limits,
         generate,
-        named_device,
         ready_protocols,
         ready_trajectory,
         triceps_path,
         write_protocol,
-        write_protocol_csv,
-        write_protocol_mat,
     )
+    from surae.cli.progress import compilation_notice
+    from surae.cli.screen import show_line
 
+    limits = as_device(limiting)
+    angles = allowed_range(limits, span)
     if name in ready_protocols():
-        limits = None if device is None else named_device(device)
-        designed = ready_trajectory(name, limits, span, rate_hz)
-        write_protocol(designed, output)
-        _show_designed(designed, output)
-        return
-    settings = Protocol(
-        profile=name,
-        task=task,
-        chirp_amplitude=amplitude,
-        chirp_rate=rise,
-        range_of_motion=span,
-        duration=seconds,
-        rate_hz=rate_hz,
-        device=None if device is None else named_device(device),
-        adapt=not no_adapt,
-    )
-    longest = _MOST_SAMPLES / max(rate_hz, _SHAPED_HZ)
-    if settings.seconds > longest:
-        raise InputError(
-            f"{settings.seconds:g} s at {rate_hz:g} Hz are too many samples; use at most "
-            f"{longest:g} s at that rate"
+        given = {
+            "--task": task, "--chirp-amplitude": chirp_amplitude, "--chirp-rate": chirp_rate,
+            "--chirp-factor": chirp_factor, "--duration": duration, "--no-adapt": no_adapt or None,
+        }  # fmt: skip
+        fixed = [option for option, value in given.items() if value is not None]
+        if fixed:
+            raise InputError(
+                f"{fixed[0]}: {name} was designed as a whole; leave {', '.join(fixed)} out, or "
+                "design your own: surae design"
+            )
+        with compilation_notice():
+            trajectory = ready_trajectory(name, limits, angles, rate_hz)
+        table = [f"{name}: {ready_protocols()[name].description}"]
+    else:
+        settings = Protocol(
+            profile=name,
+            task=task or "part-passive",
+            chirp_amplitude=amplitude,
+            chirp_rate=rise,
+            range_of_motion=angles,
+            duration=seconds,
+            rate_hz=rate_hz,
+            device=limits,
+            adapt=not no_adapt,
         )
-    trajectory = generate(settings)
-    (write_protocol_mat if kind == ".mat" else write_protocol_csv)(trajectory, output)
+        longest = _MOST_SAMPLES / max(rate_hz, _SHAPED_HZ)
+        if settings.seconds > longest:
+            raise InputError(
+                f"{settings.seconds:g} s at {rate_hz:g} Hz are too many samples; use at most "
+                f"{longest:g} s at that rate"
+            )
+        trajectory = generate(settings)
+        table = _table(settings, trajectory, triceps_path(trajectory))
+    write_protocol(trajectory, output, without_limits=without_limits)
     if figure is not None:
         from surae.api import protocol_figure, write_figure
 
         write_figure(figure, protocol_figure(trajectory))
-
-    from surae.cli.screen import show_line
-
-    for line in _table(settings, trajectory, triceps_path(trajectory)):
+    with compilation_notice():
+        asked = asked_limits(trajectory)
+    for line in (*table, *(limit.text for limit in asked), f"protocol: {shown(output)}"):
         show_line(line)
-    show_line(f"protocol: {shown(output)}")
     if figure is not None:
         show_line(f"figure: {shown(figure)}")
 
 
-def _show_designed(trajectory: "Trajectory", output: str) -> None:
-    """What a designed protocol is, and what it asks of the device."""
-    from surae.api import asked_limits, ready_protocols
-    from surae.cli.screen import show_line
+def device_of(name: str, without_limits: str | None) -> str | None:
+    """The device to ask for; None where a reason says why no limits need be kept.
 
-    name = trajectory.settings.profile
-    show_line(f"{name}: {ready_protocols()[name].description}")
-    for limit in asked_limits(trajectory):
-        show_line(f"  {limit.text}")
-    show_line(f"protocol: {shown(output)}")
+    Raises
+    ------
+    InputError
+        There is neither a device nor a reason, or both.
+    """
+    reason = (without_limits or "").strip()
+    if name.lower() == "none" and not reason:
+        raise InputError(
+            "--device none: nothing is written without the limits of a device; name it, or say why "
+            "with --without-limits REASON"
+        )
+    if name.lower() != "none" and without_limits is not None:
+        raise InputError(f"--without-limits: the limits of {name} are kept; leave it out")
+    return None if name.lower() == "none" else name
 
 
 def span_of(text: str) -> tuple[float, float]:

@@ -13,13 +13,13 @@ from surae.frozen import Comparable, FrozenDict
 from surae.planning.aim import MEAN, WORST, make_aim
 from surae.planning.expectation import Expectation, expected
 from surae.planning.genes import Genes
-from surae.planning.information import information, prior_precision
+from surae.planning.information import SINGULAR, information, prior_precision
 from surae.planning.legs import Legs
 from surae.planning.plan import Limits, Plan
 from surae.planning.search import SEARCH_RATE, search
 from surae.planning.torque import EXACT, within_torque
 from surae.progress import SearchProgress
-from surae.protocol import Device, Trajectory, write_protocol
+from surae.protocol import Device, Trajectory, allowed_range, write_protocol
 from surae.units import FloatArray
 
 #: Velocity [rad/s], acceleration [rad/s²] and frequency [Hz] that are not exceeded where a device's
@@ -27,6 +27,8 @@ from surae.units import FloatArray
 UNKNOWN = (1.5, 100.0, 8.0)
 #: Part of the device's torque that the search keeps to, for legs stronger than those it sees.
 _RESERVE = 0.93
+#: Part of a direction's square from which on it counts that nothing is known of it.
+_MISSED = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,9 +45,9 @@ class Design(Comparable):
         Whose limits it keeps.
     expectation : Expectation
         What it will tell of legs that the search did not see.
-    aimed : mapping of str to float
+    aimed : mapping of str to (float or None)
         Relative standard error of each parameter or measure that was aimed at by name, root mean
-        square over those legs.
+        square over those legs; None where the trial does not determine it.
     notes : tuple of str
         What was given up for device and subject, a sentence each.
     curve : tuple of (int, float, float)
@@ -60,7 +62,7 @@ class Design(Comparable):
     trajectory: Trajectory
     device: Device | None
     expectation: Expectation
-    aimed: Mapping[str, float]
+    aimed: Mapping[str, float | None]
     notes: tuple[str, ...]
     curve: tuple[tuple[int, float, float], ...]
     seconds: float
@@ -92,19 +94,9 @@ def limits_of(device: Device | None, range_of_motion: tuple[float, float]) -> Li
     InputError
         The range is none, or beyond the device's.
     """
-    low, high = range_of_motion
-    if not (math.isfinite(low) and math.isfinite(high) and -3.0 <= low < high <= 3.0):
-        raise InputError(
-            f"range {low:g} … {high:g} rad: give plantarflexion below dorsiflexion, within ±3 rad"
-        )
+    low, high = allowed_range(device, range_of_motion)
     if high - low < 0.05:
         raise InputError(f"range {low:g} … {high:g} rad is too narrow to move in; widen it")
-    reach = None if device is None else device.range_of_motion
-    if device is not None and reach is not None and not reach[0] <= low < high <= reach[1]:
-        raise InputError(
-            f"{device.name} reaches {reach[0]:g} … {reach[1]:g} rad, not {low:g} … {high:g} rad; "
-            f"give up what is beyond: --range {max(low, reach[0]):g}:{min(high, reach[1]):g}"
-        )
     velocity, acceleration, _ = UNKNOWN
     if device is not None:
         velocity = device.velocity_limit if device.max_velocity is not None else velocity
@@ -198,17 +190,38 @@ def make_design(
 
 def _aimed(
     trajectory: Trajectory, legs: Legs, noise: float, aim: str, known: FloatArray | None
-) -> dict[str, float]:
+) -> dict[str, float | None]:
     """What is expected of parameters and measures that were aimed at by name."""
     if aim in (WORST, MEAN):
         return {}
     asked, told = make_aim(aim, legs), information(trajectory, legs, noise)
     precision = told.matrices + (prior_precision(told.names, legs) if known is None else known)
-    scale = np.sqrt(np.maximum(np.diagonal(precision, axis1=1, axis2=2), 1e-300))
-    across = scale[:, :, None] * scale[:, None, :]
-    covariance = np.linalg.pinv(precision / across, rcond=1e-12, hermitian=True) / across
-    rms = np.sqrt(np.mean(asked.errors(covariance) ** 2, axis=0))
-    return dict(zip(asked.wanted, rms.tolist(), strict=True))
+    variance = np.array([
+        _along(matrix, slopes, values)
+        for matrix, slopes, values in zip(precision, asked.slopes, legs.estimated, strict=True)
+    ])  # fmt: skip
+    rms = np.sqrt(variance.mean(axis=0))
+    return {
+        name: float(value) if np.isfinite(value) else None
+        for name, value in zip(asked.wanted, rms, strict=True)
+    }
+
+
+def _along(precision: FloatArray, slopes: FloatArray, values: FloatArray) -> FloatArray:
+    """Variance along each row of `slopes`, shape (n, p); infinite where it is not determined.
+
+    A measure may be known though its parameters are not: only its own direction counts.
+    """
+    if not np.isfinite(precision).all():
+        return np.full(len(slopes), np.inf)
+    scale = np.sqrt(np.maximum(np.diagonal(precision), 0.0))
+    scale = np.where(scale > 0.0, scale, 1.0 / np.maximum(np.abs(values), 1e-12))
+    level, axes = np.linalg.eigh(precision / np.outer(scale, scale))
+    parts = ((slopes / scale) @ axes) ** 2
+    nothing = level <= SINGULAR * level[-1]
+    variance = (parts[:, ~nothing] / level[~nothing]).sum(axis=1)
+    missed = parts[:, nothing].sum(axis=1) > _MISSED * parts.sum(axis=1)
+    return np.where(missed, np.inf, variance)
 
 
 def _slow(trajectory: Trajectory, limits: Limits) -> Sequence[str]:

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from surae.assessment.uncertainty.budget import SOURCES, variance_given
-from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width
+from surae.assessment.uncertainty.covariance import Covariance, half_width
 from surae.assessment.verdict import IDENTIFIED, Verdict, judge_interval, judge_singular
 from surae.frozen import Comparable, FrozenDict, read_only
 from surae.model import adapted
 from surae.model.laboratory import group_of
-from surae.planning.information import Information, information, prior_precision
+from surae.planning.information import Information, estimated, information, prior_precision
 from surae.planning.legs import Legs
 from surae.protocol import Trajectory
 from surae.threads import one_blas_thread
@@ -179,20 +179,8 @@ def expected(
     with one_blas_thread():
         told = information(trajectory, legs, noise)
         known = prior_precision(told.names, legs) if known is None else known
-        covariances = [_covariance(told.names, m + known) for m in told.matrices]
+        covariances = [estimated(told.names, m + known) for m in told.matrices]
         return _summed(trajectory, legs, noise, told, covariances)
-
-
-def _covariance(names: tuple[str, ...], precision: FloatArray) -> Covariance | None:
-    """Of the estimates with this information; None where the model gave no numbers."""
-    if not np.isfinite(precision).all():
-        return None
-    scale = np.sqrt(np.maximum(np.diag(precision), 0.0))
-    scale = np.where(scale > 0.0, scale, 1.0)
-    level, axes = np.linalg.eigh(precision / np.outer(scale, scale))
-    R = np.sqrt(np.maximum(level, 0.0))[:, None] * axes.T * scale
-    many = 10**9  # degrees of freedom: the noise is known
-    return covariance(R, names, float(many), many + len(names))
 
 
 def _summed(
@@ -207,16 +195,16 @@ def _summed(
     columns = [legs.spec.names.index(name) for name in own]
     relative = np.full((len(legs.values), len(own)), np.inf)
     shares: list[dict[str, dict[str, float]]] = []
-    for k, estimated in enumerate(covariances):
-        if estimated is None:
+    for k, known in enumerate(covariances):
+        if known is None:
             continue
         for j, (name, column) in enumerate(zip(own, columns, strict=True)):
             value = abs(float(legs.values[k, column]))
-            if name in estimated.names and value > 0.0:
-                i = estimated.names.index(name)
-                relative[k, j] = np.sqrt(estimated.matrix[i, i]) / value
+            if name in known.names and value > 0.0:
+                i = known.names.index(name)
+                relative[k, j] = np.sqrt(known.matrix[i, i]) / value
         if legs.beliefs:
-            shares.append(_shares(estimated, own))
+            shares.append(_shares(known, own))
     middle = _middle(relative)
     central = covariances[middle]
     wide = half_width(1.0, 1e9)
@@ -263,9 +251,9 @@ def _middle(relative: FloatArray) -> int:
     return int(np.argsort(relative.max(axis=1), kind="stable")[len(relative) // 2])
 
 
-def _shares(estimated: Covariance, own: tuple[str, ...]) -> dict[str, dict[str, float]]:
+def _shares(known: Covariance, own: tuple[str, ...]) -> dict[str, dict[str, float]]:
     """Parts of each variance by source, as the budget of a fit has them."""
-    V, names = estimated.matrix, estimated.names
+    V, names = known.matrix, known.names
     sources: dict[str, list[int]] = {}
     for j, name in enumerate(names):
         if name not in own and (group := group_of(name)) is not None:

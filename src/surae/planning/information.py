@@ -4,10 +4,12 @@ The torque's noise is white, so the information is JᵀJ/σ². Priors of nuisanc
 uses it: those that the trials of a session share count once, however many trials there are.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from surae.assessment.uncertainty.covariance import Covariance, covariance
 from surae.frozen import Comparable, read_only
 from surae.model.laboratory import group_of
 from surae.planning.legs import Legs
@@ -19,6 +21,9 @@ from surae.units import FloatArray
 EACH_TRIAL = ("zero", "drift")
 #: A trial is judged at this rate at least [Hz]: it moves below 10 Hz.
 RATE = 100.0
+#: A direction's information below this part of the strongest one's is rounding, where each
+#: parameter's own is 1: nothing is known there.
+SINGULAR = 1e-13
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,6 +108,32 @@ def shared(told: Information, legs: Legs) -> Information:
     left = told.matrices[:, kept][:, :, kept]
     left = left - np.swapaxes(cross, 1, 2) @ np.linalg.solve(within, cross)
     return Information(tuple(told.names[j] for j in kept), read_only(left), told.torque)
+
+
+def estimated(names: Sequence[str], precision: FloatArray) -> Covariance | None:
+    """Covariance of estimates with this information; what trades off has no variance in it.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Parameters.
+    precision : ndarray, shape (p, p)
+        Information on them.
+
+    Returns
+    -------
+    Covariance or None
+        None where the model gave no numbers.
+    """
+    if not np.isfinite(precision).all():
+        return None
+    scale = np.sqrt(np.maximum(np.diag(precision), 0.0))
+    scale = np.where(scale > 0.0, scale, 1.0)
+    level, axes = np.linalg.eigh(precision / np.outer(scale, scale))
+    level = np.where(level > SINGULAR * level[-1], level, 0.0)
+    R = np.sqrt(level)[:, None] * axes.T * scale
+    many = 10**9  # degrees of freedom: the noise is known
+    return covariance(R, names, float(many), many + len(names))
 
 
 def prior_precision(names: tuple[str, ...], legs: Legs) -> FloatArray:

@@ -67,6 +67,11 @@ class Legs(Comparable):
         """The parameters of the leg that a fit would estimate."""
         return tuple(name for name in self.free if name not in self.beliefs)
 
+    @property
+    def estimated(self) -> FloatArray:
+        """Each leg's values of what a fit would estimate, shape (n_legs, p)."""
+        return self.values[:, [self.spec.names.index(name) for name in self.free]]
+
     def inputs(self, effort: FloatArray) -> FloatArray:
         """EMG envelopes, shape (n, 4), of an effort of that shape."""
         return self.emg_rest + (self.emg_full - self.emg_rest) * effort

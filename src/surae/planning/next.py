@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from surae.assessment import Assessment
+from surae.assessment.adequacy import Grade
 from surae.assessment.uncertainty.covariance import half_width
 from surae.assessment.verdict import IDENTIFIED, Verdict, percent
 from surae.errors import InputError
@@ -14,7 +15,7 @@ from surae.estimation import FitResult
 from surae.files import PathLike
 from surae.frozen import Comparable, FrozenDict
 from surae.model.laboratory import group_of
-from surae.planning.information import EACH_TRIAL, information, shared
+from surae.planning.information import EACH_TRIAL, estimated, information, shared
 from surae.planning.legs import Legs
 from surae.planning.ready import Ready, ready_protocols
 from surae.protocol import Device, Trajectory, write_protocol
@@ -25,6 +26,10 @@ from surae.units import FloatArray
 MOST = 20
 #: A trial that lowers no wanted interval by this part adds nothing.
 _ADDS = 0.1
+#: An interval half as wide as this many times the value says as little as none.
+_UNKNOWN = 10.0
+#: Identification is promised where the interval is expected to be this part of what it needs.
+_SURELY = 0.85
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -150,15 +155,27 @@ def measure_next_of(
         raise InputError(
             f"{unknown[0]} is not estimated by this fit; it has: {', '.join(legs.own)}"
         )
+    if assessment.adequacy.grade is Grade.INADEQUATE:
+        return _nothing(
+            "The fit is inadequate, which no further trial mends: " + assessment.adequacy.reasons[0]
+        )
     weak = tuple(wanted) if wanted else tuple(
         n for n in legs.own if assessment.parameters[n].verdict is not Verdict.IDENTIFIED
     )  # fmt: skip
     if not weak:
         return _nothing("Every parameter is identified: nothing more needs to be measured.")
     known = known_from(result, assessment, legs)
-    trials: list[tuple[float, Ready, Trajectory, FloatArray]] = []
+    best: tuple[float, Ready, Trajectory, FloatArray] | None = None
+    names = tuple(n for n in legs.free if group_of(n) not in EACH_TRIAL or n not in legs.beliefs)
     with one_blas_thread():
-        told = None
+        before = _half_widths(names, known, legs)
+        stays = _stays(assessment, legs, before)
+        before = {n: np.hypot(before[n], stays[n]) for n in before}
+
+        def after(adds: FloatArray) -> dict[str, float]:
+            halves = _half_widths(names, known, legs, adds)
+            return {n: min(np.hypot(halves[n], stays[n]), before[n]) for n in weak}
+
         for ready in ready_protocols().values():
             if ready.seconds > longest:
                 continue
@@ -166,68 +183,85 @@ def measure_next_of(
                 trajectory = ready.trajectory(device, range_of_motion, rate_hz, legs)
             except InputError:
                 continue
-            told = shared(information(trajectory, legs, noise), legs)
-            adds = np.nanmean(told.matrices, axis=0)
-            before = _half_widths(told.names, known, legs, 0.0 * adds)
-            after = _half_widths(told.names, known, legs, adds)
-            gain = sum(np.log(before[n] / after[n]) for n in weak if np.isfinite(after[n]))
-            trials.append((float(gain) / ready.seconds**0.5, ready, trajectory, adds))
-        if told is None:
+            adds = np.nanmean(shared(information(trajectory, legs, noise), legs).matrices, axis=0)
+            one = after(adds)
+            gain = float(np.sum([np.log(_capped(before[n]) / _capped(one[n])) for n in weak]))
+            gain /= ready.seconds**0.5
+            if best is None or gain > best[0]:
+                best = gain, ready, trajectory, adds
+        if best is None:
             return _nothing(
                 f"No ready trial of up to {longest:g} s fits this device and range: design one "
                 "(surae design --after)."
             )
-        _, best, trajectory, adds = max(trials, key=lambda trial: trial[0])
-        before = _half_widths(told.names, known, legs, 0.0 * adds)
-        after = _half_widths(told.names, known, legs, adds)
-        many = {
-            n: next((k for k in range(1, MOST + 1)
-                     if _half_widths(told.names, known, legs, k * adds)[n] <= IDENTIFIED), None)
-            for n in weak
-        }  # fmt: skip
-    better = [n for n in weak if after[n] < (1.0 - _ADDS) * before[n]]
+        _, ready, trajectory, adds = best
+        halves = [after(k * adds) for k in range(1, MOST + 1)]
+    many: dict[str, int | None] = {
+        n: next((k for k, h in enumerate(halves, 1) if h[n] <= _SURELY * IDENTIFIED), None)
+        for n in weak
+    }
+    gained = {n: _capped(halves[0][n]) / _capped(before[n]) for n in weak}
+    better = sorted((n for n in weak if gained[n] < 1.0 - _ADDS), key=lambda n: gained[n])
     if not better:
         return _nothing("No ready trial adds to what is weak: " + ", ".join(weak) + ".")
-    better.sort(key=lambda n: after[n] / before[n] if np.isfinite(before[n]) else 0.0)
-    changes = ", ".join(f"{n} from {_text(before[n])} to {_text(after[n])}" for n in better[:3])
-    sentences = [f"Measure {best.name} next ({best.seconds:g} s: {best.description}): {changes}."]
+    changes = ", ".join(f"{n} from {_text(before[n])} to {_text(halves[0][n])}" for n in better[:3])
+    sentences = [
+        f"Measure {ready.name} next ({ready.seconds:g} s: {ready.description}): {changes}."
+    ]
     reached = {n: k for n, k in many.items() if k is not None}
-    if reached:
-        times = max(reached.values())
+    for times in sorted(set(reached.values())):
+        which = ", ".join(n for n, k in reached.items() if k == times)
         sentences.append(
-            f"{'Once' if times == 1 else f'{times} times'} is expected to identify "
-            f"{', '.join(reached)} (95 % within 10 %)."
+            f"Measured {'once' if times == 1 else f'{times} times'}, it is expected to identify "
+            f"{which} (95 % within {percent(IDENTIFIED)})."
         )
     left = [n for n in weak if n not in reached]
     if left:
         sentences.append(f"{', '.join(left)} would stay weak after {MOST} such trials.")
     return NextTrial(
-        best.name,
+        ready.name,
         tuple(sentences),
-        FrozenDict({n: (_finite(before[n]), _finite(after[n])) for n in weak}),
+        FrozenDict({n: (_finite(before[n]), _finite(halves[0][n])) for n in weak}),
         FrozenDict(many),
         trajectory,
     )
 
 
 def _half_widths(
-    names: Sequence[str], known: FloatArray, legs: Legs, adds: FloatArray
+    names: Sequence[str], known: FloatArray, legs: Legs, adds: FloatArray | None = None
 ) -> dict[str, float]:
-    """Half of each 95 % interval as a part of the value, with information added."""
+    """Half of each 95 % interval as a part of the value, with information added.
+
+    Infinite where what is known trades off against something else.
+    """
     at = [legs.free.index(name) for name in names]
-    precision = known[np.ix_(at, at)] + adds
-    scale = np.sqrt(np.maximum(np.diag(precision), 1e-300))
-    covariance = np.linalg.pinv(precision / np.outer(scale, scale), hermitian=True)
-    sems = np.sqrt(np.maximum(np.diag(covariance), 0.0)) / scale
-    values = np.abs(legs.values[0, [legs.spec.names.index(name) for name in names]])
-    with np.errstate(divide="ignore"):
-        parts = half_width(1.0, 1e9) * sems / values
-    parts[np.diag(precision) <= 0.0] = np.inf
-    return dict(zip(names, parts.tolist(), strict=True))
+    told = estimated(names, known[np.ix_(at, at)] + (0.0 if adds is None else adds))
+    parts = dict.fromkeys(names, np.inf)
+    if told is not None:
+        for name, variance in zip(told.names, np.diag(told.matrix), strict=True):
+            value = abs(float(legs.values[0, legs.spec.names.index(name)]))
+            if value > 0.0:
+                parts[name] = half_width(1.0, 1e9) * float(variance) ** 0.5 / value
+    return parts
+
+
+def _stays(assessment: Assessment, legs: Legs, before: Mapping[str, float]) -> dict[str, float]:
+    """Of each half width, what is not noise: no further trial of the same model lowers it."""
+    stays = dict.fromkeys(before, 0.0)
+    for name in legs.own:
+        p = assessment.parameters[name]
+        if p.ci95 is not None and p.value and np.isfinite(before[name]):
+            half = (p.ci95[1] - p.ci95[0]) / 2.0 / abs(p.value)
+            stays[name] = max(half**2 - before[name] ** 2, 0.0) ** 0.5
+    return stays
+
+
+def _capped(part: float) -> float:
+    return min(part, _UNKNOWN)
 
 
 def _text(part: float) -> str:
-    return f"±{percent(part)}" if np.isfinite(part) else "nothing known"
+    return f"±{percent(part)}" if np.isfinite(part) else "unknown"
 
 
 def _finite(part: float) -> float | None:

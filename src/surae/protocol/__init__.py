@@ -3,7 +3,7 @@
 from surae.protocol.adaptation import Adaptation
 from surae.protocol.chirp import chirp, chirp_rate
 from surae.protocol.coverage import Coverage, coverage
-from surae.protocol.device import DEVICES, Device, named_device, read_device
+from surae.protocol.device import DEVICES, Device, allowed_range, named_device, read_device
 from surae.protocol.effort import DIRECTIONS, TASKS, Task
 from surae.protocol.export import (
     read_protocol,
@@ -31,6 +31,7 @@ __all__ = [
     "Task",
     "Trajectory",
     "TricepsPath",
+    "allowed_range",
     "chirp",
     "chirp_rate",
     "coverage",

@@ -143,6 +143,56 @@ def _number(where: str, key: str, value: Any) -> float:
     return float(value)
 
 
+#: Full plantarflexion and dorsiflexion [rad] of a healthy leg.
+TYPICAL_RANGE = (-0.9, 0.6)
+
+
+def allowed_range(
+    device: Device | None, asked: tuple[float, float] | None = None
+) -> tuple[float, float]:
+    """Angles between which a trial moves.
+
+    Parameters
+    ----------
+    device : Device or None
+        What is to move the leg.
+    asked : (float, float), optional
+        The subject's full plantarflexion and dorsiflexion [rad]; by default those of a healthy leg,
+        as far as the device reaches.
+
+    Returns
+    -------
+    (float, float)
+        What was asked for, or that default [rad].
+
+    Raises
+    ------
+    InputError
+        What was asked for is no range of an ankle, or beyond the device's.
+    """
+    reach = None if device is None else device.range_of_motion
+    if asked is None:
+        low, high = TYPICAL_RANGE
+        if reach is not None:
+            low, high = max(low, reach[0]), min(high, reach[1])
+            low, high = (low, high) if low < high else reach
+        return low, high
+    low, high = asked
+    if not -3.0 <= low < high <= 3.0:
+        raise InputError(
+            f"range of motion {low:g} … {high:g} rad: full plantarflexion must be below "
+            "dorsiflexion, both within ±3 rad"
+        )
+    if device is not None and reach is not None and not reach[0] <= low < high <= reach[1]:
+        inside = max(low, reach[0]), min(high, reach[1])
+        inside = inside if inside[0] < inside[1] else reach
+        raise InputError(
+            f"{device.name} reaches {reach[0]:g} … {reach[1]:g} rad, not {low:g} … {high:g} rad; "
+            f"give up what is beyond: --range {inside[0]:g}:{inside[1]:g}"
+        )
+    return low, high
+
+
 _FILES = Path(__file__).parent / "devices"
 #: The devices that come with surae, by name.
 DEVICES: dict[str, Device] = {

@@ -9,7 +9,7 @@ from surae.errors import InputError
 from surae.frozen import read_only
 from surae.protocol.adaptation import Adaptation, Motion, fit_device, peaks, refusal
 from surae.protocol.chirp import DEFAULT_RATE, base_range, chirp
-from surae.protocol.device import Device
+from surae.protocol.device import TYPICAL_RANGE, Device, allowed_range
 from surae.protocol.effort import effort, named_task
 from surae.protocol.profiles import named_profile
 from surae.units import FloatArray
@@ -37,7 +37,8 @@ class Protocol:
         Rise of the chirp's frequency [Hz/s]; irrelevant at amplitude 0. The thesis's factors are
         converted by `surae.protocol.chirp_rate`.
     range_of_motion : (float, float)
-        The subject's angles of full plantarflexion and full dorsiflexion [rad].
+        The subject's angles of full plantarflexion and full dorsiflexion [rad], within the
+        device's.
     duration : float or None
         None for the profile's own; another value plays the profile slower or faster, while the
         chirp and the task keep their own time [s].
@@ -58,7 +59,7 @@ class Protocol:
     task: str = "part-passive"
     chirp_amplitude: float = 0.0
     chirp_rate: float = DEFAULT_RATE
-    range_of_motion: tuple[float, float] = (-0.9, 0.6)
+    range_of_motion: tuple[float, float] = TYPICAL_RANGE
     duration: float | None = None
     rate_hz: float = 256.0
     device: Device | None = None
@@ -67,11 +68,7 @@ class Protocol:
     def __post_init__(self) -> None:
         """Check the settings."""
         task = named_task(self.task)
-        low, high = self.range_of_motion
-        _require(
-            math.isfinite(low) and math.isfinite(high) and low < high,
-            f"range of motion {low:g}…{high:g} rad: full plantarflexion must be below dorsiflexion",
-        )
+        low, high = allowed_range(self.device, self.range_of_motion)
         _require(
             0.0 <= self.chirp_amplitude < 0.5 * (high - low),
             f"chirp amplitude {self.chirp_amplitude:g} rad: use 0 or more, and less than half the "

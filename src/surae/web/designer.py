@@ -39,9 +39,6 @@ def trajectory_of(settings: "ProtocolSettings") -> Trajectory:
     InputError
         A setting is out of its range, or the device cannot do it.
     """
-    low, high = settings.range
-    if not -3.0 <= low < high <= 3.0:
-        raise InputError(f"range of motion {low:g} … {high:g} rad; give angles of an ankle")
     device = None if settings.device is None else named_device(settings.device)
     if settings.profile in ready_protocols():
         return ready_trajectory(settings.profile, device, settings.range, settings.rate_hz)
