@@ -1,5 +1,6 @@
 """Children: nothing of the working folder runs in them, and they end with their parent."""
 
+import gc
 import io
 import os
 import re
@@ -226,6 +227,16 @@ def test_a_child_is_made_anew_after_some_calls() -> None:
     child.close()
     assert numbers[1] is numbers[3] is None
     assert numbers[0] != numbers[2]
+
+
+def test_a_child_that_is_forgotten_is_not_left_behind() -> None:
+    child = Child()
+    child.call(f"{ME}:echo", {})
+    number, unclosed = child.process, [child]
+    unclosed.append(unclosed)  # a cycle, in which what is collected first is anybody's guess
+    del child, unclosed
+    gc.collect()
+    assert gone([number], 5.0)
 
 
 def test_a_guarded_call_raises_what_the_function_does() -> None:

@@ -182,7 +182,7 @@ def test_a_slow_stretch_costs_what_its_loop_encloses() -> None:
         elastic = np.exp(p[f"k_{group}"] * (length(group, angle) - p[f"x0_{group}"]))
         z = elastic[0] * p["k_rel"] / (1 + p["k_rel"])
         for i, f0 in enumerate(elastic):
-            total[i] += sign * arm(group, angle[i]) * (f0 - z)
+            total[i] += sign * arm(group, angle[i]) * max(f0 - z, 0.0)  # (11): no push
             z += dt / p["tau_rel"] * (p["k_rel"] * f0 - (1 + p["k_rel"]) * z)
     assert told == pytest.approx(1e3 * np.trapezoid(total, np.radians(degrees)), rel=5e-3)
 
@@ -198,7 +198,7 @@ def test_a_slow_stretch_meets_what_has_not_relaxed_yet() -> None:
         elastic = np.exp(p[f"k_{group}"] * (length(group, angle) - p[f"x0_{group}"]))
         z = elastic[0] * p["k_rel"] / (1 + p["k_rel"])
         for i, f0 in enumerate(elastic):
-            total[i] += sign * arm(group, angle[i]) * (f0 - z)
+            total[i] += sign * arm(group, angle[i]) * max(f0 - z, 0.0)  # (11): no push
             z += dt / p["tau_rel"] * (p["k_rel"] * f0 - (1 + p["k_rel"]) * z)
     assert told["slow_torque@10deg"] == pytest.approx(np.interp(10, degrees, total), rel=5e-3)
     by = np.interp([9, 11], degrees, total)

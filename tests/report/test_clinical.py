@@ -86,11 +86,13 @@ def test_no_change_is_never_a_yes(fit) -> None:
     assert not any(row.is_strong for row in told.rows)
 
 
-def test_the_commands_write_it(fit, tmp_path) -> None:
+@pytest.mark.parametrize("columns", ["", "60", "80", "132"])
+def test_the_commands_write_it(fit, tmp_path, monkeypatch, columns) -> None:
     from click.testing import CliRunner
 
     from surae.cli import group
 
+    monkeypatch.setenv("COLUMNS", columns)
     fit.save(tmp_path / "fit.json")
     (tmp_path / "after.json").write_bytes((tmp_path / "fit.json").read_bytes())
     files = [str(tmp_path / name) for name in ("fit.json", "after.json", "p.html", "o.json")]
@@ -100,7 +102,9 @@ def test_the_commands_write_it(fit, tmp_path) -> None:
                 "--language", "nl"]
     )  # fmt: skip
     assert made.exit_code == 0, made.output
-    assert "passive_stiffness@10deg" in made.output
+    assert "passive_stiffness@10deg" in made.output  # whole, whatever the width
+    told = surae.load(files[0]).measures([10])["passive_torque@10deg"]
+    assert str(told.verdict) in re.search(r"passive_torque@10deg .*", made.output)[0]
     assert "Stijfheid" in (tmp_path / "p.html").read_text(encoding="utf-8")
     made = runner.invoke(group, ["change", *files[:2], "--report", files[2], "--output", files[3]])
     assert made.exit_code == 0, made.output

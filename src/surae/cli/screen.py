@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rich import box
-from rich.console import Console
+from rich.cells import cell_len
+from rich.console import Console, JustifyMethod
+from rich.measure import Measurement
 from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
@@ -32,6 +34,8 @@ _TOLD = ("Weights: ", "Mass m ", "EMG normalised: ")
 _WIDTH = 132
 #: Widths from which the interval stays on one line, and from which meanings have room.
 _NARROW, _WIDE = 72, 130
+#: Least width of a folded sentence, and a width that no table has.
+_SENTENCE, _ANY = 24, 10_000
 
 
 def show_fit(fit: "Fit") -> None:
@@ -208,20 +212,25 @@ def show_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
 def show_verdicts(
     headings: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[str] = ()
 ) -> None:
-    """A table of texts, folded to the width, the last one a verdict that is never folded.
+    """A table of texts, the last one a verdict; those headed by one of `numbers` to the right.
 
-    Columns headed by one of `numbers` stand to the right and are not folded either.
+    Sentences are folded to the width. Names, numbers and verdicts are whole at any width, so that
+    they can be read and copied: a terminal that is narrower folds the lines itself.
     """
-    table = _table()
-    for heading in headings[:-1]:
-        if heading in numbers:
-            table.add_column(heading, justify="right", no_wrap=True)
+    out, table = _console(), _table()
+    for column, heading in enumerate(headings):
+        cells = [row[column] for row in rows]
+        if heading in numbers or column == len(headings) - 1 or not any(" " in c for c in cells):
+            least = max(map(cell_len, (heading, *cells)))
+            side: JustifyMethod = "right" if heading in numbers else "left"
+            table.add_column(heading, justify=side, no_wrap=True, min_width=least)
         else:
-            table.add_column(heading, overflow="fold")
-    table.add_column(headings[-1], no_wrap=True)
+            table.add_column(heading, overflow="fold", min_width=_SENTENCE)
     for row in rows:
         table.add_row(*(Text(cell) for cell in row[:-1]), Text(row[-1], _STYLES.get(row[-1], "")))
-    _print(_console(), table)
+    roomy = out.options.update(max_width=_ANY)
+    out.width = max(out.width, Measurement.get(out, roomy, table).minimum)
+    _print(out, table)
 
 
 def show_line(text: str) -> None:

@@ -8,6 +8,7 @@ stays; what they tell badly borrows from the other legs.
 import csv
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -101,11 +102,12 @@ def measured(
     name = f"{__name__}:{quantities_of.__name__}"
     done: dict[int, Any] = {}
     work = quantities_of if engine.kind == "threads" else name
-    for batch in results(work, calls, engine):
-        for key, outcome in batch:
-            done[int(key)] = outcome
-        if told is not None:
-            told(len(done), len(calls))
+    with closing(results(work, calls, engine)) as batches:
+        for batch in batches:
+            for key, outcome in batch:
+                done[int(key)] = outcome
+            if told is not None:
+                told(len(done), len(calls))
     members = []
     for i, (_, member) in enumerate(rows):
         outcome = done[i]

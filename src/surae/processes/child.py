@@ -1,10 +1,10 @@
 """A child process that does calls, one at a time: started, asked, stopped, and made again."""
 
-import atexit
 import os
 import subprocess
 import sys
 import threading
+import weakref
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -56,6 +56,8 @@ class End:
 class Child:
     """One process that does one call at a time; it is made when it is needed, and made again.
 
+    It ends with whoever holds this, closed or not.
+
     Parameters
     ----------
     nice : int
@@ -67,6 +69,7 @@ class Child:
     def __init__(self, nice: int = 0, calls: int | None = _CALLS) -> None:
         self._nice, self._calls = nice, calls
         self._process: subprocess.Popen[bytes] | None = None
+        self._end: weakref.finalize[..., Child] | None = None
         self._owner = 0
         self._lock = threading.Lock()
         self._busy = self._killed = self._closed = self._interrupted = False
@@ -155,6 +158,7 @@ class Child:
         if self._process is None or self._process.poll() is not None:
             self._drop()
             self._process = _start(self._nice)
+            self._end = weakref.finalize(self, _ended, self._process, self._owner)
             self._done = 0
         return self._process
 
@@ -166,15 +170,21 @@ class Child:
                 self._process.kill()
 
     def _drop(self) -> None:
-        process, self._process = self._process, None
-        if process is None or self._owner != os.getpid():
-            return
-        process.kill()
-        for stream in (process.stdin, process.stdout):
-            if stream is not None:
-                with suppress(OSError):
-                    stream.close()
-        process.wait()
+        self._process = None
+        if self._end is not None:
+            self._end()
+
+
+def _ended(process: "subprocess.Popen[bytes]", owner: int) -> None:
+    """Kill a process and wait for its end; in a copy of the program that made it, do nothing."""
+    if owner != os.getpid():
+        return
+    process.kill()
+    for stream in (process.stdin, process.stdout):
+        if stream is not None:
+            with suppress(OSError):
+                stream.close()
+    process.wait()
 
 
 def guarded(
@@ -212,9 +222,7 @@ _keeping = threading.Lock()
 @cache
 def _kept() -> Child:
     """The child of `guarded`."""
-    child = Child()
-    atexit.register(child.close)
-    return child
+    return Child()
 
 
 def _later(seconds: float, action: Callable[[], None]) -> threading.Timer:
