@@ -1,14 +1,18 @@
-"""What is lost when streams and programs end at random moments: figures for decision 20.
+"""What is lost when streams and programs end at random moments, and what recording costs: figures
+for decision 20.
 
     python benchmarks/live.py kills 30
     python benchmarks/live.py losses 30
+    python benchmarks/live.py soak 60
 
-Every sample says when it was taken, so that what is missing can be counted.
+Every sample says when it was taken, so that what is missing can be counted. `soak` records and
+makes frames for so many minutes, with a new file each minute; it prints a line for each.
 """
 
 import json
 import os
 import random
+import selectors
 import signal
 import subprocess
 import sys
@@ -19,13 +23,17 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pyxdf
 
 from surae.live.lsl import SESSION, lsl, outlet
 from surae.live.recorder import Recorder
+from surae.live.showing import Showing
 from surae.live.xdf import mended
 
 RATE, CHANNELS = 2048.0, 8
+#: Nothing is waited for longer [s].
+LIMIT = 60.0
 
 
 def send(name: str) -> None:
@@ -70,6 +78,15 @@ def process(*arguments: str) -> Iterator[subprocess.Popen]:
         made.communicate()
 
 
+def line(process: subprocess.Popen) -> str:
+    """The next line that a process says, which must come in time."""
+    assert process.stdout is not None
+    with selectors.DefaultSelector() as ready:
+        ready.register(process.stdout, selectors.EVENT_READ)
+        assert ready.select(LIMIT), "the process says nothing"
+    return process.stdout.readline()
+
+
 def numbers_in(path: Path) -> np.ndarray:
     """The numbers of the samples in a file, checked to be whole samples."""
     streams, _ = pyxdf.load_xdf(path, synchronize_clocks=False, dejitter_timestamps=False)
@@ -85,8 +102,7 @@ def kills(count: int, seed: int = 1) -> list[float]:
         for index in range(count):
             path = Path(folder) / f"{index}.xdf"
             with process("record", str(path)) as recorder:
-                assert recorder.stdout is not None
-                assert recorder.stdout.readline() == "recording\n"
+                assert line(recorder) == "recording\n"
                 time.sleep(choice.uniform(0.5, 3.0))
                 recorder.send_signal(signal.SIGKILL)
                 ended = lsl().local_clock()
@@ -116,9 +132,10 @@ def losses(count: int, seed: int = 1) -> tuple[list[float], list[float], list[fl
         for _ in range(count + 1):
             before = sum(came)
             with process("send", "a") as sender:
-                assert sender.stdout is not None
-                begins.append(int(sender.stdout.readline()))
+                begins.append(int(line(sender)))
+                limit = time.monotonic() + LIMIT
                 while sum(came) < before + 100:
+                    assert time.monotonic() < limit, "the stream is not found"
                     time.sleep(0.01)
                 time.sleep(choice.uniform(0.3, 2.0))
             ends.append(lsl().local_clock() * RATE)
@@ -135,6 +152,50 @@ def losses(count: int, seed: int = 1) -> tuple[list[float], list[float], list[fl
     return lost, missing, noted
 
 
+def soak(minutes: int) -> Iterator[dict[str, float]]:
+    """Each minute: samples missing on disk so far, frames per second, processor [% of a core],
+    memory [MB]."""
+    frames: list[dict] = []
+    showing = Showing(frames.append)
+    roles = ("angle", "torque", "emg_ta", "emg_gl", "emg_sol", "emg_gm")
+    showing.roles = {f"soak: c{i}": (role, 1.0, 0.0) for i, role in enumerate(roles)}
+    own = psutil.Process()
+    with tempfile.TemporaryDirectory() as folder, process("send", "soak"):
+        recorder = Recorder(
+            Path(folder) / "0.xdf",
+            show=showing.show,
+            tell=lambda *what: None,  # noqa: ARG005
+        )
+        showing.run(recorder.clock, lambda: np.zeros(5))
+        used, last, missing = own.cpu_times(), None, 0
+        begun = time.monotonic()
+        for minute in range(minutes):
+            time.sleep(60.0)
+            recorder.turn(Path(folder) / f"{minute + 1}.xdf")
+            done = Path(folder) / f"{minute}.xdf"
+            counted = subprocess.run(
+                [sys.executable, __file__, "count", str(done)],
+                stdout=subprocess.PIPE, check=True, text=True, timeout=LIMIT,
+            )  # fmt: skip
+            first, newest, within = json.loads(counted.stdout)
+            missing += within + (0 if last is None else first - last - 1)
+            last = newest
+            done.unlink()
+            before, used = used, own.cpu_times()
+            spent = used.user + used.system - before.user - before.system
+            begun, seconds = time.monotonic(), time.monotonic() - begun
+            yield {
+                "minute": minute + 1, "missing": missing,
+                "frames_per_s": round(len(frames) / seconds, 1),
+                "percent_of_a_core": round(100.0 * spent / seconds, 1),
+                "memory_MB": round(own.memory_info().rss / 1e6, 1),
+                "load": round(os.getloadavg()[0], 1),
+            }  # fmt: skip
+            frames.clear()
+        showing.close()
+        recorder.close()
+
+
 if __name__ == "__main__":
     what, *rest = sys.argv[1:]
     os.environ.setdefault(SESSION, f"benchmark-{os.getpid()}")
@@ -142,6 +203,13 @@ if __name__ == "__main__":
         send(*rest)
     elif what == "record":
         record(*rest)
+    elif what == "count":
+        numbers = numbers_in(Path(*rest))
+        gone = int(numbers[-1] - numbers[0]) + 1 - len(numbers)
+        print(json.dumps([int(numbers[0]), int(numbers[-1]), gone]))
+    elif what == "soak":
+        for told in soak(int(rest[0])):
+            print(json.dumps(told), flush=True)
     elif what == "kills":
         seconds = kills(int(rest[0]))
         print(json.dumps({"median_s": float(np.median(seconds)), "worst_s": max(seconds)}))

@@ -1,8 +1,31 @@
 """Streams of the Lab Streaming Layer on this computer: never missing where tests run for all."""
 
 import os
+import signal
 
 import pytest
+
+#: What a test of live streams may take at most [s]: nothing hangs where a stream does not come.
+LIMIT, SLOW_LIMIT = 120, 600
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item):
+    """Hold a test, with what it is prepared by, to its limit."""
+    if not hasattr(signal, "SIGALRM"):
+        return (yield)
+    limit = SLOW_LIMIT if item.get_closest_marker("slow") else LIMIT
+
+    def over(number, frame):
+        raise TimeoutError(f"{item.nodeid} took more than {limit} s")
+
+    before = signal.signal(signal.SIGALRM, over)
+    signal.alarm(limit)
+    try:
+        return (yield)
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
 
 
 @pytest.fixture(scope="session")

@@ -3,12 +3,12 @@
 import os
 import re
 import shutil
-import subprocess
-import sys
 
 import pytest
 from playwright import sync_api
+from streaming import rehearsing
 
+pytestmark = pytest.mark.slow  # a rehearsal in real time; what the pages are told is tested beside
 expect = sync_api.expect
 PATIENCE = 240_000
 
@@ -32,18 +32,12 @@ def chromium():
 @pytest.fixture(scope="module")
 def address(lsl, tmp_path_factory):
     folder = tmp_path_factory.mktemp("browser")
-    command = [sys.executable, "-m", "surae", "live", "--rehearse", "--no-open", "--port", "0"]
-    process = subprocess.Popen(
-        [*command, "--output", str(folder / "leg")],
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-    )  # fmt: skip
-    assert process.stdout is not None
-    said = process.stdout.readline()
-    match = re.search(r"http://\S+", said)
-    assert match, said
-    yield match.group()
-    process.terminate()
-    process.communicate(timeout=60)
+    with rehearsing(folder / "leg", "--no-open", "--port", "0") as process:
+        assert process.stdout is not None
+        said = process.stdout.readline()
+        match = re.search(r"http://\S+", said)
+        assert match, said
+        yield match.group()
 
 
 def test_a_trial_by_keyboard_on_both_pages(chromium, address) -> None:

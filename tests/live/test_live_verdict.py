@@ -4,10 +4,13 @@ import shutil
 import time
 
 import pytest
+from streaming import waited
 
 from surae.live.heard import Stream
 from surae.live.judge import verdict
+from surae.live.room import Room
 from surae.live.trials import mapping_of
+from surae.processes import End
 from surae.protocol import Protocol, generate
 from surae.quality import Finding, Quality
 from surae.recording import write_hdf5
@@ -78,26 +81,55 @@ def test_nothing_is_guessed(streams) -> None:
     assert mapping_of(streams) == ""
 
 
-def test_a_file_that_appears_in_the_watched_folder_is_a_trial(lsl, tmp_path) -> None:
-    from surae.live.room import Room
+class Quick:
+    """A judge that says at once that all is well."""
 
-    asked = Protocol(profile="multiple-holds", task="active", duration=20.0, rate_hz=1024.0)
-    write_hdf5(tmp_path / "made.h5", virtual_recording(virtual_subject(3), generate(asked)))
+    def __init__(self, **how: object) -> None:
+        pass
 
-    (tmp_path / "in").mkdir()
-    shutil.copy(tmp_path / "made.h5", tmp_path / "in" / "old.h5")
-    room = Room(tmp_path / "out", watch=tmp_path / "in", joint=False)
+    def call(self, _: str, arguments: dict) -> End:
+        said = {"findings": [], "verdict": "keep", "advice": "", "use": "fit", **arguments}
+        return End("done", said)
+
+    def close(self) -> None:
+        pass
+
+
+def appeared(room, tmp_path, file) -> dict:
+    """What is said of a file that is put into the watched folder."""
     try:
-        time.sleep(0.5)
-        shutil.copy(tmp_path / "made.h5", tmp_path / "in" / "new.h5")
-        end = time.monotonic() + 240
-        while 1 not in room.trials.verdicts and time.monotonic() < end:
-            time.sleep(0.1)
-        told = room.trials.verdicts[1].result(240)
+        time.sleep(0.1)
+        shutil.copy(file, tmp_path / "in" / "new.h5")
+        waited(lambda: 1 in room.trials.verdicts)
+        told = room.trials.verdicts[1].result(100)
     finally:
         room.close()
     assert list(room.trials.trials) == [1]
     assert told["protocol"] == "new.h5"
-    assert told["vaf"] > 99.0
-    assert (tmp_path / "out" / "trial-01.h5").exists()
     assert (tmp_path / "out" / "trial-01.json").exists()
+    return told
+
+
+@pytest.fixture
+def watched(tmp_path):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "old.h5").write_bytes(b"is there already")
+    return tmp_path
+
+
+def test_a_file_that_appears_in_the_watched_folder_is_a_trial(lsl, watched, monkeypatch) -> None:
+    monkeypatch.setattr("surae.live.trials.Child", Quick)
+    (watched / "made.h5").write_bytes(b"something")
+    room = Room(watched / "out", watch=watched / "in", joint=False)
+    told = appeared(room, watched, watched / "made.h5")
+    assert told["file"] == str(watched / "in" / "new.h5")
+
+
+@pytest.mark.slow
+def test_a_file_that_appears_is_judged_as_a_stream_is(lsl, watched) -> None:
+    asked = Protocol(profile="multiple-holds", task="active", duration=20.0, rate_hz=1024.0)
+    write_hdf5(watched / "made.h5", virtual_recording(virtual_subject(3), generate(asked)))
+    room = Room(watched / "out", watch=watched / "in", joint=False)
+    told = appeared(room, watched, watched / "made.h5")
+    assert told["vaf"] > 99.0
+    assert (watched / "out" / "trial-01.h5").exists()

@@ -20,7 +20,7 @@ class Laboratory:
     """
 
     def __init__(self, seed: int = 1, population: str = "healthy") -> None:
-        self._words = outlet("surae control", "Control", [], [], 0.0, CONTROL)
+        self._words: Any = outlet("surae control", "Control", [], [], 0.0, CONTROL)
         self._child = Child(calls=None)
         self._told = threading.Condition()
         self._hears = False
@@ -74,11 +74,15 @@ class Laboratory:
         self._say("fault", **fault)
 
     def close(self) -> None:
-        """End it."""
+        """End it, and the stream of words."""
+        with self._told:
+            self._words = None
         self._child.close()
 
     def _say(self, word: str, **more: Any) -> None:
-        self._words.push_sample([json.dumps({"do": word, **more})])
+        with self._told:
+            if self._words is not None:
+                self._words.push_sample([json.dumps({"do": word, **more})])
 
     def _run(self, arguments: dict[str, Any]) -> None:
         end = self._child.call("surae.live.rehearsal:run", arguments, hear=self._hear)

@@ -139,6 +139,8 @@ class Recorder:
         self._ended.set()
         for thread in self._threads:
             thread.join(5.0)
+        for stream in self.streams.values():
+            stream.inlet = None  # no sender goes on sending to one who is gone
         with self._lock:
             if self._log is not None:
                 with suppress(OSError):

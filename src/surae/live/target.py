@@ -6,6 +6,7 @@ recorded beside what was measured.
 
 import threading
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -46,11 +47,15 @@ class Target:
     def __init__(self) -> None:
         labels = ["angle", *(f"emg_{muscle}" for muscle in MUSCLES)]
         units = ["rad", *["1"] * len(MUSCLES)]
-        self._outlet = outlet("surae target", KIND, labels, units, _RATE, SOURCE)
         self._clock = lsl().local_clock
         self._plan = _Plan()
         self._ended = threading.Event()
-        threading.Thread(target=self._send, name="live-target", daemon=True).start()
+        # The stream ends with the thread that alone holds it, not when memory is tidied some day.
+        sent = outlet("surae target", KIND, labels, units, _RATE, SOURCE)
+        self._thread = threading.Thread(
+            target=self._send, args=(sent,), name="live-target", daemon=True
+        )
+        self._thread.start()
 
     def load(self, trajectory: Trajectory) -> None:
         """Ask for the first position of a trajectory."""
@@ -72,12 +77,13 @@ class Target:
     def close(self) -> None:
         """End the stream."""
         self._ended.set()
+        self._thread.join(5.0)
 
-    def _send(self) -> None:
+    def _send(self, stream: Any) -> None:
         sent, start = 0, float(self._clock())
         while not self._ended.wait(_STEP):
             due = int((float(self._clock()) - start) * _RATE)
             if due > sent:
                 times = start + np.arange(sent, due) / _RATE
-                self._outlet.push_chunk(self._plan.at(times), float(times[-1]))
+                stream.push_chunk(self._plan.at(times), float(times[-1]))
                 sent = due
