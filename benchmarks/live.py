@@ -175,7 +175,7 @@ def soak(minutes: int) -> Iterator[dict[str, float]]:
             done = Path(folder) / f"{minute}.xdf"
             counted = subprocess.run(
                 [sys.executable, __file__, "count", str(done)],
-                stdout=subprocess.PIPE, check=True, text=True, timeout=LIMIT,
+                stdout=subprocess.PIPE, check=True, text=True, timeout=10 * LIMIT,
             )  # fmt: skip
             first, newest, within = json.loads(counted.stdout)
             missing += within + (0 if last is None else first - last - 1)

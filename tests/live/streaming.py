@@ -14,6 +14,7 @@ import numpy as np
 from surae.live.lsl import SESSION, outlet
 from surae.live.recorder import Recorder
 from surae.live.xdf import XdfLog
+from surae.processes import End
 from surae.recording import Recording
 
 XML = (
@@ -105,6 +106,20 @@ class Sender:
                     values = np.column_stack([c.values[sent[i] : due] for c in group])
                     self.outlets[i].push_chunk(values, list(stamps))
                     sent[i] = due
+
+
+class Quick:
+    """A judge that says at once that all is well, and what it was asked."""
+
+    def __init__(self, **how: object) -> None:
+        pass
+
+    def call(self, _: str, arguments: dict) -> End:
+        said = {"findings": [], "verdict": "keep", "advice": "", "use": "fit", **arguments}
+        return End("done", said)
+
+    def close(self) -> None:
+        pass
 
 
 @contextmanager

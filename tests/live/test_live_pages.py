@@ -111,6 +111,13 @@ def test_what_makes_no_sense_is_refused_in_a_line(client, here, name, body, says
     assert says in answer.json()["error"]
 
 
+def test_the_subjects_page_asks_for_nothing_but_its_own(client, here, served, monkeypatch) -> None:
+    browser = client(here)
+    browser.get("/subject")
+    monkeypatch.delattr(type(served), "state")
+    assert browser.get("/api/subject").status_code == 200
+
+
 def test_another_site_can_do_nothing(client, here) -> None:
     browser = client(here)
     token = opened(browser)

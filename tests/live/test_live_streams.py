@@ -6,11 +6,14 @@ import time
 
 import numpy as np
 import pytest
-from streaming import Sender, waited
+from streaming import Quick, Sender, waited
 
 from benchmark_files import load
 from surae import fit, read
+from surae.errors import InputError
+from surae.live.heard import Stream
 from surae.live.recorder import Recorder
+from surae.live.showing import Showing
 from surae.live.target import Target
 from surae.live.trials import Trials, silent
 
@@ -64,6 +67,89 @@ def test_samples_wait_for_room_on_a_full_disk(endings, tmp_path, monkeypatch) ->
     numbers = endings.numbers_in(tmp_path / "a.xdf")
     assert (np.diff(numbers) == 1).all()
     assert len(numbers) >= sum(came)
+
+
+def test_a_trial_that_ends_on_a_full_disk_is_whole_and_judged_once_there_is_room(
+    endings, tmp_path, monkeypatch
+) -> None:
+    monkeypatch.setattr("surae.live.trials.Child", Quick)
+    (tmp_path / "mapping.toml").write_text("[channels]\n")
+    came, write = [], os.write
+    with endings.process("send", "disk"):
+        trials = Trials(tmp_path, joint=False, show=lambda *what: came.append(len(what[1])))
+
+        def more() -> None:
+            before = len(came)
+            waited(lambda: len(came) > before + 5)
+
+        def full(file: int, data: bytes) -> int:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+        try:
+            more()
+            trials.start()
+            more()
+            monkeypatch.setattr(os, "write", full)
+            more()
+            verdict = trials.stop()
+            more()
+            assert not verdict.done()
+            with pytest.raises(InputError, match="make room now"):
+                trials.start()
+            monkeypatch.setattr(os, "write", write)
+            assert verdict.result(20)["verdict"] == "keep"
+            more()
+        finally:
+            trials.close()
+    files = ("between-01.xdf", "trial-01.xdf", "between-02.xdf")
+    parts = [endings.numbers_in(tmp_path / file) for file in files]
+    assert min(map(len, parts)) > 100
+    assert (np.diff(np.concatenate(parts)) == 1).all()
+
+
+def test_whoever_looks_on_ends_no_recording(endings, tmp_path) -> None:
+    """Showing one stream fails: all are recorded, and the mistake is told."""
+    target = Target()
+
+    def show(stream, *what) -> None:
+        if stream.name == "surae target":
+            raise ZeroDivisionError
+
+    recorder = Recorder(tmp_path / "a.xdf", show=show, tell=silent)
+    try:
+        waited(lambda: any(s.received for s in recorder.streams.values()))
+        with endings.process("send", "b"):
+            waited(lambda: any(s.received > 500 for s in recorder.streams.values()))
+        assert "ZeroDivisionError" in recorder.trouble
+    finally:
+        recorder.close()
+        target.close()
+    assert (np.diff(endings.numbers_in(tmp_path / "a.xdf")) == 1).all()
+
+
+@pytest.mark.parametrize("rate", [0.0, 1000.0])
+def test_what_is_irregular_is_shown_as_what_is_regular(rate) -> None:
+    showing = Showing(silent)
+    showing.roles = {"EMG: emg_sol": ("emg_sol", 1.0, 0.0)}
+    stream = Stream(2, "EMG", "EMG", "here", ["emg_sol"], ["V"], rate, False, "")
+    rng = np.random.default_rng(1)
+    for i in range(100):
+        times = 5.0 + (np.arange(20) + 20 * i) / 1000.0
+        level = 1e-3 if i > 50 else 1e-5
+        showing.show(stream, times, level * rng.standard_normal((20, 1)))
+    assert showing.efforts()[2] > 0.8
+
+
+def test_the_network_is_asked_for_once_and_for_all(monkeypatch) -> None:
+    import pylsl
+
+    from surae.live import lsl as module
+
+    told = []
+    monkeypatch.setattr(pylsl, "set_config_content", told.append)
+    monkeypatch.setattr(module, "_configured", [], raising=False)
+    assert module.lsl(network=True) is module.lsl() is pylsl
+    assert told == []
 
 
 def test_a_target_that_is_closed_is_a_stream_no_more(lsl, tmp_path) -> None:

@@ -2,15 +2,16 @@
 
 import shutil
 import time
+from pathlib import Path
 
 import pytest
-from streaming import waited
+from streaming import Quick, waited
 
+from surae.errors import InputError
 from surae.live.heard import Stream
 from surae.live.judge import verdict
 from surae.live.room import Room
-from surae.live.trials import mapping_of
-from surae.processes import End
+from surae.live.trials import Trials, mapping_of
 from surae.protocol import Protocol, generate
 from surae.quality import Finding, Quality
 from surae.recording import write_hdf5
@@ -81,20 +82,6 @@ def test_nothing_is_guessed(streams) -> None:
     assert mapping_of(streams) == ""
 
 
-class Quick:
-    """A judge that says at once that all is well."""
-
-    def __init__(self, **how: object) -> None:
-        pass
-
-    def call(self, _: str, arguments: dict) -> End:
-        said = {"findings": [], "verdict": "keep", "advice": "", "use": "fit", **arguments}
-        return End("done", said)
-
-    def close(self) -> None:
-        pass
-
-
 def appeared(room, tmp_path, file) -> dict:
     """What is said of a file that is put into the watched folder."""
     try:
@@ -133,3 +120,63 @@ def test_a_file_that_appears_is_judged_as_a_stream_is(lsl, watched) -> None:
     told = appeared(room, watched, watched / "made.h5")
     assert told["vaf"] > 99.0
     assert (watched / "out" / "trial-01.h5").exists()
+
+
+def test_efforts_that_were_asked_for_are_told_to_the_judge_and_to_the_joint_fit(
+    lsl, tmp_path, monkeypatch
+) -> None:
+    monkeypatch.setattr("surae.live.trials.Child", Quick)
+    (tmp_path / "mapping.toml").write_text("[channels]\n")
+    trials = Trials(tmp_path, limits={"device": "achilles", "span": None})
+    try:
+        for effort in ("maximal", "passive", None):
+            number = trials.start(**({} if effort is None else {"effort": effort}))
+            Path(trials.path(number, ".h5")).write_bytes(b"a recording")
+            told = trials.stop().result(20)
+        waited(lambda: trials.session.get("trials") == [1, 2, 3])
+    finally:
+        trials.close()
+    asked = {"trial-01": "maximal", "trial-02": "passive"}
+    assert told["efforts"] == asked
+    assert trials.session["efforts"] == asked
+    assert trials.session["device"] == "achilles"
+
+
+DEVICE = """\
+name = "short"
+range_rad = [-0.5, -0.1]
+max_velocity_rad_s = 5.0
+max_acceleration_rad_s2 = 100.0
+"""
+
+
+@pytest.fixture
+def short(lsl, tmp_path, monkeypatch):
+    """A room whose device reaches from -0.5 to -0.1 rad."""
+    monkeypatch.setattr("surae.live.trials.Child", Quick)
+    (tmp_path / "short.toml").write_text(DEVICE)
+    room = Room(tmp_path / "out", device=str(tmp_path / "short.toml"))
+    yield room
+    room.close()
+
+
+@pytest.mark.parametrize("profile", ["multiple-holds", "sine", "maximum"])
+def test_what_is_loaded_stays_within_the_device_that_is_there(short, profile) -> None:
+    short.load(profile=profile, task="active", duration=20.0)
+    angle = short.trajectory.angle
+    assert (angle.min() > -0.51, angle.max() < -0.09) == (True, True)
+
+
+def test_a_range_is_the_subjects_and_the_device_must_reach_it(lsl, tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("surae.live.trials.Child", Quick)
+    room = Room(tmp_path / "out", span=(-0.2, 0.1))
+    try:
+        room.load(profile="sine", task="active", duration=20.0)
+        assert abs(room.trajectory.angle).max() < 0.21
+    finally:
+        room.close()
+    (tmp_path / "short.toml").write_text(DEVICE)
+    with pytest.raises(InputError, match="short"):
+        Room(tmp_path / "out", device=str(tmp_path / "short.toml"), span=(-0.5, 0.1))
+    with pytest.raises(InputError, match="not known"):
+        Room(tmp_path / "out", device="nobody's")

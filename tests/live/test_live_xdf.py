@@ -24,6 +24,7 @@ def written(path, *, chunks: int = 20, offset: float = 0.5) -> np.ndarray:
         log.samples(1, stamps, values[10 * i : 10 * i + 10])
         log.clock(1, stamps[-1] + offset, offset)
     log.words(2, [7.5], [["é ok"]])
+    log.mark()
     log.sync()
     log.close()
     return values
@@ -50,6 +51,22 @@ def test_a_file_that_broke_off_anywhere_is_mended_to_its_last_whole_chunk(tmp_pa
         streams, _ = pyxdf.load_xdf(torn, dejitter_timestamps=False)
         kept = streams[0]["time_series"]
         np.testing.assert_array_equal(kept, values[: len(kept)])
+
+
+@pytest.mark.parametrize("content", [b"", b"XD", b"time_s,angle_rad\n0,0\n", b"\0" * 500])
+def test_what_is_no_xdf_is_left_as_it_is(tmp_path, content) -> None:
+    (tmp_path / "trial-01.xdf").write_bytes(content)
+    assert mended(tmp_path / "trial-01.xdf") == 0
+    assert (tmp_path / "trial-01.xdf").read_bytes() == content
+
+
+def test_damage_before_the_end_costs_nothing_behind_it(tmp_path) -> None:
+    written(tmp_path / "a.xdf")
+    whole = bytearray((tmp_path / "a.xdf").read_bytes())
+    whole[1500:1510] = b"\xff" * 10
+    (tmp_path / "a.xdf").write_bytes(whole)
+    assert mended(tmp_path / "a.xdf") == 0
+    assert (tmp_path / "a.xdf").read_bytes() == whole
 
 
 def test_a_full_disk_leaves_whole_chunks_and_goes_on_where_there_is_room(tmp_path, monkeypatch):

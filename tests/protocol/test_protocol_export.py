@@ -7,7 +7,13 @@ import pytest
 from scipy.io import loadmat
 
 from surae.errors import InputError
-from surae.protocol import Protocol, generate, write_protocol_csv, write_protocol_mat
+from surae.protocol import (
+    Protocol,
+    generate,
+    read_protocol,
+    write_protocol_csv,
+    write_protocol_mat,
+)
 
 TRAJECTORY = generate(Protocol(profile="multiple-holds", chirp_amplitude=0.2, rate_hz=125.0))
 HEADER = ["time_s", "angle_rad", "emg_ta", "emg_gl", "emg_sol", "emg_gm"]
@@ -45,3 +51,9 @@ def test_where_it_cannot_be_written_is_said(tmp_path, write):
     with pytest.raises(InputError, match="cannot write"):
         write(TRAJECTORY, tmp_path / "missing" / "P.out")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_protocol_of_names_alone_is_refused_without_a_warning(tmp_path) -> None:
+    (tmp_path / "p.csv").write_text("time_s,angle_rad,emg_ta,emg_gl,emg_sol,emg_gm\n")
+    with pytest.raises(InputError, match="16 samples"):
+        read_protocol(tmp_path / "p.csv")

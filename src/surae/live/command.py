@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from surae.cli.options import Number, Whole
+from surae.cli.protocol import span_of
 from surae.errors import InputError
 
 
@@ -21,6 +22,11 @@ from surae.errors import InputError
 @click.option("--seed", type=Whole(0), default=1, show_default=True, metavar="N",
               help="With --rehearse: whose leg it is.")  # fmt: skip
 @click.option("--mapping", metavar="MAP.toml", help="Which channel of the streams is which signal.")
+@click.option("--device", default="achilles", show_default=True, metavar="NAME|FILE.toml",
+              help="What moves the leg.")  # fmt: skip
+@click.option("--range", "range_", metavar="LOW:HIGH",
+              help="Full plantarflexion and dorsiflexion of the subject, in rad.  "
+              "[default: -0.9:0.6, as far as the device]")  # fmt: skip
 @click.option("--output", default="surae-live", show_default=True, metavar="DIR",
               help="Where the trials are kept.")  # fmt: skip
 @click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS",
@@ -40,6 +46,8 @@ def command(
     faults: tuple[str, ...],
     seed: int,
     mapping: str | None,
+    device: str,
+    range_: str | None,
     output: str,
     host: str,
     port: int,
@@ -57,6 +65,7 @@ def command(
         raise InputError("--unattended goes with --rehearse; leave it away, or add that")
     if watch is not None and not Path(watch).is_dir():
         raise InputError(f"--watch {watch}: there is no such folder; make it first")
+    span = None if range_ is None else span_of(range_)
     from surae.live.lsl import SESSION, lsl
     from surae.recording.reading import open_mapping
 
@@ -74,6 +83,8 @@ def command(
             network=network,
             watch=watch,
             leg=seed if rehearse else None,
+            device=device,
+            span=span,
             host=host,
             port=port,
             token=token,
@@ -83,5 +94,12 @@ def command(
     from surae.live.unattended import unattended as run_unattended
 
     run_unattended(
-        output, trials=trials, seconds=seconds, faults=faults, seed=seed, mapping=mapping
+        output,
+        trials=trials,
+        seconds=seconds,
+        faults=faults,
+        seed=seed,
+        mapping=mapping,
+        device=device,
+        span=span,
     )

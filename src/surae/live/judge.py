@@ -13,7 +13,7 @@ from surae.errors import SuraeError
 from surae.files import write_atomic
 from surae.frozen import read_only
 from surae.quality import Quality, commanded_file
-from surae.recording import read, write_hdf5
+from surae.recording import Recording, read, write_hdf5
 
 if TYPE_CHECKING:
     from surae.assessment.parameter import ParameterEstimate
@@ -64,7 +64,7 @@ def judge(
     output: str,
     earlier: Sequence[str] = (),
     mapping: str | None = None,
-    effort: str | None = None,
+    efforts: Mapping[str, str] | None = None,
     target: str | None = None,
     begin: float = 0.0,
 ) -> dict[str, Any]:
@@ -78,8 +78,9 @@ def judge(
         Recordings of the session's other trials: what is rest and what is effort shows in them.
     mapping : str, optional
         The file of the session's mapping.
-    effort : str, optional
-        The effort that was asked for, one of `surae.session`'s.
+    efforts : mapping of str to str, optional
+        The efforts that were asked for in this trial and the others, by name, as `surae.session`
+        takes them.
     target : str, optional
         The file of what was asked for.
     begin : float
@@ -96,8 +97,7 @@ def judge(
     if asked is not None:
         asked = replace(asked, time=read_only(asked.time + begin))
     quality = api.check(recording, commanded=asked)
-    efforts = {} if effort is None else {recording.name: effort}
-    trial = api.session([recording, *earlier], efforts=efforts)[recording.name]
+    trial = _session([recording, *earlier], efforts)[recording.name]
     if not trial.moves:
         quality = replace(
             quality, findings=tuple(f for f in quality.findings if f.code not in _OF_MOVEMENT)
@@ -147,7 +147,23 @@ def verdict(quality: Quality, said: Mapping[str, Any]) -> dict[str, str]:
     return {"verdict": "keep", "advice": f"Alone it is doubtful: {doubts}." if doubts else ""}
 
 
-def together(recordings: Sequence[str], output: str, target: str) -> dict[str, Any]:
+def _session(
+    recordings: Sequence[Recording | str], efforts: Mapping[str, str] | None
+) -> api.Session:
+    """The session of some recordings; of others, efforts are not told."""
+    names = {Path(each).stem if isinstance(each, str) else each.name for each in recordings}
+    told = {name: effort for name, effort in (efforts or {}).items() if name in names}
+    return api.session(list(recordings), efforts=told)
+
+
+def together(
+    recordings: Sequence[str],
+    output: str,
+    target: str,
+    efforts: Mapping[str, str] | None = None,
+    device: str = "achilles",
+    span: tuple[float, float] | None = None,
+) -> dict[str, Any]:
     """Fit all trials of the session jointly, as `surae.fit` does by itself.
 
     Parameters
@@ -156,6 +172,10 @@ def together(recordings: Sequence[str], output: str, target: str) -> dict[str, A
         Their files.
     output, target : str
         Where the fit goes, and what to measure next.
+    efforts : mapping of str to str, optional
+        As of `judge`.
+    device, span
+        As ``device`` and ``range`` of `surae.measure_next`.
 
     Returns
     -------
@@ -163,7 +183,7 @@ def together(recordings: Sequence[str], output: str, target: str) -> dict[str, A
         grade, vaf, reasons, parameters, measures; and next, sentences on what to measure next,
         which is `proposed`.
     """
-    fit = api.session(list(recordings)).fit_together()
+    fit = _session(recordings, efforts).fit_together()
     fit.save(output)
     measures = fit.measures(angles=(0.0, 10.0))
     return {
@@ -172,7 +192,7 @@ def together(recordings: Sequence[str], output: str, target: str) -> dict[str, A
         "reasons": list(fit.adequacy.reasons),
         "parameters": [_row(name, p) for name, p in fit.parameters.items()],
         "measures": [{**_row(name, m), "meaning": m.meaning} for name, m in measures.items()],
-        **_next(fit, target),
+        **_next(fit, target, device, span),
     }
 
 
@@ -185,10 +205,14 @@ def _row(name: str, estimate: "Measure | ParameterEstimate") -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _next(fit: api.Fit, target: str) -> dict[str, Any]:
+def _next(
+    fit: api.Fit, target: str, device: str, span: tuple[float, float] | None
+) -> dict[str, Any]:
     """What to measure next, in sentences, and what the trial is called; its target is written."""
     try:
-        following = api.measure_next(fit)
+        following = api.measure_next(
+            fit, device=device, range=None if span is None else (span[0], span[1])
+        )
     except SuraeError as error:
         return {"next": [str(error)], "proposed": None}
     if following.trajectory is not None:

@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Sequence
-from functools import cache
 from importlib.util import find_spec
 from typing import Any
 
@@ -28,7 +27,10 @@ SESSION = "SURAE_LSL_SESSION"
 _TUNING = "[tuning]\nContinuousResolveInterval = 0.2\n"
 
 
-@cache
+#: The module, once it is configured: LSL reads its configuration but once in a process.
+_configured: list[Any] = []
+
+
 def lsl(network: bool = False) -> Any:
     """The module pylsl, configured; the first call in a process decides for all.
 
@@ -42,6 +44,8 @@ def lsl(network: bool = False) -> Any:
     InputError
         It is not installed.
     """
+    if _configured:
+        return _configured[0]
     if find_spec("pylsl") is None:
         raise InputError('live recording needs pylsl: pip install "surae[live]" installs it')
     import pylsl
@@ -49,6 +53,7 @@ def lsl(network: bool = False) -> Any:
     if not network:
         session = os.environ.get(SESSION, "default")
         pylsl.set_config_content(_LOCAL.format(session=session) + _TUNING)
+    _configured.append(pylsl)
     return pylsl
 
 

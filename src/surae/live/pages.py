@@ -9,6 +9,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
@@ -25,6 +26,7 @@ from surae.files import PathLike
 from surae.live.room import Room, known
 from surae.live.showing import Showing, roles_of
 from surae.processes import one_line
+from surae.protocol import Trajectory
 from surae.web.events import Events
 from surae.web.security import Policy, Security
 from surae.web.sessions import BrowserSession
@@ -61,12 +63,26 @@ class Browsers:
         return session, cookie
 
 
+def _curve(path: Trajectory | None, angle: bool = True) -> dict[str, Any] | None:
+    """A target as a page draws it."""
+    if path is None:
+        return None
+    step = max(1, round(1.0 / ((path.time[1] - path.time[0]) * _POINTS)))
+    curve: dict[str, Any] = {
+        "t": [round(float(t), 3) for t in path.time[::step]],
+        "effort": [[round(float(e), 3) for e in row] for row in path.effort[::step]],
+    }
+    if angle:
+        curve["angle"] = [round(float(a), 4) for a in path.angle[::step]]
+    return curve
+
+
 class Served:
     """A room and the pages that show it.
 
     Parameters
     ----------
-    folder, mapping, network, watch, leg
+    folder, and all others
         As of `Room`.
     """
 
@@ -74,10 +90,12 @@ class Served:
         self,
         folder: PathLike,
         *,
-        mapping: PathLike | None,
-        network: bool,
-        watch: PathLike | None,
-        leg: int | None,
+        mapping: PathLike | None = None,
+        network: bool = False,
+        watch: PathLike | None = None,
+        leg: int | None = None,
+        device: str = "achilles",
+        span: tuple[float, float] | None = None,
     ) -> None:
         self.events = Events()
         self.showing = Showing(self._frame)
@@ -89,6 +107,8 @@ class Served:
             network=network,
             watch=watch,
             leg=leg,
+            device=device,
+            span=span,
         )
         self._ended = threading.Event()
 
@@ -111,28 +131,28 @@ class Served:
     def state(self) -> dict[str, Any]:
         """How all stands."""
         room, trials = self.room, self.room.trials
-        curve = None
-        if room.trajectory is not None:
-            path = room.trajectory
-            step = max(1, round(1.0 / ((path.time[1] - path.time[0]) * _POINTS)))
-            curve = {
-                "t": [round(float(t), 3) for t in path.time[::step]],
-                "angle": [round(float(a), 4) for a in path.angle[::step]],
-                "effort": [[round(float(e), 3) for e in row] for row in path.effort[::step]],
-            }
+        low, high = np.degrees(room.range)
         return {
+            **self.moment(),
+            "curve": _curve(room.trajectory),
             "folder": trials.folder.name,
             "rehearsal": room.laboratory is not None,
-            "running": trials.running,
             "trials": [trials.trials[number] for number in sorted(trials.trials)],
             "session": trials.session,
             "asked": room.asked,
-            "curve": curve,
-            "begin": room.begin,
-            "now": trials.recorder.clock(),
+            "moves": f"{room.device.name}, {low:.0f}° to {high:.0f}°",
             **self.health(),
             **known(),
         }
+
+    def moment(self) -> dict[str, Any]:
+        """Which trial is running, and since when; LSL's time."""
+        room, trials = self.room, self.room.trials
+        return {"running": trials.running, "begin": room.begin, "now": trials.recorder.clock()}
+
+    def subject(self) -> dict[str, Any]:
+        """What the subject's page shows: nothing else."""
+        return {**self.moment(), "curve": _curve(self.room.trajectory, angle=False)}
 
     def health(self) -> dict[str, Any]:
         """How streams and disk do."""
@@ -193,11 +213,7 @@ def create_app(served: Served, policy: Policy, subject: str | None) -> ASGIApp:
         return JSONResponse(await run_in_threadpool(served.state))
 
     async def subject_state(request: Request) -> Response:  # noqa: ARG001
-        told = await run_in_threadpool(served.state)
-        kept = {key: told[key] for key in ("running", "begin", "now")}
-        curve = told["curve"]
-        kept["curve"] = curve and {"t": curve["t"], "effort": curve["effort"]}
-        return JSONResponse(kept)
+        return JSONResponse(await run_in_threadpool(served.subject))
 
     def stream(*topics: str) -> Any:
         async def told(request: Request) -> Response:

@@ -70,15 +70,15 @@ class Recorder:
         self._but = frozenset(but)
         self.streams: dict[str, Stream] = {}
         self._lock = threading.RLock()
-        self._waiting: list[tuple[float, Callable[[XdfLog], None]]] = []
-        self._full = False
+        self._waiting: list[tuple[float, XdfLog, Callable[[XdfLog], None]]] = []
+        self._full = ""
         self._dropped = 0
         self._wrong = ""
         self._origin: float | None = None
         self._ended = threading.Event()
         self._log: XdfLog | None = XdfLog(path)
         self._events = 1  # the number of the stream of what happens
-        self._log.stream(self._events, _EVENTS)
+        self._log.stream(self._events, _EVENTS)  # here, so that a folder without room is refused
         self._threads = [
             threading.Thread(
                 target=self._steadily, args=(work,), name=f"live{work.__name__}", daemon=True
@@ -97,19 +97,19 @@ class Recorder:
 
         Returns the time of the first sample in the file before, ours [s].
         """
-        log = None if path is None else XdfLog(path)
-        if log is not None:
-            log.stream(self._events, _EVENTS)
         with self._lock:
-            before, self._log = self._log, log
+            self._write(_end)
+            self._log = None if path is None else XdfLog(path)
+            self._write(lambda log: log.stream(self._events, _EVENTS))
             origin, self._origin = self._origin, None
             for stream in self.streams.values():
                 self._described(stream)
-        if before is not None:
-            with suppress(OSError):
-                before.sync()
-            before.close()
         return origin
+
+    def whole(self, path: Path) -> bool:
+        """Whether nothing waits for room that belongs to a file."""
+        with self._lock:
+            return all(log.path != path for _, log, _ in self._waiting)
 
     def note(self, event: str, **data: Any) -> None:
         """Write down, and tell, what happens."""
@@ -127,12 +127,19 @@ class Recorder:
     @property
     def trouble(self) -> str:
         """What is wrong with the disk, or with us; empty where nothing is."""
+        if not self._full and self._wrong:
+            return f"a part of the recorder failed and began again; report it ({self._wrong})"
+        return self.full
+
+    @property
+    def full(self) -> str:
+        """What is wrong with the disk; empty where nothing is."""
         if not self._full:
-            told = "a part of the recorder failed and began again; report it"
-            return f"{told} ({self._wrong})" if self._wrong else ""
+            return ""
         held = self._waiting[-1][0] - self._waiting[0][0] if self._waiting else 0.0
         lost = f"; {self._dropped} pieces are lost already" if self._dropped else ""
-        return f"the disk takes nothing: make room now; {held:.0f} s are kept in memory{lost}"
+        told = f"the disk takes nothing ({self._full}): make room now"
+        return f"{told}; {held:.0f} s are kept in memory{lost}"
 
     def close(self) -> None:
         """End, with all on disk."""
@@ -141,12 +148,10 @@ class Recorder:
             thread.join(5.0)
         for stream in self.streams.values():
             stream.inlet = None  # no sender goes on sending to one who is gone
+        self.turn(None)
         with self._lock:
-            if self._log is not None:
-                with suppress(OSError):
-                    self._log.sync()
-                self._log.close()
-                self._log = None
+            for log in {id(log): log for _, log, _ in self._waiting}.values():
+                log.close()
 
     def _steadily(self, work: Callable[[], None]) -> None:
         """Work until the end; a mistake of ours is told, and does not end a recording."""
@@ -203,7 +208,10 @@ class Recorder:
             self.note("back", stream=stream.name)
         stream.stamp, stream.last_s = float(stamps[-1]), float(times[-1])
         if not stream.words:
-            self._show(stream, times, values)
+            try:
+                self._show(stream, times, values)
+            except Exception as error:  # whoever looks on ends no recording
+                self._wrong = where(error)
 
     def _gaps(self, stream: Stream, stamps: FloatArray) -> None:
         """Notice stamps that are not where the ones before say."""
@@ -302,8 +310,7 @@ class Recorder:
         """Flush every second, and try again where the disk was full."""
         while not self._ended.wait(_SYNC):
             with self._lock:
-                if self._waiting:
-                    self._write(lambda log: None)  # noqa: ARG005
+                self._write(XdfLog.mark)
                 log = self._log
             if log is not None and not self._full:
                 with suppress(OSError):
@@ -315,22 +322,36 @@ class Recorder:
             log = self._log
             if log is None:
                 return
-            self._waiting.append((time.monotonic(), what))
+            self._waiting.append((time.monotonic(), log, what))
             try:
                 while self._waiting:
-                    self._waiting[0][1](log)
+                    _, place, write = self._waiting[0]
+                    write(place)
                     del self._waiting[0]
-            except OSError:
-                if not self._full:
-                    self._full = True
+            except OSError as error:
+                before, self._full = self._full, error.strerror or str(error)
+                if not before:
                     self._tell("disk", {"message": self.trouble})
                 while self._waiting[0][0] < time.monotonic() - _WAITING:
-                    del self._waiting[0]
+                    _, place, write = self._waiting.pop(0)
+                    if write is _end:
+                        place.close()
                     self._dropped += 1
                 return
+            except Exception:  # our mistake, which what comes after it must not wait for
+                del self._waiting[0]
+                self._dropped += 1
+                raise
             if self._full:
-                self._full = False
+                self._full = ""
                 self._tell("disk", {"message": ""})
+
+
+def _end(log: XdfLog) -> None:
+    """End a file, with all on disk."""
+    log.mark()
+    log.sync()
+    log.close()
 
 
 _EVENTS = (

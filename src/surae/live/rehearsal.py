@@ -33,7 +33,7 @@ _TORQUE_DELAY = 0.02
 _RETURN = 2.0
 #: What an electrode hears that has fallen off [V], and mains on a bad one.
 _OFF, _HUM = 2e-3, 3e-4
-FAULTS = ("electrode-off", "hum", "torque-sign", "angle-sign", "dropout", "loss")
+FAULTS = ("electrode-off", "hum", "torque-sign", "angle-sign", "dropout")
 
 
 def run(seed: int, population: str, emg: str = "raw") -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from surae.api import as_device
 from surae.errors import InputError
 from surae.files import PathLike, shown
 from surae.frozen import read_only
@@ -17,13 +18,14 @@ from surae.live.recorder import Show
 from surae.live.target import Target
 from surae.live.trials import Trials, silent
 from surae.protocol import (
+    DEVICES,
     PROFILES,
     TASKS,
     Given,
     Protocol,
     Trajectory,
+    allowed_range,
     generate,
-    named_device,
     read_protocol,
     write_protocol_csv,
 )
@@ -55,6 +57,16 @@ class Room:
         A folder: files that appear in it are trials too.
     leg : int or None
         In a rehearsal, whose leg it is; None: the streams are real.
+    device : str
+        What moves the leg: a name, or the TOML file of a device.
+    span : (float, float), optional
+        The subject's full plantarflexion and dorsiflexion [rad]; by default those of a healthy leg,
+        as far as the device reaches.
+
+    Raises
+    ------
+    InputError
+        There is no such device, or it does not reach so far.
     """
 
     def __init__(
@@ -68,7 +80,14 @@ class Room:
         leg: int | None = None,
         joint: bool = True,
         watch: PathLike | None = None,
+        device: str = "achilles",
+        span: tuple[float, float] | None = None,
     ) -> None:
+        limits = as_device(device)
+        assert limits is not None
+        self.device = limits
+        self.range = allowed_range(self.device, span)
+        place = str(Path(device).resolve()) if device not in DEVICES else device
         self.laboratory = None if leg is None else Laboratory(leg)
         try:
             self.trials = Trials(
@@ -79,6 +98,7 @@ class Room:
                 network=network,
                 but=(rehearsal.CONTROL,),
                 joint=joint,
+                limits={"device": place, "span": span},
             )
         except BaseException:
             if self.laboratory is not None:
@@ -105,7 +125,7 @@ class Room:
         path : path, optional
             A file as `surae protocol` writes it.
         **protocol
-            Else a `surae.protocol.Protocol`, device by name.
+            Else a `surae.protocol.Protocol` without device and range, which are the room's.
 
         Raises
         ------
@@ -117,10 +137,12 @@ class Room:
                 raise InputError("a trial is running; stop it before another protocol is loaded")
             effort = None
             if path is None and protocol.get("profile") == MAXIMUM:
-                trajectory, name, effort = _maximum(), MAXIMUM, "maximal"
+                trajectory, name, effort = _maximum(self.range), MAXIMUM, "maximal"
             elif path is None:
-                device = named_device(protocol.pop("device", "achilles"))
-                trajectory = generate(Protocol(device=device, rate_hz=_RATE, **protocol))
+                settings = Protocol(
+                    device=self.device, range_of_motion=self.range, rate_hz=_RATE, **protocol
+                )
+                trajectory = generate(settings)
                 name = f"{protocol.get('profile', '')} {protocol.get('task', '')}".strip()
                 effort = "passive" if protocol.get("task") == "passive" else None
             else:
@@ -238,20 +260,25 @@ def known() -> dict[str, list[str]]:
     return {"profiles": [*PROFILES, MAXIMUM], "tasks": list(TASKS)}
 
 
-def _maximum() -> Trajectory:
-    """Maximum contractions: the foot is held still, first all push down, then pull up."""
+def _maximum(allowed: tuple[float, float]) -> Trajectory:
+    """Maximum contractions: first all push down, then pull up.
+
+    The foot is held still, level where the device reaches that.
+    """
     time = np.arange(round(18.0 * _RATE) + 1) / _RATE
+    held = min(max(0.0, allowed[0]), allowed[1])
     still = np.zeros(len(time))
     effort = np.zeros((len(time), len(MUSCLES)))
     for muscles, begins in ((("gl", "sol", "gm"), 3.0), (("ta",), 11.0)):
         level = smooth_step((time - begins) / 0.5) * smooth_step((begins + 4.0 - time) / 0.5)
         for muscle in muscles:
             effort[:, MUSCLES.index(muscle)] = level
-    settings = Given(profile=MAXIMUM, task="maximal", range_of_motion=(-0.01, 0.01), rate_hz=_RATE)
+    around = (held - 0.01, held + 0.01)
+    settings = Given(profile=MAXIMUM, task="maximal", range_of_motion=around, rate_hz=_RATE)
     return Trajectory(
         settings=settings,
         time=read_only(time),
-        angle=read_only(still),
+        angle=read_only(still + held),
         velocity=read_only(still),
         acceleration=read_only(still),
         effort=read_only(effort),

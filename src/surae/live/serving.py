@@ -18,6 +18,8 @@ def serve(
     network: bool,
     watch: PathLike | None,
     leg: int | None,
+    device: str,
+    span: tuple[float, float] | None,
     host: str,
     port: int,
     token: str | None,
@@ -27,7 +29,7 @@ def serve(
 
     Parameters
     ----------
-    folder, mapping, network, watch, leg
+    folder, mapping, network, watch, leg, device, span
         As of `surae.live.room.Room`.
     host, port, token, open_browser
         As of `surae.web.server.run`.
@@ -36,7 +38,9 @@ def serve(
     subject = None if token is None else secrets.token_urlsafe(12)
 
     def made() -> tuple[Served, ASGIApp]:
-        served = Served(folder, mapping=mapping, network=network, watch=watch, leg=leg)
+        served = Served(
+            folder, mapping=mapping, network=network, watch=watch, leg=leg, device=device, span=span
+        )
         for said in served.room.trials.broken:
             click.echo(f"surae: {said}", err=True)
         return served, create_app(served, Policy.of(host, token), subject)

@@ -52,6 +52,7 @@ class Showing:
         self._lock = threading.Lock()
         self._new: dict[str, list[float]] = {}  # by role: lowest, highest, newest
         self._newest = 0.0
+        self._felt: dict[str, float] = {}  # by role: when it was last felt
         self._means: dict[str, float] = {}
         self._levels: dict[str, float] = {}
         self._rests: dict[str, float] = {}
@@ -72,7 +73,11 @@ class Showing:
                     low, high = min(low, known[0]), max(high, known[1])
                 self._new[role] = [low, high, float(signal[-1])]
                 if role.startswith("emg_"):
-                    self._feel(role, signal, len(times) / stream.rate_hz)
+                    # What is irregular says by its stamps alone for how long it was felt.
+                    last = self._felt.get(role, float(times[0]))
+                    regular = len(times) / stream.rate_hz if stream.rate_hz > 0 else 0.0
+                    self._feel(role, signal, regular or max(float(times[-1]) - last, 0.0))
+                    self._felt[role] = float(times[-1])
             self._newest = max(self._newest, float(times[-1]))
 
     def efforts(self) -> list[float]:

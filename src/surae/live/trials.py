@@ -8,13 +8,13 @@ JSON broke off: the next start says so, mends and judges it.
 import json
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from surae.errors import InputError
+from surae.errors import InputError, SuraeError
 from surae.files import PathLike, write_atomic, write_json
 from surae.live.heard import Stream
 from surae.live.recorder import Recorder, Show
@@ -26,6 +26,8 @@ from surae.units import FACTORS, kind, plain
 
 #: After the end of a trial, the samples of its last moments are waited for so long [s].
 _LATE = 0.25
+#: Samples of a trial that ended on a full disk are waited for so long [s].
+_ROOM = 65.0
 
 Tell = Callable[[str, Mapping[str, Any]], None]
 
@@ -49,6 +51,9 @@ class Trials:
         As of `Recorder`.
     joint : bool
         Whether all trials so far are fitted together after each, beside everything else.
+    limits : mapping, optional
+        Device and range that what to measure next keeps to, as `surae.live.judge.together` takes
+        them.
     """
 
     def __init__(
@@ -61,12 +66,11 @@ class Trials:
         network: bool = False,
         but: tuple[str, ...] = (),
         joint: bool = True,
+        limits: Mapping[str, Any] | None = None,
     ) -> None:
         self.folder = Path(folder)
-        try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(f"{self.folder}: {error.strerror}; give another --output") from None
+        self.limits = dict(limits or {})
+        self._betweens = 0
         self._mapping = None if mapping is None else Path(mapping)
         self._tell, self.joint, self._made = tell, joint, ""
         self._judge, self._refine = Child(calls=None), Child(nice=10, calls=None)
@@ -77,8 +81,13 @@ class Trials:
         self.trials: dict[int, dict[str, Any]] = {}
         self.running: int | None = None
         self._begun = 0.0
-        broken = self._known()
-        self.recorder = Recorder(self._between(), show=show, tell=tell, network=network, but=but)
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            broken = self._known()
+            between = self._between()
+            self.recorder = Recorder(between, show=show, tell=tell, network=network, but=but)
+        except OSError as error:
+            raise InputError(f"{self.folder}: {error.strerror}; give another --output") from None
         self.warm = self._work.submit(self._judge.call, "surae.live.judge:warm", {})
         self.verdicts = {number: self._submit(number, None, None) for number in broken}
 
@@ -87,6 +96,8 @@ class Trials:
         with self._lock:
             if self.running is not None:
                 raise InputError(f"trial {self.running} is running; stop it first")
+            if trouble := self.recorder.full:
+                raise InputError(f"no trial is started: {trouble}")
             number = max([*self.trials, 0]) + 1
             self.recorder.turn(self.path(number, ".xdf"))
             self.running, self._begun = number, self.recorder.clock()
@@ -164,8 +175,9 @@ class Trials:
         made = self.folder / "mapping.toml"
         text = mapping_of(list(self.recorder.streams.values()))
         if text and text != self._made:
-            write_atomic(made, text)
-            self._made = text
+            with suppress(OSError):  # the disk is full; what is there is used
+                write_atomic(made, text)
+                self._made = text
         return made if made.exists() else None
 
     def _submit(
@@ -189,10 +201,11 @@ class Trials:
                 "output": str(output),
                 "earlier": self._others(number),
                 "mapping": None if mapping is None else str(mapping),
-                "effort": trial.get("effort"),
+                "efforts": self._efforts([number, *self.trials]),
                 "target": None if begin is None else str(self.path(number, "-target.csv")),
                 "begin": begin or 0.0,
             }
+            self._settled(source)
             end = self._judge.call("surae.live.judge:judge", arguments)
             said = end.value if end.how == "done" else {"why": end.message}
             if end.how in ("failed", "killed"):  # our mistake, not the trial's
@@ -205,11 +218,20 @@ class Trials:
         trial["state"] = "judged"
         if ended is not None:
             trial["seconds_to_verdict"] = round(time.monotonic() - ended, 3)
-        write_json(self.path(number, ".json"), trial)
+        try:
+            write_json(self.path(number, ".json"), trial)
+        except (OSError, SuraeError) as error:
+            trial["note"] = f"the verdict is not on disk ({error}); the next start judges it again"
         self._tell("trial", trial)
         if self.joint and trial["verdict"] != "repeat":
             self._later.submit(self._together)
         return trial
+
+    def _settled(self, file: Path) -> None:
+        """Wait until all of a trial is on disk; not for longer than memory keeps it."""
+        end = time.monotonic() + _ROOM
+        while not self.recorder.whole(file) and time.monotonic() < end:
+            time.sleep(0.05)
 
     def _others(self, number: int) -> list[str]:
         """Recordings of all other trials that were not spoilt."""
@@ -220,6 +242,14 @@ class Trials:
             and trial.get("verdict") in ("keep", "look")
             and self.path(other, ".h5").exists()
         ]
+
+    def _efforts(self, numbers: Iterable[int]) -> dict[str, str]:
+        """The efforts that were asked for, by the name of the recording."""
+        return {
+            self.path(number, "").stem: str(self.trials[number]["effort"])
+            for number in numbers
+            if "effort" in self.trials[number]
+        }
 
     def _together(self) -> None:
         """Fit all trials that are worth it jointly, beside everything else."""
@@ -235,6 +265,8 @@ class Trials:
         self._tell("session", self.session)
         arguments = {
             "recordings": [str(self.path(number, ".h5")) for number in worth],
+            "efforts": self._efforts(worth),
+            **self.limits,
             "output": str(self.folder / "joint.json"),
             "target": str(self.folder / "measure-next.csv"),
         }
@@ -270,7 +302,8 @@ class Trials:
 
     def _between(self) -> Path:
         taken = [_number(path) for path in self.folder.glob("between-*.xdf")]
-        return self.folder / f"between-{max(taken, default=0) + 1:02d}.xdf"
+        self._betweens = max([*taken, self._betweens]) + 1
+        return self.folder / f"between-{self._betweens:02d}.xdf"
 
 
 def mapping_of(streams: list[Stream]) -> str:

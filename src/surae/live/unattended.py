@@ -22,6 +22,8 @@ def unattended(
     faults: tuple[str, ...] = (),
     seed: int = 1,
     mapping: PathLike | None = None,
+    device: str = "achilles",
+    span: tuple[float, float] | None = None,
 ) -> None:
     """Make some trials of a virtual leg in real time, and print what is said of each.
 
@@ -37,7 +39,7 @@ def unattended(
         As ``kind@seconds`` for all trials, or ``kind@seconds@trial``.
     seed : int
         Whose leg it is.
-    mapping : path or None
+    mapping, device, span
         As of `Room`.
 
     Raises
@@ -48,7 +50,7 @@ def unattended(
         The simulated laboratory does not answer.
     """
     planned = [_fault(text) for text in faults]
-    room = Room(folder, mapping=mapping, leg=seed, joint=False)
+    room = Room(folder, mapping=mapping, leg=seed, joint=False, device=device, span=span)
     laboratory = room.laboratory
     assert laboratory is not None
     for sentence in room.trials.broken:

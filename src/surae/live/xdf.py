@@ -29,15 +29,13 @@ class XdfLog:
     Parameters
     ----------
     path : Path
-        Which must not exist yet.
+        Which must not exist yet; the first chunk makes it.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
-        self._file = os.open(path, flags, 0o600)
+        self._file: int | None = None
         self._size = 0
-        self._append(_MAGIC + _chunk(_FILE, _HEADER))
 
     def stream(self, number: int, xml: str) -> None:
         """Describe a stream, before its samples."""
@@ -68,17 +66,29 @@ class XdfLog:
         """Add a measurement of how far a stream's clock is behind ours [s], at a time of ours."""
         self._append(_chunk(_CLOCK, struct.pack("<Idd", number, time - offset, offset)))
 
+    def mark(self) -> None:
+        """Add a mark where readers find their way back."""
+        self._append(_chunk(_BOUNDARY, _SIGN))
+
     def sync(self) -> None:
         """Have the disk keep what was written, whatever happens to the power."""
-        self._append(_chunk(_BOUNDARY, _SIGN))
-        os.fsync(self._file)
+        file = self._file
+        if file is not None:
+            os.fsync(file)
 
     def close(self) -> None:
         """End the file."""
-        os.close(self._file)
+        file, self._file = self._file, None
+        if file is not None:
+            os.close(file)
 
     def _append(self, chunk: bytes) -> None:
-        """Write a whole chunk, or nothing of it (a full disk takes a part)."""
+        """Write a whole chunk, or nothing of it: a full disk takes a part. The first makes it."""
+        if self._file is None:
+            flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+            self._file = os.open(self.path, flags, 0o600)
+        if not self._size:
+            chunk = _MAGIC + _chunk(_FILE, _HEADER) + chunk
         done = 0
         try:
             while done < len(chunk):
@@ -93,12 +103,15 @@ class XdfLog:
 def mended(path: Path) -> int:
     """Cut off the chunk that was being written when a recording broke off; how many bytes it had.
 
-    0 where the file is whole.
+    0 where the file is whole; where it is no XDF; and where it is damaged before its end, since
+    readers find their way back behind that. Such files are left as they are.
     """
     with path.open("r+b") as file:
         size = file.seek(0, os.SEEK_END)
         file.seek(0)
-        at = len(_MAGIC) if file.read(len(_MAGIC)) == _MAGIC else 0
+        if file.read(len(_MAGIC)) != _MAGIC:
+            return 0
+        at = len(_MAGIC)
         while at < size:
             file.seek(at)
             head = file.read(9)
@@ -108,6 +121,9 @@ def mended(path: Path) -> int:
                 break
             at = end
         if at < size:
+            file.seek(at)
+            if _SIGN in file.read():
+                return 0
             file.truncate(at)
             os.fsync(file.fileno())
     return size - at

@@ -134,13 +134,16 @@ def read_protocol(path: PathLike) -> Trajectory:
             f"{where}: no column {', '.join(missing)}; a protocol has {', '.join(COLUMNS)} "
             "(the effort from 0 to 1), as `surae protocol` writes them"
         )
+    few = InputError(f"{where}: needs 16 samples or more, all of them numbers")
+    if len(lines) <= 16:
+        raise few
     try:
         table = np.loadtxt(lines[1:], delimiter=",", ndmin=2, usecols=range(len(names)))
     except ValueError as error:
         raise InputError(f"{where}: not a table of numbers ({error})") from None
     columns = {name: table[:, names.index(name)] for name in COLUMNS}
-    if len(table) < 16 or not np.isfinite(table).all():
-        raise InputError(f"{where}: needs 16 samples or more, all of them numbers")
+    if not np.isfinite(table).all():
+        raise few
     time, angle = columns["time_s"], columns["angle_rad"]
     step = float(time[-1] - time[0]) / (len(time) - 1)
     if not step > 0.0 or np.abs(np.diff(time) - step).max() > 0.01 * step:

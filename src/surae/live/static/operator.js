@@ -247,6 +247,7 @@ function showAsked() {
   byId("asked").textContent = state.asked.protocol
     ? `${state.asked.protocol}, ${state.asked.seconds.toFixed(0)} s`
     : "Nothing is loaded: a trial records what comes, until it is stopped.";
+  byId("moves").textContent = state.moves;
   const running = state.running !== null;
   byId("start").replaceChildren(running ? "Stop " : "Start ", h("kbd", {}, "Space"));
   byId("start").className = running ? "danger" : "primary";
