@@ -7,6 +7,8 @@ import pytest
 
 from surae.errors import InputError
 from surae.recording import read
+from surae.recording.mapping import Description
+from surae.recording.reading import open_mapping
 
 MAPPING = """\
 name = "leg A"
@@ -68,6 +70,28 @@ def test_files_in_folders_of_their_own(tmp_path, table):
         read(tmp_path / "other.csv", mapping=mapping)
 
 
+def patterned(folder, file):
+    text = MAPPING.replace("column", f'file = "{file}"\ncolumn')
+    return Description.of(open_mapping(mapped(folder, text)))
+
+
+def test_signs_in_a_pattern_stand_for_themselves(tmp_path, table):
+    for name in ("[left] walk.csv", "l walk.csv", "[left] run.csv", ".[left] x.csv",
+                 "._[left] walk.csv", "[left] ._a.csv"):  # fmt: skip
+        (tmp_path / name).write_text(table())
+    names = {path.name for path in patterned(tmp_path, "[left] {trial}.csv").files(tmp_path)}
+    assert names == {"[left] walk.csv", "[left] run.csv", "[left] ._a.csv"}
+    assert "._[left] walk.csv" not in {
+        path.name for path in patterned(tmp_path, "{trial} walk.csv").files(tmp_path)
+    }
+
+
+@pytest.mark.parametrize("file", ["/data/{trial}.csv", "../{trial}.csv", "{trial}/../x.csv"])
+def test_a_pattern_stays_within_its_folder(tmp_path, file):
+    with pytest.raises(InputError, match="leads out of the folder of the trials"):
+        patterned(tmp_path, file)
+
+
 def test_what_differs_in_one_trial_is_a_line(leg):
     text = MAPPING + '[trials]\nb.torque.sign = -1\n"Pas_-5".name = "rest"\nb.fixed.m = 1.0\n'
     text += 'a.emg_ta = false\n"Pas_-5".emg_ta.column = "muscle"\n'
@@ -119,14 +143,50 @@ def test_a_mapping_of_many_is_no_recording(leg):
         read(mapped(leg))
 
 
+def resting(folder, torque, name="rest.csv", swing=0.0):
+    """A trial in which nothing happens but the noise of its sensors, and `swing` of torque."""
+    time = np.arange(400) / 100
+    load = torque + 0.2 * np.random.default_rng(1).standard_normal(400)
+    load += swing * np.sin(2 * np.pi * 2 * time)  # over in a quarter of the trial
+    lines = [f"{t:.3f},0.0,{v:.6f},0" for t, v in zip(time, load, strict=True)]
+    (folder / name).write_text("time,crank,load,muscle\n" + "\n".join(lines))
+
+
 def test_zero_from_a_quiet_trial(leg):
-    text = MAPPING.replace('unit = "Nm"', 'unit = "Nm"\nsign = -1\nscale = 2.0\nzero = "b.csv"')
+    resting(leg, 6.0)
+    text = MAPPING.replace('unit = "Nm"', 'unit = "Nm"\nsign = -1\nscale = 2.0\nzero = "rest.csv"')
     torque = read(leg / "a.csv", mapping=mapped(leg, text)).channels["torque"]
-    assert torque.values[0] == pytest.approx(2.0)  # -(2·5 - 2·6)
-    assert "zero 12" in torque.source
-    assert "of b.csv" in torque.source
-    mean = read(leg / "b.csv", mapping=mapped(leg, text)).channels["torque"].values.mean()
+    assert torque.values[0] == pytest.approx(2.0, abs=0.1)  # -(2·5 - 2·6)
+    assert "zero 11.97" in torque.source
+    assert "of rest.csv" in torque.source
+    mean = read(leg / "rest.csv", mapping=mapped(leg, text)).channels["torque"].values.mean()
     assert mean == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("zero", ['"b.csv"', '"swing.csv"', "[0.0, 1.0]"])
+def test_a_zero_in_which_something_happens_is_refused(leg, zero):
+    """A movement that comes and goes, which the means of quarters do not show."""
+    resting(leg, 6.0, "swing.csv", swing=3.0)
+    text = MAPPING.replace('unit = "Nm"', f'unit = "Nm"\nzero = {zero}')
+    data = "a.csv" if ".csv" in zero else "swing.csv"
+    with pytest.raises(InputError, match=r"'load' is not quiet in .*in which nothing happens"):
+        read(leg / data, mapping=mapped(leg, text))
+
+
+def test_measured_holds_are_quiet_and_movements_are_not(shared, tmp_path):
+    for part in ("dynamometer", "repeats"):
+        for file in (shared / part).glob("*.mat"):
+            shutil.copy(file, tmp_path)
+    text = "[channels.angle]\ncolumn='Angle'\nunit='deg'\n[channels.torque]\ncolumn='Torque'\n"
+    refused = set()
+    for zero in sorted(tmp_path.glob("*.mat")):
+        mapping = mapped(tmp_path, f"{text}unit='Nm'\nzero='{zero.name}'\n")
+        try:
+            read(tmp_path / "PL_50_01.mat", mapping=mapping)
+        except InputError:
+            refused.add(zero.stem)
+    holds = {"Pas_5", "Pas_10", "Pas_-15", "Pas_20"}
+    assert refused == {path.stem for path in tmp_path.glob("*.mat")} - holds
 
 
 def test_zero_from_a_quiet_stretch(tmp_path):

@@ -10,6 +10,7 @@ import pytest
 
 import surae
 from surae.errors import InputError
+from surae.recording.dataframe import of_frame
 
 pandas = pytest.importorskip("pandas")
 xarray = pytest.importorskip("xarray")
@@ -77,11 +78,18 @@ def test_the_parameters_as_a_table(fit):
     assert list(frame.index) == list(fit.parameters)
 
 
-def test_every_plot_gives_axes_and_takes_them(fit):
+def test_every_plot_gives_axes_and_takes_them(fit, monkeypatch):
     from matplotlib import pyplot
     from matplotlib.axes import Axes
 
+    from surae.report import traces
+
+    asked = []
+    monkeypatch.setattr(
+        traces, "traces_of", lambda r, of=traces.traces_of: asked.append(1) or of(r)
+    )
     panels = fit.plot()
+    assert asked == [1]  # the model is simulated once
     assert len(panels) == 4
     assert len({panel.figure for panel in panels}) == 1
     for name in ("torque", "parts", "parameters", "residuals", "correlation"):
@@ -147,8 +155,67 @@ def test_channels_of_several_rates_are_a_dataset():
     assert data.torque.attrs == {"units": "Nm", "source": "y"}
     assert data.attrs["side"] == "left"
     np.testing.assert_array_equal(data.torque.values, fast.values)
-    with pytest.raises(InputError, match=r"have times of their own.*to_xarray"):
-        recording.to_dataframe()
+    frame = recording.to_dataframe()
+    assert frame.attrs["times"] == "own"
+    assert (len(frame), frame.angle_rad.count(), frame.torque_Nm.count()) == (100, 50, 100)
+    again = of_frame(frame)  # nothing is made up between the samples
+    for role, channel in recording.channels.items():
+        np.testing.assert_array_equal(again.channels[role].time, channel.time)
+        np.testing.assert_array_equal(again.channels[role].values, channel.values)
+    frame.attrs.pop("times")
+    with pytest.raises(InputError, match="row 1"):
+        of_frame(frame)
+
+
+@pytest.mark.parametrize(
+    "timed",
+    [
+        lambda f: f.assign(time_s=pandas.to_timedelta(f.time_s, unit="s")),
+        lambda f: f.set_index(pandas.to_timedelta(f.time_s, unit="s")).drop(columns="time_s"),
+        lambda f: f.set_index(pandas.TimedeltaIndex(f.time_s * 1e9)).drop(columns="time_s"),
+        lambda f: f.set_index(
+            pandas.Timestamp("2024-05-01") + pandas.to_timedelta(f.time_s.to_numpy(), unit="s")
+        ).drop(columns="time_s"),
+        lambda f: f.set_index("time_s"),
+    ],
+)
+def test_time_stamps_are_time(trial, timed):
+    made = of_frame(timed(trial.to_dataframe()))
+    for role, channel in trial.channels.items():
+        np.testing.assert_allclose(made.channels[role].time, channel.time, atol=2e-9)
+        np.testing.assert_array_equal(made.channels[role].values, channel.values)
+
+
+@pytest.mark.parametrize(
+    ("change", "units", "says"),
+    [
+        (lambda f: f, {"angle_rad": "deg"}, r"in rad by its name, in deg by attrs"),
+        (
+            lambda f: f.rename(columns={"torque_Nm": "torque"}),
+            None,
+            r"'torque': its unit is missing",
+        ),
+        (lambda f: f.rename(columns={"torque_Nm": "torque"}), {"torque": "deg"}, "not known for"),
+        (lambda f: f.rename(columns={"torque_Nm": "torque"}), {"torque": "lbf"}, "not known for"),
+        (lambda f: f.assign(torque=f.torque_Nm), {"torque": "Nm"}, "are the same signal"),
+        (lambda f: pandas.concat([f, f[["torque_Nm"]]], axis=1), None, "is there twice"),
+        (lambda f: f.assign(torque_Nm=pandas.to_timedelta(f.torque_Nm)), None, "holds no numbers"),
+        (lambda f: f, "Nm", "no table of units"),
+    ],
+)
+def test_units_are_never_guessed_or_ignored(trial, change, units, says):
+    frame = trial.to_dataframe()
+    frame.attrs = {}
+    frame = change(frame)
+    frame.attrs = {"units": units}
+    with pytest.raises(InputError, match=says):
+        of_frame(frame)
+
+
+def test_no_units_beside_are_none(trial):
+    frame = trial.to_dataframe()
+    frame.attrs = {"units": None, "emg": None}
+    assert of_frame(frame).channels.keys() == trial.channels.keys()
 
 
 def test_a_recording_is_one_screen(trial):

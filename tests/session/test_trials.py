@@ -1,6 +1,7 @@
 """What each trial of a session is: decided from the data, said, and overruled where told."""
 
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -94,15 +95,28 @@ def test_a_hold_is_maximal_where_it_is_harder_than_any_movement():
     assert (alike["alike"].effort, alike["alike"].use) == ("active", "hold")
 
 
-def test_a_trial_may_be_maximal_by_its_name():
-    session = surae.session([synthetic("a", 0.2, 1e-4), synthetic("MVC_sol", 0.0, 0.5e-4)])
-    assert session["MVC_sol"].effort == "maximal"
-    assert session["MVC_sol"].why.endswith("maximal by its name")
+@pytest.mark.parametrize("name", ["MVC_sol", "mvc2", "sol max", "Max3"])
+def test_a_trial_may_be_maximal_by_its_name(name):
+    session = surae.session([synthetic("a", 0.2, 1e-4), synthetic(name, 0.0, 0.5e-4)])
+    assert session[name].effort == "maximal"
+    assert session[name].why.endswith("maximal by its name")
 
 
-def test_noise_alone_is_no_activity():
-    session = surae.session([synthetic("a", 0.2, seed=1), synthetic("b", 0.2, seed=2)])
-    assert {trial.effort for trial in session.trials} == {"passive"}
+@pytest.mark.parametrize("level", [1.0, 100.0])
+def test_emg_that_never_changes_says_nothing_of_the_muscles(level):
+    """Noise alone, and a muscle that is as active throughout: nobody can tell them apart."""
+    time = np.arange(5000) / 500
+    angle = 0.2 * np.sin(time)
+    trials = [
+        Recording.from_arrays(
+            time, angle, 10 * angle,
+            level * 1e-6 * np.random.default_rng(seed).standard_normal((5000, 4)), name=name,
+        )
+        for seed, name in enumerate("ab")
+    ]  # fmt: skip
+    session = surae.session(trials)
+    assert {trial.effort for trial in session.trials} == {"unknown"}
+    assert "does not say" in session["a"].why
 
 
 def test_without_emg_nobody_knows_the_effort():
@@ -122,6 +136,34 @@ def test_a_session_grows_by_a_recording():
     again = more.adding(synthetic("b", 0.0))
     assert len(again.trials) == 2
     assert again["b"].use == "hold"
+
+
+def test_a_growing_session_remembers_what_was_told(measured, tmp_path):
+    (tmp_path / "m.toml").write_text(DYNAMOMETER + "[trials]\nPL_0_01.effort = 'maximal'\n")
+    session = surae.session(
+        [measured / f"{name}.mat" for name in ("PL_0_01", "Pas_5")], mapping=tmp_path / "m.toml"
+    )
+    more = session.adding(synthetic("b", 0.2, 1e-3))
+    assert more["PL_0_01"].effort == "maximal"
+    assert more["Pas_5"].effort == "passive"
+    newer = more.adding(replace(more["PL_0_01"].recording, side=None))
+    assert newer["PL_0_01"].effort == "maximal"
+
+
+def test_files_of_one_name_in_two_folders_are_described_apart(measured, tmp_path):
+    for folder in ("before", "after"):
+        (tmp_path / folder).mkdir()
+        shutil.copy(measured / "PL_0_01.mat", tmp_path / folder)
+    (tmp_path / "m.toml").write_text(
+        DYNAMOMETER + "[trials]\nbefore-PL_0_01.torque.sign = 1\nafter-PL_0_01.name = 'x'\n"
+    )
+    files = [tmp_path / folder / "PL_0_01.mat" for folder in ("before", "after")]
+    session = surae.session(files, mapping=tmp_path / "m.toml")
+    before, after = (
+        session[f"{folder}-PL_0_01"].recording.channels["torque"].values
+        for folder in ("before", "after")
+    )
+    np.testing.assert_array_equal(before, -after)
 
 
 def test_what_cannot_be_a_session(leg, tmp_path):

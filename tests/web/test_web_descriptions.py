@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from surae.web.routes import descriptions
 from surae.web.upkeep import check
 
 
@@ -69,6 +70,30 @@ def test_a_fit_made_before_is_marked_until_undo(browser, trial) -> None:
     browser.post("/api/draft/undo", json={})
     (summary,) = browser.get("/api/fits").json()["fits"]
     assert summary["older"] == []
+
+
+def test_two_who_describe_at_once_write_two_files(browser, trial, monkeypatch) -> None:
+    """The one that comes second is refused; what the first made stays as it was written."""
+    id_ = browser.recording(trial)
+    mapping = described(browser, id_)["mapping"]
+    mapping["channels"]["torque"]["scale"] = 2.0
+    body = {"recordings": [id_], "mapping": mapping}
+    made, numbers = descriptions._made, []
+
+    def overtaken(*given):
+        result = made(*given)
+        numbers.append(given[-1])
+        if len(numbers) == 1:  # somebody else is quicker
+            mapping["channels"]["torque"]["scale"] = 3.0
+            assert browser.post("/api/descriptions", json=body).status_code == 200
+        return result
+
+    before = signal(browser, id_, "torque")
+    monkeypatch.setattr(descriptions, "_made", overtaken)
+    answer = browser.post("/api/descriptions", json=body)
+    assert answer.status_code == 409
+    assert len(set(numbers)) == 2
+    assert signal(browser, id_, "torque") == pytest.approx(3 * before)
 
 
 def test_several_are_mended_at_once_and_undone_at_once(browser, trial, tmp_path) -> None:

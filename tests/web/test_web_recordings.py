@@ -68,6 +68,22 @@ def test_a_mapping_reaches_no_file_but_uploads(browser, tmp_path, trial) -> None
     assert browser.get(f"/api/uploads/{id_}/inspect").json()["ready"] is True
 
 
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ('zero = "rest.csv"', r"channels.angle.zero is found in a file"),
+        ('[trials]\na.side = "left"', r"[trials] says what differs"),
+    ],
+)
+def test_a_mapping_whose_lines_would_be_lost_is_refused(browser, trial, line, says) -> None:
+    browser.upload(trial)
+    toml = '[channels.angle]\nfile = "trial.csv"\ncolumn = "angle_rad"\nunit = "rad"\n' + line
+    id_ = browser.post("/api/uploads", params={"name": "map.toml"}, content=toml).json()["id"]
+    answer = browser.get(f"/api/uploads/{id_}/inspect")
+    assert answer.status_code == 400
+    assert says in answer.json()["error"]
+
+
 def test_subjects(serve, trial) -> None:
     browser = serve().browser()
     made = browser.post("/api/subjects", json={"code": "S01", "group": "patient"}).json()

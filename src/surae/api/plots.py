@@ -72,8 +72,8 @@ class Plots:
         dress(angle, "Angle [°]")
         heading(angle, "Ankle angle, dorsiflexion positive")
         trace(angle, traces.time, np.degrees(traces.angle), linewidth=1.0)
-        self.torque(recording, ax=torque)
-        self.parts(recording, ax=parts)
+        _torque(torque, traces)
+        _parts(parts, traces)
         torque.set_xlabel("")
         return list(panels)
 
@@ -92,15 +92,7 @@ class Plots:
         Axes
             The plot.
         """
-        from surae.report.figures.style import BLUE, GREY, dress, legend, shade_excluded, trace
-
-        traces, axes = self._traces(recording), _axes(ax)
-        dress(axes, "Torque [Nm]", "Time [s]")
-        trace(axes, traces.time, traces.measured, label="measured", color=GREY, linewidth=3.0)
-        trace(axes, traces.time, traces.modelled, label="modelled", color=BLUE, linewidth=1.0)
-        shade_excluded(axes, traces.time, traces.excluded)
-        legend(axes, 3)
-        return axes
+        return _torque(_axes(ax), self._traces(recording))
 
     def parts(self, recording: int = 0, *, ax: "Axes | None" = None) -> "Axes":
         """What the modelled torque is made of, against time.
@@ -117,16 +109,7 @@ class Plots:
         Axes
             The plot.
         """
-        from surae.report.figures.style import dress, legend, trace
-
-        traces, axes = self._traces(recording), _axes(ax)
-        dress(axes, "Torque [Nm]", "Time [s]")
-        names = ("tissue", "neural", "inertial", "gravitational", "reflex", "zero")
-        shown = [name for name in names if getattr(traces.parts, name, None) is not None]
-        for name in shown:
-            trace(axes, traces.time, getattr(traces.parts, name), label=name, linewidth=1.2)
-        legend(axes, len(shown))
-        return axes
+        return _parts(_axes(ax), self._traces(recording))
 
     def residuals(self, recording: int = 0, *, ax: "Axes | None" = None) -> "Axes":
         """Measured minus modelled torque against time.
@@ -218,6 +201,29 @@ class Plots:
             known = "only 0" if len(every) == 1 else f"0 … {len(every) - 1}"
             raise InputError(f"the fit has no recording {recording!r}; they are numbered {known}")
         return every[recording]
+
+
+def _torque(axes: "Axes", traces: "Traces") -> "Axes":
+    from surae.report.figures.style import BLUE, GREY, dress, legend, shade_excluded, trace
+
+    dress(axes, "Torque [Nm]", "Time [s]")
+    trace(axes, traces.time, traces.measured, label="measured", color=GREY, linewidth=3.0)
+    trace(axes, traces.time, traces.modelled, label="modelled", color=BLUE, linewidth=1.0)
+    shade_excluded(axes, traces.time, traces.excluded)
+    legend(axes, 3)
+    return axes
+
+
+def _parts(axes: "Axes", traces: "Traces") -> "Axes":
+    from surae.report.figures.style import dress, legend, trace
+
+    dress(axes, "Torque [Nm]", "Time [s]")
+    names = ("tissue", "neural", "inertial", "gravitational", "reflex", "zero")
+    shown = [name for name in names if getattr(traces.parts, name, None) is not None]
+    for name in shown:
+        trace(axes, traces.time, getattr(traces.parts, name), label=name, linewidth=1.2)
+    legend(axes, len(shown))
+    return axes
 
 
 def _axes(given: "Axes | None") -> "Axes":

@@ -317,6 +317,7 @@ def _trial_json(trial: Trial, fitted: bool) -> dict[str, Any]:
         "file": None if trial.path is None else Path(trial.path).name,
         "files": [{"name": each.name, "sha256": each.sha256} for each in files],
         "effort": trial.effort,
+        "told": trial.told,
         "moves": trial.moves,
         "why": trial.why,
         "use": trial.use,
@@ -344,4 +345,5 @@ def _trial_of(data: Mapping[str, Any]) -> Trial:
         hold=None if hold is None else Hold(hold["angle_rad"], hold["torque_Nm"], hold["sd_Nm"]),
         condition=data["condition"],
         notes=data["notes"],
+        told=bool(data["told"]),
     )

@@ -97,7 +97,8 @@ class _Run:
         self.joint_predictions: dict[str, Crossed] = {}
         self.interrupted = False
         self._cost: dict[str, float] = {}
-        self._begun, self._paid = time.monotonic(), 0.0
+        #: Seconds and cost of the fits that were made now.
+        self._spent, self._paid = 0.0, 0.0
         self._steps = [*(trial.name for trial in session.trials), "all together"]
         self._done = 0
 
@@ -146,7 +147,7 @@ class _Run:
         quality = tuple(self.quality[name] for name in names)
         inputs = tuple(self.inputs[name] for name in names)
         path = None if self.root is None else self.root / JOINT
-        fit, outcome = self._made(f"{len(names)} trials together", path, inputs, quality)
+        fit, outcome = self._made("all together", path, inputs, quality)
         if fit is None:
             self.failed["joint"] = outcome
         else:
@@ -198,7 +199,7 @@ class _Run:
         kept = None if path is None else _kept(path, inputs, self.settings)
         if kept is not None:
             return kept, f"{kept.adequacy.grade}, R² {kept.adequacy.r2:.2f} % (kept)"
-        self._tell(f"fitting {name}")
+        self._tell(f"fitting {name}" if len(inputs) == 1 else f"fitting {len(inputs)} together")
         begun = time.monotonic()
         try:
             fit = fit_inputs(inputs, self.settings, quality)
@@ -209,6 +210,8 @@ class _Run:
         if path is not None:
             fit.save(path)
         seconds = time.monotonic() - begun
+        self._spent += seconds
+        self._paid += self._cost[name]
         return fit, f"{fit.adequacy.grade}, R² {fit.adequacy.r2:.2f} %, {seconds:.0f} s"
 
     def _tell(self, what: str) -> None:
@@ -216,14 +219,14 @@ class _Run:
 
     def _step(self, name: str, outcome: str) -> None:
         self._done += 1
-        self._paid += self._cost.pop(name, 0.0)
+        self._cost.pop(name, None)
         self.told(Step(name, self._done, len(self._steps), self._left(), outcome))
 
     def _left(self) -> float | None:
         """About how long the rest takes, by how long a sample has taken."""
         if self._paid <= 0.0:
             return None
-        return (time.monotonic() - self._begun) * sum(self._cost.values()) / self._paid
+        return self._spent * sum(self._cost.values()) / self._paid
 
 
 def _known(trial: Trial) -> tuple[str, ...]:

@@ -188,7 +188,7 @@ def _reading(name: str, path: Path, description: Description | None) -> Reading:
     """A trial's file as it was read, or why it could not be."""
     said = Said() if description is None else description.said(name)
     try:
-        recording = read(path) if description is None else description.read(path)
+        recording = read(path) if description is None else description.read(path, name)
     except InputError as error:
         return Reading(name, str(path), None, str(error), said)
     return Reading(name, str(path), replace(recording, name=name), said=said)

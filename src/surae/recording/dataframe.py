@@ -1,17 +1,19 @@
 """A DataFrame as a recording: its columns have the names of our CSV, or a unit beside them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from surae.errors import InputError
-from surae.frozen import freeze, read_only
+from surae.frozen import freeze
 from surae.recording.naming import NAMES, TIMES
 from surae.recording.reading import recording_of_table
-from surae.recording.recording import Recording
+from surae.recording.recording import ROLES, Recording
 from surae.recording.table import Column, Table
-from surae.units import plain, spelled
+from surae.units import SI, FloatArray, kind, plain, spelled, to_si
+
+_WHERE = "DataFrame"
 
 
 @runtime_checkable
@@ -30,51 +32,103 @@ def of_frame(table: DataFrame) -> Recording:
     """The recording in a DataFrame whose columns are named as in our CSV.
 
     A column may also be named by its role alone (``angle``), its unit then standing in
-    ``attrs["units"]``; the time is a column or the index.
+    ``attrs["units"]``; the time is a column or the index, in numbers or as time stamps. Where
+    ``attrs["times"]`` is ``"own"``, a row without a number of a column is no sample of it.
 
     Raises
     ------
     InputError
         As of a CSV with such columns.
     """
-    where = "DataFrame"
-    units = dict(table.attrs.get("units", {}))
-    data = {str(name): table[name] for name in table.columns}
-    if table.index.name is not None and str(table.index.name) not in data:
-        data[str(table.index.name)] = table.index
+    told = table.attrs.get("units")
+    units: Mapping[Any, Any] = {} if told is None else told
+    if not isinstance(units, Mapping):
+        raise InputError(f'{_WHERE}: attrs["units"] is no table of units by column')
+    data: dict[str, Any] = {}
+    for column in table.columns:
+        if str(column) in data:
+            raise InputError(f"{_WHERE}: column {str(column)!r} is there twice; keep one")
+        data[str(column)] = table[column]
     renamed: dict[str, str] = {}
     for name in data:
-        unit = units.get(name)
-        ours = name if plain(name) in NAMES or name in TIMES else None
-        if ours is None and unit is not None and (known := spelled(str(unit))) is not None:
-            ours = f"{name}_{known.replace('/', '_')}"
+        ours = _our_name(name, units.get(name))
+        if ours in renamed:
+            raise InputError(
+                f"{_WHERE}: columns {renamed[ours]!r} and {name!r} are the same signal; keep one"
+            )
         if ours is not None:
             renamed[ours] = name
-    times = [name for name in renamed if name in TIMES]
-    if len(times) != 1:
-        raise InputError(
-            f"{where}: {'no column' if not times else 'more than one column'} is the time; name "
-            "one time_s (or time_ms), or the index"
-        )
-    time = freeze(_numbers(data[renamed[times[0]]], where, times[0]) * TIMES[times[0]])
+    time_name, time = _time(table, data, renamed)
+
+    own = table.attrs.get("times") == "own"
 
     def load(wanted: Sequence[str]) -> dict[str, Column]:
-        return {
-            name: Column(
-                name, time, _numbers(data[renamed[name]], where, name), times[0],
-                lambda index: f"row {index}",
-            )
-            for name in wanted
-        }  # fmt: skip
+        columns = {}
+        for name in wanted:
+            values = _numbers(data[renamed[name]], name)
+            rows = np.flatnonzero(~np.isnan(values)) if own else np.arange(len(values))
+            columns[name] = Column(
+                name, freeze(time[rows]), freeze(values[rows]), time_name,
+                lambda index, rows=rows: f"row {rows[index]}",
+            )  # fmt: skip
+        return columns
 
-    notes = {key: str(table.attrs[key]) for key in ("name", "emg") if key in table.attrs}
-    names = tuple(name for name in renamed if name != times[0])
-    made = Table(where, "DataFrame", names, times[0], load, notes=notes)
-    return recording_of_table(made, notes.get("name", where))
+    notes = {key: str(table.attrs[key]) for key in ("name", "emg") if table.attrs.get(key)}
+    names = tuple(name for name in renamed if name not in TIMES)
+    made = Table(_WHERE, "DataFrame", names, time_name, load, notes=notes)
+    return recording_of_table(made, notes.get("name", _WHERE))
 
 
-def _numbers(values: Any, where: str, name: str) -> Any:
+def _our_name(name: str, unit: Any) -> str | None:
+    """The name that a column would have in our CSV; None where it is none of ours."""
+    where = f"{_WHERE}: column {name!r}"
+    role, own = NAMES.get(plain(name), (plain(name).casefold(), None))
+    if name in TIMES:
+        return name
+    if role not in ROLES:
+        return None
+    if unit is None and own is None:
+        raise InputError(
+            f"{where}: its unit is missing; name it {role}_{SI[kind(role)].replace('/', '_')}, or "
+            'say it in attrs["units"]'
+        )
+    if unit is not None:
+        known = spelled(str(unit)) or str(unit)
+        to_si(role, known, where)
+        if own not in (None, known):
+            raise InputError(f'{where}: it is in {own} by its name, in {unit} by attrs["units"]')
+        own = known
+    return f"{role}_{str(own).replace('/', '_')}"
+
+
+def _time(
+    table: DataFrame, data: Mapping[str, Any], renamed: Mapping[str, str]
+) -> tuple[str, FloatArray]:
+    """The time's name and values [s], of a column or of the index."""
+    times = {name: data[renamed[name]] for name in renamed if name in TIMES}
+    index, called = table.index, str(table.index.name)
+    if called in TIMES and called not in times:
+        times[called] = index
+    elif not times and np.asarray(index).dtype.kind in "mM":
+        times["time_s"] = index
+    if len(times) != 1:
+        raise InputError(
+            f"{_WHERE}: {'no column' if not times else 'more than one column'} is the time; name "
+            "one time_s (or time_ms), or the index"
+        )
+    ((name, values),) = times.items()
+    stamps = np.asarray(values)
+    if stamps.dtype.kind == "M":
+        stamps = stamps - stamps[:1]
+    if stamps.dtype.kind == "m":
+        return name, freeze(stamps / np.timedelta64(1, "ns") * 1e-9)
+    return name, freeze(_numbers(values, name) * TIMES[name])
+
+
+def _numbers(values: Any, name: str) -> FloatArray:
     try:
-        return read_only(np.asarray(values, dtype=np.float64))
+        if np.asarray(values).dtype.kind in "mM":
+            raise TypeError
+        return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise InputError(f"{where}: column {name!r} holds no numbers") from None
+        raise InputError(f"{_WHERE}: column {name!r} holds no numbers") from None

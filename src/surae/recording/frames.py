@@ -15,18 +15,21 @@ def frame(rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> Any:
     return made
 
 
-def channels_frame(channels: Mapping[str, Any], where: str, about: Mapping[str, str]) -> Any:
+def channels_frame(channels: Mapping[str, Any], about: Mapping[str, str]) -> Any:
     """Channels by role as a DataFrame with the columns of our CSV; see `Recording.to_dataframe`."""
     times = [channel.time for channel in channels.values()]
-    if not all(np.array_equal(time, times[0]) for time in times):
-        raise InputError(
-            f"{where}: its channels have times of their own, and a table has one: use to_xarray()"
-        )
+    alike = all(np.array_equal(time, times[0]) for time in times)
+    every = times[0] if alike else np.unique(np.concatenate(times))
     names = {role: f"{role}_{c.unit.replace('/', '_')}" for role, c in channels.items()}
-    columns = {name: channels[role].values for role, name in names.items()}
-    made = _pandas().DataFrame({"time_s": times[0], **columns})
+    columns = {"time_s": every}
+    for role, name in names.items():
+        columns[name] = np.full(len(every), np.nan)
+        columns[name][np.searchsorted(every, channels[role].time)] = channels[role].values
+    made = _pandas().DataFrame(columns)
     units = {name: channels[role].unit for role, name in names.items()}
-    made.attrs = {**about, "units": {"time_s": "s", **units}}
+    made.attrs = {
+        **about, **({} if alike else {"times": "own"}), "units": {"time_s": "s", **units},
+    }  # fmt: skip
     return made
 
 

@@ -4,6 +4,7 @@ It describes one recording, whose files it names; or every trial of a session: t
 have no ``file``, or one with ``{trial}`` in it, and ``[trials]`` says what differs in one of them.
 """
 
+import glob
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -99,6 +100,12 @@ class Description:
         _roles(toml, source.shown)
         refuse_unknown(toml, _TOP, source.shown)
         made = cls(source, toml)
+        for file in made.named:
+            if TRIAL in file and (Path(file).is_absolute() or ".." in Path(file).parts):
+                raise InputError(
+                    f"{source.shown}: file {file!r} leads out of the folder of the trials; write "
+                    "it from there"
+                )
         for trial in made.trials:
             where = f"{source.shown}: trials.{trial}"
             refuse_unknown(
@@ -150,7 +157,11 @@ class Description:
         """The data files in a folder that its ``{trial}`` stands for; none where it has none."""
         if not self.patterns:
             return ()
-        return tuple(sorted(Path(folder).glob(self.patterns[0].replace(TRIAL, "*"))))
+        # Every sign but the trial's name stands for itself.
+        parts = Path(self.patterns[0]).parts
+        names = [glob.escape(part).replace(glob.escape(TRIAL), "*") for part in parts]
+        paths = Path(folder).glob("/".join(names))
+        return tuple(sorted(path for path in paths if not _hidden(path, folder)))
 
     def trial_of(self, data: PathLike) -> tuple[str, Path]:
         """The name of the trial that a data file is of, and the folder its files are relative to.
@@ -173,11 +184,19 @@ class Description:
             )
         return shown(path.stem), path.parent
 
-    def read(self, data: PathLike | None = None) -> Recording:
+    def read(self, data: PathLike | None = None, trial: str | None = None) -> Recording:
         """The recording that the mapping describes, or that it makes of a trial's data file.
 
         A channel's values are ``sign * (scale * raw + offset)`` in its unit, then brought to SI.
         Each keeps its own times.
+
+        Parameters
+        ----------
+        data : path, optional
+            The data file, or one of them, of a trial.
+        trial : str, optional
+            What the session calls the trial, where that is not what its file is called: two folders
+            may have files of one name.
 
         Raises
         ------
@@ -185,9 +204,10 @@ class Description:
             The TOML or a file it names is wrong: a missing column, a unit that contradicts the
             file's own, a wrong sample.
         """
-        trial, folder = (None, Path(self.source.path).parent)
+        filed, folder = (None, Path(self.source.path).parent)
         if data is not None:
-            trial, folder = self.trial_of(data)
+            filed, folder = self.trial_of(data)
+        trial = trial or filed
         toml = self._for(trial)
         where = self.source.shown
         inside = "" if trial not in self.trials else f", trials.{trial}"
@@ -195,7 +215,7 @@ class Description:
             _entry(role, body, f"{where}: channels.{role}{inside}")
             for role, body in _roles(toml, where).items()
         ]
-        reader = Reader(self.source, folder, trial, None if data is None else Path(data))
+        reader = Reader(self.source, folder, filed, None if data is None else Path(data))
         channels = reader.channels(entries)
         read_files = (each.file for each in reader.sources.values())
         files = (*read_files, self.source.file) if data else (self.source.file, *read_files)
@@ -249,6 +269,11 @@ class Description:
 def read_mapping(source: Source, data: PathLike | None = None) -> Recording:
     """The recording that a TOML file describes, or makes of a data file; see `Description.read`."""
     return Description.of(source).read(data)
+
+
+def _hidden(path: Path, folder: PathLike) -> bool:
+    """Whether a file, or a folder that it is in, is one that systems keep for themselves."""
+    return any(part.startswith(".") for part in path.relative_to(folder).parts)
 
 
 def _pattern(name: str) -> re.Pattern[str]:

@@ -13,11 +13,13 @@ from surae.recording.formats import open_table
 from surae.recording.recording import Channel
 from surae.recording.source import Source, open_source
 from surae.recording.table import Column, Table, some
+from surae.units import to_si
 
 #: What stands for the trial's name in the name of a file.
 TRIAL = "{trial}"
-#: A stretch that gives a zero may drift by this part of the signal's own range.
-_QUIET = 0.05
+#: What gives a zero may change, from one part of so long [s] to another, by this part of the
+#: signal's own range, or by what a sensor's noise and a leg at rest bring: 1° and 1 Nm in SI.
+_PART, _QUIET, _REST = 0.1, 0.05, {"angle": 0.0175, "torque": 1.0}
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,24 +142,25 @@ class Reader:
                 path = Path(self.source.path).parent / _named(zero, self.trial)
             quiet = self._table(path, entry).load([entry.column])[entry.column]
             told = shown(path.name)
-        values = quiet.values
+        time, values = quiet.time, quiet.values
         if isinstance(zero, tuple):
             start, end = zero
             told = f"{start:g} to {end:g} s"
-            values = values[(quiet.time >= start) & (quiet.time <= end)]
+            inside = (time >= start) & (time <= end)
+            time, values = time[inside], values[inside]
         if len(values) < 2 or not np.isfinite(values).all():
             raise InputError(f"{where}: {told} holds no finite samples of {entry.column!r}")
-        means = [float(part.mean()) for part in np.array_split(values, min(4, len(values)))]
-        drift, range_ = max(means) - min(means), float(np.ptp(column.values))
-        if (
-            entry.role in ("angle", "torque")
-            and isinstance(zero, tuple)
-            and drift > _QUIET * range_
-        ):
-            raise InputError(
-                f"{where}: {entry.column!r} is not quiet from {told}: it drifts by "
-                f"{abs(entry.scale) * drift:.3g} {unit}; name a stretch in which nothing happens"
-            )
+        if entry.role in _REST:
+            parts = min(max(round(float(time[-1] - time[0]) / _PART), 2), len(values))
+            means = [float(part.mean()) for part in np.array_split(values, parts)]
+            change, factor = max(means) - min(means), abs(entry.scale) * to_si(entry.role, unit, "")
+            range_ = float(np.ptp(column.values[np.isfinite(column.values)]))
+            if change > _QUIET * range_ and factor * change > _REST[entry.role]:
+                raise InputError(
+                    f"{where}: {entry.column!r} is not quiet in {told}: it changes by "
+                    f"{abs(entry.scale) * change:.3g} {unit}; name a trial or a stretch in which "
+                    "nothing happens"
+                )
         mean = entry.scale * float(values.mean())
         return -mean, f"zero {mean:.4g} ± {abs(entry.scale) * float(values.std()):.2g} of {told}"
 

@@ -151,16 +151,18 @@ class Recording:
         Returns
         -------
         pandas.DataFrame
-            Time and channels, units in ``attrs["units"]``; `surae.fit` takes it.
+            Time and channels, units in ``attrs["units"]``; `surae.fit` takes it. Channels with
+            times of their own share one column of all times, and are NaN where they have no
+            sample: ``attrs["times"]`` is then ``"own"``.
 
         Raises
         ------
         InputError
-            The channels have times of their own, or pandas is not installed.
+            The package pandas is not installed.
         """
         from surae.recording.frames import channels_frame
 
-        return channels_frame(self.channels, self.where, {"name": self.name, "emg": self.emg})
+        return channels_frame(self.channels, {"name": self.name, "emg": self.emg})
 
     def to_xarray(self) -> Any:
         """The channels as an xarray Dataset, by role.

@@ -8,6 +8,7 @@ any trial that moves. What is decided is said, and a description overrules it.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from string import digits
 
 import numpy as np
 
@@ -96,6 +97,8 @@ class Trial:
         Angle and torque of a trial that holds still.
     condition, notes : str or None
         As described.
+    told : bool
+        The effort was described or given, not decided.
     """
 
     name: str
@@ -109,6 +112,7 @@ class Trial:
     hold: Hold | None = None
     condition: str | None = None
     notes: str | None = None
+    told: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +165,8 @@ def sorted_trials(
         told = given.get(trial.name) or reading.said.effort
         effort, why = (told, "as described") if told else _effort(trial, levels, moving)
         use = "fit" if trial.moves else "reference" if effort == "maximal" else "hold"
-        sorted_.append(replace(trial, effort=effort, use=use, why=f"{trial.why}; {why}"))
+        why = f"{trial.why}; {why}"
+        sorted_.append(replace(trial, effort=effort, use=use, why=why, told=told is not None))
     return tuple(sorted_)
 
 
@@ -206,7 +211,7 @@ def _effort(
     trial: Trial, levels: Mapping[str, Mapping[str, _Level]], moving: Sequence[str]
 ) -> tuple[str, str]:
     """Effort of a trial, and why."""
-    if set(words_of(trial.name)) & _MAXIMAL_WORDS:
+    if {word.rstrip(digits) for word in words_of(trial.name)} & _MAXIMAL_WORDS:
         return "maximal", "maximal by its name"
     own = levels[trial.name]
     if not own:
@@ -225,7 +230,7 @@ def _effort(
                     "that moves"
                 )
     if not shares:
-        return "passive", "no muscle is active in any trial"
+        return "unknown", "no EMG changes in any trial: whether muscles were active it does not say"
     muscle = max(shares, key=lambda m: shares[m])
     percent = 100 * shares[muscle]
     text = (

@@ -122,12 +122,18 @@ class TrialSet:
         TrialSet
             Another one; a session is never changed.
         """
+        said = {
+            t.name: Said(effort=t.effort if t.told else None, condition=t.condition,
+                         notes=t.notes, use=t.problem != LEFT_OUT)
+            for t in self.trials
+        }  # fmt: skip
         readings = [
-            Reading(t.name, t.path, t.recording, "" if t.recording else t.problem,
-                    Said(condition=t.condition, notes=t.notes, use=t.problem != LEFT_OUT))
-            for t in self.trials if t.name != recording.name
-        ]  # fmt: skip
-        readings.append(reading_of(recording))
+            Reading(t.name, t.path, t.recording, "" if t.recording else t.problem, said[t.name])
+            for t in self.trials
+            if t.name != recording.name
+        ]
+        newer = reading_of(recording)
+        readings.append(replace(newer, said=said.get(newer.name, newer.said)))
         return replace(self, trials=sorted_trials(readings, self.efforts))
 
     def to_fit(self, name: str) -> Recording:

@@ -161,8 +161,9 @@ def _of_mapping(data: bytes, name: str, ids: Mapping[str, str]) -> dict[str, Any
         told = tomllib.loads(data.decode())
     except (ValueError, RecursionError) as error:
         raise InputError(f"{name}: not valid TOML: {error}") from None
-    channels, missing = {}, []
     entries = told.get("channels")
+    _refuse_what_no_form_shows(told, name)
+    channels, missing = {}, []
     for role, entry in (entries if isinstance(entries, dict) else {}).items():
         file = entry.get("file") if isinstance(entry, dict) else None
         if not isinstance(file, str) or file_name(file) not in ids:
@@ -191,6 +192,22 @@ def _of_mapping(data: bytes, name: str, ids: Mapping[str, str]) -> dict[str, Any
         "notes": [f"upload the files it names too: {lacking}"] if missing else [],
         "ready": bool(channels) and not missing,
     }
+
+
+def _refuse_what_no_form_shows(told: Mapping[str, Any], name: str) -> None:
+    """Refuse what would be lost: the form describes one recording by numbers."""
+    if "trials" in told:
+        raise InputError(
+            f"{name}: [trials] says what differs in trials, which this form cannot keep: "
+            "`surae session` and `surae convert --mapping` read it"
+        )
+    entries = told.get("channels")
+    for role, entry in (entries if isinstance(entries, dict) else {}).items():
+        if isinstance(entry, dict) and "zero" in entry:
+            raise InputError(
+                f"{name}: channels.{role}.zero is found in a file, which this form cannot keep: "
+                "write the offset in its place, or `surae convert --mapping` first"
+            )
 
 
 def _said(value: object, otherwise: str | None) -> str | None:

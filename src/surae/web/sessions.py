@@ -154,12 +154,19 @@ class BrowserSessions:
                     409, "somebody else has described it meanwhile; load the page again and repeat"
                 )
             for id_, first in firsts.items():
-                told = {"first": first, "latest": after[id_]["version"]}
-                self._database.update("recording", id_, told)
+                self._database.update("recording", id_, {"first": first})
             self._record(session, label, "described", {"rows": before}, {"rows": after})
             draft, now = self._read(session)
             self._write(session, draft, now + 1)
         self._tell(session, now + 1)
+
+    def next_version(self, id_: str) -> int:
+        """A number that no other description of a recording has, whoever asks at the same time."""
+        with self._database.transaction():
+            row = self._database.get("recording", id_) or {}
+            number = int(row.get("latest", 0)) + 1
+            self._database.update("recording", id_, {"latest": number})
+        return number
 
     def _switch(self, now: Mapping[str, Any], then: Mapping[str, Any]) -> bool:
         """Let recordings be as they are `then`, if all are as they are `now`; whether it did."""

@@ -75,7 +75,7 @@ def post_description(given: DescriptionGiven, bench: Bench, browser: Browser) ->
         for row in rows:
             own = row is rows[0]
             wanted = told if own else like(told, present_mapping(row), row["name"])
-            number = row.get("latest", 0) + 1
+            number = bench.sessions.next_version(row["id"])
             path = bench.project.path("recordings", row["id"], recording_suffix(number))
             paths.append(path)
             result = _made(bench, row, wanted, str(path))
