@@ -2,13 +2,17 @@
 
 import json
 import math
+import pydoc
+import re
 from dataclasses import fields
+from inspect import signature
 from typing import Any
 
 import pytest
 
 import surae
 from surae.cli import group
+from surae.model import ModelOptions
 from surae.protocol import Protocol, generate
 from surae.recording import MUSCLES
 from surae.settings import FitSettings
@@ -205,3 +209,20 @@ def test_all_three_write_the_same_fit(browser, trial, tmp_path, monkeypatch) -> 
         assert FitSettings.from_dict(fit["settings"]) == FitSettings.of(**keywords)
     assert by_command == by_python
     assert by_browser == by_python
+
+
+def test_help_and_completion_name_every_field() -> None:
+    """Of `surae.fit`, and of what passes its keywords on."""
+    every = {f.name for kind in (FitSettings, ModelOptions) for f in fields(kind)} - {"model"}
+    for function in (
+        surae.fit,
+        surae.compare,
+        surae.leave_one_out,
+        surae.Session.fit,
+        surae.Session.fit_together,
+        surae.Session.run,
+    ):
+        known = signature(function).parameters
+        assert every <= known.keys(), function
+    said = pydoc.render_doc(surae.fit, renderer=pydoc.plaintext)
+    assert all(re.search(rf"^ +[\w, ]*\b{name}[\w, ]* : ", said, re.MULTILINE) for name in every)

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
+from surae.api.fitting import asks_as_fit
 from surae.api.recordings import AnyRecording, read_in, several
 from surae.assessment.comparison.compare import COMPARED, FEW_STARTS, compare_models
 from surae.assessment.comparison.finding import Comparison
@@ -10,6 +11,7 @@ from surae.estimation import FitSettings
 from surae.progress import NamedProgress
 
 
+@asks_as_fit
 def compare(
     recordings: AnyRecording | Sequence[AnyRecording],
     models: Sequence[str] = COMPARED,

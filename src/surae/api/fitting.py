@@ -1,7 +1,9 @@
 """Fits: made from recordings, read from a file."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
+from inspect import Parameter, signature
+from typing import Any, TypeVar
 
 from surae.api.fitted import Fit
 from surae.api.quality import check, explained
@@ -14,6 +16,7 @@ from surae.errors import InputError
 from surae.estimation import FitSettings, make_problem, solve
 from surae.estimation.starts import Follow
 from surae.files import PathLike
+from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
 from surae.progress import SearchProgress
 from surae.quality import Quality
@@ -22,6 +25,9 @@ from surae.signals import ModelInputs, Weighting
 
 #: Median and spread of a parameter's prior by name.
 Priors = Mapping[str, tuple[float, float]]
+F = TypeVar("F", bound=Callable[..., Any])
+#: Keywords of `fit` that are settings.
+_ASKED = {field.name for kind in (FitSettings, ModelOptions) for field in fields(kind)} - {"model"}
 
 
 def fit(
@@ -33,6 +39,7 @@ def fit(
     start: Mapping[str, float] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     priors: Priors | str | tuple[str, Priors] | None = None,
+    population: str | None = None,
     weights: Weighting | Sequence[Weighting] | None = None,
     loss: str | None = None,
     baseline: Baseline | PathLike | None = None,
@@ -46,10 +53,19 @@ def fit(
     nuisances: str | Mapping[str, tuple[float, float]] | None = None,
     starts: int | None = None,
     seed: int | None = None,
+    geometry: str | None = None,
+    tendon_strain: str | None = None,
+    integrator: str | None = None,
+    theta_foot: float | None = None,
+    vmax_factor: float | None = None,
+    x_ref_tri: float | None = None,
+    x_ref_tib: float | None = None,
+    emg_ref: Sequence[float] | None = None,
+    options: ModelOptions | None = None,
     quality: Sequence[Quality] | None = None,
     progress: SearchProgress | None = None,
     follow: Follow | None = None,
-    **options: Any,
+    **unknown: Any,
 ) -> Fit:
     """Estimate a model's parameters from one recording, or from several together.
 
@@ -75,6 +91,8 @@ def fit(
         logarithm (about its relative standard deviation), e.g. ``{"dlt_tib": (0.04, 0.2)}``.
         ``"healthy"`` or ``"patient"``: defaults of a population, for the parameters that have one;
         ``("healthy", {"tau_rel": (2.0, 0.5)})``: such defaults but for those given.
+    population : {"healthy", "patient"}, optional
+        Whose default priors stand for the parameters that `priors` does not name.
     weights : Weighting, or sequence of Weighting, optional
         What samples count, for all recordings or one for each, e.g. ``Weighting(peaks=9)``.
     loss : {"huber", "soft-l1", "tukey"}, optional
@@ -105,14 +123,30 @@ def fit(
         bounds.
     seed : int, optional
         Seed of the random starts, by default 0.
+    geometry : {"thesis", "virtual-work"}, optional
+        Muscle length: equation (9) as printed, or the integral of the moment arm.
+    tendon_strain : {"thesis", "slack-length"}, optional
+        ε0 in metres as the printed equations take it, or a strain times the slack length.
+    integrator : {"implicit", "explicit-euler"}, optional
+        Of the muscle-tendon models; the explicit one is the thesis's.
+    theta_foot : float, optional
+        Angle of the foot to the horizontal at θ = 0 [rad], by default 0.
+    vmax_factor : float, optional
+        Maximum shortening speed in optimal lengths per second, by default 8.
+    x_ref_tri, x_ref_tib : float, optional
+        Muscle lengths at θ = 0 of the virtual-work geometry [m].
+    emg_ref : four floats, optional
+        EMG levels of TA, GL, SOL, GM [V] at which `emg_shape` changes nothing.
+    options : ModelOptions, optional
+        All of these switches at once, as ``other.settings.options``.
     quality : sequence of Quality, optional
         What `surae.check` found in the recordings; by default they are checked here.
     progress : callable, optional
         Called after every start with (done, starts, best sum of squares).
     follow : callable, optional
         Called with every better point on the way: (model, all its parameters, sum of squares).
-    **options
-        Model options, see `surae.model.ModelOptions`, e.g. ``geometry="virtual-work"``.
+    **unknown
+        Refused, with the keywords that are known.
 
     Returns
     -------
@@ -131,6 +165,7 @@ def fit(
         start=start,
         bounds=bounds,
         priors=priors,
+        population=population,
         weights=weights,
         loss=loss,
         body_mass=body_mass,
@@ -142,12 +177,31 @@ def fit(
         nuisances=nuisances,
         starts=starts,
         seed=seed,
-        **options,
+        geometry=geometry,
+        tendon_strain=tendon_strain,
+        integrator=integrator,
+        theta_foot=theta_foot,
+        vmax_factor=vmax_factor,
+        x_ref_tri=x_ref_tri,
+        x_ref_tib=x_ref_tib,
+        emg_ref=None if emg_ref is None else tuple(emg_ref),
+        options=options,
+        **unknown,
     )
     given = [read_in(recording) for recording in several(recordings)]
     inputs = inputs_for(settings, given, [read_in(recording) for recording in several(mvc)])
     checked = map(check, given) if quality is None else quality
     return fit_inputs(inputs, settings, tuple(checked), baseline, progress, follow)
+
+
+def asks_as_fit(function: F) -> F:
+    """Have a function's ``**asked`` stand, for help and completion, for all that `fit` is asked."""
+    own = signature(function)
+    shared = [p for p in signature(fit).parameters.values()
+              if p.name in _ASKED and p.name not in own.parameters]  # fmt: skip
+    first = [p for p in own.parameters.values() if p.kind is not Parameter.VAR_KEYWORD]
+    vars(function)["__signature__"] = own.replace(parameters=[*first, *shared])
+    return function
 
 
 def inputs_for(

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from surae.api.fitted import Fit
-from surae.api.fitting import fit_inputs
+from surae.api.fitting import asks_as_fit, fit_inputs
 from surae.api.quality import check
 from surae.api.session_result import SessionResult
 from surae.api.session_run import Told, run
@@ -24,6 +24,7 @@ from surae.trials import Reading, TrialSet, prepared_for, reading_of, sorted_tri
 class Session(TrialSet):
     """The trials of one leg, to be fitted each and together; `session` makes one from files."""
 
+    @asks_as_fit
     def fit(self, trial: str, model: str | FitSettings = AUTO, **asked: Any) -> Fit:
         """Fit one trial.
 
@@ -48,6 +49,7 @@ class Session(TrialSet):
         """
         return self.fit_together(model, names=[trial], **asked)
 
+    @asks_as_fit
     def fit_together(
         self,
         model: str | FitSettings = AUTO,
@@ -86,6 +88,7 @@ class Session(TrialSet):
         inputs = [prepared_for(settings, recording, reference) for recording in recordings]
         return fit_inputs(inputs, settings, tuple(map(check, recordings)), **told)
 
+    @asks_as_fit
     def run(
         self,
         output: PathLike | None = None,

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from surae.api.fitted import Fit
+from surae.api.fitting import asks_as_fit
 from surae.api.recordings import AnyRecording, as_in_fit, read_in, several
 from surae.assessment.validation.leave_one_out import LeaveOneOut
 from surae.assessment.validation.leave_one_out import leave_one_out as leave_one_out_of
@@ -43,6 +44,7 @@ def validate(
     return predict_others(fitted.result, inputs if weights is None else weighted(inputs, weights))
 
 
+@asks_as_fit
 def leave_one_out(
     recordings: Sequence[AnyRecording],
     model: str | FitSettings = "muscle",

@@ -1,6 +1,7 @@
 """A DataFrame as a recording: its columns have the names of our CSV, or a unit beside them."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -68,9 +69,8 @@ def of_frame(table: DataFrame) -> Recording:
             values = _numbers(data[renamed[name]], name)
             rows = np.flatnonzero(~np.isnan(values)) if own else np.arange(len(values))
             columns[name] = Column(
-                name, freeze(time[rows]), freeze(values[rows]), time_name,
-                lambda index, rows=rows: f"row {rows[index]}",
-            )  # fmt: skip
+                name, freeze(time[rows]), freeze(values[rows]), time_name, partial(_row, rows)
+            )
         return columns
 
     notes = {key: str(table.attrs[key]) for key in ("name", "emg") if table.attrs.get(key)}
@@ -123,6 +123,10 @@ def _time(
     if stamps.dtype.kind == "m":
         return name, freeze(stamps / np.timedelta64(1, "ns") * 1e-9)
     return name, freeze(_numbers(values, name) * TIMES[name])
+
+
+def _row(rows: Any, index: int) -> str:
+    return f"row {rows[index]}"
 
 
 def _numbers(values: Any, name: str) -> FloatArray:
