@@ -3,6 +3,7 @@
 from dataclasses import replace
 from datetime import datetime
 
+import numpy as np
 import pytest
 
 from surae.assessment import Verdict, assess
@@ -137,7 +138,9 @@ def test_trials_are_told_of_only_where_they_differ(auto):
         trials_section(replace(result, family=replace(result.family, spread={})), assessment)
         is None
     )
-    spread = FrozenDict({"trials": FrozenDict({name: 0.1 * assessment.parameters[name].value})})
+    shift = np.zeros((1, len(result.problem.free)))
+    shift[0, result.problem.free.index(name)] = 0.1 * assessment.parameters[name].value
+    spread = FrozenDict({"trials": shift})
     family = replace(result.family, spread=spread)
     section = trials_section(replace(result, family=family), assessment)
     assert [(row[0], row[3]) for row in section.rows] == [(name, "10 %")]

@@ -18,6 +18,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from surae.estimation import shifts
 from surae.estimation.evidence import Quadratic
 from surae.estimation.mode import Mode, Target, whitened
 from surae.model.simulator import TorqueParts
@@ -41,8 +42,8 @@ def left_out(
     mode: Mode,
     quadratic: Quadratic,
     noisy: Sequence[Sequence[FloatArray]],
-) -> dict[str, float]:
-    """Standard deviation of each parameter by what the model leaves out, in its unit.
+) -> FloatArray:
+    """Shifts by what the model leaves out, as they are searched; see `Family.spread`.
 
     Parameters
     ----------
@@ -87,10 +88,9 @@ def left_out(
     taken = prior[:, None] * view.T @ np.linalg.inv((view * prior) @ view.T + noise_seen)
     known = np.diag(prior) - taken @ (view * prior)
     shown = taken @ seen
-    spread = np.einsum("ij,jk,ik->i", moved, known + np.outer(shown, shown), moved)
     likely = 1.0 / (1.0 + np.exp(min(_AGAINST - gain, 500.0)))
-    deviation = _HIDDEN * np.sqrt(likely * np.maximum(spread, 0.0))[: len(target.names)]
-    return dict(zip(target.names, (deviation * target.scale(mode.z)).tolist(), strict=True))
+    ways = shifts.root(known + np.outer(shown, shown))
+    return np.asarray(_HIDDEN * np.sqrt(likely) * ways @ moved.T)
 
 
 def _sizes(

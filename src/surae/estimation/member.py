@@ -7,6 +7,7 @@ import numpy as np
 from surae.estimation.evidence import Quadratic, Subset
 from surae.estimation.mode import Mode, Target
 from surae.estimation.result import Candidate
+from surae.estimation.shifts import along, sized
 from surae.frozen import FrozenDict
 from surae.model.laboratory import GROUPS, Belief, group_of
 from surae.units import FloatArray
@@ -45,32 +46,43 @@ class Member:
         """Covariance of the searched coordinates, shape (q, q)."""
         return self.quadratic.solved({})[2]
 
-    def between_subsets(self) -> dict[str, float]:
-        """Standard deviation that other subsets of nuisances add, by parameter."""
+    def between_subsets(self) -> FloatArray:
+        """Shifts that other subsets of nuisances add, as they are searched, shape (r, q)."""
         chosen = self.alternatives[0]
-        moment = np.zeros(len(chosen.mode))
-        for subset in self.alternatives:
-            if subset.weight >= UNSUPPORTED:
-                moment += subset.weight * (subset.variance + (subset.mode - chosen.mode) ** 2)
-        more = np.sqrt(np.maximum(moment - chosen.variance, 0.0))
-        # The subsets are of the target with all nuisances: its names come in the same order.
-        names = [n for n in self.names_of_all if group_of(n) is None]
-        scale = dict(zip(self.target.names, self.target.scale(self.mode.z).tolist(), strict=True))
-        return {
-            name: float(more[self.names_of_all.index(name)]) * scale[name]
-            for name in names
-            if name in scale
-        }
+        others = [s for s in self.alternatives if s.weight >= UNSUPPORTED]
+        apart = np.stack([np.sqrt(s.weight) * (s.mode - chosen.mode) for s in others])
+        wider = sum(s.weight * s.variance for s in others) - chosen.variance
+        far = np.sum(apart**2, axis=0)
+        more = np.maximum(far + wider, 0.0)
+        # The subsets are of the target with all nuisances; the leg's parameters are in both.
+        here, there = self._leg_at(self.target.names), self._leg_at(self.names_of_all)
+        shared = [name for name in here if name in there]
+        mine, its = ([at[name] for name in shared] for at in (here, there))
+        moved, rest = (np.zeros((len(apart), len(self.mode.z))), np.zeros(len(self.mode.z)))
+        moved[:, mine] = sized(apart, np.sqrt(np.minimum(more, far)))[:, its]
+        rest[mine] = np.sqrt(np.maximum(more - far, 0.0))[its]
+        return np.vstack([moved, along(rest, self.covariance())])
 
-    def away_from(self, other: "Member", weight: float) -> dict[str, float]:
-        """How far this one's parameters of the leg are from another's, times √weight."""
-        mine, its = self._leg(), other._leg()
-        return {n: float(np.sqrt(weight) * abs(mine[n] - its[n])) for n in its if n in mine}
+    def away_from(self, other: "Member", weight: float) -> FloatArray:
+        """How far this one's parameters of the leg are from another's, times √weight.
 
-    def _leg(self) -> dict[str, float]:
-        values = self.target.values(self.mode.z)
-        names = self.target.problem.spec.names
-        return {n: float(values[names.index(n)]) for n in self.target.names if not group_of(n)}
+        As the other's are searched, in the first order, shape (1, q).
+        """
+        here, there = self._leg_at(self.target.names), self._leg_at(other.target.names)
+        far = np.zeros((1, len(other.mode.z)))
+        mine, its = self.target.values(self.mode.z), other.target.values(other.mode.z)
+        names, own = self.target.problem.spec.names, other.target.problem.spec.names
+        scale = other.target.scale(other.mode.z)
+        for name, j in there.items():
+            if name in here:
+                apart = mine[names.index(name)] - its[own.index(name)]
+                far[0, j] = np.sqrt(weight) * apart / scale[j]
+        return far
+
+    @staticmethod
+    def _leg_at(names: tuple[str, ...]) -> dict[str, int]:
+        """Where the leg's own parameters are among the searched ones."""
+        return {name: j for j, name in enumerate(names) if group_of(name) is None}
 
     def candidate(self, weight: float) -> Candidate:
         """What is told of it."""

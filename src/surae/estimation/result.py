@@ -111,8 +111,9 @@ class Family(Comparable):
         Torque zero of each recording [Nm]; empty where they share one.
     covariance : ndarray, shape (p, p)
         Of the problem's free parameters: nuisances are estimated along.
-    spread : mapping of str to (mapping of str to float)
-        What else makes a parameter unsure, by source and parameter: standard deviations.
+    spread : mapping of str to ndarray, shape (r, p)
+        What else makes the free parameters unsure, by source: rows of shifts of all of them
+        together, in their units, whose outer products add up to the source's covariance.
     """
 
     candidates: tuple[Candidate, ...]
@@ -120,7 +121,11 @@ class Family(Comparable):
     noise: tuple[NoiseModel, ...]
     zeros: tuple[float, ...]
     covariance: FloatArray
-    spread: Mapping[str, Mapping[str, float]] = field(default_factory=FrozenDict)
+    spread: Mapping[str, FloatArray] = field(default_factory=FrozenDict)
+
+    def deviations(self) -> dict[str, FloatArray]:
+        """Standard deviations of the free parameters by source of `spread`, shape (p,)."""
+        return {source: np.sqrt(np.sum(by**2, axis=0)) for source, by in self.spread.items()}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

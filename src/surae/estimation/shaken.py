@@ -10,7 +10,7 @@ Noise of an envelope is what changes faster than a muscle does. It is stronger w
 most of all in raw EMG that was rectified, whose size fluctuates by as much as itself.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -54,7 +54,7 @@ def without_emg_bias(
     Returns
     -------
     z, left : ndarray, shape (q,)
-        The mode, and the size of the shift that was not taken away.
+        The mode, and the shift that was not taken away.
     """
     covariance = quadratic.solved({})[2]
     gradient = np.zeros(len(mode.z))
@@ -65,10 +65,10 @@ def without_emg_bias(
     moved = np.clip(mode.z + shift, target.lower, target.upper)
     far = np.abs(shift[: len(target.names)][target.log]) > _FARTHEST
     if not np.isfinite(shift).all() or far.any():
-        return mode.z, np.nan_to_num(np.abs(shift))
+        return mode.z, np.nan_to_num(shift)
     before, after = target.sum_of_squares(mode.z), target.sum_of_squares(moved)
     if not after < _WORSE * before:
-        return mode.z, np.abs(shift)
+        return mode.z, shift
     return np.asarray(moved), np.zeros(len(shift))
 
 
@@ -83,8 +83,8 @@ def emg_draws(target: Target, mode: Mode) -> list[list[FloatArray]]:
 
 def shaken(
     target: Target, mode: Mode, quadratic: Quadratic, noisy: Sequence[Sequence[FloatArray]]
-) -> dict[str, Mapping[str, float]]:
-    """Standard deviations by source and parameter of the leg, in their units.
+) -> dict[str, FloatArray]:
+    """Shifts as they are searched, by source; see `Family.spread`.
 
     Parameters
     ----------
@@ -106,17 +106,13 @@ def shaken(
         lever @ _halved(target, values, recording)
         for lever, recording in zip(levers, target.problem.inputs, strict=True)
     )
-    emg = np.zeros(len(mode.z))
-    for draw in noisy:
-        emg += sum(lever @ change for lever, change in zip(levers, draw, strict=True)) ** 2
-    emg /= len(noisy)
-    scale = target.scale(mode.z)
-
-    def by_name(deviation: FloatArray) -> dict[str, float]:
-        there = np.nan_to_num(deviation[: len(target.names)] * scale)
-        return dict(zip(target.names, there.tolist(), strict=True))
-
-    return {"emg_noise": by_name(np.sqrt(emg)), "integration": by_name(np.abs(step))}
+    emg = [
+        sum(lever @ change for lever, change in zip(levers, draw, strict=True)) for draw in noisy
+    ]
+    return {
+        "emg_noise": np.nan_to_num(np.stack(emg) / np.sqrt(len(noisy))),
+        "integration": np.nan_to_num(step)[None],
+    }
 
 
 def emg_noise(recording: ModelInputs) -> FloatArray:

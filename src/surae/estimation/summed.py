@@ -12,6 +12,7 @@ from surae.estimation.member import UNSUPPORTED, Member
 from surae.estimation.mode import Mode, Target, straight
 from surae.estimation.result import Candidate, Family, FitResult, Start, is_at_bound
 from surae.estimation.shaken import emg_draws, shaken, without_emg_bias
+from surae.estimation.shifts import sized
 from surae.estimation.trials import between_trials
 from surae.frozen import FrozenDict, read_only
 from surae.model.laboratory import group_of
@@ -38,17 +39,17 @@ class Valleys:
     modes: tuple[Mode, ...]
     names: tuple[str, ...]
 
-    def spread(self, target: Target, mode: Mode) -> dict[str, float]:
-        """How far other valleys are that the data do not reject, by parameter."""
-        away: dict[str, float] = {}
-        best = self.modes[0]
-        for other in self.modes[1:]:
+    def spread(self, target: Target) -> FloatArray:
+        """How far other valleys are that the data do not reject, as they are searched, (r, q)."""
+        best, others = self.modes[0], self.modes[1:]
+        far = np.zeros((len(others), len(target.names) + target.zeros * target.own_zeros))
+        for row, other in zip(far, others, strict=True):
             likely = np.exp(-(other.cost - best.cost) / (REJECTED / 3.0))
-            for j, name in enumerate(self.names):
-                far = float(np.sqrt(likely) * abs(other.z[j] - best.z[j]))
-                away[name] = max(away.get(name, 0.0), far)
-        scale = dict(zip(target.names, target.scale(mode.z).tolist(), strict=True))
-        return {name: far * scale[name] for name, far in away.items() if name in scale}
+            for j, name in enumerate(target.names):
+                if name in self.names:
+                    at = self.names.index(name)
+                    row[j] = np.sqrt(likely) * (other.z[at] - best.z[at])
+        return sized(far, np.abs(far).max(axis=0, initial=0.0))
 
     def starts(self, target: Target, values: Mapping[str, float], sse: float) -> tuple[Start, ...]:
         """The solution, then the other valleys that were met, as far as they are of its model."""
@@ -104,21 +105,20 @@ def summed(
     problem = target.problem
     z, left = without_emg_bias(target, mode, chosen.quadratic)
     mode = Mode(z, mode.cost)
-    covariance = _natural(target, mode, chosen.covariance())
+    change = _natural(target, mode)
+    covariance = change @ chosen.covariance() @ change.T
     noisy = emg_draws(target, mode)
-    biased = dict(
-        zip(target.names, (left[: len(target.names)] * target.scale(mode.z)).tolist(), strict=True)
-    )
-    spread = {
-        "model": combined(
-            chosen.between_subsets(),
-            valleys.spread(target, mode) if target is compliant.target else {},
-            other.away_from(chosen, odds * weight) if odds > UNSUPPORTED else {},
-        ),
-        "trials": FrozenDict(between_trials(target, mode, chosen.quadratic)),
-        "left_out": FrozenDict(left_out(target, mode, chosen.quadratic, noisy)),
+    models = [chosen.between_subsets()]
+    if target is compliant.target:
+        models.append(valleys.spread(target))
+    if odds > UNSUPPORTED:
+        models.append(other.away_from(chosen, odds * weight))
+    shifts = {
+        "model": np.vstack(models),
+        "trials": between_trials(target, mode, chosen.quadratic),
+        "left_out": left_out(target, mode, chosen.quadratic, noisy),
         **shaken(target, mode, chosen.quadratic, noisy),
-        "emg_bias": FrozenDict(biased),
+        "emg_bias": left[None],
     }
     problem = replace(problem, inputs=inputs)
     residuals = tuple(read_only(-e) for e in target.of_inputs(inputs).residuals(mode.z))
@@ -145,7 +145,7 @@ def summed(
         noise=target.noise,
         zeros=tuple(mode.z[len(target.names) :].tolist()),
         covariance=read_only(covariance),
-        spread=FrozenDict({source: FrozenDict(by) for source, by in spread.items()}),
+        spread=FrozenDict({source: read_only(by @ change.T) for source, by in shifts.items()}),
     )
     finite = bool(np.isfinite(sse) and np.isfinite(covariance).all())
     status = "failed" if not finite else "at-bounds" if bound else "converged"
@@ -172,8 +172,8 @@ def summed(
     )
 
 
-def _natural(target: Target, mode: Mode, covariance: FloatArray) -> FloatArray:
-    """Covariance of the problem's free parameters, in their units."""
+def _natural(target: Target, mode: Mode) -> FloatArray:
+    """The problem's free parameters, in their units, by what is searched, shape (p, q)."""
     names, free = target.names, target.problem.free
     change = np.zeros((len(free), len(mode.z)))
     scale = target.scale(mode.z)
@@ -182,15 +182,7 @@ def _natural(target: Target, mode: Mode, covariance: FloatArray) -> FloatArray:
             change[i, names.index(name)] = scale[names.index(name)]
         else:  # the mean of the recordings' zeros
             change[i, len(names) :] = 1.0 / target.zeros
-    return np.asarray(change @ covariance @ change.T)
-
-
-def combined(*spreads: Mapping[str, float]) -> FrozenDict[str, float]:
-    """Standard deviations added in squares."""
-    names = dict.fromkeys(name for spread in spreads for name in spread)
-    return FrozenDict(
-        {n: float(np.sqrt(sum(spread.get(n, 0.0) ** 2 for spread in spreads))) for n in names}
-    )
+    return change
 
 
 def _message(chosen: Member, weight: float, bound: Sequence[str], finite: bool) -> str:

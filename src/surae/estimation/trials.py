@@ -9,10 +9,12 @@ import numpy as np
 
 from surae.estimation.evidence import Quadratic
 from surae.estimation.mode import Mode, Target
+from surae.estimation.shifts import sized
+from surae.units import FloatArray
 
 
-def between_trials(target: Target, mode: Mode, quadratic: Quadratic) -> dict[str, float]:
-    """Standard deviation that differences between recordings add to each parameter, in its unit.
+def between_trials(target: Target, mode: Mode, quadratic: Quadratic) -> FloatArray:
+    """What differences between recordings do to the estimates.
 
     Parameters
     ----------
@@ -25,17 +27,17 @@ def between_trials(target: Target, mode: Mode, quadratic: Quadratic) -> dict[str
 
     Returns
     -------
-    dict of str to float
-        Empty for a single recording.
+    ndarray, shape (r, q)
+        Shifts as they are searched, see `Family.spread`; none for a single recording.
     """
     count = len(target.problem.inputs)
     if count < 2:
-        return {}
+        return np.zeros((0, len(mode.z)))
     covariance = quadratic.solved({})[2]
     pulls, expected = [], np.zeros(len(mode.z))
     for rows in target.data_rows(mode.z):
         pulls.append(covariance @ (rows[:-1] @ rows[-1]))
         expected += np.einsum("ij,ij->i", covariance @ rows[:-1], covariance @ rows[:-1])
-    between = np.var(np.stack(pulls), axis=0, ddof=1) * count
-    more = np.sqrt(np.maximum(between - expected, 0.0))[: len(target.names)]
-    return dict(zip(target.names, (more * target.scale(mode.z)).tolist(), strict=True))
+    apart = (np.stack(pulls) - np.mean(pulls, axis=0)) * np.sqrt(count / (count - 1.0))
+    more = np.sqrt(np.maximum(np.sum(apart**2, axis=0) - expected, 0.0))
+    return sized(apart, more)

@@ -111,11 +111,7 @@ def spread_of(result: FitResult, assessment: Assessment) -> Spread:
         total = both * total
         return replace(bare, total=total, repeat=total, session=total, lost=lost)
     V = both * result.family.covariance
-    correlation = _correlation(V)
-    added = {
-        source: _matrix(np.array([by.get(name, 0.0) for name in names]) * scale, correlation)
-        for source, by in result.family.spread.items()
-    }
+    added = {source: both * (by.T @ by) for source, by in result.family.spread.items()}
     fresh = sum((added[s] for s in _NOT_SHARED if s in added), np.zeros_like(V))
     return replace(
         bare,
@@ -159,18 +155,3 @@ def _of_named(result: FitResult, assessment: Assessment) -> tuple[FloatArray, tu
             if p.sem and p.sem_robust:
                 factor[j] = p.sem_robust / p.sem
     return factor[:, None] * matrix * factor, lost
-
-
-def _correlation(V: FloatArray) -> FloatArray:
-    sd = np.sqrt(np.diag(V))
-    sd = np.where(sd > 0.0, sd, 1.0)
-    return np.asarray(V / np.outer(sd, sd))
-
-
-def _matrix(deviations: FloatArray, correlation: FloatArray) -> FloatArray:
-    """Covariance of what moves parameters by these amounts, along the valleys of the data.
-
-    A model that the data do not reject gives the torque as well, so that its parameters lie in the
-    direction in which they trade off: their correlation is that of the estimates.
-    """
-    return np.asarray(np.outer(deviations, deviations) * correlation)

@@ -189,9 +189,9 @@ def _support(family: Family, grade: Grade) -> str:
 
 def trials_section(result: FitResult, assessment: Assessment) -> TrialsSection | None:
     """How the trials of a joint fit differ; None where that was not looked at."""
-    spread = {} if result.family is None else result.family.spread.get("trials", {})
+    spread = None if result.family is None else result.family.deviations().get("trials")
     rows = []
-    for name, sd in spread.items():
+    for name, sd in () if spread is None else zip(result.problem.free, spread, strict=True):
         p = assessment.parameters.get(name)
         if p is None or not p.free or not sd > 0.0:
             continue

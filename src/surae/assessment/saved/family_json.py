@@ -1,6 +1,6 @@
 """In FIT.json: how `model="auto"` chose, and what is not known of the laboratory."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,10 @@ from surae.estimation import Candidate, Family
 from surae.estimation.noise import NoiseModel
 from surae.frozen import FrozenDict
 from surae.model.laboratory import Belief
+from surae.units import FloatArray
+
+#: Ways in which one source may shift the estimates, at most.
+_MOST = 1000
 
 
 def family_as_dict(family: Family | None) -> dict[str, Any] | None:
@@ -43,12 +47,12 @@ def family_as_dict(family: Family | None) -> dict[str, Any] | None:
         ],
         "zeros": list(family.zeros),
         "covariance": encode(family.covariance),
-        "spread": {source: dict(by) for source, by in family.spread.items()},
+        "spread": {source: encode(by) for source, by in family.spread.items()},
     }
 
 
-def read_family(data: Any, free: int) -> Family | None:
-    """The family that `family_as_dict` made plain, of as many free parameters.
+def read_family(data: Any, free: Sequence[str]) -> Family | None:
+    """The family that `family_as_dict` made plain, of these free parameters.
 
     Raises
     ------
@@ -82,9 +86,20 @@ def read_family(data: Any, free: int) -> Family | None:
             for one in data["noise"]
         ),
         zeros=tuple(real(zero) for zero in data["zeros"]),
-        covariance=decode(data["covariance"], (free, free)),
-        spread=FrozenDict((str(source), _numbers(by)) for source, by in data["spread"].items()),
+        covariance=decode(data["covariance"], (len(free), len(free))),
+        spread=FrozenDict(
+            (str(source), _shifts(by, free)) for source, by in data["spread"].items()
+        ),
     )
+
+
+def _shifts(packed: dict[str, Any], free: Sequence[str]) -> FloatArray:
+    if "shape" not in packed:  # formerly standard deviations by name, each for itself
+        return np.diag([real(packed.get(name, 0.0)) for name in free])
+    rows = packed["shape"][0]
+    if not isinstance(rows, int) or not 0 <= rows <= _MOST:
+        raise ValueError(f"{rows} shifts, expected {_MOST} at most")
+    return decode(packed, (rows, len(free)))
 
 
 def _numbers(data: Mapping[str, Any]) -> FrozenDict[str, float]:

@@ -273,7 +273,7 @@ def _result(data: Mapping[str, Any]) -> FitResult:
         seconds=real(data["seconds"]),
         versions={str(name): str(version) for name, version in data["versions"].items()},
         outliers=outliers,
-        family=read_family(data.get("family"), len(free)),
+        family=read_family(data.get("family"), free),
     )
 
 

@@ -87,7 +87,7 @@ def budgets(family: Family, free: tuple[str, ...]) -> dict[str, Budget]:
         if source is not None:
             groups.setdefault(source, []).append(j)
     everything = sorted({j for positions in groups.values() for j in positions})
-    repeat = _repeat(family, free)
+    repeat, deviations = _repeat(family, free), family.deviations()
     made = {}
     for j, name in enumerate(free):
         if group_of(name) is not None:
@@ -101,7 +101,7 @@ def budgets(family: Family, free: tuple[str, ...]) -> dict[str, Budget]:
             without[source] = left
         scale = marginal / sum(parts.values()) if marginal > 0 else 0.0
         parts = {source: scale * part for source, part in parts.items()}
-        added = {s: by.get(name, 0.0) ** 2 for s, by in family.spread.items()}
+        added = {source: float(by[j]) ** 2 for source, by in deviations.items()}
         total = marginal + sum(added.values())
         if not total > 0.0:
             continue

@@ -1,0 +1,36 @@
+"""What moves all estimates together: directions are kept, sizes are those that are asked."""
+
+import numpy as np
+import pytest
+
+from surae.assessment.saved.arrays import encode
+from surae.assessment.saved.family_json import _shifts
+from surae.estimation.shifts import along, root, sized
+
+VALLEY = np.array([[1.0, -0.9], [-0.9, 1.0]])
+
+
+def test_a_root_is_one() -> None:
+    assert root(VALLEY).T @ root(VALLEY) == pytest.approx(VALLEY)
+
+
+def test_shifts_get_a_size_and_keep_how_they_go_together() -> None:
+    made = sized(np.array([[1.0, -2.0, 0.0]]), np.array([3.0, 4.0, 5.0]))
+    assert made == pytest.approx(np.array([[3.0, -4.0, 0.0]]))  # what nothing moves stays
+
+
+def test_deviations_along_a_valley_cancel_where_its_parameters_do() -> None:
+    made = along(np.array([0.5, 0.5]), 4.0 * VALLEY)
+    assert np.sqrt((made**2).sum(axis=0)) == pytest.approx([0.5, 0.5])
+    assert np.linalg.norm(made @ [1.0, 1.0]) == pytest.approx(0.5 * np.sqrt(0.2))
+
+
+def test_files_of_shifts_and_of_former_deviations_are_read() -> None:
+    rows = np.arange(6.0).reshape(2, 3)
+    assert np.array_equal(_shifts(encode(rows), ("a", "b", "c")), rows)
+    assert np.array_equal(_shifts({"a": 1.0, "c": 2.0}, ("a", "b", "c")), np.diag([1.0, 0.0, 2.0]))
+
+
+def test_more_shifts_than_there_can_be_are_refused() -> None:
+    with pytest.raises(ValueError, match="shifts"):
+        _shifts({**encode(np.zeros((1, 3))), "shape": [10**9, 3]}, ("a", "b", "c"))
