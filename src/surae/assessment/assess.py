@@ -166,14 +166,11 @@ def assess(
         note = "fewer than two parameters have a variance"
     residuals = np.concatenate([residual for _, residual, _ in pairs])
     adequacy = judge_adequacy(result)
-    against = (
-        contradiction(result, doubtful=adequacy.grade is not Grade.ADEQUATE)
-        if alternatives
-        else None
-    )
+    against = contradiction(result) if alternatives else None
     table = _parameters(result, estimated, robust, interval, adequacy, against)
     if against is not None:
-        why += f"; they reach to where a model with {', '.join(against.missing)} has the parameters"
+        missing = ", ".join(against.missing)
+        why += f"; they reach to where a model with some of {missing} has the parameters"
     if result.family is not None:
         table |= marginal(result.family, problem, table, adequacy)
     parameters = {n: p for n, p in table.items() if not _is_nuisance(result, n)}
@@ -298,8 +295,8 @@ def _parameters(
             if against is not None and repeatable and verdict is not Verdict.IDENTIFIED:
                 note = (
                     f"known only to ±{percent(half / abs(value))}: the data contradict this model; "
-                    f"with {', '.join(against.missing)} it is elsewhere (fit model auto), though "
-                    "another trial of this leg would give the same with this model"
+                    f"with some of {', '.join(against.missing)} it is elsewhere (fit model auto), "
+                    "though another trial of this leg would give the same with this model"
                 )
         elif not np.isfinite(estimated.sigma2):
             verdict, note = (

@@ -4,30 +4,35 @@ A fit of a named model knows nothing of a torque zero, a delay, crosstalk, or of
 residual does: at its solution the posterior of the same leg with these, under their priors, is a
 quadratic. Its evidence says whether the data ask for them, and its mode where the parameters would
 go (a score test with a one-step estimate). Samples count for as little as the residual's slow part
-says, since what a model leaves out is slow.
+says, since what a model leaves out is slow. What filters did to a fast movement is no part of a leg
+either, and is let free in both.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from surae.estimation.correlated import counted_alike
+from surae.estimation.evidence import Quadratic
 from surae.estimation.member import TENDONS
-from surae.estimation.mode import Mode, Target
+from surae.estimation.mode import Mode, Target, whitened
 from surae.estimation.result import FitResult
 from surae.frozen import FrozenDict
 from surae.model import adapted, get_model, with_optional
-from surae.model.laboratory import COMPLIANT, RIGID, group_of, laboratory
-from surae.signals.prepare import sharpened
+from surae.model.laboratory import COMPLIANT, RIGID, Belief, group_of, laboratory
+from surae.signals import ModelInputs
+from surae.signals.prepare import sharpened, smoothed
+from surae.units import FloatArray
 
-#: Groups of nuisances that a named model is held against; and tendons so stiff that they are none.
+#: Groups of nuisances that a named model is held against.
 _HELD_AGAINST = ("zero", "delay", "crosstalk")
-_STIFF = {"dlt_tri": 0.004, "dlt_tib": 0.002}
-#: Gain of −2 ln Z from which an alternative is supported: of a fit that is doubtful anyhow, odds of
-#: 150 to 1 ("very strong", Kass and Raftery 1995); of one that is not, twice the gain, since noise
-#: of the EMG alone brought up to 16 on legs of the model itself.
-_SUPPORTED, _SUPPORTED_ADEQUATE = 10.0, 20.0
+#: Gain of −2 ln Z from which an alternative is supported: odds of 150 to 1 ("very strong", Kass and
+#: Raftery 1995). Legs of the model itself have −60 to −7, richer ones 3 to 290 (decision 16).
+_SUPPORTED = 10.0
+#: How much of what filtering once more does, and of what it does less than that when done again,
+#: has been done already.
+_BLUR = (Belief(1.0, 1.0), Belief(1.0, 1.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +42,8 @@ class Contradiction:
     Attributes
     ----------
     missing : tuple of str
-        What the better model has: groups of nuisances, ``"tendons"``.
+        What the better model has and the named one has not, all or some of it: groups of
+        nuisances, ``"tendons"``.
     gain : float
         By how much its −2 ln Z is less.
     shift : mapping of str to float
@@ -49,15 +55,13 @@ class Contradiction:
     shift: Mapping[str, float]
 
 
-def contradiction(result: FitResult, *, doubtful: bool) -> Contradiction | None:
+def contradiction(result: FitResult) -> Contradiction | None:
     """What contradicts a fit of a named model; None where nothing does, or nothing can be said.
 
     Parameters
     ----------
     result : FitResult
         Of a named model; one of a family has been held against the rest of it.
-    doubtful : bool
-        Whether the fit is doubtful for other reasons.
     """
     problem = result.problem
     name = COMPLIANT if problem.spec.name == RIGID else problem.spec.name
@@ -75,43 +79,100 @@ def contradiction(result: FitResult, *, doubtful: bool) -> Contradiction | None:
         return None
     table = adapted(spec.parameters, problem.options, problem.inputs[0].emg_unit)
     base = {n: result.values.get(n, belief.off) for n, belief in beliefs.items()}
-    base |= {n: _STIFF[n] for n in _STIFF if n in spec.names and n not in result.values}
     base |= {n: value for n, value in result.values.items() if n in spec.names}
     free = tuple(
         n for n in spec.names if n in problem.free or n in beliefs or n not in result.values
     )
     bounds = dict(zip(problem.free, zip(problem.lower, problem.upper, strict=True), strict=True))
     limits = [bounds.get(n, (table[n].lower, table[n].upper)) for n in free]
+    tendons = {n: b for n, b in TENDONS.items() if n in spec.names and n not in known}
+    for name in tendons.keys() - result.values.keys():  # none so far: as stiff as the model goes
+        stiff = limits[free.index(name)][0]
+        base[name] = stiff
+        tendons[name] = Belief(float(np.log(stiff)), float(np.exp(tendons[name].mean)) / stiff)
+    named = replace(problem, inputs=tuple(sharpened(trial) for trial in problem.inputs))
     asked = replace(
-        problem,
+        named,
         spec=spec,
-        inputs=tuple(sharpened(trial) for trial in problem.inputs),
         free=free,
         base=np.array([base.get(n, table[n].start) for n in table]),
         lower=np.array([low for low, _ in limits]),
         upper=np.array([high for _, high in limits]),
     )
     with np.errstate(all="ignore"):  # a damaged file may hold anything; it is found out below
-        target = Target(asked, beliefs, (), {n: b for n, b in TENDONS.items() if n not in known})
-        z = target.start(base)
-        target = target.with_noise(counted_alike(target, target.noise_at(z)))
-        quadratic = target.quadratic(Mode(z, 0.0))
-    off = {
-        j: float(z[j]) for j, n in enumerate(target.names) if n in beliefs or n not in result.values
-    }
-    off |= dict.fromkeys(range(len(target.names), len(z)), 0.0)
-    with np.errstate(all="ignore"):
-        try:
-            alone, better = quadratic.solved(off), quadratic.solved({})
-        except np.linalg.LinAlgError:
-            return None
-    gain = alone[0] - better[0]
-    enough = _SUPPORTED if doubtful else _SUPPORTED_ADEQUATE
-    if not (gain > enough and np.isfinite(better[1]).all()):
+        own = Target(named, {}, ())
+        there = own.start(result.values)
+        noise = counted_alike(own, own.noise_at(there))
+        target = Target(asked, beliefs, noise, tendons)
+        z, left = target.start(base), own.residuals(there)
+        off = {
+            j: float(z[j])
+            for j, n in enumerate(target.names)
+            if n in beliefs or n not in result.values
+        }
+        off |= dict.fromkeys(range(len(target.names), len(z)), 0.0)
+        gain, better = _gain(_quadratic(target, z, left), off)
+    if not (gain > _SUPPORTED and np.isfinite(better).all()):
         return None
-    away = np.abs(better[1] - z)[: len(target.names)] * target.scale(z)
+    own_names = len(target.names)
+    away = np.abs(better[:own_names] - z[:own_names]) * target.scale(z)
     shift = {n: float(d) for n, d in zip(target.names, away, strict=True) if n in problem.free}
     missing = [g for g in _HELD_AGAINST if any(group_of(n) == g for n in beliefs)]
     if name != problem.spec.name:
         missing.append("tendons")
     return Contradiction(tuple(missing), gain, FrozenDict(shift))
+
+
+def _quadratic(target: Target, z: FloatArray, left: Sequence[FloatArray]) -> Quadratic:
+    """What data say around the named model: its own residual, and what the richer one can do.
+
+    The richer model's residual is another there: its stiffest tendons are none that are rigid. The
+    last coordinates are how much of what filters did is in the residual.
+    """
+    told, more = target.quadratic(Mode(z, 0.0)), len(_BLUR)
+    information = np.zeros((len(z) + more, len(z) + more))
+    gradient, cost = np.zeros(len(z) + more), 0.0
+    values = target.values(z)
+    blocks = zip(
+        target.problem.inputs, target.data_rows(z, whiten=False), left, target.noise, strict=True
+    )
+    for recording, rows, e, noise in blocks:
+        root = 1.0 if recording.weight is None else np.sqrt(recording.weight)
+        blurred = _blurred(target, values, recording)
+        changes = [blurred, blurred - _blurred(target, values, smoothed(recording))]
+        block = np.stack([*rows[:-1], *(-root * change for change in changes), root * e])
+        block = whitened(block, noise)
+        information += block[:-1] @ block[:-1].T
+        gradient += block[:-1] @ block[-1]
+        cost += float(block[-1] @ block[-1])
+    return Quadratic(
+        information,
+        gradient,
+        cost,
+        z=np.append(z, np.zeros(more)),
+        mean=np.append(told.mean, [belief.mean for belief in _BLUR]),
+        weight=np.append(told.weight, [1.0 / belief.sd for belief in _BLUR]),
+    )
+
+
+def _blurred(target: Target, values: FloatArray, recording: ModelInputs) -> FloatArray:
+    """What filtering changes of the torque that it does not change of the model's [Nm].
+
+    A fast movement's torque is not the one at what filters leave of the movement, though that was
+    sharpened. Filtering once more shows by how much; filtering twice more, how that grows.
+    """
+    simulator, options = target.problem.spec.simulator, target.problem.options
+    torque = simulator(recording, options).torque(values)
+    again = sharpened(smoothed(replace(recording, torque=torque)))
+    wanted = torque if again.torque is None else again.torque
+    error: FloatArray = simulator(again, options).torque(values) - wanted
+    return error if np.isfinite(error).all() else np.zeros(recording.n)
+
+
+def _gain(quadratic: Quadratic, off: Mapping[int, float]) -> tuple[float, FloatArray]:
+    """By how much −2 ln Z is less with what is off let free, and the mode then; 0: not at all."""
+    try:
+        alone, better = quadratic.solved(off), quadratic.solved({})
+    except np.linalg.LinAlgError:
+        return 0.0, quadratic.z
+    return alone[0] - better[0], better[1]

@@ -79,7 +79,7 @@ class Target:
     ) -> None:
         self.problem, self.beliefs, self.noise = problem, beliefs, tuple(noise)
         self.extra = extra or {}
-        self.own_zeros = len(problem.inputs) > 1 and _ZERO in problem.free
+        self.own_zeros = len(problem.inputs) > 1 and _ZERO in problem.free and _ZERO in beliefs
         self.zeros = len(problem.inputs) if self.own_zeros else 0
         self.names = tuple(n for n in problem.free if not (self.own_zeros and n == _ZERO))
         self._simulators = simulators(problem)

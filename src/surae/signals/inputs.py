@@ -74,6 +74,8 @@ class ModelInputs(Comparable):
     lowpass : (float, int) or None
         Cut-off [Hz] and order of the Bessel low-pass that angle and torque went through, and the
         EMG did not; None for no such filter.
+    measured : tuple of str
+        Which of ``"velocity"`` and ``"acceleration"`` were measured: no filter went over them.
     """
 
     name: str
@@ -94,6 +96,7 @@ class ModelInputs(Comparable):
     files: tuple[SourceFile, ...] = ()
     emg_reference: EmgReference | None = None
     lowpass: tuple[float, int] | None = None
+    measured: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Make the mapping read-only; the arrays are made so by whoever prepares them."""

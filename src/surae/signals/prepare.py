@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,8 @@ from surae.signals.timebase import SAME_STEPS, UNIFORM_STEPS, Axis, common_axis,
 from surae.units import FloatArray
 
 _DEFAULTS = Preparation()
+#: The angle's derivatives and the channels that have them where they were measured.
+_DERIVATIVES = {"velocity": "angular_velocity", "acceleration": "angular_acceleration"}
 
 
 def prepare(
@@ -95,10 +97,32 @@ def prepare(
         prepared=prepared,
         fixed=recording.fixed,
         files=recording.files,
+        measured=tuple(name for name, role in _DERIVATIVES.items() if role in signals),
         lowpass=None
         if prepared or settings.bessel_hz is None
         else (settings.bessel_hz, settings.bessel_order),
     )
+
+
+def smoothed(inputs: ModelInputs) -> ModelInputs:
+    """The inputs with the low-pass that motion and torque went through, once more.
+
+    The same where there was none, or none that the rate can tell. A derivative that was measured
+    went through no filter, and goes through none here.
+
+    Parameters
+    ----------
+    inputs : ModelInputs
+        As `prepare` gives them.
+    """
+    if inputs.lowpass is None or inputs.lowpass[0] >= HIGHEST_CUTOFF * inputs.rate_hz:
+        return inputs
+    cutoff, order = inputs.lowpass
+    left: dict[str, Any] = {
+        name: read_only(bessel_lowpass(signal, inputs.rate_hz, cutoff, order, where=inputs.where))
+        for name, signal in _filtered(inputs).items()
+    }
+    return replace(inputs, **left)
 
 
 def sharpened(inputs: ModelInputs) -> ModelInputs:
@@ -109,22 +133,28 @@ def sharpened(inputs: ModelInputs) -> ModelInputs:
     muscle or a softer tendon. Filtering once more shows what is lost, and twice the signal less
     what is left of it (Tukey's twicing) has it back: the gain is 1 − (1 − H)² in place of H, and
     nowhere above one.
+
+    Parameters
+    ----------
+    inputs : ModelInputs
+        As `prepare` gives them.
     """
-    if inputs.lowpass is None or inputs.lowpass[0] >= HIGHEST_CUTOFF * inputs.rate_hz:
+    once = smoothed(inputs)
+    if once is inputs:
         return inputs
-    cutoff, order = inputs.lowpass
+    left = _filtered(once)
+    twice: dict[str, Any] = {
+        name: read_only(2.0 * signal - left[name]) for name, signal in _filtered(inputs).items()
+    }
+    return replace(inputs, **twice)
 
-    def twice(signal: FloatArray) -> FloatArray:
-        left = bessel_lowpass(signal, inputs.rate_hz, cutoff, order, where=inputs.where)
-        return read_only(2.0 * signal - left)
 
-    return replace(
-        inputs,
-        angle=twice(inputs.angle),
-        velocity=twice(inputs.velocity),
-        acceleration=twice(inputs.acceleration),
-        torque=None if inputs.torque is None else twice(inputs.torque),
-    )
+def _filtered(inputs: ModelInputs) -> dict[str, FloatArray]:
+    """What the low-pass went over, by field of `ModelInputs`."""
+    signals = {name: getattr(inputs, name) for name in ("angle", *_DERIVATIVES)}
+    if inputs.torque is not None:
+        signals["torque"] = inputs.torque
+    return {name: signal for name, signal in signals.items() if name not in inputs.measured}
 
 
 def _emg_unit(recording: Recording) -> str:

@@ -34,6 +34,7 @@ def trace_as_dict(one: ModelInputs, residual: FloatArray) -> dict[str, Any]:
         "weight": None if one.weight is None else encode(one.weight),
         "emphasised": one.emphasised,
         "lowpass": None if one.lowpass is None else list(one.lowpass),
+        "measured": list(one.measured),
         "residual": encode(residual),
     }
 
@@ -95,6 +96,7 @@ def read_trace(trace: Mapping[str, Any]) -> ModelInputs:
         weight=None if trace["weight"] is None else decode(trace["weight"], (n,)),
         emphasised=bool(trace.get("emphasised", False)),
         lowpass=_lowpass(trace.get("lowpass")),
+        measured=tuple(map(str, trace.get("measured", ()))),
         fixed={str(name): real(value) for name, value in trace["fixed"].items()},
         files=tuple(SourceFile(str(f["path"]), str(f["sha256"])) for f in trace["files"]),
         **{name: decode(trace[name], (n,)) for name in _SERIES},
