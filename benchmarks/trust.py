@@ -87,14 +87,14 @@ def main() -> None:
                 continue
             free += 1
             if p.sem:
-                away.append((p.value - truth.get(name, 0.3)) / p.sem)
+                away.append((p.value - truth[name]) / p.sem)
             if p.verdict == "identified":
                 claimed += 1
-                hit = p.ci95[0] <= truth.get(name, 0.3) <= p.ci95[1]
+                hit = p.ci95[0] <= truth[name] <= p.ci95[1]
                 true += hit
                 if not hit:
                     misses[name] += 1
-                    said.append(f"{name} {(p.value - truth.get(name, 0.3)) / p.sem:+.1f}")
+                    said.append(f"{name} {(p.value - truth[name]) / p.sem:+.1f}")
         grades[str(fit.adequacy.grade)] += 1
         family = fit.result.family
         groups = family.candidates[0].groups if family else ()

@@ -133,6 +133,15 @@ def test_an_electrode_that_comes_off_is_named_with_its_time(planted, amplitude, 
     assert "soleus" in match.message
 
 
+@pytest.mark.parametrize("back", [20.0, 25.0])
+def test_an_electrode_that_works_again_has_not_come_off(planted, back) -> None:
+    signals = planted.signals(70000, motions=(("sine", 0.0, False),))
+    assert signals.time[-1] > back + 3.0
+    still = (signals.time >= 12.0) & (signals.time < back)
+    signals.emg[still, 2] = 2e-3 * np.sin(2 * np.pi * 50.0 * signals.time[still])
+    assert "electrode-off" not in codes(check_recording(signals.recording))
+
+
 @pytest.mark.parametrize("part", [slice(None), slice(0, 20000)])
 def test_hum_throughout_or_only_at_first_is_no_electrode_that_comes_off(planted, part) -> None:
     signals = planted.signals(70000, motions=(("sine", 0.0, False),))

@@ -177,10 +177,14 @@ def _laboratory(result: FitResult) -> list[_Reason]:
     """A laboratory that is odder than laboratories are stands for what the model leaves out."""
     if result.family is None:
         return []
+    own = {"torque_zero": result.family.zeros} if result.family.zeros else {}
     odd = [
         name
         for name, belief in result.family.beliefs.items()
-        if abs(result.values[name] - belief.mean) >= _ODD * belief.sd
+        if any(
+            abs(value - belief.mean) >= _ODD * belief.sd
+            for value in own.get(name, (result.values[name],))
+        )
     ]
     if not odd:
         return []

@@ -138,10 +138,11 @@ class _Search:
         plain = fit_problem(
             replace(self._problem(RIGID, ()), priors={}, inputs=self._given), starts=1
         )
+        without = ", without priors," if self._asked.priors else ""
         return replace(
             plain,
-            message="stopped by the user: the rigid model alone is kept; fit again to weigh the "
-            "family",
+            message=f"stopped by the user: the rigid model alone{without} is kept; fit again to "
+            "weigh the family",
             starts=(replace(plain.starts[0], outcome=str(Outcome.INTERRUPTED)),),
             seconds=time.perf_counter() - begin,
         )

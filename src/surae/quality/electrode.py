@@ -20,7 +20,7 @@ _TIMES = 3.0
 
 
 def off(trial: Trial) -> tuple[Finding, ...] | Skipped:
-    """Channels that hear nothing but the mains from some instant on, and did not before."""
+    """Channels that hear nothing but the mains from some instant to the end, and did not before."""
     emg = [trial.recording.channels.get(f"emg_{muscle}") for muscle in MUSCLES]
     fast = [c for c in emg if c is not None and c.rate_hz > 2.2 * MAINS[-1]]
     if trial.emg_kind != "raw" or not fast:
@@ -47,8 +47,8 @@ def _off(channel: Channel) -> Finding | None:
     if (last - first) * _PIECE < _SHORTEST or inside.all():
         return None
     before, now = float(np.median(hum[~inside])), float(np.median(hum[inside]))
-    if now < _TIMES * before or first == 0:
-        return None
+    if now < _TIMES * before or first == 0 or (count - last) * _PIECE >= _SHORTEST:
+        return None  # one that hears its muscle again has not come off
     start = float(channel.time[first * size])
     muscle = muscle_name(channel.role.removeprefix("emg_"))
     return Finding(

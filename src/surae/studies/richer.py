@@ -10,7 +10,7 @@ hears.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -34,6 +34,8 @@ _FINER = 4
 #: Ranges of ε0 of triceps and tibialis [m].
 _TENDONS = {"dlt_tri": (0.012, 0.030), "dlt_tib": (0.005, 0.012)}
 _CROSSTALK, _DELAY, _ZERO, _AXIS, _DRIFT = 0.08, (0.020, 0.060), 6.0, 0.006, 0.10
+#: F̄toe and ktoe of a tendon (Table 2).
+_TOES = {"pt_tri": 0.3, "pt_tib": 0.3, "kt_tri": 4.0, "kt_tib": 4.0}
 #: What a foreign leg has: F̄toe and ktoe of its tendons, the width cf of its force-length curve,
 #: vmax in optimal lengths a second, and the part of a muscle's effort that its antagonist has too.
 _TOE, _BEND, _WIDTH, _VMAX, _UNHEARD = (0.2, 0.4), (2.0, 4.0), (0.08, 0.13), (6.0, 10.0), 0.10
@@ -53,7 +55,7 @@ class RicherLeg:
     raw : ndarray, shape (n, 4), or None
         Raw EMG [V] in place of the envelopes.
     parameters : mapping of str to float
-        The true parameters of the leg, tendons included.
+        The true parameters of the leg, tendons and their toes included.
     delay : float
         From EMG to torque [s].
     zero : float
@@ -132,10 +134,11 @@ def richer_leg(
     time = path.time
     envelopes = EMG_REST + (EMG_FULL - EMG_REST) * path.effort * levels
     driving, options = _late(envelopes, time, delay), ModelOptions()
-    toes: dict[str, float] = {}
+    own = {**drawn.parameters, **tendons, **_TOES}
     if foreign:
         driving, options, toes = _foreign(drawn, path, driving, trial)
-    torque = zero + _torque(drawn, tendons, toes, path, driving, options, axis)
+        own |= toes
+    torque = zero + _torque(own, path, driving, options, axis)
     gain = 1.0 + drift * (time[:, None] / time[-1] - 0.5)
     heard = envelopes @ crosstalk.T * gain
     sampled = raw_emg(envelopes, rate_hz, rng) @ crosstalk.T * gain if raw else None
@@ -157,7 +160,7 @@ def richer_leg(
             prepared=True,
         ),
         raw=sampled,
-        parameters={**drawn.parameters, **tendons},
+        parameters=own,
         delay=delay,
         zero=zero,
         noise=deviation,
@@ -203,9 +206,7 @@ def _foreign(
 
 
 def _torque(
-    subject: VirtualSubject,
-    tendons: Mapping[str, float],
-    toes: Mapping[str, float],
+    parameters: Mapping[str, float],
     motion: Trajectory,
     emg: FloatArray,
     options: ModelOptions,
@@ -226,7 +227,5 @@ def _torque(
         torque=None,
         prepared=True,
     )
-    own = replace(subject, tendons=tendons).truth("muscle-tendon", options)
-    values = spec.vector({**own, **toes}, options)
-    torque = spec.simulator(inputs, options).torque(values)
+    torque = spec.simulator(inputs, options).torque(spec.vector(parameters, options))
     return torque if turn is None else turn * torque
