@@ -211,3 +211,17 @@ def test_help_imports_nothing_that_computes() -> None:
 def test_without_a_figure_no_figure_library_is_imported(tmp_path) -> None:
     arguments = ("protocol", "sine", "--output", "p.csv")
     assert "matplotlib" not in imported(*arguments, folder=tmp_path)
+
+
+def test_a_session_is_a_folder_of_protocols(run, tmp_path) -> None:
+    given = ("design", "--session", "1.2", "--pause", "10", "--model", "muscle", "--rate", "32")
+    done = run(*given, "--output", "plan")
+    assert (done.code, done.err) == (0, "")
+    names = sorted(path.name for path in (tmp_path / "plan").iterdir())
+    assert names[-1] == "plan.json"
+    assert names[0] == "01-everything-35-target.csv"
+    assert "Not worth their minutes" in done.out
+    refused(run(*given, "--output", "plan"), "name a new or an empty folder")
+    refused(run(*given, "--duration", "35", "--output", "other"), "--duration is of a single trial")
+    refused(run("design", "--pause", "5", "--output", "p.csv"), "--pause is between the trials")
+    assert not (tmp_path / "other").exists()

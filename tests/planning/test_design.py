@@ -7,9 +7,9 @@ import pytest
 
 import surae
 from surae.errors import InputError
-from surae.planning.design import limits_of
 from surae.planning.genes import REST, SHORTEST, Genes, effort_budget
 from surae.planning.legs import population_legs
+from surae.planning.limits import limits_of
 from surae.planning.torque import torques, within_torque
 from surae.protocol import (
     DEVICES,
@@ -154,8 +154,11 @@ def test_what_a_device_cannot_do_is_said_with_what_to_give_up() -> None:
 
 def test_a_search_goes_on_from_a_ready_protocol() -> None:
     made = surae.design(35.0, evaluations=45, rate_hz=64.0)
-    fresh = surae.design(47.0, evaluations=1, rate_hz=64.0)  # no ready one is so long
+    fresh = surae.design(31.0, evaluations=1, rate_hz=64.0)  # no ready one is so short
     assert made.expectation.worst < 0.8 * fresh.expectation.worst
+    # a longer trial repeats what is good in a shorter one
+    longer = surae.design(50.0, evaluations=1, rate_hz=64.0)
+    assert longer.expectation.geometric_mean < made.expectation.geometric_mean
 
 
 def test_effort_is_lowered_to_the_torque_of_the_device() -> None:

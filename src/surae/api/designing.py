@@ -11,12 +11,15 @@ from surae.model.laboratory import AUTO
 from surae.planning.design import Design, make_design
 from surae.planning.next import NextTrial, known_from, measure_next_of
 from surae.planning.ready import start_for
+from surae.planning.sitting import SessionPlan, plan_session, possible_trials
 from surae.progress import SearchProgress
 from surae.protocol import DEVICES, Device, allowed_range, named_device, read_device
 
 #: Legs that a design is searched for, of a rigid and of a compliant model, and those that it is
 #: judged by.
 _SEARCHED, _SEARCHED_COMPLIANT, _JUDGED = 8, 5, 40
+#: Legs that a session is planned for.
+_PLANNED = 12
 #: Plans that are judged in a search, likewise.
 _EVALUATIONS, _EVALUATIONS_COMPLIANT = 8000, 10_000
 #: Seeds of the legs of the search come before those of every expectation.
@@ -94,16 +97,11 @@ def design(
     InputError
         Something given is unusable, or the device cannot do it: then what to give up.
     """
-    if effort not in ("levels", "none"):
-        raise InputError(f"effort is {effort!r}; use 'levels' or 'none'")
     if not 5.0 <= duration <= 600.0:
         raise InputError(f"duration {duration!r} s: design a trial of 5 to 600 s")
-    if not 20.0 <= rate_hz <= 2048.0:
-        raise InputError(f"rate {rate_hz!r} Hz: use 20 to 2048 Hz")
     if evaluations is not None and evaluations < 1:
         raise InputError(f"evaluations is {evaluations!r}; judge at least one plan")
-    if fit is not None and after is not None:
-        raise InputError("give fit or after, not both: after counts what the fit knows, too")
+    _check(effort, rate_hz, fit, after)
     who = after if after is not None else fit
     given = model if who is None else who.result.problem.spec.name
     rigid = given == "muscle"
@@ -128,9 +126,68 @@ def design(
         evaluations=evaluations or (_EVALUATIONS if rigid else _EVALUATIONS_COMPLIANT),
         seed=seed,
         known=None if after is None else known_from(after.result, after.assessment, legs),
-        start=None if start is None else start.genes,
+        start=start,
         progress=progress,
     )
+
+
+def design_session(
+    minutes: float = 10.0,
+    *,
+    pause: float = 30.0,
+    device: str | PathLike | Device | None = "achilles",
+    model: str = "auto",
+    population: str | None = None,
+    fit: Fit | None = None,
+    after: Fit | None = None,
+    range: tuple[float, float] | None = None,
+    noise: float | None = None,
+    nuisances: str | Mapping[str, tuple[float, float]] | None = None,
+    aim: str = "worst",
+    effort: str = "levels",
+    rate_hz: float = 128.0,
+    **options: Any,
+) -> SessionPlan:
+    """Which trials to make, and how often, in the minutes that there are.
+
+    Trials are those that come designed, one at rest, and one of maximal efforts held still.
+
+    Parameters
+    ----------
+    minutes : float
+        Of the session, pauses included.
+    pause : float
+        After each trial [s].
+    device, model, population, fit, after, range, noise, nuisances, aim, effort, rate_hz
+        As of `design`.
+    **options
+        Model options, see `surae.model.ModelOptions`.
+
+    Returns
+    -------
+    SessionPlan
+        The trials, what they will tell together, and which kinds are worth their minutes.
+
+    Raises
+    ------
+    InputError
+        Something given is unusable, or there is no time for any trial.
+    """
+    if not 0.1 <= minutes <= 240.0:
+        raise InputError(f"minutes is {minutes!r}; plan a session of up to 240 minutes")
+    if not 0.0 <= pause <= 3600.0:
+        raise InputError(f"pause is {pause!r} s; use 0 to 3600")
+    _check(effort, rate_hz, fit, after)
+    who = after if after is not None else fit
+    asked = (model, population, who, noise, nuisances)
+    legs, level = asked_legs(*asked, _PLANNED, options, rate_hz)
+    limits = as_device(device)
+    angles = _range_of(limits, range, population, who)
+    trials = possible_trials(limits, angles, rate_hz, legs, effort=effort == "levels")
+    return plan_session(
+        trials, legs, seconds=60.0 * minutes, pause=pause, noise=level, aim=aim,
+        known=None if after is None else known_from(after.result, after.assessment, legs),
+    )  # fmt: skip
 
 
 def measure_next(
@@ -178,6 +235,15 @@ def measure_next(
         fit.result, fit.assessment, legs, noise=level, device=limits,
         range_of_motion=_range_of(limits, range, None, fit), longest=duration, wanted=wanted,
     )  # fmt: skip
+
+
+def _check(effort: str, rate_hz: float, fit: Fit | None, after: Fit | None) -> None:
+    if effort not in ("levels", "none"):
+        raise InputError(f"effort is {effort!r}; use 'levels' or 'none'")
+    if not 20.0 <= rate_hz <= 2048.0:
+        raise InputError(f"rate {rate_hz!r} Hz: use 20 to 2048 Hz")
+    if fit is not None and after is not None:
+        raise InputError("give fit or after, not both: after counts what the fit knows, too")
 
 
 def _range_of(

@@ -1,5 +1,6 @@
 """`surae design`."""
 
+from pathlib import Path
 from typing import Any
 
 import click
@@ -8,7 +9,7 @@ from surae.cli.options import SEED, Number, Picture, Whole, model_options
 from surae.cli.paths import check_outputs
 from surae.cli.protocol import device_of, device_options, file_kind, span_of
 from surae.errors import InputError
-from surae.files import shown
+from surae.files import shown, write_json
 from surae.names import FITTED, NUISANCES, POPULATIONS
 
 
@@ -21,8 +22,13 @@ from surae.names import FITTED, NUISANCES, POPULATIONS
               help="For one leg instead, as far as this fit knows it.")  # fmt: skip
 @click.option("--after", metavar="FIT.json",
               help="The same, and what the fit knows counts: what adds most.")  # fmt: skip
-@click.option("--duration", type=Number(above=0.0), default=35.0, show_default=True, metavar="S",
-              help="Of the trial, in s.")  # fmt: skip
+@click.option("--duration", type=Number(above=0.0), metavar="S",
+              help="Of the trial, in s.  [default: 35]")  # fmt: skip
+@click.option("--session", "minutes", type=Number(above=0.0), metavar="MIN",
+              help="Instead of a trial: which trials, and how often, in so many "
+              "minutes.")  # fmt: skip
+@click.option("--pause", type=Number(), metavar="S",
+              help="After each trial of a session, in s.  [default: 30]")  # fmt: skip
 @device_options
 @click.option("--range", "range_", metavar="LOW:HIGH",
               help="Full plantarflexion and dorsiflexion of the subject, in rad; asked for of "
@@ -41,14 +47,17 @@ from surae.names import FITTED, NUISANCES, POPULATIONS
               help="Plans that are judged: more is better and slower.")  # fmt: skip
 @SEED
 @model_options
-@click.option("--output", required=True, metavar="P.csv|P.mat", help="Where the protocol goes.")
+@click.option("--output", required=True, metavar="P.csv|P.mat|FOLDER",
+              help="Where the protocol goes, or all of a session's.")  # fmt: skip
 @click.option("--target", metavar="T.csv", help="Where the target for the subject's screen goes.")
 @click.option("--figure", type=Picture(), metavar="P.svg|pdf|png", help="Draw it.")
 def command(
     model: str,
     fitted: str | None,
     after: str | None,
-    duration: float,
+    duration: float | None,
+    minutes: float | None,
+    pause: float | None,
     device: str,
     without_limits: str | None,
     range_: str | None,
@@ -63,7 +72,10 @@ def command(
 
     The same options find the same protocol. Ctrl-C keeps the best so far.
     """
-    file_kind("--output", output, ".csv", ".mat")
+    if minutes is None:
+        file_kind("--output", output, ".csv", ".mat")
+        if pause is not None:
+            raise InputError("--pause is between the trials of a session; give --session MIN too")
     check_outputs(
         {"--output": output, "--target": target, "--figure": figure},
         [path for path in (fitted, after) if path is not None],
@@ -77,6 +89,25 @@ def command(
     from surae.cli.progress import compilation_notice, work
     from surae.cli.screen import show_line
 
+    who: dict[str, Any] = {
+        "device": limiting,
+        "model": model,
+        "fit": None if fitted is None else load(fitted),
+        "after": None if after is None else load(after),
+        "range": None if range_ is None else span_of(range_),
+        "rate_hz": rate,
+    }
+    if minutes is not None:
+        single = {"--duration": duration, "--target": target, "--figure": figure,
+                  "--evaluations": asked.pop("evaluations")}  # fmt: skip
+        given = [option for option, value in single.items() if value is not None]
+        if given:
+            raise InputError(f"{given[0]} is of a single trial; leave it out, or --session")
+        asked.pop("seed")
+        _plan(minutes, 30.0 if pause is None else pause, output, without_limits,
+              **who, **asked, **options)  # fmt: skip
+        return 0
+
     with work() as progress, compilation_notice():
 
         def counted(done: int, total: int, best: float) -> None:
@@ -84,16 +115,7 @@ def command(
             progress.parts("plans judged", done, total)
 
         made = design(
-            duration,
-            device=limiting,
-            model=model,
-            fit=None if fitted is None else load(fitted),
-            after=None if after is None else load(after),
-            range=None if range_ is None else span_of(range_),
-            rate_hz=rate,
-            progress=counted,
-            **asked,
-            **options,
+            35.0 if duration is None else duration, progress=counted, **who, **asked, **options
         )
     made.write(output, without_limits=without_limits)
     if target is not None:
@@ -116,3 +138,29 @@ def command(
         click.echo("surae: stopped by the user; the best so far is kept", err=True)
         return 130
     return 0
+
+
+def _plan(
+    minutes: float, pause: float, output: str, without_limits: str | None, **asked: Any
+) -> None:
+    """Plan a session, and write its trials into a folder."""
+    from surae.api import design_session, write_protocol, write_protocol_target
+    from surae.cli.expect import show_expectation
+    from surae.cli.progress import compilation_notice
+    from surae.cli.screen import show_line
+
+    with compilation_notice():
+        plan = design_session(minutes, pause=pause, **asked)
+    folder = Path(output)
+    if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
+        raise InputError(f"--output {shown(output)}: name a new or an empty folder")
+    folder.mkdir(parents=True, exist_ok=True)
+    for k, trial in enumerate(plan.trials, 1):
+        path = folder / f"{k:02d}-{trial.name}.csv"
+        write_protocol(trial.trajectory, path, without_limits=without_limits)
+        if trial.trajectory.effort.any():
+            write_protocol_target(trial.trajectory, path.with_name(f"{path.stem}-target.csv"))
+    write_json(folder / "plan.json", plan.to_json())
+    show_expectation(plan.expectation)
+    for line in (*plan.sentences, f"session: {shown(output)}"):
+        show_line(line)

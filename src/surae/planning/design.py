@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surae.errors import InputError
 from surae.files import PathLike
 from surae.frozen import Comparable, FrozenDict
 from surae.planning.aim import MEAN, WORST, make_aim
@@ -15,16 +14,15 @@ from surae.planning.expectation import Expectation, expected
 from surae.planning.genes import Genes
 from surae.planning.information import SINGULAR, information, prior_precision
 from surae.planning.legs import Legs
-from surae.planning.plan import Limits, Plan
+from surae.planning.limits import Limits, highest_hz, limits_of
+from surae.planning.plan import Plan
+from surae.planning.ready import Ready
 from surae.planning.search import SEARCH_RATE, search
-from surae.planning.torque import EXACT, within_torque
+from surae.planning.torque import within_torque
 from surae.progress import SearchProgress
-from surae.protocol import Device, Trajectory, allowed_range, write_protocol
+from surae.protocol import Device, Trajectory, write_protocol
 from surae.units import FloatArray
 
-#: Velocity [rad/s], acceleration [rad/s²] and frequency [Hz] that are not exceeded where a device's
-#: own limit is not known.
-UNKNOWN = (1.5, 100.0, 8.0)
 #: Part of the device's torque that the search keeps to, for legs stronger than those it sees.
 _RESERVE = 0.93
 #: Part of a direction's square from which on it counts that nothing is known of it.
@@ -86,27 +84,6 @@ class Design(Comparable):
         write_protocol(self.trajectory, path, without_limits=without_limits)
 
 
-def limits_of(device: Device | None, range_of_motion: tuple[float, float]) -> Limits:
-    """What a movement over this range must keep on a device.
-
-    Raises
-    ------
-    InputError
-        The range is none, or beyond the device's.
-    """
-    low, high = allowed_range(device, range_of_motion)
-    if high - low < 0.05:
-        raise InputError(f"range {low:g} … {high:g} rad is too narrow to move in; widen it")
-    velocity, acceleration, _ = UNKNOWN
-    if device is not None:
-        velocity = device.velocity_limit if device.max_velocity is not None else velocity
-        acceleration = min(device.acceleration_limit, 1e6)
-        if device.max_acceleration is None and device.max_torque is None:
-            acceleration = UNKNOWN[1]
-    inside = (1.0 - EXACT) * (high - low)
-    return Limits(low + inside, high - inside, velocity * EXACT, acceleration * EXACT)
-
-
 def make_design(
     *,
     name: str,
@@ -122,7 +99,7 @@ def make_design(
     evaluations: int,
     seed: int,
     known: FloatArray | None = None,
-    start: FloatArray | None = None,
+    start: Ready | None = None,
     progress: SearchProgress | None = None,
 ) -> Design:
     """Search a protocol, hold it to the device, and judge it.
@@ -145,8 +122,10 @@ def make_design(
         As of `make_aim`.
     effort : bool
         Whether the subject is asked for any.
-    evaluations, seed, known, start, progress
+    evaluations, seed, known, progress
         As of `search`.
+    start : Ready, optional
+        A protocol that the search begins with.
 
     Raises
     ------
@@ -155,17 +134,15 @@ def make_design(
     """
     begin = time.perf_counter()
     limits = limits_of(device, range_of_motion)
-    highest = UNKNOWN[2] if device is None else min(device.frequency_limit, UNKNOWN[2])
-    genes = Genes(name, seconds, limits, highest, effort)
+    genes = Genes(name, seconds, limits, highest_hz(device), effort)
     torque = math.inf if device is None or device.max_torque is None else device.max_torque
-    if start is not None and len(start) != genes.size:
-        start = None
     relaxed = genes.plan(genes.start()).eased(0.0)
     _, limits, given_up = within_torque(relaxed, limits, unseen, device)
     genes = replace(genes, limits=limits)
     result = search(
         genes, legs, make_aim(aim, legs), noise=noise * (SEARCH_RATE / rate_hz) ** 0.5,
-        torque=_RESERVE * torque, evaluations=evaluations, seed=seed, known=known, start=start,
+        torque=_RESERVE * torque, evaluations=evaluations, seed=seed, known=known,
+        start=None if start is None else genes.carried(start.genes, start.counts),
         progress=progress,
     )  # fmt: skip
     plan, limits, notes = within_torque(genes.plan(result.genes), limits, unseen, device)

@@ -178,33 +178,53 @@ def expected(
     """
     with one_blas_thread():
         told = information(trajectory, legs, noise)
-        known = prior_precision(told.names, legs) if known is None else known
-        covariances = [estimated(told.names, m + known) for m in told.matrices]
-        return _summed(trajectory, legs, noise, told, covariances)
+    return expected_of(
+        told, legs, prior_precision(told.names, legs) if known is None else known,
+        protocol=trajectory.settings.profile, seconds=float(trajectory.time[-1]), noise=noise,
+        rate_hz=trajectory.settings.rate_hz,
+    )  # fmt: skip
 
 
-def _summed(
-    trajectory: Trajectory,
-    legs: Legs,
-    noise: float,
+def expected_of(
     told: Information,
-    covariances: list[Covariance | None],
+    legs: Legs,
+    known: FloatArray,
+    *,
+    protocol: str,
+    seconds: float,
+    noise: float,
+    rate_hz: float,
 ) -> Expectation:
+    """What information, of one trial or several, tells of each of the legs, and of all together.
+
+    Parameters
+    ----------
+    told : Information
+        Of the legs.
+    legs : Legs
+        Who may be measured.
+    known : ndarray, shape (p, p)
+        Information that there is besides.
+    protocol, seconds, noise, rate_hz
+        As of `Expectation`.
+    """
+    with one_blas_thread():
+        covariances = [estimated(told.names, m + known) for m in told.matrices]
     own = legs.own
     table = adapted(legs.spec.parameters, legs.options, legs.emg_unit)
     columns = [legs.spec.names.index(name) for name in own]
     relative = np.full((len(legs.values), len(own)), np.inf)
     shares: list[dict[str, dict[str, float]]] = []
-    for k, known in enumerate(covariances):
-        if known is None:
+    for k, estimate in enumerate(covariances):
+        if estimate is None:
             continue
         for j, (name, column) in enumerate(zip(own, columns, strict=True)):
             value = abs(float(legs.values[k, column]))
-            if name in known.names and value > 0.0:
-                i = known.names.index(name)
-                relative[k, j] = np.sqrt(known.matrix[i, i]) / value
+            if name in estimate.names and value > 0.0:
+                i = estimate.names.index(name)
+                relative[k, j] = np.sqrt(estimate.matrix[i, i]) / value
         if legs.beliefs:
-            shares.append(_shares(known, own))
+            shares.append(_shares(estimate, own))
     middle = _middle(relative)
     central = covariances[middle]
     wide = half_width(1.0, 1e9)
@@ -232,12 +252,12 @@ def _summed(
             name, p.unit, p.meaning, value, sem, half, verdict, note, share, FrozenDict(budget)
         )
     return Expectation(
-        protocol=trajectory.settings.profile,
+        protocol=protocol,
         model=legs.spec.name,
         legs=legs.name,
-        seconds=float(trajectory.time[-1]),
+        seconds=seconds,
         noise=noise,
-        rate_hz=trajectory.settings.rate_hz,
+        rate_hz=rate_hz,
         parameters=FrozenDict(parameters),
         nuisances=tuple(n for n in legs.free if n in legs.beliefs),
         relative=read_only(relative),

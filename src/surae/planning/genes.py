@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.errors import InputError
-from surae.planning.plan import Limits, Plan, Shake
+from surae.planning.limits import Limits
+from surae.planning.plan import Plan, Shake
 from surae.protocol import DIRECTIONS, TASKS
 from surae.protocol.effort import GAP, Burst, head_share, task_bursts
 from surae.protocol.ramps import BLEND, Ramp
@@ -118,6 +119,30 @@ class Genes:
             np.zeros(shakes), np.full(shakes, 0.5),
         ]  # fmt: skip
         return np.concatenate(rows)
+
+    def carried(self, genes: FloatArray, counts: tuple[int, int, int]) -> FloatArray:
+        """Genes of another duration or device as a start here: repeated, or cut off.
+
+        Parameters
+        ----------
+        genes : ndarray
+            Of plans with so many ramps, bursts and perturbations; with bursts if these have any.
+        counts : tuple of int
+            Those numbers.
+        """
+        ramps, bursts, shakes = counts
+        blocks = [2, *(3 * [ramps])] + ([1, *(3 * [bursts])] if bursts else []) + 5 * [shakes]
+        old = np.split(np.asarray(genes), np.cumsum(blocks)[:-1])
+        ramps, bursts, shakes = self.counts
+        sizes = [2, *(3 * [ramps])] + ([1, *(3 * [bursts])] if bursts else []) + 5 * [shakes]
+        if len(sizes) != len(old):
+            return self.start()
+        made = [np.resize(block, size) for block, size in zip(old, sizes, strict=True)]
+        times = shakes / len(old[-5])
+        if times > 1.0:  # each repetition of the perturbations has its own part of the trial
+            turn = np.arange(shakes) // len(old[-5])
+            made[-5] = _unsquash(np.minimum((_squash(made[-5]) + turn) / times, 1.0))
+        return np.concatenate(made)
 
     def plan(self, genes: FloatArray) -> Plan:
         """The plan of a vector of `size` numbers."""

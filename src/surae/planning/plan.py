@@ -16,6 +16,7 @@ import numpy as np
 
 from surae.frozen import read_only
 from surae.planning.kernels import plan_motion
+from surae.planning.limits import Limits
 from surae.protocol import Device, Given, Trajectory
 from surae.protocol.effort import Burst, burst_effort
 from surae.protocol.ramps import Ramp
@@ -43,15 +44,6 @@ class Shake(NamedTuple):
     amplitude: float
     first_hz: float
     last_hz: float
-
-
-class Limits(NamedTuple):
-    """What a movement must keep: its range [rad], velocity [rad/s] and acceleration [rad/s²]."""
-
-    low: float
-    high: float
-    velocity: float
-    acceleration: float
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,18 +11,18 @@ from pathlib import Path
 
 import numpy as np
 
-from surae.errors import InputError
 from surae.frozen import Comparable, read_only
-from surae.planning.design import UNKNOWN, limits_of
 from surae.planning.genes import Genes
 from surae.planning.legs import Legs
+from surae.planning.limits import highest_hz, limits_of
 from surae.planning.torque import within_torque
 from surae.protocol import Device, Trajectory
 from surae.units import FloatArray
 
 _FILES = Path(__file__).parent / "ready"
-#: A start that is this much longer or shorter than what is searched is none.
-_LIKE = 1.3
+#: A ready protocol that is this much longer than what is searched is no start: cut off, it is worse
+#: than none. A shorter one is repeated.
+_LIKE = 1.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,6 +53,15 @@ class Ready(Comparable):
     effort: bool
     genes: FloatArray
 
+    @property
+    def counts(self) -> tuple[int, int, int]:
+        """How many ramps, bursts and perturbations the genes are of."""
+        anywhere = limits_of(None, (-1.0, 1.0))
+        genes = Genes(self.name, self.seconds, anywhere, highest_hz(None), self.effort)
+        _, bursts, shakes = genes.counts
+        others = 2 + (3 * bursts + 1 if bursts else 0) + 5 * shakes
+        return (len(self.genes) - others) // 3, bursts, shakes
+
     def trajectory(
         self,
         device: Device | None,
@@ -68,13 +77,9 @@ class Ready(Comparable):
             The device cannot do it.
         """
         limits = limits_of(device, range_of_motion)
-        highest = UNKNOWN[2] if device is None else min(device.frequency_limit, UNKNOWN[2])
-        genes = Genes(self.name, self.seconds, limits, highest, self.effort)
-        if genes.size != len(self.genes):  # a slow device has time for fewer ramps
-            raise InputError(
-                f"{self.name} is too quick for this device; design a protocol for it instead"
-            )
-        plan, limits, _ = within_torque(genes.plan(self.genes), limits, legs, device)
+        genes = Genes(self.name, self.seconds, limits, highest_hz(device), self.effort)
+        carried = genes.carried(self.genes, self.counts)  # a slow device has time for fewer ramps
+        plan, limits, _ = within_torque(genes.plan(carried), limits, legs, device)
         return plan.trajectory(limits, rate_hz, device=device)
 
 
@@ -94,6 +99,6 @@ def start_for(seconds: float, model: str, aim: str, effort: bool) -> Ready | Non
     """The ready protocol from which a search begins best; None where none is like it."""
     alike = [
         r for r in ready_protocols().values()
-        if r.effort == effort and max(seconds / r.seconds, r.seconds / seconds) <= _LIKE
+        if r.effort == effort and r.seconds <= _LIKE * seconds
     ]  # fmt: skip
-    return max(alike, key=lambda r: (r.aim == aim, r.model == model), default=None)
+    return max(alike, key=lambda r: (r.model == model, r.aim == aim, r.seconds), default=None)

@@ -27,7 +27,7 @@ SEARCH_RATE = 32.0
 _POPULATION, _SIGMA, _NEAR = 20, 0.7, 0.25
 #: Relative standard deviation with which a leg's parameters are known before any trial: so vague
 #: that it matters only where a plan says nothing of one, and keeps such plans comparable.
-_VAGUE = 1.0
+VAGUE = 1.0
 #: What the square of the part by which a torque exceeds its limit costs; a plan without numbers.
 _BEYOND, _NOTHING = 20.0, 1e3
 
@@ -72,7 +72,7 @@ class _Judge:
             if name in legs.beliefs:
                 scale[:, j] = legs.beliefs[name].sd
         self._scale = np.where(scale > 0.0, scale, 1.0)
-        given = np.eye(len(columns)) * _VAGUE**-2.0
+        given = np.eye(len(columns)) * VAGUE**-2.0
         whole = np.repeat(given[None], len(scale), axis=0)
         if known is not None:
             whole = whole + known * self._scale[:, :, None] * self._scale[:, None, :]

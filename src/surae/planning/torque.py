@@ -12,13 +12,12 @@ import numpy as np
 from surae.errors import InputError
 from surae.planning.information import model_inputs
 from surae.planning.legs import Legs
-from surae.planning.plan import Limits, Plan
+from surae.planning.limits import EXACT, Limits
+from surae.planning.plan import Plan
 from surae.protocol import Device
 from surae.protocol.effort import GAP
 from surae.units import FloatArray
 
-#: Rounding must not make a limit exceeded.
-EXACT = 1.0 - 1e-9
 #: Part of the range that is given up without asking, and the steps in which it is looked for.
 _GIVEN_UP, _STEP = 0.12, 0.01
 #: Rate at which torques are looked at [Hz], how long a burst is felt after its end [s], and how
