@@ -219,7 +219,8 @@ def test_a_session_is_a_folder_of_protocols(run, tmp_path) -> None:
     assert (done.code, done.err) == (0, "")
     names = sorted(path.name for path in (tmp_path / "plan").iterdir())
     assert names[-1] == "plan.json"
-    assert names[0] == "01-everything-35-target.csv"
+    assert names[0].startswith("01-")
+    assert any(name.endswith("everything-35-target.csv") for name in names)
     assert "Not worth their minutes" in done.out
     refused(run(*given, "--output", "plan"), "name a new or an empty folder")
     refused(run(*given, "--duration", "35", "--output", "other"), "--duration is of a single trial")

@@ -72,12 +72,15 @@ def command(
 
     The same options find the same protocol. Ctrl-C keeps the best so far.
     """
+    folder = Path(output)
     if minutes is None:
         file_kind("--output", output, ".csv", ".mat")
         if pause is not None:
             raise InputError("--pause is between the trials of a session; give --session MIN too")
+    elif folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
+        raise InputError(f"--output {shown(output)}: name a new or an empty folder")
     check_outputs(
-        {"--output": output, "--target": target, "--figure": figure},
+        {"--output": output if minutes is None else None, "--target": target, "--figure": figure},
         [path for path in (fitted, after) if path is not None],
     )
     if fitted is not None and after is not None:
@@ -152,8 +155,6 @@ def _plan(
     with compilation_notice():
         plan = design_session(minutes, pause=pause, **asked)
     folder = Path(output)
-    if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
-        raise InputError(f"--output {shown(output)}: name a new or an empty folder")
     folder.mkdir(parents=True, exist_ok=True)
     for k, trial in enumerate(plan.trials, 1):
         path = folder / f"{k:02d}-{trial.name}.csv"
