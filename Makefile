@@ -4,7 +4,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: demo test test-all check bench docs dist lock browser clean
+.PHONY: demo test test-all check bench docs dist wheel lock browser clean
 
 demo: $(READY)          ## fit the embedded virtual subject, write demo/report.html
 	@$(BIN)/surae demo --output demo
@@ -31,6 +31,9 @@ docs: $(READY)          ## the documentation site, its examples executed, in doc
 dist: $(READY)          ## wheel and source archive, in dist
 	@rm -rf dist
 	$(BIN)/python -m build --no-isolation
+
+wheel: $(READY)         ## the wheel on the oldest and the newest Python and dependencies
+	@.ci/wheel
 
 lock: $(READY)          ## renew requirements.lock from pyproject.toml
 	$(BIN)/python -m pip install --quiet uv

@@ -381,6 +381,7 @@ def gone(pids: list[int], seconds: float) -> bool:
     return False
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not SURAE.exists(), reason="no surae command beside this Python")
 def test_a_study_that_is_killed_leaves_no_process_and_lets_go_of_its_pipe(tmp_path) -> None:
     psutil = pytest.importorskip("psutil")

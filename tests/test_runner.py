@@ -67,6 +67,7 @@ def test_threads_call_functions_without_a_name() -> None:
     assert done == {f"call {n}": n + 0.5 for n in range(40)}
 
 
+@pytest.mark.slow
 def test_a_call_that_kills_its_workers_dies_alone(expected) -> None:
     done = all_of({**POISON, **CALLS}, Engine("processes", 2))
     assert done.pop("poison") == Died("its worker died 3 times: out of memory, or killed")

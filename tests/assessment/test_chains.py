@@ -44,6 +44,7 @@ def test_a_gaussian_has_its_moments(sampler):
     assert np.mean(np.abs(flat[:, 0] - 1.0) < 1.96) == pytest.approx(0.95, abs=0.01)
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_draws_on_any_number_of_cores(sampler):
     first = draw(cores=1)
     assert np.array_equal(draw(cores=2).draws, first.draws)

@@ -39,6 +39,7 @@ def fitted_noisy(clean, fixed):
     return fit_problem(make_problem([noisy_emg(clean, drawn(clean, 0))], fixed=fixed), starts=1)
 
 
+@pytest.mark.slow
 def test_the_bias_has_the_right_sign_and_size(clean, subject, fixed, fitted_noisy):
     # What 20 % of EMG noise does on average; opposite signs cancel what it does to first order.
     truth = np.array([subject.parameters[name] for name in ACTIVE])

@@ -297,7 +297,9 @@ def survives(text, tmp_path):
     return True
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in range(1, 6))]
+)
 def test_mutated_files(seed, text, tmp_path):
     rng = np.random.default_rng(seed)
     data = json.loads(text)

@@ -32,7 +32,7 @@ def quantiles(grid, log_density):
     return np.interp([0.025, 0.5, 0.975], total, grid)
 
 
-@pytest.mark.parametrize("prior", [None, (2.4, 0.002)])
+@pytest.mark.parametrize("prior", [pytest.param(None, marks=pytest.mark.slow), (2.4, 0.002)])
 def test_one_parameter_has_the_posterior_of_a_quadrature(one, prior):
     known = {} if prior is None else {"f0": prior}
     found = sample(one, draws=1000, tune=200, priors=known)
@@ -59,6 +59,7 @@ def test_inflated_noise_widens_posterior_and_covariance_alike(one):
     assert wide.covariance.matrix == pytest.approx(9.0 * plain.covariance.matrix)
 
 
+@pytest.mark.slow
 def test_a_whole_fit_in_a_few_draws_is_the_same_on_any_number_of_cores(fitted, tmp_path):
     first = sample(fitted, cores=1, **FEW)
     again = sample(fitted, cores=2, **FEW)

@@ -305,6 +305,7 @@ def test_near_the_minimum_it_agrees_with_the_covariance(fitted):
     np.testing.assert_allclose(found.chi2[near], parabola[near], atol=0.3)
 
 
+@pytest.mark.slow
 def test_it_equals_independent_refits_with_many_starts(fitted, tibialis):
     problem = fitted.problem
     for i in (0, 3, len(tibialis.values) - 3, len(tibialis.values) - 1):

@@ -25,6 +25,7 @@ def same(one, other):
         np.testing.assert_array_equal(getattr(one, field), getattr(other, field))
 
 
+@pytest.mark.slow
 def test_the_numbers_do_not_depend_on_the_workers(fitted):
     told = []
     found = [profiles(fitted, NAMES, workers=k) for k in (1, 3)]

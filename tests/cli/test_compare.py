@@ -11,6 +11,7 @@ from .test_startup import COMPUTING, imported
 FAST = ("--prepared", "--starts", "1", "--tendon-strain", "slack-length")
 
 
+@pytest.mark.slow
 def test_the_figures_are_those_of_the_api(run, files) -> None:
     done = run("compare", "trial.csv", *FAST, "--models", "muscle, muscle-tendon", "--output", "c")
     assert (done.code, done.err) == (0, "")

@@ -56,6 +56,7 @@ def test_options_of_the_fit_go_along(run, files, three) -> None:
     assert content["model"] == "muscle-2010"
 
 
+@pytest.mark.slow
 def test_the_report_shows_the_predictions(run, files, three) -> None:
     done = run("validate", "fit.json", *three[:2], "--report", "v.html", "--exclude", "2:3")
     assert done.code == 0, done

@@ -10,6 +10,7 @@ from .conftest import refused
 FEW = ("--draws", 60, "--tune", 80, "--chains", 2)
 
 
+@pytest.mark.slow
 def test_the_posterior_beside_covariance_and_profile(run, files, sampler) -> None:
     assert run("profile", "fit.json", "m", "f0", "--output", "profile.json").code == 0
     done = run("posterior", "fit.json", *FEW, "--seed", 3, "--profile", "profile.json",

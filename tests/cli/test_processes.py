@@ -182,6 +182,7 @@ def test_a_terminal_shows_what_is_being_done(files, arguments, shows) -> None:
             os.close(screen)
 
 
+@pytest.mark.slow
 def test_the_contract(shared) -> None:
     if not CONTRACT.exists():
         pytest.skip("no contract check: the folder ../shared/checks is not beside the repository")

@@ -68,6 +68,7 @@ def test_the_doctor_says_what_is_missing(run: Run, monkeypatch: pytest.MonkeyPat
     assert 'pip install "surae[web]"' in run("doctor").out
 
 
+@pytest.mark.slow
 def test_the_doctor_fails_where_parameters_are_not_found_back(
     run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:

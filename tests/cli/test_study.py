@@ -164,6 +164,7 @@ def test_an_unfinished_study_is_exported_as_far_as_it_is(run, study) -> None:
     assert done.err == "surae: 2 of 72 rows are left out: they are not done yet, or damaged\n"
 
 
+@pytest.mark.slow
 def test_a_figure_is_drawn_beside_the_table(run, study) -> None:
     run("study", "run", "study.toml", "--store", "s.db", "--engine", "threads")
     done = run("study", "export", "s.db", "--output", "t.csv", "--figure", "f.png")
@@ -227,6 +228,7 @@ def until_some(folder: Path, process: "subprocess.Popen[str]", least: int) -> in
     return len(seen)
 
 
+@pytest.mark.slow
 def test_status_tells_of_a_run_at_work_and_a_second_run_is_refused(study, undisturbed) -> None:
     (study / "study.toml").write_text(STUDY.replace("subjects = 12", "subjects = 2000"))
     with start(study, "--workers", "2") as process:
@@ -290,6 +292,7 @@ def killed_at_random(folder: Path, moments: int, seed: int) -> list[int]:
     return counts
 
 
+@pytest.mark.slow
 def test_runs_killed_at_any_moment_lose_nothing(study, undisturbed) -> None:
     for seed in range(1, 9):  # on a busy computer a run may be through before it is killed
         (study / "s.db").unlink(missing_ok=True)

@@ -20,7 +20,7 @@ from .pages import PAGES, ROOT, Snippet, is_command, snippets
 #: Blocks without a language whose lines are no commands.
 SHOWN = {"docs/start.md": "time_s,angle_rad", "CONTRIBUTING.md": "src/surae/"}
 #: Words that stand for something of the reader's.
-PLACEHOLDERS = {"FILE": "lab.csv", "START:END": "1:2"}
+PLACEHOLDERS = {"FILE": "lab.csv", "FOLDER": "leg", "START:END": "1:2"}
 #: Commands whose options are read but which are not run here, and why.
 READ_ONLY = {
     "surae live": "runs in real time until it is stopped; tests/live runs it",
@@ -33,7 +33,7 @@ READ_ONLY = {
 }
 #: What makes a command quick without changing what it does.
 QUICKER = {
-    "surae fit": ["--starts", "1"],
+    "surae fit": ["--model", "muscle", "--starts", "1"],
     "surae bootstrap": ["--replicates", "10", "--workers", "1"],
     "surae emg-bias": ["--pairs", "2", "--workers", "1"],
     "surae compare": ["--starts", "1"],
@@ -87,7 +87,8 @@ def _run_surae(words: list[str], surae) -> None:
             return
     for called, more in QUICKER.items():
         if " ".join(words).startswith(called):
-            words = [*words, *more]
+            options = zip(more[::2], more[1::2], strict=True)
+            words = [*words, *(part for pair in options if pair[0] not in words for part in pair)]
     surae(words)
     if words[1] == "inspect" and "--output" in words:
         # Here the reader corrects the mapping; the laboratory's file states no units.

@@ -175,6 +175,7 @@ def test_the_noise_of_raw_emg_is_as_strong_as_the_emg():
     assert level[strong, 2].mean() > 5.0 * level[weak, 2].mean()
 
 
+@pytest.mark.slow
 def test_noise_of_the_emg_biases_a_fit_and_that_is_taken_away():
     """Raw EMG asks for a slower filter; legs apart from those that the correction was made on."""
     trial = richer_leg(11, raw=True)

@@ -102,6 +102,7 @@ def test_a_kept_protocol_is_the_command_lines_file(browser, tmp_path) -> None:
     assert browser.delete(f"/api/protocols/{made['id']}").status_code == 204
 
 
+@pytest.mark.slow
 def test_a_study_runs_and_is_opened(browser) -> None:
     toml = (
         'name = "small"\nprotocol = ["sine", "multi-sine"]\nrate_hz = 20\nstarts = 1\n'

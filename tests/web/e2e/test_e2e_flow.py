@@ -151,6 +151,7 @@ def test_a_stopped_fit_keeps_the_best_and_a_reload_goes_on(desk: Desk, csv: Path
     page.locator("#parameter-table tbody tr").first.wait_for()
 
 
+@pytest.mark.slow
 def test_two_browsers_see_each_other_and_keep_their_own_work(
     browser: Any, server: Server, desk: Desk, csv: Path
 ) -> None:
