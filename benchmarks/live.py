@@ -4,9 +4,12 @@ for decision 20.
     python benchmarks/live.py kills 30
     python benchmarks/live.py losses 30
     python benchmarks/live.py soak 60
+    python benchmarks/live.py trials 50
 
 Every sample says when it was taken, so that what is missing can be counted. `soak` records and
-makes frames for so many minutes, with a new file each minute; it prints a line for each.
+makes frames for so many minutes, with a new file each minute; it prints a line for each. `trials`
+makes trials of 10 s of the rehearsal, with eight more channels beside it, and says how long each
+verdict took: in seconds, and in plain fits of the same trial, since other work makes both late.
 """
 
 import json
@@ -26,8 +29,10 @@ import numpy as np
 import psutil
 import pyxdf
 
+import surae
 from surae.live.lsl import SESSION, lsl, outlet
 from surae.live.recorder import Recorder
+from surae.live.room import Room
 from surae.live.showing import Showing
 from surae.live.xdf import mended
 
@@ -196,6 +201,30 @@ def soak(minutes: int) -> Iterator[dict[str, float]]:
         recorder.close()
 
 
+def trials(count: int) -> Iterator[dict[str, object]]:
+    """For each trial: seconds from its end to its verdict, and seconds of a plain fit after it."""
+    with tempfile.TemporaryDirectory() as folder, process("send", "beside"):
+        room = Room(folder, leg=1, joint=False)
+        try:
+            room.load(profile="multiple-holds", task="active", chirp_amplitude=0.1, duration=10.0)
+            for _ in range(count):
+                room.trials.warm.result(10 * LIMIT)
+                number = room.start()
+                while number not in room.trials.verdicts:
+                    time.sleep(0.05)
+                said = room.trials.verdicts[number].result(LIMIT)
+                begun = time.monotonic()
+                surae.fit(said["recording"], "muscle", starts=3, quality=[])
+                yield {
+                    "trial": number, "verdict": said["verdict"],
+                    "seconds_to_verdict": said["seconds_to_verdict"],
+                    "seconds_of_a_fit": round(time.monotonic() - begun, 3),
+                    "load": round(os.getloadavg()[0], 1),
+                }  # fmt: skip
+        finally:
+            room.close()
+
+
 if __name__ == "__main__":
     what, *rest = sys.argv[1:]
     os.environ.setdefault(SESSION, f"benchmark-{os.getpid()}")
@@ -207,9 +236,9 @@ if __name__ == "__main__":
         numbers = numbers_in(Path(*rest))
         gone = int(numbers[-1] - numbers[0]) + 1 - len(numbers)
         print(json.dumps([int(numbers[0]), int(numbers[-1]), gone]))
-    elif what == "soak":
-        for told in soak(int(rest[0])):
-            print(json.dumps(told), flush=True)
+    elif what in ("soak", "trials"):
+        for each in {"soak": soak, "trials": trials}[what](int(rest[0])):
+            print(json.dumps(each), flush=True)
     elif what == "kills":
         seconds = kills(int(rest[0]))
         print(json.dumps({"median_s": float(np.median(seconds)), "worst_s": max(seconds)}))

@@ -3,13 +3,16 @@
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from surae import api
+from surae.assessment.assess import assess
 from surae.errors import SuraeError
+from surae.estimation import FitSettings, make_problem, solve
 from surae.files import write_atomic
 from surae.frozen import read_only
 from surae.quality import Quality, commanded_file
@@ -20,8 +23,7 @@ if TYPE_CHECKING:
     from surae.measures import Measure
 
 #: The model of the first answer: it takes a second. What is identified, the second answer says.
-QUICK = "muscle"
-_STARTS = 3
+_QUICK = FitSettings.of("muscle", starts=3)
 #: What is said of movement and of a fit, which a trial that holds still has no part in.
 _OF_MOVEMENT = (
     "angle-still", "rom-not-covered", "trial-too-short", "position-steps", "overshoot",
@@ -110,14 +112,16 @@ def judge(
     }  # fmt: skip
     if trial.use == "fit":
         try:
-            fit = api.fit(recording, QUICK, quality=[quality], starts=_STARTS)
+            # What intervals would have to be widened by, which takes as long again, nobody asks.
+            problem = make_problem(_QUICK.inputs([recording]), _QUICK)
+            quick = assess(solve(problem), alternatives=False)
         except SuraeError as error:
             said |= {"use": "none", "why": str(error).replace(file, recording.name)}
         else:
             said |= {
-                "grade": fit.adequacy.grade,
-                "vaf": fit.vaf,
-                "reasons": list(fit.adequacy.reasons),
+                "grade": quick.adequacy.grade,
+                "vaf": quick.vaf,
+                "reasons": list(quick.adequacy.reasons),
             }
     return said | verdict(quality, said)
 
@@ -151,9 +155,16 @@ def _session(
     recordings: Sequence[Recording | str], efforts: Mapping[str, str] | None
 ) -> api.Session:
     """The session of some recordings; of others, efforts are not told."""
-    names = {Path(each).stem if isinstance(each, str) else each.name for each in recordings}
+    read_in = [_read(each) if isinstance(each, str) else each for each in recordings]
+    names = {recording.name for recording in read_in}
     told = {name: effort for name, effort in (efforts or {}).items() if name in names}
-    return api.session(list(recordings), efforts=told)
+    return api.session(read_in, efforts=told)
+
+
+@lru_cache(maxsize=16)
+def _read(file: str) -> Recording:
+    """A trial of before, which nobody changes; its file is read once."""
+    return read(file)
 
 
 def together(

@@ -106,6 +106,14 @@ class Recorder:
                 self._described(stream)
         return origin
 
+    def arrived(self, at: float) -> bool:
+        """Whether all that was sampled until a moment of ours [s] is here, of streams that send."""
+        return all(
+            stream.last_s is None or stream.last_s >= at
+            for stream in list(self.streams.values())
+            if stream.rate_hz > 0 and stream.state == "good"
+        )
+
     def whole(self, path: Path) -> bool:
         """Whether nothing waits for room that belongs to a file."""
         with self._lock:

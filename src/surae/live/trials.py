@@ -24,8 +24,10 @@ from surae.processes import Child
 from surae.recording import ROLES
 from surae.units import FACTORS, kind, plain
 
-#: After the end of a trial, the samples of its last moments are waited for so long [s].
+#: After the end of a trial, the samples of its last moments are waited for so long at most [s].
 _LATE = 0.25
+#: A trial is held against so many others at most: it must not be judged later and later.
+_EARLIER = 8
 #: Samples of a trial that ended on a full disk are waited for so long [s].
 _ROOM = 65.0
 
@@ -140,9 +142,10 @@ class Trials:
             number, self.running = self.running, None
             if number is None:
                 raise InputError("no trial is running; start one first")
-        ended = time.monotonic()
+        ended, now = time.monotonic(), self.recorder.clock()
         self.recorder.note("stop", trial=number)
-        time.sleep(_LATE)
+        while not self.recorder.arrived(now) and time.monotonic() < ended + _LATE:
+            time.sleep(0.005)
         origin = self.recorder.turn(self._between())
         self.trials[number]["state"] = "being judged"
         self._tell("trial", self.trials[number])
@@ -234,14 +237,16 @@ class Trials:
             time.sleep(0.05)
 
     def _others(self, number: int) -> list[str]:
-        """Recordings of all other trials that were not spoilt."""
-        return [
-            str(self.path(other, ".h5"))
+        """Recordings of other trials that were not spoilt: maxima, and the newest."""
+        good = [
+            other
             for other, trial in sorted(self.trials.items())
             if other != number
             and trial.get("verdict") in ("keep", "look")
             and self.path(other, ".h5").exists()
         ]
+        good.sort(key=lambda other: self.trials[other].get("effort") == "maximal")
+        return [str(self.path(other, ".h5")) for other in good[-_EARLIER:]]
 
     def _efforts(self, numbers: Iterable[int]) -> dict[str, str]:
         """The efforts that were asked for, by the name of the recording."""
