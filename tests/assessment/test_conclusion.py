@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import pytest
 
-from surae.assessment import TendonEvidence
+from surae.assessment import Adequacy, Grade, TendonEvidence
 from surae.assessment.comparison.conclusion import cautions, conclude
 from surae.assessment.comparison.finding import ModelScore
 from surae.assessment.comparison.held_out import HeldOut
@@ -26,6 +26,7 @@ def score(model: str, aicc: float | None, gain: float = 0.0, error: float = 0.1)
         held_out=HeldOut(99.0, 0.5, (99.0, 98.5), gain, error),
         held_out_note="",
         values={},
+        adequacy=Adequacy(Grade.ADEQUATE, (), 99.0),
     )
 
 
@@ -106,3 +107,28 @@ def test_what_weakens_a_conclusion_is_said() -> None:
     assert "only 71.2 %" in moderate
     (failed,) = cautions([RIGID, score("muscle-tendon", None)])
     assert "muscle-tendon: the fit failed" in failed
+
+
+BAD = Adequacy(Grade.INADEQUATE, ("the ankle hardly moves",), 99.0)
+
+
+@pytest.mark.parametrize(
+    ("aicc", "gain", "rigid", "compliant", "finding"),
+    [
+        (989.0, 0.2, {}, {"adequacy": BAD}, TendonEvidence.OPEN),
+        (989.0, 0.2, {"adequacy": BAD}, {}, TendonEvidence.COMPLIANT),
+        (1011.0, -0.5, {"adequacy": BAD}, {}, TendonEvidence.OPEN),
+        (1011.0, -0.5, {}, {"adequacy": BAD}, TendonEvidence.RIGID),
+        (989.0, 0.2, {"at_bound": ("m",)}, {"at_bound": ("k_tri",)}, TendonEvidence.OPEN),
+        (989.0, 0.2, {"at_bound": ("m",)}, {}, TendonEvidence.COMPLIANT),
+        (1011.0, -0.5, {"at_bound": ("m",)}, {"at_bound": ("k_tri",)}, TendonEvidence.OPEN),
+    ],
+)
+def test_models_that_mean_nothing_support_nothing(aicc, gain, rigid, compliant, finding) -> None:
+    models = [replace(RIGID, **rigid), replace(score("muscle-tendon", aicc, gain), **compliant)]
+    found, text = conclude(models)
+    assert found is finding
+    assert text.startswith("The data cannot tell: ") is (finding is TendonEvidence.OPEN)
+    assert ("hardly moves" in text or "held back by bounds" in text) is (
+        finding is TendonEvidence.OPEN
+    )

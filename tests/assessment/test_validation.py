@@ -11,7 +11,7 @@ from surae.assessment.validation.prediction import pooled, predict_others
 from surae.errors import InputError
 from surae.estimation import FitSettings
 from surae.protocol import Protocol, generate
-from surae.studies import virtual_trial
+from surae.studies import virtual_subject, virtual_trial
 
 
 @pytest.fixture(scope="module")
@@ -32,6 +32,32 @@ def test_parameters_predict_a_repetition_and_another_protocol(fitted, others) ->
         assert one.bias == pytest.approx(residual.mean())
         np.testing.assert_array_equal(one.time, inputs.time)
         np.testing.assert_array_equal(one.measured, inputs.torque)
+
+
+def test_a_prediction_is_judged_by_what_the_fit_promises(fitted, others) -> None:
+    again, ramp = predict_others(fitted, others)
+    assert again.adequacy.grade == ramp.adequacy.grade == "adequate"
+    assert again.adequacy.reasons == ()
+    shifted = replace(others[0], torque=others[0].torque + 6.0)
+    (moved,) = predict_others(fitted, [shifted])
+    assert moved.adequacy.grade == "doubtful"
+    assert moved.adequacy.r2 == pytest.approx(again.adequacy.r2)
+    (reason,) = moved.adequacy.reasons
+    assert reason.startswith("its mean is off by +6 Nm")
+
+
+@pytest.mark.parametrize("seed", [4, 5, 6])
+def test_another_leg_is_not_predicted(fitted, trajectory, seed) -> None:
+    (other,) = predict_others(fitted, [virtual_trial(virtual_subject(seed), trajectory)])
+    assert other.adequacy.grade != "adequate"
+    assert any("where the fit promises" in reason for reason in other.adequacy.reasons)
+
+
+def test_what_holds_still_is_no_test(fitted, others) -> None:
+    held = replace(others[0], angle=np.full(others[0].n, 0.1))
+    (still,) = predict_others(fitted, [held])
+    assert still.adequacy.grade != "adequate"
+    assert "the ankle holds still there" in still.adequacy.reasons[0]
 
 
 def test_pooled_figures_are_those_of_one_long_recording(fitted, others) -> None:

@@ -35,7 +35,11 @@ def test_the_figures_are_those_of_the_api(run, files, second) -> None:
         "vaf": predicted.vaf,
         "rmse_Nm": predicted.rmse,
         "bias_Nm": predicted.bias,
+        "r2": predicted.adequacy.r2,
+        "grade": str(predicted.adequacy.grade),
+        "reasons": list(predicted.adequacy.reasons),
     }
+    assert f"second half.csv: {predicted.adequacy.grade}: " in done.out
     assert 90 < recording["vaf"] < 100
     assert f"{recording['vaf']:.2f}" in done.out
 

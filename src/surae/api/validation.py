@@ -37,7 +37,8 @@ def validate(
     Returns
     -------
     tuple of Prediction
-        One for each recording: VAF, RMSE, bias and the predicted torque.
+        One for each recording: VAF, RMSE, bias, the predicted torque, and in `adequacy` whether
+        it is as good as the fit promises, with reasons.
     """
     inputs: Sequence[ModelInputs]
     inputs = as_in_fit(fitted.result.problem, recordings, prepared)

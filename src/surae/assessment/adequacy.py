@@ -23,6 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.assessment.residual.quality import centred_r2
+from surae.assessment.uncertainty.covariance import covariance
 from surae.estimation import FitResult
 from surae.model.laboratory import group_of
 from surae.recording import MUSCLES
@@ -44,6 +45,8 @@ _MOST_BOUND = 0.5
 _ODD = 2.9
 #: A recording that is followed so much worse than all together [% of R²] contradicts the others.
 _CONTRADICTS = 5.0
+#: Errors of a prediction, in those that the fit promises, from which on it does not keep its word.
+_BEYOND = 2.0
 #: Below this cut-off [Hz] EMG is taken for what the muscle makes of it.
 _ACTIVATION_HZ = 2.0
 
@@ -202,6 +205,75 @@ def _agreement(
         if own < r2 - _CONTRADICTS:
             reasons.append((own < _NOT_FOLLOWED, f"{one.name} is not followed (R² {own:.1f} %)"))
     return reasons
+
+
+def judge_prediction(result: FitResult, recording: ModelInputs, torque: FloatArray) -> Adequacy:
+    """Judge how a fit predicts a recording that it has not seen, against what it promises.
+
+    A fit promises errors like its own, in proportion where the torque changes more, and what its
+    covariance makes of the predicted torque. The mean is judged apart from the changes: a sensor's
+    zero is another in each recording.
+
+    Parameters
+    ----------
+    result : FitResult
+        Whose parameters predict.
+    recording : ModelInputs
+        With its measured torque.
+    torque : ndarray, shape (n,)
+        Predicted for it [Nm].
+
+    Returns
+    -------
+    Adequacy
+        Of the prediction; `r2` is of the torque's changes.
+    """
+    predicted = np.zeros(recording.n) if recording.torque is None else recording.torque - torque
+    measured, e = _counted(recording, predicted)
+    bias = float(e.mean())
+    changes = e - bias
+    r2 = centred_r2([(measured, changes)])
+    if not np.isfinite(r2):
+        return Adequacy(Grade.INADEQUATE, ("the torque does not change",), r2)
+    reasons = []
+    if np.ptp(np.percentile(recording.angle[_mask(recording)], [1.0, 99.0])) < _STILL:
+        reasons.append((False, "the ankle holds still there: following it says little"))
+    else:
+        reasons += _goodness(r2)
+    promised = _promised(result, recording)
+    error = float(np.sqrt(np.mean(changes**2)))
+    if not error <= _BEYOND * promised:
+        reasons.append(
+            (False, f"it errs by {error:.2g} Nm where the fit promises {promised:.2g} Nm")
+        )
+    if not abs(bias) <= _BEYOND * promised:
+        reasons.append(
+            (
+                False,
+                f"its mean is off by {bias:+.2g} Nm: another zero of the sensor, or another leg",
+            )
+        )
+    grades = [Grade.INADEQUATE if grave else Grade.DOUBTFUL for grave, _ in reasons]
+    worst = Grade.INADEQUATE if Grade.INADEQUATE in grades else Grade.DOUBTFUL
+    return Adequacy(worst if grades else Grade.ADEQUATE, tuple(text for _, text in reasons), r2)
+
+
+def _promised(result: FitResult, recording: ModelInputs) -> float:
+    """Standard deviation [Nm] of the error that a fit promises of another recording's changes."""
+    problem = result.problem
+    pairs = [_counted(one, e) for one, e in zip(problem.inputs, result.residuals, strict=True)]
+    own = np.concatenate([e - e.mean() for _, e in pairs])
+    seen = np.concatenate([torque - torque.mean() for torque, _ in pairs])
+    measured, _ = _counted(recording, np.zeros(recording.n))
+    grown = max(1.0, float(np.std(measured)) / max(float(np.std(seen)), 1e-12))
+    known = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
+    columns = [problem.spec.names.index(name) for name in known.names]
+    values = problem.spec.vector(result.values, problem.options)
+    _, rows = problem.spec.simulator(recording, problem.options).torque_jacobian(values, columns)
+    rows = rows[:, _mask(recording)]
+    rows = rows - rows.mean(axis=1, keepdims=True)
+    unsure = float(np.einsum("in,ij,jn->n", rows, known.matrix, rows, optimize=True).mean())
+    return float(np.sqrt((grown * np.std(own)) ** 2 + max(unsure, 0.0)))
 
 
 def structure(inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray]) -> float:

@@ -138,6 +138,10 @@ def show_predictions(
     if together is not None:
         table.add_row("all together", *_figures(together))
     _print(_console(), table)
+    for path, prediction in zip(paths, predictions, strict=True):
+        if (judged := prediction.adequacy) is not None:
+            why = "; ".join(judged.reasons) or "it errs no more than the fit promises"
+            show_line(f"{shown(path)}: {judged.grade}: {why}")
 
 
 def _figures(prediction: "Prediction | Pooled") -> tuple[str, str, str]:

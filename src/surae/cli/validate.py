@@ -146,9 +146,16 @@ def _leave_one_out(
 
 def _table(paths: Sequence[str], predictions: Sequence["Prediction"]) -> list[dict[str, Any]]:
     return [
-        {"path": path, **_figures(prediction)}
+        {"path": path, **_figures(prediction), **_judged(prediction)}
         for path, prediction in zip(paths, predictions, strict=True)
     ]
+
+
+def _judged(prediction: "Prediction") -> dict[str, Any]:
+    judged = prediction.adequacy
+    if judged is None:
+        return {}
+    return {"r2": judged.r2, "grade": str(judged.grade), "reasons": list(judged.reasons)}
 
 
 def _figures(prediction: "Prediction | Pooled") -> dict[str, Any]:

@@ -254,6 +254,7 @@ def _scores(
                 held_out=held,
                 held_out_note=note if len(work.missed) == len(parts) else "stopped by the user",
                 values=dict(result.values),
+                adequacy=worth.adequacy,
             )
         )
     return tuple(scores)

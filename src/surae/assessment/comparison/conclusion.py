@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from surae.assessment.adequacy import Grade
 from surae.assessment.comparison.finding import ModelScore, TendonEvidence, best_of
 
 #: Difference of AICc that decides, and up to which models are as good as each other
@@ -21,7 +22,8 @@ RULE = (
     f"suffices when no muscle-tendon model's AICc is more than {EQUAL:g} below the rigid model's, "
     "the best of them does not predict held-out data better by more than the standard error, and "
     f"one of them is worse by more than {DECISIVE:g}, so that the data do see the tendon. "
-    "Otherwise the data cannot tell."
+    "Otherwise the data cannot tell; nor can they where the model they would speak for is "
+    "inadequate, or where both are held back by bounds."
 )
 
 
@@ -50,19 +52,32 @@ def conclude(scores: Sequence[ModelScore]) -> tuple[TendonEvidence | None, str]:
         f"the best muscle-tendon model, {best.model}, has an AICc {_difference(lower)} than the "
         f"rigid model's and predicts held-out data {_gain(gain, error)}"
     )
+    withheld = _withheld(rigid, best, best if lower > DECISIVE and better else rigid)
+    if withheld:
+        return TendonEvidence.OPEN, f"The data cannot tell: {figures}, but {withheld}."
     if lower > DECISIVE and better:
         return TendonEvidence.COMPLIANT, f"Compliance is supported: {figures}."
     if lower <= EQUAL and not better and seen:
         return TendonEvidence.RIGID, f"A rigid tendon suffices: {figures}."
+    why = "that is not enough, or contradictory"
     if lower <= EQUAL and not better:
-        return TendonEvidence.OPEN, (
-            f"The data cannot tell: {figures}; rigid and compliant tendons give nearly the same "
-            "torque here. Larger forces or a model with a fixed tendon (muscle-tendon) may tell."
+        why = (
+            "rigid and compliant tendons give nearly the same torque here. Larger forces or a "
+            "model with a fixed tendon (muscle-tendon) may tell"
         )
-    return (
-        TendonEvidence.OPEN,
-        f"The data cannot tell: {figures}; that is not enough, or contradictory.",
-    )
+    return TendonEvidence.OPEN, f"The data cannot tell: {figures}; {why}."
+
+
+def _withheld(rigid: ModelScore, best: ModelScore, favoured: ModelScore) -> str:
+    """Why figures of these two mean nothing; empty where they do."""
+    if favoured.adequacy.grade is Grade.INADEQUATE:
+        return f"{favoured.model} is inadequate: {favoured.adequacy.reasons[0]}"
+    if rigid.at_bound and best.at_bound:
+        return (
+            f"both are held back by bounds, {rigid.model} by {', '.join(rigid.at_bound)}, "
+            f"{best.model} by {', '.join(best.at_bound)}"
+        )
+    return ""
 
 
 def _without_figures(scores: Sequence[ModelScore]) -> tuple[TendonEvidence | None, str]:

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 
+from surae.assessment.adequacy import Adequacy
 from surae.assessment.comparison.held_out import HeldOut
 from surae.estimation import FitSettings
 from surae.files import PathLike, write_json
@@ -47,6 +48,8 @@ class ModelScore(Comparable):
         Why there is none; else empty.
     values : mapping of str to float
         All its parameters, fitted to all data.
+    adequacy : Adequacy
+        Whether that fit is good enough for a comparison to mean something.
     """
 
     model: str
@@ -65,6 +68,7 @@ class ModelScore(Comparable):
     held_out: HeldOut | None
     held_out_note: str
     values: Mapping[str, float]
+    adequacy: Adequacy
 
 
 def best_of(scores: Sequence[ModelScore], *, rigid: bool) -> ModelScore | None:

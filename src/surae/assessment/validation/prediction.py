@@ -1,10 +1,11 @@
 """Parameters of some recordings tried on others (thesis 2.7)."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from surae.assessment.adequacy import Adequacy, judge_prediction
 from surae.assessment.residual.quality import rmse, vaf
 from surae.errors import InputError
 from surae.estimation import FitResult
@@ -35,6 +36,8 @@ class Prediction(Comparable):
         Time [s] and measured torque [Nm].
     weight : ndarray, shape (n,), or None
         Of the samples; those of weight 0 are in no figure. None: all count.
+    adequacy : Adequacy or None
+        Whether it is as good as the fit promises; None where the parameters are of no fit.
     """
 
     name: str
@@ -46,6 +49,7 @@ class Prediction(Comparable):
     time: FloatArray
     measured: FloatArray
     weight: FloatArray | None = None
+    adequacy: Adequacy | None = None
 
     @property
     def errors(self) -> tuple[FloatArray, FloatArray]:
@@ -71,7 +75,7 @@ def pooled(predictions: Sequence[Prediction]) -> Pooled:
 
 
 def predict_others(found: FitResult, inputs: Sequence[ModelInputs]) -> tuple[Prediction, ...]:
-    """Predict the torque of recordings with the parameters of a fit to others; see `predict`.
+    """Predict recordings with the parameters of a fit to others, and judge; see `predict`.
 
     Raises
     ------
@@ -95,7 +99,11 @@ def predict_others(found: FitResult, inputs: Sequence[ModelInputs]) -> tuple[Pre
                     f"{one.where}: no EMG of muscle {muscle!r}, whose weight the fit estimated; "
                     f"add the channel emg_{muscle}"
                 )
-    return predict(problem.spec, problem.options, found.values, inputs)
+    predicted = predict(problem.spec, problem.options, found.values, inputs)
+    return tuple(
+        replace(one, adequacy=judge_prediction(found, recording, one.torque))
+        for one, recording in zip(predicted, inputs, strict=True)
+    )
 
 
 def predict(
