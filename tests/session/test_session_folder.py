@@ -84,6 +84,7 @@ def test_fits_of_an_earlier_run_are_not_taken_for_this_ones(walks, tmp_path):
     assert alone.joint is None
     assert sorted(p.name for p in (out / "fits").iterdir()) == ["mine.json", "walk_1.json"]
     assert not (out / "joint.json").exists()
+    assert (out / "trash" / "1-joint.json").read_bytes() == (done / "joint.json").read_bytes()
     assert surae.load_session(out).rows() == alone.rows()
 
 

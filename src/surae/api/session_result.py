@@ -27,8 +27,8 @@ from surae.trials.folder import (
     TABLE,
     claimed,
     fit_name,
-    remove_stale,
     results_in,
+    set_aside,
 )
 
 FORMAT = 1
@@ -201,8 +201,8 @@ def finite(value: float) -> float | None:
 
 
 def write_summary(result: SessionResult, root: Path) -> None:
-    """Write everything but the fits: index, tables, report. Fits of earlier runs go."""
-    remove_stale(root, _results(result))
+    """Write everything but the fits: index, tables, report. Fits of earlier runs go to its trash."""
+    set_aside(root, _results(result))
     write_index(result, root)
     result.write_table(root / TABLE)
     if find_spec("pyarrow") is not None:

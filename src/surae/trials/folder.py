@@ -1,9 +1,10 @@
 """The folder of a session's results: what is in it, and what is never touched there.
 
-Its index, session.json, says which files are results of which run: only these are taken, replaced
-or removed. Whatever else lies there is the user's.
+Its index, session.json, says which files are results of which run: only these are taken or
+replaced, or go to its trash. Whatever else lies there is the user's.
 """
 
+import itertools
 import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -15,10 +16,10 @@ from surae.files import PathLike, read_bytes, shown
 from surae.trials.sorting import Trial
 
 #: Names of what is in the folder.
-INDEX, JOINT, FITS = "session.json", "joint.json", "fits"
+INDEX, JOINT, FITS, TRASH = "session.json", "joint.json", "fits", "trash"
 REPORT, TABLE, PARQUET = "report.html", "table.csv", "table.parquet"
 _SUMMARY = (INDEX, REPORT, TABLE, PARQUET)
-#: What a run may remove: fits of its own folder, nothing that a damaged index could name.
+#: What a run may move to the trash: fits of its own folder, nothing that a damaged index could name.
 _FIT = re.compile(rf"{FITS}/[\w.+-]+\.json|{re.escape(JOINT)}")
 
 
@@ -85,10 +86,14 @@ def claimed(folder: PathLike, trials: Sequence[Trial]) -> Path:
     return root
 
 
-def remove_stale(folder: PathLike, present: Iterable[str]) -> None:
-    """Remove fits of earlier runs that are not of this one."""
-    for name in results_in(folder) - set(present):
-        (Path(folder) / name).unlink(missing_ok=True)
+def set_aside(folder: PathLike, present: Iterable[str]) -> None:
+    """Move fits of earlier runs that are not of this one to the folder's trash."""
+    for name in sorted(results_in(folder) - set(present)):
+        path, trash = Path(folder) / name, Path(folder) / TRASH
+        if path.is_file():
+            trash.mkdir(exist_ok=True)
+            numbers = itertools.count(1)
+            path.replace(next(t for k in numbers if not (t := trash / f"{k}-{path.name}").exists()))
 
 
 def fit_in(folder: PathLike) -> Path:
