@@ -201,7 +201,7 @@ def finite(value: float) -> float | None:
 
 
 def write_summary(result: SessionResult, root: Path) -> None:
-    """Write everything but the fits: index, tables, report. Fits of earlier runs go to its trash."""
+    """Write index, tables and report; fits of earlier runs go to the trash."""
     set_aside(root, _results(result))
     write_index(result, root)
     result.write_table(root / TABLE)

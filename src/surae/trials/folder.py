@@ -19,7 +19,7 @@ from surae.trials.sorting import Trial
 INDEX, JOINT, FITS, TRASH = "session.json", "joint.json", "fits", "trash"
 REPORT, TABLE, PARQUET = "report.html", "table.csv", "table.parquet"
 _SUMMARY = (INDEX, REPORT, TABLE, PARQUET)
-#: What a run may move to the trash: fits of its own folder, nothing that a damaged index could name.
+#: What a run may move: fits of its own folder, nothing that a damaged index could name.
 _FIT = re.compile(rf"{FITS}/[\w.+-]+\.json|{re.escape(JOINT)}")
 
 
