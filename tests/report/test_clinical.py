@@ -13,7 +13,8 @@ from surae.measures.change import compare_sessions
 from surae.measures.quantity import quantities
 from surae.names import LANGUAGES
 from surae.protocol import Protocol, generate
-from surae.report.clinical import _sentences, change_page, clinical_html, fit_page
+from surae.report.clinical import change_page, clinical_html, fit_page
+from surae.report.clinical_words import sentences
 from surae.studies import virtual_subject, virtual_trial
 
 NOW = datetime(2026, 11, 22)
@@ -67,7 +68,7 @@ def test_every_language_has_a_whole_page_without_names(fit, language) -> None:
 
 
 def test_every_sentence_is_there_in_every_language() -> None:
-    for key, texts in _sentences().items():
+    for key, texts in sentences().items():
         assert set(texts) == set(LANGUAGES), key
         fields = {frozenset(re.findall(r"{\w+}", text)) for text in texts.values()}
         assert len(fields) == 1, key

@@ -29,6 +29,14 @@ def test_trials_of_one_layout_get_one_mapping(folder, run):
     assert session.fitted == ("a", "b", "c")
 
 
+def test_the_session_is_called_as_its_folder_wherever_the_mapping_is(folder, run):
+    (folder / "S01 left").mkdir()
+    for name in ("a", "b"):
+        shutil.copy(folder / f"{name}.csv", folder / "S01 left")
+    assert run("inspect", "S01 left", "--output", "map.toml").code == 0
+    assert tomllib.loads((folder / "map.toml").read_text())["name"] == "S01 left"
+
+
 def test_what_differs_is_listed_and_written(folder, run):
     text = (folder / "b.csv").read_text()
     (folder / "b.csv").write_text(text.replace("Torque (Nm)", "Torque (Nmm)"))
@@ -73,6 +81,7 @@ def test_trials_in_folders_of_their_own(shared, tmp_path, run):
     assert done.code == 0, done.err
     toml = tomllib.loads((tmp_path / "map.toml").read_text())
     assert toml["channels"]["torque"]["file"] == "{trial}/id.sto"
+    assert toml["name"] == tmp_path.name
     for given in (tmp_path, [tmp_path / part for part in parts]):
         session = surae.session(given, mapping=tmp_path / "map.toml")
         assert session.fitted == ("run81", "walk36")

@@ -179,8 +179,9 @@ def test_what_was_there_already_is_no_measure_of_the_time_left(done, leg, tmp_pa
 
 def test_the_command(leg, tmp_path, run):
     done = run("session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
-               "--starts", 1)  # fmt: skip
+               "--starts", 1, "--figure", tmp_path / "out" / "trials.svg")  # fmt: skip
     assert done.code == 0
+    assert (tmp_path / "out" / "trials.svg").stat().st_size > 1000
     assert "could not be read: broken" in done.err
     assert "[6/6] all together" in done.err
     assert "joint" in done.out
@@ -196,6 +197,29 @@ def test_names_in_the_report_are_escaped(leg, tmp_path):
     result = surae.session(trial).run(**QUICK)
     result.report(tmp_path / "report.html")
     assert "<b>x" not in (tmp_path / "report.html").read_text()
+
+
+def test_figures_of_a_session_and_of_what_it_says(done, tmp_path, run):
+    folder, result = done
+    for name, width in (("wide.svg", 170.0), ("narrow.pdf", 85.0)):
+        result.figure(tmp_path / name, width=width)
+    text = (tmp_path / "wide.svg").read_text()
+    assert 'width="481' in text  # 170 mm in points
+    told = run("measures", folder, "--figure", tmp_path / "curve.svg", "--width", 85)
+    assert told.code == 0, told.err
+    assert "figure: " in told.out
+    assert 'width="240' in (tmp_path / "curve.svg").read_text()
+    with pytest.raises(InputError, match="nothing to draw"):
+        surae.SessionResult(result.session, result.settings).figure(tmp_path / "x.svg")
+    refused = run("measures", folder, "--figure", tmp_path / "x.docx")
+    assert refused.code == 2
+
+
+def test_the_report_answers_in_the_clinics_units(done):
+    page = (done[0] / "report.html").read_text()
+    assert "In the clinic’s units: all together" in page
+    assert "of dorsiflexion the relaxed ankle" in page or "relaxed ankle’s torque" in page
+    assert page.count("<h1>") == 1
 
 
 def test_a_damaged_folder_is_told(tmp_path):
@@ -244,6 +268,8 @@ def test_trials_that_contradict_each_other_are_told(done, leg, other_leg, tmp_pa
     rows = dict(re.findall(r'<code title="[^"]*">(\w+)</code>(.*)', page))
     assert disputed
     assert all('"number identified"' not in rows[name] for name in disputed)
+    assert "they do not tell together how stiff or strong this leg is" in page
+    assert "relaxed ankle" not in page
     alike = (done[0] / "report.html").read_text()  # of trials of one leg
     assert alike.count("contradict each other") == 0
 

@@ -7,6 +7,7 @@ from surae.api.answers import cohort as cohort
 from surae.api.answers import fit_of as fit_of
 from surae.api.answers import write_clinical_page as write_clinical_page
 from surae.api.answers import write_cohort_page as write_cohort_page
+from surae.api.answers import write_curve_figure as write_curve_figure
 from surae.api.comparison import compare as compare
 from surae.api.designing import as_device as as_device
 from surae.api.designing import design as design

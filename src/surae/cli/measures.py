@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from surae.cli.options import LANGUAGE, Number
+from surae.cli.options import LANGUAGE, Number, figure_options
 from surae.cli.paths import check_outputs
 from surae.files import shown
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 @click.option("--output", metavar="M.json|csv", help="Write the measures.")
 @click.option("--report", metavar="M.html", help="Write the page for clinicians.")
 @LANGUAGE
+@figure_options
 def command(
     fitted: str,
     angles: tuple[float, ...],
@@ -28,15 +29,24 @@ def command(
     output: str | None,
     report: str | None,
     language: str,
+    figure: str | None,
+    width: float,
 ) -> None:
     """Tell what a fit says of the leg in a clinician's units, and how far it may be believed.
 
     Torque and stiffness at rest, what relaxes, how strong and how fast the muscles are, and what
     the torque of the recordings is made of. Dorsiflexion is positive.
     """
-    check_outputs({"--output": output, "--report": report}, [fitted])
+    check_outputs({"--output": output, "--report": report, "--figure": figure}, [fitted])
 
-    from surae.api import check_clinical_page, fit_of, placed, read_norms, write_clinical_page
+    from surae.api import (
+        check_clinical_page,
+        fit_of,
+        placed,
+        read_norms,
+        write_clinical_page,
+        write_curve_figure,
+    )
 
     check_clinical_page(report)
     beside = read_norms(norms)
@@ -67,6 +77,9 @@ def command(
         angle = angles[0] if len(angles) == 1 else 10.0
         write_clinical_page(report, [fit], language=language, angle=angle, norms=norms)
         show_line(f"report: {shown(report)}")
+    if figure is not None:
+        write_curve_figure(figure, fit, language=language, norms=norms, width=width)
+        show_line(f"figure: {shown(figure)}")
 
 
 def _table(told: "Measures") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:

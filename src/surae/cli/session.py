@@ -1,11 +1,13 @@
 """`surae session`."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from surae import names
-from surae.cli.options import MAPPING, MODEL_NAMES, request, request_options
+from surae.cli.options import MAPPING, MODEL_NAMES, figure_options, request, request_options
+from surae.cli.paths import check_outputs
 from surae.cli.progress import Work
 from surae.errors import InputError
 from surae.files import shown
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
 @click.option("--prepared", is_flag=True, help="Use the signals as they are, without filters.")
 @request_options
 @click.option("--output", required=True, metavar="OUT/", help="Folder of the fits and the report.")
+@figure_options
 def command(
     recordings: tuple[str, ...],
     mapping: str | None,
@@ -36,6 +39,8 @@ def command(
     asked: dict[str, Any],
     mvc: tuple[str, ...],
     output: str,
+    figure: str | None,
+    width: float,
 ) -> int:
     """Fit the trials of one leg: each, all together, and each predicted by the others.
 
@@ -51,6 +56,8 @@ def command(
             'write effort = "maximal" in the mapping\'s [trials]'
         )
     settings = request(model, asked | {"prepared": prepared})
+    if figure is not None and Path(figure).resolve().parent != Path(output).resolve():
+        check_outputs({"--figure": figure}, recordings)  # OUT/ is not there yet
 
     from surae.cli.progress import compilation_notice, work
 
@@ -61,7 +68,13 @@ def command(
         trials = session(list(recordings), mapping=mapping)
         with compilation_notice():
             result = trials.run(output, settings, told=lambda step: _tell(progress, step))
-    return _show(result, output)
+    code = _show(result, output)
+    if figure is not None and result.fits:
+        from surae.cli.screen import show_line
+
+        result.figure(figure, width=width)
+        show_line(f"figure: {shown(figure)}")
+    return code
 
 
 def _tell(progress: Work, step: "Step") -> None:

@@ -1,8 +1,9 @@
 """Several data files inspected: parts of one recording, or trials alike, and where they differ."""
 
+import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +54,8 @@ class InspectedTrials:
         Where trials are not like that one.
     directions : tuple of str
         How torque goes with the angle, in the trials in which it does.
+    folder : str
+        Name of the folder that all of them are in.
     """
 
     typical: Inspection
@@ -60,6 +63,7 @@ class InspectedTrials:
     files: Mapping[str, str]
     differences: tuple[Difference, ...]
     directions: tuple[str, ...]
+    folder: str = "session"
 
     def to_json(self) -> dict[str, Any]:
         """Give the inspection as plain data: the typical trial's channels, and what differs."""
@@ -107,13 +111,21 @@ def inspect_trials(
         groups = {shown(folder.name): files for folder, files in folders.items()}
         files = [f"{TRIAL}/{path.name}" for path in next(iter(folders.values()))]
         if len(groups) == len(folders):
-            return _together({n: inspect(f, side=side) for n, f in groups.items()}, files)
+            each = {name: inspect(parts, side=side) for name, parts in groups.items()}
+            return replace(_together(each, files), folder=_folder(paths))
     if len(paths) > 1:
         each = {shown(Path(path).stem): inspect(path, side=side) for path in paths}
         angles = [{"angle"} & {*one.roles, *one.open} for one in each.values()]
         if len(each) == len(paths) and all(angles):
-            return _together(each, [])
+            return replace(_together(each, []), folder=_folder(paths))
     return inspect(list(paths), side=side)
+
+
+def _folder(paths: Sequence[PathLike]) -> str:
+    """The folder that all trials are in: what people call a session by."""
+    return Path(os.path.commonpath([Path(path).resolve().parent for path in paths])).name or (
+        "session"
+    )
 
 
 def trials_text(found: InspectedTrials, folder: PathLike) -> str:
@@ -124,11 +136,9 @@ def trials_text(found: InspectedTrials, folder: PathLike) -> str:
     found : InspectedTrials
         What was inspected.
     folder : path
-        Where the mapping will be; its name is the session's.
+        Where the mapping will be.
     """
-    lines = [
-        mapping_text(found.typical, folder, found.files, Path(folder).resolve().name).rstrip("\n")
-    ]
+    lines = [mapping_text(found.typical, folder, found.files, found.folder).rstrip("\n")]
     lines += [f"# {text}" for text in found.directions]
     own = [difference for difference in found.differences if difference.line]
     if own:

@@ -5,17 +5,14 @@ sentences of clinical.toml, and claims no more than the measures and changes it 
 """
 
 import base64
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
-from functools import cache
-from importlib.resources import files
+from typing import TYPE_CHECKING
 
 from surae._version import __version__
 from surae.assessment import Adequacy, Assessment, Grade, Verdict
 from surae.assessment.verdict import percent
-from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.files import PathLike
 from surae.measures.change import Change, ChangeVerdict, Difference
@@ -23,8 +20,11 @@ from surae.measures.compute import measures
 from surae.measures.curve import TorqueCurve, torque_curve
 from surae.measures.measure import Measure, Measures
 from surae.measures.norms import Placed, placed, read_norms
-from surae.names import LANGUAGES
+from surae.report.clinical_words import Words, sentences
 from surae.report.formatting import NO_NUMBER, estimate, significant
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 #: The angle that the answer speaks of unless others were asked [deg].
 _AT = 10.0
@@ -102,42 +102,6 @@ class ClinicalPage:
     words: Mapping[str, str] = field(default_factory=dict)
 
 
-class _Words:
-    """The sentences of one language."""
-
-    def __init__(self, language: str) -> None:
-        if language not in LANGUAGES:
-            known = ", ".join(LANGUAGES)
-            raise InputError(f"no page in language {language!r}; use one of: {known}")
-        self.language = language
-
-    def __call__(self, key: str, **given: str) -> str:
-        text = _sentences()[key][self.language]
-        return text.format(**given) if given else text
-
-    def number(self, text: str) -> str:
-        """A number as it is written here."""
-        return text if self.language == "en" else text.replace(".", ",")
-
-    def own(self, text: str) -> str:
-        """A text of a norm, translated where the page knows it."""
-        return self(text) if text in _sentences() else text
-
-    def measure(self, name: str) -> str:
-        """What a measure is called here; its own name where the page has none."""
-        base, _, at = name.partition("@")
-        if base not in _sentences():
-            return name
-        at = at.replace("deg", "°").replace("s", " s").replace("-", "−")
-        return self(base).replace("{at}", at)
-
-
-@cache
-def _sentences() -> dict[str, dict[str, str]]:
-    text = files("surae.report").joinpath("clinical.toml").read_text(encoding="utf-8")
-    return tomllib.loads(text)
-
-
 def fit_page(
     result: FitResult, assessment: Assessment, *, created: datetime, language: str = "en",
     angle: float = _AT, norms: PathLike | None = None,
@@ -162,7 +126,7 @@ def fit_page(
     InputError
         The language is not known, or the norms cannot be read.
     """
-    words = _Words(language)
+    words = Words(language)
     told = measures(result, assessment, [angle])
     beside = placed(told, read_norms(norms))
     shown = [m for name in _SHOWN for m in told.values() if m.name.partition("@")[0] == name]
@@ -185,6 +149,33 @@ def fit_page(
     )
 
 
+def curve_of(
+    result: FitResult, assessment: Assessment, *, language: str = "en",
+    norms: PathLike | None = None, width: float = 7.2,
+) -> "Figure":  # fmt: skip
+    """The torque-angle curve of a fit by itself, as the page has it.
+
+    Parameters
+    ----------
+    result, assessment : FitResult, Assessment
+        The fit and what it is worth; one that is not adequate says so below the curve.
+    language : {"en", "nl", "de", "fr"}
+        Of the labels.
+    norms : path, optional
+        A laboratory's own norms, in place of those of cited papers.
+    width : float
+        Width of the figure [inch].
+    """
+    from surae.report.figures import footnote
+
+    words = Words(language)
+    beside = placed(measures(result, assessment, [_AT]), read_norms(norms))
+    figure = _curve([("", torque_curve(result, assessment))], beside, words, width)
+    if assessment.adequacy.grade is not Grade.ADEQUATE:
+        footnote(figure, words(str(assessment.adequacy.grade)))
+    return figure
+
+
 def change_page(
     change: Change,
     sides: Sequence[tuple[FitResult, Assessment]],
@@ -194,7 +185,7 @@ def change_page(
     angle: float = _AT,
 ) -> ClinicalPage:
     """The page of two sessions; parameters as of `fit_page`, `sides` the fits of both."""
-    words = _Words(language)
+    words = Words(language)
     told = [measures(*side, [angle]) for side in sides]
     curves = [torque_curve(*side) for side in sides]
     names = (words("before"), words("after"))
@@ -233,7 +224,7 @@ def clinical_html(page: ClinicalPage) -> str:
     return environment.get_template("clinical.html.j2").render(page=page)
 
 
-def _answer(told: Measures, angle: float, words: _Words) -> str:
+def _answer(told: Measures, angle: float, words: Words) -> str:
     torque = told[f"passive_torque@{angle:g}deg"]
     stiffness = told[f"passive_stiffness@{angle:g}deg"]
     inadequate = told.adequacy.grade is Grade.INADEQUATE
@@ -250,7 +241,7 @@ def _answer(told: Measures, angle: float, words: _Words) -> str:
     return words("answer_none")
 
 
-def _answer_of_change(change: Change, angle: float, words: _Words) -> str:
+def _answer_of_change(change: Change, angle: float, words: Words) -> str:
     rows = {d.name for d in _rows_of(change, angle)}
     changed = sorted(change.changed, key=lambda d: d.name not in rows)  # what the page shows first
     if changed:
@@ -278,7 +269,7 @@ def _rows_of(change: Change, angle: float) -> list[Difference]:
     return rows
 
 
-def _named(d: Difference, words: _Words) -> str:
+def _named(d: Difference, words: Words) -> str:
     name = words.measure(d.name)
     if d.difference is None or not d.before or d.unit == "deg":
         return name
@@ -286,7 +277,7 @@ def _named(d: Difference, words: _Words) -> str:
     return f"{name} ({sign}{words.number(percent(abs(d.difference / d.before)))})"
 
 
-def _texts(m: Measure, words: _Words) -> tuple[str, str, str]:
+def _texts(m: Measure, words: Words) -> tuple[str, str, str]:
     """Value and both ends of the interval."""
     if m.value is None or m.ci95 is None:
         return (NO_NUMBER if m.value is None else words.number(significant(m.value, 3)),
@@ -295,7 +286,7 @@ def _texts(m: Measure, words: _Words) -> tuple[str, str, str]:
     return value, low, high
 
 
-def _measured(m: Measure, adequacy: Adequacy, words: _Words) -> Row:
+def _measured(m: Measure, adequacy: Adequacy, words: Words) -> Row:
     value, low, high = _texts(m, words)
     unit = _unit(m.unit)
     interval = NO_NUMBER if low == NO_NUMBER else f"{low} … {high}"
@@ -303,7 +294,7 @@ def _measured(m: Measure, adequacy: Adequacy, words: _Words) -> Row:
     return Row(words.measure(m.name), (f"{value}{unit}", interval), words(str(m.verdict)), strong)
 
 
-def _differing(d: Difference, words: _Words) -> Row:
+def _differing(d: Difference, words: Words) -> Row:
     unit = _unit(d.unit)
     both = tuple(
         NO_NUMBER if v is None else f"{words.number(significant(v, 3))}{unit}"
@@ -318,7 +309,7 @@ def _differing(d: Difference, words: _Words) -> Row:
     return Row(words.measure(d.name), (*both, *change), words(str(d.verdict)), strong)
 
 
-def _beside(p: Placed, words: _Words) -> str:
+def _beside(p: Placed, words: Words) -> str:
     return words(
         "norm",
         measure=words.measure(p.norm.measure),
@@ -330,7 +321,7 @@ def _beside(p: Placed, words: _Words) -> str:
     )
 
 
-def _next(assessment: Assessment, words: _Words) -> tuple[str, ...]:
+def _next(assessment: Assessment, words: Words) -> tuple[str, ...]:
     """What would help most, by what makes the leading parameters unsure."""
     weights: dict[str, float] = {}
     for name in _LEADING:
@@ -339,13 +330,13 @@ def _next(assessment: Assessment, words: _Words) -> tuple[str, ...]:
             continue
         for source, share in (p.budget or {"noise": 1.0}).items():
             weights[source] = weights.get(source, 0.0) + share
-    known = [s for s in weights if f"remedy_{s}" in _sentences()]
+    known = [s for s in weights if f"remedy_{s}" in sentences()]
     ranked = sorted(known, key=lambda s: -weights[s])
     leading = [s for s in ranked if weights[s] >= 0.25 * weights[ranked[0]]][:_MOST_NEXT]
     return tuple(words(f"remedy_{source}") for source in leading) or (words("next_none"),)
 
 
-def _made(words: _Words, created: datetime, count: int) -> str:
+def _made(words: Words, created: datetime, count: int) -> str:
     return words("made", date=created.strftime("%Y-%m-%d"), count=str(count), version=__version__)
 
 
@@ -354,29 +345,40 @@ def _unit(unit: str) -> str:
     return text if text in ("", "°") else f" {text}"
 
 
-def _labels(words: _Words) -> dict[str, str]:
+def _labels(words: Words) -> dict[str, str]:
     keys = ("curve", "curve_note", "shares", "figures", "next", "norms", "name")
     return {key: words(key) for key in keys}
 
 
 def _figures(
-    sessions: Sequence[tuple[str, TorqueCurve, Measures]], beside: Sequence[Placed], words: _Words
+    sessions: Sequence[tuple[str, TorqueCurve, Measures]], beside: Sequence[Placed], words: Words
 ) -> dict[str, str]:
     from surae.report.figures import svg
-    from surae.report.figures.clinical import curve_figure, shares_figure
+    from surae.report.figures.clinical import shares_figure
 
-    labels = {key: words(key) for key in ("angle", "torque", "relaxed", "calf", "tibialis")}
-    norms = [(p.norm, words.own(p.norm.group)) for p in beside
-             if p.norm.measure.startswith("slow_torque@")]  # fmt: skip
     shares = [
         (name, [(words(part), told[part].value or 0.0) for part in _SHARES])
         for name, _, told in sessions
         if all(told[part].value is not None for part in _SHARES)
     ]
-    figures = {"curve": curve_figure([(n, curve) for n, curve, _ in sessions], norms, labels)}
+    figures = {"curve": _curve([(name, curve) for name, curve, _ in sessions], beside, words)}
     if shares:
         figures["shares"] = shares_figure(shares)
     return {
         name: f"data:image/svg+xml;base64,{base64.b64encode(svg(figure)).decode()}"
         for name, figure in figures.items()
     }
+
+
+def _curve(
+    curves: Sequence[tuple[str, TorqueCurve]],
+    beside: Sequence[Placed],
+    words: Words,
+    width: float = 7.2,
+) -> "Figure":
+    from surae.report.figures.clinical import curve_figure
+
+    labels = {key: words(key) for key in ("angle", "torque", "relaxed", "calf", "tibialis")}
+    norms = [(p.norm, words.own(p.norm.group)) for p in beside
+             if p.norm.measure.startswith("slow_torque@")]  # fmt: skip
+    return curve_figure(curves, norms, labels, width=width)

@@ -1,7 +1,7 @@
 """The report of a session: what each trial is, each fit beside all together, who predicts whom."""
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 
@@ -13,6 +13,7 @@ from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.estimation import FitResult
 from surae.quality import Quality
 from surae.report.adequacy import AdequacyWords, adequacy_words
+from surae.report.clinical import fit_page
 from surae.report.figures.session import holds_figure, trials_figure
 from surae.report.figures.style import svg
 from surae.report.formatting import NO_NUMBER, estimate, percentage, signed, significant
@@ -135,7 +136,7 @@ def session_page(
     """
     alone = {trial: assessment for trial, (_, assessment) in fits.items()}
     together = None if joint is None else joint[1]
-    contradicted = _contradictions(alone, together)
+    contradicted = contradictions(alone, together)
     rows = _parameters(alone, together, contradicted)
     content = SessionContent(
         name=name,
@@ -165,10 +166,15 @@ def session_page(
     )
     images: dict[str, str] = {}
     if alone and rows:
-        images["trials"] = _image(trials_figure([row.name for row in rows], alone, together))
+        names = [row.name for row in rows]
+        figure = trials_figure(names, alone, together, disputed=contradicted)
+        images["trials"] = _image(figure)
     held = [t for t in trials if t.hold is not None]
     if held:
         images["holds"] = _image(holds_figure(held, joint_predictions, _passive(trials, fits)))
+    clinical = None
+    if joint is not None and not contradicted:
+        clinical = fit_page(*joint, created=created)
     environment = Environment(
         loader=PackageLoader("surae.report"),
         autoescape=True,
@@ -176,7 +182,9 @@ def session_page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template("session.html.j2").render(content=content, images=images)
+    return environment.get_template("session.html.j2").render(
+        content=content, images=images, page=clinical
+    )
 
 
 def _image(figure: Figure) -> str:
@@ -265,11 +273,8 @@ def _parameters(
 ) -> tuple[ParameterRow, ...]:
     """The parameters that any fit estimated; none that is contradicted stands as identified."""
     every = [*([] if joint is None else [joint]), *alone.values()]
-    shown: dict[str, ParameterEstimate] = {}
-    for assessment in every:
-        shown |= {p.name: p for p in shown_parameters(assessment) if p.name not in shown and p.free}
     rows = []
-    for name, p in shown.items():
+    for name, p in _estimated(every).items():
         cell = _disputed if name in contradicted else _estimate
         own = [assessment.parameters.get(name) for assessment in alone.values()]
         rows.append(
@@ -285,7 +290,33 @@ def _parameters(
     return tuple(rows)
 
 
-def _contradictions(
+def _estimated(every: Iterable[Assessment]) -> dict[str, ParameterEstimate]:
+    """The parameters that any fit estimated, each as the first one has it."""
+    shown: dict[str, ParameterEstimate] = {}
+    for assessment in every:
+        shown |= {p.name: p for p in shown_parameters(assessment) if p.name not in shown and p.free}
+    return shown
+
+
+def session_figure(
+    alone: Mapping[str, Assessment], joint: Assessment | None, *, width: float
+) -> Figure:
+    """Every parameter by trial, with its interval; that of all together as a band.
+
+    Parameters
+    ----------
+    alone : mapping of str to Assessment
+        By trial.
+    joint : Assessment or None
+        Of all together.
+    width : float
+        Width of the figure [inch].
+    """
+    names = list(_estimated([*([] if joint is None else [joint]), *alone.values()]))
+    return trials_figure(names, alone, joint, disputed=contradictions(alone, joint), width=width)
+
+
+def contradictions(
     alone: Mapping[str, Assessment], joint: Assessment | None
 ) -> dict[str, list[str]]:
     """Trials whose 95 % interval and that of all together do not even touch, by parameter.

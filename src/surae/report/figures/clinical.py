@@ -13,6 +13,8 @@ from surae.units import FloatArray
 
 #: Of relaxed ankle, calf and tibialis: line, and pattern of its band; told apart in grey too.
 _LOOKS = ((INK, "-"), (BLUE, "--"), (MUTED, ":"))
+#: A figure that is narrower has no room for two panels side by side [inch].
+_NARROW = 5.0
 #: Fill and hatch of the shares.
 _FILLS = ((INK, ""), (BLUE, "////"), (GREY, ""), ("#ffffff", "...."))
 
@@ -21,6 +23,8 @@ def curve_figure(
     curves: Sequence[tuple[str, TorqueCurve]],
     norms: Sequence[tuple[Norm, str]],
     words: Mapping[str, str],
+    *,
+    width: float = 7.2,
 ) -> Figure:
     """Torque against angle: of one session at rest and active, or of two at rest.
 
@@ -32,11 +36,14 @@ def curve_figure(
         Groups whose torque in a slow stretch is drawn at its angle, mean and spread, by name.
     words : mapping of str to str
         Labels in the reader's language: ``angle torque relaxed calf tibialis``.
+    width : float
+        Width of the figure [inch]; a narrow one has its panels below each other.
     """
-    figure = new_figure(2.75, width=7.2)
+    narrow = width < _NARROW and len(curves) == 1
+    figure = new_figure(2.75 * (2 if narrow else 1), width=width)
     panels: tuple[Axes, ...]
     if len(curves) == 1:
-        rest, active = figure.subplots(1, 2, width_ratios=(1, 1))
+        rest, active = figure.subplots(*((2, 1) if narrow else (1, 2)), sharex=narrow)
         (_, curve) = curves[0]
         _band(rest, curve.angle, curve.passive, 0, words["relaxed"])
         _band(active, curve.angle, curve.active_tri, 1, words["calf"])

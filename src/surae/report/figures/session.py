@@ -1,6 +1,6 @@
 """Figures of a session: a parameter over the trials, and the torque of trials that hold still."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,6 +12,7 @@ from surae.report.figures.style import (
     GREY,
     INK,
     MUTED,
+    WIDTH,
     dress,
     heading,
     legend,
@@ -20,12 +21,17 @@ from surae.report.figures.style import (
 from surae.trials import Crossed, Trial
 from surae.units import FloatArray
 
-_COLUMNS = 4
-_HEIGHT = 0.16
+#: Width of a panel, and height of a trial in it [inch].
+_PANEL, _HEIGHT = 2.1, 0.16
 
 
 def trials_figure(
-    names: Sequence[str], fits: Mapping[str, Assessment], joint: Assessment | None
+    names: Sequence[str],
+    fits: Mapping[str, Assessment],
+    joint: Assessment | None,
+    *,
+    disputed: Collection[str] = (),
+    width: float = WIDTH,
 ) -> Figure:
     """Each parameter's estimate and 95 % interval by trial, that of all together as a band.
 
@@ -37,15 +43,20 @@ def trials_figure(
         By trial.
     joint : Assessment or None
         Of all together.
+    disputed : collection of str
+        Parameters in which trials contradict each other: none of them is drawn as identified.
+    width : float
+        Width of the figure [inch].
 
     Returns
     -------
     Figure
         One panel a parameter; an open mark lies at a bound or has no interval.
     """
-    rows = -(-len(names) // _COLUMNS)
-    figure = new_figure(rows * (0.75 + _HEIGHT * max(len(fits), 2)))
-    panels = figure.subplots(rows, _COLUMNS, squeeze=False, sharey=True)
+    columns = max(round(width / _PANEL), 1)
+    rows = -(-len(names) // columns)
+    figure = new_figure(rows * (0.75 + _HEIGHT * max(len(fits), 2)), width=width)
+    panels = figure.subplots(rows, columns, squeeze=False, sharey=True)
     trials = list(fits)
     for axes, name in zip(panels.flat, names, strict=False):
         dress(axes, "")
@@ -54,7 +65,7 @@ def trials_figure(
             _band(axes, joint.parameters[name])
         for place, trial in enumerate(trials):
             if name in fits[trial].parameters:
-                _mark(axes, place, fits[trial].parameters[name])
+                _mark(axes, place, fits[trial].parameters[name], name not in disputed)
         axes.set_yticks(range(len(trials)), trials, fontsize=7)
         axes.set_ylim(len(trials) - 0.4, -0.6)
         axes.locator_params(axis="x", nbins=4)
@@ -75,8 +86,8 @@ def _band(axes: Axes, p: ParameterEstimate) -> None:
     axes.axvline(p.value, color=BLUE, linewidth=1.0)
 
 
-def _mark(axes: Axes, place: int, p: ParameterEstimate) -> None:
-    sure = p.verdict is Verdict.IDENTIFIED
+def _mark(axes: Axes, place: int, p: ParameterEstimate, agreed: bool) -> None:
+    sure = agreed and p.verdict is Verdict.IDENTIFIED
     if p.ci95 is not None:
         axes.plot(_within(p), [place, place], color=INK if sure else GREY, linewidth=1.6)
     axes.plot(
