@@ -69,6 +69,7 @@ def trials_figure(
         axes.set_yticks(range(len(trials)), trials, fontsize=7)
         axes.set_ylim(len(trials) - 0.4, -0.6)
         axes.locator_params(axis="x", nbins=4)
+        axes.xaxis.get_offset_text().set(fontsize=7, color=MUTED)
         unit = next(p.unit for a in _every(fits, joint) if (p := a.parameters.get(name)))
         axes.set_xlabel("" if unit == "-" else unit, fontsize=8, color=MUTED)
     for axes in panels.flat[len(names) :]:
