@@ -1,6 +1,7 @@
 """Recordings described anew after their import: what changes, what stays, and the way back."""
 
 import numpy as np
+import pandas
 import pytest
 
 from surae.web.routes import descriptions
@@ -166,6 +167,47 @@ def test_what_the_check_is_sure_of_is_one_click_and_nothing_else_is(browser, sha
     assert [click.split()[0] for click in clicks] == ["Turn", "Take"]
     assert not {"angle-sign", "torque-sign"} & {f["code"] for f in findings}
     assert all("zero is off" not in f["message"] for f in findings)
+
+
+UNITS = {
+    "angle in degrees": (("angle_rad",), 180 / np.pi, "It is deg"),
+    "angle in radians, named degrees": (("angle_rad",), 1.0, "It is rad"),
+    "torque in mNm": (("torque_Nm",), 1e3, "It is mNm"),
+    "one EMG in µV": (("emg_sol_V",), 1e6, "It is µV"),
+    "all EMG in µV": (("emg_ta_V", "emg_gl_V", "emg_sol_V", "emg_gm_V"), 1e6, "It is µV"),
+}
+
+
+@pytest.mark.parametrize("how", UNITS)
+def test_a_wrong_unit_is_mended_by_one_click(browser, trial, tmp_path, how) -> None:
+    """The values are then those that were recorded; where units are right nothing is offered."""
+    columns, factor, label = UNITS[how]
+    frame = pandas.read_csv(trial, comment="#")
+    right = browser.recording(written(tmp_path / "right.csv", frame))
+    findings = browser.get(f"/api/recordings/{right}/quality").json()["findings"]
+    assert not [f["mend"] for f in findings if f["mend"]]
+    for column in columns:
+        frame[column] *= factor
+    if label == "It is rad":  # said to be degrees
+        frame = frame.rename(columns={"angle_rad": "angle_deg"})
+    wrong = browser.recording(written(tmp_path / "wrong.csv", frame))
+    findings = browser.get(f"/api/recordings/{wrong}/quality").json()["findings"]
+    (mend,) = [f["mend"] for f in findings if f["mend"] and f["mend"]["label"].startswith("It is")]
+    assert mend["label"] == label
+    told = described(browser, wrong)["mapping"]
+    for role, change in mend["channels"].items():
+        told["channels"][role] |= change
+    assert browser.post(
+        "/api/descriptions", json={"recordings": [wrong], "mapping": told}
+    ).is_success
+    for role in ("angle", "torque", "emg_sol", "emg_ta"):
+        expected = signal(browser, right, role)
+        np.testing.assert_allclose(signal(browser, wrong, role), expected, rtol=1e-6, atol=1e-12)
+
+
+def written(path, frame):
+    path.write_text("# emg: raw\n" + frame.to_csv(index=False))
+    return path
 
 
 def test_a_file_that_was_imported_is_recognised_and_names_are_unique(browser, trial) -> None:

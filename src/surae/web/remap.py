@@ -28,7 +28,7 @@ FIELDS = (
     "findings",
 )
 _UNIT = re.compile(r"\[([^\]]+)\]")
-_ADVISED = re.compile(r'unit = "([^"]+)" for')
+_ADVISED = re.compile(r'unit = "([^"]+)"')
 _FILE = "the file is needed to choose another column; drop it on the page Import again"
 
 
@@ -211,7 +211,7 @@ def _mend(
         }
     advised = _ADVISED.search(finding["advice"])
     unit = advised[1].replace("µ", "u") if advised else None
-    if code in ("torque-unit", "emg-unit") and unit in FACTORS[kind(roles[0])]:
+    if code in ("angle-units", "torque-unit", "emg-unit") and unit in FACTORS[kind(roles[0])]:
         return {"label": f"It is {advised[1] if advised else ''}",
                 "channels": {each: {"unit": unit} for each in roles}}  # fmt: skip
     return None
