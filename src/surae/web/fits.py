@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from surae.api import (
+    MODELS,
     adequacy_words,
     budget_section,
     extremes,
@@ -16,6 +17,7 @@ from surae.api import (
     trials_section,
 )
 from surae.errors import InputError
+from surae.names import AUTO
 from surae.web.draft import settings_of, shown, upgraded
 from surae.web.jobs import Kind
 from surae.web.live import plain
@@ -38,7 +40,8 @@ def submit_fit(
     """Ask for the fit that a draft describes; wrong settings are refused now, not in the job."""
     recordings = bench.draft_recordings(draft)
     check_draft(bench, draft)
-    label = f"{draft['model']} · {', '.join(recording['name'] for recording in recordings)}"
+    names = ", ".join(recording["name"] for recording in recordings)
+    label = f"{model_title(draft['model'])} · {names}"
     task = {
         "draft": draft,
         "name": name,
@@ -113,7 +116,7 @@ def keep_fit(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
     data = {
         **told,
         "name": unique_name(
-            bench.database.all("fit"), task["name"] or f"{told['model']} · {names}"
+            bench.database.all("fit"), task["name"] or f"{model_title(told['model'])} · {names}"
         ),
         "recordings": task["recordings"],
         "versions": task.get("versions", {}),
@@ -173,6 +176,11 @@ def _profile(row: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
+def model_title(name: str) -> str:
+    """What people call a model."""
+    return "automatic" if name == AUTO else MODELS[name].title
+
+
 def fit_summary(bench: "Workbench", fit: Thing) -> dict[str, Any]:
     """A fit in lists."""
     first = bench.database.get("recording", fit["recordings"][0], deleted=True)
@@ -181,6 +189,7 @@ def fit_summary(bench: "Workbench", fit: Thing) -> dict[str, Any]:
     return {
         "id": fit["id"],
         **{key: fit[key] for key in keys},
+        "title": model_title(fit["model"]),
         "created": when(fit["created"]),
         "older": _older(bench, fit),
         "subject": None if first is None else first["subject"],

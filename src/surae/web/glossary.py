@@ -1,7 +1,7 @@
 """What terms and symbols mean, for the page and for whoever points at one."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 
@@ -59,7 +59,7 @@ def symbols() -> tuple[Symbol, ...]:
     from surae.api import MODELS, OPTIONAL_PARAMETERS
 
     known: dict[str, Symbol] = {}
-    rows = [(p, spec.name) for spec in MODELS.values() for p in spec.parameters]
+    rows = [(p, spec.title) for spec in MODELS.values() for p in spec.parameters]
     for parameter, model in (*rows, *((p, "") for p in OPTIONAL_PARAMETERS)):
         before = known.get(parameter.name)
         meaning, models = parameter.meaning, (model,) if model else ()
@@ -70,7 +70,11 @@ def symbols() -> tuple[Symbol, ...]:
                 tuple(dict.fromkeys((*before.models, *models))),
             )
         known[parameter.name] = Symbol(parameter.name, meaning, parameter.unit, models)
-    return tuple(known.values())
+    every = tuple(spec.title for spec in MODELS.values())
+    return tuple(
+        replace(each, models=("every model",)) if set(each.models) == set(every) else each
+        for each in known.values()
+    )
 
 
 def meanings() -> dict[str, str]:

@@ -33,7 +33,7 @@ async function showChoice() {
               "li",
               {},
               h("label", { class: "check" }, h("input", { type: "checkbox", checked: chosen.includes(fit.id), "data-focus": fit.id, on: { change: (event) => choose(fit.id, event.target.checked) } }), fit.name),
-              h("span", { class: "muted small" }, [fit.model, `VAF ${vaf(fit.vaf)}`, when(fit.created)].join(" · ")),
+              h("span", { class: "muted small" }, [fit.title, `VAF ${vaf(fit.vaf)}`, when(fit.created)].join(" · ")),
             ),
           ),
         )
@@ -62,7 +62,7 @@ function table({ fits, parameters }) {
       h(
         "tbody",
         {},
-        h("tr", {}, h("th", { scope: "row" }, "Model"), fits.map((fit) => h("td", {}, fit.model)), h("td")),
+        h("tr", {}, h("th", { scope: "row" }, "Model"), fits.map((fit) => h("td", {}, fit.title)), h("td")),
         h("tr", {}, h("th", { scope: "row" }, "Status"), fits.map((fit) => h("td", {}, status(fit.status))), h("td")),
         h("tr", {}, h("th", { scope: "row" }, "VAF"), fits.map((fit) => h("td", {}, vaf(fit.vaf))), h("td")),
         h("tr", {}, h("th", { scope: "row" }, "IPDE"), fits.map((fit) => h("td", {}, number(fit.ipde, 3))), h("td")),

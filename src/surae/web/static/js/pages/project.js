@@ -62,7 +62,7 @@ const recordingsTable = sortable("All recordings of the project", [
 
 const fitsTable = sortable("All fits of the project", [
   { title: "Fit", value: (f) => f.name, show: (f) => h("a", { href: `/fits/${f.id}` }, f.name) },
-  { title: "Model", value: (f) => f.model, show: (f) => f.model },
+  { title: "Model", value: (f) => f.title, show: (f) => f.title },
   { title: "Subject", value: (f) => code(f.subject), show: (f) => code(f.subject) ?? "—" },
   { title: "Status", value: (f) => f.status, show: (f) => [status(f.status), older(f)] },
   { title: "VAF", numeric: true, value: (f) => f.vaf, show: (f) => vaf(f.vaf) },

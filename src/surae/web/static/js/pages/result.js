@@ -26,7 +26,7 @@ function showHead() {
   const { summary, fit } = result;
   document.title = document.title.replace(/^[^·]*/, `${summary.name} `);
   byId("name").textContent = summary.name;
-  const what = `${summary.model} · ${summary.names.join(", ")}`;
+  const what = `${summary.title} · ${summary.names.join(", ")}`;
   byId("about").textContent = [summary.name === what ? "" : what, when(summary.created)].filter(Boolean).join(" · ");
   const { grade, mark, sentence, reasons } = result.adequacy;
   byId("adequacy").className = `adequacy ${grade}`;

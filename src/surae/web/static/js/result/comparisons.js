@@ -58,7 +58,7 @@ function comparison(told) {
     h("p", {}, h("strong", {}, told.conclusion)),
     told.cautions.map((line) => h("p", { class: "note" }, line)),
     scroll("Models compared", models(told.models)),
-    told.changes.length > 0 && scroll("What changes with the tendon", changes(told.changes)),
+    told.changes.length > 0 && scroll("What changes with the tendon", changes(told)),
     h("details", {}, h("summary", {}, "How this is decided"), h("p", { class: "muted" }, told.rule)),
   );
 }
@@ -93,7 +93,8 @@ function models(rows) {
   );
 }
 
-function changes(rows) {
+function changes({ changes: rows, models: fitted }) {
+  const title = Object.fromEntries(fitted.map((one) => [one.model, one.title]));
   return h(
     "table",
     {},
@@ -107,7 +108,7 @@ function changes(rows) {
           "tr",
           {},
           h("th", { scope: "row" }, one.parameter),
-          h("td", {}, one.model),
+          h("td", {}, title[one.model]),
           num(quantity(one.rigid, one.unit, 3)),
           num(quantity(one.compliant, one.unit, 3)),
           num(one.percent === null ? NONE : `${one.percent > 0 ? "+" : ""}${number(one.percent, 2)} %`),
