@@ -19,6 +19,8 @@ def test_a_fit_is_that_of_surae_fit(browser, recorded, trial, tmp_path) -> None:
     small(browser, recorded, parameters={"beta": {"free": False, "value": 1.0}})
     job = browser.job(browser.post("/api/fits", json={"name": "mine"}))
     assert job["state"] == "done", job
+    told = browser.get(f"/api/fits/{job['result']}").json()["summary"]
+    assert told["title"] == "muscle model [1.0]"  # people read names, no ids
     kept = browser.get(f"/api/fits/{job['result']}/fit.json").json()
     surae.fit(trial, "muscle", prepared=True, starts=2, fixed={"beta": 1.0}).save(
         tmp_path / "fit.json"
