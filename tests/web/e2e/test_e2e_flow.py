@@ -72,6 +72,27 @@ def test_a_csv_becomes_a_report(desk: Desk, csv: Path) -> None:
     assert "walk-in" in text
 
 
+def test_the_trials_of_a_leg_come_in_at_once(desk: Desk, csv: Path, tmp_path: Path) -> None:
+    """One description, a recording each; those that move are chosen for the fit."""
+    head, *rows = csv.read_text().splitlines()
+    still = [head, *rows]
+    first = next(i for i, row in enumerate(still) if row[0].isdigit())
+    cells = [row.split(",") for row in still[first:]]
+    held = [",".join([t, "0.1", *rest]) for t, _, *rest in cells]
+    for name, lines in (("walk a", still), ("walk b", still), ("hold", [*still[:first], *held])):
+        (tmp_path / f"{name}.csv").write_text("\n".join(lines) + "\n")
+    page = desk.go("/import")
+    page.set_input_files("#files", sorted(tmp_path.glob("*.csv"), reverse=True))
+    page.get_by_text("each is a trial and becomes a recording").wait_for()
+    page.get_by_role("button", name="Import 3 recordings").click()
+    page.wait_for_url("**/fit")
+    recordings = desk.api("GET", "/api/recordings")["recordings"]
+    names = {one["id"]: one["name"] for one in recordings}
+    chosen = desk.api("GET", "/api/draft")["draft"]["recordings"]
+    assert [names[id_] for id_ in chosen] == ["walk b", "walk a"]
+    assert "hold" in names.values()
+
+
 def test_a_mat_file_is_mapped_by_hand(desk: Desk, mat: Path) -> None:
     page = desk.go("/import")
     page.set_input_files("#files", mat)

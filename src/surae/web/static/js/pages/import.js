@@ -3,6 +3,7 @@
 import { get, post, query, remove, upload } from "../core/api.js";
 import { button, byId, h, replace, select } from "../core/dom.js";
 import { onChanged } from "../core/events.js";
+import { change } from "../core/draft.js";
 import { bytes, seconds } from "../core/format.js";
 import { attempt, calm, complain, tell } from "../core/notice.js";
 import { latest, settled } from "../core/pace.js";
@@ -10,6 +11,7 @@ import { editSubject } from "../ui/subjects.js";
 import { ranges } from "../ui/describe.js";
 import { findingsTable } from "../ui/findings.js";
 import { emptyMapping, mappingTable } from "../ui/mapping.js";
+import { forTrial, trialsAmong } from "../ui/trials.js";
 
 const box = { upload: byId("upload-error"), inspect: byId("inspect-error"), mapping: byId("mapping-error") };
 const KEPT = "surae.import";
@@ -19,6 +21,8 @@ let included = new Set();
 const inspected = new Map();
 let mapping = emptyMapping();
 let units = { roles: [], units: {} };
+/** Files of which each is a trial of its own; empty where all are parts of one recording. */
+let trials = [];
 
 // What was chosen survives a reload, in this tab only.
 const keep = () => {
@@ -105,8 +109,10 @@ async function inspect(given = null) {
   }
   byId("upload-progress").textContent = "";
   showUploads();
-  const together = read.length > 1 ? await both() : read[0];
-  const notes = together?.notes ?? read.flatMap((one) => one.notes);
+  trials = trialsAmong(read);
+  const together = trials.length ? trials[0] : read.length > 1 ? await both() : read[0];
+  const several = trials.length > 0 && `Each file holds an angle, so each is a trial and becomes a recording, by one description: ${trials.map((one) => one.name).join(", ")}.`;
+  const notes = [several, ...(together?.notes ?? read.flatMap((one) => one.notes))].filter(Boolean);
   byId("notes").hidden = notes.length === 0;
   replace(byId("notes"), notes.map((line) => h("li", {}, line)));
   byId("mapping-card").hidden = read.length === 0;
@@ -142,7 +148,9 @@ function joined(read) {
 }
 
 async function showMapping() {
-  const files = [...inspected.values()].filter((one) => included.has(one.id) || uses(one.id));
+  const files = trials.length ? [trials[0]] : [...inspected.values()].filter((one) => included.has(one.id) || uses(one.id));
+  byId("import").textContent = trials.length ? `Import ${trials.length} recordings` : "Import this recording";
+  for (const own of ["name", "trial"]) byId(own).closest("label").hidden = trials.length > 0; // each has its own
   replace(byId("mapping"), mappingTable(mapping, files, units, changed));
   byId("name").value = mapping.name ?? "";
   byId("emg").value = mapping.emg ?? "";
@@ -177,7 +185,7 @@ const preview = latest(async () => {
     const seen = await post("/api/imports/preview", asked);
     replace(
       byId("preview"),
-      h("h3", {}, `As it will be imported: ${seconds(seen.duration_s)}`),
+      h("h3", {}, `As ${trials.length ? trials[0].name : "it"} will be imported: ${seconds(seen.duration_s)}`),
       seen.twin && h("p", { class: "note" }, "These files are in the project already, as ", h("a", { href: `/recordings/${seen.twin.id}` }, seen.twin.name), ". There, what they mean can be changed; to import them again makes a second recording."),
       ranges(seen.channels),
       findingsTable(seen.findings, null),
@@ -204,8 +212,39 @@ byId("subject").addEventListener("change", async () => {
   return keep();
 });
 
+/** Every trial by the one description; those that move and are sound are then chosen for a fit. */
+async function importTrials() {
+  const asked = body();
+  const failed = [];
+  const fit = [];
+  calm(box.mapping);
+  byId("import").disabled = true;
+  for (const one of trials) {
+    byId("upload-progress").textContent = `Importing ${one.name} …`;
+    try {
+      const own = forTrial(one, asked.mapping);
+      const made = await post("/api/imports", { ...asked, mapping: own, trial: own.name });
+      const { findings } = await get(`/api/recordings/${made.id}/quality`);
+      if (!findings.some((f) => f.code === "angle-still" || f.severity === "error")) fit.push(made.id);
+      included.delete(one.id);
+    } catch (error) {
+      failed.push(`${one.name}: ${error.message}`);
+    }
+  }
+  byId("import").disabled = false;
+  byId("upload-progress").textContent = "";
+  if (fit.length) await attempt(box.mapping, () => change({ recordings: fit }, `fit ${fit.length} trials`));
+  if (failed.length) {
+    await inspect();
+    return complain(box.mapping, new Error(failed.join("; ")));
+  }
+  sessionStorage.removeItem(KEPT);
+  location.href = fit.length ? "/fit" : "/";
+}
+
 byId("mapping-card").addEventListener("submit", async (event) => {
   event.preventDefault();
+  if (trials.length) return importTrials();
   const made = await attempt(box.mapping, () => post("/api/imports", body()), byId("import"));
   if (!made) return;
   sessionStorage.removeItem(KEPT);

@@ -1,0 +1,13 @@
+// Several files that are trials of one layout: one description serves all of them.
+
+/** The files of which each holds an angle of its own; none where they are parts of one recording. */
+export const trialsAmong = (files) => (files.length > 1 && files.every((one) => one.mapping.channels?.angle && one.columns.length) ? files : []);
+
+/** The description of one trial, as that of another says; throws where it has no such column. */
+export function forTrial(one, mapping) {
+  const channels = Object.entries(mapping.channels).map(([role, channel]) => {
+    if (!one.columns.some((column) => column.name === channel.column)) throw new Error(`it has no column ${channel.column}`);
+    return [role, { ...channel, upload: one.id }];
+  });
+  return { ...mapping, name: one.name.replace(/\.[^.]*$/, ""), channels: Object.fromEntries(channels) };
+}
