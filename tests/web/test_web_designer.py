@@ -3,6 +3,7 @@
 import io
 import time
 
+import numpy as np
 import pytest
 
 import surae
@@ -100,6 +101,44 @@ def test_a_kept_protocol_is_the_command_lines_file(browser, tmp_path) -> None:
     body = {"settings": SETTINGS, "reason": "no robot"}
     assert browser.post("/api/protocols/csv", json=body).content == kept.content
     assert browser.delete(f"/api/protocols/{made['id']}").status_code == 204
+
+
+def test_a_protocol_is_designed_in_the_browser(browser) -> None:
+    asked = {"settings": {"profile": "designed", "device": "achilles", "range": [-0.6, 0.3],
+                          "rate_hz": 64.0}, "durations": [10, 12], "evaluations": 15,
+             "aim": "mean"}  # fmt: skip
+    job = browser.job(browser.post("/api/protocols/design", json=asked))
+    assert job["state"] == "done", job
+    assert "largest error" in job["message"]
+    kept = {p["name"]: p for p in browser.get("/api/protocols").json()["protocols"]}
+    made = kept["designed 12 s mean"]
+    assert "designed 10 s mean" in kept
+    shown = browser.post("/api/protocols/preview", json={"settings": made["settings"]}).json()
+    assert shown["seconds"] == 12.0
+    assert not any(limit["exceeded"] for limit in shown["limits"])
+    told = surae.design(12.0, range=(-0.6, 0.3), rate_hz=64.0, aim="mean", evaluations=15,
+                        population="healthy", noise=0.5)  # fmt: skip
+    lines = browser.get(f"/api/protocols/{made['id']}/protocol.csv").text.splitlines()
+    angle = np.array([line.split(",")[1] for line in lines[1:]], float)
+    np.testing.assert_allclose(angle, told.trajectory.angle, atol=1e-9)
+    rows = browser.post("/api/protocols/side-by-side", json={"settings": SETTINGS}).json()
+    assert next(r for r in rows["protocols"] if r["name"] == made["name"])["seconds"] == 12.0
+    for kept_one in kept.values():
+        browser.delete(f"/api/protocols/{kept_one['id']}")
+
+
+def test_a_plan_that_breaks_the_limits_is_told_and_not_exported(browser) -> None:
+    plan = {"name": "wild", "seconds": 10.0, "origin": 0.0, "blend": 0.1,
+            "ramps": [[1.0, 1.0, 9.0]], "shakes": [], "bursts": []}  # fmt: skip
+    settings = {"profile": "designed", "device": "achilles", "plan": plan, "range": [-0.9, 0.6],
+                "limits": [-0.9, 0.6, 1e3, 1e3], "rate_hz": 64.0}  # fmt: skip
+    shown = browser.post("/api/protocols/preview", json={"settings": settings}).json()
+    assert [x for x in shown["limits"] if x["exceeded"] and "velocity" in x["text"]]
+    assert browser.post("/api/protocols/csv", json={"settings": settings}).status_code == 400
+    for broken in ({"limits": [0.6, -0.9, 1, 1]}, {"plan": {**plan, "ramps": [[1, 1, 0]]}},
+                   {"limits": [-9, 9, 1, 1]}):  # fmt: skip
+        answer = browser.post("/api/protocols/preview", json={"settings": settings | broken})
+        assert answer.status_code in (400, 422), answer.text
 
 
 @pytest.mark.slow

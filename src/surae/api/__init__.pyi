@@ -79,6 +79,7 @@ from surae.model.parameters import OPTIONAL as OPTIONAL
 from surae.model.parameters import OPTIONAL_PARAMETERS as OPTIONAL_PARAMETERS
 from surae.planning.asked import asked_limits as asked_limits
 from surae.planning.expectation import Expectation as Expectation
+from surae.planning.plan import Plan as Plan
 from surae.planning.ready import ready_protocols as ready_protocols
 from surae.protocol import DEVICES as DEVICES
 from surae.protocol import PROFILES as PROFILES

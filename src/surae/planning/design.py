@@ -4,6 +4,7 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -37,6 +38,8 @@ class Design(Comparable):
     ----------
     plan : Plan
         The protocol as ramps, perturbations and bursts.
+    limits : Limits
+        Of the movement.
     trajectory : Trajectory
         The same, sampled.
     device : Device or None
@@ -57,6 +60,7 @@ class Design(Comparable):
     """
 
     plan: Plan
+    limits: Limits
     trajectory: Trajectory
     device: Device | None
     expectation: Expectation
@@ -65,6 +69,15 @@ class Design(Comparable):
     curve: tuple[tuple[int, float, float], ...]
     seconds: float
     stopped: bool
+
+    def to_json(self) -> dict[str, Any]:
+        """As plain data: the plan, what it keeps, and what it will tell."""
+        return {
+            "plan": self.plan.to_json(),
+            "limits": list(self.limits),
+            "expectation": self.expectation.to_json(),
+            "notes": list(self.notes),
+        }
 
     def write(self, path: PathLike, *, without_limits: str | None = None) -> None:
         """Write the protocol for a device: CSV, or MATLAB where the path ends in ``.mat``.
@@ -154,6 +167,7 @@ def make_design(
         )
     return Design(
         plan=plan,
+        limits=limits,
         trajectory=trajectory,
         device=device,
         expectation=expected(trajectory, unseen, noise, known=known),

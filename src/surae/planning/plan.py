@@ -92,6 +92,29 @@ class Plan:
             }
         )
 
+    @classmethod
+    def sampled(
+        cls,
+        data: dict[str, Any],
+        limits: Sequence[float],
+        rate_hz: float,
+        device: Device | None = None,
+    ) -> Trajectory:
+        """The protocol of a plan's plain data.
+
+        Parameters
+        ----------
+        data : dict
+            As `to_json` gives it.
+        limits : sequence of float
+            Those of `Limits` that the movement keeps, in order.
+        rate_hz : float
+            Sampling rate [Hz].
+        device : Device, optional
+            Whose limits these are.
+        """
+        return cls.of(data).trajectory(Limits(*limits), rate_hz, device=device)
+
     def eased(self, part: float) -> "Plan":
         """The same with all effort times `part`."""
         return replace(self, bursts=tuple(b._replace(level=part * b.level) for b in self.bursts))

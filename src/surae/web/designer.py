@@ -1,12 +1,15 @@
 """A protocol before anybody is measured: the motion, its limits, what it covers and will tell."""
 
 import time
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from surae.api import (
     PROFILES,
+    Plan,
     Protocol,
     Trajectory,
+    allowed_range,
     asked_limits,
     expect,
     extremes,
@@ -40,6 +43,12 @@ def trajectory_of(settings: "ProtocolSettings") -> Trajectory:
         A setting is out of its range, or the device cannot do it.
     """
     device = None if settings.device is None else named_device(settings.device)
+    if settings.plan is not None:
+        limits = settings.limits or (*settings.range, 1e6, 1e6)
+        allowed_range(device, limits[:2])
+        if settings.plan.seconds * settings.rate_hz > _MOST_SAMPLES:
+            raise InputError("too many samples; use a lower rate")
+        return Plan.sampled(settings.plan.model_dump(), limits, settings.rate_hz, device)
     if settings.profile in ready_protocols():
         return ready_trajectory(settings.profile, device, settings.range, settings.rate_hz)
     made = Protocol(
@@ -122,15 +131,28 @@ def preview(
 
 
 def side_by_side(
-    settings: "ProtocolSettings", model: str, population: str, noise: float
+    settings: "ProtocolSettings",
+    model: str,
+    population: str,
+    noise: float,
+    kept: Mapping[str, "ProtocolSettings"],
 ) -> list[dict[str, Any]]:
-    """Every protocol, of the thesis and designed, with the same device, range, noise and legs."""
+    """Every protocol: of the thesis, those that come designed, and those that are kept.
+
+    The legs and the noise are the same; those that are kept move over their own range.
+    """
     rows = []
-    for name in (*ready_protocols(), *PROFILES):
-        asked = settings.model_copy(update={"profile": name, "rate_hz": 128.0, "duration": None})
-        if name in PROFILES and PROFILES[name].duration < 20.0:
-            asked = asked.model_copy(update={"task": "passive"})
-        row: dict[str, Any] = {"name": name, "designed": name in ready_protocols()}
+    short = [name for name, profile in PROFILES.items() if profile.duration < 20.0]
+    fresh = {"rate_hz": 128.0, "duration": None, "plan": None, "limits": None}
+    compared = {
+        name: settings.model_copy(
+            update={**fresh, "profile": name, **({"task": "passive"} if name in short else {})}
+        )
+        for name in (*ready_protocols(), *PROFILES)
+    } | {name: one.model_copy(update={"rate_hz": 128.0}) for name, one in kept.items()}
+    for name, asked in compared.items():
+        designed = name in ready_protocols() or asked.plan is not None
+        row: dict[str, Any] = {"name": name, "designed": designed}
         try:
             trajectory = trajectory_of(asked)
             told = expect(trajectory, model, population=population, noise=noise, legs=_LEGS)

@@ -105,6 +105,7 @@ def job_kinds(bench: "Workbench") -> dict[str, Kind]:
         "fit": Kind("fits", lambda job, end: keep_fit(bench, job, end)),
         "profile": Kind("fits", lambda job, end: keep_profile(bench, job, end)),
         "compare": Kind("fits", lambda job, end: keep_comparison(bench, job, end)),
+        "design": Kind("studies", lambda job, end: keep_designs(bench, job, end)),
         "study": Kind("studies", lambda job, end: keep_study(bench, job, end)),
     }
 
@@ -124,6 +125,20 @@ def keep_fit(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
     }
     id_ = bench.project.add("fit", data, job["id"])
     bench.changed("fits")
+    return id_
+
+
+def keep_designs(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str | None:
+    """Keep the protocols that were designed; the id of the last."""
+    id_ = None
+    for made in end["designs"]:
+        name = unique_name(bench.database.all("protocol"), made["name"], 120)
+        settings = {
+            **job["task"]["settings"], "profile": "designed", "plan": made["plan"],
+            "limits": made["limits"], "duration": None,
+        }  # fmt: skip
+        id_ = bench.database.add("protocol", {"name": name, "settings": settings})
+    bench.changed("protocols")
     return id_
 
 

@@ -122,7 +122,7 @@ class _Upload(_Row):
 
 
 class _Job(_Row):
-    kind: Literal["fit", "profile", "compare", "study"]
+    kind: Literal["fit", "profile", "compare", "study", "design"]
     label: str
     state: Literal["queued", "running", "done", "failed", "cancelled", "interrupted"]
     session: str

@@ -24,6 +24,8 @@ Named = Annotated[
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,39}$")]
 Number = Annotated[float, Field(allow_inf_nan=False, ge=-1e12, le=1e12)]
 Positive = Annotated[float, Field(allow_inf_nan=False, gt=0, le=1e12)]
+Part = Annotated[float, Field(allow_inf_nan=False, ge=0, le=1)]
+Above = Annotated[float, Field(allow_inf_nan=False, gt=0, le=1e6)]
 Seconds = Annotated[float, Field(allow_inf_nan=False, ge=-1e9, le=1e9)]
 Count = Annotated[float, Field(ge=0, le=1e6, allow_inf_nan=False)]
 Points = Annotated[int, Field(ge=10, le=2000)]
@@ -271,8 +273,20 @@ class ValidateGiven(Strict):
     recordings: Annotated[list[Id], Field(min_length=1, max_length=50)]
 
 
+class ProtocolPlan(Strict):
+    """A protocol that was designed, and the limits of its movement, see `surae.planning.plan`."""
+
+    name: Annotated[str, StringConstraints(max_length=120)]
+    seconds: Annotated[float, Field(gt=0, le=600, allow_inf_nan=False)]
+    origin: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
+    blend: Annotated[float, Field(gt=0, le=600, allow_inf_nan=False)]
+    ramps: Annotated[list[tuple[Seconds, Part, Above]], Field(max_length=1000)]
+    shakes: Annotated[list[tuple[Seconds, Above, Above, Above, Above]], Field(max_length=1000)]
+    bursts: Annotated[list[tuple[Seconds, Above, Part, Literal[0, 1]]], Field(max_length=1000)]
+
+
 class ProtocolSettings(Strict):
-    """Settings of a measurement protocol, see `surae.protocol.Protocol`."""
+    """Settings of a protocol, see `surae.protocol.Protocol`; or, with a plan, a designed one."""
 
     profile: Annotated[str, StringConstraints(max_length=40)]
     task: Annotated[str, StringConstraints(max_length=40)] = "part-passive"
@@ -283,6 +297,24 @@ class ProtocolSettings(Strict):
     rate_hz: Annotated[float, Field(gt=0, le=2000, allow_inf_nan=False)] = 256.0
     device: Annotated[str, StringConstraints(max_length=40)] | None = None
     adapt: bool = True
+    plan: ProtocolPlan | None = None
+    limits: tuple[Number, Number, Above, Above] | None = None
+
+
+class ProtocolDesign(Strict):
+    """A protocol to design: for whom, within what, and how long; one for each duration."""
+
+    settings: ProtocolSettings
+    durations: Annotated[
+        list[Annotated[float, Field(ge=5, le=180, allow_inf_nan=False)]],
+        Field(min_length=1, max_length=6),
+    ]
+    model: Model = "muscle"
+    population: Population = "healthy"
+    noise: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] = 0.5
+    aim: Annotated[str, StringConstraints(min_length=1, max_length=200)] = "worst"
+    effort: Literal["levels", "none"] = "levels"
+    evaluations: Annotated[int, Field(ge=1, le=50_000)] = 4000
 
 
 class ProtocolPreview(Strict):

@@ -156,6 +156,40 @@ def study(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     return {"message": f"{finished.fits} fits, all there", "interrupted": False}
 
 
+def design(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
+    """Search a protocol of each duration; what was found when it is stopped is kept."""
+    from surae import api
+
+    settings, designs, total = task["settings"], list[dict[str, Any]](), task["evaluations"]
+    last, stopped = 0.0, False
+    for k, seconds in enumerate(task["durations"]):
+
+        def told(done: int, of: int, best: float, k: int = k) -> None:
+            nonlocal last
+            del of, best
+            if time.monotonic() - last > 0.2:
+                last = time.monotonic()
+                tell({"done": k * total + done, "total": total * len(task["durations"])})
+
+        with _compiling(tell):
+            made = api.design(
+                seconds, device=settings["device"], range=tuple(settings["range"]),
+                rate_hz=settings["rate_hz"], evaluations=total, progress=told,
+                **{key: task[key] for key in ("model", "population", "noise", "aim", "effort")},
+            )  # fmt: skip
+        designs.append({"name": f"designed {seconds:g} s {task['aim']}", **made.to_json()})
+        stopped = made.stopped
+        if stopped:
+            break
+    found = designs[-1]["expectation"]
+    worst = "unknown" if found["worst"] is None else f"{100 * found['worst']:.2g} %"
+    return {
+        "message": f"largest error {worst} ({found['weakest']})",
+        "interrupted": stopped,
+        "designs": designs,
+    }
+
+
 def report(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Write a fit's report, or, in a language, its page for clinicians."""
     del tell
@@ -235,6 +269,7 @@ TASKS: dict[str, Callable[[Mapping[str, Any], Tell], dict[str, Any]]] = {
     "fit": fit,
     "profile": profile,
     "compare": compare,
+    "design": design,
     "study": study,
     "report": report,
     "warm": warm,

@@ -7,12 +7,26 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Response
 
-from surae.api import DEVICES, PROFILES, TASKS, ready_protocols, write_protocol_csv
+from surae.api import (
+    DEVICES,
+    PROFILES,
+    TASKS,
+    allowed_range,
+    named_device,
+    ready_protocols,
+    write_protocol_csv,
+)
 from surae.web.designer import for_export, preview, side_by_side, trajectory_of
 from surae.web.project import when
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId, Responses, attachment
 from surae.web.rows import Thing
-from surae.web.schemas import ProtocolFile, ProtocolGiven, ProtocolPreview, ProtocolSettings
+from surae.web.schemas import (
+    ProtocolDesign,
+    ProtocolFile,
+    ProtocolGiven,
+    ProtocolPreview,
+    ProtocolSettings,
+)
 
 router = APIRouter(prefix="/api/protocols", responses=ERRORS, tags=["protocols"])
 
@@ -54,10 +68,25 @@ def post_preview(given: ProtocolPreview) -> dict[str, Any]:
 
 
 @router.post("/side-by-side")
-def post_side_by_side(given: ProtocolPreview) -> dict[str, Any]:
+def post_side_by_side(given: ProtocolPreview, bench: Bench) -> dict[str, Any]:
     """What every protocol, of the thesis and designed, will tell of the same legs."""
-    rows = side_by_side(given.settings, given.model, given.population, given.noise)
+    kept = {
+        thing["name"]: ProtocolSettings(**thing["settings"])
+        for thing in bench.database.all("protocol")
+    }
+    rows = side_by_side(given.settings, given.model, given.population, given.noise, kept)
     return {"protocols": rows}
+
+
+@router.post("/design", status_code=202)
+def post_design(given: ProtocolDesign, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Search a protocol of each duration; the answer is the job, which keeps them."""
+    device = None if given.settings.device is None else named_device(given.settings.device)
+    allowed_range(device, given.settings.range)
+    lengths = ", ".join(f"{seconds:g}" for seconds in given.durations)
+    task = given.model_dump(mode="json")
+    job = bench.jobs.submit("design", f"design of {lengths} s", browser, task, None)
+    return bench.jobs.shown(job, browser)
 
 
 @router.post("/csv", response_class=Response, responses=_CSV)

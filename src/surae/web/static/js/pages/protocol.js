@@ -7,9 +7,11 @@ import { EMG_SHORT, number, percent, quantity, seconds, when } from "../core/for
 import { attempt, calm, complain, tell } from "../core/notice.js";
 import { latest, settled } from "../core/pace.js";
 import { onTheme } from "../plot/colours.js";
+import { frontPlot } from "../plot/front.js";
 import { density } from "../plot/heat.js";
 import { lines } from "../plot/lines.js";
 import { ask } from "../ui/dialog.js";
+import { active, cancel, follow, progressText } from "../ui/jobs.js";
 import { verdict } from "../ui/marks.js";
 import { sortable } from "../ui/table.js";
 
@@ -18,6 +20,8 @@ const NUMBERS = ["chirp_amplitude", "chirp_rate", "rate_hz"];
 const START = { settings: { profile: "multi-sine-holds", task: "part-passive", chirp_amplitude: 0.2, chirp_rate: 0.159, range: [-0.9, 0.6], duration: null, rate_hz: 125, device: "achilles", adapt: true }, model: "muscle", population: "healthy", noise: 0.5 };
 const box = byId("error");
 let choices = null;
+/** A kept design that is shown: its plan and limits go with the settings. */
+let kept = null;
 
 const plots = [
   lines({ title: "Angle, dorsiflexion positive", unit: "°", height: 170, series: [{ label: "angle", colour: "series-1" }] }, { sync: "protocol", bottom: false }),
@@ -29,7 +33,8 @@ onTheme(() => plots.forEach((plot) => plot.redraw()));
 
 function told() {
   const settings = {
-    profile: byId("profile").value,
+    profile: kept ? "designed" : byId("profile").value,
+    ...(kept ?? {}),
     task: byId("task").value,
     device: byId("device").value || null,
     range: [Number(byId("low").value), Number(byId("high").value)],
@@ -41,6 +46,8 @@ function told() {
 }
 
 function fill({ settings, model, population, noise }) {
+  kept = settings.plan ? { plan: settings.plan, limits: settings.limits } : null;
+  showKept();
   for (const key of ["profile", "task", ...NUMBERS]) byId(key).value = settings[key];
   byId("device").value = settings.device ?? "";
   [byId("low").value, byId("high").value] = settings.range;
@@ -49,6 +56,19 @@ function fill({ settings, model, population, noise }) {
   if (model) byId("model").value = model;
   if (population) byId("population").value = population;
   if (noise) byId("noise").value = noise;
+  slide();
+}
+
+/** A designed protocol is an option of its own while it is shown. */
+function showKept() {
+  byId("profile").querySelector("[value=designed]")?.remove();
+  if (kept) byId("profile").append(option("designed", kept.plan.name));
+}
+
+/** Sliders stand where the numbers are. */
+function slide() {
+  byId("noise-slide").value = Math.log10(Number(byId("noise").value) || 0.5);
+  byId("duration-slide").value = byId("duration").value || Number(byId("durations").value.split(",")[0]) || 35;
 }
 
 const preview = latest(async () => {
@@ -134,7 +154,7 @@ function predicted(table) {
 const savedTable = sortable("Protocols of this project", [
   { title: "Name", value: (p) => p.name, show: (p) => p.name },
   { title: "Profile", value: (p) => p.settings.profile, show: (p) => p.settings.profile },
-  { title: "Chirp", value: (p) => p.settings.chirp_amplitude, show: (p) => `${number(p.settings.chirp_amplitude, 3)} rad, ${number(p.settings.chirp_rate, 3)} Hz/s` },
+  { title: "Chirp", value: (p) => p.settings.chirp_amplitude, show: (p) => p.settings.plan ? "—" : `${number(p.settings.chirp_amplitude, 3)} rad, ${number(p.settings.chirp_rate, 3)} Hz/s` },
   { title: "Device", value: (p) => p.settings.device, show: (p) => p.settings.device ?? "none" },
   { title: "Saved", value: (p) => p.created, show: (p) => when(p.created) },
   {
@@ -168,6 +188,11 @@ byId("compare").addEventListener("click", () =>
 );
 
 function beside(rows) {
+  const known = rows.filter((row) => !row.refused);
+  return h("div", {}, frontPlot(known), h("p", { class: "muted small" }, "Circles are designed protocols, squares the others; the line joins those that no shorter one beats."), besideTable(rows));
+}
+
+function besideTable(rows) {
   const head = ["Protocol", "Length", "Largest error", "Geometric mean", "Identified", "Limits"];
   const cells = (row) =>
     row.refused
@@ -209,6 +234,51 @@ byId("save").addEventListener("click", async () => {
 });
 onChanged(["protocols"], () => attempt(box, showSaved));
 
+byId("noise-slide").addEventListener("input", () => (byId("noise").value = Number((10 ** Number(byId("noise-slide").value)).toPrecision(2))));
+byId("duration-slide").addEventListener("input", () => {
+  const value = byId("duration-slide").value;
+  byId("durations").value = value;
+  if (choices.profiles.some((one) => one.name === byId("profile").value && !one.designed)) byId("duration").value = value;
+});
+byId("noise").addEventListener("input", slide);
+byId("duration").addEventListener("input", slide);
+byId("profile").addEventListener("input", () => {
+  if (byId("profile").value !== "designed") kept = null;
+  showKept();
+});
+byId("population").addEventListener("input", () => {
+  if (byId("population").value !== "patient") return;
+  byId("low").value = byId("high").value = "";
+  byId("said").textContent = "A patient's range is not that of a healthy leg: measure it, and give it.";
+  byId("low").focus();
+});
+
+let searching = null;
+function watch(job) {
+  searching = job.id;
+  byId("search").disabled = true;
+  byId("stop").hidden = false;
+  follow(job.id, {
+    state: (now) => now.state === "queued" && (byId("search-said").textContent = "Waiting for another job …"),
+    progress: (now) => (byId("search-said").textContent = progressText(now, "Plans judged")),
+    end: (now) => {
+      searching = null;
+      byId("search").disabled = false;
+      byId("stop").hidden = true;
+      byId("search-said").textContent = `${now.state === "cancelled" ? "Stopped" : now.state === "done" ? "Done" : now.state}: ${now.message}. Kept below under Saved protocols; Compare all protocols shows the front.`;
+    },
+  });
+}
+byId("stop").addEventListener("click", () => searching && attempt(box, () => cancel(searching), byId("stop")));
+byId("search").addEventListener("click", () => {
+  if (!byId("settings").reportValidity()) return;
+  attempt(box, async () => {
+    const { settings, model, population, noise } = told();
+    const durations = byId("durations").value.split(",").map(Number).filter((value) => value > 0);
+    watch(await post("/api/protocols/design", { settings: { ...settings, profile: "designed", plan: null, limits: null }, model, population, noise, durations, aim: byId("aim").value.trim(), effort: byId("effort").value, evaluations: Number(byId("evaluations").value) }));
+  });
+});
+
 const option = (value, text = value) => h("option", { value }, text);
 attempt(box, async () => {
   const [known, { models }] = await Promise.all([get("/api/protocols/choices"), get("/api/models")]);
@@ -219,5 +289,7 @@ attempt(box, async () => {
   replace(byId("population"), known.populations.map((one) => option(one.name ?? one)));
   replace(byId("model"), models.map((one) => option(one.name, one.title)));
   fill(JSON.parse(localStorage.getItem(KEPT) ?? "null") ?? START);
+  const [job] = await active("design");
+  if (job) watch(job);
   await Promise.all([preview(), showSaved()]);
 });
