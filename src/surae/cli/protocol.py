@@ -18,7 +18,7 @@ Command = Callable[..., Any]
 
 #: Every profile, task and device by name; written out, since help must not import what knows them.
 PROFILE_NAMES = "ramp-and-hold, sine, multiple-holds, multi-sine, multi-sine-holds or scaled-chirp"
-READY_NAMES = "compliant-35, everything-35, passive-20 or relaxed-35"
+READY_NAMES = "compliant-35, everything-35, passive-20, relaxed-35 or tendon-60"
 TASK_NAMES = "part-passive|active|passive"
 DEVICE_NAMES = "achilles"
 #: More samples than this, ten minutes at 2 kHz, are a slip of the keyboard.
@@ -139,7 +139,8 @@ def command(
             )
         with compilation_notice():
             trajectory = ready_trajectory(name, limits, angles, rate_hz)
-        table = [f"{name}: {ready_protocols()[name].description}"]
+        ready = ready_protocols()[name]
+        table, model = [f"{name}: {ready.description}"], ready.model
     else:
         settings = Protocol(
             profile=name,
@@ -159,14 +160,14 @@ def command(
                 f"{longest:g} s at that rate"
             )
         trajectory = generate(settings)
-        table = _table(settings, trajectory, triceps_path(trajectory))
+        table, model = _table(settings, trajectory, triceps_path(trajectory)), "muscle"
     write_protocol(trajectory, output, without_limits=without_limits)
     if figure is not None:
         from surae.api import protocol_figure, write_figure
 
         write_figure(figure, protocol_figure(trajectory))
     with compilation_notice():
-        asked = asked_limits(trajectory)
+        asked = asked_limits(trajectory, model)
     for line in (*table, *(limit.text for limit in asked), f"protocol: {shown(output)}"):
         show_line(line)
     if figure is not None:

@@ -32,20 +32,24 @@ class AskedLimit:
     exceeded: bool
 
 
-def asked_limits(trajectory: Trajectory) -> tuple[AskedLimit, ...]:
+def asked_limits(
+    trajectory: Trajectory, model: str = "muscle", population: str | None = None
+) -> tuple[AskedLimit, ...]:
     """Every known limit of the trajectory's device, and what the trial asks of it.
 
     Parameters
     ----------
     trajectory : Trajectory
         The trial; its torque is that of twenty virtual legs.
+    model, population : str
+        Theirs: those that the trial was made for. Tendons that give way ask less of a device.
     """
     device = trajectory.settings.device
     if device is None:
         return ()
     torque = 0.0
     if device.max_torque is not None:
-        legs = population_legs("muscle", None, _LEGS)
+        legs = population_legs(model, population, _LEGS)
         inputs = model_inputs(trajectory, legs)
         simulator = legs.spec.simulator(inputs, legs.options)
         felt = np.array([simulator.torque(values) for values in legs.values])

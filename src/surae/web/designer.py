@@ -23,7 +23,7 @@ from surae.errors import InputError
 from surae.web.live import plain
 
 if TYPE_CHECKING:
-    from surae.web.schemas import ProtocolSettings
+    from surae.web.schemas import ProtocolPlan, ProtocolSettings
 
 _POINTS = 2000
 #: More samples than this, ten minutes at 2 kHz, are a slip of the keyboard.
@@ -48,7 +48,7 @@ def trajectory_of(settings: "ProtocolSettings") -> Trajectory:
         allowed_range(device, limits[:2])
         if settings.plan.seconds * settings.rate_hz > _MOST_SAMPLES:
             raise InputError("too many samples; use a lower rate")
-        return Plan.sampled(settings.plan.model_dump(), limits, settings.rate_hz, device)
+        return Plan.sampled(_plain(settings.plan), limits, settings.rate_hz, device)
     if settings.profile in ready_protocols():
         return ready_trajectory(settings.profile, device, settings.range, settings.rate_hz)
     made = Protocol(
@@ -79,18 +79,29 @@ def for_export(settings: "ProtocolSettings", reason: str) -> Trajectory:
         There is no device, or one of its limits is exceeded, and no reason is given.
     """
     trajectory = trajectory_of(settings)
-    exceeded = [limit for limit in limits(trajectory) if limit["exceeded"]]
+    exceeded = [limit for limit in limits(settings, trajectory) if limit["exceeded"]]
     if exceeded and not reason.strip():
         told = "; ".join(limit["text"] for limit in exceeded)
         raise InputError(f"{told}; nothing is exported without a reason: type it, or change this")
     return trajectory
 
 
-def limits(trajectory: Trajectory) -> list[dict[str, Any]]:
-    """Every limit of the device, whether it is exceeded, and by how much in words."""
+def limits(settings: "ProtocolSettings", trajectory: Trajectory) -> list[dict[str, Any]]:
+    """Every limit of the device, whether it is exceeded by those it is for, and by how much."""
     if trajectory.settings.device is None:
         return [{"text": "No device: no limit is kept", "exceeded": True}]
-    return [{"text": limit.text, "exceeded": limit.exceeded} for limit in asked_limits(trajectory)]
+    model, population = "muscle", None
+    if settings.plan is not None:
+        model, population = settings.plan.model, settings.plan.population
+    elif settings.profile in ready_protocols():
+        model = ready_protocols()[settings.profile].model
+    asked = asked_limits(trajectory, model, population)
+    return [{"text": limit.text, "exceeded": limit.exceeded} for limit in asked]
+
+
+def _plain(plan: "ProtocolPlan") -> dict[str, Any]:
+    """The plan, without whom it is for."""
+    return plan.model_dump(exclude={"model", "population"})
 
 
 def preview(
@@ -115,7 +126,7 @@ def preview(
         "effort": [plain(trajectory.effort[shown, i]) for i in range(4)],
         "seconds": float(trajectory.time[-1]),
         "samples": len(trajectory.time),
-        "limits": limits(trajectory),
+        "limits": limits(settings, trajectory),
         "adaptation": None if adaptation is None else list(adaptation.steps),
         "coverage": {
             "share": path.coverage.share,
@@ -168,7 +179,7 @@ def side_by_side(
                 "geometric_mean": told.geometric_mean,
                 "identified": told.identified,
                 "of": len(told.parameters),
-                "exceeded": [x["text"] for x in limits(trajectory) if x["exceeded"]],
+                "exceeded": [x["text"] for x in limits(asked, trajectory) if x["exceeded"]],
             }
         )
     return rows

@@ -134,7 +134,8 @@ def keep_designs(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str 
     for made in end["designs"]:
         name = unique_name(bench.database.all("protocol"), made["name"], 120)
         settings = {
-            **job["task"]["settings"], "profile": "designed", "plan": made["plan"],
+            **job["task"]["settings"], "profile": "designed",
+            "plan": {**made["plan"], **{key: job["task"][key] for key in ("model", "population")}},
             "limits": made["limits"], "duration": None,
         }  # fmt: skip
         id_ = bench.database.add("protocol", {"name": name, "settings": settings})

@@ -283,6 +283,8 @@ class ProtocolPlan(Strict):
     ramps: Annotated[list[tuple[Seconds, Part, Above]], Field(max_length=1000)]
     shakes: Annotated[list[tuple[Seconds, Above, Above, Above, Above]], Field(max_length=1000)]
     bursts: Annotated[list[tuple[Seconds, Above, Part, Literal[0, 1]]], Field(max_length=1000)]
+    model: Model = "muscle"
+    population: Population | None = None
 
 
 class ProtocolSettings(Strict):
