@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import surae
+from surae.api.expecting import ready_trajectory
 from surae.errors import InputError
 from surae.planning.legs import population_legs
 from surae.protocol import Protocol, generate, named_device, read_protocol, write_protocol_csv
@@ -65,6 +66,14 @@ def test_errors_of_fits_are_those_expected(tmp_path) -> None:
 def test_errors_of_thirty_fits_are_within_15_percent(tmp_path, name) -> None:
     legs = [(100 + seed, ("healthy", "patient")[seed % 2]) for seed in range(30)]
     errors, said = fitted_errors(motion(profile=name, duration=35.0), legs, tmp_path)
+    assert np.sqrt(np.mean((errors / said) ** 2)) == pytest.approx(1.0, abs=0.15)
+
+
+@pytest.mark.slow
+def test_errors_of_thirty_fits_of_a_designed_protocol_are_within_15_percent(tmp_path) -> None:
+    designed = ready_trajectory("everything-35", named_device("achilles"), (-0.9, 0.6), RATE)
+    legs = [(100 + seed, ("healthy", "patient")[seed % 2]) for seed in range(30)]
+    errors, said = fitted_errors(designed, legs, tmp_path)
     assert np.sqrt(np.mean((errors / said) ** 2)) == pytest.approx(1.0, abs=0.15)
 
 

@@ -77,7 +77,7 @@ def budget_section(result: FitResult, assessment: Assessment) -> BudgetSection:
             "The intervals of this fit contain the noise of the torque and nothing else: what the "
             "laboratory cannot rule out, and other models, are not in them. A fit with model auto "
             "says what they add.",
-            (), (), (), (), "",
+            (), (), (), what_to_measure(assessment), "",
         )  # fmt: skip
     met = {source for p in known.values() for source in p.budget if p.budget[source] >= _SHOWN}
     keys = [source for source in SOURCES if source in met]
@@ -99,7 +99,7 @@ def budget_section(result: FitResult, assessment: Assessment) -> BudgetSection:
         keys=tuple(keys),
         sources=tuple(SOURCES.get(key, key.replace("_", " ")) for key in keys),
         rows=tuple(rows),
-        helps=what_would_help(result, assessment),
+        helps=(*what_would_help(result, assessment), *what_to_measure(assessment)),
         alt=(
             f"Stacked bars of the shares of the variance of {len(rows)} parameters; the largest "
             f"share of {first.count(main)} of them is {SOURCES.get(main, main)}."
@@ -132,6 +132,20 @@ def what_would_help(result: FitResult, assessment: Assessment) -> tuple[str, ...
                 gains.setdefault(source, []).append((part, text))
     ranked = sorted(gains.items(), key=lambda gain: -sum(1.0 - part for part, _ in gain[1]))
     return tuple(_sentence(REMEDIES[source], sorted(narrowed)) for source, narrowed in ranked)
+
+
+def what_to_measure(assessment: Assessment) -> tuple[str, ...]:
+    """How to find the trial that adds most to what is weak; nothing where that would not help."""
+    weak = [
+        p.name for p in assessment.parameters.values()
+        if p.free and p.verdict in (Verdict.WEAK, Verdict.UNDETERMINED)
+    ]  # fmt: skip
+    if not weak or assessment.adequacy.grade is Grade.INADEQUATE:
+        return ()
+    return (
+        f"The trial that adds most to {', '.join(weak)} is found by surae design --after FIT.json "
+        "--output next.csv, or among the ready ones by surae.measure_next(fit).",
+    )
 
 
 def _sentence(remedy: str, narrowed: list[tuple[float, str]]) -> str:

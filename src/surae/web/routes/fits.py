@@ -116,6 +116,14 @@ def get_traces(
     return fit_traces(bench.fit(id), recording, start, end, points)
 
 
+@router.get("/fits/{id}/next")
+def get_next(id: PathId, bench: Bench) -> dict[str, Any]:
+    """The ready trial that adds most to what is weak, in words and numbers."""
+    from surae.api import measure_next
+
+    return measure_next(bench.fit(id)).to_json()
+
+
 @router.post("/fits/{id}/profile", status_code=202)
 def post_profile(id: PathId, given: ProfileGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Ask for profiles of its parameters; the answer is their job."""

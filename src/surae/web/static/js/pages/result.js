@@ -60,7 +60,7 @@ async function read() {
   result = await get(`/api/fits/${id}`);
   showHead();
   replace(byId("parameter-table"), estimates(result));
-  showUnsure(result);
+  showUnsure(result, id);
   showCorrelations(result);
   showDetails(result);
 }

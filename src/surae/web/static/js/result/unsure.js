@@ -1,10 +1,11 @@
 // What makes each parameter unsure, what the laboratory may have wrong, and which models were weighed.
 
-import { byId, h, replace, scroll } from "../core/dom.js";
+import { get } from "../core/api.js";
+import { button, byId, h, replace, scroll } from "../core/dom.js";
 import { meant } from "../ui/marks.js";
 
-export function showUnsure({ budget, laboratory, family, trials }) {
-  replace(byId("budget"), h("p", {}, budget.text), helps(budget.helps), budget.rows.length > 0 && [legend(budget), bars(budget), shares(budget)]);
+export function showUnsure({ budget, laboratory, family, trials }, id) {
+  replace(byId("budget"), h("p", {}, budget.text), helps(budget.helps), budget.helps.length > 0 && measureNext(id), budget.rows.length > 0 && [legend(budget), bars(budget), shares(budget)]);
   card("laboratory", laboratory, "The laboratory’s imperfections", () => [
     laboratory.rows.length > 0 && [
       h("p", { class: "muted small" }, `${laboratory.groups.map((pair) => pair.join(": ")).join("; ")}.`),
@@ -25,6 +26,21 @@ function card(id, section, title, rest) {
 }
 
 const helps = (sentences) => sentences.length > 0 && h("div", {}, h("h3", {}, "What would help"), h("ul", {}, sentences.map((text) => h("li", {}, text))));
+
+/** Which ready trial adds most, worked out when it is asked for. */
+function measureNext(id) {
+  const said = h("div", { role: "status", "aria-live": "polite" });
+  const ask = button("Measure next", async () => {
+    replace(said, h("p", { class: "muted" }, "Working it out …"));
+    try {
+      const { sentences } = await get(`/api/fits/${id}/next`);
+      replace(said, sentences.map((text) => h("p", {}, text)));
+    } catch (error) {
+      replace(said, h("p", { class: "alert" }, error.message));
+    }
+  });
+  return h("div", {}, h("div", { class: "button-row" }, ask), said);
+}
 
 const legend = ({ keys, sources }) =>
   h("ul", { class: "key-list", "aria-label": "Sources" }, sources.map((text, i) => h("li", {}, h("span", { class: `swatch source-${keys[i]}` }), text)));
