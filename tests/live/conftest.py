@@ -6,7 +6,7 @@ import signal
 import pytest
 
 #: What a test of live streams may take at most [s]: nothing hangs where a stream does not come.
-LIMIT, SLOW_LIMIT = 120, 600
+LIMIT, SLOW_LIMIT = 300, 900
 
 
 @pytest.hookimpl(wrapper=True)

@@ -137,7 +137,7 @@ def rehearsing(folder: Path, *arguments: str) -> Iterator[subprocess.Popen]:
         made.communicate(timeout=20.0)
 
 
-def rehearsed(folder: Path, *arguments: str, limit: float = 100.0) -> tuple[list[dict], str]:
+def rehearsed(folder: Path, *arguments: str, limit: float = 270.0) -> tuple[list[dict], str]:
     """An unattended rehearsal: what it says of each trial, and of what it began with."""
     with rehearsing(folder, "--unattended", *arguments) as process:
         told, wrong = process.communicate(timeout=limit)

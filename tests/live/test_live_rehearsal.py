@@ -1,6 +1,7 @@
 """A rehearsal without a person: real streams of a process of its own, recorded and judged."""
 
 import json
+import re
 import signal
 
 import pytest
@@ -42,6 +43,7 @@ def test_a_trial_is_recorded_and_an_electrode_that_fell_off_is_named(made) -> No
     assert "electrode-off" in line["findings"]
     assert line["verdict"] == "repeat"
     assert "soleus" in line["advice"]
+    assert re.search(r"come off at [34] s", line["advice"]), line["advice"]  # as asked: at 3 s
     recording = read(line["recording"])
     assert set(recording.channels) == ROLES
     angle = recording.channels["angle"]

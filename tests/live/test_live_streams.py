@@ -16,6 +16,7 @@ from surae.live.recorder import Recorder
 from surae.live.showing import Showing
 from surae.live.target import Target
 from surae.live.trials import Trials, silent
+from surae.recording import MUSCLES
 
 
 @pytest.fixture(scope="module")
@@ -138,6 +139,29 @@ def test_what_is_irregular_is_shown_as_what_is_regular(rate) -> None:
         level = 1e-3 if i > 50 else 1e-5
         showing.show(stream, times, level * rng.standard_normal((20, 1)))
     assert showing.efforts()[2] > 0.8
+
+
+def test_crosstalk_of_a_muscle_that_has_not_worked_yet_is_no_effort_of_it() -> None:
+    showing = Showing(silent)
+    showing.roles = {f"EMG: {m}": (f"emg_{m}", 1.0, 0.0) for m in MUSCLES}
+    stream = Stream(2, "EMG", "EMG", "here", list(MUSCLES), ["V"] * 4, 1000.0, False, "")
+    rng = np.random.default_rng(1)
+
+    def works(levels: dict[str, float]) -> list[float]:
+        for i in range(50):
+            times = 5.0 + (np.arange(20) + 20 * i) / 1000.0
+            scale = np.array([levels.get(m, 2e-6) for m in MUSCLES])
+            showing.show(stream, times, scale * rng.standard_normal((20, 4)))
+        return showing.efforts()
+
+    works({})
+    tibialis, *triceps = works({"ta": 4e-5, "gl": 1e-3, "sol": 1e-3, "gm": 8e-4})
+    assert tibialis < 0.25
+    assert min(triceps) > 0.7
+    works({})
+    tibialis, *triceps = works({"ta": 6e-4, "gl": 3e-5, "sol": 3e-5, "gm": 3e-5})
+    assert tibialis > 0.8
+    assert max(triceps) < 0.1
 
 
 def test_the_network_is_asked_for_once_and_for_all(monkeypatch) -> None:

@@ -86,7 +86,7 @@ def judge(
     target : str, optional
         The file of what was asked for.
     begin : float
-        When it began, from the first sample of the recording [s].
+        When what was asked for began, from the first sample [s]: the recording's time 0.
 
     Returns
     -------
@@ -94,10 +94,16 @@ def judge(
         findings, use, grade, vaf, reasons, verdict, advice; None for what there is not, with `why`.
     """
     recording = replace(read(file, mapping=mapping), name=Path(output).stem)
+    if begin:  # times are those that the operator saw: from where the target began
+        recording = replace(
+            recording,
+            channels={
+                role: replace(channel, time=read_only(channel.time - begin))
+                for role, channel in recording.channels.items()
+            },
+        )
     write_hdf5(output, recording)
     asked = None if target is None else commanded_file(target)
-    if asked is not None:
-        asked = replace(asked, time=read_only(asked.time + begin))
     quality = api.check(recording, commanded=asked)
     trial = _session([recording, *earlier], efforts)[recording.name]
     if not trial.moves:

@@ -16,6 +16,8 @@ from surae.units import FACTORS, SI, FloatArray, kind, plain
 
 #: Frames per second, and how the envelope of an EMG is smoothed [s].
 RATE, _SMOOTH, _DRIFT = 30.0, 0.15, 0.05
+#: A muscle's largest EMG is at least this part of the strongest muscle's.
+_CROSSTALK = 0.25
 
 #: Column → role and the factor and offset that bring it to SI.
 Roles = Mapping[str, tuple[str, float, float]]
@@ -81,15 +83,23 @@ class Showing:
             self._newest = max(self._newest, float(times[-1]))
 
     def efforts(self) -> list[float]:
-        """Effort of the four muscles as a part of the largest so far, 0 to 1."""
-        efforts = []
-        for muscle in MUSCLES:
-            role = f"emg_{muscle}"
-            rest, largest = self._rests.get(role, 0.0), self._largest.get(role, 0.0)
-            span = largest - rest
-            level = self._levels.get(role, 0.0)
-            efforts.append(min(max((level - rest) / span, 0.0), 1.0) if span > 0 else 0.0)
-        return efforts
+        """Effort of the four muscles as a part of the largest so far, 0 to 1.
+
+        Of a muscle that has not worked yet the largest is its neighbours' crosstalk: it counts as a
+        quarter of the strongest muscle's at least.
+        """
+        roles = [f"emg_{muscle}" for muscle in MUSCLES]
+        rests = [self._rests.get(role, 0.0) for role in roles]
+        spans = [
+            self._largest.get(role, 0.0) - rest for role, rest in zip(roles, rests, strict=True)
+        ]
+        least = _CROSSTALK * max(spans)
+        return [
+            min(max((self._levels.get(role, 0.0) - rest) / max(span, least), 0.0), 1.0)
+            if least > 0
+            else 0.0
+            for role, rest, span in zip(roles, rests, spans, strict=True)
+        ]
 
     def forget(self) -> None:
         """Begin again with what the largest effort is."""

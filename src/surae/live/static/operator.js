@@ -161,7 +161,7 @@ function showStreams() {
     ...state.streams.map((stream) => {
       const [kind, word] = told[stream.state];
       const rate = stream.measured_hz === null ? "" : `${stream.measured_hz.toFixed(0)} of ${stream.rate_hz.toFixed(0)} Hz`;
-      const clock = stream.offset_ms === null ? "" : `, clock ${stream.offset_ms.toFixed(1)} ms`;
+      const clock = stream.offset_ms === null ? "" : `, clock ${(Math.round(10 * stream.offset_ms) / 10 + 0).toFixed(1)} ms`;
       const wrong = [
         stream.gaps ? `${stream.gaps} gaps` : "",
         stream.losses ? `lost ${stream.losses} times` : "",
@@ -322,6 +322,7 @@ const next = () => tried(async () => {
 byId("start").addEventListener("click", startStop);
 byId("mark").addEventListener("click", mark);
 byId("repeat").addEventListener("click", again);
+byId("forget").addEventListener("click", () => tried(() => act("forget")));
 byId("sound").addEventListener("click", () => {
   sound = !sound;
   byId("sound").textContent = sound ? "Sound on" : "Sound off";
