@@ -11,8 +11,8 @@ import surae
 from surae.assessment import Adequacy, Grade
 from surae.errors import InputError
 from surae.frozen import FrozenDict
-from surae.measures.cohort import Member, pool
-from surae.measures.members import populations
+from surae.measures.cohort import Member, borrowed, pool
+from surae.measures.members import populations, read_table
 from surae.measures.quantity import Quantities, Quantity
 from surae.measures.reml import random_effects
 from surae.protocol import Protocol, generate
@@ -113,7 +113,60 @@ def test_sessions_of_a_leg_tell_its_change_and_count_once() -> None:
 
 def test_a_clinical_scale_is_correlated_by_rank() -> None:
     rows = [leg(f"L{i}", 200.0 + i, 1.0, scales={"ashworth": float(i)}) for i in range(8)]
-    assert pool(rows).pooled["k_tri"].scales["ashworth"][0] == pytest.approx(1.0)
+    assert pool(rows).pooled["k_tri"].scales["ashworth"].rho == pytest.approx(1.0)
+
+
+def test_correlations_of_many_are_held_against_each_other() -> None:
+    rng = np.random.default_rng(7)
+    claimed = 0
+    for _ in range(60):
+        scales = [{f"s{k}": float(x) for k, x in enumerate(rng.standard_normal(10))}
+                  for _ in range(12)]  # fmt: skip
+        rows = [leg(f"L{i}", 200 + rng.standard_normal(), 1.0, scales=s)
+                for i, s in enumerate(scales)]  # fmt: skip
+        claimed += min(c.p for c in pool(rows).pooled["k_tri"].scales.values()) < 0.05
+    assert claimed <= 8  # without that 24 of 60
+
+
+def test_session_10_comes_after_session_2() -> None:
+    rows = [leg(f"L{i}", 200.0 + by + i, 1.0, "a", name)
+            for i in range(4) for name, by in (("week 10", 30.0), ("week 2", 0.0))]  # fmt: skip
+    assert pool(rows).pooled["k_tri"].changes["a"].difference == pytest.approx(30.0)
+
+
+def test_what_a_first_session_borrows_is_of_the_first_session() -> None:
+    rows = [leg(f"L{i}", 200.0 + i, 1.0, "a", "1") for i in range(4)]
+    rows += [leg(f"L{i}", 300.0 + i, 1.0, "a", "2") for i in range(4)]
+    told = borrowed(pool(rows), rows, 1)
+    assert all(each.shrunken < 210.0 for each in told.pooled["k_tri"].legs)
+
+
+def test_sessions_of_a_leg_are_no_legs_more_for_a_population() -> None:
+    rows = [leg(f"L{i}", 200.0, 1.0, "", str(n)) for i in range(2) for n in range(5)]
+    assert populations(rows)[""] == {}  # two legs, ten sessions
+
+
+def test_tables_of_european_spreadsheets_are_read(tmp_path) -> None:
+    path = tmp_path / "legs.csv"
+    path.write_text("fit;subject;spasm\n1.json;S1;1,5\n2.json;S2;\n", encoding="utf-8")
+    assert [dict(member.scales) for _, member in read_table(path)] == [{"spasm": 1.5}, {}]
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("fit,subject\n1.json,S1,3\n", "more cells"),
+        ("fit,subject,mas,mas\n1.json,S1,1,2\n", "two columns"),
+        ("fit,subject,mas\n1.json,S1,1+\n", "1.5"),
+        ("fit,subject,mas\n1.json,S1,nan\n", "not a number"),
+        ("fit,subject\n", "no rows"),
+    ],
+)
+def test_tables_that_are_wrong_are_refused(tmp_path, text, told) -> None:
+    path = tmp_path / "legs.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=told):
+        read_table(path)
 
 
 def test_a_leg_twice_in_a_session_is_refused() -> None:
@@ -171,6 +224,11 @@ def test_the_command_writes_file_and_page(table, tmp_path) -> None:
 
     from surae.cli import group
 
+    with pytest.raises(InputError, match="is a fit"):  # the table's own fits are the user's
+        CliRunner().invoke(
+            group, ["cohort", str(table), "--output", str(table.parent / "0.json")],
+            catch_exceptions=False, standalone_mode=False,
+        )  # fmt: skip
     out, page = tmp_path / "c.json", tmp_path / "c.html"
     made = CliRunner().invoke(
         group, ["cohort", str(table), "--workers", "1", "--output", str(out), "--report", str(page)]

@@ -35,6 +35,12 @@ def test_a_leg_is_given_a_place_and_no_flag() -> None:
     assert 0.8 < healthy.below < 0.9  # one standard deviation above the mean
 
 
+@pytest.mark.parametrize(("value", "text"), [(-90.0, "< 1 %"), (6.21, "50 %"), (99.0, "> 99 %")])
+def test_no_leg_is_below_or_above_all_of_a_group(value, text) -> None:
+    far = replace(STIFF, value=value, ci95=(value - 0.1, value + 0.1))
+    assert placed(measures(far), read_norms())[0].text == text
+
+
 def test_what_is_unsure_of_the_leg_draws_it_to_the_middle() -> None:
     wide = replace(STIFF, ci95=(2.0, 17.7))
     sure, unsure = (placed(measures(m), read_norms())[0].below for m in (STIFF, wide))

@@ -7,7 +7,7 @@ from datetime import datetime
 import pytest
 
 import surae
-from surae.assessment import Grade
+from surae.assessment import Grade, Verdict
 from surae.errors import InputError
 from surae.measures.change import compare_sessions
 from surae.measures.quantity import quantities
@@ -56,6 +56,30 @@ def test_an_inadequate_fit_gives_no_answer_and_no_known_number(fit) -> None:
 
 def test_what_is_not_identified_is_no_plain_answer(fit) -> None:
     assert "only roughly" in page(fit, angle=45.0).answer  # beyond what was measured
+
+
+def test_an_angle_has_its_direction_and_a_pull_is_no_resistance(fit) -> None:
+    told = page(fit, angle=-10.0).answer
+    assert "10° of plantarflexion" in told
+    assert "resist" not in told
+    assert "10° of dorsiflexion" in page(fit).answer
+
+
+def test_what_is_not_all_known_asks_for_more_or_says_nothing(fit) -> None:
+    strong = replace(fit, assessment=replace(
+        fit.assessment, parameters={n: replace(p, verdict=Verdict.IDENTIFIED)
+                                    for n, p in fit.parameters.items()}
+    ))  # fmt: skip
+    assert not any("well known" in text for text in page(strong, angle=45.0).next)
+
+
+def test_two_legs_do_not_change(fit) -> None:
+    side = (fit.result, fit.assessment)
+    one = quantities(*side, [10.0])
+    told = change_page(compare_sessions(one, one, legs=True), [side, side], created=NOW)
+    assert told.title == "Do the ankles differ?"
+    assert told.answer.startswith("No difference is shown.")
+    assert "before" not in clinical_html(told).casefold()
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

@@ -25,6 +25,7 @@ def change(
     *,
     baselines: Sequence[Fit | PathLike] = (),
     angles: Sequence[float] | None = None,
+    legs: bool = False,
 ) -> Change:
     """Whether a leg has changed between two sessions, or how its two legs differ.
 
@@ -38,6 +39,9 @@ def change(
     angles : sequence of float, optional
         Where torque and stiffness are asked [deg]; by default 0 and 10. Each adds differences that
         are looked at, which asks more of all.
+    legs : bool
+        Whether they are two legs of one person. What two sessions of a leg are wrong in alike
+        cancels; of two legs it does not.
 
     Returns
     -------
@@ -47,10 +51,14 @@ def change(
     Raises
     ------
     InputError
-        A file cannot be read, or an angle is out of reach.
+        A file cannot be read, both are one, an angle is out of reach, or baselines are given of
+        two legs.
     """
+    given = [_place(each) for each in (before, after)]
+    if given[0] == given[1]:
+        raise InputError("before and after are the same fit; give two sessions, or two legs")
     sides = [_quantities(each, angles or CHANGE_ANGLES) for each in (before, after, *baselines)]
-    return compare_sessions(sides[0], sides[1], sides[2:])
+    return compare_sessions(sides[0], sides[1], sides[2:], legs=legs)
 
 
 def cohort(
@@ -234,6 +242,13 @@ def fit_of(given: Fit | PathLike) -> Fit:
         return given
     path = Path(given)
     return load(fit_in(path) if path.is_dir() else path)
+
+
+def _place(given: Fit | PathLike) -> object:
+    if isinstance(given, Fit):
+        return id(given)
+    path = Path(given)
+    return (fit_in(path) if path.is_dir() else path).resolve()
 
 
 def _quantities(given: Fit | PathLike, angles: Sequence[float]) -> Quantities:

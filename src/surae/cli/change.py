@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import click
 
 from surae.cli.options import LANGUAGE, Number
-from surae.cli.paths import check_outputs
+from surae.cli.paths import check_outputs, spare_fits
 from surae.files import shown
 
 if TYPE_CHECKING:
@@ -22,6 +22,8 @@ _NUMBERS = ("before", "after", "difference", "95 % interval", "would show")
 @click.option("--angle", "angles", type=Number(), multiple=True, metavar="DEG",
               help="Where torque and stiffness are compared; may be repeated.  "
               "[default: 0, 10]")  # fmt: skip
+@click.option("--legs", is_flag=True,
+              help="BEFORE and AFTER are two legs of one person.")  # fmt: skip
 @click.option("--output", metavar="C.json", help="Write the comparison.")
 @click.option("--report", metavar="C.html", help="Write the page for clinicians.")
 @LANGUAGE
@@ -30,25 +32,27 @@ def command(
     after: str,
     baselines: tuple[str, ...],
     angles: tuple[float, ...],
+    legs: bool,
     output: str | None,
     report: str | None,
     language: str,
 ) -> None:
     """Tell what has changed in a leg between two sessions, or what differs between two legs.
 
-    BEFORE and AFTER are files of fits or folders of sessions. What both are wrong in alike cancels;
-    a change is claimed only where it is beyond what noise, electrodes and foot mounted anew can do,
-    among all that is looked at.
+    BEFORE and AFTER are files of fits or folders of sessions. What both sessions of a leg are wrong
+    in alike cancels; of two legs (--legs) nothing does. A change is claimed only where it is beyond
+    what noise, electrodes and foot mounted anew can do, among all that is looked at.
     """
-    check_outputs({"--output": output, "--report": report}, [before, after, *baselines])
+    outputs = {"--output": output, "--report": report}
+    check_outputs(outputs, [before, after, *baselines])
+    spare_fits(outputs)
 
     from surae.api import change, check_clinical_page, fit_of, write_clinical_page
     from surae.cli.progress import compilation_notice
 
     check_clinical_page(report)
-    sides = [fit_of(before), fit_of(after)]
     with compilation_notice():
-        told = change(sides[0], sides[1], baselines=baselines, angles=angles or None)
+        told = change(before, after, baselines=baselines, angles=angles or None, legs=legs)
 
     from surae.cli.screen import show_line, show_verdicts
 
@@ -64,6 +68,7 @@ def command(
         show_line(f"change: {shown(output)}")
     if report is not None:
         angle = angles[0] if len(angles) == 1 else 10.0
+        sides = [fit_of(before), fit_of(after)]
         write_clinical_page(report, sides, language=language, angle=angle, told=told)
         show_line(f"report: {shown(report)}")
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import click
 
 from surae.cli.options import WORKERS, Number
-from surae.cli.paths import check_outputs
+from surae.cli.paths import check_outputs, spare_fits
 from surae.errors import InputError
 from surae.files import shown
 from surae.runner import Engine, cores
@@ -42,7 +42,9 @@ def command(
     """
     if dask is not None and workers is not None:
         raise InputError("--dask brings workers of its own; give it without --workers")
-    check_outputs({"--output": output, "--report": report}, [table])
+    outputs = {"--output": output, "--report": report}
+    check_outputs(outputs, [table])
+    spare_fits(outputs)
 
     from surae.api import check_clinical_page, cohort, write_cohort_page
     from surae.cli.progress import compilation_notice, work
@@ -101,7 +103,7 @@ def _notes(made: "Cohort") -> list[str]:
                 for key, c in contrasts.items()
                 if c.p < 0.05
             ]
-    notes += [f"{m.leg}: no fit ({m.missing})" for m in made.members if m.missing]
+    notes += [f"{m.row}: no fit ({m.missing})" for m in made.members if m.missing]
     bound = [f"{p.name} {p.at_bound}" for p in made.pooled.values() if p.at_bound]
     if bound:
         notes.append(f"at a bound, so that they may lie anywhere between: {', '.join(bound)}")

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import click
 
 from surae.cli.options import LANGUAGE, Number, figure_options
-from surae.cli.paths import check_outputs
+from surae.cli.paths import check_outputs, spare_fits
 from surae.files import shown
 
 if TYPE_CHECKING:
@@ -37,7 +37,9 @@ def command(
     Torque and stiffness at rest, what relaxes, how strong and how fast the muscles are, and what
     the torque of the recordings is made of. Dorsiflexion is positive.
     """
-    check_outputs({"--output": output, "--report": report, "--figure": figure}, [fitted])
+    outputs = {"--output": output, "--report": report, "--figure": figure}
+    check_outputs(outputs, [fitted])
+    spare_fits(outputs)
 
     from surae.api import (
         check_clinical_page,
@@ -68,7 +70,7 @@ def command(
     for place in placed(told, beside):
         norm = place.norm
         show_line(
-            f"{norm.measure}: {100 * place.below:.0f} % of {norm.group} (n = {norm.n}, "
+            f"{norm.measure}: {place.text} of {norm.group} (n = {norm.n}, "
             f"{norm.condition}) lie below; {norm.reference}"
         )
     if output is not None:

@@ -7,6 +7,9 @@ from pathlib import Path
 from surae.errors import InputError
 from surae.files import read_bytes, require_writable, shown
 
+#: Beginning of a file in which a FIT.json says what it is [bytes].
+_HEAD = 200
+
 
 def check_recordings(recordings: Sequence[str]) -> None:
     """Refuse what is given in place of recordings by mistake.
@@ -27,6 +30,22 @@ def check_recordings(recordings: Sequence[str]) -> None:
                 f"{shown(path)}: this is a fit, not a recording; did you mean `surae validate "
                 "FIT.json REC`?"
             )
+
+
+def spare_fits(outputs: Mapping[str, str | None]) -> None:
+    """Refuse to replace a fit by what is told of fits.
+
+    Raises
+    ------
+    InputError
+        An output is a FIT.json.
+    """
+    for option, path in outputs.items():
+        if path is not None and Path(path).is_file():
+            with Path(path).open("rb") as file:
+                head = file.read(_HEAD)
+            if b'"surae"' in head and b'"format"' in head:
+                raise InputError(f"{option}: {shown(path)} is a fit; choose another file")
 
 
 def check_outputs(outputs: Mapping[str, str | None], inputs: Iterable[str]) -> None:

@@ -3,11 +3,16 @@
 What both sessions are wrong in alike cancels in their difference: the leg's own delay, its tendon's
 toe, the curve from EMG to force. What is drawn anew does not: noise, the torque's zero, electrodes
 and foot mounted anew; nor does what models leave unsure, as noise decides among them. Virtual legs
-differ between sessions by a little more than that (`SCATTER`).
+differ between sessions by a little more than that (`SCATTER`). Between two legs nothing cancels:
+each has its own delay, tendon and skin.
 
 Many differences are looked at, and one of twenty would be beyond its 95 % interval by chance alone.
-The p-values are Holm's (1979): all together claim a change that is none in 5 % of comparisons at
-most. Intervals are each for itself.
+The p-values are Holm's (1979), with weights: torque and stiffness at rest, which is what a
+treatment is mostly after, have half of the 5 % to themselves, all else the other half. All together
+claim a change that is none in 5 % of comparisons at most. Intervals are each for itself.
+
+A spread between sessions that repeated baselines show is known as badly as they are few: what it
+adds has Student's t, with the degrees of freedom of Welch and Satterthwaite.
 
 References
 ----------
@@ -23,6 +28,7 @@ from typing import Any
 
 from surae._version import __version__
 from surae.assessment.verdict import percent
+from surae.errors import InputError
 from surae.files import PathLike, write_json
 from surae.frozen import FrozenDict
 from surae.measures.quantity import Quantities, Quantity
@@ -30,9 +36,12 @@ from surae.measures.quantity import Quantities, Quantity
 #: By how much sessions of one leg differ beyond their covariance: 1.07 on average over all measures
 #: and parameters of 36 pairs of virtual legs, 1.3 of the worst.
 SCATTER = 1.2
+#: Measures that share half of the level: the question that most comparisons are made for.
+LEADING = ("passive_torque", "passive_torque_tri", "passive_stiffness")
 #: Level of all claims together, and the power with which the smallest change would be shown.
 LEVEL, POWER = 0.05, 0.80
-_NORMAL = 1.959964
+#: Degrees of freedom of what is known as well as the normal distribution.
+_MANY = 1e9
 
 
 class ChangeVerdict(StrEnum):
@@ -95,6 +104,8 @@ class Change:
         How many were looked at, and what that does to the claims.
     baselines : int
         Repeated baselines that told the spread between sessions; 0 without.
+    legs : bool
+        Whether they are two legs, and not two sessions of one.
     """
 
     before: Quantities
@@ -103,6 +114,7 @@ class Change:
     parameters: FrozenDict[str, Difference]
     multiplicity: str
     baselines: int = 0
+    legs: bool = False
 
     @property
     def changed(self) -> tuple[Difference, ...]:
@@ -134,6 +146,7 @@ class Change:
             "surae": __version__,
             "before": list(self.before.recordings),
             "after": list(self.after.recordings),
+            "of": "legs" if self.legs else "sessions",
             "multiplicity": self.multiplicity,
             "baselines": self.baselines,
             "measures": plain(self.measures),
@@ -157,7 +170,11 @@ class Change:
 
 
 def compare_sessions(
-    before: Quantities, after: Quantities, baselines: Sequence[Quantities] = ()
+    before: Quantities,
+    after: Quantities,
+    baselines: Sequence[Quantities] = (),
+    *,
+    legs: bool = False,
 ) -> Change:
     """Compare two sessions of a leg, or its two legs.
 
@@ -168,39 +185,70 @@ def compare_sessions(
     baselines : sequence of Quantities
         Further sessions before anything changed: how far they scatter beyond their own uncertainty
         is taken for the spread between sessions.
+    legs : bool
+        Whether they are two legs: what each is wrong in by itself does not cancel.
 
     Returns
     -------
     Change
         Every measure and parameter that either has.
+
+    Raises
+    ------
+    InputError
+        Baselines are given of two legs.
     """
+    if legs and baselines:
+        raise InputError("baselines are sessions of one leg; leave them out to compare two legs")
     names = dict.fromkeys((*before.by_name, *after.by_name))
     drafts = {
-        name: _difference(name, before, after, [b.by_name[name] for b in baselines
-                                                if name in b.by_name])
+        name: _difference(
+            name, before, after, [b.by_name[name] for b in baselines if name in b.by_name],
+            legs=legs,
+        )
         for name in names
     }  # fmt: skip
-    tested = sorted((draft.p, name) for name, draft in drafts.items() if draft.p is not None)
-    count, adjusted = len(tested), 0.0
-    for rank, (p, name) in enumerate(tested):
-        adjusted = min(1.0, max(adjusted, (count - rank) * p))
-        drafts[name] = _judged(drafts[name], adjusted, count)
+    weights = _weights([name for name, (draft, _) in drafts.items() if draft.p is not None])
+    ranked = sorted((drafts[name][0].p or 0.0, name) for name in weights)
+    ranked.sort(key=lambda each: each[0] / weights[each[1]])
+    left, adjusted = 1.0, 0.0
+    judged = {name: draft for name, (draft, _) in drafts.items()}
+    for p, name in ranked:
+        adjusted = min(1.0, max(adjusted, left * p / weights[name]))
+        left -= weights[name]
+        judged[name] = _judged(*drafts[name], adjusted, LEVEL * weights[name], legs=legs)
     said = (
-        f"{count} differences were looked at; p-values are Holm’s, so that at most {LEVEL:.0%} of "
+        f"{len(weights)} differences were looked at; p-values are Holm’s, half of the "
+        f"{LEVEL:.0%} for torque and stiffness at rest, so that at most {LEVEL:.0%} of "
         "comparisons without any change claim one. Each interval is for itself."
     ).replace("5%", "5 %")
     measures, parameters = (
-        FrozenDict((n, d) for n, d in drafts.items() if d.kind == kind)
+        FrozenDict((n, d) for n, d in judged.items() if d.kind == kind)
         for kind in ("measure", "parameter")
     )
     repeated = len(baselines) + 1 if baselines else 0
-    return Change(before, after, measures, parameters, said, repeated)
+    return Change(before, after, measures, parameters, said, repeated, legs)
+
+
+def _weights(names: Sequence[str]) -> dict[str, float]:
+    """Part of the level that each of these has; 1 in all."""
+    leading = [name for name in names if name.partition("@")[0] in LEADING]
+    rest = [name for name in names if name not in leading]
+    parts = {True: 0.5 if rest else 1.0, False: 0.5 if leading else 1.0}
+    return {name: parts[own is leading] / len(own) for own in (leading, rest) for name in own}
 
 
 def _difference(
-    name: str, before: Quantities, after: Quantities, baselines: Sequence[Quantity]
-) -> Difference:
-    """A difference with its own p-value, not yet judged among the others."""
+    name: str,
+    before: Quantities,
+    after: Quantities,
+    baselines: Sequence[Quantity],
+    *,
+    legs: bool,
+) -> tuple[Difference, float]:
+    """A difference with its own p-value, not yet judged among the others; and its freedom."""
+    from scipy.special import stdtr, stdtrit
+
     a, b = before.by_name.get(name), after.by_name.get(name)
     known = a or b
     assert known is not None
@@ -210,19 +258,22 @@ def _difference(
     )  # fmt: skip
     why = _obstacle(before, after, a, b)
     if why or a is None or b is None or a.value is None or b.value is None:
-        return replace(bare, note=f"not comparable: {why}")
-    drawn = sum(side.session**2 + side.model**2 for side in (a, b))
-    variance = SCATTER**2 * drawn + 2.0 * _between(a, baselines)
+        return replace(bare, note=f"not comparable: {why}"), math.inf
+    drawn = sum(s.total**2 if legs else s.session**2 + s.model**2 for s in (a, b))
+    between, more = _between(a, baselines)
+    variance = SCATTER**2 * drawn + 2.0 * between
     if not variance > 0.0:
-        return replace(bare, note="not comparable: it rests on nothing that was estimated")
+        return replace(bare, note="not comparable: it rests on nothing that was estimated"), 1.0
+    freedom = more * (variance / (2.0 * between)) ** 2 if between > 0.0 else _MANY
     sd, difference = math.sqrt(variance), b.value - a.value
-    half = _NORMAL * sd
-    return replace(
+    half = float(stdtrit(freedom, 0.975)) * sd
+    draft = replace(
         bare,
         difference=difference,
         ci95=(difference - half, difference + half),
-        p=math.erfc(abs(difference) / sd / math.sqrt(2.0)),
+        p=2.0 * float(stdtr(freedom, -abs(difference) / sd)),
     )
+    return draft, freedom
 
 
 def _obstacle(before: Quantities, after: Quantities, a: Quantity | None, b: Quantity | None) -> str:
@@ -247,35 +298,36 @@ def _obstacle(before: Quantities, after: Quantities, a: Quantity | None, b: Quan
     return ""
 
 
-def _between(before: Quantity, baselines: Sequence[Quantity]) -> float:
-    """Variance between sessions beyond their own uncertainty, from repeated baselines."""
+def _between(before: Quantity, baselines: Sequence[Quantity]) -> tuple[float, int]:
+    """Variance between sessions beyond their own uncertainty, from how many free baselines."""
     usable = [q for q in (before, *baselines) if q.value is not None and not q.missing]
     if len(usable) < 2:
-        return 0.0
+        return 0.0, 0
     values = [q.value for q in usable if q.value is not None]
     mean = sum(values) / len(values)
     seen = sum((value - mean) ** 2 for value in values) / (len(values) - 1)
     own = sum(q.session**2 + q.model**2 for q in usable) / len(usable)
-    return max(seen - SCATTER**2 * own, 0.0)
+    return max(seen - SCATTER**2 * own, 0.0), len(usable) - 1
 
 
-def _judged(draft: Difference, p: float, count: int) -> Difference:
-    """A difference among so many that were looked at."""
-    from scipy.special import ndtri
+def _judged(draft: Difference, freedom: float, p: float, level: float, *, legs: bool) -> Difference:
+    """A difference among all that were looked at, with its part of the level."""
+    from scipy.special import stdtrit
 
     assert draft.ci95 is not None
     assert draft.difference is not None
-    sd = (draft.ci95[1] - draft.ci95[0]) / (2.0 * _NORMAL)
-    smallest = float(-ndtri(LEVEL / count / 2.0) + ndtri(POWER)) * sd
+    sd = (draft.ci95[1] - draft.ci95[0]) / (2.0 * float(stdtrit(freedom, 0.975)))
+    smallest = float(stdtrit(freedom, POWER) - stdtrit(freedom, level / 2.0)) * sd
     if p < LEVEL:
         more = "more" if draft.difference > 0.0 else "less"
+        than = "in the first leg" if legs else "before"
         return replace(
             draft, p=p, smallest=smallest, verdict=ChangeVerdict.CHANGED,
-            note=f"{more} than before{_part(draft.difference, draft)}",
+            note=f"{more} than {than}{_part(draft.difference, draft)}",
         )  # fmt: skip
     return replace(
         draft, p=p, smallest=smallest, verdict=ChangeVerdict.NONE_SHOWN,
-        note="no change shown; one of "
+        note=f"no {'difference' if legs else 'change'} shown; one of "
         f"{smallest:.2g} {draft.unit.strip('-')}{_part(smallest, draft)} would have been",
     )  # fmt: skip
 

@@ -7,6 +7,7 @@ Of a leg with several sessions the first counts for its group, and last minus fi
 """
 
 import math
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -55,6 +56,17 @@ class Member:
         """Subject and side."""
         return " ".join(part for part in (self.subject, self.side) if part)
 
+    @property
+    def row(self) -> str:
+        """Leg and session."""
+        return " ".join(part for part in (self.leg, self.session) if part)
+
+    @property
+    def order(self) -> list[tuple[int, str]]:
+        """For sorting by session: its words by letters, its numbers by size."""
+        parts = re.findall(r"\d+|\D+", self.session)
+        return [(int(part), "") if part.isdigit() else (-1, part) for part in parts]
+
 
 @dataclass(frozen=True, slots=True)
 class Among:
@@ -79,6 +91,15 @@ class Contrast:
 
 
 @dataclass(frozen=True, slots=True)
+class Correlation:
+    """Spearman's rank correlation of n legs with a scale, and the p-value of none."""
+
+    rho: float
+    p: float
+    n: int
+
+
+@dataclass(frozen=True, slots=True)
 class Pooled:
     """One measure or parameter over the cohort.
 
@@ -94,8 +115,8 @@ class Pooled:
         Of each pair of groups, the second minus the first, Holm's p over all that is told.
     changes : mapping of str to Contrast
         Of each group, last session minus first.
-    scales : mapping of str to (rho, p, n)
-        Rank correlation of legs with each clinical scale.
+    scales : mapping of str to Correlation
+        Of legs with each clinical scale, by rank; Holm's p over all that is told.
     left_out : mapping of str to int
         Legs without a value, by reason.
     at_bound : int
@@ -110,7 +131,7 @@ class Pooled:
     legs: tuple[Among, ...]
     differences: FrozenDict[str, Contrast]
     changes: FrozenDict[str, Contrast]
-    scales: FrozenDict[str, tuple[float, float, int]]
+    scales: FrozenDict[str, Correlation]
     left_out: FrozenDict[str, int]
     at_bound: int
 
@@ -128,7 +149,7 @@ class Cohort:
         return {
             "surae": __version__,
             "legs": len({m.leg for m in self.members}),
-            "missing": {m.leg: m.missing for m in self.members if m.missing},
+            "missing": {m.row: m.missing for m in self.members if m.missing},
             "refit_rounds": self.rounds,
             "quantities": {
                 p.name: {
@@ -143,8 +164,7 @@ class Cohort:
                     "differences": {g: _plain(c) for g, c in p.differences.items()},
                     "changes": {g: _plain(c) for g, c in p.changes.items()},
                     "scales": {
-                        s: {"rho": rho, "p": value, "n": n}
-                        for s, (rho, value, n) in p.scales.items()
+                        s: {"rho": c.rho, "p": c.p, "n": c.n} for s, c in p.scales.items()
                     },
                     "legs": {
                         leg.leg: {"group": leg.group, "value": leg.value, "sd": leg.sd,
@@ -191,14 +211,7 @@ def pool(members: Sequence[Member]) -> Cohort:
     InputError
         A leg is there twice in one session, or no row has a fit.
     """
-    sessions: dict[str, list[Member]] = {}
-    for member in sorted(members, key=lambda m: m.session):
-        before = sessions.setdefault(member.leg, [])
-        if any(m.session == member.session for m in before):
-            raise InputError(f"cohort: {member.leg} is there twice in session {member.session!r}")
-        if before and before[0].group != member.group:
-            raise InputError(f"cohort: {member.leg} is in two groups")
-        before.append(member)
+    sessions = sessions_of(members)
     first = [each[0] for each in sessions.values()]
     known = [m.quantities for m in members if m.quantities is not None]
     if not known:
@@ -209,13 +222,32 @@ def pool(members: Sequence[Member]) -> Cohort:
     return Cohort(tuple(members), FrozenDict(_holm(told)))
 
 
+def sessions_of(members: Sequence[Member]) -> dict[str, list[Member]]:
+    """The sessions of each leg, in order.
+
+    Raises
+    ------
+    InputError
+        A leg is there twice in one session, or in two groups.
+    """
+    sessions: dict[str, list[Member]] = {}
+    for member in sorted(members, key=lambda m: m.order):
+        before = sessions.setdefault(member.leg, [])
+        if any(m.session == member.session for m in before):
+            raise InputError(f"cohort: {member.leg} is there twice in session {member.session!r}")
+        if before and before[0].group != member.group:
+            raise InputError(f"cohort: {member.leg} is in two groups")
+        before.append(member)
+    return sessions
+
+
 def borrowed(cohort: Cohort, refitted: Sequence[Member], rounds: int) -> Cohort:
     """The cohort with each leg's value of a fit that knew its population.
 
     Means, spreads and differences stay those of fits that did not: what a leg borrows from the
     others says nothing of them.
     """
-    own = {m.leg: m.quantities for m in refitted}
+    own = {leg: each[0].quantities for leg, each in sessions_of(refitted).items()}
     told = {}
     for name, p in cohort.pooled.items():
         legs = []
@@ -316,7 +348,7 @@ def _changes(
     return told
 
 
-def _scales(usable: Sequence[tuple[Member, float]]) -> FrozenDict[str, tuple[float, float, int]]:
+def _scales(usable: Sequence[tuple[Member, float]]) -> FrozenDict[str, Correlation]:
     from scipy.stats import spearmanr
 
     told = {}
@@ -325,14 +357,14 @@ def _scales(usable: Sequence[tuple[Member, float]]) -> FrozenDict[str, tuple[flo
         values, marks = np.array([y for _, y in pairs]), np.array([s for s, _ in pairs])
         if len(pairs) >= 4 and np.ptp(values) > 0 and np.ptp(marks) > 0:
             rho, p = spearmanr(marks, values)
-            told[scale] = (float(rho), float(p), len(pairs))
+            told[scale] = Correlation(float(rho), float(p), len(pairs))
     return FrozenDict(told)
 
 
 def _holm(told: Mapping[str, Pooled]) -> dict[str, Pooled]:
-    """Differences between groups, and changes, each with Holm's p over all quantities."""
+    """Differences, changes and correlations, each kind with Holm's p over all quantities."""
     done = dict(told)
-    for kind in ("differences", "changes"):
+    for kind in ("differences", "changes", "scales"):
         every = sorted(
             (c.p, name, key) for name, p in done.items() for key, c in getattr(p, kind).items()
         )
@@ -341,8 +373,6 @@ def _holm(told: Mapping[str, Pooled]) -> dict[str, Pooled]:
             adjusted = min(1.0, max(adjusted, (len(every) - rank) * p))
             own = dict(getattr(done[name], kind))
             own[key] = replace(own[key], p=adjusted)
-            if kind == "changes":
-                done[name] = replace(done[name], changes=FrozenDict(own))
-            else:
-                done[name] = replace(done[name], differences=FrozenDict(own))
+            renewed: dict[str, Any] = {kind: FrozenDict(own)}
+            done[name] = replace(done[name], **renewed)
     return done

@@ -14,6 +14,7 @@ from surae.frozen import FrozenDict
 from surae.measures.definition import Definition
 from surae.measures.leg import Leg, NotDefinedError
 from surae.measures.measure import Measure, Measures
+from surae.measures.reach import measured_range
 from surae.measures.spread import Spread, spread_of
 from surae.measures.table import DEFINITIONS
 from surae.model import ModelOptions, get_model, with_optional
@@ -233,7 +234,11 @@ def evaluate(result: FitResult, spread: Spread, wanted: Sequence[Point]) -> tupl
             except NotDefinedError as error:
                 missing[point.name] = f"at the edge of what is defined: {error}"
                 continue
-            gradients[point.name][j] = (high - low) / (2.0 * step)
+            slope = (high - low) / (2.0 * step)
+            if not math.isfinite(slope):
+                missing[point.name] = f"at the edge of what can be computed, by {name}"
+                continue
+            gradients[point.name][j] = slope
     zero = np.zeros(len(spread.names))
     return tuple(
         Evaluated(p, values.get(p.name), gradients.get(p.name, zero), missing.get(p.name, ""))
@@ -375,16 +380,6 @@ def extrapolated(evaluated: Evaluated, result: FitResult) -> str:
         return "" if at <= most else f"the tendon was pulled by {most:.0f} N at most"
     most = leg.active_torque(group, 0.0, alpha)
     return "" if at <= most else f"the muscles added {most:.3g} Nm at most at 0°"
-
-
-def measured_range(result: FitResult) -> tuple[float, float]:
-    """Lowest and highest angle of the samples that count [deg]."""
-    angles = [
-        recording.angle if recording.weight is None else recording.angle[recording.weight > 0]
-        for recording in result.problem.inputs
-    ]
-    low, high = np.degrees(np.percentile(np.concatenate(angles), [0.5, 99.5]))
-    return float(low), float(high)
 
 
 def _through_bound(evaluated: Evaluated, spread: Spread) -> str:

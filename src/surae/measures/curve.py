@@ -7,8 +7,9 @@ import numpy as np
 from surae.assessment import Assessment
 from surae.estimation import FitResult
 from surae.frozen import Comparable, read_only
-from surae.measures.compute import Point, deviation, evaluate, measured_range
-from surae.measures.spread import spread_of
+from surae.measures.compute import Evaluated, Point, deviation, evaluate
+from surae.measures.reach import measured_range
+from surae.measures.spread import Spread, spread_of
 from surae.measures.table import DEFINITIONS
 from surae.units import FloatArray
 
@@ -20,7 +21,10 @@ _LINES = ("passive_torque", "active_torque_max_tri", "active_torque_max_tib")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Line(Comparable):
-    """One line of the curve: torque [Nm] and its 95 % band at the angles, arrays of shape (n,)."""
+    """One line of the curve: torque [Nm] and its 95 % band at the angles, arrays of shape (n,).
+
+    Without a band, NaN, where the recordings do not tell what the torque rests on.
+    """
 
     torque: FloatArray
     low: FloatArray
@@ -63,6 +67,13 @@ def torque_curve(result: FitResult, assessment: Assessment) -> TorqueCurve:
         wanted = [Point(known[name], float(at)) for at in angle]
         told = evaluate(result, spread, wanted)
         value = np.array([np.nan if t.value is None else t.value for t in told])
-        sd = np.array([deviation(t.gradient, spread.total) for t in told])
+        sd = np.array([_deviation(t, spread) for t in told])
         lines.append(Line(*map(read_only, (value, value - _NORMAL * sd, value + _NORMAL * sd))))
     return TorqueCurve(read_only(angle), *lines)
+
+
+def _deviation(told: Evaluated, spread: Spread) -> float:
+    lost = any(
+        g != 0.0 and n in spread.lost for n, g in zip(spread.names, told.gradient, strict=True)
+    )
+    return np.nan if told.missing or lost else deviation(told.gradient, spread.total)

@@ -6,6 +6,7 @@ stays; what they tell badly borrows from the other legs.
 """
 
 import csv
+import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
@@ -22,7 +23,7 @@ from surae.errors import InputError, SuraeError
 from surae.estimation import make_problem, solve
 from surae.files import PathLike, read_bytes, shown
 from surae.frozen import FrozenDict
-from surae.measures.cohort import Member
+from surae.measures.cohort import Member, sessions_of
 from surae.measures.quantity import Quantities, Quantity, quantities
 from surae.measures.reml import FEWEST, random_effects
 from surae.runner import Died, Engine, results
@@ -55,24 +56,34 @@ def read_table(path: PathLike) -> list[tuple[Path, Member]]:
         text = read_bytes(path).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise InputError(f"{shown(path)}: not a text file, expected a table") from None
-    rows = list(csv.DictReader(text.splitlines()))
-    heads = list(rows[0]) if rows else []
+    first = text.partition("\n")[0]
+    european = ";" in first and "," not in first  # as spreadsheets write it where 1,5 is a number
+    table = csv.DictReader(
+        io.StringIO(text, newline=""), delimiter=";" if european else ",", restkey="", restval=""
+    )
+    heads = list(table.fieldnames or ())
+    rows = list(table)
+    twice = [head for head in heads if heads.count(head) > 1]
+    if twice:
+        raise InputError(f"{shown(path)}: two columns are called {twice[0]!r}; rename one")
     for needed in ("fit", "subject"):
         if needed not in heads:
             raise InputError(f"{shown(path)}: no column {needed!r}; give fit and subject")
     folder = Path(path).parent
     members = []
     for line, row in enumerate(rows, 2):
+        if row.get("") and "" not in heads:
+            raise InputError(f"{shown(path)}, row {line}: more cells than columns")
         scales = {}
         for head in heads:
             cell = (row[head] or "").strip()
             if head in ("fit", *_LABELS) or not cell:
                 continue
-            try:
-                scales[head] = float(cell)
-            except ValueError:
+            scale = _number(cell.replace(",", ".") if european else cell)
+            if scale is None:
                 where = f"{shown(path)}, row {line}, column {head}"
-                raise InputError(f"{where}: {cell!r:.40} is not a number") from None
+                raise InputError(f"{where}: {cell!r:.40} is not a number; write 1+ as 1.5")
+            scales[head] = scale
         subject, side, group, session = ((row.get(name) or "").strip() for name in _LABELS)
         if not (row["fit"] or "").strip() or not subject:
             raise InputError(f"{shown(path)}, row {line}: fit or subject is empty")
@@ -81,6 +92,15 @@ def read_table(path: PathLike) -> list[tuple[Path, Member]]:
     if not members:
         raise InputError(f"{shown(path)}: no rows")
     return members
+
+
+def _number(text: str) -> float | None:
+    """A finite number; None where a text is none."""
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return number if math.isfinite(number) else None
 
 
 def measured(
@@ -160,9 +180,13 @@ def quantities_of(
 
 
 def populations(members: Sequence[Member]) -> dict[str, Priors]:
-    """Median and spread of every positive parameter of the leg, by group; of all under ``""``."""
-    groups: dict[str, list[Member]] = {"": list(members)}
-    for member in members:
+    """Median and spread of every positive parameter of the leg, by group; of all under ``""``.
+
+    Of a leg with several sessions the first counts: it is no leg more.
+    """
+    first = [each[0] for each in sessions_of(members).values()]
+    groups: dict[str, list[Member]] = {"": first}
+    for member in first:
         groups.setdefault(member.group, []).append(member)
     told: dict[str, Priors] = {}
     for group, own in groups.items():
@@ -210,9 +234,10 @@ def refitted(
 def _renewed(known: Mapping[str, Priors], members: Sequence[Member]) -> dict[str, Priors]:
     """The population of fits that knew one: the step of expectation and maximisation."""
     told: dict[str, Priors] = {}
+    first = [each[0] for each in sessions_of(members).values()]
     for group, priors in known.items():
         told[group] = {}
-        own = [m.quantities for m in members if m.quantities and (not group or m.group == group)]
+        own = [m.quantities for m in first if m.quantities and (not group or m.group == group)]
         for name, before in priors.items():
             pairs = [
                 (math.log(q.value), (q.total / q.value) ** 2)

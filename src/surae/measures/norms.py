@@ -58,6 +58,12 @@ class Placed:
     value: float
     below: float
 
+    @property
+    def text(self) -> str:
+        """The part below in percent, never none or all of a group of which some were measured."""
+        percent = 100.0 * self.below
+        return "< 1 %" if percent < 1.0 else "> 99 %" if percent > 99.0 else f"{percent:.0f} %"
+
 
 def read_norms(path: PathLike | None = None) -> tuple[Norm, ...]:
     """The norms of a file; without one those that come with surae, all from cited papers.

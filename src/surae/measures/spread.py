@@ -104,7 +104,8 @@ def spread_of(result: FitResult, assessment: Assessment) -> Spread:
         names, log, values, problem.lower, problem.upper, *(np.zeros((len(names),) * 2),) * 4,
         result.at_bound, (),
     )  # fmt: skip
-    if not np.isfinite(result.sse):
+    known = result.family is None or np.isfinite(result.family.covariance).all()
+    if not (np.isfinite(result.sse) and known):
         return replace(bare, lost=names)
     if result.family is None:
         total, lost = _of_named(result, assessment)

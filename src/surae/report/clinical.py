@@ -141,7 +141,7 @@ def fit_page(
         heads=("", words("value"), words("interval"), words("judgement")),
         rows=tuple(_measured(m, told.adequacy, words) for m in shown if m.value is not None),
         norms=tuple(_beside(p, words) for p in beside),
-        next=_next(assessment, words),
+        next=_next(assessment, words) or _nothing(told, shown, words),
         made=_made(words, created, len(result.problem.inputs)),
         note="",
         images=_figures([("", torque_curve(result, assessment), told)], beside, words),
@@ -184,11 +184,11 @@ def change_page(
     language: str = "en",
     angle: float = _AT,
 ) -> ClinicalPage:
-    """The page of two sessions; parameters as of `fit_page`, `sides` the fits of both."""
+    """The page of two sessions or legs; parameters as of `fit_page`, `sides` the fits of both."""
     words = Words(language)
     told = [measures(*side, [angle]) for side in sides]
     curves = [torque_curve(*side) for side in sides]
-    names = (words("before"), words("after"))
+    names = tuple(words(n) for n in (("first", "second") if change.legs else ("before", "after")))
     worst = max((side.adequacy for side in told), key=lambda a: list(Grade).index(a.grade))
     count = sum(len(side[0].problem.inputs) for side in sides)
     looked_at = sum(
@@ -196,14 +196,14 @@ def change_page(
     )
     return ClinicalPage(
         language=language,
-        title=words("title_change"),
-        question=words("question_change"),
+        title=words("title_legs" if change.legs else "title_change"),
+        question=words("question_legs" if change.legs else "question_change"),
         answer=_answer_of_change(change, angle, words),
         grade=str(worst.grade),
         adequacy=words(str(worst.grade)),
         reasons=worst.reasons,
         heads=("", *names, words("difference"), words("interval"), words("judgement")),
-        rows=tuple(_differing(d, words) for d in _rows_of(change, angle)),
+        rows=tuple(_differing(d, words, legs=change.legs) for d in _rows_of(change, angle)),
         norms=(),
         next=_next(sides[1][1], words),
         made=_made(words, created, count),
@@ -228,9 +228,9 @@ def _answer(told: Measures, angle: float, words: Words) -> str:
     torque = told[f"passive_torque@{angle:g}deg"]
     stiffness = told[f"passive_stiffness@{angle:g}deg"]
     inadequate = told.adequacy.grade is Grade.INADEQUATE
-    if inadequate or torque.value is None or torque.ci95 is None:
+    if inadequate or torque.ci95 is None or stiffness.ci95 is None:
         return words("answer_none")
-    given = {"angle": f"{angle:g}°".replace("-", "−")}
+    given = {"angle": words.angle(angle)}
     for name, m in (("torque", torque), ("stiffness", stiffness)):
         value, low, high = _texts(m, words)
         given |= {name: value, f"{name}_low": low, f"{name}_high": high}
@@ -246,15 +246,16 @@ def _answer_of_change(change: Change, angle: float, words: Words) -> str:
     changed = sorted(change.changed, key=lambda d: d.name not in rows)  # what the page shows first
     if changed:
         named = ", ".join(_named(d, words) for d in changed[:_MOST_NAMED])
-        return words("answer_changed", names=named)
+        return words("answer_differ" if change.legs else "answer_changed", names=named)
     every = (*change.measures.values(), *change.parameters.values())
     if all(d.verdict is ChangeVerdict.NOT_COMPARABLE for d in every):
         return words("answer_incomparable")
     d = change.measures.get(f"passive_stiffness@{angle:g}deg")
+    same = "alike" if change.legs else "unchanged"
     if d is None or d.smallest is None or not d.before:
-        return words("answer_none_shown")
+        return words(f"answer_{same}_bare")
     smallest = words.number(percent(abs(d.smallest / d.before)))
-    return words("answer_unchanged", smallest=smallest, angle=f"{angle:g}°".replace("-", "−"))
+    return words(f"answer_{same}", smallest=smallest, angle=words.angle(angle))
 
 
 def _rows_of(change: Change, angle: float) -> list[Difference]:
@@ -294,7 +295,7 @@ def _measured(m: Measure, adequacy: Adequacy, words: Words) -> Row:
     return Row(words.measure(m.name), (f"{value}{unit}", interval), words(str(m.verdict)), strong)
 
 
-def _differing(d: Difference, words: Words) -> Row:
+def _differing(d: Difference, words: Words, *, legs: bool) -> Row:
     unit = _unit(d.unit)
     both = tuple(
         NO_NUMBER if v is None else f"{words.number(significant(v, 3))}{unit}"
@@ -306,14 +307,15 @@ def _differing(d: Difference, words: Words) -> Row:
         text = estimate(d.difference, (d.ci95[1] - d.ci95[0]) / 3.92, d.ci95)
         change = (words.number(text.value), words.number(text.interval))
     strong = d.verdict is ChangeVerdict.CHANGED
-    return Row(words.measure(d.name), (*both, *change), words(str(d.verdict)), strong)
+    verdict = words("differs" if strong and legs else str(d.verdict))
+    return Row(words.measure(d.name), (*both, *change), verdict, strong)
 
 
 def _beside(p: Placed, words: Words) -> str:
     return words(
         "norm",
         measure=words.measure(p.norm.measure),
-        below=f"{100 * p.below:.0f} %",
+        below=p.text,
         group=words.own(p.norm.group),
         n=str(p.norm.n),
         condition=words.own(p.norm.condition),
@@ -333,7 +335,13 @@ def _next(assessment: Assessment, words: Words) -> tuple[str, ...]:
     known = [s for s in weights if f"remedy_{s}" in sentences()]
     ranked = sorted(known, key=lambda s: -weights[s])
     leading = [s for s in ranked if weights[s] >= 0.25 * weights[ranked[0]]][:_MOST_NEXT]
-    return tuple(words(f"remedy_{source}") for source in leading) or (words("next_none"),)
+    return tuple(words(f"remedy_{source}") for source in leading)
+
+
+def _nothing(told: Measures, shown: Sequence[Measure], words: Words) -> tuple[str, ...]:
+    """That nothing is to be measured, where all that the page shows is known."""
+    known = all(m.verdict is Verdict.IDENTIFIED for m in shown if m.value is not None)
+    return (words("next_none"),) if known and told.adequacy.grade is Grade.ADEQUATE else ()
 
 
 def _made(words: Words, created: datetime, count: int) -> str:

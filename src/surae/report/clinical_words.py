@@ -26,6 +26,10 @@ class Words:
         """A number as it is written here."""
         return text if self.language == "en" else text.replace(".", ",")
 
+    def angle(self, degrees: float) -> str:
+        """An angle of the ankle with its direction."""
+        return self("dorsal" if degrees >= 0.0 else "plantar", degrees=f"{abs(degrees):g}°")
+
     def own(self, text: str) -> str:
         """A text of a norm, translated where the page knows it."""
         return self(text) if text in sentences() else text

@@ -38,9 +38,9 @@ def cohort_html(cohort: Cohort, *, created: datetime) -> str:
         for key, c in of.items()
     ]
     scales = [
-        (p.name, scale, n, f"{rho:+.2f}", f"{value:.2g}")
+        (p.name, scale, c.n, f"{c.rho:+.2f}", f"{c.p:.2g}")
         for p in cohort.pooled.values()
-        for scale, (rho, value, n) in p.scales.items()
+        for scale, c in p.scales.items()
     ]
     environment = Environment(
         loader=PackageLoader("surae.report"), autoescape=True, undefined=StrictUndefined,
@@ -48,7 +48,7 @@ def cohort_html(cohort: Cohort, *, created: datetime) -> str:
     )  # fmt: skip
     return environment.get_template("cohort.html.j2").render(
         legs=len({m.leg for m in cohort.members}),
-        missing=[(m.leg, m.missing) for m in cohort.members if m.missing],
+        missing=[(m.row, m.missing) for m in cohort.members if m.missing],
         rounds=cohort.rounds,
         groups=groups,
         contrasts=contrasts,

@@ -1,0 +1,86 @@
+"""What is claimed of differences, on quantities that are made up: no fit is needed for that."""
+
+import math
+
+import numpy as np
+import pytest
+
+import surae
+from surae.assessment import Adequacy, Grade
+from surae.errors import InputError
+from surae.frozen import FrozenDict
+from surae.measures.change import ChangeVerdict, compare_sessions
+from surae.measures.quantity import Quantities, Quantity
+
+LEADING = "passive_torque@10deg"
+
+
+def side(values: dict[str, float], session: float = 1.0, total: float = 1.0) -> Quantities:
+    """A fit that brings these, each as sure as another."""
+    rows = FrozenDict(
+        (name, Quantity(name, "Nm", "…", "measure", value, total, session, 0.0))
+        for name, value in values.items()
+    )
+    return Quantities("muscle", FrozenDict(), Adequacy(Grade.ADEQUATE, (), 99.0), ("a",), rows)
+
+
+def many(rng=None, count: int = 40) -> dict[str, float]:
+    names = [LEADING, *(f"m{i}" for i in range(count))]
+    noise = np.zeros(len(names)) if rng is None else rng.standard_normal(len(names))
+    return dict(zip(names, (10.0 + noise).tolist(), strict=True))
+
+
+def test_where_nothing_changed_few_comparisons_claim_something() -> None:
+    rng = np.random.default_rng(1)
+    claims = [bool(compare_sessions(side(many(rng)), side(many(rng))).changed) for _ in range(300)]
+    assert np.mean(claims) <= 0.05
+
+
+def test_torque_at_rest_has_half_of_the_level_to_itself() -> None:
+    before, after = side(many()), many()
+    by = 4.4  # p = 0.0096: enough for one of two, not for one of 80
+    told = compare_sessions(before, side({**after, LEADING: 10.0 + by}))
+    assert [d.name for d in told.changed] == [LEADING]
+    assert compare_sessions(before, side({**after, "m3": 10.0 + by})).changed == ()
+    assert told.measures[LEADING].smallest < 0.75 * told.measures["m3"].smallest
+
+
+def test_the_smallest_change_is_found_in_four_of_five() -> None:
+    rng = np.random.default_rng(2)
+    smallest = compare_sessions(side(many()), side(many())).measures[LEADING].smallest
+    sd = 1.2 * math.sqrt(2.0)
+    found = []
+    for noise in sd * rng.standard_normal(300):
+        told = compare_sessions(side(many()), side({**many(), LEADING: 10 + smallest + noise}))
+        found.append(told.measures[LEADING].verdict is ChangeVerdict.CHANGED)
+    assert 0.74 <= np.mean(found) <= 0.86
+
+
+def test_between_two_legs_nothing_cancels() -> None:
+    one, other = side(many(), total=5.0), side({**many(), LEADING: 16.0}, total=5.0)
+    assert compare_sessions(one, other).measures[LEADING].verdict is ChangeVerdict.CHANGED
+    told = compare_sessions(one, other, legs=True)
+    assert told.changed == ()
+    assert told.as_dict()["of"] == "legs"
+    assert told.measures[LEADING].note.startswith("no difference shown")
+    with pytest.raises(InputError, match="baselines"):
+        compare_sessions(one, other, [one], legs=True)
+
+
+def test_few_baselines_are_known_badly() -> None:
+    """The same spread, seen in two sessions and in twelve."""
+    after = side({**many(), LEADING: 35.0})
+    apart = [3.0 * (-1) ** i for i in range(12)]
+    wide = []
+    for shifts in (apart[:1], apart[:11]):
+        again = [side({**many(), LEADING: 10.0 + 2 * shift}) for shift in shifts]
+        d = compare_sessions(side(many()), after, again).measures[LEADING]
+        wide.append((d.ci95[1] - d.ci95[0]) / 2.0)
+    assert wide[0] > 2.0 * wide[1]
+
+
+def test_a_fit_is_not_compared_with_itself(tmp_path) -> None:
+    path = tmp_path / "fit.json"
+    path.write_text("{}")
+    with pytest.raises(InputError, match="same fit"):
+        surae.change(path, tmp_path / "." / "fit.json")
