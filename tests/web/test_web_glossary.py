@@ -35,3 +35,11 @@ def test_the_page_has_all_of_them(browser) -> None:
     for key in glossary.meanings():
         assert f'id="{key}"' in page
     assert browser.get("/api/glossary").json() == glossary.meanings()
+
+
+def test_models_are_named_shortly() -> None:
+    of = {symbol.name: symbol.models for symbol in glossary.symbols()}
+    assert of["m"] == ("every model",)
+    assert of["k_tib"] == ("every model but the muscle model of 2010, reconstructed",)
+    assert len(of["dlt_tri"]) == 3
+    assert of["emd"] == ()  # of the automatic one, and of any other where it is freed

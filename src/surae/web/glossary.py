@@ -71,10 +71,15 @@ def symbols() -> tuple[Symbol, ...]:
             )
         known[parameter.name] = Symbol(parameter.name, meaning, parameter.unit, models)
     every = tuple(spec.title for spec in MODELS.values())
-    return tuple(
-        replace(each, models=("every model",)) if set(each.models) == set(every) else each
-        for each in known.values()
-    )
+    return tuple(replace(each, models=_shortly(each.models, every)) for each in known.values())
+
+
+def _shortly(models: tuple[str, ...], every: tuple[str, ...]) -> tuple[str, ...]:
+    """The models, or those that are missing where that is one at most."""
+    missing = [model for model in every if model not in models]
+    if len(missing) > 1:
+        return models
+    return (" but the ".join(("every model", *missing)),)
 
 
 def meanings() -> dict[str, str]:
