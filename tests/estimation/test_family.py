@@ -7,9 +7,11 @@ import pytest
 
 from surae.assessment import Verdict, assess
 from surae.assessment.adequacy import judge_adequacy
+from surae.assessment.posterior.beliefs import beliefs
 from surae.assessment.saved.fit_json import load_saved, save_fit
 from surae.errors import InputError
-from surae.estimation import make_problem, solve
+from surae.estimation import fit_problem, make_problem, solve
+from surae.estimation.result import with_laboratory
 from surae.estimation.shaken import emg_noise
 from surae.frozen import read_only
 from surae.model.laboratory import ALL, laboratory
@@ -229,3 +231,21 @@ def test_a_bias_that_is_not_small_is_not_taken_away(fitted):
     worth = assess(solve(make_problem([loud], "auto")))
     plain = assess(solve(make_problem([loud], "muscle", starts=1)))
     assert worth.adequacy.r2 > plain.adequacy.r2 - 5.0
+
+
+def test_what_fits_again_believes_what_the_search_did(fitted):
+    """Profile, bootstrap and posterior: a nuisance without its prior takes what it likes."""
+    told = with_laboratory(fitted)
+    assert set(fitted.family.beliefs) <= set(told.problem.priors)
+    assert told.problem.inputs == fitted.problem.inputs
+    own = replace(fitted, family=replace(fitted.family, zeros=(2.0,)))
+    shifted = with_laboratory(own)
+    np.testing.assert_allclose(shifted.problem.inputs[0].torque, fitted.problem.inputs[0].torque)
+    assert with_laboratory(shifted) == shifted
+    known = beliefs(told.problem)
+    assert all(known[name].origin == "fit" for name in fitted.family.beliefs)
+    assert not known["torque_zero"].log
+    delay = known["emd"]
+    assert delay.median * np.exp(0.5 * delay.spread**2) == pytest.approx(0.03)
+    plain = fit_problem(make_problem([fitted.problem.inputs[0]], "muscle"), starts=1)
+    assert with_laboratory(plain) is plain

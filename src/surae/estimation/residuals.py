@@ -9,9 +9,6 @@ from surae.estimation.problem import FitProblem
 from surae.model.simulator import Simulator
 from surae.units import FloatArray
 
-#: Below this part of its median a parameter's prior no longer changes: its logarithm would not end.
-_SMALLEST = 1e-6
-
 
 def simulators(problem: FitProblem) -> tuple[Simulator, ...]:
     """The model tied to each recording."""
@@ -21,8 +18,8 @@ def simulators(problem: FitProblem) -> tuple[Simulator, ...]:
 class Residuals:
     """Modelled minus measured torque of all recordings, with its Jacobian, weighted.
 
-    Priors follow as further residuals, σ·(ln x − ln median)/spread, so that the sum of squares over
-    σ² is minus twice the logarithm of the posterior, but for a constant.
+    Priors follow as further residuals, σ·(ln x − ln median)/spread (`Prior.row`), so that the sum
+    of squares over σ² is minus twice the logarithm of the posterior, but for a constant.
 
     Parameters
     ----------
@@ -68,10 +65,9 @@ class Residuals:
         self._rows[:-1, self._samples :] = 0.0
         for column, (name, prior) in enumerate(self._problem.priors.items(), self._samples):
             j = self._problem.free.index(name)
-            value = max(x[j], _SMALLEST * prior.median)
-            weight = self.noise / prior.spread
-            self._rows[j, column] = weight / value
-            self._rows[-1, column] = weight * np.log(value / prior.median)
+            slope, away = prior.row(float(x[j]))
+            self._rows[j, column] = self.noise * slope
+            self._rows[-1, column] = self.noise * away
         return self._rows
 
     def of(self, x: FloatArray) -> tuple[FloatArray, ...]:

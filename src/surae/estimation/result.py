@@ -1,13 +1,14 @@
 """What a fit found, as plain data: no optimiser, no function, nothing that refers back."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from surae.estimation.noise import NoiseModel
+from surae.estimation.prior import Prior
 from surae.estimation.problem import FitProblem
-from surae.frozen import Comparable, FrozenDict
+from surae.frozen import Comparable, FrozenDict, read_only
 from surae.model.laboratory import Belief
 from surae.units import FloatArray
 
@@ -196,6 +197,36 @@ class FitResult(Comparable):
         p = self.problem
         widths = dict(zip(p.free, (p.upper - p.lower).tolist(), strict=True))
         return {name: float(widths[name] / np.sqrt(12.0)) for name in self.at_bound}
+
+
+def with_laboratory(result: FitResult) -> FitResult:
+    """A fit of a family as one of its model alone, with what was believed of the laboratory.
+
+    What fits the model again needs the priors of its nuisances, without which crosstalk or a zero
+    would take whatever the data leave open, and recordings without what is their own zero's. A fit
+    of a named model is what it is.
+
+    Parameters
+    ----------
+    result : FitResult
+        Any.
+    """
+    family, problem = result.family, result.problem
+    if family is None:
+        return result
+    told = {n: Prior(b.mean, b.sd, straight=True) for n, b in family.beliefs.items()}
+    inputs = problem.inputs
+    if family.zeros:
+        mean = float(np.mean(family.zeros))
+        inputs = tuple(
+            one if one.torque is None else replace(one, torque=read_only(one.torque - zero + mean))
+            for one, zero in zip(inputs, family.zeros, strict=True)
+        )
+    return replace(
+        result,
+        problem=replace(problem, inputs=inputs, priors=FrozenDict({**problem.priors, **told})),
+        family=replace(family, zeros=()),
+    )
 
 
 def is_at_bound(value: float, lower: float, upper: float) -> bool:

@@ -15,8 +15,9 @@ import numpy as np
 
 from surae.assessment.likelihood.search import Search
 from surae.errors import InputError
-from surae.estimation import FitProblem, FitResult, fit_problem
+from surae.estimation import FitResult, fit_problem
 from surae.estimation.least_squares import Outcome
+from surae.estimation.result import with_laboratory
 from surae.frozen import Comparable, read_only
 from surae.model import adapted
 from surae.units import FloatArray
@@ -148,13 +149,14 @@ def profile(
         no finite torque at the fit.
     """
     check_profiled(result, name, variance_inflation)
+    result = with_laboratory(result)
     problem = result.problem
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
     search = Search(
         result,
         name,
         variance_inflation=variance_inflation,
-        noise=prior_noise(problem) if noise is None else noise,
+        noise=prior_noise(result) if noise is None else noise,
         stopped=stopped,
     )
     sse = np.array([point.sse for point in search.points])
@@ -213,10 +215,13 @@ def check_profiled(result: FitResult, name: str, variance_inflation: float = 1.0
         raise InputError("the fit leaves no residual: without noise there is no interval")
 
 
-def prior_noise(problem: FitProblem) -> float:
+def prior_noise(result: FitResult) -> float:
     """Standard deviation of the residual [Nm] that priors are weighed against, as in the fit."""
+    problem = result.problem
     if not problem.priors:
         return 0.0
+    if result.family is not None:
+        return float(np.sqrt(result.sse / max(problem.n - len(problem.free), 1)))
     plain = fit_problem(replace(problem, priors={}), starts=1)
     if plain.starts[-1].outcome == Outcome.INTERRUPTED:
         raise KeyboardInterrupt

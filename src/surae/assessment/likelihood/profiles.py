@@ -12,6 +12,7 @@ from surae.assessment.kept import ledger_of
 from surae.assessment.likelihood.profile import Profile, check_profiled, prior_noise, profile
 from surae.errors import InputError
 from surae.estimation import FitResult
+from surae.estimation.result import with_laboratory
 from surae.files import PathLike, write_json
 from surae.processes import Plain
 from surae.progress import NamedProgress
@@ -123,7 +124,7 @@ def profiles(
         raise InputError(f"nothing to profile; choose from: {', '.join(result.problem.free)}")
     begin, stop = time.perf_counter(), threading.Event()
     with one_blas_thread():
-        noise = prior_noise(result.problem)
+        noise = prior_noise(with_laboratory(result))
 
     def profiled(name: str) -> Plain:
         return profile(

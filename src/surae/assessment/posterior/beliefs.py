@@ -8,11 +8,14 @@ Given ones come first, then those of the fit, then the wide defaults of
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from surae.errors import InputError
 from surae.estimation import FitProblem
 from surae.estimation.population import wide_priors
-from surae.estimation.prior import checked_prior
+from surae.estimation.prior import Prior, checked_prior
 from surae.model import adapted
+from surae.model.laboratory import laboratory
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,13 +65,24 @@ def beliefs(
             # Its bounds as two standard deviations to either side.
             found[name] = Belief((p.lower + p.upper) / 2, (p.upper - p.lower) / 4, False,
                                  "population")  # fmt: skip
-        else:
+        elif name in wide:
             found[name] = Belief(*wide[name], True, "population")
+        else:
+            known = laboratory()[name]
+            found[name] = _told(Prior(known.mean, known.sd, straight=True), "population")
     for name, prior in problem.priors.items():
-        found[name] = Belief(prior.median, prior.spread, True, "fit")
+        found[name] = _told(prior, "fit", signed=table[name].signed)
     for name, pair in (given or {}).items():
         prior = checked_prior(name, pair, problem.free)
         if table[name].signed:
             raise InputError(f"prior of {name}: it is on a logarithm, and {name} may be negative")
         found[name] = Belief(prior.median, prior.spread, True, "given")
     return found
+
+
+def _told(prior: Prior, origin: str, *, signed: bool = False) -> Belief:
+    """A prior as a belief; one on the value itself as a logarithm where it may not be negative."""
+    if not prior.straight or signed or not prior.median > 0.0:
+        return Belief(prior.median, prior.spread, not prior.straight, origin)
+    variance = float(np.log1p((prior.spread / prior.median) ** 2))  # of the same mean and deviation
+    return Belief(prior.median * float(np.exp(-0.5 * variance)), variance**0.5, True, origin)

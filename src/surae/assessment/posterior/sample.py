@@ -20,6 +20,7 @@ from surae.assessment.posterior.diagnostics import Convergence, convergence, ver
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width
 from surae.errors import InputError
 from surae.estimation import FitResult
+from surae.estimation.result import with_laboratory
 from surae.files import PathLike, write_atomic
 from surae.frozen import Comparable, read_only
 from surae.model import adapted
@@ -220,6 +221,7 @@ def sample(
         raise InputError("the fit failed without a finite torque: it has no posterior")
     if result.sse == 0:
         raise InputError("the fit leaves no residual: without noise there is no posterior")
+    result = with_laboratory(result)
     problem = result.problem
     known = beliefs(problem, priors)
     target = make_target(result, known, variance_inflation)

@@ -14,7 +14,8 @@ from surae.assessment.likelihood.profile import prior_noise
 from surae.assessment.resampling.blocks import block_length, draw_blocks
 from surae.assessment.resampling.refit import refit
 from surae.errors import InputError
-from surae.estimation import FitResult, Prior
+from surae.estimation import FitResult
+from surae.estimation.result import with_laboratory
 from surae.files import PathLike, write_json
 from surae.frozen import Comparable, read_only
 from surae.model import adapted
@@ -165,6 +166,7 @@ def bootstrap(
         A number is out of range, the fit has no bootstrap, or the file is of another one.
     """
     begin = time.perf_counter()
+    result = with_laboratory(result)
     problem = result.problem
     if replicates < 1:
         raise InputError(f"replicates is {replicates}; give at least 1")
@@ -183,7 +185,7 @@ def bootstrap(
     lengths = [
         _length(inputs, pool, block_s) for inputs, pool in zip(problem.inputs, pools, strict=True)
     ]
-    noise = prior_noise(problem)
+    noise = prior_noise(result)
     x = np.clip([result.values[name] for name in problem.free], problem.lower, problem.upper)
 
     def replicate(number: int) -> list[float] | None:
@@ -196,12 +198,8 @@ def bootstrap(
                     problem.inputs, result.residuals, pools, lengths, strict=True
                 )
             ),
-            priors={
-                name: Prior(prior.median * math.exp(prior.spread * rng.standard_normal()),
-                            prior.spread)
-                for name, prior in problem.priors.items()
-            },
-        )  # fmt: skip
+            priors={name: prior.drawn(rng) for name, prior in problem.priors.items()},
+        )
         minimum = refit(drawn, x, noise)
         return None if minimum is None else minimum.tolist()
 

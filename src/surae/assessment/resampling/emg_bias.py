@@ -18,6 +18,7 @@ from surae.assessment.residual.whiteness import autocovariance
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.estimation.noise import NoiseModel, autoregressive
+from surae.estimation.result import with_laboratory
 from surae.files import PathLike, write_json
 from surae.frozen import read_only
 from surae.model import adapted
@@ -163,6 +164,7 @@ def emg_bias(
         A number is out of range, the fit has no finite torque, or an EMG no quiet part.
     """
     begin = time.perf_counter()
+    result = with_laboratory(result)
     problem = result.problem
     if level is not None and not 0 < level <= 1:
         raise InputError(f"EMG noise of {level:g} times the mean; give more than 0 and at most 1")
@@ -174,7 +176,7 @@ def emg_bias(
         [_channel_noise(recording, channel, level) for channel in range(len(MUSCLES))]
         for recording in problem.inputs
     ]
-    noise = prior_noise(problem)
+    noise = prior_noise(result)
     known = np.clip([result.values[name] for name in problem.free], problem.lower, problem.upper)
     # Shifts are far smaller than standard errors, so minima are sought that closely too.
     origin = refit(problem, known, noise, stall=_STALL)
