@@ -62,7 +62,7 @@ class Operator:
 
     def at(self, seconds: float) -> None:
         """Wait until so much of the trial is over."""
-        said = "(?:" + "|".join(str(n) for n in range(round(seconds), round(seconds) + 4)) + ") of"
+        said = "(?:" + "|".join(str(n) for n in range(round(seconds), round(seconds) + 40)) + ") of"
         expect(self.page.locator("#clock")).to_contain_text(re.compile(f"· {said}"), timeout=60_000)
 
     def judged(self, trial: int) -> dict:
@@ -128,10 +128,10 @@ def session(operator: Operator, subject: Page, seconds: float) -> None:
     expect(page.locator("#session")).to_contain_text("Trials 1, 2, 3, 5, 6 together",
                                                      timeout=2 * PATIENCE)  # fmt: skip
     print(json.dumps({"joint_fit_after_the_last_verdict_s": round(time.monotonic() - begun, 1)}))
-    operator.shot("session")
     page.screenshot(path=operator.folder / "whole-page.png", full_page=True)
+    page.locator("#session").screenshot(path=operator.folder / "session.png")
     page.keyboard.press("n")
-    expect(page.locator("#asked")).to_contain_text("measure-next", timeout=PATIENCE)
+    expect(page.locator("#asked")).to_contain_text("next: ", timeout=PATIENCE)
     operator.shot("next")
 
 

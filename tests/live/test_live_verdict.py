@@ -140,6 +140,11 @@ def test_efforts_that_were_asked_for_are_told_to_the_judge_and_to_the_joint_fit(
     assert told["efforts"] == asked
     assert trials.session["efforts"] == asked
     assert trials.session["device"] == "achilles"
+    again = Trials(tmp_path)  # what was fitted together is, at the next start, without a new trial
+    try:
+        waited(lambda: again.session.get("trials") == [1, 2, 3])
+    finally:
+        again.close()
 
 
 DEVICE = """\

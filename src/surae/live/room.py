@@ -117,13 +117,15 @@ class Room:
                 target=self._watch, args=(Path(watch),), daemon=True, name="live-watch"
             ).start()
 
-    def load(self, path: PathLike | None = None, **protocol: Any) -> None:
+    def load(self, path: PathLike | None = None, name: str = "", **protocol: Any) -> None:
         """Load what is asked for in the next trial.
 
         Parameters
         ----------
         path : path, optional
             A file as `surae protocol` writes it.
+        name : str
+            What it is called, if not as the file.
         **protocol
             Else a `surae.protocol.Protocol` without device and range, which are the room's.
 
@@ -146,7 +148,7 @@ class Room:
                 name = f"{protocol.get('profile', '')} {protocol.get('task', '')}".strip()
                 effort = "passive" if protocol.get("task") == "passive" else None
             else:
-                trajectory, name = read_protocol(path), Path(path).stem
+                trajectory, name = read_protocol(path), name or Path(path).stem
             write_protocol_csv(trajectory, self._file)
             self.trajectory = trajectory
             self.asked = {"protocol": shown(name), "seconds": float(trajectory.time[-1])}
@@ -180,7 +182,8 @@ class Room:
         file = self.trials.folder / "measure-next.csv"
         if not file.exists():
             raise InputError("nothing says yet what to measure next; fit a trial first")
-        self.load(file)
+        proposed = self.trials.session.get("proposed")
+        self.load(file, name=f"next: {proposed}" if proposed else "")
 
     def start(self, countdown: float = 0.5) -> int:
         """Begin a trial; the target moves after a countdown [s]. Returns the trial's number.

@@ -92,6 +92,8 @@ class Trials:
             raise InputError(f"{self.folder}: {error.strerror}; give another --output") from None
         self.warm = self._work.submit(self._judge.call, "surae.live.judge:warm", {})
         self.verdicts = {number: self._submit(number, None, None) for number in broken}
+        if joint and self.trials:  # what was known before this start is known again
+            self._later.submit(self._together)
 
     def start(self, **about: Any) -> int:
         """Begin a trial; what is known `about` it is kept. Returns its number."""
