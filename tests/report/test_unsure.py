@@ -12,7 +12,7 @@ from surae.assessment.uncertainty.budget import budgets
 from surae.estimation import fit_problem, make_problem, solve
 from surae.frozen import FrozenDict
 from surae.report import build
-from surae.report.budget import budget_section, what_would_help
+from surae.report.budget import budget_section, what_to_measure, what_would_help
 from surae.report.laboratory import family_section, laboratory_section, trials_section
 from surae.report.parameters import parameter_groups, repeatable, shown_parameters
 
@@ -86,11 +86,26 @@ def test_the_sentence_is_not_said(auto, monkeypatch, why):
 def test_a_named_model_says_that_noise_is_all_it_knows(plain):
     section = budget_section(plain.result, plain.assessment)
     assert "the noise of the torque and nothing else" in section.text
-    assert (section.rows, section.helps) == ((), ())
+    assert (section.rows, section.helps) == ((), what_to_measure(plain.assessment))
     assert laboratory_section(plain.result, plain.assessment) is None
     assert family_section(plain.result, plain.assessment) is None
     assert trials_section(plain.result, plain.assessment) is None
     assert "imperfections" not in plain.page
+
+
+def test_every_weak_verdict_links_to_what_to_measure_next(plain):
+    table = plain.assessment.parameters
+    name = next(n for n, p in table.items() if p.free)
+    for verdict, links in ((Verdict.WEAK, True), (Verdict.IDENTIFIED, False)):
+        all_alike = {n: {"verdict": verdict} for n, p in table.items() if p.free}
+        told = what_to_measure(with_parameters(plain.assessment, **all_alike))
+        assert bool(told) is links
+        assert all(name in text and "surae design --after" in text for text in told)
+    doubted = graded(plain.assessment, Grade.INADEQUATE)
+    assert what_to_measure(doubted) == ()
+    weak = sum(p.verdict in (Verdict.WEAK, Verdict.UNDETERMINED) for p in table.values() if p.free)
+    assert plain.page.count('href="#next"') == weak
+    assert plain.page.count('id="next"') == min(weak, 1)
 
 
 def test_the_laboratory_says_what_was_assumed_and_who_says_so(auto):
