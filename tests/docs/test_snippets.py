@@ -40,7 +40,8 @@ QUICKER = {
     "surae compare": ["--starts", "1"],
     "surae session": ["--model", "muscle", "--starts", "1"],
     "surae profile": ["--workers", "1"],
-    "surae design": ["--evaluations", "20"],
+    "surae design --session": ["--rate", "32"],
+    "surae design --duration": ["--evaluations", "20"],
     "surae study run": ["--workers", "1"],
     "surae baseline": ["--subjects", "2", "--rate", "50"],
 }
