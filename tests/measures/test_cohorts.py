@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from datetime import datetime
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from surae.measures.members import populations, read_table
 from surae.measures.quantity import Quantities, Quantity
 from surae.measures.reml import random_effects
 from surae.protocol import Protocol, generate
+from surae.report.cohort import cohort_html
 from surae.studies import virtual_subject, virtual_trial
 
 
@@ -167,6 +169,19 @@ def test_tables_that_are_wrong_are_refused(tmp_path, text, told) -> None:
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=told):
         read_table(path)
+
+
+def test_the_page_draws_legs_over_sessions_and_against_scales() -> None:
+    rows = [leg(f"L{i}", 200.0 + i, 1.0, "ab"[i % 2], n, scales={"mas": float(i)})
+            for i in range(6) for n in ("1", "2")]  # fmt: skip
+    named = [replace(row, quantities=replace(row.quantities, by_name=FrozenDict(
+        {"passive_torque@10deg": replace(row.quantities.by_name["k_tri"],
+                                         name="passive_torque@10deg")}
+    ))) for row in rows]  # fmt: skip
+    page = cohort_html(pool(named), created=datetime(2026, 11, 22))
+    assert page.count("data:image/svg") == 3
+    assert "passive_torque@10deg over sessions" in page
+    assert "passive_torque@10deg and mas" in page
 
 
 def test_a_leg_twice_in_a_session_is_refused() -> None:

@@ -3,11 +3,18 @@
 import base64
 from datetime import datetime
 
-from surae.measures.cohort import Cohort, Contrast
+from surae.measures.cohort import Cohort, Contrast, Member, Pooled, sessions_of
 from surae.report.formatting import estimate, significant
 
 #: Measures that are drawn, where the cohort has them.
 _DRAWN = ("passive_torque", "passive_stiffness", "slow_stiffness", "optimal_angle_tri")
+
+#: What figures show.
+_FOREST = (
+    "grey as found, dark as drawn to the group; bars are 95 % intervals, diamonds the groups’ means"
+)
+_LINES = "as found, a line for each leg; how sure each is stands in the tables"
+_POINTS = "as found in the first session, a mark for each leg"
 
 
 def cohort_html(cohort: Cohort, *, created: datetime) -> str:
@@ -15,12 +22,25 @@ def cohort_html(cohort: Cohort, *, created: datetime) -> str:
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     from surae.report.figures import svg
-    from surae.report.figures.cohort import forest_figure
+    from surae.report.figures.cohort import forest_figure, scale_figure, sessions_figure
 
+    figures = []
+    for p in cohort.pooled.values():
+        if p.name.partition("@")[0] in _DRAWN and p.legs:
+            label = f"{p.name} [{p.unit}]"
+            figures.append((p.name, forest_figure(p), _FOREST))
+            if over := _over_sessions(cohort, p.name):
+                order = list(dict.fromkeys(m.session for m in sorted(
+                    cohort.members, key=lambda m: m.order
+                )))  # fmt: skip
+                title = f"{p.name} over sessions"
+                figures.append((title, sessions_figure(label, order, over), _LINES))
+            for scale in p.scales:
+                drawing = scale_figure(label, scale, _against(cohort, p, scale))
+                figures.append((f"{p.name} and {scale}", drawing, _POINTS))
     drawn = [
-        (p.name, base64.b64encode(svg(forest_figure(p))).decode())
-        for p in cohort.pooled.values()
-        if p.name.partition("@")[0] in _DRAWN and p.legs
+        (title, base64.b64encode(svg(figure)).decode(), caption)
+        for title, figure, caption in figures
     ]
     groups = []
     for p in cohort.pooled.values():
@@ -61,3 +81,30 @@ def cohort_html(cohort: Cohort, *, created: datetime) -> str:
 def _contrast(c: Contrast) -> tuple[str, str, str, int]:
     text = estimate(c.difference, (c.ci95[1] - c.ci95[0]) / 3.92, c.ci95)
     return text.value, text.interval, f"{c.p:.2g}", c.k
+
+
+def _value(member: Member, name: str) -> float | None:
+    q = None if member.quantities is None else member.quantities.by_name.get(name)
+    if q is None or q.at_bound or (q.missing and not q.is_comparable_between_legs):
+        return None
+    return q.value
+
+
+def _over_sessions(cohort: Cohort, name: str) -> list[tuple[str, list[tuple[str, float]]]]:
+    """Group and values of the legs that were measured more than once, by session."""
+    told = []
+    for each in sessions_of(cohort.members).values():
+        own = [(m.session, value) for m in each if (value := _value(m, name)) is not None]
+        if len(own) > 1:
+            told.append((each[0].group, own))
+    return told
+
+
+def _against(cohort: Cohort, pooled: Pooled, scale: str) -> list[tuple[str, float, float]]:
+    """Group, mark and value of the legs that have both, of their first sessions."""
+    first = {leg: each[0] for leg, each in sessions_of(cohort.members).items()}
+    return [
+        (leg.group, first[leg.leg].scales[scale], leg.value)
+        for leg in pooled.legs
+        if scale in first[leg.leg].scales
+    ]

@@ -1,5 +1,8 @@
-"""Figures of a cohort: every leg and its group's mean, and legs before and after."""
+"""Figures of a cohort: every leg and its group's mean, legs over sessions, and against a scale."""
 
+from collections.abc import Sequence
+
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.measures.cohort import Pooled
@@ -45,3 +48,61 @@ def forest_figure(pooled: Pooled) -> Figure:
     axes.tick_params(axis="y", length=0, labelcolor=MUTED)
     axes.invert_yaxis()
     return figure
+
+
+def sessions_figure(
+    label: str, sessions: Sequence[str], legs: Sequence[tuple[str, Sequence[tuple[str, float]]]]
+) -> Figure:
+    """Each leg as a line over its sessions.
+
+    Parameters
+    ----------
+    label : str
+        Of the values.
+    sessions : sequence of str
+        All there are, in order.
+    legs : sequence of (str, sequence of (str, float))
+        Group of each leg, and its value by session.
+    """
+    figure = new_figure(2.6, width=7.2)
+    axes = figure.subplots()
+    groups = list(dict.fromkeys(group for group, _ in legs))
+    for group, values in legs:
+        look = groups.index(group) % len(_COLOURS)
+        names, own = zip(*values, strict=True)
+        at = [sessions.index(name) for name in names]
+        axes.plot(at, own, marker=_MARKERS[look], markersize=4, linewidth=1.0,
+                  color=_COLOURS[look], label="_")  # fmt: skip
+    axes.set_xticks(range(len(sessions)), sessions)
+    _legend(axes, groups)
+    dress(axes, label, "session")
+    return figure
+
+
+def scale_figure(label: str, scale: str, legs: Sequence[tuple[str, float, float]]) -> Figure:
+    """Each leg against a clinical scale.
+
+    Parameters
+    ----------
+    label, scale : str
+        Of the values, and of the scale.
+    legs : sequence of (str, float, float)
+        Group, mark and value of each leg.
+    """
+    figure = new_figure(2.6, width=7.2)
+    axes = figure.subplots()
+    groups = list(dict.fromkeys(group for group, _, _ in legs))
+    for group, mark, value in legs:
+        look = groups.index(group) % len(_COLOURS)
+        axes.plot([mark], [value], marker=_MARKERS[look], markersize=5, color=_COLOURS[look])
+    _legend(axes, groups)
+    dress(axes, label, scale)
+    return figure
+
+
+def _legend(axes: Axes, groups: Sequence[str]) -> None:
+    if len(groups) > 1:
+        for look, group in enumerate(groups):
+            axes.plot([], [], marker=_MARKERS[look % 4], linestyle="", label=group or "all",
+                      color=_COLOURS[look % 4])  # fmt: skip
+        axes.legend(frameon=False, fontsize=7.5, labelcolor=INK)
