@@ -111,13 +111,12 @@ def test_no_change_is_never_a_yes(fit) -> None:
     assert not any(row.is_strong for row in told.rows)
 
 
-@pytest.mark.parametrize("columns", ["", "60", "80", "132"])
-def test_the_commands_write_it(fit, tmp_path, monkeypatch, columns) -> None:
+def test_the_commands_write_it(fit, tmp_path, monkeypatch) -> None:
     from click.testing import CliRunner
 
     from surae.cli import group
 
-    monkeypatch.setenv("COLUMNS", columns)
+    monkeypatch.setenv("COLUMNS", "60")  # narrower than the names and numbers
     fit.save(tmp_path / "fit.json")
     (tmp_path / "after.json").write_bytes((tmp_path / "fit.json").read_bytes())
     files = [str(tmp_path / name) for name in ("fit.json", "after.json", "p.html", "o.json")]
