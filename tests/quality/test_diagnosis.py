@@ -168,3 +168,4 @@ def test_emg_that_is_not_as_declared_is_a_finding(planted, declared, severity) -
     assert finding.severity == severity
     other = "envelope" if declared == "raw" else "raw"
     assert f'emg = "{other}"' in finding.advice
+    assert finding.message.endswith(").")  # what it looks like is told whole

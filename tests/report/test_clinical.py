@@ -4,17 +4,20 @@ import re
 from dataclasses import replace
 from datetime import datetime
 
+import numpy as np
 import pytest
 
 import surae
 from surae.assessment import Grade, Verdict
 from surae.errors import InputError
 from surae.measures.change import compare_sessions
+from surae.measures.curve import Line, TorqueCurve
 from surae.measures.quantity import quantities
 from surae.names import LANGUAGES
 from surae.protocol import Protocol, generate
 from surae.report.clinical import change_page, clinical_html, fit_page
 from surae.report.clinical_words import sentences
+from surae.report.figures.clinical import curve_figure
 from surae.studies import virtual_subject, virtual_trial
 
 NOW = datetime(2026, 11, 22)
@@ -52,6 +55,18 @@ def test_an_inadequate_fit_gives_no_answer_and_no_known_number(fit) -> None:
     assert not any(row.is_strong for row in told.rows)
     assert told.norms == ()
     assert "the ankle hardly moves" in clinical_html(told)
+
+
+def test_a_band_without_an_end_leaves_its_curve_readable() -> None:
+    angle = np.linspace(-0.3, 0.3, 20)
+    torque = 10.0 * angle
+    vast = Line(torque=torque, low=torque - 1e7, high=torque + 1e7)
+    near = Line(torque=torque, low=torque - 1.0, high=torque + 1.0)
+    names = {name: name for name in ("angle", "torque", "relaxed", "calf", "tibialis")}
+    curve = TorqueCurve(angle=angle, passive=vast, active_tri=near, active_tib=near)
+    rest, active = curve_figure([("leg", curve)], [], names).axes
+    assert -20.0 < rest.get_ylim()[0] < -6.0
+    assert active.get_ylim()[0] == pytest.approx(-4.0, abs=0.7)
 
 
 def test_what_is_not_identified_is_no_plain_answer(fit) -> None:

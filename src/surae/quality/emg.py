@@ -47,6 +47,8 @@ def kind(trial: Trial) -> tuple[Finding, ...]:
         if role.removeprefix("emg_") in trial.slow:
             channel = trial.recording.channels[role]
             said, _, advice = sentence.partition(": ")
+            if declared == "raw":
+                advice += "; a fit refuses it else, unless all signals are prepared (--prepared)"
             return (
                 Finding(
                     "emg-kind",

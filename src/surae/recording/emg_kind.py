@@ -103,7 +103,7 @@ def _look(time: FloatArray, values: FloatArray) -> Look:
             offset = -float(f"{mean:.6g}")
             return Look("raw", f"never near zero, yet fast: {rate}: raw on an offset", offset)
     if crossings <= _SLOW and not below:
-        return Look("envelope", f"not negative and slow: {rate}")
+        return Look("envelope", f"not negative and slow, {rate}")
     rule = f"not negative, yet fast: {rate}: rectified but not smoothed?"
     return Look(None, "negative throughout" if below else rule)
 

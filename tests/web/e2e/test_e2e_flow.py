@@ -91,6 +91,9 @@ def test_the_trials_of_a_leg_come_in_at_once(desk: Desk, csv: Path, tmp_path: Pa
     chosen = desk.api("GET", "/api/draft")["draft"]["recordings"]
     assert [names[id_] for id_ in chosen] == ["walk b", "walk a"]
     assert "hold" in names.values()
+    row = page.locator("#recordings li", has_text="hold")
+    expect(row).to_contain_text("holds still")
+    expect(page.locator("#recordings li", has_text="walk a")).not_to_contain_text("holds still")
 
 
 def test_a_mat_file_is_mapped_by_hand(desk: Desk, mat: Path) -> None:

@@ -15,6 +15,11 @@ from surae.units import FloatArray
 _LOOKS = ((INK, "-"), (BLUE, "--"), (MUTED, ":"))
 #: A figure that is narrower has no room for two panels side by side [inch].
 _NARROW = 5.0
+#: The axes reach at most this many times the curves' own range beyond them: a band without an end
+#: would leave a flat line.
+_BEYOND = 2.0
+#: Label of the edge of a band, which a legend leaves out.
+_EDGE = "_edge"
 #: Fill and hatch of the shares.
 _FILLS = ((INK, ""), (BLUE, "////"), (GREY, ""), ("#ffffff", "...."))
 
@@ -63,7 +68,7 @@ def curve_figure(
     for axes in panels:
         dress(axes, words["torque"], words["angle"])
         axes.legend(frameon=False, fontsize=7.5, labelcolor=INK, loc="upper left")
-        low, high = axes.get_ylim()
+        low, high = _limits(axes)
         axes.set_ylim(low, high + 0.18 * (high - low))
         axes.axhline(0.0, color=MUTED, linewidth=0.6)
     return figure
@@ -114,4 +119,16 @@ def _band(axes: Axes, angle: FloatArray, line: Line, look: int, label: str) -> N
     axes.fill_between(angle, line.low, line.high, color=colour, alpha=0.16, linewidth=0)
     axes.plot(angle, line.torque, dash, color=colour, linewidth=1.6, label=label)
     for edge in (line.low, line.high):
-        axes.plot(angle, edge, color=colour, linewidth=0.5)
+        axes.plot(angle, edge, color=colour, linewidth=0.5, label=_EDGE)
+
+
+def _limits(axes: Axes) -> tuple[float, float]:
+    """Torque from and to [Nm]: all that is drawn, but of bands only what leaves curves readable."""
+    low, high = axes.get_ylim()
+    drawn = [np.asarray(line.get_ydata()) for line in axes.lines if line.get_label() != _EDGE]
+    torque = np.concatenate([*drawn, np.zeros(1)])
+    least, most = float(np.nanmin(torque)), float(np.nanmax(torque))
+    beyond = _BEYOND * (most - least)
+    if beyond > 0.0:
+        low, high = max(low, least - beyond), min(high, most + beyond)
+    return low, high

@@ -12,6 +12,7 @@ import { demoButton } from "../ui/demo.js";
 import { PHASES, active, cancel, follow } from "../ui/jobs.js";
 import { parameterTable } from "../ui/parameters.js";
 import { settingsForm } from "../ui/settings.js";
+import { leftOut } from "../ui/trials.js";
 
 const box = { page: byId("error"), fit: byId("fit-error"), parameters: byId("parameters-error") };
 let models = null;
@@ -58,6 +59,7 @@ function live(values) {
 
 function showRecordings() {
   const chosen = draft().recordings;
+  const reasons = leftOut();
   replace(
     byId("recordings"),
     h(
@@ -69,7 +71,7 @@ function showRecordings() {
           {},
           h("label", { class: "check" }, h("input", { type: "checkbox", checked: chosen.includes(one.id), "data-focus": one.id, on: { change: (event) => choose(one, event.target.checked) } }), one.name),
           h("a", { href: `/recordings/${one.id}`, class: "small", "aria-label": `Look at ${one.name}` }, "Look"),
-          h("span", { class: "muted small" }, [seconds(one.duration_s), excludedText(one.id)].filter(Boolean).join(" · ")),
+          h("span", { class: "muted small" }, [seconds(one.duration_s), excludedText(one.id), !chosen.includes(one.id) && reasons[one.id]].filter(Boolean).join(" · ")),
         ),
       ),
     ),

@@ -11,7 +11,7 @@ import { editSubject } from "../ui/subjects.js";
 import { ranges } from "../ui/describe.js";
 import { findingsTable } from "../ui/findings.js";
 import { emptyMapping, mappingTable } from "../ui/mapping.js";
-import { forTrial, trialsAmong } from "../ui/trials.js";
+import { forTrial, rememberLeftOut, trialsAmong, whyNot } from "../ui/trials.js";
 
 const box = { upload: byId("upload-error"), inspect: byId("inspect-error"), mapping: byId("mapping-error") };
 const KEPT = "surae.import";
@@ -225,7 +225,9 @@ async function importTrials() {
       const own = forTrial(one, asked.mapping);
       const made = await post("/api/imports", { ...asked, mapping: own, trial: own.name });
       const { findings } = await get(`/api/recordings/${made.id}/quality`);
-      if (!findings.some((f) => f.code === "angle-still" || f.severity === "error")) fit.push(made.id);
+      const reason = whyNot(findings);
+      if (reason) rememberLeftOut({ [made.id]: reason });
+      else fit.push(made.id);
       included.delete(one.id);
     } catch (error) {
       failed.push(`${one.name}: ${error.message}`);

@@ -11,3 +11,18 @@ export function forTrial(one, mapping) {
   });
   return { ...mapping, name: one.name.replace(/\.[^.]*$/, ""), channels: Object.fromEntries(channels) };
 }
+
+const LEFT_OUT = "surae.left-out";
+
+/** Remember, across pages, why trials were not chosen for the fit: {id: reason}. */
+export const rememberLeftOut = (reasons) => sessionStorage.setItem(LEFT_OUT, JSON.stringify({ ...leftOut(), ...reasons }));
+
+/** Why trials that were imported together were not chosen: {id: reason}. */
+export const leftOut = () => JSON.parse(sessionStorage.getItem(LEFT_OUT) ?? "{}");
+
+/** Why a trial is not for a joint fit, as the check has it; empty for one that is. */
+export function whyNot(findings) {
+  if (findings.some((one) => one.code === "angle-still")) return "holds still, tells nothing of stiffness";
+  const error = findings.find((one) => one.severity === "error");
+  return error ? `the check: ${error.message}` : "";
+}
