@@ -69,6 +69,10 @@ def prepared(tmp_path_factory) -> Path:
     (folder / "leg").mkdir()
     for name, source in {"trial1": "trial", "trial2": "other", "rest": "trial"}.items():
         own = _columns(trials[source])
+        if name == "rest":  # nothing happens in it
+            own |= {
+                still: np.full_like(own[still], own[still][0]) for still in own if still != "time_s"
+            }
         laboratory = {_LAB[n]: _TO_LAB.get(n, 1.0) * own[n] for n in own}
         write_csv(folder / "leg" / f"{name}.csv", laboratory)
     for name in ("map", "corrected"):

@@ -37,11 +37,11 @@ QUICKER = {
     "surae fit": ["--model", "muscle", "--starts", "1"],
     "surae bootstrap": ["--replicates", "10", "--workers", "1"],
     "surae emg-bias": ["--pairs", "2", "--workers", "1"],
+    "surae cohort": ["--workers", "1"],
     "surae compare": ["--starts", "1"],
     "surae session": ["--model", "muscle", "--starts", "1"],
     "surae profile": ["--workers", "1"],
-    "surae design --session": ["--rate", "32"],
-    "surae design --duration": ["--evaluations", "20"],
+    "surae design": ["--evaluations", "20"],
     "surae study run": ["--workers", "1"],
     "surae baseline": ["--subjects", "2", "--rate", "50"],
 }
