@@ -187,7 +187,8 @@ def populations(members: Sequence[Member]) -> dict[str, Priors]:
     first = [each[0] for each in sessions_of(members).values()]
     groups: dict[str, list[Member]] = {"": first}
     for member in first:
-        groups.setdefault(member.group, []).append(member)
+        if member.group:  # else all are its group
+            groups.setdefault(member.group, []).append(member)
     told: dict[str, Priors] = {}
     for group, own in groups.items():
         if group and len(own) < _POPULATION:
