@@ -95,7 +95,7 @@ def lock(path: Path) -> sqlite3.Connection | None:
 
 
 def is_locked(path: Path) -> bool:
-    """Whether somebody writes."""
+    """Whether somebody is writing to it."""
     if not _lock_of(path).exists():
         return False
     look = sqlite3.connect(f"{_lock_of(path).as_uri()}?mode=ro", uri=True, timeout=0.0)

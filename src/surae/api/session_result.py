@@ -271,7 +271,7 @@ def _index(result: SessionResult) -> dict[str, Any]:
         "failed": dict(result.failed),
         "quality": {name: quality.as_dict() for name, quality in result.quality.items()},
         "predictions": {
-            name: {other: crossed.as_dict() for other, crossed in row.items()}
+            name: {predicted: crossed.as_dict() for predicted, crossed in row.items()}
             for name, row in result.predictions.items()
         },
         "joint_predictions": {n: c.as_dict() for n, c in result.joint_predictions.items()},
@@ -316,7 +316,7 @@ def load_session(folder: PathLike) -> SessionResult:
             failed=data["failed"],
             quality={name: quality_of(each) for name, each in data["quality"].items()},
             predictions={
-                name: {other: Crossed.from_dict(c) for other, c in row.items()}
+                name: {predicted: Crossed.from_dict(c) for predicted, c in row.items()}
                 for name, row in data["predictions"].items()
             },
             joint_predictions={

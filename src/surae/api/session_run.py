@@ -158,13 +158,14 @@ class _Run:
         """Predict every trial by every fit."""
         for name, fit in self.fits.items():
             self.predictions[name] = {
-                other: _crossed(fit, inputs, other == name) for other, inputs in self.inputs.items()
+                predicted: _crossed(fit, inputs, predicted == name)
+                for predicted, inputs in self.inputs.items()
             }
         if self.joint is not None:
             self.joint_predictions = {
-                other: _crossed(self.joint, inputs, other in self.joined, self.joined.index(other)
-                                if other in self.joined else 0)
-                for other, inputs in self.inputs.items()
+                trial: _crossed(self.joint, inputs, trial in self.joined, self.joined.index(trial)
+                                if trial in self.joined else 0)
+                for trial, inputs in self.inputs.items()
             }  # fmt: skip
 
     def result(self) -> SessionResult:

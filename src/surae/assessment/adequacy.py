@@ -92,7 +92,9 @@ def judge_adequacy(result: FitResult) -> Adequacy:
         Grade and reasons.
     """
     inputs, residuals = result.problem.inputs, result.residuals
-    r2 = centred_r2([_counted(one, e) for one, e in zip(inputs, residuals, strict=True)])
+    r2 = centred_r2(
+        [_counted(recording, e) for recording, e in zip(inputs, residuals, strict=True)]
+    )
     if result.status == "failed" or not np.isfinite(r2):
         return Adequacy(Grade.INADEQUATE, ("the fit failed",), r2)
     grave: list[str] = []
@@ -126,7 +128,7 @@ def _goodness(r2: float) -> list[_Reason]:
 
 def _movement(inputs: Sequence[ModelInputs]) -> list[_Reason]:
     """All recordings together must move: several holds at different angles do."""
-    angle = np.concatenate([one.angle[_mask(one)] for one in inputs])
+    angle = np.concatenate([recording.angle[_mask(recording)] for recording in inputs])
     low, high = np.percentile(angle, [1.0, 99.0])
     text = f"({np.degrees(high - low):.2g}° in all)"
     if high - low < _STILL:
@@ -143,7 +145,9 @@ def _effort(result: FitResult) -> list[_Reason]:
     for channel, (muscle, weight) in enumerate(zip(MUSCLES, problem.spec.weights, strict=True)):
         if weight not in problem.free:
             continue
-        emg = np.concatenate([one.emg[_mask(one), channel] for one in problem.inputs])
+        emg = np.concatenate(
+            [recording.emg[_mask(recording), channel] for recording in problem.inputs]
+        )
         weak, strong = np.percentile(emg, [25.0, 99.0])
         if not strong > max(_EFFORT * weak, 0.0):
             silent.append(muscle.upper())
@@ -200,10 +204,12 @@ def _agreement(
     if len(inputs) < 2:
         return []
     reasons = []
-    for one, e in zip(inputs, residuals, strict=True):
-        own = centred_r2([_counted(one, e)])
+    for recording, e in zip(inputs, residuals, strict=True):
+        own = centred_r2([_counted(recording, e)])
         if own < r2 - _CONTRADICTS:
-            reasons.append((own < _NOT_FOLLOWED, f"{one.name} is not followed (R² {own:.1f} %)"))
+            reasons.append(
+                (own < _NOT_FOLLOWED, f"{recording.name} is not followed (R² {own:.1f} %)")
+            )
     return reasons
 
 
@@ -261,7 +267,9 @@ def judge_prediction(result: FitResult, recording: ModelInputs, torque: FloatArr
 def _promised(result: FitResult, recording: ModelInputs) -> float:
     """Standard deviation [Nm] of the error that a fit promises of another recording's changes."""
     problem = result.problem
-    pairs = [_counted(one, e) for one, e in zip(problem.inputs, result.residuals, strict=True)]
+    pairs = [
+        _counted(fitted, e) for fitted, e in zip(problem.inputs, result.residuals, strict=True)
+    ]
     own = np.concatenate([e - e.mean() for _, e in pairs])
     seen = np.concatenate([torque - torque.mean() for torque, _ in pairs])
     measured, _ = _counted(recording, np.zeros(recording.n))
@@ -291,13 +299,13 @@ def structure(inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray]) ->
         Measured minus modelled torque of each [Nm].
     """
     explained = total = 0.0
-    for one, residual in zip(inputs, residuals, strict=True):
-        mask = _mask(one)
+    for recording, residual in zip(inputs, residuals, strict=True):
+        mask = _mask(recording)
         e = residual[mask] - residual[mask].mean()
         sse = float(e @ e)
         if not np.isfinite(sse) or sse <= 0.0:
             continue
-        features = _features(one)[mask]
+        features = _features(recording)[mask]
         features -= features.mean(axis=0)
         norms = np.linalg.norm(features, axis=0)
         features = features[:, norms > 0] / norms[norms > 0]
@@ -314,30 +322,30 @@ def structure(inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray]) ->
     return explained / total if total > 0.0 else 0.0
 
 
-def _features(one: ModelInputs) -> FloatArray:
+def _features(recording: ModelInputs) -> FloatArray:
     """What a residual should not follow, shape (n, k)."""
     from scipy.signal import butter, sosfiltfilt
 
-    angle = one.angle - one.angle.mean()
-    top = max(float(np.abs(one.velocity).max()), 1e-12)
-    columns = [angle, angle**2, angle**3, one.velocity, np.abs(one.velocity)]
-    columns.append(np.tanh(10.0 * one.velocity / top))
-    if one.rate_hz > 2.5 * _ACTIVATION_HZ and one.n > 20:
-        sos = butter(2, _ACTIVATION_HZ, fs=one.rate_hz, output="sos")
-        active = sosfiltfilt(sos, one.emg, axis=0)
+    angle = recording.angle - recording.angle.mean()
+    top = max(float(np.abs(recording.velocity).max()), 1e-12)
+    columns = [angle, angle**2, angle**3, recording.velocity, np.abs(recording.velocity)]
+    columns.append(np.tanh(10.0 * recording.velocity / top))
+    if recording.rate_hz > 2.5 * _ACTIVATION_HZ and recording.n > 20:
+        sos = butter(2, _ACTIVATION_HZ, fs=recording.rate_hz, output="sos")
+        active = sosfiltfilt(sos, recording.emg, axis=0)
     else:
-        active = one.emg
+        active = recording.emg
     for channel in active.T:
         columns += [channel, channel * angle]
     return np.stack(columns, axis=1)
 
 
-def _mask(one: ModelInputs) -> npt.NDArray[np.bool_]:
-    return np.ones(one.n, dtype=bool) if one.weight is None else one.weight > 0
+def _mask(recording: ModelInputs) -> npt.NDArray[np.bool_]:
+    return np.ones(recording.n, dtype=bool) if recording.weight is None else recording.weight > 0
 
 
-def _counted(one: ModelInputs, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _counted(recording: ModelInputs, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Measured torque and residual where samples count."""
-    torque = np.full(one.n, np.nan) if one.torque is None else one.torque
-    mask = _mask(one)
+    torque = np.full(recording.n, np.nan) if recording.torque is None else recording.torque
+    mask = _mask(recording)
     return torque[mask], residual[mask]

@@ -141,18 +141,18 @@ def assess(
     pairs = [_counted(*pair) for pair in zip(problem.inputs, result.residuals, strict=True)]
     recordings = tuple(
         RecordingQuality(
-            name=one.name,
-            path=one.files[0].name if one.files else None,
-            sha256=one.files[0].sha256 if one.files else None,
-            n=one.n,
-            rate_hz=one.rate_hz,
+            name=recording.name,
+            path=recording.files[0].name if recording.files else None,
+            sha256=recording.files[0].sha256 if recording.files else None,
+            n=recording.n,
+            rate_hz=recording.rate_hz,
             vaf=vaf(torque, residual),
             rmse=rmse(residual),
             bias=float(residual.mean()),
             vaf_weighted=weighted_vaf([(torque, residual, weight)]),
             r2=centred_r2([(torque, residual)]),
         )
-        for one, (torque, residual, weight) in zip(problem.inputs, pairs, strict=True)
+        for recording, (torque, residual, weight) in zip(problem.inputs, pairs, strict=True)
     )
     left_out = [
         name
@@ -203,9 +203,9 @@ def _believed(result: FitResult, white: Sequence[Whiteness]) -> tuple[Interval, 
     """
     if result.outliers is not None:
         return Interval.ROBUST, "outliers count less than their square"
-    if any(one.emphasised for one in result.problem.inputs):
+    if any(recording.emphasised for recording in result.problem.inputs):
         return Interval.ROBUST, "some samples count more than others"
-    least = min(one.p_value for one in white)
+    least = min(test.p_value for test in white)
     text = "p < 0.001" if least < 1e-3 else f"p = {least:.2g}"
     if len(white) > 1:
         text += f", the least of {len(white)} recordings"
@@ -233,13 +233,15 @@ def _is_nuisance(result: FitResult, name: str) -> bool:
     return result.family is not None and name in result.family.beliefs
 
 
-def _counted(one: ModelInputs, residual: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _counted(
+    recording: ModelInputs, residual: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Measured torque, residual and weight where samples count."""
-    torque = one.torque if one.torque is not None else np.full(one.n, np.nan)
-    if one.weight is None:
-        return torque, residual, np.ones(one.n)
-    counted = one.weight > 0
-    return torque[counted], residual[counted], one.weight[counted]
+    torque = recording.torque if recording.torque is not None else np.full(recording.n, np.nan)
+    if recording.weight is None:
+        return torque, residual, np.ones(recording.n)
+    counted = recording.weight > 0
+    return torque[counted], residual[counted], recording.weight[counted]
 
 
 def _parameters(

@@ -67,9 +67,9 @@ def judge_interval(
     row[estimated.names.index(name)] = 0.0
     partner = int(np.argmax(np.abs(row)))
     if abs(row[partner]) >= _STRONG:
-        other = estimated.names[partner]
+        against = estimated.names[partner]
         return verdict, (
-            f"{known}: trades off with {other} (correlation {row[partner]:+.2f}); fix one of the "
+            f"{known}: trades off with {against} (correlation {row[partner]:+.2f}); fix one of the "
             "two, or measure a movement that tells them apart"
         )
     if nothing:

@@ -69,7 +69,7 @@ class Number(OptionType):
         self.above, self.below = above, below
 
     def read(self, text: str, where: str) -> float:
-        """The number."""
+        """Read the number."""
         value = number(where, text)
         limited = (self.above, self.below) != (-math.inf, math.inf)
         if limited and not self.above < value < self.below:
@@ -86,7 +86,7 @@ class Whole(OptionType):
         self.least, self.most = least, most
 
     def read(self, text: str, where: str) -> int:
-        """The number."""
+        """Read the number."""
         upper = "or more" if self.most is None else f"to {self.most}"
         try:
             value = int(text)
@@ -119,7 +119,7 @@ class Setting(OptionType):
     """A name and a number, or false."""
 
     def read(self, text: str, where: str) -> tuple[str, Any]:
-        """Name and value."""
+        """Read a name and a value."""
         name, value = Entry("value", "bessel_hz=10").read(text.replace("=false", "=nan"), where)
         if math.isnan(value):
             return name, False
@@ -130,7 +130,7 @@ class Name(OptionType):
     """A name and nothing else."""
 
     def read(self, text: str, where: str) -> str:
-        """The name."""
+        """Read the name."""
         if "=" in text or not text.strip():
             name = text.partition("=")[0].strip() or "beta"
             raise InputError(f"{where}: write a name without a value, as {name}")

@@ -49,7 +49,7 @@ def curved_move(problem: FitProblem) -> Move:
 
 def stiffness_valleys(problem: FitProblem) -> list[tuple[str, str, float]]:
     """Stiffness, slack length and x_ref [m], the greatest length, of each muscle group."""
-    angle = np.concatenate([one.angle for one in problem.inputs])
+    angle = np.concatenate([recording.angle for recording in problem.inputs])
     groups = paths(angle=angle, velocity=np.zeros_like(angle), options=problem.options)
     return [
         (k, x0, float(path.length.max())) for (k, x0), path in zip(_GROUPS, groups, strict=True)

@@ -81,8 +81,8 @@ def delay_valleys(problem: FitProblem, rows: Rows, x: FloatArray) -> list[FloatA
                 point = here.copy()
                 point[emd] = delay
                 filters = _filters(problem, point)
-                solved = [solve_linear(problem, rows, one) for one in filters]
-                points.append(min(solved, key=lambda one: one[1])[0])
+                solved = [solve_linear(problem, rows, filtered) for filtered in filters]
+                points.append(min(solved, key=lambda pair: pair[1])[0])
     return points
 
 
@@ -124,4 +124,4 @@ def _filters(problem: FitProblem, x: FloatArray) -> list[FloatArray]:
     fast[cutoff] = _FAST
     if "beta" in problem.free:
         fast[problem.free.index("beta")] = _FAST_DAMPING
-    return [x, *(np.clip(one, problem.lower, problem.upper) for one in (faster, fast))]
+    return [x, *(np.clip(moved, problem.lower, problem.upper) for moved in (faster, fast))]

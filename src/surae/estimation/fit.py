@@ -123,7 +123,11 @@ def _result(
     best = min(minima, key=_finite_sum)
     # Sums that differ by less than the variance of the noise cannot be told apart by the data;
     # on data without noise, all that is left is rounding and how far the iteration went.
-    power = sum(float(np.sum(one.torque**2)) for one in problem.inputs if one.torque is not None)
+    power = sum(
+        float(np.sum(recording.torque**2))
+        for recording in problem.inputs
+        if recording.torque is not None
+    )
     limit = max(best.sse * (1 + 1 / (problem.n - len(problem.free))), _EXACT * power)
     # Of points that agree, one where the iteration came to rest is the better one.
     rested = [m for m in minima if m.sse <= limit and m.outcome is Outcome.CONVERGED]
@@ -136,7 +140,7 @@ def _result(
         status=status,
         message=message,
         values=dict(zip(problem.spec.names, problem.values(best.x).tolist(), strict=True)),
-        residuals=tuple(read_only(one) for one in left),
+        residuals=tuple(read_only(residual) for residual in left),
         sse=residuals.sse(left),
         R=read_only(best.R),
         starts=tuple(

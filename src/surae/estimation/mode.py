@@ -84,13 +84,15 @@ class Target:
         self.names = tuple(n for n in problem.free if not (self.own_zeros and n == _ZERO))
         self._simulators = simulators(problem)
         self._measured = [
-            np.zeros(one.n) if one.torque is None else one.torque for one in problem.inputs
+            np.zeros(recording.n) if recording.torque is None else recording.torque
+            for recording in problem.inputs
         ]
         self._columns = [problem.spec.names.index(name) for name in self.names]
         self._own = [problem.free.index(name) for name in self.names]
         self.log = np.array([name not in _STRAIGHT for name in self.names], dtype=bool)
         self._roots = [
-            None if one.weight is None else np.sqrt(one.weight) for one in problem.inputs
+            None if recording.weight is None else np.sqrt(recording.weight)
+            for recording in problem.inputs
         ]
         low, high = problem.lower[self._own].copy(), problem.upper[self._own].copy()
         starts = problem.base[self._columns]
@@ -176,13 +178,13 @@ class Target:
         values, scale, blocks = self.values(z), self.scale(z), []
         q = len(self.names)
         with np.errstate(over="ignore", invalid="ignore"):
-            for number, (simulator, one, root, noise) in enumerate(
+            for number, (simulator, recording, root, noise) in enumerate(
                 zip(self._simulators, self.problem.inputs, self._roots, self.noise, strict=True)
             ):
                 torque, jacobian = simulator.torque_jacobian(
                     self._of_recording(values, z, number), self._columns
                 )
-                rows = np.zeros((q + self.zeros + 1, one.n))
+                rows = np.zeros((q + self.zeros + 1, recording.n))
                 rows[:q] = jacobian * scale[:, None]
                 if self.own_zeros:
                     rows[q + number] = 1.0
@@ -286,19 +288,24 @@ def whitened(rows: FloatArray, noise: NoiseModel) -> FloatArray:
 def white_noise(problem: FitProblem, part: float) -> tuple[NoiseModel, ...]:
     """White noise of a part of each recording's torque changes, for the beginning of a search."""
     models = []
-    for one in problem.inputs:
-        deviation = part * float(np.std(one.torque)) if one.torque is not None else 1.0
+    for recording in problem.inputs:
+        deviation = part * float(np.std(recording.torque)) if recording.torque is not None else 1.0
         variance = max(deviation, 1e-9) ** 2
-        models.append(NoiseModel(np.zeros(0), variance, np.array([variance]), float(one.n)))
+        models.append(NoiseModel(np.zeros(0), variance, np.array([variance]), float(recording.n)))
     return tuple(models)
 
 
 def thinned_problem(problem: FitProblem, rate_hz: float, samples: int) -> FitProblem:
     """The problem on fewer samples: about `rate_hz`, but no fewer than `samples` of each."""
-    factors = [max(1, min(int(one.rate_hz // rate_hz), one.n // samples)) for one in problem.inputs]
+    factors = [
+        max(1, min(int(recording.rate_hz // rate_hz), recording.n // samples))
+        for recording in problem.inputs
+    ]
     return replace(
         problem,
-        inputs=tuple(thinned(one, by) for one, by in zip(problem.inputs, factors, strict=True)),
+        inputs=tuple(
+            thinned(recording, by) for recording, by in zip(problem.inputs, factors, strict=True)
+        ),
     )
 
 

@@ -91,7 +91,7 @@ def fit_robust(
         weighted = replace(
             problem, inputs=_with(problem.inputs, outliers.weights), base=problem.values(x)
         )
-        found = fit_problem(
+        result = fit_problem(
             weighted,
             starts=starts,
             seed=seed,
@@ -99,24 +99,24 @@ def fit_robust(
             noise=outliers.scale,
             follow=follow,
         )
-        if found.status == "failed" or found.sse >= sse * (1 - 1 / (problem.n - len(x))):
+        if result.status == "failed" or result.sse >= sse * (1 - 1 / (problem.n - len(x))):
             break
-        x = np.array([found.values[name] for name in problem.free])
-    status, message = found.status, found.message
+        x = np.array([result.values[name] for name in problem.free])
+    status, message = result.status, result.message
     if outliers.rounds >= _ROUNDS:
         status = "failed"
         message = (
             f"the weights of the {loss} loss did not rest in {_ROUNDS} rounds: try another loss, "
             "or leave the outliers out"
         )
-    elif status != "failed" and found.sse > sse * (1 + 1 / (problem.n - len(x))):
+    elif status != "failed" and result.sse > sse * (1 + 1 / (problem.n - len(x))):
         status = "failed"
         message = (
             "no start came back to the minimum that the weights of the outliers belong to: "
             "give more starts"
         )
     return replace(
-        found,
+        result,
         status=status,
         message=message,
         outliers=outliers,
@@ -168,7 +168,8 @@ def _iterated(
     last = _Round(x, np.inf, [], [], 0.0, 0)
     for number in range(1, _ROUNDS + 1):
         errors = [
-            _standardised(one, e) for one, e in zip(problem.inputs, residuals.of(x), strict=True)
+            _standardised(recording, e)
+            for recording, e in zip(problem.inputs, residuals.of(x), strict=True)
         ]
         scale = held or _scale(problem, errors)
         weights = [np.maximum(loss.weight(e / (scale * loss.tuning)), _LEAST) for e in errors]
@@ -180,7 +181,7 @@ def _iterated(
 
 
 def _outliers(problem: FitProblem, last: _Round, loss: Loss) -> Outliers:
-    masks = [_counts(one) for one in problem.inputs]
+    masks = [_counts(recording) for recording in problem.inputs]
     errors = np.concatenate([e[mask] for e, mask in zip(last.errors, masks, strict=True)])
     kept = np.concatenate([w[mask] for w, mask in zip(last.weights, masks, strict=True)])
     slope = float(loss.slope(errors / (last.scale * loss.tuning)).mean())
@@ -206,10 +207,10 @@ def _step(
     n = len(root)
 
     def rows(at: FloatArray) -> FloatArray:
-        found = residuals.rows(at)
-        found[:, :n] *= root
-        found[:, n:] *= scale  # priors are weighed against the noise
-        return found
+        weighted = residuals.rows(at)
+        weighted[:, :n] *= root
+        weighted[:, n:] *= scale  # priors are weighed against the noise
+        return weighted
 
     best = minimise(rows, x, problem.lower, problem.upper, stall=0.1 / problem.n)
     data = best.residual[:n]
@@ -220,23 +221,31 @@ def _step(
 
 def _with(inputs: Sequence[ModelInputs], weights: Sequence[FloatArray]) -> tuple[ModelInputs, ...]:
     return tuple(
-        replace(one, weight=read_only(w if one.weight is None else one.weight * w))
-        for one, w in zip(inputs, weights, strict=True)
+        replace(
+            recording, weight=read_only(w if recording.weight is None else recording.weight * w)
+        )
+        for recording, w in zip(inputs, weights, strict=True)
     )
 
 
-def _counts(one: ModelInputs) -> npt.NDArray[np.bool_]:
-    return np.ones(one.n, dtype=bool) if one.weight is None else one.weight > 0
+def _counts(recording: ModelInputs) -> npt.NDArray[np.bool_]:
+    return np.ones(recording.n, dtype=bool) if recording.weight is None else recording.weight > 0
 
 
-def _standardised(one: ModelInputs, residual: FloatArray) -> FloatArray:
+def _standardised(recording: ModelInputs, residual: FloatArray) -> FloatArray:
     """The residual, where a weight says how precise a sample is times its root."""
-    return residual if one.weight is None or one.emphasised else residual * np.sqrt(one.weight)
+    return (
+        residual
+        if recording.weight is None or recording.emphasised
+        else residual * np.sqrt(recording.weight)
+    )
 
 
 def _scale(problem: FitProblem, errors: Sequence[FloatArray]) -> float:
-    counted = [e[_counts(one)] for one, e in zip(problem.inputs, errors, strict=True)]
-    torque = np.concatenate([one.torque for one in problem.inputs if one.torque is not None])
+    counted = [e[_counts(recording)] for recording, e in zip(problem.inputs, errors, strict=True)]
+    torque = np.concatenate(
+        [recording.torque for recording in problem.inputs if recording.torque is not None]
+    )
     least = _SMALLEST * float(np.sqrt(np.mean(torque**2)))
     return max(spread(np.concatenate(counted)), least)
 

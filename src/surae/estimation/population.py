@@ -165,24 +165,24 @@ def wide_priors(
     """
     options = options or ModelOptions()
     health = population_priors("healthy", options)
-    found = {name: (median, WIDENED * spread) for name, (median, spread) in health.items()}
-    found["f"] = found["f0"]  # the model of 2010 calls it so
+    wide = {name: (median, WIDENED * spread) for name, (median, spread) in health.items()}
+    wide["f"] = wide["f0"]  # the model of 2010 calls it so
     own = dict(WIDE)
     if options.geometry == "virtual-work":
         own |= WIDE_VIRTUAL_WORK
     if emg_unit == "1":
         own |= dict.fromkeys(_WEIGHTS, WIDE_NORMALISED)
-    return found | {name: (one.median, one.spread) for name, one in own.items()}
+    return wide | {name: (prior.median, prior.spread) for name, prior in own.items()}
 
 
 def population_of(
     priors: Mapping[str, tuple[float, float]], options: ModelOptions
 ) -> dict[str, str]:
     """The population whose default each prior is, by parameter; of those that are a default."""
-    found: dict[str, str] = {}
+    best: dict[str, str] = {}
     for population in KNOWN:
         known = population_priors(population, options)
         same = {name: population for name, pair in priors.items() if known.get(name) == pair}
-        if len(same) > len(found):  # the populations share some: the one that explains most
-            found = same
-    return found
+        if len(same) > len(best):  # the populations share some: the one that explains most
+            best = same
+    return best

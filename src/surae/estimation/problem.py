@@ -77,7 +77,7 @@ class FitProblem(Comparable):
     @property
     def n(self) -> int:
         """Samples that count, of all recordings together."""
-        return sum(one.counted for one in self.inputs)
+        return sum(recording.counted for recording in self.inputs)
 
     def fixed(self, name: str) -> float:
         """The value of a parameter that is not free."""
@@ -114,16 +114,16 @@ def make_problem(
     settings = FitSettings.of(model, **asked)
     options, fixed, start = settings.options, settings.fixed, settings.start
     bounds, priors = settings.bounds, settings.priors
-    held = {*fixed, *(name for one in inputs for name in one.fixed)}
+    held = {*fixed, *(name for recording in inputs for name in recording.fixed)}
     free = _spelled_out(settings.free, held)
     model = richest(settings.model)
     spec = with_optional(get_model(model), {*held, *settings.parameters, *free})
     if not inputs:
         raise InputError("nothing to fit: give at least one recording")
-    for one in inputs:
-        check_estimable(one)
-        _check_weight(one)
-        _check_prescribed(one, spec)
+    for recording in inputs:
+        check_estimable(recording)
+        _check_weight(recording)
+        _check_prescribed(recording, spec)
     prescribed = {**_agreed_fixed(inputs, fixed), **fixed}
     for names in (prescribed, start, bounds, tuple(free)):
         check_names(names, spec)
@@ -161,7 +161,7 @@ def make_problem(
     defaults = {} if population is None else population_priors(population, options)
     believed = {name: pair for name, pair in defaults.items() if name in names} | dict(priors)
     known = {name: checked_prior(name, pair, names) for name, pair in believed.items()}
-    samples = sum(one.counted for one in inputs)
+    samples = sum(recording.counted for recording in inputs)
     if samples <= len(names):
         raise InputError(f"{samples} samples cannot determine {len(names)} parameters")
     return FitProblem(
@@ -184,7 +184,7 @@ def _spelled_out(free: Sequence[str], fixed: Collection[str]) -> tuple[str, ...]
         group = OPTIONAL.get(name, ())
         if name in group:
             group = ()
-        names += [one for one in group if one not in fixed] or [name]
+        names += [member for member in group if member not in fixed] or [name]
     return tuple(names)
 
 
@@ -211,14 +211,14 @@ def _check_reflex(free: Sequence[str], values: Mapping[str, float]) -> None:
         )
 
 
-def _check_prescribed(one: ModelInputs, spec: ModelSpec) -> None:
+def _check_prescribed(recording: ModelInputs, spec: ModelSpec) -> None:
     """Refuse what a recording's own description fixes wrongly, naming its file."""
     try:
-        check_names(one.fixed, spec)
-        for name, value in one.fixed.items():
+        check_names(recording.fixed, spec)
+        for name, value in recording.fixed.items():
             check_value(spec.parameters[spec.names.index(name)], value, spec)
     except InputError as error:
-        raise InputError(f"{one.where}: fixed: {error}") from None
+        raise InputError(f"{recording.where}: fixed: {error}") from None
 
 
 def _agreed_fixed(
@@ -226,28 +226,28 @@ def _agreed_fixed(
 ) -> dict[str, float]:
     """What the recordings prescribe together; a contradiction that stays is an error."""
     agreed: dict[str, float] = {}
-    for one in inputs:
-        for name, value in one.fixed.items():
+    for recording in inputs:
+        for name, value in recording.fixed.items():
             if agreed.setdefault(name, value) != value and name not in overridden:
                 raise InputError(
-                    f"{one.where}: fixes {name} at {value:g}, another recording at "
+                    f"{recording.where}: fixes {name} at {value:g}, another recording at "
                     f"{agreed[name]:g}; fit them apart or fix {name} yourself"
                 )
     return agreed
 
 
 def _agreed_unit(inputs: Sequence[ModelInputs]) -> str:
-    units = {one.emg_unit for one in inputs}
+    units = {recording.emg_unit for recording in inputs}
     if len(units) > 1:
         raise InputError(
             "some recordings have EMG in V and some normalised: their weights cannot be shared; "
             "fit them apart"
         )
-    references = [one.emg_reference for one in inputs]
-    for one, reference in zip(inputs, references, strict=True):
+    references = [recording.emg_reference for recording in inputs]
+    for recording, reference in zip(inputs, references, strict=True):
         if reference != references[0]:
             raise InputError(
-                f"{one.where}: its EMG was divided by another reference than that of "
+                f"{recording.where}: its EMG was divided by another reference than that of "
                 f"{inputs[0].where}: their weights cannot be shared; normalise all recordings of "
                 "a session together, never each by itself"
             )
@@ -266,25 +266,29 @@ def _checked_bounds(name: str, pair: object, spec: ModelSpec) -> tuple[float, fl
     return float(low), float(high)
 
 
-def _check_weight(one: ModelInputs) -> None:
-    weight = one.weight
+def _check_weight(recording: ModelInputs) -> None:
+    weight = recording.weight
     if weight is not None and (
-        weight.shape != (one.n,) or not np.isfinite(weight).all() or weight.min() < 0
+        weight.shape != (recording.n,) or not np.isfinite(weight).all() or weight.min() < 0
     ):
         raise InputError(
-            f"{one.name}: weight must hold {one.n} finite numbers of zero or more, one a sample"
+            f"{recording.name}: weight must hold {recording.n} finite numbers of zero or more, "
+            "one a sample"
         )
-    if one.counted == 0:
-        raise InputError(f"{one.name}: every sample has weight 0; leave the recording out instead")
+    if recording.counted == 0:
+        raise InputError(
+            f"{recording.name}: every sample has weight 0; leave the recording out instead"
+        )
 
 
 def _check_emg(inputs: Sequence[ModelInputs], fixed: Mapping[str, float], spec: ModelSpec) -> None:
     """A muscle without EMG needs its weight fixed: its column is all zeros."""
-    for one in inputs:
-        for muscle in one.missing_emg:
+    for recording in inputs:
+        for muscle in recording.missing_emg:
             weight = spec.weights[MUSCLES.index(muscle)]
             if weight not in fixed:
                 raise InputError(
-                    f"{one.where}: no EMG of muscle {muscle!r}, so its weight {weight} cannot be "
-                    f"estimated; add the channel emg_{muscle} or fix the weight ({weight}=0)"
+                    f"{recording.where}: no EMG of muscle {muscle!r}, so its weight {weight} "
+                    f"cannot be estimated; add the channel emg_{muscle} or fix the weight "
+                    f"({weight}=0)"
                 )

@@ -12,7 +12,7 @@ from surae.units import FloatArray
 
 def simulators(problem: FitProblem) -> tuple[Simulator, ...]:
     """The model tied to each recording."""
-    return tuple(problem.spec.simulator(one, problem.options) for one in problem.inputs)
+    return tuple(problem.spec.simulator(recording, problem.options) for recording in problem.inputs)
 
 
 class Residuals:
@@ -32,14 +32,15 @@ class Residuals:
     def __init__(self, problem: FitProblem, noise: float = 0.0) -> None:
         self._problem, self.noise = problem, noise
         self._simulators = simulators(problem)
-        measured = [one.torque for one in problem.inputs]
+        measured = [recording.torque for recording in problem.inputs]
         self._measured = [torque for torque in measured if torque is not None]
         self._roots = [
-            None if one.weight is None else np.sqrt(one.weight) for one in problem.inputs
+            None if recording.weight is None else np.sqrt(recording.weight)
+            for recording in problem.inputs
         ]
         self._columns = problem.columns
         self._values = problem.base.copy()
-        self._samples = sum(one.n for one in problem.inputs)
+        self._samples = sum(recording.n for recording in problem.inputs)
         self._rows = np.empty((len(self._columns) + 1, self._samples + len(problem.priors)))
 
     def data_rows(self, x: FloatArray) -> FloatArray:
@@ -82,6 +83,6 @@ class Residuals:
         """Weighted sum of squares of residuals as `of` gives them [Nm²]."""
         with np.errstate(over="ignore"):
             return sum(
-                float(np.sum(one**2 if root is None else (root * one) ** 2))
-                for one, root in zip(residuals, self._roots, strict=True)
+                float(np.sum(residual**2 if root is None else (root * residual) ** 2))
+                for residual, root in zip(residuals, self._roots, strict=True)
             )

@@ -193,7 +193,7 @@ class FitResult(Comparable):
 
     @property
     def bounded(self) -> dict[str, float]:
-        """Those at a bound, with the standard deviation of a value anywhere between the bounds."""
+        """Those at a bound have the standard deviation of a value anywhere between the bounds."""
         p = self.problem
         widths = dict(zip(p.free, (p.upper - p.lower).tolist(), strict=True))
         return {name: float(widths[name] / np.sqrt(12.0)) for name in self.at_bound}
@@ -219,8 +219,10 @@ def with_laboratory(result: FitResult) -> FitResult:
     if family.zeros:
         mean = float(np.mean(family.zeros))
         inputs = tuple(
-            one if one.torque is None else replace(one, torque=read_only(one.torque - zero + mean))
-            for one, zero in zip(inputs, family.zeros, strict=True)
+            recording
+            if recording.torque is None
+            else replace(recording, torque=read_only(recording.torque - zero + mean))
+            for recording, zero in zip(inputs, family.zeros, strict=True)
         )
     return replace(
         result,

@@ -222,10 +222,10 @@ def _first_look(problem: FitProblem, follow: Follow | None = None) -> FromStart 
         if before.outcome is Outcome.INTERRUPTED:
             return _stopped(thin, rows, x)
         best = minimise(rows, x, thin.lower, thin.upper, move=move, stall=stall, better=better)
-        for other in _other_relaxations(thin, best.x):
+        for relaxed in _other_relaxations(thin, best.x):
             if best.outcome is Outcome.INTERRUPTED:
                 break
-            tried = minimise(rows, other, thin.lower, thin.upper, move=move, stall=stall)
+            tried = minimise(rows, relaxed, thin.lower, thin.upper, move=move, stall=stall)
             best = _better_of(best, tried)
         return best
 
@@ -234,8 +234,10 @@ def _first_look(problem: FitProblem, follow: Follow | None = None) -> FromStart 
 
 def _thinned(problem: FitProblem, rate_hz: float) -> FitProblem:
     """The problem with fewer samples, or as it is where too few of them would count."""
-    factors = [thinning_factor(one, rate_hz, _THIN_SAMPLES) for one in problem.inputs]
-    inputs = tuple(thinned(one, by) for one, by in zip(problem.inputs, factors, strict=True))
+    factors = [thinning_factor(recording, rate_hz, _THIN_SAMPLES) for recording in problem.inputs]
+    inputs = tuple(
+        thinned(recording, by) for recording, by in zip(problem.inputs, factors, strict=True)
+    )
     thin = replace(problem, inputs=inputs)
     return thin if thin.n > len(problem.free) else problem
 

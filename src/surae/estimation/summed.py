@@ -95,11 +95,11 @@ def summed(
         When the search began, by `time.perf_counter`.
     """
     members = sorted((compliant, rigid), key=lambda member: member.evidence)
-    chosen, other = members
+    chosen, rival = members
     if chosen is rigid:  # its residual is the noise then
         target, mode = under_noise(chosen.target, chosen.mode)
         chosen = replace(chosen, target=target, mode=mode, quadratic=target.quadratic(mode))
-    odds = float(np.exp(-0.5 * min(other.evidence - members[0].evidence, 1e3)))
+    odds = float(np.exp(-0.5 * min(rival.evidence - members[0].evidence, 1e3)))
     weight = 1.0 / (1.0 + odds)
     target, mode = chosen.target, chosen.mode
     problem = target.problem
@@ -112,7 +112,7 @@ def summed(
     if target is compliant.target:
         models.append(valleys.spread(target))
     if odds > UNSUPPORTED:
-        models.append(other.away_from(chosen, odds * weight))
+        models.append(rival.away_from(chosen, odds * weight))
     shifts = {
         "model": np.vstack(models),
         "trials": between_trials(target, mode, chosen.quadratic),
@@ -132,7 +132,7 @@ def summed(
     ]
     candidates = (
         chosen.candidate(weight),
-        other.candidate(1.0 - weight),
+        rival.candidate(1.0 - weight),
         *(
             Candidate(problem.spec.name, s.groups, s.evidence, s.weight, {})
             for s in chosen.alternatives[1:6]

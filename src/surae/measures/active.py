@@ -233,7 +233,7 @@ def _filter(leg: Leg) -> tuple[float, float]:
 
 
 def _step_response(t: float, beta: float) -> float:
-    """Of a second-order filter of natural frequency 1 and this damping."""
+    """Step response of a second-order filter of natural frequency 1 and this damping."""
     root = np.sqrt(complex(beta**2 - 1.0))
     if abs(root) < 1e-6:
         return float(1.0 - (1.0 + t) * np.exp(-t))

@@ -51,11 +51,11 @@ class Point:
 
     @property
     def name(self) -> str:
-        """With the point."""
+        """Name of the measure, with the point."""
         return self.definition.named(self.at)
 
     def value(self, leg: Leg) -> float:
-        """Of a leg; NaN where it is not finite or has no solution.
+        """Compute the measure of a leg; NaN where it is not finite or has no solution.
 
         Raises
         ------

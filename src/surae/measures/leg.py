@@ -69,7 +69,7 @@ class Hold:
 
     @property
     def torque(self) -> float:
-        """On the ankle, positive where the triceps pulls [Nm]."""
+        """Torque of the muscle on the ankle, positive where the triceps pulls [Nm]."""
         return self.arm * self.force
 
     def torque_slope(self, stiffness: float) -> float:

@@ -98,7 +98,8 @@ def quantities(
     """
     problem, spread = result.problem, spread_of(result, assessment)
     has_reference = all(
-        one.emg_reference is not None and one.emg_reference.kind == "mvc" for one in problem.inputs
+        recording.emg_reference is not None and recording.emg_reference.kind == "mvc"
+        for recording in problem.inputs
     )
     inadequate = (
         f"the fit is inadequate: {assessment.adequacy.reasons[0]}"
@@ -152,6 +153,6 @@ def quantities(
         problem.spec.name,
         FrozenDict(options),
         assessment.adequacy,
-        tuple(one.name for one in problem.inputs),
+        tuple(recording.name for recording in problem.inputs),
         FrozenDict(made),
     )

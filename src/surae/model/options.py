@@ -72,7 +72,7 @@ class ModelOptions:
 
     @classmethod
     def of(cls, **given: Any) -> "ModelOptions":
-        """Options from keywords.
+        """Make options of keywords.
 
         Raises
         ------

@@ -71,7 +71,7 @@ class Design(Comparable):
     stopped: bool
 
     def to_json(self) -> dict[str, Any]:
-        """As plain data: the plan, what it keeps, and what it will tell."""
+        """Give as plain data the plan, what it keeps, and what it will tell."""
         return {
             "plan": self.plan.to_json(),
             "limits": list(self.limits),

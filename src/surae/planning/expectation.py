@@ -126,7 +126,7 @@ class Expectation(Comparable):
         return sum(p.verdict is Verdict.IDENTIFIED for p in self.parameters.values())
 
     def to_json(self) -> dict[str, Any]:
-        """As plain data: E.json."""
+        """Give what E.json holds, as plain data."""
         return {
             "protocol": self.protocol,
             "model": self.model,

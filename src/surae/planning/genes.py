@@ -97,7 +97,7 @@ class Genes:
 
     @property
     def size(self) -> int:
-        """How many numbers."""
+        """How many numbers a plan is made of."""
         ramps, bursts, shakes = self.counts
         return 2 + 3 * ramps + (3 * bursts + 1 if bursts else 0) + 5 * shakes
 
@@ -244,7 +244,7 @@ class Genes:
 
 
 def _squash(x: FloatArray) -> FloatArray:
-    """From any number to 0…1; ends are reached."""
+    """Bring any number to 0…1; ends are reached."""
     return np.clip(1.06 / (1.0 + np.exp(-x)) - 0.03, 0.0, 1.0)
 
 
@@ -255,6 +255,6 @@ def _unsquash(u: FloatArray) -> FloatArray:
 
 
 def _between(x: FloatArray, bounds: tuple[float, float]) -> FloatArray:
-    """From any number to a geometric place between two bounds."""
+    """Bring any number to a geometric place between two bounds."""
     low, high = bounds
     return np.asarray(low * (high / low) ** _squash(x))

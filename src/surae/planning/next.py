@@ -70,7 +70,7 @@ class NextTrial(Comparable):
         write_protocol(self.trajectory, path, without_limits=without_limits)
 
     def to_json(self) -> dict[str, Any]:
-        """As plain data."""
+        """Give all of it as plain data."""
         return {
             "protocol": self.protocol,
             "sentences": list(self.sentences),
@@ -184,8 +184,8 @@ def measure_next_of(
             except InputError:
                 continue
             adds = np.nanmean(shared(information(trajectory, legs, noise), legs).matrices, axis=0)
-            one = after(adds)
-            gain = float(np.sum([np.log(_capped(before[n]) / _capped(one[n])) for n in weak]))
+            once = after(adds)
+            gain = float(np.sum([np.log(_capped(before[n]) / _capped(once[n])) for n in weak]))
             gain /= ready.seconds**0.5
             if best is None or gain > best[0]:
                 best = gain, ready, trajectory, adds
@@ -246,7 +246,7 @@ def _half_widths(
 
 
 def _stays(assessment: Assessment, legs: Legs, before: Mapping[str, float]) -> dict[str, float]:
-    """Of each half width, what is not noise: no further trial of the same model lowers it."""
+    """What of each half width is not noise: no further trial of the same model lowers it."""
     stays = dict.fromkeys(before, 0.0)
     for name in legs.own:
         p = assessment.parameters[name]

@@ -77,7 +77,7 @@ class Plan:
     bursts: tuple[Burst, ...]
 
     def to_json(self) -> dict[str, Any]:
-        """As plain data."""
+        """Give all of it as plain data."""
         return asdict(self)
 
     @classmethod

@@ -85,7 +85,7 @@ class Ready(Comparable):
 
 @cache
 def ready_protocols() -> dict[str, Ready]:
-    """Those that come with surae, by name."""
+    """The protocols that come with surae, by name."""
     made = {}
     for path in sorted(_FILES.glob("*.json")):
         data = json.loads(path.read_text(encoding="utf-8"))

@@ -83,7 +83,7 @@ class SessionPlan(Comparable):
     sentences: tuple[str, ...]
 
     def to_json(self) -> dict[str, Any]:
-        """As plain data."""
+        """Give all of it as plain data."""
         return {
             "trials": [{"name": t.name, "kind": t.kind, "seconds": t.seconds} for t in self.trials],
             "seconds": self.seconds,
@@ -102,7 +102,7 @@ def possible_trials(
     *,
     effort: bool,
 ) -> tuple[PlannedTrial, ...]:
-    """Those that a session is made of: at rest, designed ones, and a maximal one held still.
+    """The trials that a session is made of: at rest, designed ones, and a maximal one held still.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ def plan_session(
     with one_blas_thread():
         told = [shared(information(t.trajectory, legs, noise), legs) for t in trials]
         at = [legs.free.index(name) for name in told[0].names]
-        matrices = np.array([one.matrices for one in told])
+        matrices = np.array([trial.matrices for trial in told])
         sums = _Sums(
             matrices, known[np.ix_(at, at)], legs.estimated[:, at],
             _part(make_aim(aim, legs), at), [t.seconds + pause for t in trials],

@@ -28,7 +28,7 @@ class Ramp(NamedTuple):
     speed: float
 
     def end(self, origin: float) -> float:
-        """When the ramp that starts from the fraction `origin` has come to rest [s]."""
+        """Instant at which the ramp that starts from the fraction `origin` has come to rest [s]."""
         return self.start + abs(self.to - origin) / self.speed + BLEND
 
 

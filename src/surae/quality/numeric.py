@@ -38,7 +38,7 @@ def quantiles(values: FloatArray, *shares: float) -> tuple[float, ...]:
 
 
 def quantile(values: FloatArray, share: float) -> float:
-    """One of `quantiles`."""
+    """Give a single one of the `quantiles`."""
     return quantiles(values, share)[0]
 
 

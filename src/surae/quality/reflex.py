@@ -112,10 +112,10 @@ def _proportional(
     crossing = trial.group("ta", fast=True)
     if crossing is not None:
         # What the electrodes pick up of the tibialis is no reflex.
-        other = crossing[resting] - float(crossing[resting].mean())
-        power = float(other @ other)
+        tibialis = crossing[resting] - float(crossing[resting].mean())
+        power = float(tibialis @ tibialis)
         if power > 0.0:
-            mine = mine - max(float(other @ mine) / power, 0.0) * other
+            mine = mine - max(float(tibialis @ mine) / power, 0.0) * tibialis
     fast = np.maximum(stretch - 0.1, 0.0)
     lags = np.arange(-round(0.2 * trial.rate_hz), round(0.4 * trial.rate_hz) + 1)
     late = np.array([shifted(fast, int(k))[resting] for k in lags])

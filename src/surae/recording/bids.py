@@ -255,6 +255,6 @@ def _rate(channel: Channel) -> float:
 
 
 def _write_table(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    """A BIDS table."""
+    """Write a BIDS table."""
     lines = ["\t".join(rows[0]), *("\t".join(str(cell) for cell in row.values()) for row in rows)]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")

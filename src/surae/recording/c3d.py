@@ -292,7 +292,7 @@ def _samples(data: bytes, layout: _Layout) -> tuple[FloatArray, FloatArray]:
 def _channels(
     parameters: _Parameters, layout: _Layout, analog: FloatArray, rate_hz: float, doubts: list[str]
 ) -> Iterator[Parsed]:
-    """The analog channels."""
+    """Read the analog channels."""
     names = _names(parameters.texts("ANALOG", "LABELS"), "channel", layout.channels)
     units, described = (parameters.texts("ANALOG", name) for name in ("UNITS", "DESCRIPTIONS"))
     scales, offsets = (parameters.numbers("ANALOG", name) for name in ("SCALE", "OFFSET"))

@@ -26,7 +26,7 @@ class DataFrame(Protocol):
     index: Any
 
     def __getitem__(self, key: Any, /) -> Any:
-        """One column."""
+        """Give one column."""
 
 
 def of_frame(table: DataFrame) -> Recording:

@@ -258,7 +258,7 @@ def _json(file: Any, name: str, where: str) -> Any:
 
 
 def _fixed(value: Any, where: str) -> dict[str, float]:
-    """Prescribed parameter values."""
+    """Read the parameter values that are prescribed."""
     if not isinstance(value, dict) or not all(
         isinstance(value, int | float) and np.isfinite(value) for value in value.values()
     ):

@@ -115,7 +115,7 @@ def inspect_trials(
             return replace(_together(each, files), folder=_folder(paths))
     if len(paths) > 1:
         each = {shown(Path(path).stem): inspect(path, side=side) for path in paths}
-        angles = [{"angle"} & {*one.roles, *one.open} for one in each.values()]
+        angles = [{"angle"} & {*trial.roles, *trial.open} for trial in each.values()]
         if len(each) == len(paths) and all(angles):
             return replace(_together(each, []), folder=_folder(paths))
     return inspect(list(paths), side=side)
@@ -128,19 +128,21 @@ def _folder(paths: Sequence[PathLike]) -> str:
     )
 
 
-def trials_text(found: InspectedTrials, folder: PathLike) -> str:
+def trials_text(inspected: InspectedTrials, folder: PathLike) -> str:
     """The mapping of all trials: without files, or with ``{trial}``; what differs in a line each.
 
     Parameters
     ----------
-    found : InspectedTrials
+    inspected : InspectedTrials
         What was inspected.
     folder : path
         Where the mapping will be.
     """
-    lines = [mapping_text(found.typical, folder, found.files, found.folder).rstrip("\n")]
-    lines += [f"# {text}" for text in found.directions]
-    own = [difference for difference in found.differences if difference.line]
+    lines = [
+        mapping_text(inspected.typical, folder, inspected.files, inspected.folder).rstrip("\n")
+    ]
+    lines += [f"# {text}" for text in inspected.directions]
+    own = [difference for difference in inspected.differences if difference.line]
     if own:
         lines += ["", "[trials]  # check: what differs in single trials"]
         lines += [f"{each.line}  # {each.text}" for each in own]
@@ -150,13 +152,13 @@ def trials_text(found: InspectedTrials, folder: PathLike) -> str:
             "# What differs in a single trial is a line in [trials], such as:",
             "# [trials]",
         ]
-        lines.append(f"# {quoted(found.trials[-1])}.torque.sign = -1")
+        lines.append(f"# {quoted(inspected.trials[-1])}.torque.sign = -1")
     return "\n".join(lines) + "\n"
 
 
 def _together(each: Mapping[str, Inspection], files: Sequence[str]) -> InspectedTrials:
     """Trials of one layout, compared with the one that most are like."""
-    layouts = {name: _layout(one) for name, one in each.items()}
+    layouts = {name: _layout(trial) for name, trial in each.items()}
     common = Counter(layouts.values()).most_common(1)[0][0]
     typical = next(name for name, layout in layouts.items() if layout == common)
     names = dict(zip(each[typical].formats, files, strict=True)) if files else {}
@@ -166,25 +168,27 @@ def _together(each: Mapping[str, Inspection], files: Sequence[str]) -> Inspected
         files=names,
         differences=tuple(
             difference
-            for name, one in each.items()
-            for difference in _differences(name, one, each[typical], typical)
+            for name, trial in each.items()
+            for difference in _differences(name, trial, each[typical], typical)
         ),
-        directions=tuple(f"{name}: {one.direction}" for name, one in each.items() if one.direction),
+        directions=tuple(
+            f"{name}: {trial.direction}" for name, trial in each.items() if trial.direction
+        ),
     )
 
 
-def _layout(one: Inspection) -> tuple[tuple[str, str, str | None], ...]:
+def _layout(trial: Inspection) -> tuple[tuple[str, str, str | None], ...]:
     """Which column is which signal in which unit."""
-    return tuple((role, c.column, c.known_unit) for role, c in one.roles.items())
+    return tuple((role, c.column, c.known_unit) for role, c in trial.roles.items())
 
 
-def _differences(name: str, one: Inspection, typical: Inspection, like: str) -> list[Difference]:
+def _differences(name: str, trial: Inspection, typical: Inspection, like: str) -> list[Difference]:
     told: list[Difference] = []
     key = quoted(name)
-    columns = {channel.column for channel in one.channels if channel.usable}
+    columns = {channel.column for channel in trial.channels if channel.usable}
     for role, channel in typical.roles.items():
-        own = next((c for c in one.channels if c.column == channel.column and c.usable), None)
-        if own is None and (own := one.roles.get(role)) is not None:
+        own = next((c for c in trial.channels if c.column == channel.column and c.usable), None)
+        if own is None and (own := trial.roles.get(role)) is not None:
             text = f"{role} is column {own.column!r}, not {channel.column!r}"
             told.append(Difference(name, text, f"{key}.{role}.column = {quoted(own.column)}"))
         if own is None:
@@ -201,9 +205,9 @@ def _differences(name: str, one: Inspection, typical: Inspection, like: str) -> 
         if not _same_rate(own.rate_hz, channel.rate_hz):
             rates = [f"{r:.6g} Hz" if r else "no rate" for r in (own.rate_hz, channel.rate_hz)]
             told.append(Difference(name, f"{role} has {rates[0]}, that of {like} {rates[1]}"))
-    if None not in (one.emg, typical.emg) and one.emg != typical.emg:
-        text = f"EMG looks {one.emg}, that of {like} {typical.emg}"
-        told.append(Difference(name, text, f"{key}.emg = {quoted(str(one.emg))}"))
+    if None not in (trial.emg, typical.emg) and trial.emg != typical.emg:
+        text = f"EMG looks {trial.emg}, that of {like} {typical.emg}"
+        told.append(Difference(name, text, f"{key}.emg = {quoted(str(trial.emg))}"))
     return told
 
 

@@ -297,7 +297,7 @@ def _roles(toml: Mapping[str, Any], where: str) -> dict[str, Any]:
 
 
 def _entry(role: str, body: Any, where: str) -> Entry:
-    """One channel's description."""
+    """Read one channel's description."""
     if not isinstance(body, dict):
         raise InputError(f"{where}: must be a table with: {', '.join(_ENTRY)}")
     refuse_unknown(body, _ENTRY, where)

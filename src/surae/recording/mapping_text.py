@@ -117,7 +117,7 @@ def _entry(
     folder: PathLike,
     files: Mapping[str, str] | None,
 ) -> list[str]:
-    """One channel's table."""
+    """Write one channel's table."""
     why = (
         "" if channel.guess is None else f"{channel.guess.confidence}: {_line(channel.guess.rule)}"
     )

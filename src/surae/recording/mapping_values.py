@@ -11,7 +11,7 @@ from surae.recording.source import Source
 
 
 def parsed(source: Source) -> dict[str, Any]:
-    """The TOML's content."""
+    """Parse the TOML's content."""
     source.require_text()
     try:
         return tomllib.loads("".join(source.lines()))
@@ -70,7 +70,7 @@ def choice_in(table: Mapping[str, Any], key: str, allowed: Sequence[str], where:
 
 
 def finite(value: Any, where: str) -> float:
-    """A finite number."""
+    """Check that a value is a finite number, and give it."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError(f"{where} is {brief(value)}; it must be a number")
     try:

@@ -339,7 +339,7 @@ def _next(assessment: Assessment, words: Words) -> tuple[str, ...]:
 
 
 def _nothing(told: Measures, shown: Sequence[Measure], words: Words) -> tuple[str, ...]:
-    """That nothing is to be measured, where all that the page shows is known."""
+    """Say that nothing is to be measured, where all that the page shows is known."""
     known = all(m.verdict is Verdict.IDENTIFIED for m in shown if m.value is not None)
     return (words("next_none"),) if known and told.adequacy.grade is Grade.ADEQUATE else ()
 

@@ -109,7 +109,7 @@ def parameter_groups(
 
 
 def shown_parameters(assessment: Assessment) -> list[ParameterEstimate]:
-    """Those of the leg: without imperfections of the laboratory that have nothing to act on."""
+    """The leg's parameters, without imperfections of the laboratory that have nothing to act on."""
     held = bool(assessment.nuisances)
     return [p for p in assessment.parameters.values() if p.free or not (held and group_of(p.name))]
 

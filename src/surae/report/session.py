@@ -260,9 +260,12 @@ def _crossings(
     trials: Sequence[Trial],
 ) -> tuple[tuple[str, tuple[Cell, ...]], ...]:
     names = [trial.name for trial in trials if trial.moves and not trial.problem]
-    rows = [(n, tuple(_cell(row.get(other)) for other in names)) for n, row in predictions.items()]
+    rows = [
+        (n, tuple(_cell(row.get(predicted)) for predicted in names))
+        for n, row in predictions.items()
+    ]
     if joint:
-        rows.append(("all together", tuple(_cell(joint.get(other)) for other in names)))
+        rows.append(("all together", tuple(_cell(joint.get(predicted)) for predicted in names)))
     return tuple(rows)
 
 

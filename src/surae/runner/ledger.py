@@ -113,7 +113,7 @@ class Ledger:
                 raise
 
     def __enter__(self) -> Self:
-        """Open already."""
+        """Give the ledger, which is open already."""
         return self
 
     def __exit__(

@@ -160,7 +160,7 @@ def side_by_side(
             update={**fresh, "profile": name, **({"task": "passive"} if name in short else {})}
         )
         for name in (*ready_protocols(), *PROFILES)
-    } | {name: one.model_copy(update={"rate_hz": 128.0}) for name, one in kept.items()}
+    } | {name: given.model_copy(update={"rate_hz": 128.0}) for name, given in kept.items()}
     for name, asked in compared.items():
         designed = name in ready_protocols() or asked.plan is not None
         row: dict[str, Any] = {"name": name, "designed": designed}

@@ -242,8 +242,8 @@ class Jobs:
     def _run(self, id_: str, worker: Child) -> None:
         job = self._project.change("job", id_, state="running", started=time.time())
         self._tell(job)
-        for other in list(self._lanes[self._kinds[job["kind"]].lane].waiting):
-            waiting = self._project.database.get("job", other)
+        for queued in list(self._lanes[self._kinds[job["kind"]].lane].waiting):
+            waiting = self._project.database.get("job", queued)
             if waiting is not None:
                 self._tell(waiting)
 

@@ -181,10 +181,10 @@ def design(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
         stopped = made.stopped
         if stopped:
             break
-    found = designs[-1]["expectation"]
-    worst = "unknown" if found["worst"] is None else f"{100 * found['worst']:.2g} %"
+    expectation = designs[-1]["expectation"]
+    worst = "unknown" if expectation["worst"] is None else f"{100 * expectation['worst']:.2g} %"
     return {
-        "message": f"largest error {worst} ({found['weakest']})",
+        "message": f"largest error {worst} ({expectation['weakest']})",
         "interrupted": stopped,
         "designs": designs,
     }

@@ -106,7 +106,7 @@ def compare_models(
             {result.problem.spec.name: assess(result) for result in results},
         ),
         missing=missing,
-        recordings=tuple(one.where for one in inputs),
+        recordings=tuple(recording.where for recording in inputs),
         n=n,
         n_effective=n_effective,
         scheme=_scheme(inputs),
@@ -197,8 +197,8 @@ def _mean_squares(results: Sequence[FitResult]) -> list[float]:
     with np.errstate(over="ignore", invalid="ignore"):
         return [
             sum(
-                float(np.sum((1.0 if one.weight is None else one.weight) * e**2))
-                for one, e in zip(shared.inputs, result.residuals, strict=True)
+                float(np.sum((1.0 if recording.weight is None else recording.weight) * e**2))
+                for recording, e in zip(shared.inputs, result.residuals, strict=True)
             )
             / shared.n
             for result in results
@@ -216,7 +216,9 @@ def _effective(results: Sequence[FitResult], squares: Sequence[float]) -> float 
         return None
     best = results[min(scored)[1]]
     pairs = zip(best.problem.inputs, best.residuals, strict=True)
-    return effective_samples([e if one.weight is None else e[one.weight > 0] for one, e in pairs])
+    return effective_samples(
+        [e if recording.weight is None else e[recording.weight > 0] for recording, e in pairs]
+    )
 
 
 def _scores(
@@ -285,7 +287,7 @@ def _predicted(
 
 
 def _above_best(value: float | None, values: Sequence[float | None]) -> float | None:
-    known = [other for other in values if other is not None]
+    known = [v for v in values if v is not None]
     return None if value is None else value - min(known)
 
 

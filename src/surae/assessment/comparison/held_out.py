@@ -50,30 +50,39 @@ def folds(inputs: Sequence[ModelInputs]) -> tuple[Fold, ...]:
     if len(inputs) == 1:
         return _blocks(inputs[0])
     return tuple(
-        Fold(one.name, tuple(inputs[:i]) + tuple(inputs[i + 1 :]), one, _counted(one))
-        for i, one in enumerate(inputs)
+        Fold(
+            recording.name,
+            tuple(inputs[:i]) + tuple(inputs[i + 1 :]),
+            recording,
+            _counted(recording),
+        )
+        for i, recording in enumerate(inputs)
     )
 
 
-def _blocks(one: ModelInputs) -> tuple[Fold, ...]:
+def _blocks(recording: ModelInputs) -> tuple[Fold, ...]:
     made = []
-    for number, samples in enumerate(np.array_split(_counted(one), BLOCKS), start=1):
+    for number, samples in enumerate(np.array_split(_counted(recording), BLOCKS), start=1):
         if not len(samples):
-            raise InputError(f"{one.where}: too few samples to leave out each quarter in turn")
+            raise InputError(
+                f"{recording.where}: too few samples to leave out each quarter in turn"
+            )
         first, last = int(samples[0]), int(samples[-1])
-        guard = int(min(GUARD_S * one.rate_hz, GUARD_PART * len(samples)))
-        weight = np.ones(one.n) if one.weight is None else one.weight.copy()
+        guard = int(min(GUARD_S * recording.rate_hz, GUARD_PART * len(samples)))
+        weight = np.ones(recording.n) if recording.weight is None else recording.weight.copy()
         weight[max(first - guard, 0) : last + 1 + guard] = 0.0
-        name = f"block {number} of {BLOCKS} ({one.time[first]:.1f}…{one.time[last]:.1f} s)"
-        made.append(Fold(name, (replace(one, weight=read_only(weight)),), one, samples))
+        name = (
+            f"block {number} of {BLOCKS} ({recording.time[first]:.1f}…{recording.time[last]:.1f} s)"
+        )
+        made.append(Fold(name, (replace(recording, weight=read_only(weight)),), recording, samples))
     return tuple(made)
 
 
-def _counted(one: ModelInputs) -> npt.NDArray[np.intp]:
-    return np.arange(one.n) if one.weight is None else np.flatnonzero(one.weight)
+def _counted(recording: ModelInputs) -> npt.NDArray[np.intp]:
+    return np.arange(recording.n) if recording.weight is None else np.flatnonzero(recording.weight)
 
 
-def without(problem: FitProblem, fold: Fold, found: FitResult) -> FitProblem:
+def without(problem: FitProblem, fold: Fold, result: FitResult) -> FitProblem:
     """The problem without the fold's samples, starting from the solution with them.
 
     Raises
@@ -84,7 +93,7 @@ def without(problem: FitProblem, fold: Fold, found: FitResult) -> FitProblem:
     left = replace(
         problem,
         inputs=fold.training,
-        base=np.array([found.values[name] for name in problem.spec.names]),
+        base=np.array([result.values[name] for name in problem.spec.names]),
     )
     if left.n <= len(left.free):
         raise InputError(
@@ -101,10 +110,10 @@ def measured(fold: Fold) -> FloatArray:
     return fold.held.torque[fold.samples]
 
 
-def prediction_error(found: FitResult, fold: Fold) -> FloatArray:
+def prediction_error(result: FitResult, fold: Fold) -> FloatArray:
     """Measured minus predicted torque [Nm] of the samples that the fit did not see."""
-    problem = found.problem
-    values = np.array([found.values[name] for name in problem.spec.names])
+    problem = result.problem
+    values = np.array([result.values[name] for name in problem.spec.names])
     predicted = problem.spec.simulator(fold.held, problem.options).torque(values)
     return np.asarray(measured(fold) - predicted[fold.samples], dtype=np.float64)
 

@@ -26,10 +26,12 @@ class TradeOff:
     advice: str
     beside: frozenset[str] = frozenset()
 
-    def holds(self, one: str, other: str) -> bool:
+    def holds(self, first: str, second: str) -> bool:
         """Whether this is about the two parameters."""
         beside = self.beside or self.names
-        return (one in self.names and other in beside) or (other in self.names and one in beside)
+        return (first in self.names and second in beside) or (
+            second in self.names and first in beside
+        )
 
 
 #: What tells more of each parameter, of every model.

@@ -56,21 +56,21 @@ def collinear_sets(
     felt = np.flatnonzero(np.any(R != 0, axis=0)).tolist()
     names, unit = [names[j] for j in felt], unit_columns(R[:, felt])
     gram = unit.T @ unit
-    found: list[tuple[tuple[int, ...], float]] = []
+    collinear: list[tuple[tuple[int, ...], float]] = []
     for size in range(2, min(_LARGEST, len(names)) + 1):
         sets = [
-            one
-            for one in combinations(range(len(names)), size)
-            if not any(set(smaller) <= set(one) for smaller, _ in found)
+            members
+            for members in combinations(range(len(names)), size)
+            if not any(set(smaller) <= set(members) for smaller, _ in collinear)
         ]
         if not sets:
             break
         rows = np.array(sets)
         least = np.linalg.eigvalsh(gram[rows[:, :, None], rows[:, None, :]])[:, 0]
-        found += [
-            (one, float(low) ** -0.5 if low > _ROUNDING else np.inf)
-            for one, low in zip(sets, least, strict=True)
+        collinear += [
+            (members, float(low) ** -0.5 if low > _ROUNDING else np.inf)
+            for members, low in zip(sets, least, strict=True)
             if low <= COLLINEAR**-2
         ]
-    found.sort(key=lambda pair: -pair[1])
-    return tuple((tuple(names[j] for j in one), gamma) for one, gamma in found)
+    collinear.sort(key=lambda pair: -pair[1])
+    return tuple((tuple(names[j] for j in members), gamma) for members, gamma in collinear)

@@ -152,10 +152,10 @@ def identifiability(result: FitResult, *, variance_inflation: float = 1.0) -> Id
     links = _links(unit)
     order = np.argsort(-effects, kind="stable").tolist()
     torque = _torque_rms(result)
-    found = {}
+    parameters = {}
     for j, name in enumerate(problem.free):
         column = kept.index(j) if j in kept else None
-        found[name] = _identified(
+        parameters[name] = _identified(
             name,
             sensitivity=float(effects[j]) / (torque * problem.n**0.5) if torque else 0.0,
             rank=order.index(j) + 1,
@@ -170,7 +170,7 @@ def identifiability(result: FitResult, *, variance_inflation: float = 1.0) -> Id
         condition=condition,
         gamma=gamma if np.isfinite(gamma) else None,
         collinear=collinear_sets(names, R),
-        parameters=found,
+        parameters=parameters,
         columns=read_only(unit),
     )
 
@@ -178,10 +178,10 @@ def identifiability(result: FitResult, *, variance_inflation: float = 1.0) -> Id
 def _torque_rms(result: FitResult) -> float:
     """Root mean square of the measured torque, weighted as the fit is [Nm]."""
     total = 0.0
-    for one in result.problem.inputs:
-        if one.torque is not None:
-            weight = 1.0 if one.weight is None else one.weight
-            total += float(np.sum(weight * one.torque**2))
+    for recording in result.problem.inputs:
+        if recording.torque is not None:
+            weight = 1.0 if recording.weight is None else recording.weight
+            total += float(np.sum(weight * recording.torque**2))
     return float(np.sqrt(total / result.problem.n))
 
 
@@ -263,8 +263,8 @@ def _advice(name: str, cause: Cause, partners: Mapping[str, float | None]) -> st
     more = advice_on(name) or "another movement or effort, or fix it"
     fewer = more.removesuffix(", or fix it")
     others = [
-        other if r is None else f"{other} ({r:+.2f})".replace("-", "−")
-        for other, r in partners.items()
+        partner if r is None else f"{partner} ({r:+.2f})".replace("-", "−")
+        for partner, r in partners.items()
     ]
     known = trade_off(name, tuple(partners))
     match cause:

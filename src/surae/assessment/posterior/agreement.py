@@ -59,9 +59,9 @@ class Agreement:
         """
         return self._off(self.profile.ends) if self.profile is not None else None
 
-    def _off(self, other: tuple[float | None, float | None] | None) -> float | None:
+    def _off(self, interval: tuple[float | None, float | None] | None) -> float | None:
         half = (self.credible[1] - self.credible[0]) / 2
-        ends = zip(self.credible, other or (), strict=False)
+        ends = zip(self.credible, interval or (), strict=False)
         return max((abs(a - b) / half for a, b in ends if b is not None), default=None)
 
 
@@ -78,8 +78,8 @@ def agreements(
         By parameter, as `read_profile_intervals` gives them.
     """
     return {
-        name: Agreement(name, one.ci95, one.from_covariance, (profiles or {}).get(name))
-        for name, one in posterior.marginals.items()
+        name: Agreement(name, marginal.ci95, marginal.from_covariance, (profiles or {}).get(name))
+        for name, marginal in posterior.marginals.items()
     }
 
 
@@ -104,20 +104,20 @@ def read_profile_intervals(
     """
     data = read_json(path)
     check_format(data, path)
-    found: dict[str, ProfileInterval] = {}
+    intervals: dict[str, ProfileInterval] = {}
     try:
         profiled = data["model"]
-        for name, one in data["profiles"].items():
-            low, high = (None if end is None else float(end) for end in one["interval"])
-            if profiled != model or float(one["value"]) != values.get(name):
+        for name, profile in data["profiles"].items():
+            low, high = (None if end is None else float(end) for end in profile["interval"])
+            if profiled != model or float(profile["value"]) != values.get(name):
                 raise InputError(
                     f"{shown(path)}: profiles of another fit; profile this one with `surae profile`"
                 )
-            found[name] = ProfileInterval((low, high), float(one["variance_inflation"]))
+            intervals[name] = ProfileInterval((low, high), float(profile["variance_inflation"]))
     except InputError:
         raise
     except (KeyError, TypeError, ValueError, AttributeError):
         raise InputError(
             f"{shown(path)}: not a whole PROFILE.json; give one that `surae profile --output` wrote"
         ) from None
-    return found
+    return intervals

@@ -58,26 +58,26 @@ def beliefs(
     """
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
     wide = wide_priors(problem.options, problem.inputs[0].emg_unit)
-    found = {}
+    beliefs = {}
     for name in problem.free:
         p = table[name]
         if p.signed:
             # Its bounds as two standard deviations to either side.
-            found[name] = Belief((p.lower + p.upper) / 2, (p.upper - p.lower) / 4, False,
+            beliefs[name] = Belief((p.lower + p.upper) / 2, (p.upper - p.lower) / 4, False,
                                  "population")  # fmt: skip
         elif name in wide:
-            found[name] = Belief(*wide[name], True, "population")
+            beliefs[name] = Belief(*wide[name], True, "population")
         else:
             known = laboratory()[name]
-            found[name] = _told(Prior(known.mean, known.sd, straight=True), "population")
+            beliefs[name] = _told(Prior(known.mean, known.sd, straight=True), "population")
     for name, prior in problem.priors.items():
-        found[name] = _told(prior, "fit", signed=table[name].signed)
+        beliefs[name] = _told(prior, "fit", signed=table[name].signed)
     for name, pair in (given or {}).items():
         prior = checked_prior(name, pair, problem.free)
         if table[name].signed:
             raise InputError(f"prior of {name}: it is on a logarithm, and {name} may be negative")
-        found[name] = Belief(prior.median, prior.spread, True, "given")
-    return found
+        beliefs[name] = Belief(prior.median, prior.spread, True, "given")
+    return beliefs
 
 
 def _told(prior: Prior, origin: str, *, signed: bool = False) -> Belief:

@@ -109,9 +109,9 @@ def make_target(
     """
     problem = result.problem
     known = [priors[name] for name in problem.free]
-    log = np.array([one.log for one in known])
-    centre = np.array([np.log(one.median) if one.log else one.median for one in known])
-    spread = np.array([one.spread for one in known])
+    log = np.array([belief.log for belief in known])
+    centre = np.array([np.log(belief.median) if belief.log else belief.median for belief in known])
+    spread = np.array([belief.spread for belief in known])
     samples = problem.n / variance_inflation
     residuals, p = Residuals(problem), len(known)
     weight = np.sqrt(samples / result.sse)
@@ -128,11 +128,11 @@ def make_target(
     with np.errstate(divide="ignore"):  # a weight may be zero
         start = np.where(log, np.log(np.where(log, x, 1.0)), x)
     start = np.clip(start, centre - _NEAR * spread, centre + _NEAR * spread)
-    found = minimise(
+    minimum = minimise(
         rows, start, centre - _FAR * spread, centre + _FAR * spread, stall=0.1 / samples
     )
-    sse = sum_of_squares(found.residual[:-p]) / weight**2
-    if not (np.isfinite(found.R).all() and 0 < sse < np.inf):
+    sse = sum_of_squares(minimum.residual[:-p]) / weight**2
+    if not (np.isfinite(minimum.R).all() and 0 < sse < np.inf):
         raise InputError(
             "the model gives no finite torque where the priors allow: widen those of the "
             f"parameters that lie far from them, of {', '.join(problem.free)}"
@@ -143,9 +143,9 @@ def make_target(
         centre=read_only(centre),
         spread=read_only(spread),
         samples=samples,
-        mode=read_only(found.x),
+        mode=read_only(minimum.x),
         sse=sse,
-        root=read_only(np.linalg.inv(found.R)),
+        root=read_only(np.linalg.inv(minimum.R)),
     )
 
 

@@ -55,13 +55,13 @@ def convergence(draws: FloatArray) -> Convergence:
 
 
 def verdict(
-    found: Mapping[str, Convergence], diverging: int, shape: tuple[int, ...]
+    convergences: Mapping[str, Convergence], diverging: int, shape: tuple[int, ...]
 ) -> tuple[bool, str]:
     """Whether draws can be believed, and a sentence that says why or what to do.
 
     Parameters
     ----------
-    found : mapping of str to Convergence
+    convergences : mapping of str to Convergence
         Of every parameter.
     diverging : int
         Divergent draws.
@@ -70,8 +70,8 @@ def verdict(
     """
     chains, draws = shape
     enough = ESS_PER_CHAIN * chains
-    apart = {name: one.rhat for name, one in found.items() if not (one.rhat or np.inf) <= RHAT}
-    few = {name: min(one.ess_bulk or 0.0, one.ess_tail or 0.0) for name, one in found.items()}
+    apart = {name: c.rhat for name, c in convergences.items() if not (c.rhat or np.inf) <= RHAT}
+    few = {name: min(c.ess_bulk or 0.0, c.ess_tail or 0.0) for name, c in convergences.items()}
     complaints = []
     if apart:
         worst = max(apart, key=lambda name: apart[name] or np.inf)
@@ -94,7 +94,7 @@ def verdict(
         )
     if complaints:
         return False, "; ".join(complaints)
-    highest = max(one.rhat or np.inf for one in found.values())
+    highest = max(c.rhat or np.inf for c in convergences.values())
     text = f"{chains} chains agree: R-hat at most {highest:.3f}, "
     text += f"{few[least]:.0f} effective draws or more"
     if diverging:

@@ -155,7 +155,7 @@ class Posterior(Comparable):
             "model": self.model,
             "status": self.status,
             "message": self.message,
-            "parameters": {name: _plain(one) for name, one in self.marginals.items()},
+            "parameters": {name: _plain(marginal) for name, marginal in self.marginals.items()},
             "correlation": {"names": list(self.names), "matrix": self.correlation.tolist()},
             "divergences": self.divergences,
             "variance_inflation": self.variance_inflation,
@@ -225,7 +225,7 @@ def sample(
     problem = result.problem
     known = beliefs(problem, priors)
     target = make_target(result, known, variance_inflation)
-    found = run_chains(
+    sampled = run_chains(
         target.density,
         len(problem.free),
         draws=draws,
@@ -235,7 +235,7 @@ def sample(
         cores=cores,
         progress=progress,
     )
-    values = read_only(target.parameters(found.draws))
+    values = read_only(target.parameters(sampled.draws))
     white = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
     wide = replace(
         white,
@@ -244,11 +244,11 @@ def sample(
     )
     marginals = _marginals(result, values, known, wide)
     believed, message = verdict(
-        {name: one.convergence for name, one in marginals.items()},
-        found.diverging,
+        {name: marginal.convergence for name, marginal in marginals.items()},
+        sampled.diverging,
         values.shape[:2],
     )
-    if not found.whole:
+    if not sampled.whole:
         message += "; stopped by the user"
     return Posterior(
         model=problem.spec.name,
@@ -258,15 +258,15 @@ def sample(
         covariance=wide,
         status="converged" if believed else "not converged",
         message=message,
-        divergences=found.diverging,
-        evaluations=found.evaluations,
+        divergences=sampled.diverging,
+        evaluations=sampled.evaluations,
         variance_inflation=float(variance_inflation),
         inflation_reason=inflation_reason,
         seed=seed,
         tune=tune,
-        seconds=found.seconds,
-        whole=found.whole,
-        versions=versions() | dict(found.versions),
+        seconds=sampled.seconds,
+        whole=sampled.whole,
+        versions=versions() | dict(sampled.versions),
     )
 
 
@@ -282,12 +282,12 @@ def _marginals(
         name: half_width(float(np.sqrt(variance)), estimated.dof)
         for name, variance in zip(estimated.names, np.diag(estimated.matrix), strict=True)
     }
-    found = {}
+    marginals = {}
     for j, name in enumerate(problem.free):
         drawn, prior, value = values[..., j], known[name], result.values[name]
         low, median, high = np.quantile(drawn, [0.025, 0.5, 0.975]).tolist()
         width = np.std(np.log(drawn) if prior.log else drawn)
-        found[name] = Marginal(
+        marginals[name] = Marginal(
             name=name,
             unit=table[name].unit,
             value=value,
@@ -298,24 +298,26 @@ def _marginals(
             prior_part=float(width / prior.spread),
             convergence=convergence(drawn),
         )
-    return found
+    return marginals
 
 
-def _plain(one: Marginal) -> dict[str, Any]:
+def _plain(marginal: Marginal) -> dict[str, Any]:
     return {
-        "unit": one.unit,
-        "value": one.value,
-        "median": one.median,
-        "ci95": list(one.ci95),
-        "from_covariance": None if one.from_covariance is None else list(one.from_covariance),
+        "unit": marginal.unit,
+        "value": marginal.value,
+        "median": marginal.median,
+        "ci95": list(marginal.ci95),
+        "from_covariance": None
+        if marginal.from_covariance is None
+        else list(marginal.from_covariance),
         "prior": {
-            "median": one.prior.median,
-            "spread": one.prior.spread,
-            "log": one.prior.log,
-            "origin": one.prior.origin,
+            "median": marginal.prior.median,
+            "spread": marginal.prior.spread,
+            "log": marginal.prior.log,
+            "origin": marginal.prior.origin,
         },
-        "prior_part": one.prior_part,
-        "rhat": one.convergence.rhat,
-        "ess_bulk": one.convergence.ess_bulk,
-        "ess_tail": one.convergence.ess_tail,
+        "prior_part": marginal.prior_part,
+        "rhat": marginal.convergence.rhat,
+        "ess_bulk": marginal.convergence.ess_bulk,
+        "ess_tail": marginal.convergence.ess_tail,
     }

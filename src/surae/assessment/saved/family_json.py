@@ -1,4 +1,4 @@
-"""In FIT.json: how `model="auto"` chose, and what is not known of the laboratory."""
+"""How FIT.json keeps what `model="auto"` chose, and what is not known of the laboratory."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -24,13 +24,13 @@ def family_as_dict(family: Family | None) -> dict[str, Any] | None:
     return {
         "candidates": [
             {
-                "model": one.model,
-                "nuisances": list(one.groups),
-                "evidence": one.evidence,
-                "weight": one.weight,
-                "values": dict(one.values),
+                "model": candidate.model,
+                "nuisances": list(candidate.groups),
+                "evidence": candidate.evidence,
+                "weight": candidate.weight,
+                "values": dict(candidate.values),
             }
-            for one in family.candidates
+            for candidate in family.candidates
         ],
         "priors": {
             name: {"mean": belief.mean, "sd": belief.sd, "off": belief.off}
@@ -64,26 +64,26 @@ def read_family(data: Any, free: Sequence[str]) -> Family | None:
     return Family(
         candidates=tuple(
             Candidate(
-                str(one["model"]),
-                tuple(str(group) for group in one["nuisances"]),
-                real(one["evidence"]),
-                real(one["weight"]),
-                _numbers(one["values"]),
+                str(candidate["model"]),
+                tuple(str(group) for group in candidate["nuisances"]),
+                real(candidate["evidence"]),
+                real(candidate["weight"]),
+                _numbers(candidate["values"]),
             )
-            for one in data["candidates"]
+            for candidate in data["candidates"]
         ),
         beliefs=FrozenDict(
-            (str(name), Belief(real(one["mean"]), real(one["sd"]), real(one["off"])))
-            for name, one in data["priors"].items()
+            (str(name), Belief(real(belief["mean"]), real(belief["sd"]), real(belief["off"])))
+            for name, belief in data["priors"].items()
         ),
         noise=tuple(
             NoiseModel(
-                np.array([real(c) for c in one["coefficients"]]),
-                real(one["variance"]),
-                np.array([real(c) for c in one["autocovariance"]]),
-                real(one["samples"]),
+                np.array([real(c) for c in noise["coefficients"]]),
+                real(noise["variance"]),
+                np.array([real(c) for c in noise["autocovariance"]]),
+                real(noise["samples"]),
             )
-            for one in data["noise"]
+            for noise in data["noise"]
         ),
         zeros=tuple(real(zero) for zero in data["zeros"]),
         covariance=decode(data["covariance"], (len(free), len(free))),

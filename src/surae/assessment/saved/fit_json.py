@@ -72,7 +72,7 @@ def load_saved(path: PathLike) -> SavedFit:
     try:
         compared = data.get("snsem")
         baseline = None if compared is None else read_baseline(compared["baseline"])
-        quality = tuple(quality_of(one) for one in data.get("findings", ()))
+        quality = tuple(quality_of(finding) for finding in data.get("findings", ()))
         return SavedFit(_result(data), baseline, quality)
     except InputError as error:
         raise InputError(f"{shown(path)}: {error}") from None
@@ -137,7 +137,7 @@ def as_dict(
             }
             for quality, white in zip(assessment.recordings, assessment.whiteness, strict=True)
         ],
-        "findings": [one.as_dict() for one in quality],
+        "findings": [finding.as_dict() for finding in quality],
         "snsem": None
         if assessment.baseline is None
         else {
@@ -172,8 +172,8 @@ def as_dict(
         "sse": _number(result.sse),
         "R": encode(result.R),
         "traces": [
-            trace_as_dict(one, residual)
-            for one, residual in zip(problem.inputs, result.residuals, strict=True)
+            trace_as_dict(recording, residual)
+            for recording, residual in zip(problem.inputs, result.residuals, strict=True)
         ],
     }
 
@@ -245,7 +245,9 @@ def _result(data: Mapping[str, Any]) -> FitResult:
     )
     residuals = tuple(decode(trace["residual"], (int(trace["n"]),)) for trace in traces)
     sse = _sum(data["sse"])
-    weights = [1.0 if one.weight is None else one.weight for one in problem.inputs]
+    weights = [
+        1.0 if recording.weight is None else recording.weight for recording in problem.inputs
+    ]
     with np.errstate(over="ignore", invalid="ignore"):
         weighted = sum(float(np.sum(w * e**2)) for w, e in zip(weights, residuals, strict=True))
     if math.isfinite(sse) and not math.isclose(sse, weighted, rel_tol=1e-6):

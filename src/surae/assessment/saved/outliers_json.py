@@ -19,7 +19,7 @@ def outliers_as_dict(outliers: Outliers | None) -> dict[str, Any] | None:
         "share_below_half": outliers.share,
         "widening": outliers.widening,
         "rounds": outliers.rounds,
-        "weights": [encode(one) for one in outliers.weights],
+        "weights": [encode(weight) for weight in outliers.weights],
     }
 
 
@@ -37,7 +37,7 @@ def read_outliers(data: dict[str, Any] | None, samples: Sequence[int]) -> Outlie
     numbers = [float(data[name]) for name in ("tuning", "scale_Nm", "widening")]
     if data["loss"] not in LOSSES or not all(math.isfinite(x) and x > 0 for x in numbers):
         raise ValueError("outliers: an unknown loss, or a number that is none")
-    if not all(one.min() > 0 and one.max() <= 1 for one in weights):
+    if not all(weight.min() > 0 and weight.max() <= 1 for weight in weights):
         raise ValueError("outliers: a weight is not between 0 and 1")
     tuning, scale, widening = numbers
     return Outliers(str(data["loss"]), tuning, scale, weights, widening, int(data["rounds"]))

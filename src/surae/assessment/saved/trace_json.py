@@ -14,27 +14,27 @@ from surae.units import FloatArray
 _SERIES = ("time", "angle", "velocity", "acceleration")
 
 
-def trace_as_dict(one: ModelInputs, residual: FloatArray) -> dict[str, Any]:
+def trace_as_dict(recording: ModelInputs, residual: FloatArray) -> dict[str, Any]:
     """What a fit saw of one recording, and what it left of the torque, as plain data."""
-    torque = one.torque if one.torque is not None else np.zeros(0)
+    torque = recording.torque if recording.torque is not None else np.zeros(0)
     return {
-        "name": one.name,
-        "rate_hz": one.rate_hz,
-        "n": one.n,
-        "emg_unit": one.emg_unit,
-        "emg_reference": _reference_as_dict(one.emg_reference),
-        "missing_emg": list(one.missing_emg),
-        "prepared": one.prepared,
-        "steps": list(one.steps),
-        "fixed": dict(one.fixed),
-        "files": [{"path": file.name, "sha256": file.sha256} for file in one.files],
-        **{name: encode(getattr(one, name)) for name in _SERIES},
-        "emg": encode(one.emg),
+        "name": recording.name,
+        "rate_hz": recording.rate_hz,
+        "n": recording.n,
+        "emg_unit": recording.emg_unit,
+        "emg_reference": _reference_as_dict(recording.emg_reference),
+        "missing_emg": list(recording.missing_emg),
+        "prepared": recording.prepared,
+        "steps": list(recording.steps),
+        "fixed": dict(recording.fixed),
+        "files": [{"path": file.name, "sha256": file.sha256} for file in recording.files],
+        **{name: encode(getattr(recording, name)) for name in _SERIES},
+        "emg": encode(recording.emg),
         "torque": encode(torque),
-        "weight": None if one.weight is None else encode(one.weight),
-        "emphasised": one.emphasised,
-        "lowpass": None if one.lowpass is None else list(one.lowpass),
-        "measured": list(one.measured),
+        "weight": None if recording.weight is None else encode(recording.weight),
+        "emphasised": recording.emphasised,
+        "lowpass": None if recording.lowpass is None else list(recording.lowpass),
+        "measured": list(recording.measured),
         "residual": encode(residual),
     }
 

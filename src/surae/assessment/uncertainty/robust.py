@@ -84,27 +84,31 @@ def robust_covariance(
     problem = result.problem
     if not estimated.names or result.family is not None:
         return None, tuple(
-            whiteness(residual, one.rate_hz, None if one.weight is None else one.weight > 0)
-            for one, residual in zip(problem.inputs, result.residuals, strict=True)
+            whiteness(
+                residual, inputs.rate_hz, None if inputs.weight is None else inputs.weight > 0
+            )
+            for inputs, residual in zip(problem.inputs, result.residuals, strict=True)
         )
     # The parameters of an edited file may be absurd: then numbers overflow.
     with one_blas_thread(), np.errstate(over="ignore", invalid="ignore"):
         root = inverse_root(result.R, problem.free, estimated.sigma2, result.bounded)
         x = np.array([result.values[name] for name in problem.free])
         rows = Residuals(problem).data_rows(x)
-        edges = pairwise(np.cumsum([0, *(one.n for one in problem.inputs)]).tolist())
+        edges = pairwise(np.cumsum([0, *(inputs.n for inputs in problem.inputs)]).tolist())
         seen = [
             _Seen(
                 -rows[-1, begin:end],
-                np.ones(one.n, dtype=bool) if one.weight is None else one.weight > 0,
+                np.ones(inputs.n, dtype=bool) if inputs.weight is None else inputs.weight > 0,
                 root.matrix.T @ rows[list(root.kept), begin:end],
                 gain,
             )
-            for one, (begin, end), gain in zip(problem.inputs, edges, _gains(result), strict=True)
+            for inputs, (begin, end), gain in zip(
+                problem.inputs, edges, _gains(result), strict=True
+            )
         ]
         white = tuple(
-            whiteness(one.residual, inputs.rate_hz, one.counted, one.absorbed)
-            for one, inputs in zip(seen, problem.inputs, strict=True)
+            whiteness(recording.residual, inputs.rate_hz, recording.counted, recording.absorbed)
+            for recording, inputs in zip(seen, problem.inputs, strict=True)
         )
         models = _noise_models(seen)
         known = [j for j in root.known if problem.free[root.kept[j]] in estimated.names]
@@ -119,14 +123,14 @@ def _gains(result: FitResult) -> list[FloatArray | None]:
     gradient, stays. None where the weighted residual itself is that noise.
     """
     gains: list[FloatArray | None] = []
-    for number, one in enumerate(result.problem.inputs):
+    for number, inputs in enumerate(result.problem.inputs):
         loss = None if result.outliers is None else result.outliers.weights[number]
-        if one.weight is None or (loss is None and not one.emphasised):
+        if inputs.weight is None or (loss is None and not inputs.emphasised):
             gains.append(None)
             continue
-        of_loss = np.ones(one.n) if loss is None else loss
-        own = one.weight / of_loss if one.emphasised else np.ones(one.n)
-        gains.append(np.where(one.weight > 0, np.sqrt(own / of_loss), 1.0))
+        of_loss = np.ones(inputs.n) if loss is None else loss
+        own = inputs.weight / of_loss if inputs.emphasised else np.ones(inputs.n)
+        gains.append(np.where(inputs.weight > 0, np.sqrt(own / of_loss), 1.0))
     return gains
 
 
@@ -195,14 +199,22 @@ class _Seen:
 
 def _noise_models(seen: Sequence[_Seen]) -> tuple[NoiseModel, ...]:
     """The noise of every recording, with what the parameters took of it given back."""
-    models = [autoregressive(one.sums / one.count, one.samples) for one in seen]
+    models = [
+        autoregressive(recording.sums / recording.count, recording.samples) for recording in seen
+    ]
     for _ in range(_ROUNDS):
-        meat = sum((one.meat(m) for one, m in zip(seen, models, strict=True)), start=np.zeros(()))
-        sums = [one.sums + one.lost(m, meat) for one, m in zip(seen, models, strict=True)]
+        meat = sum(
+            (recording.meat(m) for recording, m in zip(seen, models, strict=True)),
+            start=np.zeros(()),
+        )
+        sums = [
+            recording.sums + recording.lost(m, meat)
+            for recording, m in zip(seen, models, strict=True)
+        ]
         before = [model.autocovariance[0] for model in models]
         models = [
-            autoregressive(total / one.count, one.samples)
-            for one, total in zip(seen, sums, strict=True)
+            autoregressive(total / recording.count, recording.samples)
+            for recording, total in zip(seen, sums, strict=True)
         ]
         after = [model.autocovariance[0] for model in models]
         if np.allclose(before, after, rtol=_RESTS, atol=0.0):
@@ -218,7 +230,7 @@ def _covariance(
     estimated: Covariance,
     outliers: Outliers | None,
 ) -> RobustCovariance:
-    told = sum((one.told for one in seen), start=np.zeros(()))
+    told = sum((recording.told for recording in seen), start=np.zeros(()))
     # Without priors the information is the unit matrix: what is missing of it comes from them.
     prior = np.eye(len(told)) - told
     C, sigma2 = root.matrix[list(known)], estimated.sigma2
@@ -227,9 +239,9 @@ def _covariance(
         sigma2 = outliers.scale**2
     inner = sigma2 * prior
     shares, uncertain = [], []
-    for one, model in zip(seen, models, strict=True):
-        inner += one.meat(model)
-        variance, relative = _variance_and_doubt(C @ one.transformed, one, model)
+    for recording, model in zip(seen, models, strict=True):
+        inner += recording.meat(model)
+        variance, relative = _variance_and_doubt(C @ recording.transformed, recording, model)
         shares.append(variance)
         uncertain.append(relative)
     matrix = C @ inner @ C.T
@@ -242,16 +254,16 @@ def _covariance(
 
 
 def _variance_and_doubt(
-    rows: npt.NDArray[np.complex128], one: _Seen, model: NoiseModel
+    rows: npt.NDArray[np.complex128], recording: _Seen, model: NoiseModel
 ) -> tuple[FloatArray, FloatArray]:
     """Variance of each parameter from one recording's noise, and the variance of its logarithm."""
-    transfer = model.transfer(one.size)
-    power = np.abs(rows) ** 2 * model.spectrum(one.size)
-    variance = (power @ one.twice) / one.size
-    doubt = np.full(len(variance), 2.0 / one.samples)
+    transfer = model.transfer(recording.size)
+    power = np.abs(rows) ** 2 * model.spectrum(recording.size)
+    variance = (power @ recording.twice) / recording.size
+    doubt = np.full(len(variance), 2.0 / recording.samples)
     if model.order:
         # ∂ ln S/∂φ[k] = 2 Re(exp(−iωk)/A), averaged over what each frequency adds.
-        slope = 2.0 * np.fft.irfft(power / transfer.conj(), one.size)[:, 1 : model.order + 1]
+        slope = 2.0 * np.fft.irfft(power / transfer.conj(), recording.size)[:, 1 : model.order + 1]
         slope /= np.where(variance > 0, variance, 1.0)[:, None]
         doubt += np.einsum("ij,jk,ik->i", slope, model.uncertainty(), slope)
     return variance, doubt

@@ -35,7 +35,7 @@ class LeaveOneOut:
 
     @property
     def predictions(self) -> tuple[Prediction, ...]:
-        """The predictions alone."""
+        """The predictions without their fits."""
         return tuple(left.prediction for left in self.recordings)
 
 

@@ -69,12 +69,12 @@ class Pooled(Comparable):
 
 def pooled(predictions: Sequence[Prediction]) -> Pooled:
     """The figures of several predictions together; a longer recording counts more."""
-    measured = np.concatenate([one.errors[0] for one in predictions])
-    residual = np.concatenate([one.errors[1] for one in predictions])
+    measured = np.concatenate([prediction.errors[0] for prediction in predictions])
+    residual = np.concatenate([prediction.errors[1] for prediction in predictions])
     return Pooled(vaf(measured, residual), rmse(residual), float(residual.mean()))
 
 
-def predict_others(found: FitResult, inputs: Sequence[ModelInputs]) -> tuple[Prediction, ...]:
+def predict_others(result: FitResult, inputs: Sequence[ModelInputs]) -> tuple[Prediction, ...]:
     """Predict recordings with the parameters of a fit to others, and judge; see `predict`.
 
     Raises
@@ -83,26 +83,26 @@ def predict_others(found: FitResult, inputs: Sequence[ModelInputs]) -> tuple[Pre
         The EMG of a recording is in another unit than that of the fit, or lacks a muscle whose
         weight the fit estimated.
     """
-    problem = found.problem
+    problem = result.problem
     unit = problem.inputs[0].emg_unit
     weights = zip(MUSCLES, problem.spec.weights, strict=True)
     estimated = [muscle for muscle, weight in weights if weight in problem.free]
-    for one in inputs:
-        if one.emg_unit != unit:
+    for recording in inputs:
+        if recording.emg_unit != unit:
             raise InputError(
-                f"{one.where}: its EMG is in {one.emg_unit!r}, that of the fit in {unit!r}; the "
-                "weights do not carry over"
+                f"{recording.where}: its EMG is in {recording.emg_unit!r}, that of the fit in "
+                f"{unit!r}; the weights do not carry over"
             )
-        for muscle in one.missing_emg:
+        for muscle in recording.missing_emg:
             if muscle in estimated:
                 raise InputError(
-                    f"{one.where}: no EMG of muscle {muscle!r}, whose weight the fit estimated; "
-                    f"add the channel emg_{muscle}"
+                    f"{recording.where}: no EMG of muscle {muscle!r}, whose weight the fit "
+                    f"estimated; add the channel emg_{muscle}"
                 )
-    predicted = predict(problem.spec, problem.options, found.values, inputs)
+    predicted = predict(problem.spec, problem.options, result.values, inputs)
     return tuple(
-        replace(one, adequacy=judge_prediction(found, recording, one.torque))
-        for one, recording in zip(predicted, inputs, strict=True)
+        replace(prediction, adequacy=judge_prediction(result, recording, prediction.torque))
+        for prediction, recording in zip(predicted, inputs, strict=True)
     )
 
 
@@ -141,25 +141,25 @@ def predict(
     """
     vector = spec.vector(values, options)
     predictions = []
-    for one in inputs:
-        if one.torque is None or not one.torque.any():
-            raise InputError(f"{one.where}: no torque to compare the prediction with")
+    for recording in inputs:
+        if recording.torque is None or not recording.torque.any():
+            raise InputError(f"{recording.where}: no torque to compare the prediction with")
         with np.errstate(over="ignore", invalid="ignore"):  # refused below
-            torque = spec.simulator(one, options).torque(vector)
-        check_finite_torque(torque, one)
-        counted = slice(None) if one.weight is None else one.weight > 0
-        residual = (one.torque - torque)[counted]
+            torque = spec.simulator(recording, options).torque(vector)
+        check_finite_torque(torque, recording)
+        counted = slice(None) if recording.weight is None else recording.weight > 0
+        residual = (recording.torque - torque)[counted]
         predictions.append(
             Prediction(
-                one.name,
-                one.files[0].name if one.files else None,
-                vaf(one.torque[counted], residual),
+                recording.name,
+                recording.files[0].name if recording.files else None,
+                vaf(recording.torque[counted], residual),
                 rmse(residual),
                 float(residual.mean()),
                 torque,
-                one.time,
-                one.torque,
-                one.weight,
+                recording.time,
+                recording.torque,
+                recording.weight,
             )
         )
     return tuple(predictions)

@@ -98,7 +98,7 @@ def _mark(axes: Axes, place: int, p: ParameterEstimate, agreed: bool) -> None:
 
 
 def _within(p: ParameterEstimate) -> tuple[float, float]:
-    """Its interval, cut off at the bounds: beyond them nothing was looked for."""
+    """An estimate's interval, cut off at the bounds: beyond them nothing was looked for."""
     assert p.ci95 is not None
     return max(p.ci95[0], p.lower), min(p.ci95[1], p.upper)
 

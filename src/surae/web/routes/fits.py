@@ -145,15 +145,15 @@ def post_validate(id: PathId, given: ValidateGiven, bench: Bench) -> dict[str, A
     from surae import api
 
     fitted, predictions = bench.fit(id), []
-    for other in dict.fromkeys(given.recordings):
-        name = bench.project.need("recording", other)["name"]
-        inputs = bench.prepared(other, fitted.settings)
+    for recording in dict.fromkeys(given.recordings):
+        name = bench.project.need("recording", recording)["name"]
+        inputs = bench.prepared(recording, fitted.settings)
         (prediction,) = api.validate(fitted, [inputs])
         assert inputs.torque is not None  # else it could not be validated
         shown = extremes([inputs.torque, prediction.torque], _SHOWN)
         predictions.append(
             {
-                "recording": other,
+                "recording": recording,
                 "name": name,
                 "vaf": prediction.vaf,
                 "rmse_Nm": prediction.rmse,
@@ -182,7 +182,7 @@ def get_clinical(
     language: Literal["en", "nl", "de", "fr"] = "en",
     inline: bool = False,
 ) -> Response:
-    """Its page for clinicians: one file to keep, or, inline, to be shown within a page."""
+    """A fit's page for clinicians: one file to keep, or, inline, to be shown within a page."""
     name, data = _report(bench, id, "html", language)
     if not inline:
         return Response(data, media_type="text/html", headers=attachment(name, ".html"))

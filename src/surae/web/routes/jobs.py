@@ -24,7 +24,7 @@ def get_jobs(bench: Bench, browser: Browser, active: bool = False) -> dict[str, 
 
 @router.get("/jobs/{id}")
 def get_job(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
-    """One of them."""
+    """Tell how one job stands."""
     return bench.jobs.shown(bench.jobs.get(id), browser)
 
 

@@ -97,13 +97,13 @@ def post_csv(given: ProtocolFile) -> Response:
 
 @router.get("")
 def get_protocols(bench: Bench) -> dict[str, Any]:
-    """Those that are kept."""
+    """List the protocols that are kept."""
     return {"protocols": [_shown(thing) for thing in bench.database.all("protocol")]}
 
 
 @router.post("", status_code=201)
 def post_protocol(given: ProtocolGiven, bench: Bench) -> dict[str, Any]:
-    """Keep one."""
+    """Keep a protocol."""
     trajectory_of(given.settings)
     id_ = bench.database.add("protocol", given.model_dump(mode="json"))
     bench.changed("protocols")

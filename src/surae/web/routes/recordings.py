@@ -39,7 +39,7 @@ def get_damaged(bench: Bench) -> dict[str, Any]:
 
 @router.get("/subjects")
 def get_subjects(bench: Bench) -> dict[str, Any]:
-    """All subjects."""
+    """List all subjects."""
     recordings = bench.database.all("recording")
     owners = {subject["id"]: subject["subject"] for subject in recordings}
     fits = [owners.get(subject["recordings"][0]) for subject in bench.database.all("fit")]
@@ -122,7 +122,7 @@ def _subject(subject: Thing, recordings: int, fits: int) -> dict[str, Any]:
 
 @router.get("/recordings")
 def get_recordings(bench: Bench) -> dict[str, Any]:
-    """All recordings."""
+    """List all recordings."""
     fits = Counter(id_ for fit in bench.database.all("fit") for id_ in set(fit["recordings"]))
     recordings = bench.database.all("recording")
     return {
@@ -132,7 +132,7 @@ def get_recordings(bench: Bench) -> dict[str, Any]:
 
 @router.get("/recordings/{id}")
 def get_recording(id: PathId, bench: Bench) -> dict[str, Any]:
-    """One of them."""
+    """Describe one recording."""
     return shown_recording(bench, bench.project.need("recording", id))
 
 

@@ -27,7 +27,7 @@ _MOST_FITS = 100_000
 
 @router.get("")
 def get_studies(bench: Bench) -> dict[str, Any]:
-    """All studies."""
+    """List all studies."""
     return {"studies": [_shown(bench, thing) for thing in bench.database.all("study")]}
 
 

@@ -99,7 +99,7 @@ def _keep(bench: Workbench, browser: BrowserSession, data: Thing, id_: str) -> N
 
 @router.get("/uploads")
 def get_uploads(bench: Bench, browser: Browser) -> dict[str, Any]:
-    """The session's files."""
+    """List the files of the browser's session."""
     return {"uploads": [_shown(upload) for upload in _uploads(bench, browser)]}
 
 
