@@ -20,7 +20,6 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
-import numpy.typing as npt
 
 from surae.assessment.residual.quality import centred_r2
 from surae.assessment.uncertainty.covariance import covariance
@@ -128,7 +127,7 @@ def _goodness(r2: float) -> list[_Reason]:
 
 def _movement(inputs: Sequence[ModelInputs]) -> list[_Reason]:
     """All recordings together must move: several holds at different angles do."""
-    angle = np.concatenate([recording.angle[_mask(recording)] for recording in inputs])
+    angle = np.concatenate([recording.angle[recording.counts] for recording in inputs])
     low, high = np.percentile(angle, [1.0, 99.0])
     text = f"({np.degrees(high - low):.2g}° in all)"
     if high - low < _STILL:
@@ -146,7 +145,7 @@ def _effort(result: FitResult) -> list[_Reason]:
         if weight not in problem.free:
             continue
         emg = np.concatenate(
-            [recording.emg[_mask(recording), channel] for recording in problem.inputs]
+            [recording.emg[recording.counts, channel] for recording in problem.inputs]
         )
         weak, strong = np.percentile(emg, [25.0, 99.0])
         if not strong > max(_EFFORT * weak, 0.0):
@@ -242,7 +241,7 @@ def judge_prediction(result: FitResult, recording: ModelInputs, torque: FloatArr
     if not np.isfinite(r2):
         return Adequacy(Grade.INADEQUATE, ("the torque does not change",), r2)
     reasons = []
-    if np.ptp(np.percentile(recording.angle[_mask(recording)], [1.0, 99.0])) < _STILL:
+    if np.ptp(np.percentile(recording.angle[recording.counts], [1.0, 99.0])) < _STILL:
         reasons.append((False, "the ankle holds still there: following it says little"))
     else:
         reasons += _goodness(r2)
@@ -278,7 +277,7 @@ def _promised(result: FitResult, recording: ModelInputs) -> float:
     columns = [problem.spec.names.index(name) for name in known.names]
     values = problem.spec.vector(result.values, problem.options)
     _, rows = problem.spec.simulator(recording, problem.options).torque_jacobian(values, columns)
-    rows = rows[:, _mask(recording)]
+    rows = rows[:, recording.counts]
     rows = rows - rows.mean(axis=1, keepdims=True)
     unsure = float(np.einsum("in,ij,jn->n", rows, known.matrix, rows, optimize=True).mean())
     return float(np.sqrt((grown * np.std(own)) ** 2 + max(unsure, 0.0)))
@@ -300,7 +299,7 @@ def structure(inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray]) ->
     """
     explained = total = 0.0
     for recording, residual in zip(inputs, residuals, strict=True):
-        mask = _mask(recording)
+        mask = recording.counts
         e = residual[mask] - residual[mask].mean()
         sse = float(e @ e)
         if not np.isfinite(sse) or sse <= 0.0:
@@ -340,12 +339,7 @@ def _features(recording: ModelInputs) -> FloatArray:
     return np.stack(columns, axis=1)
 
 
-def _mask(recording: ModelInputs) -> npt.NDArray[np.bool_]:
-    return np.ones(recording.n, dtype=bool) if recording.weight is None else recording.weight > 0
-
-
 def _counted(recording: ModelInputs, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Measured torque and residual where samples count."""
     torque = np.full(recording.n, np.nan) if recording.torque is None else recording.torque
-    mask = _mask(recording)
-    return torque[mask], residual[mask]
+    return torque[recording.counts], residual[recording.counts]

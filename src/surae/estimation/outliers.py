@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from surae.estimation.fit import fit_problem
 from surae.estimation.interrupt import postponed_interrupt
@@ -181,7 +180,7 @@ def _iterated(
 
 
 def _outliers(problem: FitProblem, last: _Round, loss: Loss) -> Outliers:
-    masks = [_counts(recording) for recording in problem.inputs]
+    masks = [recording.counts for recording in problem.inputs]
     errors = np.concatenate([e[mask] for e, mask in zip(last.errors, masks, strict=True)])
     kept = np.concatenate([w[mask] for w, mask in zip(last.weights, masks, strict=True)])
     slope = float(loss.slope(errors / (last.scale * loss.tuning)).mean())
@@ -228,10 +227,6 @@ def _with(inputs: Sequence[ModelInputs], weights: Sequence[FloatArray]) -> tuple
     )
 
 
-def _counts(recording: ModelInputs) -> npt.NDArray[np.bool_]:
-    return np.ones(recording.n, dtype=bool) if recording.weight is None else recording.weight > 0
-
-
 def _standardised(recording: ModelInputs, residual: FloatArray) -> FloatArray:
     """The residual, where a weight says how precise a sample is times its root."""
     return (
@@ -242,7 +237,7 @@ def _standardised(recording: ModelInputs, residual: FloatArray) -> FloatArray:
 
 
 def _scale(problem: FitProblem, errors: Sequence[FloatArray]) -> float:
-    counted = [e[_counts(recording)] for recording, e in zip(problem.inputs, errors, strict=True)]
+    counted = [e[recording.counts] for recording, e in zip(problem.inputs, errors, strict=True)]
     torque = np.concatenate(
         [recording.torque for recording in problem.inputs if recording.torque is not None]
     )

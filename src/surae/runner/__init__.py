@@ -1,7 +1,8 @@
 """Many calls of one function: run anywhere, stopped at any time, kept, and gone on with."""
 
+from surae.runner.calls import kept_calls
 from surae.runner.engines import AGAIN, KINDS, Batch, Died, Engine, Work, cores, in_threads, results
-from surae.runner.ledger import Ledger, Running, Status, kept_calls
+from surae.runner.ledger import Ledger, Running, Status
 
 __all__ = [
     "AGAIN",

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from surae.files import shown
 from surae.frozen import Comparable, FrozenDict
@@ -116,3 +117,8 @@ class ModelInputs(Comparable):
     def counted(self) -> int:
         """Number of samples that count in a fit."""
         return self.n if self.weight is None else int(np.count_nonzero(self.weight))
+
+    @property
+    def counts(self) -> npt.NDArray[np.bool_]:
+        """Which samples count in a fit, shape (n,)."""
+        return np.ones(self.n, dtype=bool) if self.weight is None else self.weight > 0

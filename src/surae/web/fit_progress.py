@@ -67,11 +67,7 @@ class FitProgress:
             with np.errstate(all="ignore"):
                 torque = simulator.torque(values)
             measured = np.zeros(recording.n) if recording.torque is None else recording.torque
-            counts = (
-                np.ones(recording.n, dtype=bool)
-                if recording.weight is None
-                else recording.weight > 0
-            )
+            counts = recording.counts
             left += float(np.sum((measured - torque)[counts] ** 2))
             whole += float(np.sum(measured[counts] ** 2))
             shown = Pyramid(recording.time, measured).window(None, None, self._points)

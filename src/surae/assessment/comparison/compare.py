@@ -216,9 +216,7 @@ def _effective(results: Sequence[FitResult], squares: Sequence[float]) -> float 
         return None
     best = results[min(scored)[1]]
     pairs = zip(best.problem.inputs, best.residuals, strict=True)
-    return effective_samples(
-        [e if recording.weight is None else e[recording.weight > 0] for recording, e in pairs]
-    )
+    return effective_samples([e[recording.counts] for recording, e in pairs])
 
 
 def _scores(

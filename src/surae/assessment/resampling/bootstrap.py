@@ -282,7 +282,7 @@ def _redrawn(
     assert inputs.torque is not None
     torque = inputs.torque - residual
     drawn = draw_blocks(pool, length, rng)
-    counted = np.ones(inputs.n, dtype=bool) if inputs.weight is None else inputs.weight > 0
+    counted = inputs.counts
     torque[counted] += drawn / _roots(inputs)[counted]
     return replace(inputs, torque=read_only(torque))
 

@@ -84,9 +84,7 @@ def robust_covariance(
     problem = result.problem
     if not estimated.names or result.family is not None:
         return None, tuple(
-            whiteness(
-                residual, inputs.rate_hz, None if inputs.weight is None else inputs.weight > 0
-            )
+            whiteness(residual, inputs.rate_hz, inputs.counts)
             for inputs, residual in zip(problem.inputs, result.residuals, strict=True)
         )
     # The parameters of an edited file may be absurd: then numbers overflow.
@@ -98,7 +96,7 @@ def robust_covariance(
         seen = [
             _Seen(
                 -rows[-1, begin:end],
-                np.ones(inputs.n, dtype=bool) if inputs.weight is None else inputs.weight > 0,
+                inputs.counts,
                 root.matrix.T @ rows[list(root.kept), begin:end],
                 gain,
             )

@@ -147,7 +147,7 @@ def predict(
         with np.errstate(over="ignore", invalid="ignore"):  # refused below
             torque = spec.simulator(recording, options).torque(vector)
         check_finite_torque(torque, recording)
-        counted = slice(None) if recording.weight is None else recording.weight > 0
+        counted = recording.counts
         residual = (recording.torque - torque)[counted]
         predictions.append(
             Prediction(

@@ -1,0 +1,200 @@
+"""Findings of the checks and of quick fits together: a sign, a zero or a lag is tried by a fit."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from surae.diagnosis.quick import QuickFit, percent, quick_fit
+from surae.diagnosis.units import scaled, wrong_units
+from surae.quality import Commanded, Finding, Quality, check_recording
+from surae.quality.numeric import quantiles
+from surae.quality.registry import ordered, unfit
+from surae.quality.torque import GRAVITY
+from surae.quality.trial import Signals, signals_of
+from surae.recording import MUSCLES, Recording
+
+#: R² from which on nothing else is tried.
+_GOOD = 0.99
+#: What is claimed must explain this much, and leave so many times less than what is given.
+_EXPLAINS, _CLEARLY = 0.8, 2.5
+#: Part of what a fit leaves that shifting the EMG must take away before a lag is claimed.
+_SHIFT_GAIN = 0.03
+#: An angle that keeps within this [rad] for all but a hundredth of the time is held still.
+STILL = 0.03
+#: A zero that is worth a word [Nm], in a fit that explains so much and leaves so much less by it.
+_ZERO, _GOOD_ENOUGH, _ZERO_GAIN = 8.0, 0.9, 1.3
+#: Part of a zero told by the torque's constant part that a fit must find too.
+_AGREED = 0.25
+
+
+def examined(recording: Recording, commanded: Commanded | None = None) -> Quality:
+    """All findings of a recording: those of the checks, and what is wrong with signs and units.
+
+    What is found to be wrong is put right before the checks look at the recording, so that what
+    follows from it is no finding of its own.
+
+    Parameters
+    ----------
+    recording : Recording
+        As it was read.
+    commanded : Commanded, optional
+        The motion that the device was to follow.
+    """
+    told, right = wrong_units(recording)
+    quality = check_recording(right, commanded)
+    if unfit(right) is not None:
+        return _together(quality, told)
+    signals = signals_of(right)
+    degrees = _degrees(right, signals, quality)
+    if degrees is not None:
+        told.append(degrees[0])
+        right = degrees[1]
+        signals = signals_of(right)
+        quality = check_recording(right, commanded)
+    still = _still(signals)
+    if still is not None:
+        return _together(quality, [*told, still], but=("angle-units", "rom-not-covered"))
+    fit = None if signals.torque is None else quick_fit(right, signals)
+    if fit is None:
+        return _together(quality, told)
+    turned = _signs(right, signals, fit)
+    if turned is not None:
+        if turned[1] is not right:
+            quality = check_recording(turned[1], commanded)
+        return _together(quality, [*told, *turned[0]], but=("torque-sign",))
+    constant = next((f for f in quality.findings if f.code == "torque-offset"), None)
+    if constant is None:
+        zero = _zero(right, signals, fit)
+        told += [] if zero is None else [zero]
+    elif fit.r2 >= _GOOD_ENOUGH and not _borne_out(constant, fit):
+        findings = tuple(f for f in quality.findings if f is not constant)
+        quality = replace(quality, findings=findings)
+    return _together(_without_false_lags(right, signals, quality, fit), told)
+
+
+def _together(quality: Quality, told: list[Finding], but: tuple[str, ...] = ()) -> Quality:
+    """The findings of the checks, but for those of some codes, and what else was told."""
+    own = {*but, *(finding.code for finding in told)}
+    if not told:
+        return quality
+    kept = [finding for finding in quality.findings if finding.code not in own]
+    skipped = tuple(reason for reason in quality.skipped if reason.check not in own)
+    return replace(quality, findings=ordered([*told, *kept]), skipped=skipped)
+
+
+def _degrees(
+    recording: Recording, signals: Signals, quality: Quality
+) -> tuple[Finding, Recording] | None:
+    """Radians taken for degrees: a small angle that explains the torque when it is made larger."""
+    claimed = next((f for f in quality.findings if f.code == "angle-units"), None)
+    if claimed is None or np.ptp(signals.angle) > STILL * 1.5 or signals.torque is None:
+        return None
+    right = scaled(recording, "angle", float(np.rad2deg(1.0)))
+    before, after = quick_fit(recording, signals), quick_fit(right, signals_of(right))
+    if before is None or after is None or after.r2 < max(_EXPLAINS, before.r2):
+        return None
+    message = (
+        f"{claimed.message[:-1]}: with the larger angle R² rises from {percent(before.r2)} to "
+        f"{percent(after.r2)}."
+    )
+    return replace(claimed, message=message), right
+
+
+def _signs(
+    recording: Recording, signals: Signals, first: QuickFit
+) -> tuple[list[Finding], Recording] | None:
+    """What is said of the signs, and the recording with them right; None where nothing is."""
+    if first.r2 >= _GOOD:
+        return None
+    tried = {
+        pair: quick_fit(recording, signals, angle=pair[0], torque=pair[1])
+        for pair in ((-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))
+    }
+    fits = {pair: fit for pair, fit in tried.items() if fit is not None}
+    if not fits:
+        return None
+    best = max(fits.values(), key=lambda fit: fit.r2)
+    if best.r2 < _EXPLAINS or first.left < _CLEARLY * best.left:
+        return None
+    possible = [signs for signs, fit in fits.items() if fit.left < _CLEARLY * best.left]
+    turned = [n for k, n in enumerate(("angle", "torque")) if all(s[k] < 0.0 for s in possible)]
+    unsure = [
+        n
+        for k, n in enumerate(("angle", "torque"))
+        if n not in turned and any(s[k] < 0.0 for s in possible)
+    ]
+    span = float(signals.time[0]), float(signals.time[-1])
+    numbers = f"R² rises from {percent(first.r2)} to {percent(best.r2)}"
+    if not turned:
+        text = (
+            f"The angle or the torque is turned: with one sign = −1 {numbers}; which of them, the "
+            "data cannot tell."
+        )
+        turned, unsure = ["angle", "torque"], []
+        advice = (
+            "Find out which: the angle is positive in dorsiflexion, the torque when the triceps "
+            "pulls."
+        )
+    else:
+        both = " and so is the torque" if len(turned) > 1 else ""
+        sign = "both signs" if both else "sign"
+        text = f"The {turned[0]} is turned{both}: with {sign} = −1 {numbers}"
+        text += f"; whether the {unsure[0]} is too, the data cannot tell." if unsure else "."
+        advice = f"Write sign = -1 for the {' and the '.join(turned)} in the TOML."
+        for name in turned:
+            recording = scaled(recording, name, -1.0)
+    texts = [text, "The same of the torque, see angle-sign."]
+    return [
+        Finding(f"{name}-sign", "error", name, *span, best.r2, "1", message, advice)
+        for name, message in zip(turned, texts, strict=False)
+    ], recording
+
+
+def _still(signals: Signals) -> Finding | None:
+    """A static hold: nothing moves, so nothing says what depends on the angle."""
+    low, high = quantiles(signals.angle, 0.005, 0.995)
+    if high - low >= STILL:
+        return None
+    return Finding(
+        "angle-still", "error", "angle", signals.time[0], signals.time[-1], high - low, "rad",
+        f"The angle stays within {np.rad2deg(high - low):.2g}°: a static hold, nothing moves.",
+        "Record a trial that moves; a hold says nothing of stiffness, lengths and relaxation.",
+    )  # fmt: skip
+
+
+def _zero(recording: Recording, signals: Signals, fit: QuickFit) -> Finding | None:
+    """A torque whose zero is off by more than a foot can weigh."""
+    if recording.fixed.get("m") == 0.0 or abs(fit.zero) < _ZERO or fit.r2 < _GOOD_ENOUGH:
+        return None
+    without = quick_fit(recording, signals, zero=False)
+    if without is None or without.left < _ZERO_GAIN * fit.left:
+        return None
+    return Finding(
+        "torque-offset", "warning", "torque", signals.time[0], signals.time[-1], fit.zero, "Nm",
+        f"The torque's zero is off by about {fit.zero:.2g} Nm: with that taken away R² rises from "
+        f"{percent(without.r2)} to {percent(fit.r2)}.",
+        "Set the sensor to zero with the empty footplate and record again, or give the torque an "
+        "offset in the TOML.",
+    )  # fmt: skip
+
+
+def _borne_out(constant: Finding, fit: QuickFit) -> bool:
+    """Whether a fit's zero goes the way, and a part of it, that the torque's constant part says."""
+    beyond = (constant.value or 0.0) - sum(GRAVITY) / 2
+    return bool(fit.zero * beyond >= _AGREED * beyond**2)
+
+
+def _without_false_lags(
+    recording: Recording, signals: Signals, quality: Quality, first: QuickFit
+) -> Quality:
+    """Leave out the lags that do not make a fit better when they are taken away."""
+    kept = []
+    for finding in quality.findings:
+        if finding.code in ("electrode-lag", "emg-torque-lag") and finding.value is not None:
+            muscles = MUSCLES if finding.channel is None else (finding.channel[4:],)
+            later = dict.fromkeys(muscles, finding.value)
+            shifted_fit = quick_fit(recording, signals, later=later)
+            if shifted_fit is None or shifted_fit.left > (1.0 - _SHIFT_GAIN) * first.left:
+                continue
+        kept.append(finding)
+    return replace(quality, findings=tuple(kept))

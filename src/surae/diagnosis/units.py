@@ -1,0 +1,145 @@
+"""Units that cannot be what a recording says they are, put right."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from surae.diagnosis.quick import percent, quick_fit
+from surae.frozen import read_only
+from surae.quality import Finding
+from surae.quality.numeric import quantile, quantiles
+from surae.quality.registry import unfit
+from surae.quality.trial import signals_of
+from surae.quality.wording import muscle_name
+from surae.recording import MUSCLES, Recording
+
+#: Torque of an ankle [Nm] and duration [s] and rate [Hz] of a trial: least and most.
+_TORQUES, _SECONDS, _RATES = (1.0, 400.0), (2.0, 3600.0), (20.0, 50_000.0)
+#: No two muscles of a leg differ by this factor.
+_MUSCLES = 100.0
+#: The largest EMG that skin gives [V], and the largest of any amplifier's output.
+_SKIN, _AMPLIFIER = 0.012, 12.0
+
+#: A finding on a unit, and the recording with that unit put right.
+_Righted = tuple[Finding, Recording]
+
+
+def wrong_units(recording: Recording) -> tuple[list[Finding], Recording]:
+    """Units that cannot be what they are said to be, and the recording with them put right."""
+    told: list[Finding] = []
+    if "angle" not in recording.channels:
+        return told, recording
+    for of_unit in (_time_unit, _torque_unit, *[_emg_unit] * len(MUSCLES)):
+        righted = of_unit(recording)
+        if righted is not None and righted[0] not in told:
+            told.append(righted[0])
+            recording = righted[1]
+    return told, recording
+
+
+def scaled(recording: Recording, role: str, factor: float) -> Recording:
+    """The recording with one of its channels times a factor."""
+    channel = recording.channels[role]
+    larger = replace(channel, values=read_only(channel.values * factor))
+    return replace(recording, channels={**recording.channels, role: larger})
+
+
+def _time_unit(recording: Recording) -> _Righted | None:
+    """Times in ms or µs that are said to be in seconds."""
+    angle = recording.channels["angle"]
+    seconds, rate = float(angle.time[-1] - angle.time[0]), angle.rate_hz
+    for unit, factor in (("ms", 1e-3), ("µs", 1e-6)):
+        lasting, true_rate = seconds * factor, rate / factor
+        plausible = _SECONDS[0] <= lasting <= _SECONDS[1] and _RATES[0] <= true_rate <= _RATES[1]
+        if rate >= _RATES[0] or not plausible:
+            continue
+        message = (
+            f"The time goes on for {seconds:.4g} s with {rate:.3g} samples a second: in {unit}, "
+            f"these are {lasting:.3g} s at {true_rate:.4g} Hz."
+        )
+        advice = (
+            f"The times are in {unit}: name the column time_{unit}, or divide by {1 / factor:g}."
+        )
+        told = Finding(
+            "time-unit", "error", "time", angle.time[0], angle.time[-1], seconds, "s", message,
+            advice,
+        )  # fmt: skip
+        channels = {
+            role: replace(c, time=read_only(c.time * factor))
+            for role, c in recording.channels.items()
+        }
+        return told, replace(recording, channels=channels)
+    return None
+
+
+def _torque_unit(recording: Recording) -> _Righted | None:
+    """A torque in mNm or kNm that is said to be in Nm."""
+    torque = recording.channels.get("torque")
+    if torque is None:
+        return None
+    top = quantile(np.abs(torque.values), 0.99)
+    least, most = _TORQUES
+    for unit, factor in (("mNm", 1e-3), ("kNm", 1e3)):
+        if least <= top <= 2.0 * most or not least <= top * factor <= most:
+            continue
+        right = scaled(recording, "torque", factor)
+        before, after = (_r2(each) for each in (recording, right))
+        numbers = f" R² rises from {before} to {after}." if before and after else ""
+        told = Finding(
+            "torque-unit", "error", "torque", torque.time[0], torque.time[-1], top, "Nm",
+            f"The torque reaches {top:.3g} Nm: taken as {unit}, {top * factor:.3g} Nm.{numbers}",
+            f'Write unit = "{unit}" for the torque in the TOML, or multiply it by {factor:g}.',
+        )  # fmt: skip
+        return told, right
+    return None
+
+
+def _r2(recording: Recording) -> str:
+    signals = signals_of(recording) if unfit(recording) is None else None
+    fit = None if signals is None else quick_fit(recording, signals, zero=False)
+    return "" if fit is None else percent(fit.r2)
+
+
+def _emg_unit(recording: Recording) -> _Righted | None:
+    """EMG of one muscle, or of all, in mV or µV that is said to be in volts."""
+    tops = {}
+    for role, channel in recording.channels.items():
+        if role.startswith("emg_") and channel.unit == "V":
+            low, middle, high = quantiles(channel.values, 0.01, 0.5, 0.99)
+            if high > low:
+                tops[role] = max(high - middle, middle - low)
+    if not tops:
+        return None
+    largest = max(tops, key=lambda role: tops[role])
+    others = [top for role, top in tops.items() if role != largest]
+    channel, top = recording.channels[largest], tops[largest]
+    span = float(channel.time[0]), float(channel.time[-1])
+    muscle = muscle_name(largest.removeprefix("emg_"))
+    if others and top > _MUSCLES * max(others):
+        factor = 1e-6 if top > 1e4 * max(others) else 1e-3
+        unit = "µV" if factor == 1e-6 else "mV"
+        told = Finding(
+            "emg-unit", "error", largest, *span, top, "V",
+            f"The EMG of the {muscle} reaches {top:.3g} V, that of the others {max(others):.2g} V: "
+            f"taken as {unit}, {top * factor:.2g} V.",
+            f'Write unit = "{unit}" for {largest} in the TOML.',
+        )  # fmt: skip
+        return told, scaled(recording, largest, factor)
+    if others and top * _MUSCLES < max(others):
+        return None
+    if top <= _SKIN:
+        return None
+    if top <= _AMPLIFIER:
+        return Finding(
+            "emg-unit", "info", None, *span, top, "V",
+            f"The EMG reaches {top:.2g} V, more than skin gives: mV, or volts behind an amplifier.",
+            "Give the unit or the amplifier's gain if weights are to be compared with other legs.",
+        ), recording  # fmt: skip
+    told = Finding(
+        "emg-unit", "error", None, *span, top, "V",
+        f"The EMG reaches {top:.3g} V: taken as µV, {top * 1e-6:.2g} V.",
+        'Write unit = "µV" for the EMG in the TOML.',
+    )  # fmt: skip
+    for role in tops:
+        recording = scaled(recording, role, 1e-6)
+    return told, recording
