@@ -75,6 +75,7 @@ def test_ctrl_c_ends_it_soon(fitted, workers, monkeypatch):
     assert len(found.missing) >= 8
 
 
+@pytest.mark.slow
 def test_stopped_profiles_go_on(fitted, tmp_path):
     store = tmp_path / "p.profiles"
 

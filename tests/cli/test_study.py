@@ -314,6 +314,7 @@ def test_runs_killed_at_fifty_moments_lose_nothing(study, undisturbed) -> None:
         moments -= len(counts)
 
 
+@pytest.mark.slow
 def test_a_killed_worker_costs_a_retry(study, undisturbed) -> None:
     psutil = pytest.importorskip("psutil")
     with start(study, "--workers", "2") as process:
@@ -351,6 +352,7 @@ def small_disk(folder: Path, size: str) -> Iterator[Path]:
         subprocess.run(["umount", "-l", disk], check=True)
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_one_line_and_the_run_goes_on_later(study, undisturbed) -> None:
     with small_disk(study, "192k") as disk:
         full = finish(study, "--workers", "2", store="disk/s.db")

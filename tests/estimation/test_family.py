@@ -222,6 +222,7 @@ def test_a_slack_length_is_as_unsure_as_its_stiffness(fitted):
     assert p.value - p.ci95[0] > 1.2 * (p.ci95[1] - p.value)
 
 
+@pytest.mark.slow
 def test_a_bias_that_is_not_small_is_not_taken_away(fitted):
     """Far more noise than signal: the torque is not let go for the sake of a correction."""
     recording = fitted.problem.inputs[0]

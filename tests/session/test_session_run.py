@@ -218,7 +218,7 @@ def test_figures_of_a_session_and_of_what_it_says(done, tmp_path, run):
 def test_the_report_answers_in_the_clinics_units(done):
     page = (done[0] / "report.html").read_text()
     assert "In the clinic’s units: all together" in page
-    assert "of dorsiflexion the relaxed ankle" in page or "relaxed ankle’s torque" in page
+    assert "the torque of the relaxed ankle" in page or "relaxed ankle’s torque" in page
     assert page.count("<h1>") == 1
 
 

@@ -4,6 +4,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from surae.studies.study import parse_study
 
 from .conftest import Desk, Server, expect
@@ -51,24 +53,24 @@ def pages(desk: Desk, done: dict[str, str]) -> Any:
         yield f"result: {tab}", page
 
 
-def test_no_page_shuts_anyone_out(browser: Any, server: Server, done: dict[str, str]) -> None:
+@pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
+def test_no_page_shuts_anyone_out(
+    browser: Any, server: Server, done: dict[str, str], scheme: str
+) -> None:
     desk = Desk(browser, server, bypass_csp=True)
     axe = AXE.read_text(encoding="utf-8")
     violations = []
     for name, page in pages(desk, done):
         page.evaluate(axe)
-        for scheme in ("light", "dark"):
-            page.emulate_media(color_scheme=scheme)
-            expect(page.locator("html")).to_have_attribute("data-theme", scheme)
-            told = page.evaluate(
-                "levels => axe.run(document, { runOnly: levels, resultTypes: ['violations'] })",
-                LEVELS[scheme],
-            )
-            for violation in told["violations"]:
-                where = [node["target"] for node in violation["nodes"]][:3]
-                violations.append(
-                    f"{name}, {scheme}: {violation['id']} ({violation['help']}) at {where}"
-                )
+        page.emulate_media(color_scheme=scheme)
+        expect(page.locator("html")).to_have_attribute("data-theme", scheme)
+        told = page.evaluate(
+            "levels => axe.run(document, { runOnly: levels, resultTypes: ['violations'] })",
+            LEVELS[scheme],
+        )
+        for violation in told["violations"]:
+            where = [node["target"] for node in violation["nodes"]][:3]
+            violations.append(f"{name}: {violation['id']} ({violation['help']}) at {where}")
     desk.close()
     assert violations == []
 
