@@ -18,7 +18,8 @@ from surae.recording import write_csv
 from surae.studies import virtual_subject, virtual_trial
 
 # Trials as a laboratory would leave them: two that move, and one that holds still.
-folder = Path(tempfile.mkdtemp())
+folder = Path(tempfile.mkdtemp()) / "leg"
+folder.mkdir()
 subject = virtual_subject(seed=2)
 for number, profile in enumerate(("multiple-holds", "multi-sine")):
     trial = virtual_trial(subject, generate(Protocol(profile=profile, rate_hz=125.0)), seed=number)

@@ -13,6 +13,7 @@ from pathlib import Path
 import click
 import pytest
 
+import surae as surae_package
 from surae.cli import COMMANDS, group, main
 
 from .pages import PAGES, ROOT, Snippet, is_command, snippets
@@ -111,6 +112,10 @@ def _check_other(words: list[str]) -> None:
         assert set((match[1] or "all").split(",")) <= set(EXTRAS)
     elif program == "python" and rest[0] == "-m":
         assert find_spec(f"{rest[1]}.__main__"), rest
+    elif program == "python" and rest[0] == "-c":
+        # Not run: it would replace the small trial that pages share. The README's block runs it.
+        assert all(hasattr(surae_package, name) for name in re.findall(r"surae\.(\w+)", rest[1]))
+        compile(rest[1], "-c", "exec")
     elif program == "python":
         script = (ROOT / rest[0]).read_text(encoding="utf-8")
         for option in (word for word in rest[1:] if word.startswith("--")):
