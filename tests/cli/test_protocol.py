@@ -226,3 +226,13 @@ def test_a_session_is_a_folder_of_protocols(run, tmp_path) -> None:
     refused(run(*given, "--duration", "35", "--output", "other"), "--duration is of a single trial")
     refused(run("design", "--pause", "5", "--output", "p.csv"), "--pause is between the trials")
     assert not (tmp_path / "other").exists()
+
+
+def test_what_to_measure_after_a_session(run, files) -> None:
+    (files / "leg").mkdir()
+    (files / "fit.json").rename(files / "leg" / "joint.json")
+    given = ("design", "--duration", "12", "--rate", "32", "--evaluations", "5")
+    done = run(*given, "--after", "leg", "--output", "next.csv")
+    assert (done.code, done.err) == (0, "")
+    assert (files / "next.csv").exists()
+    refused(run(*given, "--after", "none", "--output", "other.csv"), "none")

@@ -18,10 +18,11 @@ from surae.names import FITTED, NUISANCES, POPULATIONS
               help="Whose parameters are to be known.  [default: muscle]")  # fmt: skip
 @click.option("--population", type=click.Choice(POPULATIONS), metavar="P",
               help="healthy or patient legs.  [default: as many of each]")  # fmt: skip
-@click.option("--fit", "fitted", metavar="FIT.json",
-              help="For one leg instead, as far as this fit knows it.")  # fmt: skip
-@click.option("--after", metavar="FIT.json",
-              help="The same, and what the fit knows counts: what adds most.")  # fmt: skip
+@click.option("--fit", "fitted", metavar="FIT.json|DIR",
+              help="For one leg instead, as far as this fit, or a session's, knows it.")  # fmt: skip
+@click.option("--after", metavar="FIT.json|DIR",
+              help="The same, and what the fit, or a session's, knows counts: what adds "
+              "most.")  # fmt: skip
 @click.option("--duration", type=Number(above=0.0), metavar="S",
               help="Of the trial, in s.  [default: 35]")  # fmt: skip
 @click.option("--session", "minutes", type=Number(above=0.0), metavar="MIN",
@@ -87,7 +88,7 @@ def command(
         raise InputError("--fit and --after: give one of them; --after counts what it knows, too")
     limiting = device_of(device, without_limits)
 
-    from surae.api import design, load, write_protocol_target
+    from surae.api import design, fit_of, write_protocol_target
     from surae.cli.expect import part, show_expectation
     from surae.cli.progress import compilation_notice, work
     from surae.cli.screen import show_line
@@ -95,8 +96,8 @@ def command(
     who: dict[str, Any] = {
         "device": limiting,
         "model": model,
-        "fit": None if fitted is None else load(fitted),
-        "after": None if after is None else load(after),
+        "fit": None if fitted is None else fit_of(fitted),
+        "after": None if after is None else fit_of(after),
         "range": None if range_ is None else span_of(range_),
         "rate_hz": rate,
     }
