@@ -14,6 +14,8 @@ from surae.report.formatting import estimate, percentage, short, significant
         (7555.0, 2187.0, ("7600", "2200", "3300 … 11800")),
         (0.058, 0.037, ("0.058", "0.037", "−0.015 … 0.131")),
         (2.0, 0.0996, ("2.00", "0.10", "1.80 … 2.20")),
+        (227.0, 5000.0, ("230", "5000", "−9600 … 10000")),
+        (0.9, 400.0, ("0.90", "400", "−780 … 780")),
     ],
 )
 def test_an_estimate_has_the_digits_of_its_standard_error(value, sem, expected):

@@ -19,10 +19,9 @@ from surae.names import FITTED, NUISANCES, POPULATIONS
 @click.option("--population", type=click.Choice(POPULATIONS), metavar="P",
               help="healthy or patient legs.  [default: as many of each]")  # fmt: skip
 @click.option("--fit", "fitted", metavar="FIT.json|DIR",
-              help="For one leg instead, as far as this fit, or a session's, knows it.")  # fmt: skip
+              help="For one leg instead, as far as a fit, or a session, knows it.")  # fmt: skip
 @click.option("--after", metavar="FIT.json|DIR",
-              help="The same, and what the fit, or a session's, knows counts: what adds "
-              "most.")  # fmt: skip
+              help="The same, and what it knows counts: what adds most.")  # fmt: skip
 @click.option("--duration", type=Number(above=0.0), metavar="S",
               help="Of the trial, in s.  [default: 35]")  # fmt: skip
 @click.option("--session", "minutes", type=Number(above=0.0), metavar="MIN",

@@ -19,22 +19,25 @@ class Estimate(NamedTuple):
 
 
 def estimate(value: float, sem: float | None, ci95: tuple[float, float] | None) -> Estimate:
-    """An estimate written to the second digit of its standard error, the interval alike."""
+    """An estimate written to the second digit of its standard error, the interval alike.
+
+    A standard error far beyond the value leaves it two digits of its own: it isn't nought.
+    """
     if sem is None or ci95 is None or not math.isfinite(sem) or sem <= 0:
         return Estimate(_rounded(value), NO_NUMBER, NO_NUMBER)
     first = _order(float(f"{sem:.1e}"))
     largest = _order(value or max(map(abs, ci95)))
     shift = _shift(largest)
-    decimals = min(max(shift - first + 1, 0), max(_MOST - 1 - largest + shift, 0))
-    step = 10.0 ** max(first - 1, 0) if shift == 0 else 1.0
 
-    def digits(number: float) -> str:
+    def digits(number: float, first: int) -> str:
+        decimals = min(max(shift - first + 1, 0), max(_MOST - 1 - largest + shift, 0))
+        step = 10.0 ** max(first - 1, 0) if shift == 0 else 1.0
         return _fixed(round(number / step) * step if step > 1 else number / 10.0**shift, decimals)
 
-    low, high = map(digits, ci95)
+    low, high = (digits(number, first) for number in ci95)
     interval = f"{low} … {high}"
     return Estimate(
-        digits(value) + _power(shift),
+        digits(value, min(first, largest) if value else first) + _power(shift),
         standard_error(sem),
         f"({interval}){_power(shift)}" if shift else interval,
     )
