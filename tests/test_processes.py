@@ -314,6 +314,7 @@ def settled(process: "subprocess.Popen[str]", until: Callable[[], bool]) -> None
         time.sleep(0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not SURAE.exists(), reason="no surae command beside this Python")
 def test_a_study_runs_nothing_of_its_folder(tmp_path) -> None:
     told = planted(tmp_path)

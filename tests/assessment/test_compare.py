@@ -276,6 +276,7 @@ def test_error_rates_over_virtual_subjects(truth, expected) -> None:
     assert found.count(expected) >= 18
 
 
+@pytest.mark.slow
 def test_everything_that_is_asked_reaches_every_fit() -> None:
     """Freed parameters, bounds, starts, priors, loss and weights; each model has its own share."""
     settings = FitSettings.of(

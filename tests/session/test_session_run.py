@@ -230,6 +230,7 @@ def test_a_damaged_folder_is_told(tmp_path):
         surae.load_session(tmp_path)
 
 
+@pytest.mark.slow
 def test_measured_trials_by_the_plain_model(shared, tmp_path, run):
     """Ten files that were never prepared, one mapping whose zero comes from a quiet trial."""
     for part in ("dynamometer", "repeats"):
