@@ -73,6 +73,7 @@ def test_body_mass_fixes_m_and_says_so(run, files) -> None:
     assert "Mass m fixed at 2.159 kg: 1.37 % of 70 kg body mass (de Leva 1996, men)" in done.out
 
 
+@pytest.mark.slow
 def test_a_baseline_from_the_command_to_the_screen_and_the_file(run, files) -> None:
     done = run(
         "baseline", "multiple-holds", "--subjects", "1", "--rate", "64", "--chirp-rate", "0.1",

@@ -44,6 +44,7 @@ def shell(script: str, folder: Path) -> subprocess.CompletedProcess[str]:
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_reader_that_goes_away_costs_nothing(files) -> None:
     done = shell('"$SURAE" ' + " ".join(FIT) + " --output f.json | head -n 1", files)
     assert (done.returncode, done.stdout, done.stderr) == (0, "muscle model [1.0]\n", "")
