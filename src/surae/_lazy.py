@@ -10,13 +10,6 @@ def lazy_names(package: str, source: str) -> tuple[Callable[[str], Any], Callabl
     """Make `__getattr__` and `__dir__` of a package whose names its stub lists, one in a line.
 
     The stub, ``__init__.pyi``, is the only list: type checkers read it, and so does this.
-
-    Parameters
-    ----------
-    package : str
-        The package's `__name__`.
-    source : str
-        Its `__file__`.
     """
 
     @cache

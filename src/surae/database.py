@@ -18,23 +18,13 @@ BESIDE = ("-wal", "-shm", "-journal", ".lock")
 
 @dataclass(frozen=True, eq=False)
 class Format:
-    """A kind of file.
+    """A kind of file."""
 
-    Attributes
-    ----------
-    application : int
-        SQLite's mark of whose file it is.
-    what : str
-        What messages call it.
-    tables : mapping of int to str
-        The statements that make its tables, of every version; the last is the present one.
-    upgrades : mapping of int to callable
-        What brings a file of a version to the next.
-    """
-
-    application: int
-    what: str
+    application: int  #: SQLite's mark of whose file it is.
+    what: str  #: What messages call it.
+    #: The statements that make its tables, of every version; the last is the present one.
     tables: Mapping[int, str]
+    #: What brings a file of a version to the next.
     upgrades: Mapping[int, Callable[[sqlite3.Connection], None]] = field(default_factory=dict)
 
     @property
@@ -47,12 +37,8 @@ class Format:
 def told(name: str, what: str = "a store of surae") -> Iterator[None]:
     """SQLite's errors in words, `name` being the file's.
 
-    Raises
-    ------
-    InputError
-        The file is no database.
-    ComputationError
-        It cannot be read or written.
+    A file that is no database is an InputError, one that cannot be read or written a
+    ComputationError.
     """
     try:
         yield
@@ -76,10 +62,7 @@ def lock(path: Path) -> sqlite3.Connection | None:
     SQLite's own exclusive lock on an empty file beside the store: the system lets go of it whatever
     ends the process, and it is the same on every system.
 
-    Raises
-    ------
-    InputError
-        The lock's file is a link.
+    A lock file that is a link is refused.
     """
     refuse_links(path)
     held = sqlite3.connect(_lock_of(path), timeout=1.0, isolation_level=None,
@@ -109,26 +92,14 @@ def is_locked(path: Path) -> bool:
 
 
 def refuse_links(path: Path) -> None:
-    """Refuse a file that would be written somewhere else than where it lies.
-
-    Raises
-    ------
-    InputError
-        It, or what SQLite keeps beside it, is a link.
-    """
+    """Refuse a file that would be written somewhere else than where it lies."""
     for beside in (path, *(path.with_name(path.name + end) for end in BESIDE)):
         if beside.is_symlink():
             raise InputError(f"{beside.name} is a link; put the file itself there")
 
 
 def open_to_write(path: Path, name: str, kind: Format) -> sqlite3.Connection:
-    """The file, made where it is missing and brought up to date; the caller has its lock.
-
-    Raises
-    ------
-    InputError
-        It is none of ours, or of a newer surae.
-    """
+    """The file, made where it is missing and brought up to date; the caller has its lock."""
     file = _connected(f"{path.as_uri()}?mode=rwc")
     try:
         # Looked at before anything of a file that may not be ours is changed.
@@ -151,11 +122,6 @@ def open_to_read(path: Path, name: str, kind: Format) -> sqlite3.Connection:
     """The file, also while another process writes, and on a medium that is read-only.
 
     One of an older surae is brought up to date in a copy that is forgotten; it stays as it is.
-
-    Raises
-    ------
-    InputError
-        It is none of ours, or of a newer surae.
     """
     refuse_links(path)
     for mode in ("rw", "ro&immutable=1"):

@@ -22,17 +22,10 @@ class Plots:
     """Plots of a fit: ``fit.plot()`` is all of a recording, its methods are one plot each.
 
     Each takes the axes to draw on (``ax``), makes them where none are given, and returns them.
-
-    Attributes
-    ----------
-    result : FitResult
-        What was found.
-    assessment : Assessment
-        What it is worth.
     """
 
-    result: FitResult
-    assessment: Assessment
+    result: FitResult  #: What was found.
+    assessment: Assessment  #: What it is worth.
 
     def __repr__(self) -> str:
         names = ", ".join(f".{name}()" for name in dir(self) if not name.startswith("_")

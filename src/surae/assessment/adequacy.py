@@ -78,18 +78,7 @@ class Adequacy:
 
 
 def judge_adequacy(result: FitResult) -> Adequacy:
-    """Judge a whole fit.
-
-    Parameters
-    ----------
-    result : FitResult
-        What was found.
-
-    Returns
-    -------
-    Adequacy
-        Grade and reasons.
-    """
+    """Judge a whole fit."""
     inputs, residuals = result.problem.inputs, result.residuals
     r2 = centred_r2(
         [_counted(recording, e) for recording, e in zip(inputs, residuals, strict=True)]
@@ -219,19 +208,8 @@ def judge_prediction(result: FitResult, recording: ModelInputs, torque: FloatArr
     covariance makes of the predicted torque. The mean is judged apart from the changes: a sensor's
     zero is another in each recording.
 
-    Parameters
-    ----------
-    result : FitResult
-        Whose parameters predict.
-    recording : ModelInputs
-        With its measured torque.
-    torque : ndarray, shape (n,)
-        Predicted for it [Nm].
-
-    Returns
-    -------
-    Adequacy
-        Of the prediction; `r2` is of the torque's changes.
+    `torque` is what is predicted of the recording [Nm]; the `r2` of the answer is of the torque's
+    changes.
     """
     predicted = np.zeros(recording.n) if recording.torque is None else recording.torque - torque
     measured, e = _counted(recording, predicted)
@@ -290,12 +268,7 @@ def structure(inputs: Sequence[ModelInputs], residuals: Sequence[FloatArray]) ->
     and sign, and on each muscle's activation and its product with the angle; lessened by what as
     many regressors explain of noise that is as correlated as the residual.
 
-    Parameters
-    ----------
-    inputs : sequence of ModelInputs
-        The recordings.
-    residuals : sequence of ndarray
-        Measured minus modelled torque of each [Nm].
+    `residuals` are measured minus modelled torque of each recording [Nm].
     """
     explained = total = 0.0
     for recording, residual in zip(inputs, residuals, strict=True):

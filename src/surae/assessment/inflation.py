@@ -18,18 +18,10 @@ from surae.assessment.parameter import Interval
 
 @dataclass(frozen=True, slots=True)
 class Inflation:
-    """Factors on the variance of the noise.
+    """Factors on the variance of the noise."""
 
-    Attributes
-    ----------
-    factors : mapping of str to float
-        Of every parameter that was estimated.
-    reason : str
-        Why, in a plain phrase.
-    """
-
-    factors: Mapping[str, float]
-    reason: str
+    factors: Mapping[str, float]  #: Of every parameter that was estimated.
+    reason: str  #: Why, in a plain phrase.
 
     @property
     def common(self) -> float:
@@ -40,16 +32,8 @@ class Inflation:
 def variance_inflation(assessment: Assessment) -> Inflation:
     """The factors that an assessment asks for: 1 where its residuals pass for white noise.
 
-    Parameters
-    ----------
-    assessment : Assessment
-        Of the fit.
-
-    Returns
-    -------
-    Inflation
-        (sem_robust/sem)² of each parameter where intervals are robust. One without a standard
-        error, as at a bound, has the median of the others.
+    Where intervals are robust it is (sem_robust/sem)² of each parameter. One without a standard
+    error, as at a bound, has the median of the others.
     """
     free = [p for p in assessment.parameters.values() if p.free]
     if assessment.interval is not Interval.ROBUST:

@@ -22,26 +22,8 @@ def ledger_of(
 ) -> tuple[Ledger, str]:
     """Open the file of what is computed from a fit, or memory.
 
-    Parameters
-    ----------
-    result : FitResult
-        The fit.
-    path : path or None
-        The file; None keeps nothing.
-    kind : str
-        What it holds, in a word.
-    settings : mapping
-        What must be the same, beside the fit, for results to belong together.
-
-    Returns
-    -------
-    tuple of Ledger and str
-        Open to write, and what it is about, for `Ledger.begin`.
-
-    Raises
-    ------
-    InputError
-        The file holds something else, or cannot be written.
+    `kind` is what it holds, in a word; `settings` must be the same, beside the fit, for results to
+    belong together. The text is what the ledger is about, for `Ledger.begin`.
     """
     if path is not None and Path(path).is_file():
         with Path(path).open("rb") as file:

@@ -25,19 +25,7 @@ def marginal(
     table: Mapping[str, ParameterEstimate],
     adequacy: Adequacy,
 ) -> dict[str, ParameterEstimate]:
-    """The estimated parameters of the leg with everything that makes them unsure.
-
-    Parameters
-    ----------
-    family : Family
-        Of the fit.
-    problem : FitProblem
-        The question.
-    table : mapping of str to ParameterEstimate
-        As of a named model.
-    adequacy : Adequacy
-        Of the fit.
-    """
+    """The estimated parameters of the leg with everything that makes them unsure."""
     withheld = adequacy.grade is Grade.INADEQUATE
     judged = {}
     longest = {x0: length for _, x0, length in stiffness_valleys(problem)}

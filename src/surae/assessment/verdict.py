@@ -36,18 +36,8 @@ def judge_interval(
 ) -> tuple[Verdict, str]:
     """Verdict and sentence of a parameter that has an interval.
 
-    Parameters
-    ----------
-    name : str
-        The parameter.
-    value, half : float
-        Its estimate and the half-width of its 95 % interval.
-    estimated : Covariance
-        Where its strongest partner is looked up.
-    unit : str
-        Of the estimate, for an interval that is told.
-    withheld : bool
-        Whether the fit is inadequate, so that nothing is claimed.
+    `half` is the half-width of its 95 % interval; its strongest partner is looked up in
+    `estimated`. `withheld` says that the fit is inadequate, so that nothing is claimed.
     """
     relative = half / abs(value) if value else np.inf
     if relative <= IDENTIFIED:

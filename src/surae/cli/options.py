@@ -23,10 +23,7 @@ MOST_STARTS, MOST_FITS, MOST_WORKERS = 10_000, 1_000_000, 1000
 def number(where: str, text: str) -> float:
     """A number from a text.
 
-    Raises
-    ------
-    InputError
-        It is none; the message begins with `where`.
+    The message of an error begins with `where`.
     """
     try:
         value = float(text)
@@ -54,10 +51,7 @@ class OptionType(click.ParamType):  # type: ignore[type-arg]
     def read(self, text: str, where: str) -> Any:
         """What the text stands for.
 
-        Raises
-        ------
-        InputError
-            It has another form; the message begins with `where`.
+        The message of an error begins with `where`.
         """
         raise NotImplementedError
 
@@ -309,17 +303,8 @@ def request_options(function: F) -> F:
 def request(model: "str | FitSettings", asked: dict[str, Any]) -> "FitSettings":
     """What a command was asked, as `surae.fit` takes it.
 
-    Parameters
-    ----------
-    model : str or FitSettings
-        The model, or what the options are put in place of.
-    asked : dict
-        What `request_options` collected.
-
-    Raises
-    ------
-    InputError
-        An option contradicts another, or makes no sense.
+    `model` may be what the options are put in place of; `asked` is what `request_options`
+    collected.
     """
     from surae.api import FitSettings, Weighting
 

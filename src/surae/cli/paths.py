@@ -14,10 +14,7 @@ _HEAD = 200
 def check_recordings(recordings: Sequence[str]) -> None:
     """Refuse what is given in place of recordings by mistake.
 
-    Raises
-    ------
-    InputError
-        Two paths lead to one file, whose samples would count double; or one is a fit.
+    Two paths may not lead to one file, whose samples would count double, and none may be a fit.
     """
     seen = set()
     for path in recordings:
@@ -33,13 +30,7 @@ def check_recordings(recordings: Sequence[str]) -> None:
 
 
 def spare_fits(outputs: Mapping[str, str | None]) -> None:
-    """Refuse to replace a fit by what is told of fits.
-
-    Raises
-    ------
-    InputError
-        An output is a FIT.json.
-    """
+    """Refuse to replace a fit by what is told of fits."""
     for option, path in outputs.items():
         if path is not None and Path(path).is_file():
             with Path(path).open("rb") as file:
@@ -51,17 +42,8 @@ def spare_fits(outputs: Mapping[str, str | None]) -> None:
 def check_outputs(outputs: Mapping[str, str | None], inputs: Iterable[str]) -> None:
     """Refuse outputs that cannot be written, before the work instead of after it.
 
-    Parameters
-    ----------
-    outputs : mapping of str to (str or None)
-        Path by option, None where the option is not given.
-    inputs : iterable of str
-        Files that are read, and must not be replaced by results.
-
-    Raises
-    ------
-    InputError
-        An output cannot be written, is an input, or is given twice.
+    `outputs` are paths by option, None where it is not given; `inputs` are files that are read, and
+    must not be replaced by results.
     """
     taken = {os.path.realpath(path): "is read by this command" for path in inputs}
     for option, path in outputs.items():

@@ -177,10 +177,7 @@ def command(
 def device_of(name: str, without_limits: str | None) -> str | None:
     """The device to ask for; None where a reason says why no limits need be kept.
 
-    Raises
-    ------
-    InputError
-        There is neither a device nor a reason, or both.
+    Neither a device nor a reason, or both, is an InputError.
     """
     reason = (without_limits or "").strip()
     if name.lower() == "none" and not reason:

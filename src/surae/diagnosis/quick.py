@@ -32,18 +32,10 @@ _FULL = 6e-4
 
 @dataclass(frozen=True, slots=True)
 class QuickFit:
-    """How well model 1.0 can explain a recording's torque.
+    """How well model 1.0 can explain a recording's torque."""
 
-    Attributes
-    ----------
-    r2 : float
-        R² about the mean, the torque's zero being free.
-    zero : float
-        That zero [Nm].
-    """
-
-    r2: float
-    zero: float
+    r2: float  #: R² about the mean, the torque's zero being free.
+    zero: float  #: That zero [Nm].
 
     @property
     def left(self) -> float:
@@ -62,23 +54,9 @@ def quick_fit(
 ) -> QuickFit | None:
     """Fit model 1.0 quickly to what a recording might be.
 
-    Parameters
-    ----------
-    recording : Recording
-        For what it prescribes.
-    signals : Signals
-        Its signals.
-    angle, torque : float
-        Factors: signs or units.
-    later : dict of str to float, optional
-        By how much the EMG of a muscle is late [s], which is taken away.
-    zero : bool
-        Whether the torque's zero is free.
-
-    Returns
-    -------
-    QuickFit or None
-        None where the model cannot be fitted to it.
+    `angle` and `torque` are factors: signs or units; `later` is by how much the EMG of a muscle is
+    late [s], which is taken away; `zero` says whether the torque's zero is free. None where the
+    model cannot be fitted to it.
     """
     assert signals.torque is not None
     rate = signals.rate_hz

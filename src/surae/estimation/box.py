@@ -10,25 +10,12 @@ from surae.units import FloatArray
 def box_quadratic(H: FloatArray, g: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
     """Minimise ½dᵀHd + gᵀd subject to lower ≤ d ≤ upper, by an active set.
 
-    Parameters
-    ----------
-    H : ndarray, shape (p, p)
-        Symmetric and positive definite, best with a unit diagonal.
-    g : ndarray, shape (p,)
-        Gradient at d = 0.
-    lower, upper : ndarray, shape (p,)
-        Bounds, lower ≤ upper; infinite ones are allowed.
-
-    Returns
-    -------
-    ndarray, shape (p,)
-        The minimiser.
-
-    Notes
-    -----
     Primal active set: a step that meets a bound stops there and holds it, a held bound whose
     multiplier has the wrong sign is let go, one at a time. Each face is left at a lower value, so
     no face comes twice and the loop is finite; the count below only guards against rounding.
+
+    H, shape (p, p), is symmetric and positive definite, best with a unit diagonal; bounds may be
+    infinite.
     """
     p = len(g)
     d = np.minimum(np.maximum(np.zeros(p), lower), upper)

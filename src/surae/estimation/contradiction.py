@@ -37,31 +37,19 @@ _BLUR = (Belief(1.0, 1.0), Belief(1.0, 1.0))
 
 @dataclass(frozen=True, slots=True)
 class Contradiction:
-    """What a named model leaves out although the data ask for it.
+    """What a named model leaves out although the data ask for it."""
 
-    Attributes
-    ----------
-    missing : tuple of str
-        What the better model has and the named one has not, all or some of it: groups of
-        nuisances, ``"tendons"``.
-    gain : float
-        By how much its −2 ln Z is less.
-    shift : mapping of str to float
-        How far it moves each estimate, in the parameter's unit.
-    """
-
+    #: What the better model has and the named one has not, all or some of it: groups of nuisances,
+    #: ``"tendons"``.
     missing: tuple[str, ...]
-    gain: float
-    shift: Mapping[str, float]
+    gain: float  #: By how much its −2 ln Z is less.
+    shift: Mapping[str, float]  #: How far it moves each estimate, in the parameter's unit.
 
 
 def contradiction(result: FitResult) -> Contradiction | None:
     """What contradicts a fit of a named model; None where nothing does, or nothing can be said.
 
-    Parameters
-    ----------
-    result : FitResult
-        Of a named model; one of a family has been held against the rest of it.
+    A fit of a family has been held against the rest of it already.
     """
     problem = result.problem
     name = COMPLIANT if problem.spec.name == RIGID else problem.spec.name

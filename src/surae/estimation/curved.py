@@ -18,15 +18,7 @@ def curved_move(problem: FitProblem) -> Move:
     straight step leaves it. The step is therefore taken in φ = k·(x_ref − x0) and k: the same to
     first order, and a slack length held at a bound stays there.
 
-    Parameters
-    ----------
-    problem : FitProblem
-        Its recordings give x_ref, the greatest length of each muscle.
-
-    Returns
-    -------
-    callable
-        From a point and a step, both of shape (p,), to the point reached.
+    The greatest length x_ref of each muscle is that of the problem's recordings.
     """
     groups = [
         (problem.free.index(k), problem.free.index(x0), longest)

@@ -17,23 +17,12 @@ from surae.units import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class Quadratic:
-    """−2 ln p of the data around a point, and the priors.
+    """−2 ln p of the data around a point, and the priors."""
 
-    Attributes
-    ----------
-    information : ndarray, shape (q, q)
-        JᵀJ of the data.
-    gradient : ndarray, shape (q,)
-        Jᵀe of the data.
-    cost : float
-        eᵀe of the data.
-    z, mean, weight : ndarray, shape (q,)
-        The point, and the priors' means and 1/sd.
-    """
-
-    information: FloatArray
-    gradient: FloatArray
-    cost: float
+    information: FloatArray  #: JᵀJ of the data, shape (q, q).
+    gradient: FloatArray  #: Jᵀe of the data, shape (q,).
+    cost: float  #: eᵀe of the data.
+    #: `z`, `mean`, `weight`: the point, and the priors' means and 1/sd, shape (q,).
     z: FloatArray
     mean: FloatArray
     weight: FloatArray
@@ -66,27 +55,14 @@ class Quadratic:
 
 @dataclass(frozen=True, slots=True)
 class Subset:
-    """A set of groups of nuisances and how well the data support it.
+    """A set of groups of nuisances and how well the data support it."""
 
-    Attributes
-    ----------
-    groups : tuple of str
-        Groups that are in.
-    weight : float
-        Its posterior probability among the subsets.
-    evidence : float
-        −2 ln Z.
-    mode : ndarray, shape (q,)
-        Where its parameters are, those that are out at their values of being off.
-    variance : ndarray, shape (q,)
-        Of each of them.
-    """
-
-    groups: tuple[str, ...]
-    weight: float
-    evidence: float
+    groups: tuple[str, ...]  #: Groups that are in.
+    weight: float  #: Its posterior probability among the subsets.
+    evidence: float  #: −2 ln Z.
+    #: Where its parameters are, those that are out at their values of being off, shape (q,).
     mode: FloatArray
-    variance: FloatArray
+    variance: FloatArray  #: Of each of them, shape (q,).
 
 
 def subsets(
@@ -98,18 +74,9 @@ def subsets(
 ) -> tuple[Subset, ...]:
     """All subsets of the groups, the best supported first.
 
-    Parameters
-    ----------
-    quadratic : Quadratic
-        With all groups in.
-    groups : mapping of str to sequence of int
-        Positions of each group's parameters.
-    off : mapping of int to float
-        The value of each at which it is off.
-    always : sequence of str
-        Groups that every subset has.
-    odds : mapping of str to float, optional
-        Odds beforehand that a group is in; 1 where not given.
+    `groups` holds the positions of each group's parameters, `off` the value of each at which it is
+    off, `always` the groups that every subset has, `odds` the odds beforehand that a group is in, 1
+    where not given.
     """
     scored = []
     names = tuple(group for group in groups if group not in always)

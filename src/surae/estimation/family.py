@@ -65,17 +65,9 @@ _ALWAYS, _CORE, _BENDS = ("zero", "delay"), ("zero", "delay", "crosstalk"), ("to
 def fit_family(problem: FitProblem, *, progress: SearchProgress | None = None) -> FitResult:
     """Fit the family to a problem and choose.
 
-    Parameters
-    ----------
-    problem : FitProblem
-        The question, of the family's compliant model; which nuisances are in, its settings say.
-    progress : callable, optional
-        Told of stages that are done, how many there are, and the sum of squares.
-
-    Returns
-    -------
-    FitResult
-        Of the supported model, with `family`. Ctrl-C keeps the rigid model, without.
+    The problem is of the family's compliant model; which nuisances are in, its settings say.
+    `progress` is told of stages that are done, how many there are, and the sum of squares. Ctrl-C
+    keeps the rigid model, without `family`.
     """
     begin = time.perf_counter()
     search = _Search(problem, progress)

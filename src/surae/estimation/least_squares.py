@@ -44,48 +44,22 @@ class Outcome(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Minimum:
-    """The end of an iteration.
+    """The end of an iteration."""
 
-    Attributes
-    ----------
-    x : ndarray, shape (p,)
-        Parameters.
-    sse : float
-        Sum of squared residuals.
-    residual : ndarray, shape (n,)
-        Residual at `x`.
-    R : ndarray, shape (p, p)
-        Triangular factor of the Jacobian at `x`: RᵀR = JᵀJ.
-    outcome : Outcome
-        Why it ended.
-    iterations : int
-        Evaluations of the residual and its Jacobian.
-    """
-
-    x: FloatArray
-    sse: float
-    residual: FloatArray
-    R: FloatArray
-    outcome: Outcome
-    iterations: int
+    x: FloatArray  #: Parameters, shape (p,).
+    sse: float  #: Sum of squared residuals.
+    residual: FloatArray  #: Residual at `x`, shape (n,).
+    R: FloatArray  #: Triangular factor of the Jacobian at `x`: RᵀR = JᵀJ, shape (p, p).
+    outcome: Outcome  #: Why it ended.
+    iterations: int  #: Evaluations of the residual and its Jacobian.
 
 
 def compress(rows: FloatArray) -> tuple[FloatArray, FloatArray, float]:
     """R of the Jacobian and Qᵀ·residual: all that a step needs, p × p instead of n × p.
 
-    Parameters
-    ----------
-    rows : ndarray, shape (p + 1, n)
-        Jacobian rows and the residual; overwritten.
-
-    Returns
-    -------
-    R : ndarray, shape (p, p)
-        Upper triangular factor.
-    q : ndarray, shape (p,)
-        Projection of the residual on the Jacobian's columns.
-    rest : float
-        Sum of squares of the residual that no combination of the columns can take away.
+    `rows`, shape (p + 1, n), are the Jacobian's and the residual; they are overwritten. Given back
+    are R, Qᵀ·residual, and the sum of squares of the residual that no combination of the columns
+    can take away.
     """
     p, n = rows.shape[0] - 1, rows.shape[1]
     factored = dgeqrf(rows.T, lwork=64 * (p + 1), overwrite_a=True)[0]

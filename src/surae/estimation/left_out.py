@@ -45,16 +45,7 @@ def left_out(
 ) -> FloatArray:
     """Shifts by what the model leaves out, as they are searched; see `Family.spread`.
 
-    Parameters
-    ----------
-    target : Target
-        What was minimised.
-    mode : Mode
-        Its minimum.
-    quadratic : Quadratic
-        Around it.
-    noisy : sequence of sequences of ndarray
-        What draws of the EMG's noise change of the residual of each recording [Nm].
+    `noisy` is what draws of the EMG's noise change of the residual of each recording [Nm].
     """
     covariance = quadratic.solved({})[2]
     grams, seens, levers, felt, pulled, groups = [], [], [], [], [], np.zeros(0)

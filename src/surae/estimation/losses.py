@@ -14,25 +14,15 @@ _MAD = 1.4826
 
 @dataclass(frozen=True, slots=True)
 class Loss:
-    """A loss ρ of the standardised residual u = e/σ.
+    """A loss ρ of the standardised residual u = e/σ."""
 
-    Attributes
-    ----------
-    name : str
-        What it is called.
-    tuning : float
-        Where it leaves the square, in standard deviations; chosen so that Gaussian noise costs
-        5 % of the efficiency of least squares.
-    weight : callable
-        ψ(u)/u with ψ = ρ′/2, from u/tuning: 1 at 0, less at an outlier.
-    slope : callable
-        ψ′(u), from u/tuning.
-    """
-
-    name: str
+    name: str  #: What it is called.
+    #: Where it leaves the square, in standard deviations; chosen so that Gaussian noise costs 5 %
+    #: of the efficiency of least squares.
     tuning: float
+    #: ψ(u)/u with ψ = ρ′/2, from u/tuning: 1 at 0, less at an outlier.
     weight: Callable[[FloatArray], FloatArray]
-    slope: Callable[[FloatArray], FloatArray]
+    slope: Callable[[FloatArray], FloatArray]  #: ψ′(u), from u/tuning.
 
 
 def _tukey(t: FloatArray) -> FloatArray:

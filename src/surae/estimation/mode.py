@@ -41,18 +41,11 @@ _ZERO = "torque_zero"
 
 @dataclass(frozen=True, slots=True)
 class Mode:
-    """A most probable point.
+    """A most probable point."""
 
-    Attributes
-    ----------
-    z : ndarray, shape (q,)
-        Parameters as they are searched, then the zeros of several recordings.
-    cost : float
-        −2 ln p there, but for a constant.
-    """
-
+    #: Parameters as they are searched, then the zeros of several recordings, shape (q,).
     z: FloatArray
-    cost: float
+    cost: float  #: −2 ln p there, but for a constant.
 
 
 class Target:

@@ -14,24 +14,12 @@ _GRID = 2048
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NoiseModel(Comparable):
-    """Stationary noise e[t] = Σ φ[k]·e[t − k] + white noise.
+    """Stationary noise e[t] = Σ φ[k]·e[t − k] + white noise."""
 
-    Attributes
-    ----------
-    coefficients : ndarray, shape (q,)
-        φ, from lag 1 on; none for white noise.
-    variance : float
-        Of the white noise that drives it.
-    autocovariance : ndarray, shape (m,)
-        What the model was made of, m > q.
-    samples : float
-        How many samples that came from.
-    """
-
-    coefficients: FloatArray
-    variance: float
-    autocovariance: FloatArray
-    samples: float
+    coefficients: FloatArray  #: φ, from lag 1 on; none for white noise, shape (q,).
+    variance: float  #: Of the white noise that drives it.
+    autocovariance: FloatArray  #: What the model was made of, m > q, shape (m,).
+    samples: float  #: How many samples that came from.
 
     @property
     def order(self) -> int:
@@ -72,17 +60,10 @@ class NoiseModel(Comparable):
 def autoregressive(autocovariance: FloatArray, samples: float) -> NoiseModel:
     """The autoregressive model of the order that Akaike's criterion prefers.
 
-    Parameters
-    ----------
-    autocovariance : ndarray, shape (m,)
-        At lags 0 … m − 1, the largest order that is tried.
-    samples : float
-        Number of samples it was estimated from.
-
-    Notes
-    -----
     The Yule–Walker equations are solved for all orders by the recursion of Levinson and Durbin;
     it ends where the autocovariance stops being one.
+
+    Order 0 to m − 1 is tried for an autocovariance of shape (m,), estimated from so many samples.
     """
     coefficients, variance = np.zeros(0), float(autocovariance[0])
     best, lowest = (coefficients, variance), samples * np.log(variance) if variance > 0 else 0.0
@@ -104,12 +85,7 @@ def autoregressive(autocovariance: FloatArray, samples: float) -> NoiseModel:
 def noise_of(residual: FloatArray, lags: int) -> NoiseModel:
     """The autoregressive model of a residual that is taken for noise.
 
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        Of mean zero but for chance.
-    lags : int
-        Largest order that is tried, below n.
+    `lags` is the largest order that is tried, below the residual's n samples.
     """
     from scipy.fft import next_fast_len
 
@@ -120,13 +96,7 @@ def noise_of(residual: FloatArray, lags: int) -> NoiseModel:
 
 
 def level_above_half(noise: NoiseModel) -> NoiseModel:
-    """The noise with a spectrum that falls no further where half of its power lies below.
-
-    Parameters
-    ----------
-    noise : NoiseModel
-        Any.
-    """
+    """The noise with a spectrum that falls no further where half of its power lies below."""
     if not noise.order:
         return noise
     density = noise.spectrum(2 * _GRID)
@@ -137,15 +107,7 @@ def level_above_half(noise: NoiseModel) -> NoiseModel:
 
 
 def drawn_by(rows: FloatArray, noise: NoiseModel) -> FloatArray:
-    """Rows times a factor of the noise's covariance: their products are rowsᵀ·Σ·rows.
-
-    Parameters
-    ----------
-    rows : ndarray, shape (q, n)
-        Of samples in time.
-    noise : NoiseModel
-        Of covariance Σ, shape (n, n).
-    """
+    """Rows times a factor of the noise's covariance: their products are rowsᵀ·Σ·rows."""
     from scipy.signal import lfilter
 
     filtered = rows[:, ::-1]

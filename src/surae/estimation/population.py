@@ -156,12 +156,8 @@ def wide_priors(
 ) -> dict[str, tuple[float, float]]:
     """Median and spread of every parameter that is above zero, of a leg nothing is known of.
 
-    Parameters
-    ----------
-    options : ModelOptions, optional
-        Virtual work has other lengths and stiffnesses; ε0 is a strain where it is to be read so.
-    emg_unit : {"V", "1"}
-        Weights of a normalised envelope are forces.
+    With virtual work lengths and stiffnesses are others; ε0 is a strain where it is to be read so.
+    Weights of a normalised envelope are forces.
     """
     options = options or ModelOptions()
     health = population_priors("healthy", options)

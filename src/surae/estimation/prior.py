@@ -44,13 +44,7 @@ class Prior:
 
 
 def checked_prior(name: str, pair: object, free: Sequence[str]) -> Prior:
-    """The prior that a median and a spread make, of one of the free parameters.
-
-    Raises
-    ------
-    InputError
-        The parameter is not free, or the pair is not two numbers above zero.
-    """
+    """The prior that a median and a spread make, of one of the free parameters."""
     if name not in free:
         raise InputError(
             f"prior of {name}: it is not estimated; free parameters: {', '.join(free)}"

@@ -205,11 +205,6 @@ def with_laboratory(result: FitResult) -> FitResult:
     What fits the model again needs the priors of its nuisances, without which crosstalk or a zero
     would take whatever the data leave open, and recordings without what is their own zero's. A fit
     of a named model is what it is.
-
-    Parameters
-    ----------
-    result : FitResult
-        Any.
     """
     family, problem = result.family, result.problem
     if family is None:

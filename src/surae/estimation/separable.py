@@ -21,23 +21,9 @@ _RIDGE = 1e-10
 def solve_linear(problem: FitProblem, rows: Rows, x: FloatArray) -> tuple[FloatArray, float]:
     """Replace the linear parameters of `x` by their least-squares values within the bounds.
 
-    Parameters
-    ----------
-    problem : FitProblem
-        A problem of a model whose `ModelSpec` says what is linear.
-    rows : callable
-        Its Jacobian rows and residual.
-    x : ndarray, shape (p,)
-        Free parameters; those that are not linear are kept.
-
-    Returns
-    -------
-    solved : ndarray, shape (p,)
-        The free parameters, exact minimiser over the linear ones; `x` itself where the model
-        gives no finite numbers.
-    sse : float
-        Sum of squared residuals there, known without another evaluation; infinite where the
-        model gives no finite numbers.
+    Parameters of `x` that are not linear are kept; `x` itself comes back where the model gives no
+    finite numbers. With it comes the sum of squared residuals there, known without another
+    evaluation, then infinite.
     """
     names, spec = problem.free, problem.spec
     linear = [j for j, name in enumerate(names) if name in spec.linear or name in spec.slack]
@@ -82,11 +68,6 @@ def scan_lengths(problem: FitProblem, rows: Rows, x: FloatArray) -> FloatArray:
 
     A start whose optimal length lies far outside the lengths the muscle reaches ends in a valley
     where f_l is little more than an exponential; a few evaluations along each length avoid it.
-
-    Returns
-    -------
-    ndarray, shape (p,)
-        `x` with its linear parameters solved and its optimal lengths replaced where that helps.
     """
     best, lowest = solve_linear(problem, rows, x)
     for name in problem.spec.scanned:

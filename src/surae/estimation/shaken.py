@@ -42,19 +42,7 @@ def without_emg_bias(
     A shift that is not small, or after which the torque is followed much worse, is no matter of
     first order: the mode stays, and the shift is something that is not known.
 
-    Parameters
-    ----------
-    target : Target
-        What was minimised.
-    mode : Mode
-        Its minimum.
-    quadratic : Quadratic
-        Around it.
-
-    Returns
-    -------
-    z, left : ndarray, shape (q,)
-        The mode, and the shift that was not taken away.
+    What is given back is the mode, and the shift that was not taken away.
     """
     covariance = quadratic.solved({})[2]
     gradient = np.zeros(len(mode.z))
@@ -86,12 +74,7 @@ def shaken(
 ) -> dict[str, FloatArray]:
     """Shifts as they are searched, by source; see `Family.spread`.
 
-    Parameters
-    ----------
-    target, mode, quadratic : Target, Mode, Quadratic
-        What was minimised, its minimum, and what is around it.
-    noisy : sequence of sequences of ndarray
-        Of `emg_draws`.
+    `noisy` comes of `emg_draws`.
     """
     covariance = quadratic.solved({})[2]
     levers = []

@@ -26,18 +26,10 @@ REJECTED = 12.0
 
 @dataclass(frozen=True, slots=True)
 class Valleys:
-    """The modes that a search met under white noise.
+    """The modes that a search met under white noise."""
 
-    Attributes
-    ----------
-    modes : tuple of Mode
-        The best first.
-    names : tuple of str
-        What they are of.
-    """
-
-    modes: tuple[Mode, ...]
-    names: tuple[str, ...]
+    modes: tuple[Mode, ...]  #: The best first.
+    names: tuple[str, ...]  #: What they are of.
 
     def spread(self, target: Target) -> FloatArray:
         """How far other valleys are that the data do not reject, as they are searched, (r, q)."""
@@ -83,16 +75,8 @@ def summed(
 ) -> FitResult:
     """The fit of the better supported member, and how far the rest is from it.
 
-    Parameters
-    ----------
-    compliant, rigid : Member
-        Both kinds of tendons.
-    valleys : Valleys
-        Of the compliant member.
-    inputs : tuple of ModelInputs
-        The recordings as they were given.
-    begin : float
-        When the search began, by `time.perf_counter`.
+    `inputs` are the recordings as they were given; the search began at `begin`, by
+    `time.perf_counter`.
     """
     members = sorted((compliant, rigid), key=lambda member: member.evidence)
     chosen, rival = members

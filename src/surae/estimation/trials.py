@@ -16,19 +16,7 @@ from surae.units import FloatArray
 def between_trials(target: Target, mode: Mode, quadratic: Quadratic) -> FloatArray:
     """What differences between recordings do to the estimates.
 
-    Parameters
-    ----------
-    target : Target
-        What was minimised.
-    mode : Mode
-        Its minimum.
-    quadratic : Quadratic
-        Around it.
-
-    Returns
-    -------
-    ndarray, shape (r, q)
-        Shifts as they are searched, see `Family.spread`; none for a single recording.
+    Of shape (r, q), as they are searched, see `Family.spread`; none for a single recording.
     """
     count = len(target.problem.inputs)
     if count < 2:

@@ -54,40 +54,23 @@ class ChangeVerdict(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """One measure or parameter of two fits.
+    """One measure or parameter of two fits."""
 
-    Attributes
-    ----------
-    name, unit, meaning, kind : str
-        As of `Quantity`.
-    before, after : float or None
-        Values; None where there is none.
-    difference : float or None
-        After minus before; None where it cannot be compared.
-    ci95 : tuple of float, or None
-        Its 95 % interval.
-    p : float or None
-        Holm's p-value of no difference.
-    smallest : float or None
-        Smallest change that these recordings would show in four of five cases.
-    verdict : ChangeVerdict
-        ``changed``, ``no change shown`` or ``not comparable``.
-    note : str
-        The verdict in a plain sentence.
-    """
-
+    #: `name`, `unit`, `meaning`, `kind`: as of `Quantity`.
     name: str
     unit: str
     meaning: str
     kind: str
+    #: `before`, `after`: values; None where there is none.
     before: float | None
     after: float | None
-    difference: float | None
-    ci95: tuple[float, float] | None
-    p: float | None
+    difference: float | None  #: After minus before; None where it cannot be compared.
+    ci95: tuple[float, float] | None  #: Its 95 % interval.
+    p: float | None  #: Holm's p-value of no difference.
+    #: Smallest change that these recordings would show in four of five cases.
     smallest: float | None
-    verdict: ChangeVerdict
-    note: str
+    verdict: ChangeVerdict  #: ``changed``, ``no change shown`` or ``not comparable``.
+    note: str  #: The verdict in a plain sentence.
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,25 +161,9 @@ def compare_sessions(
 ) -> Change:
     """Compare two sessions of a leg, or its two legs.
 
-    Parameters
-    ----------
-    before, after : Quantities
-        Of the two fits.
-    baselines : sequence of Quantities
-        Further sessions before anything changed: how far they scatter beyond their own uncertainty
-        is taken for the spread between sessions.
-    legs : bool
-        Whether they are two legs: what each is wrong in by itself does not cancel.
-
-    Returns
-    -------
-    Change
-        Every measure and parameter that either has.
-
-    Raises
-    ------
-    InputError
-        Baselines are given of two legs.
+    `baselines` are further sessions before anything changed: how far they scatter beyond their own
+    uncertainty is taken for the spread between sessions. What each of two legs is wrong in by
+    itself does not cancel.
     """
     if legs and baselines:
         raise InputError("baselines are sessions of one leg; leave them out to compare two legs")

@@ -29,27 +29,17 @@ _NORMAL = 1.959964
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """One row of a cohort.
+    """One row of a cohort."""
 
-    Attributes
-    ----------
-    subject, side, group, session : str
-        Whose leg it is, and when it was measured; sessions are in the order of their names.
-    scales : mapping of str to float
-        Clinical scales of this row.
-    quantities : Quantities or None
-        Of its fit; None where there is none.
-    missing : str
-        Why there is no fit.
-    """
-
+    #: `subject`, `side`, `group`, `session`: whose leg it is, and when it was measured; sessions
+    #: are in the order of their names.
     subject: str
     side: str
     group: str
     session: str
-    scales: Mapping[str, float]
-    quantities: Quantities | None
-    missing: str = ""
+    scales: Mapping[str, float]  #: Clinical scales of this row.
+    quantities: Quantities | None  #: Of its fit; None where there is none.
+    missing: str = ""  #: Why there is no fit.
 
     @property
     def leg(self) -> str:
@@ -199,18 +189,7 @@ def _plain(c: Contrast) -> dict[str, Any]:
 
 
 def pool(members: Sequence[Member]) -> Cohort:
-    """Everything that a cohort tells.
-
-    Parameters
-    ----------
-    members : sequence of Member
-        Its rows.
-
-    Raises
-    ------
-    InputError
-        A leg is there twice in one session, or no row has a fit.
-    """
+    """Everything that a cohort tells."""
     sessions = sessions_of(members)
     first = [each[0] for each in sessions.values()]
     known = [m.quantities for m in members if m.quantities is not None]
@@ -223,13 +202,7 @@ def pool(members: Sequence[Member]) -> Cohort:
 
 
 def sessions_of(members: Sequence[Member]) -> dict[str, list[Member]]:
-    """The sessions of each leg, in order.
-
-    Raises
-    ------
-    InputError
-        A leg is there twice in one session, or in two groups.
-    """
+    """The sessions of each leg, in order."""
     sessions: dict[str, list[Member]] = {}
     for member in sorted(members, key=lambda m: m.order):
         before = sessions.setdefault(member.leg, [])

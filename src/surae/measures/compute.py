@@ -55,13 +55,7 @@ class Point:
         return self.definition.named(self.at)
 
     def value(self, leg: Leg) -> float:
-        """Compute the measure of a leg; NaN where it is not finite or has no solution.
-
-        Raises
-        ------
-        NotDefinedError
-            The leg has no such measure.
-        """
+        """Compute the measure of a leg; NaN where it is not finite or has no solution."""
         try:
             value = self.definition.compute(leg, self.at)
         except (ComputationError, OverflowError, ZeroDivisionError):
@@ -71,34 +65,16 @@ class Point:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Evaluated:
-    """A measure of one fit, as far as comparisons need it.
+    """A measure of one fit, as far as comparisons need it."""
 
-    Attributes
-    ----------
-    point : Point
-        Which.
-    value : float or None
-        None where there is none, for the reason `missing`.
-    gradient : ndarray, shape (p,)
-        By the searched coordinates of `Spread`.
-    missing : str
-        Why it has no value or no interval; empty where it has both.
-    """
-
-    point: Point
-    value: float | None
-    gradient: FloatArray
-    missing: str = ""
+    point: Point  #: Which.
+    value: float | None  #: None where there is none, for the reason `missing`.
+    gradient: FloatArray  #: By the searched coordinates of `Spread`, shape (p,).
+    missing: str = ""  #: Why it has no value or no interval; empty where it has both.
 
 
 def points(angles: Sequence[float] = ANGLES) -> tuple[Point, ...]:
-    """All measures at the points they are asked at.
-
-    Raises
-    ------
-    InputError
-        An angle is no number of degrees that an ankle has.
-    """
+    """All measures at the points they are asked at."""
     for angle in angles:
         number = isinstance(angle, int | float | np.number) and not isinstance(angle, bool)
         if not (number and abs(float(angle)) <= _MOST):

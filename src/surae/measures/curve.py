@@ -33,30 +33,18 @@ class Line(Comparable):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TorqueCurve(Comparable):
-    """Torque against angle over the measured range.
+    """Torque against angle over the measured range."""
 
-    Attributes
-    ----------
-    angle : ndarray, shape (n,)
-        [deg], dorsiflexion positive.
-    passive, active_tri, active_tib : Line
-        The relaxed ankle; and what calf and tibialis add at the session's largest activity.
-    """
-
-    angle: FloatArray
+    angle: FloatArray  #: [deg], dorsiflexion positive, shape (n,).
+    #: `passive`, `active_tri`, `active_tib`: the relaxed ankle; and what calf and tibialis add at
+    #: the session's largest activity.
     passive: Line
     active_tri: Line
     active_tib: Line
 
 
 def torque_curve(result: FitResult, assessment: Assessment) -> TorqueCurve:
-    """The curve of a fit.
-
-    Parameters
-    ----------
-    result, assessment : FitResult, Assessment
-        The fit and what it is worth.
-    """
+    """The curve of a fit."""
     low, high = measured_range(result)
     low, high = min(max(low, _LOWEST), _HIGHEST), max(min(high, _HIGHEST), _LOWEST)
     angle = np.linspace(low, high, _COUNT)

@@ -79,22 +79,13 @@ class Hold:
 
 @dataclass(frozen=True)
 class Leg:
-    """A leg of one model with one set of parameters, and the recordings it was measured in.
+    """A leg of one model with one set of parameters, and the recordings it was measured in."""
 
-    Attributes
-    ----------
-    spec, options : ModelSpec, ModelOptions
-        The model.
-    values : mapping of str to float
-        Every parameter of the model.
-    inputs : tuple of ModelInputs
-        Recordings; empty where only the leg itself is asked.
-    """
-
+    #: `spec`, `options`: the model.
     spec: ModelSpec
     options: ModelOptions
-    values: Mapping[str, float]
-    inputs: tuple[ModelInputs, ...] = ()
+    values: Mapping[str, float]  #: Every parameter of the model.
+    inputs: tuple[ModelInputs, ...] = ()  #: Recordings; empty where only the leg itself is asked.
     _holds: dict[tuple[str, float, float], Hold] = field(default_factory=dict, compare=False)
 
     @property
@@ -128,13 +119,7 @@ class Leg:
         return _path(group, degrees, self.options)[0]
 
     def angle_of(self, group: str, length: float) -> float:
-        """Angle at which muscle and tendon together, but for its slack length, are so long [deg].
-
-        Raises
-        ------
-        NotDefinedError
-            They never are.
-        """
+        """Angle [deg] at which muscle and tendon, but for its slack length, are so long."""
         from scipy.optimize import brentq
 
         def beyond(degrees: float) -> float:
@@ -145,13 +130,7 @@ class Leg:
         return float(brentq(beyond, -_TURN, _TURN, xtol=1e-8))
 
     def tendon(self, group: str) -> TendonCurve:
-        """The tendon's curve, as `surae.model.tendon.tendon_force` takes it.
-
-        Raises
-        ------
-        NotDefinedError
-            Its tendons are rigid.
-        """
+        """The tendon's curve, as `surae.model.tendon.tendon_force` takes it."""
         if not self.is_compliant:
             raise NotDefinedError("the tendons of this model are rigid")
         v = self.values
@@ -161,13 +140,7 @@ class Leg:
         return tendon_curve(eps0, v[f"pt_{group}"], v[f"kt_{group}"], v[f"fmax_{group}"])
 
     def hold(self, group: str, degrees: float, alpha: float = 0.0) -> Hold:
-        """A muscle group at an angle with an active state α [N], tissue fully relaxed.
-
-        Raises
-        ------
-        ComputationError
-            The balance of muscle and tendon has no finite solution.
-        """
+        """A muscle group at an angle with an active state α [N], tissue fully relaxed."""
         key = (group, degrees, alpha)
         if key not in self._holds:
             self._holds[key] = self._held(*key)
@@ -209,13 +182,7 @@ class Leg:
 
     @cached_property
     def largest_activity(self) -> Mapping[str, float]:
-        """Largest active state α of each group in the recordings [N]: its 99th percentile.
-
-        Raises
-        ------
-        NotDefinedError
-            There are no recordings.
-        """
+        """Largest active state α of each group in the recordings [N]: its 99th percentile."""
         if not self.inputs:
             raise NotDefinedError("no recording says how active the muscles were")
         states = [self._simulator(inputs).active_states(self._vector) for inputs in self.inputs]

@@ -46,11 +46,6 @@ def read_table(path: PathLike) -> list[tuple[Path, Member]]:
 
     Columns ``fit`` and ``subject``, further ``side``, ``group`` and ``session``; every other one is
     a clinical scale, a number or empty.
-
-    Raises
-    ------
-    InputError
-        A column is missing, or a scale is no number.
     """
     try:
         text = read_bytes(path).decode("utf-8-sig")
@@ -145,14 +140,8 @@ def quantities_of(
 ) -> dict[str, Any]:
     """What one fit brings, as plain data; the reason where there is none.
 
-    Parameters
-    ----------
-    path : str
-        Of a FIT.json, or the folder of a session.
-    angles : list of float
-        Where measures are asked [deg].
-    priors : dict, or None
-        Median and spread by parameter, to fit the recordings again with.
+    `path` is a FIT.json's, or the folder's of a session; `angles` [deg] are where measures are
+    asked; `priors`, median and spread by parameter, are to fit the recordings again with.
     """
     place = Path(path)
     try:

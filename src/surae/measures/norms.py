@@ -22,32 +22,18 @@ _NORMAL = 1.959964
 
 @dataclass(frozen=True, slots=True)
 class Norm:
-    """One measure over one group of legs.
+    """One measure over one group of legs."""
 
-    Attributes
-    ----------
-    measure, unit : str
-        As in `surae measures`, the point it is asked at in the name.
-    condition : str
-        How it was measured.
-    group : str
-        Who was measured.
-    n : int
-        Number of legs, at least 3.
-    mean, sd : float
-        Over these legs.
-    reference : str
-        Where that is written.
-    """
-
+    #: `measure`, `unit`: as in `surae measures`, the point it is asked at in the name.
     measure: str
     unit: str
-    condition: str
-    group: str
-    n: int
+    condition: str  #: How it was measured.
+    group: str  #: Who was measured.
+    n: int  #: Number of legs, at least 3.
+    #: `mean`, `sd`: over these legs.
     mean: float
     sd: float
-    reference: str
+    reference: str  #: Where that is written.
 
 
 @dataclass(frozen=True, slots=True)

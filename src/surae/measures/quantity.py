@@ -19,69 +19,34 @@ _NORMAL = 1.959964
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A measure or parameter of one fit.
+    """A measure or parameter of one fit."""
 
-    Attributes
-    ----------
-    name, unit, meaning : str
-        As in the tables of measures and parameters.
-    kind : {"measure", "parameter"}
-        Which table.
-    value : float or None
-        None where there is none.
-    total : float
-        Standard deviation, everything included; NaN where there is none.
-    session : float
-        Standard deviation of what another session would draw anew; NaN where there is none.
-    model : float
-        Standard deviation that models add which the data do not reject.
-    missing : str
-        Why it can be compared with nothing; empty where it can.
-    at_bound : bool
-        Whether it is a parameter at its bound.
-    bounds : tuple of float, or None
-        Of a parameter's search.
-    is_comparable_between_legs : bool
-        Whether it can be pooled with other legs although no two sessions are compared by it.
-    """
-
+    #: `name`, `unit`, `meaning`: as in the tables of measures and parameters.
     name: str
     unit: str
     meaning: str
-    kind: Literal["measure", "parameter"]
-    value: float | None
-    total: float
+    kind: Literal["measure", "parameter"]  #: Which table.
+    value: float | None  #: None where there is none.
+    total: float  #: Standard deviation, everything included; NaN where there is none.
+    #: Standard deviation of what another session would draw anew; NaN where there is none.
     session: float
-    model: float
-    missing: str = ""
-    at_bound: bool = False
-    bounds: tuple[float, float] | None = None
+    model: float  #: Standard deviation that models add which the data do not reject.
+    missing: str = ""  #: Why it can be compared with nothing; empty where it can.
+    at_bound: bool = False  #: Whether it is a parameter at its bound.
+    bounds: tuple[float, float] | None = None  #: Of a parameter's search.
+    #: Whether it can be pooled with other legs although no two sessions are compared by it.
     is_comparable_between_legs: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Quantities:
-    """All of one fit, and what decides with which other fits they can be compared.
+    """All of one fit, and what decides with which other fits they can be compared."""
 
-    Attributes
-    ----------
-    model : str
-        Name of the model.
-    options : mapping of str to object
-        Its switches, without the reference level of the EMG.
-    adequacy : Adequacy
-        Of the fit.
-    recordings : tuple of str
-        Names of the recordings.
-    by_name : mapping of str to Quantity
-        Measures, then parameters.
-    """
-
-    model: str
-    options: Mapping[str, object]
-    adequacy: Adequacy
-    recordings: tuple[str, ...]
-    by_name: FrozenDict[str, Quantity]
+    model: str  #: Name of the model.
+    options: Mapping[str, object]  #: Its switches, without the reference level of the EMG.
+    adequacy: Adequacy  #: Of the fit.
+    recordings: tuple[str, ...]  #: Names of the recordings.
+    by_name: FrozenDict[str, Quantity]  #: Measures, then parameters.
 
 
 def quantities(
@@ -89,12 +54,7 @@ def quantities(
 ) -> Quantities:
     """What a fit brings to a comparison.
 
-    Parameters
-    ----------
-    result, assessment : FitResult, Assessment
-        The fit and what it is worth.
-    angles : sequence of float
-        Where torque and stiffness are asked [deg].
+    `angles` [deg] are where torque and stiffness are asked.
     """
     problem, spread = result.problem, spread_of(result, assessment)
     has_reference = all(

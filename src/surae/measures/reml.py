@@ -25,22 +25,13 @@ FEWEST = 3
 
 @dataclass(frozen=True, slots=True)
 class Effects:
-    """Mean and spread of k legs.
+    """Mean and spread of k legs."""
 
-    Attributes
-    ----------
-    k : int
-        Legs.
-    mean, se : float
-        μ and its standard error after Hartung and Knapp.
-    tau2 : float
-        Variance between legs.
-    """
-
-    k: int
+    k: int  #: Legs.
+    #: `mean`, `se`: μ and its standard error after Hartung and Knapp.
     mean: float
     se: float
-    tau2: float
+    tau2: float  #: Variance between legs.
 
     @property
     def ci95(self) -> tuple[float, float]:
@@ -61,10 +52,7 @@ class Effects:
 def random_effects(values: FloatArray, variances: FloatArray) -> Effects:
     """Mean and spread of values, shape (k,), with known variances.
 
-    Parameters
-    ----------
-    values, variances : ndarray, shape (k,)
-        At least `FEWEST`, finite.
+    There are at least `FEWEST` of them, all finite.
     """
     from scipy.optimize import minimize_scalar
 

@@ -28,40 +28,23 @@ _NOT_SHARED = ("emg_noise", "trials")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Spread(Comparable):
-    """Covariance of the free parameters as they are searched: logarithms of what is positive.
+    """Covariance of the free parameters as they are searched: logarithms of what is positive."""
 
-    Attributes
-    ----------
-    names : tuple of str
-        Free parameters of the fit, those of the laboratory included.
-    log : ndarray of bool, shape (p,)
-        Which of them are on a logarithm.
-    values, lower, upper : ndarray, shape (p,)
-        Estimates and bounds, in their units.
-    total : ndarray, shape (p, p)
-        Everything that is not known.
-    repeat : ndarray, shape (p, p)
-        What another trial of the session would draw anew.
-    session : ndarray, shape (p, p)
-        What another session, electrodes and foot mounted anew, would draw anew.
-    model : ndarray, shape (p, p)
-        Of `total`, what models and sets of imperfections add that the data do not reject.
-    at_bound : tuple of str
-        Those that lie at a bound.
-    lost : tuple of str
-        Those that the recordings cannot tell from others at all: they have no variance.
-    """
-
-    names: tuple[str, ...]
-    log: npt.NDArray[np.bool_]
+    names: tuple[str, ...]  #: Free parameters of the fit, those of the laboratory included.
+    log: npt.NDArray[np.bool_]  #: Which of them are on a logarithm, shape (p,).
+    #: `values`, `lower`, `upper`: estimates and bounds, in their units, shape (p,).
     values: FloatArray
     lower: FloatArray
     upper: FloatArray
-    total: FloatArray
-    repeat: FloatArray
+    total: FloatArray  #: Everything that is not known, shape (p, p).
+    repeat: FloatArray  #: What another trial of the session would draw anew, shape (p, p).
+    #: What another session, electrodes and foot mounted anew, would draw anew, shape (p, p).
     session: FloatArray
+    #: Of `total`, what models and sets of imperfections add that the data do not reject, shape (p,
+    #: p).
     model: FloatArray
-    at_bound: tuple[str, ...]
+    at_bound: tuple[str, ...]  #: Those that lie at a bound.
+    #: Those that the recordings cannot tell from others at all: they have no variance.
     lost: tuple[str, ...]
 
     def at(self, z: FloatArray) -> FloatArray:
@@ -85,15 +68,7 @@ class Spread(Comparable):
 
 
 def spread_of(result: FitResult, assessment: Assessment) -> Spread:
-    """The uncertainty of a fit's free parameters together.
-
-    Parameters
-    ----------
-    result : FitResult
-        The fit.
-    assessment : Assessment
-        What it is worth.
-    """
+    """The uncertainty of a fit's free parameters together."""
     problem = result.problem
     names = problem.free
     values = np.array([result.values[name] for name in names])

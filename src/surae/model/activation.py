@@ -138,46 +138,24 @@ def filter_step(f0: float, beta: float, dt: float) -> tuple[FloatArray, FloatArr
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """One input of a muscle group's filter, linear between samples; arrays of shape (n,).
+    """One input of a muscle group's filter, linear between samples; arrays of shape (n,)."""
 
-    Attributes
-    ----------
-    signal : ndarray
-        The excitation [N].
-    slopes : sequence of (int, ndarray)
-        Its derivatives, each after the column of its parameter; only those that are wanted.
-    delay : float or None
-        How late it comes [s]; None where it has no delay to be moved by.
-    delay_column : int
-        Column of the delay; −1 where its derivative is not wanted.
-    """
-
-    signal: FloatArray
+    signal: FloatArray  #: The excitation [N].
+    #: Its derivatives, each after the column of its parameter; only those that are wanted.
     slopes: Sequence[tuple[int, FloatArray]] = ()
-    delay: float | None = None
-    delay_column: int = -1
+    delay: float | None = None  #: How late it comes [s]; None where it has no delay to be moved by.
+    delay_column: int = -1  #: Column of the delay; −1 where its derivative is not wanted.
 
 
 @dataclass(frozen=True, slots=True)
 class ActiveState:
-    """Active state of one muscle group at L instants of each of n samples.
+    """Active state of one muscle group at L instants of each of n samples."""
 
-    Attributes
-    ----------
-    alpha : ndarray, shape (L, n)
-        α [N].
-    slopes : ndarray, shape (q, L, n)
-        Its derivatives by the wanted parameters that touch it.
-    columns : ndarray of int, shape (q,)
-        Their columns; one may come more than once, and its derivatives then add up.
-    drives : tuple of ndarray, each of shape (L, n)
-        What each drive contributes to α.
-    """
-
-    alpha: FloatArray
-    slopes: FloatArray
+    alpha: FloatArray  #: α [N], shape (L, n).
+    slopes: FloatArray  #: Its derivatives by the wanted parameters that touch it, shape (q, L, n).
+    #: Their columns; one may come more than once, and its derivatives then add up, shape (q,).
     columns: IntArray
-    drives: tuple[FloatArray, ...]
+    drives: tuple[FloatArray, ...]  #: What each drive contributes to α, shape (L, n).
 
 
 class ActivationFilter:

@@ -75,13 +75,7 @@ def with_foot_mass(
     *,
     table: str = "winter",
 ) -> tuple[ModelInputs, ...]:
-    """Recordings that prescribe m, and say in their steps where it comes from; see `foot_mass`.
-
-    Raises
-    ------
-    InputError
-        As `foot_mass`, or a recording prescribes m already.
-    """
+    """Recordings that prescribe m, and say in their steps where it comes from; see `foot_mass`."""
     m = foot_mass(body_mass, footplate, table=table)
     for recording in inputs:
         if "m" in recording.fixed:

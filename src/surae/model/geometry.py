@@ -91,38 +91,21 @@ def length_tib(angle: FloatArray, options: ModelOptions) -> tuple[FloatArray, Fl
 
 @dataclass(frozen=True, slots=True)
 class Path:
-    """What an ankle angle does to one muscle group, arrays of shape (n,).
+    """What an ankle angle does to one muscle group, arrays of shape (n,)."""
 
-    Attributes
-    ----------
-    arm : ndarray
-        Moment arm, signed as in equation (1): triceps positive, tibialis negative [m].
-    length, speed : ndarray
-        Length [m] and lengthening speed [m/s] of the muscle with a rigid tendon.
-    slope : ndarray
-        dx/dθ, lengthening with the angle [m/rad].
-    bend, arm_slope : float
-        Derivatives by the angle of `slope` [m/rad²] and of `arm` [m/rad].
-    """
-
+    #: Moment arm, signed as in equation (1): triceps positive, tibialis negative [m].
     arm: FloatArray
+    #: `length`, `speed`: length [m] and lengthening speed [m/s] of the muscle with a rigid tendon.
     length: FloatArray
     speed: FloatArray
-    slope: FloatArray
+    slope: FloatArray  #: dx/dθ, lengthening with the angle [m/rad].
+    #: `bend`, `arm_slope`: derivatives by the angle of `slope` [m/rad²] and of `arm` [m/rad].
     bend: float
     arm_slope: float
 
 
 def paths(*, angle: FloatArray, velocity: FloatArray, options: ModelOptions) -> tuple[Path, Path]:
-    """Paths of the triceps surae and of the tibialis anterior, in this order.
-
-    Parameters
-    ----------
-    angle, velocity : ndarray, shape (n,)
-        Ankle angle [rad] and angular velocity [rad/s].
-    options : ModelOptions
-        Which geometry.
-    """
+    """Paths of the triceps surae and of the tibialis anterior, in this order."""
     x_tri, slope_tri = length_tri(angle, options)
     x_tib, slope_tib = length_tib(angle, options)
     # by virtual work the slope is the arm and bends with it; the printed product does not bend

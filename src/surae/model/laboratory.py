@@ -42,19 +42,12 @@ def richest(model: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Belief:
-    """What is known of a nuisance beforehand: a Gaussian.
+    """What is known of a nuisance beforehand: a Gaussian."""
 
-    Attributes
-    ----------
-    mean, sd : float
-        In the parameter's unit.
-    off : float
-        The value at which there is no such nuisance.
-    """
-
+    #: `mean`, `sd`: in the parameter's unit.
     mean: float
     sd: float
-    off: float = 0.0
+    off: float = 0.0  #: The value at which there is no such nuisance.
 
 
 #: Parameters of each group of nuisances; a group is in a model as a whole or not at all.
@@ -81,16 +74,8 @@ _BELIEFS = {
 def laboratory(nuisances: str | Mapping[str, tuple[float, float]] = ALL) -> dict[str, Belief]:
     """The priors of all nuisances, by parameter.
 
-    Parameters
-    ----------
-    nuisances : str or mapping of str to (mean, sd)
-        ``"all"``, ``"none"``, or other priors for groups or parameters; the rest keep theirs. A
-        standard deviation of 0 takes one out.
-
-    Raises
-    ------
-    InputError
-        A name is unknown, or a prior is not two numbers.
+    `nuisances` is ``"all"``, ``"none"``, or other priors, (mean, sd), for groups or parameters; the
+    rest keep theirs. A standard deviation of 0 takes one out.
     """
     if nuisances == NONE:
         return {}

@@ -25,19 +25,15 @@ _TURNING = {"angle_zero": "angle", **dict(zip(_AXIS, ("forward", "up"), strict=T
 
 @dataclass(frozen=True, slots=True)
 class MusclePath:
-    """Path of one muscle group as the device's torque knows it.
+    """Path of one muscle group as the device's torque knows it."""
 
-    Attributes
-    ----------
-    arm, length, speed : ndarray, shape (n,)
-        Signed moment arm [m], length [m] and lengthening speed [m/s] on a rigid tendon.
-    arm_slopes, length_slopes, speed_slopes : ndarray, shape (s, n)
-        Derivatives of the three by the parameters of `LegMovement.columns`.
-    """
-
+    #: `arm`, `length`, `speed`: signed moment arm [m], length [m] and lengthening speed [m/s] on a
+    #: rigid tendon, shape (n,).
     arm: FloatArray
     length: FloatArray
     speed: FloatArray
+    #: `arm_slopes`, `length_slopes`, `speed_slopes`: derivatives of the three by the parameters of
+    #: `LegMovement.columns`, shape (s, n).
     arm_slopes: FloatArray
     length_slopes: FloatArray
     speed_slopes: FloatArray
@@ -45,24 +41,14 @@ class MusclePath:
 
 @dataclass(frozen=True, slots=True)
 class LegMovement:
-    """Limb and muscles of a moving leg.
+    """Limb and muscles of a moving leg."""
 
-    Attributes
-    ----------
-    inertia, gravity : ndarray, shape (n,)
-        Torques of 1 kg [Nm/kg].
-    muscles : tuple of MusclePath
-        Triceps surae and tibialis anterior.
-    columns : tuple of int
-        Columns of the wanted parameters that touch it.
-    limb_slopes : ndarray, shape (s, n)
-        Derivatives of inertia and gravity together by those parameters.
-    """
-
+    #: `inertia`, `gravity`: torques of 1 kg [Nm/kg], shape (n,).
     inertia: FloatArray
     gravity: FloatArray
-    muscles: tuple[MusclePath, MusclePath]
-    columns: tuple[int, ...]
+    muscles: tuple[MusclePath, MusclePath]  #: Triceps surae and tibialis anterior.
+    columns: tuple[int, ...]  #: Columns of the wanted parameters that touch it.
+    #: Derivatives of inertia and gravity together by those parameters, shape (s, n).
     limb_slopes: FloatArray
 
 

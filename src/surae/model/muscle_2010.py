@@ -122,13 +122,7 @@ class Muscle2010Simulator(TiedModel):
 
 
 def integrated(inputs: ModelInputs) -> FloatArray:
-    """Integrated EMG of TA, GL, SOL and GM, shape (4, n), in the unit of the envelopes.
-
-    Raises
-    ------
-    InputError
-        The recording is too slow or too short for the low-pass.
-    """
+    """Integrated EMG of TA, GL, SOL and GM, shape (4, n), in the unit of the envelopes."""
     lowest = IEMG_HZ / HIGHEST_CUTOFF
     if inputs.rate_hz <= lowest:
         raise InputError(

@@ -15,15 +15,7 @@ _MARK, _BYTES, _NUMBERS = "\0piece", "bytes", "biuf"
 
 
 def send(stream: IO[bytes], message: Mapping[str, Any]) -> None:
-    """Write a message in one go: a line of JSON, then the pieces that stand in it.
-
-    Raises
-    ------
-    TypeError, ValueError
-        It is no plain data.
-    OSError
-        Nobody reads any longer.
-    """
+    """Write a message in one go: a line of JSON, then the pieces that stand in it."""
     kinds: list[tuple[str, list[int]]] = []
     blobs: list[bytes] = []
 

@@ -73,21 +73,11 @@ class Adaptation:
 
 @dataclass(frozen=True, slots=True)
 class Fitted:
-    """A motion that a device can follow.
+    """A motion that a device can follow."""
 
-    Attributes
-    ----------
-    motion : Motion
-        Three arrays of shape (n,).
-    cutoff_hz : float or None
-        Cut-off of the filter; None when the motion is as it was.
-    gain : float
-        Factor by which the filtered motion was then stretched or shrunk.
-    """
-
-    motion: Motion
-    cutoff_hz: float | None = None
-    gain: float = 1.0
+    motion: Motion  #: Three arrays of shape (n,).
+    cutoff_hz: float | None = None  #: Cut-off of the filter; None when the motion is as it was.
+    gain: float = 1.0  #: Factor by which the filtered motion was then stretched or shrunk.
 
     def response(self, frequency_hz: float) -> float:
         """Factor by which a sine of that frequency was changed."""
@@ -111,25 +101,11 @@ def fit_device(
 ) -> Fitted:
     """The motion filtered until the device can follow it, still over the whole range if it can.
 
-    Parameters
-    ----------
-    device : Device
-        Whose limits hold afterwards.
-    motion : Motion
-        Uniformly sampled, spanning `range_of_motion`.
-    rate_hz : float
-        Sampling rate [Hz].
-    highest_hz : float
-        Highest frequency in the motion [Hz]; above the device's bandwidth it is filtered at that.
-    range_of_motion : (float, float)
-        Angles of full plantarflexion and full dorsiflexion [rad].
-
-    Returns
-    -------
-    Fitted
-        The motion as it is if the device follows it; else filtered with the highest cut-off that
-        will do and stretched to the range again; if none will do, filtered with the lowest and
-        shrunk about mid-range until the limits hold.
+    The motion spans `range_of_motion`, the angles of full plantarflexion and full dorsiflexion
+    [rad]; `highest_hz` is the highest frequency in it: above the device's bandwidth it is filtered
+    at that. A motion that the device follows stays as it is; else it is filtered with the highest
+    cut-off that will do and stretched to the range again; if none will do, filtered with the lowest
+    and shrunk about mid-range until the limits hold.
     """
     if _excess(device, motion) <= 1.0 and highest_hz <= device.frequency_limit:
         return Fitted(motion)
@@ -178,19 +154,7 @@ def low_pass(angle: FloatArray, cutoff_hz: float, rate_hz: float) -> Motion:
 
     The motion is continued by its mirror image at both ends, so it begins and ends at rest.
 
-    Parameters
-    ----------
-    angle : ndarray, shape (n,)
-        Uniformly sampled at `rate_hz` [rad].
-    cutoff_hz : float
-        Frequency where the amplitude is divided by √2 [Hz].
-    rate_hz : float
-        Sampling rate [Hz].
-
-    Returns
-    -------
-    Motion
-        Three arrays of shape (n,).
+    At the frequency `cutoff_hz` the amplitude is divided by √2.
     """
     n = len(angle)
     spectrum = np.fft.rfft(np.concatenate([angle, angle[-2:0:-1]]))

@@ -64,22 +64,14 @@ def _sequence(k: int, dimension: int) -> float:
 
 
 class Burst(NamedTuple):
-    """An effort that rises and falls again.
+    """An effort that rises and falls again."""
 
-    Attributes
-    ----------
-    onset, length : float
-        When it begins, and how long it lasts [s]; a head may be late by up to `GAP`.
-    level : float
-        Part of the largest effort, 0…1.
-    direction : int
-        Of `DIRECTIONS`: 0 plantarflexion, 1 dorsiflexion.
-    """
-
+    #: `onset`, `length`: when it begins, and how long it lasts [s]; a head may be late by up to
+    #: `GAP`.
     onset: float
     length: float
-    level: float
-    direction: int
+    level: float  #: Part of the largest effort, 0…1.
+    direction: int  #: Of `DIRECTIONS`: 0 plantarflexion, 1 dorsiflexion.
 
 
 def task_bursts(task: "Task", end: float) -> Iterator[Burst]:
@@ -104,17 +96,8 @@ def head_share(k: int, head: int) -> tuple[float, float]:
 def effort(t: FloatArray, task: Task) -> FloatArray:
     """Target effort of the four muscles.
 
-    Parameters
-    ----------
-    t : ndarray, shape (n,)
-        Increasing times [s].
-    task : Task
-        What the subject is asked to do; no burst is cut off by the end of the trial.
-
-    Returns
-    -------
-    ndarray, shape (n, 4)
-        Fraction 0…1 of the largest effort, in the order TA, GL, SOL, GM; exactly 0 while passive.
+    Shape (n, 4), a fraction 0…1 of the largest effort, in the order TA, GL, SOL, GM; exactly 0
+    while passive. No burst is cut off by the end of the trial.
     """
     return burst_effort(t, task_bursts(task, float(t[-1])))
 
@@ -122,17 +105,8 @@ def effort(t: FloatArray, task: Task) -> FloatArray:
 def burst_effort(t: FloatArray, bursts: Iterable[Burst]) -> FloatArray:
     """Target effort of bursts that do not overlap within a direction.
 
-    Parameters
-    ----------
-    t : ndarray, shape (n,)
-        Increasing times [s].
-    bursts : iterable of Burst
-        In the order of their numbers, which `head_share` goes by.
-
-    Returns
-    -------
-    ndarray, shape (n, 4)
-        As of `effort`.
+    Bursts come in the order of their numbers, which `head_share` goes by; the effort is as of
+    `effort`.
     """
     target = np.zeros((len(t), len(MUSCLES)))
     for k, burst in enumerate(bursts):
@@ -148,13 +122,7 @@ def burst_effort(t: FloatArray, bursts: Iterable[Burst]) -> FloatArray:
 
 
 def named_task(name: str) -> Task:
-    """The task of that name.
-
-    Raises
-    ------
-    InputError
-        There is none.
-    """
+    """The task of that name."""
     if name not in TASKS:
         raise InputError(f"task {name!r} is not known; use one of: {', '.join(TASKS)}")
     return TASKS[name]

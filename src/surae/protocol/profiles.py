@@ -148,13 +148,7 @@ PROFILES: dict[str, Profile] = {
 
 
 def named_profile(name: str) -> Profile:
-    """The profile of that name.
-
-    Raises
-    ------
-    InputError
-        There is none.
-    """
+    """The profile of that name."""
     if name not in PROFILES:
         raise InputError(f"profile {name!r} is not known; use one of: {', '.join(PROFILES)}")
     return PROFILES[name]

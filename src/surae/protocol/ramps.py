@@ -11,21 +11,11 @@ BLEND = 0.2
 
 
 class Ramp(NamedTuple):
-    """A movement at constant speed to a new hold.
+    """A movement at constant speed to a new hold."""
 
-    Attributes
-    ----------
-    start : float
-        When it starts [s].
-    to : float
-        Fraction of the range of motion where it ends.
-    speed : float
-        Speed of the constant part [1/s], in ranges of motion per second.
-    """
-
-    start: float
-    to: float
-    speed: float
+    start: float  #: When it starts [s].
+    to: float  #: Fraction of the range of motion where it ends.
+    speed: float  #: Speed of the constant part [1/s], in ranges of motion per second.
 
     def end(self, origin: float) -> float:
         """Instant at which the ramp that starts from the fraction `origin` has come to rest [s]."""
@@ -47,19 +37,8 @@ def _integrated_step(u: FloatArray) -> FloatArray:
 def ramps_and_holds(t: FloatArray, ramps: tuple[Ramp, ...], origin: float = 0.0) -> FloatArray:
     """Position that starts at `origin` and follows the ramps, at rest between them.
 
-    Parameters
-    ----------
-    t : ndarray, shape (n,)
-        Times [s]; the position is constant before the first and after the last ramp.
-    ramps : tuple of Ramp
-        In order; each starts after the one before has ended.
-    origin : float
-        Fraction of the range of motion at the start.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Fraction of the range of motion.
+    Each ramp starts after the one before has ended; positions, and `origin`, are fractions of the
+    range of motion.
     """
     position = np.full_like(t, origin)
     for ramp in ramps:

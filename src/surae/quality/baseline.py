@@ -53,10 +53,7 @@ def baseline(
     leg is never at rest, together with what the EMG explains. c is m·g·la and whatever offset the
     sensor has: the two cannot be told apart in a leg that only turns about its ankle.
 
-    Returns
-    -------
-    RestLevel or None
-        None where too little of the range is gone through to tell it from the passive torque.
+    None where too little of the range is gone through to tell it from the passive torque.
     """
     n = len(angle)
     quiet = resting(rate, envelopes, n)

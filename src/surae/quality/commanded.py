@@ -69,10 +69,7 @@ class Commanded(Comparable):
 def recognised(channel: Channel) -> Commanded | None:
     """The known protocol that an angle follows, or None.
 
-    Parameters
-    ----------
-    channel : Channel
-        The angle, in any unit and on any zero.
+    The angle may be in any unit and on any zero.
     """
     step = max(1, round(channel.rate_hz / _RATE))
     seconds = channel.time[::step] - channel.time[0]

@@ -24,23 +24,13 @@ BURST = 2.5
 
 @dataclass(frozen=True, slots=True)
 class Reflex:
-    """Bursts that follow stretches.
+    """Bursts that follow stretches."""
 
-    Attributes
-    ----------
-    delay : float
-        Of the bursts behind the stretch [s].
-    strength : float
-        Correlation with the stretch velocity, or share of the stretches that a burst follows.
-    events : int
-        Stretches that were looked at.
-    explained : ndarray of bool, shape (n,)
-        Times at which the triceps is active because it is stretched.
-    """
-
-    delay: float
+    delay: float  #: Of the bursts behind the stretch [s].
+    #: Correlation with the stretch velocity, or share of the stretches that a burst follows.
     strength: float
-    events: int
+    events: int  #: Stretches that were looked at.
+    #: Times at which the triceps is active because it is stretched, shape (n,).
     explained: BoolArray
 
 

@@ -26,37 +26,23 @@ LONGEST, _STEP = 0.6, 0.06
 
 @dataclass(frozen=True, slots=True)
 class TorqueModel:
-    """Outcome of the regression.
+    """Outcome of the regression."""
 
-    Attributes
-    ----------
-    lag : float or None
-        By how much the EMG is late for the torque [s], negative where it is early; None without
-        EMG that matters.
-    group_lag : dict of str to float
-        The same for ``"triceps"`` and ``"ta"`` on their own.
-    group_gain : dict of str to float
-        What the group's own lag leaves less than the common one, as a part of what is left.
-    part : dict of str to float
-        Mean torque of each group where it is active [Nm]: positive for the triceps, negative for
-        TA, if the signs are right.
-    explained : float
-        Part of the torque's variance that EMG and angle explain, 0…1.
-    gained : float
-        Part of what the angle alone leaves that the EMG explains, 0…1.
-    time, left : ndarray, shape (k,)
-        Times at which the torque was compared [s], and what was not explained of it [Nm].
-    sharpness : float
-        Part of what the best lag leaves that lags 0.2 s away leave more: how well it is known.
-    """
-
+    #: By how much the EMG is late for the torque [s], negative where it is early; None without EMG
+    #: that matters.
     lag: float | None
-    group_lag: dict[str, float]
+    group_lag: dict[str, float]  #: The same for ``"triceps"`` and ``"ta"`` on their own.
+    #: What the group's own lag leaves less than the common one, as a part of what is left.
     group_gain: dict[str, float]
+    #: Mean torque of each group where it is active [Nm]: positive for the triceps, negative for TA,
+    #: if the signs are right.
     part: dict[str, float]
-    explained: float
-    gained: float
+    explained: float  #: Part of the torque's variance that EMG and angle explain, 0…1.
+    gained: float  #: Part of what the angle alone leaves that the EMG explains, 0…1.
+    #: Part of what the best lag leaves that lags 0.2 s away leave more: how well it is known.
     sharpness: float
+    #: `time`, `left`: times at which the torque was compared [s], and what was not explained of it
+    #: [Nm], shape (k,).
     time: FloatArray
     left: FloatArray
 
@@ -98,14 +84,7 @@ def torque_model(
 ) -> TorqueModel | None:
     """Regress the torque on angle and EMG; None where there is too little of them.
 
-    Parameters
-    ----------
-    time, angle, torque : ndarray, shape (n,)
-        Uniform [s, rad, Nm].
-    rate : float
-        Their rate [Hz].
-    envelopes : dict of str to ndarray, shape (n,)
-        By muscle.
+    The signals are uniform, at `rate` [Hz]: s, rad, Nm.
     """
     if len(time) < SHORTEST * rate:
         return None

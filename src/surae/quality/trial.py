@@ -108,12 +108,8 @@ class Trial:
 def trial_of(recording: Recording, commanded: Commanded | None = None) -> Trial:
     """Bring a recording's signals to what the checks compare.
 
-    Parameters
-    ----------
-    recording : Recording
-        Whose channels share a span of time.
-    commanded : Commanded, optional
-        The profile that was commanded; recognised from the angle where it can be if not given.
+    The channels share a span of time. A commanded profile that is not given is recognised from the
+    angle where it can be.
     """
     seen = signals_of(recording)
     time, rate = seen.time, seen.rate_hz

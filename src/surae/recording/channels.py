@@ -57,11 +57,8 @@ def stated_unit(table: Table, role: str, name: str) -> str | None:
 def settle_unit(table: Table, role: str, name: str, unit: str | None, where: str) -> str:
     """The unit of a column: as described by its user, else as stated by the file.
 
-    Raises
-    ------
-    InputError
-        Neither says it, it isn't known, or the two disagree. An EMG described as ``"1"`` has been
-        normalised by its user and may disagree.
+    It is refused where neither says it, it isn't known, or the two disagree. An EMG described as
+    ``"1"`` has been normalised by its user and may disagree.
     """
     stated = stated_unit(table, role, name)
     if unit is None:
@@ -83,13 +80,7 @@ def settle_unit(table: Table, role: str, name: str, unit: str | None, where: str
 
 
 def channel(role: str, column: Column, scaling: Scaling, table: Table) -> Channel:
-    """Check a column's samples and bring them to SI.
-
-    Raises
-    ------
-    InputError
-        Fewer than two samples, one that is not finite, or time that doesn't increase.
-    """
+    """Check a column's samples and bring them to SI."""
     shown = f"column {column.name!r}"
     check_samples(
         column.time,

@@ -35,11 +35,6 @@ def of_frame(table: DataFrame) -> Recording:
     A column may also be named by its role alone (``angle``), its unit then standing in
     ``attrs["units"]``; the time is a column or the index, in numbers or as time stamps. Where
     ``attrs["times"]`` is ``"own"``, a row without a number of a column is no sample of it.
-
-    Raises
-    ------
-    InputError
-        As of a CSV with such columns.
     """
     told = table.attrs.get("units")
     units: Mapping[Any, Any] = {} if told is None else told

@@ -169,11 +169,6 @@ def _beside(path: str) -> tuple[float, bool]:
 
     Without it, files of one recording that begin at different times would be laid one upon the
     other, and an envelope would be rectified once more.
-
-    Raises
-    ------
-    InputError
-        It cannot be read or is no JSON object.
     """
     beside = Path(path).with_suffix(".json")
     if not path.casefold().endswith(_BIDS) or not beside.is_file():

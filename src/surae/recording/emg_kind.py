@@ -26,21 +26,12 @@ _LIKE = {"raw": "raw", "envelope": "like an envelope"}
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What a signal looks like as an EMG.
+    """What a signal looks like as an EMG."""
 
-    Attributes
-    ----------
-    kind : {"raw", "envelope"} or None
-        None where its samples do not say.
-    rule : str
-        Why.
-    offset : float
-        What to add to take away a constant offset of raw EMG that hides its zero, in the file's
-        unit; 0 where none needs to be taken away.
-    """
-
-    kind: Literal["raw", "envelope"] | None
-    rule: str
+    kind: Literal["raw", "envelope"] | None  #: None where its samples do not say.
+    rule: str  #: Why.
+    #: What to add to take away a constant offset of raw EMG that hides its zero, in the file's
+    #: unit; 0 where none needs to be taken away.
     offset: float = 0.0
 
 

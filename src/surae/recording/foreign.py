@@ -27,33 +27,16 @@ _SECONDS_PER_BYTE, _MEMORY_PER_BYTE = 2e-6, 20
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Parsed:
-    """A column as its library read it.
+    """A column as its library read it."""
 
-    Attributes
-    ----------
-    name : str
-        Its name in the file.
-    values : ndarray, shape (n,)
-        Its samples.
-    time : tuple of two floats, or ndarray, shape (n,)
-        First instant [s] and rate [Hz], or the time of every sample [s].
-    unit : str
-        As the file spells it, empty where it states none.
-    remark : str
-        What a user should know of it.
-    refused : str
-        Why it must not be used; empty where it may be.
-    time_name : str
-        What the file calls its times.
-    """
-
-    name: str
-    values: npt.NDArray[Any]
+    name: str  #: Its name in the file.
+    values: npt.NDArray[Any]  #: Its samples, shape (n,).
+    #: First instant [s] and rate [Hz], or the time of every sample [s], shape (n,).
     time: tuple[float, float] | FloatArray
-    unit: str = ""
-    remark: str = ""
-    refused: str = ""
-    time_name: str = "time"
+    unit: str = ""  #: As the file spells it, empty where it states none.
+    remark: str = ""  #: What a user should know of it.
+    refused: str = ""  #: Why it must not be used; empty where it may be.
+    time_name: str = "time"  #: What the file calls its times.
 
 
 def packed(columns: Sequence[Parsed]) -> dict[str, Any]:
@@ -71,21 +54,8 @@ def packed(columns: Sequence[Parsed]) -> dict[str, Any]:
 def foreign_table(source: Source, format_name: str, module: str, **more: Any) -> Table:
     """The table that ``surae.recording.<module>:parse`` makes of a file.
 
-    Parameters
-    ----------
-    source : Source
-        The file.
-    format_name : str
-        What the format is called.
-    module : str
-        The module whose ``parse`` reads it.
-    **more
-        Further arguments of ``parse``.
-
-    Raises
-    ------
-    InputError
-        The file is wrong, or its reader crashed, took too long or too much memory.
+    `more` are further arguments of ``parse``. A reader that crashes, or takes too long or too much
+    memory, is an InputError too.
     """
     size = len(source.data)
     try:

@@ -100,13 +100,7 @@ def recognises(source: Source) -> bool:
 
 
 def read_recording(source: Source) -> Recording:
-    """The recording in one of our files; its `files` begin with this one.
-
-    Raises
-    ------
-    InputError
-        The file is damaged, or holds what a recording cannot.
-    """
+    """The recording in one of our files; its `files` begin with this one."""
     with opened(source) as file:
         return _recording(file, source)
 

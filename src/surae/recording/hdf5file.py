@@ -45,10 +45,7 @@ def numbers(dataset: Any, source: Source, where: str) -> FloatArray:
 
     Those that lie in the file as they are needed are not copied: the array is a view of its bytes.
 
-    Raises
-    ------
-    InputError
-        They are no plain numbers stored in this file, or more than its size can explain.
+    It refuses what is no plain numbers stored in this file, or more than its size can explain.
     """
     import h5py
 
@@ -92,13 +89,7 @@ def fixed_text(item: Any, name: str) -> str | None:
 
 
 def text_attribute(item: Any, name: str, where: str) -> str:
-    """A text that an item must carry.
-
-    Raises
-    ------
-    InputError
-        There is none of that name, or it is no text of fixed length.
-    """
+    """A text that an item must carry."""
     text = fixed_text(item, name)
     if text is None:
         raise InputError(f"{where}: its attribute {name!r} is missing or no text")

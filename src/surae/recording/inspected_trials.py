@@ -20,21 +20,11 @@ _SAME_RATE = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """What is otherwise in one trial than in the others.
+    """What is otherwise in one trial than in the others."""
 
-    Attributes
-    ----------
-    trial : str
-        Its name.
-    text : str
-        In words.
-    line : str
-        The line of [trials] that says it in a mapping; empty where none can.
-    """
-
-    trial: str
-    text: str
-    line: str = ""
+    trial: str  #: Its name.
+    text: str  #: In words.
+    line: str = ""  #: The line of [trials] that says it in a mapping; empty where none can.
 
 
 @dataclass(frozen=True, slots=True)

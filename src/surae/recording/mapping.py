@@ -52,20 +52,12 @@ def recognises(source: Source) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Said:
-    """What a mapping says of a trial beside its signals; None where it says nothing.
+    """What a mapping says of a trial beside its signals; None where it says nothing."""
 
-    Attributes
-    ----------
-    effort : {"passive", "active", "maximal"} or None
-        What the subject did, where the data are not to decide it.
-    use : bool
-        False leaves the trial out.
-    side, date, condition, notes : str or None
-        Of the leg and the session, or of this trial.
-    """
-
+    #: "passive", "active", "maximal": What the subject did, where the data are not to decide it.
     effort: str | None = None
-    use: bool = True
+    use: bool = True  #: False leaves the trial out.
+    #: `side`, `date`, `condition`, `notes`: of the leg and the session, or of this trial.
     side: str | None = None
     date: str | None = None
     condition: str | None = None
@@ -74,28 +66,14 @@ class Said:
 
 @dataclass(frozen=True, slots=True)
 class Description:
-    """A mapping that was read, to be applied to one recording or to each trial of a session.
+    """A mapping that was read, to be applied to one recording or to each trial of a session."""
 
-    Attributes
-    ----------
-    source : Source
-        The TOML file.
-    toml : mapping
-        What it says.
-    """
-
-    source: Source
-    toml: Mapping[str, Any] = field(repr=False)
+    source: Source  #: The TOML file.
+    toml: Mapping[str, Any] = field(repr=False)  #: What it says.
 
     @classmethod
     def of(cls, source: Source) -> "Description":
-        """The mapping in a file, its keys checked.
-
-        Raises
-        ------
-        InputError
-            It is no TOML, or has a key that is not known.
-        """
+        """The mapping in a file, its keys checked."""
         toml = parsed(source)
         _roles(toml, source.shown)
         refuse_unknown(toml, _TOP, source.shown)
@@ -164,13 +142,7 @@ class Description:
         return tuple(sorted(path for path in paths if not _hidden(path, folder)))
 
     def trial_of(self, data: PathLike) -> tuple[str, Path]:
-        """The name of the trial that a data file is of, and the folder its files are relative to.
-
-        Raises
-        ------
-        InputError
-            The file's name is none that the mapping's ``{trial}`` could stand for.
-        """
+        """The name of the trial that a data file is of, and the folder of its files."""
         path = Path(data)
         for pattern in self.patterns:
             depth = len(Path(pattern).parts)
@@ -190,19 +162,8 @@ class Description:
         A channel's values are ``sign * (scale * raw + offset)`` in its unit, then brought to SI.
         Each keeps its own times.
 
-        Parameters
-        ----------
-        data : path, optional
-            The data file, or one of them, of a trial.
-        trial : str, optional
-            What the session calls the trial, where that is not what its file is called: two folders
-            may have files of one name.
-
-        Raises
-        ------
-        InputError
-            The TOML or a file it names is wrong: a missing column, a unit that contradicts the
-            file's own, a wrong sample.
+        `trial` is what the session calls the trial, where that is not what its file is called: two
+        folders may have files of one name.
         """
         filed, folder = (None, Path(self.source.path).parent)
         if data is not None:

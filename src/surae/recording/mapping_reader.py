@@ -39,24 +39,14 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Reader:
-    """Reads the files of one recording, each once.
+    """Reads the files of one recording, each once."""
 
-    Attributes
-    ----------
-    source : Source
-        The mapping.
-    folder : Path
-        What its names of files are relative to.
-    trial, data : str, Path, or None
-        The trial's name and data file, for a mapping of many.
-    sources, tables : dict
-        What has been read.
-    """
-
-    source: Source
-    folder: Path
+    source: Source  #: The mapping.
+    folder: Path  #: What its names of files are relative to.
+    #: `trial`, `data`: the trial's name and data file, for a mapping of many.
     trial: str | None
     data: Path | None
+    #: `sources`, `tables`: what has been read.
     sources: dict[Path, Source] = field(default_factory=dict)
     tables: dict[Path, Table] = field(default_factory=dict)
 

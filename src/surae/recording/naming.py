@@ -27,10 +27,7 @@ def role_and_unit(name: str, where: str) -> tuple[str, str] | None:
     A name such as ``torque_passive_Nm`` or ``angle_rad_target``, with something else beside the
     unit, is another quantity's.
 
-    Raises
-    ------
-    InputError
-        The name begins as one of ours but its unit is missing or not known.
+    A name that begins as one of ours and has no unit, or one that is not known, is refused.
     """
     name = plain(name)
     if name in NAMES:

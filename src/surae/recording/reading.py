@@ -51,13 +51,7 @@ def is_mapping(source: Source) -> bool:
 
 
 def open_mapping(path: PathLike) -> Source:
-    """A TOML mapping's file.
-
-    Raises
-    ------
-    InputError
-        It is none.
-    """
+    """A TOML mapping's file."""
     source = open_source(path)
     if not is_mapping(source):
         raise InputError(
@@ -70,20 +64,7 @@ def open_mapping(path: PathLike) -> Source:
 def recording_of_table(table: Table, name: str, files: tuple[SourceFile, ...] = ()) -> Recording:
     """The recording in a table whose columns have our names; others are ignored.
 
-    Parameters
-    ----------
-    table : Table
-        Its columns.
-    name : str
-        Of the recording, unless the table has a note of one.
-    files : tuple of SourceFile
-        What it was read from.
-
-    Raises
-    ------
-    InputError
-        No column is the angle, two are the same signal, a unit is missing or not known, or a
-        sample is wrong.
+    `name` is the recording's, unless the table has a note of one.
     """
     if table.header is not None and table.time_name not in TIMES:
         raise InputError(

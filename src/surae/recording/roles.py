@@ -113,25 +113,14 @@ _COORDINATE = re.compile(r".+\.([XYZ])")
 
 @dataclass(frozen=True, slots=True)
 class Guess:
-    """What a channel seems to be.
+    """What a channel seems to be."""
 
-    Attributes
-    ----------
-    roles : tuple of str
-        The roles that it could have: one, or several where the name leaves it open (gastrocnemius
-        without its head).
-    confidence : {"stated", "named", "likely", "possible"}
-        How plainly the name says it.
-    rule : str
-        The rule that was applied, in plain words.
-    side : {"left", "right"} or None
-        The leg that the name says.
-    """
-
+    #: The roles that it could have: one, or several where the name leaves it open (gastrocnemius
+    #: without its head).
     roles: tuple[str, ...]
-    confidence: Confidence
-    rule: str
-    side: Side | None = None
+    confidence: Confidence  #: How plainly the name says it.
+    rule: str  #: The rule that was applied, in plain words.
+    side: Side | None = None  #: The leg that the name says.
 
     @property
     def role(self) -> str | None:
@@ -142,17 +131,7 @@ class Guess:
 def guess_role(name: str, unit: str | None = None) -> Guess | None:
     """Guess a channel's role from its name and the unit that its file states.
 
-    Parameters
-    ----------
-    name : str
-        The channel's name in its file.
-    unit : str, optional
-        The unit as the file spells it.
-
-    Returns
-    -------
-    Guess or None
-        None: nothing in the name is of the ankle.
+    None: nothing in the name is of the ankle.
     """
     if plain(name) in NAMES:
         role, stated = NAMES[plain(name)]

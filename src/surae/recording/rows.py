@@ -20,41 +20,20 @@ _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """Everything after the header row of a text table.
+    """Everything after the header row of a text table."""
 
-    Attributes
-    ----------
-    source : Source
-        The file, of which `Source.require_text` has passed.
-    header : int
-        Line number of the row with the names; the first line of a file is 1.
-    names : tuple of str
-        The names in that row.
-    delimiter : str or None
-        What separates the cells; None for white space of any length.
-    decimal : str
-        What begins the decimals: a point, or a comma, which then is no `delimiter`.
-    """
-
-    source: Source
-    header: int
-    names: tuple[str, ...]
-    delimiter: str | None
+    source: Source  #: The file, of which `Source.require_text` has passed.
+    header: int  #: Line number of the row with the names; the first line of a file is 1.
+    names: tuple[str, ...]  #: The names in that row.
+    delimiter: str | None  #: What separates the cells; None for white space of any length.
+    #: What begins the decimals: a point, or a comma, which then is no `delimiter`.
     decimal: str = "."
 
     def load(self, wanted: Sequence[int]) -> FloatArray:
         """Read the columns with these indices, each as one row of the result.
 
-        Returns
-        -------
-        ndarray, shape (len(wanted), n)
-            Not checked for finiteness.
-
-        Raises
-        ------
-        InputError
-            There are no rows, a row has more or fewer cells than the header, or a wanted cell
-            is no number. Cells in other columns may hold anything.
+        They are not checked for finiteness. A row with more or fewer cells than the header is
+        refused; cells in other columns may hold anything.
         """
         first = next(self._numbered(), None)
         if first is None:

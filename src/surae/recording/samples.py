@@ -33,21 +33,8 @@ def check_samples(
 ) -> None:
     """Check that a signal has two finite samples or more, at times that increase.
 
-    Parameters
-    ----------
-    time, values : ndarray, shape (n,)
-        The signal and its times [s].
-    where : str
-        File or object that the signal belongs to, the beginning of the message.
-    names : tuple of str
-        Names of the time and of the signal there.
-    position : callable
-        Where a sample is.
-
-    Raises
-    ------
-    InputError
-        One line with `where`, the name and the position of the first sample that is wrong.
+    `where` is the file or object that the signal belongs to, the beginning of the message; `names`
+    are those of the time and of the signal there; `position` says where a sample is.
     """
     for name, array in zip(names, (time, values), strict=True):
         if array.ndim != 1:

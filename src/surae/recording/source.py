@@ -50,13 +50,7 @@ class Source:
         return self.data[:HEAD].removeprefix(_BOM).decode(errors="replace").splitlines()
 
     def require_text(self) -> None:
-        """Check that it is UTF-8 text with something in it.
-
-        Raises
-        ------
-        InputError
-            It is empty, binary or in another encoding.
-        """
+        """Check that it is UTF-8 text with something in it."""
         if not self.data.removeprefix(_BOM).strip():
             raise InputError(f"{self.shown}: the file is empty")
         if self.data.startswith(_BOMS_UTF16):

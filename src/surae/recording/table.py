@@ -12,27 +12,13 @@ from surae.units import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """One signal as the file holds it.
+    """One signal as the file holds it."""
 
-    Attributes
-    ----------
-    name : str
-        Its name in the file.
-    time : ndarray, shape (n,)
-        Times of the samples [s].
-    values : ndarray, shape (n,)
-        The signal, neither converted nor checked.
-    time_name : str
-        What the file calls its times.
-    position : callable
-        Where a sample is in the file, for messages.
-    """
-
-    name: str
-    time: FloatArray
-    values: FloatArray
-    time_name: str
-    position: Position
+    name: str  #: Its name in the file.
+    time: FloatArray  #: Times of the samples [s], shape (n,).
+    values: FloatArray  #: The signal, neither converted nor checked, shape (n,).
+    time_name: str  #: What the file calls its times.
+    position: Position  #: Where a sample is in the file, for messages.
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,43 +27,26 @@ class Table:
 
     Columns may differ in rate, first instant and number of samples: each is loaded with its own
     times.
-
-    Attributes
-    ----------
-    file : str
-        The file as it appears in messages.
-    format : str
-        Name of its format.
-    names : tuple of str
-        Its columns in the file's order, the time left out.
-    time_name : str
-        What it calls its time.
-    load : callable
-        ``load(names)`` reads the named columns, which are in `names` once, as a `Column` each.
-    units : mapping of str to str
-        Units that the file states, by column, in its own spelling.
-    units_of_kind : mapping of str to str
-        Units that the file states for a kind of signal (`surae.units.FACTORS`), such as angles
-        in degrees, without saying which of its columns are angles.
-    notes : mapping of str to str
-        Settings of the recording that the file states: ``"name"``, ``"emg"``.
-    header : int or None
-        Row of the column names in a format whose names are meant to be ours (CSV), None in one
-        with names of its own.
-    remarks : mapping of str to str
-        What a user should know of a column, in half a sentence: that the file was cut short, that
-        a scale was applied.
     """
 
-    file: str
-    format: str
-    names: tuple[str, ...]
-    time_name: str
+    file: str  #: The file as it appears in messages.
+    format: str  #: Name of its format.
+    names: tuple[str, ...]  #: Its columns in the file's order, the time left out.
+    time_name: str  #: What it calls its time.
+    #: ``load(names)`` reads the named columns, which are in `names` once, as a `Column` each.
     load: Callable[[Sequence[str]], Mapping[str, Column]]
+    #: Units that the file states, by column, in its own spelling.
     units: Mapping[str, str] = field(default_factory=dict)
+    #: Units that the file states for a kind of signal (`surae.units.FACTORS`), such as angles in
+    #: degrees, without saying which of its columns are angles.
     units_of_kind: Mapping[str, str] = field(default_factory=dict)
+    #: Settings of the recording that the file states: ``"name"``, ``"emg"``.
     notes: Mapping[str, str] = field(default_factory=dict)
+    #: Row of the column names in a format whose names are meant to be ours (CSV), None in one with
+    #: names of its own.
     header: int | None = None
+    #: What a user should know of a column, in half a sentence: that the file was cut short, that a
+    #: scale was applied.
     remarks: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -95,21 +64,12 @@ _UNIFORM_STEPS = 1.0
 
 @dataclass(frozen=True, slots=True)
 class Sampling:
-    """How a column is sampled.
+    """How a column is sampled."""
 
-    Attributes
-    ----------
-    n : int
-        Number of its samples.
-    rate_hz : float or None
-        Its sampling rate [Hz]; None where the samples lie irregularly in time.
-    start_s : float or None
-        Time of its first sample [s]; None where it has none.
-    """
-
-    n: int
+    n: int  #: Number of its samples.
+    #: Its sampling rate [Hz]; None where the samples lie irregularly in time.
     rate_hz: float | None = None
-    start_s: float | None = None
+    start_s: float | None = None  #: Time of its first sample [s]; None where it has none.
 
 
 def sampling_of(time: FloatArray) -> Sampling:

@@ -54,13 +54,7 @@ def printable(text: str) -> str:
 
 
 def optional(module: str, format_name: str, shown: str) -> Any:
-    """A library that only some formats need.
-
-    Raises
-    ------
-    InputError
-        It isn't installed; the message says how to get it.
-    """
+    """A library that only some formats need."""
     try:
         return importlib.import_module(module)
     except ImportError:

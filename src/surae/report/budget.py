@@ -45,28 +45,16 @@ class BudgetRow:
 
 @dataclass(frozen=True, slots=True)
 class BudgetSection:
-    """The uncertainty budget.
+    """The uncertainty budget."""
 
-    Attributes
-    ----------
-    text : str
-        What the shares are, or why there are none.
-    keys, sources : tuple of str
-        The sources that are shown: their names in FIT.json, and in words.
-    rows : tuple of BudgetRow
-        Estimated parameters with an interval; empty where nothing but noise is looked at.
-    helps : tuple of str
-        What to measure, and how much better which parameter would be known.
-    alt : str
-        The chart in words.
-    """
-
-    text: str
+    text: str  #: What the shares are, or why there are none.
+    #: `keys`, `sources`: the sources that are shown: their names in FIT.json, and in words.
     keys: tuple[str, ...]
     sources: tuple[str, ...]
+    #: Estimated parameters with an interval; empty where nothing but noise is looked at.
     rows: tuple[BudgetRow, ...]
-    helps: tuple[str, ...]
-    alt: str
+    helps: tuple[str, ...]  #: What to measure, and how much better which parameter would be known.
+    alt: str  #: The chart in words.
 
 
 def budget_section(result: FitResult, assessment: Assessment) -> BudgetSection:

@@ -53,53 +53,24 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class ClinicalPage:
-    """What the page says, in one language.
+    """What the page says, in one language."""
 
-    Attributes
-    ----------
-    language : str
-        Of all texts.
-    title, question, answer : str
-        What is asked, and the one sentence that answers it.
-    grade : str
-        Of the fit, or the worse of two.
-    adequacy : str
-        The grade in words.
-    reasons : tuple of str
-        Technical, in English.
-    heads : tuple of str
-        Of the table's columns.
-    rows : tuple of Row
-        The numbers.
-    norms : tuple of str
-        How the leg lies among groups, with the source of each.
-    next : tuple of str
-        What to measure next.
-    made : str
-        When, and of how many recordings.
-    note : str
-        On multiplicity; empty for one session.
-    images : mapping of str to str
-        Figures as data URLs.
-    words : mapping of str to str
-        The other texts of the page.
-    """
-
-    language: str
+    language: str  #: Of all texts.
+    #: `title`, `question`, `answer`: what is asked, and the one sentence that answers it.
     title: str
     question: str
     answer: str
-    grade: str
-    adequacy: str
-    reasons: tuple[str, ...]
-    heads: tuple[str, ...]
-    rows: tuple[Row, ...]
-    norms: tuple[str, ...]
-    next: tuple[str, ...]
-    made: str
-    note: str
-    images: Mapping[str, str] = field(default_factory=dict)
-    words: Mapping[str, str] = field(default_factory=dict)
+    grade: str  #: Of the fit, or the worse of two.
+    adequacy: str  #: The grade in words.
+    reasons: tuple[str, ...]  #: Technical, in English.
+    heads: tuple[str, ...]  #: Of the table's columns.
+    rows: tuple[Row, ...]  #: The numbers.
+    norms: tuple[str, ...]  #: How the leg lies among groups, with the source of each.
+    next: tuple[str, ...]  #: What to measure next.
+    made: str  #: When, and of how many recordings.
+    note: str  #: On multiplicity; empty for one session.
+    images: Mapping[str, str] = field(default_factory=dict)  #: Figures as data URLs.
+    words: Mapping[str, str] = field(default_factory=dict)  #: The other texts of the page.
 
 
 def fit_page(
@@ -108,23 +79,8 @@ def fit_page(
 ) -> ClinicalPage:  # fmt: skip
     """The page of one fit.
 
-    Parameters
-    ----------
-    result, assessment : FitResult, Assessment
-        The fit and what it is worth.
-    created : datetime
-        When the page is made.
-    language : {"en", "nl", "de", "fr"}
-        Of all sentences but the technical reasons.
-    angle : float
-        Where torque and stiffness are told [deg].
-    norms : path, optional
-        A laboratory's own norms, in place of those of cited papers.
-
-    Raises
-    ------
-    InputError
-        The language is not known, or the norms cannot be read.
+    `language` is that of all sentences but the technical reasons; torque and stiffness are told at
+    `angle` [deg]; `norms` are a laboratory's own, in place of those of cited papers.
     """
     words = Words(language)
     told = measures(result, assessment, [angle])
@@ -155,16 +111,8 @@ def curve_of(
 ) -> "Figure":  # fmt: skip
     """The torque-angle curve of a fit by itself, as the page has it.
 
-    Parameters
-    ----------
-    result, assessment : FitResult, Assessment
-        The fit and what it is worth; one that is not adequate says so below the curve.
-    language : {"en", "nl", "de", "fr"}
-        Of the labels.
-    norms : path, optional
-        A laboratory's own norms, in place of those of cited papers.
-    width : float
-        Width of the figure [inch].
+    `norms` are a laboratory's own, in place of those of cited papers; `width` is in inches. A fit
+    that is not adequate says so below the curve.
     """
     from surae.report.figures import footnote
 

@@ -59,78 +59,47 @@ class Glance:
 
 @dataclass(frozen=True, slots=True)
 class Content:
-    """Everything a report says.
+    """Everything a report says."""
 
-    Attributes
-    ----------
-    title : str
-        Model.
-    names : tuple of str
-        Recordings.
-    created : str
-        When the report was made.
-    status, status_text, message : str
-        Of the fit: the word, its wording, and what happened.
-    adequacy : AdequacyWords
-        Whether the fit is good enough for its numbers to mean something.
-    summary : tuple of str
-        Plain language, one paragraph an entry.
-    key : tuple of KeyFigure
-        The few numbers to see first.
-    glance : tuple of Glance
-        The parameters by verdict.
-    interval : str
-        Which standard errors the intervals are made of, ``"thesis"`` or ``"robust"``.
-    caution : str
-        What to know before reading the parameter table; empty where there is nothing.
-    priors : bool
-        Whether any parameter has one.
-    recordings, groups, correlation, identifiability, starts, settings, sources, versions
-        The sections.
-    budget : BudgetSection
-        What makes each parameter unsure, and what would help.
-    laboratory, family, trials
-        Of a fit with model auto: what is not known of the laboratory, which models were weighed,
-        and how trials differ; None where there is nothing to say.
-    predictions, snsem
-        The sections on other recordings and on simulations; None without any.
-    quality : tuple of QualitySection
-        What was found in each recording before the fit; empty where nobody looked.
-    weighted_first : bool
-        Whether the first start was the solution that the weights of outliers came from.
-    agreeing : int
-        Starts that reached the best minimum.
-    """
-
-    title: str
-    names: tuple[str, ...]
-    created: str
+    title: str  #: Model.
+    names: tuple[str, ...]  #: Recordings.
+    created: str  #: When the report was made.
+    #: `status`, `status_text`, `message`: of the fit: the word, its wording, and what happened.
     status: str
     status_text: str
     message: str
-    adequacy: AdequacyWords
-    summary: tuple[str, ...]
-    key: tuple[KeyFigure, ...]
-    glance: tuple[Glance, ...]
-    interval: str
-    caution: str
-    priors: bool
+    adequacy: AdequacyWords  #: Whether the fit is good enough for its numbers to mean something.
+    summary: tuple[str, ...]  #: Plain language, one paragraph an entry.
+    key: tuple[KeyFigure, ...]  #: The few numbers to see first.
+    glance: tuple[Glance, ...]  #: The parameters by verdict.
+    interval: str  #: Which standard errors the intervals are made of, ``"thesis"`` or ``"robust"``.
+    caution: str  #: What to know before reading the parameter table; empty where there is nothing.
+    priors: bool  #: Whether any parameter has one.
+    #: `recordings`, `groups`, `correlation`, `identifiability`, `starts`, `settings`, `sources`,
+    #: `versions`: the sections.
     recordings: tuple[RecordingSection, ...]
     groups: tuple[ParameterGroup, ...]
     correlation: CorrelationSection
     identifiability: IdentifiabilitySection
     starts: tuple[StartRow, ...]
-    agreeing: int
+    agreeing: int  #: Starts that reached the best minimum.
     settings: tuple[Setting, ...]
     sources: tuple[Source, ...]
     versions: tuple[Setting, ...]
-    budget: BudgetSection
+    budget: BudgetSection  #: What makes each parameter unsure, and what would help.
+    #: `laboratory`, `family`, `trials`: of a fit with model auto: what is not known of the
+    #: laboratory, which models were weighed, and how trials differ; None where there is nothing to
+    #: say.
     laboratory: LaboratorySection | None
     family: FamilySection | None
     trials: TrialsSection | None
+    #: `predictions`, `snsem`: the sections on other recordings and on simulations; None without
+    #: any.
     predictions: PredictionSection | None
     snsem: SnsemSection | None
+    #: Whether the first start was the solution that the weights of outliers came from.
     weighted_first: bool
+    #: What was found in each recording before the fit; empty where nobody looked.
     quality: tuple[QualitySection, ...]
 
 
@@ -146,20 +115,8 @@ def make_content(
 ) -> Content:
     """Put a fit and its assessment into words.
 
-    Parameters
-    ----------
-    result, assessment : FitResult, Assessment
-        The fit and what it is worth.
-    traces : tuple of Traces
-        Signals of each recording.
-    versions : mapping of str to str
-        Of the programs that made the fit.
-    created : datetime
-        When the report is made.
-    predictions : sequence of Prediction
-        Of other recordings, with the parameters of the fit.
-    quality : sequence of Quality
-        What was found in each recording before the fit.
+    `versions` are those of the programs that made the fit; `predictions` are of other recordings;
+    `quality` is what was found in each recording before the fit.
     """
     torque = np.concatenate([trial.measured[trial.counted] for trial in traces])
     rms = float(np.sqrt(np.mean(torque**2)))

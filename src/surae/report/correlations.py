@@ -13,33 +13,20 @@ _PAIRS = 6
 
 @dataclass(frozen=True, slots=True)
 class CorrelationSection:
-    """Correlations of the estimates.
+    """Correlations of the estimates."""
 
-    Attributes
-    ----------
-    names : tuple of str
-        Parameters of rows and columns; fewer than two when there is nothing to show.
-    matrix : tuple of tuple of float
-        Normalised covariance.
-    passive, active : tuple of str
-        The rows and columns of the outlined block.
-    ipde, note : str
-        Equation (35), its largest possible value, and which parameters it leaves out or why there
-        is none.
-    pairs : tuple of str
-        The strongest pairs in words.
-    alt : str
-        The figure in words.
-    """
-
+    #: Parameters of rows and columns; fewer than two when there is nothing to show.
     names: tuple[str, ...]
-    matrix: tuple[tuple[float, ...], ...]
+    matrix: tuple[tuple[float, ...], ...]  #: Normalised covariance.
+    #: `passive`, `active`: the rows and columns of the outlined block.
     passive: tuple[str, ...]
     active: tuple[str, ...]
+    #: `ipde`, `note`: equation (35), its largest possible value, and which parameters it leaves out
+    #: or why there is none.
     ipde: str
     note: str
-    pairs: tuple[str, ...]
-    alt: str
+    pairs: tuple[str, ...]  #: The strongest pairs in words.
+    alt: str  #: The figure in words.
 
 
 def correlation_section(assessment: Assessment) -> CorrelationSection:

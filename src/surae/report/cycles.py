@@ -24,18 +24,10 @@ _POINTS = 101
 
 @dataclass(frozen=True, slots=True)
 class Cycles:
-    """Begin and end of a recording's cycles; each begins at the largest dorsiflexion.
+    """Begin and end of a recording's cycles; each begins at the largest dorsiflexion."""
 
-    Attributes
-    ----------
-    spans : tuple of (int, int)
-        First sample of each cycle, and of what follows it.
-    seconds : float
-        Their median duration [s].
-    """
-
-    spans: tuple[tuple[int, int], ...]
-    seconds: float
+    spans: tuple[tuple[int, int], ...]  #: First sample of each cycle, and of what follows it.
+    seconds: float  #: Their median duration [s].
 
     def over(self, signal: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Per cent of the cycle, the signal's mean over the cycles and its standard deviation."""
@@ -52,14 +44,7 @@ def find_cycles(
 ) -> Cycles | None:
     """The cycles of a movement that repeats itself throughout; None for any other.
 
-    Parameters
-    ----------
-    angle : ndarray, shape (n,)
-        Ankle angle [rad].
-    rate_hz : float
-        Samples a second.
-    counted : ndarray of bool, shape (n,), optional
-        Cycles with a sample that does not count are left out.
+    Cycles with a sample that does not count are left out.
     """
     movement = angle - angle.mean()
     if not np.isfinite(movement).all() or float(movement.std()) < _MOVES:

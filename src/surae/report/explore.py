@@ -24,24 +24,12 @@ _STEPS = 65534
 
 @dataclass(frozen=True, slots=True)
 class Explorer:
-    """What the page needs for its plots.
+    """What the page needs for its plots."""
 
-    Attributes
-    ----------
-    data : str
-        JSON of the signals, without any sign that could end an element of the page.
-    scripts : tuple of str
-        The scripts, to stand in the page as they are.
-    style : str
-        The plots' style sheet.
-    policy : str
-        The scripts' hashes: the page runs these and no others.
-    """
-
-    data: str
-    scripts: tuple[str, ...]
-    style: str
-    policy: str
+    data: str  #: JSON of the signals, without any sign that could end an element of the page.
+    scripts: tuple[str, ...]  #: The scripts, to stand in the page as they are.
+    style: str  #: The plots' style sheet.
+    policy: str  #: The scripts' hashes: the page runs these and no others.
 
 
 def explorer(recordings: Sequence[Traces]) -> Explorer:

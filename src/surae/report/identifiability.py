@@ -42,24 +42,13 @@ class SensitivityRow:
 
 @dataclass(frozen=True, slots=True)
 class IdentifiabilitySection:
-    """What the sensitivities say.
+    """What the sensitivities say."""
 
-    Attributes
-    ----------
-    text : str
-        Condition number and collinearity index in a sentence; why there is nothing else to say.
-    directions : tuple of DirectionRow
-        The weakest combinations.
-    sets : tuple of str
-        Collinear sets with their index.
-    rows : tuple of SensitivityRow
-        Estimated parameters, the most influential first.
-    """
-
+    #: Condition number and collinearity index in a sentence; why there is nothing else to say.
     text: str
-    directions: tuple[DirectionRow, ...]
-    sets: tuple[str, ...]
-    rows: tuple[SensitivityRow, ...]
+    directions: tuple[DirectionRow, ...]  #: The weakest combinations.
+    sets: tuple[str, ...]  #: Collinear sets with their index.
+    rows: tuple[SensitivityRow, ...]  #: Estimated parameters, the most influential first.
 
 
 def identifiability_section(result: FitResult, assessment: Assessment) -> IdentifiabilitySection:

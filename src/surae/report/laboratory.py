@@ -55,17 +55,10 @@ class LaboratorySection:
 
 @dataclass(frozen=True, slots=True)
 class FamilySection:
-    """The models that were weighed: the two kinds of tendons, and other sets of imperfections.
+    """The models that were weighed: the two kinds of tendons, and other sets of imperfections."""
 
-    Attributes
-    ----------
-    text : str
-        What the evidence says.
-    models, variants : tuple of (str, str, str)
-        Model, imperfections in it, and its probability.
-    """
-
-    text: str
+    text: str  #: What the evidence says.
+    #: `models`, `variants`: model, imperfections in it, and its probability.
     models: tuple[tuple[str, str, str], ...]
     variants: tuple[tuple[str, str, str], ...]
 

@@ -28,50 +28,26 @@ _VERDICTS = {
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """An estimate and its interval between the bounds, as parts from 0 to 1.
+    """An estimate and its interval between the bounds, as parts from 0 to 1."""
 
-    Attributes
-    ----------
-    value : float
-        The estimate.
-    low, high : float or None
-        Ends of the interval, cut off at the bounds; None without an interval.
-    beyond_low, beyond_high : bool
-        Whether the interval was cut off at that end.
-    prior : tuple of float, or None
-        Lower end, median and upper end of the prior, cut off at the bounds.
-    alt : str
-        The bar in words.
-    """
-
-    value: float
+    value: float  #: The estimate.
+    #: `low`, `high`: ends of the interval, cut off at the bounds; None without an interval.
     low: float | None
     high: float | None
+    #: `beyond_low`, `beyond_high`: whether the interval was cut off at that end.
     beyond_low: bool
     beyond_high: bool
+    #: Lower end, median and upper end of the prior, cut off at the bounds.
     prior: tuple[float, float, float] | None
-    alt: str
+    alt: str  #: The bar in words.
 
 
 @dataclass(frozen=True, slots=True)
 class ParameterRow:
-    """One row of the table.
+    """One row of the table."""
 
-    Attributes
-    ----------
-    name, meaning, unit, value, interval, sem, sem_robust, bounds, verdict, verdict_text, note : str
-        The cells; a dash where there is no number.
-    repeatable, repeat_interval : str
-        Whether another trial of the leg would give the same value, ``"yes"``, ``"no"`` or a dash,
-        and the 95 % interval of what it would give; empty where that is the parameter's own.
-    prior : str
-        The prior in words; empty without one.
-    determined : bool
-        False when the torque leaves the value open, which then says nothing.
-    bar : Bar or None
-        None for a parameter that was not estimated.
-    """
-
+    #: `name`, `meaning`, `unit`, `value`, `interval`, `sem`, `sem_robust`, `bounds`, `verdict`,
+    #: `verdict_text`, `note`: the cells; a dash where there is no number.
     name: str
     meaning: str
     unit: str
@@ -83,11 +59,14 @@ class ParameterRow:
     verdict: str
     verdict_text: str
     note: str
+    #: `repeatable`, `repeat_interval`: whether another trial of the leg would give the same value,
+    #: ``"yes"``, ``"no"`` or a dash, and the 95 % interval of what it would give; empty where that
+    #: is the parameter's own.
     repeatable: str
     repeat_interval: str
-    prior: str
-    determined: bool
-    bar: Bar | None
+    prior: str  #: The prior in words; empty without one.
+    determined: bool  #: False when the torque leaves the value open, which then says nothing.
+    bar: Bar | None  #: None for a parameter that was not estimated.
 
 
 @dataclass(frozen=True, slots=True)

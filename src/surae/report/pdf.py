@@ -18,15 +18,7 @@ from surae.report.typeset import require_typst, typeset
 def render_pdf(
     result: FitResult, assessment: Assessment, predictions: Sequence[Prediction], **what: Any
 ) -> bytes:
-    """The report as PDF; the arguments are those of `surae.report.write_report`.
-
-    Raises
-    ------
-    InputError
-        Typst is not installed.
-    ComputationError
-        Typst cannot set it.
-    """
+    """The report as PDF; the arguments are those of `surae.report.write_report`."""
     require_typst()
     traces = traces_of(result)
     content = make_content(result, assessment, traces, predictions=predictions, **what)

@@ -36,12 +36,7 @@ def quality_sections(
 ) -> tuple[QualitySection, ...]:
     """One section for each recording; none where nobody looked.
 
-    Parameters
-    ----------
-    quality : sequence of Quality
-        Of each recording, or empty.
-    traces : sequence of Traces
-        Signals of the recordings, whose span the marks are drawn on.
+    Marks are drawn on the span of the recordings' `traces`.
     """
     return tuple(_section(checked, trace) for checked, trace in zip(quality, traces, strict=False))
 

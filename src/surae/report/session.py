@@ -106,33 +106,9 @@ def session_page(
 ) -> str:
     """The report of a session as one HTML page, which asks nothing of the outside.
 
-    Parameters
-    ----------
-    name : str
-        Of the session.
-    about : mapping of str to (str or None)
-        Side, date, condition, notes.
-    trials : sequence of Trial
-        All of them.
-    fits, joint
-        Each trial's fit, and that of all together.
-    joined : sequence of str
-        Trials of the joint fit.
-    failed : mapping of str to str
-        Why a trial has no fit or is not in the joint one.
-    quality : mapping of str to Quality
-        What was found in each trial.
-    predictions, joint_predictions
-        How each fit, and the joint one, follow each trial.
-    created : datetime
-        When the report is made.
-    interrupted : bool
-        Whether the user stopped before the end.
-
-    Returns
-    -------
-    str
-        HTML.
+    `about` holds side, date, condition and notes; `fits` each trial's fit and `joint` that of all
+    trials in `joined`; `failed` says why a trial has no fit or is not in the joint one;
+    `predictions` and `joint_predictions` are how each fit, and the joint one, follow each trial.
     """
     alone = {trial: assessment for trial, (_, assessment) in fits.items()}
     together = None if joint is None else joint[1]
@@ -304,17 +280,7 @@ def _estimated(every: Iterable[Assessment]) -> dict[str, ParameterEstimate]:
 def session_figure(
     alone: Mapping[str, Assessment], joint: Assessment | None, *, width: float
 ) -> Figure:
-    """Every parameter by trial, with its interval; that of all together as a band.
-
-    Parameters
-    ----------
-    alone : mapping of str to Assessment
-        By trial.
-    joint : Assessment or None
-        Of all together.
-    width : float
-        Width of the figure [inch].
-    """
+    """Every parameter by trial, with its interval; that of all together as a band."""
     names = list(_estimated([*([] if joint is None else [joint]), *alone.values()]))
     return trials_figure(names, alone, joint, disputed=contradictions(alone, joint), width=width)
 

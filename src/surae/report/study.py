@@ -20,17 +20,11 @@ _RANGES = {"ipde": (0.0, math.inf), "vaf": (-math.inf, 100.0)}
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """Means at values of the factor, and from where to where they spread; NaN where none is.
+    """Means at values of the factor, and from where to where they spread; NaN where none is."""
 
-    Attributes
-    ----------
-    label : str
-        Parameter or protocol.
-    mean, low, high : ndarray, shape (n,)
-        Over the other factors; low and high are one standard deviation away.
-    """
-
-    label: str
+    label: str  #: Parameter or protocol.
+    #: `mean`, `low`, `high`: over the other factors; low and high are one standard deviation away,
+    #: shape (n,).
     mean: FloatArray
     low: FloatArray
     high: FloatArray
@@ -48,24 +42,12 @@ class ModelCurves:
 
 @dataclass(frozen=True, slots=True)
 class StudyCurves:
-    """A study against one factor.
+    """A study against one factor."""
 
-    Attributes
-    ----------
-    x : str
-        The factor.
-    values : tuple
-        Its values, in order: numbers, or texts where it has no numbers.
-    models : tuple of ModelCurves
-        One for each model.
-    notes : tuple of str
-        What is left out and what the numbers are, in sentences.
-    """
-
-    x: str
-    values: tuple[Value, ...]
-    models: tuple[ModelCurves, ...]
-    notes: tuple[str, ...]
+    x: str  #: The factor.
+    values: tuple[Value, ...]  #: Its values, in order: numbers, or texts where it has no numbers.
+    models: tuple[ModelCurves, ...]  #: One for each model.
+    notes: tuple[str, ...]  #: What is left out and what the numbers are, in sentences.
 
     @property
     def numeric(self) -> bool:

@@ -15,26 +15,16 @@ GROUPS = ("Triceps surae", "Tibialis anterior")
 
 @dataclass(frozen=True, slots=True)
 class TendonRow:
-    """Ranges of one muscle and its tendon as text.
+    """Ranges of one muscle and its tendon as text."""
 
-    Attributes
-    ----------
-    group : str
-        The muscle group.
-    length, velocity : str
-        Of the muscle [l0, l0/s].
-    elongation, force : str
-        Of the tendon [mm, N].
-    toe : str
-        Force at which the toe ends, and how far the recording went [N].
-    """
-
-    group: str
+    group: str  #: The muscle group.
+    #: `length`, `velocity`: of the muscle [l0, l0/s].
     length: str
     velocity: str
+    #: `elongation`, `force`: of the tendon [mm, N].
     elongation: str
     force: str
-    toe: str
+    toe: str  #: Force at which the toe ends, and how far the recording went [N].
 
     @property
     def text(self) -> str:

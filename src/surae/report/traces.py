@@ -16,49 +16,23 @@ from surae.units import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class Traces:
-    """What the figures of one recording show, each of shape (n,) unless stated.
+    """What the figures of one recording show, each of shape (n,) unless stated."""
 
-    Attributes
-    ----------
-    name : str
-        The recording's.
-    rate_hz : float
-        Samples a second.
-    time : ndarray
-        Time [s].
-    emg : ndarray, shape (n, 4)
-        EMG envelopes in the order TA, GL, SOL, GM.
-    emg_unit : {"V", "1"}
-        Volts, or a normalised envelope.
-    missing_emg : tuple of str
-        Muscles without EMG.
-    angle : ndarray
-        Ankle angle [rad].
-    measured, modelled : ndarray
-        Torque [Nm].
-    parts : TorqueParts
-        Parts of the modelled torque [Nm].
-    tendon : TendonState or None
-        What muscles and tendons do; None where tendons are rigid.
-    optimal : tuple of float
-        Optimal lengths of triceps surae and tibialis anterior [m]; NaN where the model has none.
-    weight : ndarray or None
-        What each sample counts in the fit.
-    """
-
-    name: str
-    rate_hz: float
-    time: FloatArray
-    emg: FloatArray
-    emg_unit: str
-    missing_emg: Sequence[str]
-    angle: FloatArray
+    name: str  #: The recording's.
+    rate_hz: float  #: Samples a second.
+    time: FloatArray  #: Time [s].
+    emg: FloatArray  #: EMG envelopes in the order TA, GL, SOL, GM, shape (n, 4).
+    emg_unit: str  #: "V", "1": Volts, or a normalised envelope.
+    missing_emg: Sequence[str]  #: Muscles without EMG.
+    angle: FloatArray  #: Ankle angle [rad].
+    #: `measured`, `modelled`: torque [Nm].
     measured: FloatArray
     modelled: FloatArray
-    parts: TorqueParts
-    tendon: TendonState | None
+    parts: TorqueParts  #: Parts of the modelled torque [Nm].
+    tendon: TendonState | None  #: What muscles and tendons do; None where tendons are rigid.
+    #: Optimal lengths of triceps surae and tibialis anterior [m]; NaN where the model has none.
     optimal: tuple[float, float]
-    weight: FloatArray | None
+    weight: FloatArray | None  #: What each sample counts in the fit.
 
     @property
     def counted(self) -> npt.NDArray[np.bool_]:

@@ -18,13 +18,7 @@ def has_typst() -> bool:
 
 
 def require_typst() -> None:
-    """Refuse to make a PDF where nothing can set it.
-
-    Raises
-    ------
-    InputError
-        Typst is not installed.
-    """
+    """Refuse to make a PDF where nothing can set it."""
     if not has_typst():
         raise InputError(
             'a PDF needs typst: pip install "surae[pdf]" installs it; the HTML report needs nothing'

@@ -24,12 +24,7 @@ FAILED = (
 def summary(result: FitResult, assessment: Assessment, rms: float) -> tuple[str, ...]:
     """The summary, one paragraph an entry.
 
-    Parameters
-    ----------
-    result, assessment : FitResult, Assessment
-        The fit and what it is worth.
-    rms : float
-        Root mean square of the measured torque of all recordings [Nm].
+    `rms` is the root mean square of the measured torque of all recordings [Nm].
     """
     if result.status == "failed":
         return (FAILED,)

@@ -50,24 +50,7 @@ def derivatives(
 ) -> tuple[FloatArray, FloatArray]:
     """First and second time derivative of a uniformly sampled angle.
 
-    Parameters
-    ----------
-    angle : ndarray, shape (n,)
-        Angle [rad], n at least 15.
-    rate_hz : float
-        Sampling rate [Hz].
-    where : str
-        What the message of an error begins with.
-
-    Returns
-    -------
-    velocity, acceleration : ndarray, shape (n,)
-        In rad/s and rad/s².
-
-    Raises
-    ------
-    InputError
-        There are fewer than 15 samples.
+    The angle [rad] has 15 samples or more; `where` is what the message of an error begins with.
     """
     n = len(angle)
     if n < MINIMUM_SAMPLES:

@@ -109,11 +109,6 @@ def smoothed(inputs: ModelInputs) -> ModelInputs:
 
     The same where there was none, or none that the rate can tell. A derivative that was measured
     went through no filter, and goes through none here.
-
-    Parameters
-    ----------
-    inputs : ModelInputs
-        As `prepare` gives them.
     """
     if inputs.lowpass is None or inputs.lowpass[0] >= HIGHEST_CUTOFF * inputs.rate_hz:
         return inputs
@@ -133,11 +128,6 @@ def sharpened(inputs: ModelInputs) -> ModelInputs:
     muscle or a softer tendon. Filtering once more shows what is lost, and twice the signal less
     what is left of it (Tukey's twicing) has it back: the gain is 1 − (1 − H)² in place of H, and
     nowhere above one.
-
-    Parameters
-    ----------
-    inputs : ModelInputs
-        As `prepare` gives them.
     """
     once = smoothed(inputs)
     if once is inputs:

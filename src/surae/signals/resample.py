@@ -20,24 +20,12 @@ _DEGREE = 5
 
 @dataclass(frozen=True, slots=True)
 class Uniform:
-    """A channel on a uniform axis at its own rate.
+    """A channel on a uniform axis at its own rate."""
 
-    Attributes
-    ----------
-    where : str
-        Recording and role, for messages.
-    axis : Axis
-        Its time axis.
-    values : ndarray, shape (axis.n,)
-        Its samples.
-    timing : Timing
-        How its time stamps were.
-    """
-
-    where: str
-    axis: Axis
-    values: FloatArray
-    timing: Timing
+    where: str  #: Recording and role, for messages.
+    axis: Axis  #: Its time axis.
+    values: FloatArray  #: Its samples, shape (axis.n,).
+    timing: Timing  #: How its time stamps were.
 
     def replaced(self, values: FloatArray) -> "Uniform":
         """The channel with other values on its axis."""
@@ -49,11 +37,6 @@ def uniform(channel: Channel, recording: str) -> Uniform:
 
     Samples that lie on it already, but for the rounding of their time stamps, are kept as they are;
     jittered ones are interpolated by a quintic spline.
-
-    Raises
-    ------
-    InputError
-        As of `timing`.
     """
     stamps = timing(channel, recording)
     where = f"{recording}: {channel.role}"
@@ -75,11 +58,6 @@ def resample(signal: Uniform, target: Axis, *, ends: Ends = "odd") -> FloatArray
     instants that coincide with samples take them unchanged; others are interpolated by a quintic
     spline. Away from the ends, a tone at 0.2 of the target rate is kept to 4e-6 of its amplitude
     from sources at least twice as fast, and to 5e-4 at the same rate and half a step apart.
-
-    Raises
-    ------
-    InputError
-        The signal is too short for the anti-aliasing filter or the spline.
     """
     values = signal.values
     if needs_antialias(signal.axis, target):

@@ -48,33 +48,20 @@ class Axis:
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """How a channel is sampled in time.
+    """How a channel is sampled in time."""
 
-    Attributes
-    ----------
-    axis : Axis
-        The uniform axis that fits its time stamps best.
-    jitter_s : float
-        Largest distance of a time stamp from that axis [s].
-    uniform : bool
-        The samples may be taken as lying on `axis`: the stamps do, to a thousandth of a step, or
-        their rounding to whole decimals (e.g. milliseconds), to six significant digits or to
-        single precision explains why they do not.
-    """
-
-    axis: Axis
-    jitter_s: float
+    axis: Axis  #: The uniform axis that fits its time stamps best.
+    jitter_s: float  #: Largest distance of a time stamp from that axis [s].
+    #: The samples may be taken as lying on `axis`: the stamps do, to a thousandth of a step, or
+    #: their rounding to whole decimals (e.g. milliseconds), to six significant digits or to single
+    #: precision explains why they do not.
     uniform: bool
 
 
 def timing(channel: Channel, recording: str) -> Timing:
     """Find the uniform axis of a channel of the recording of that name.
 
-    Raises
-    ------
-    InputError
-        The samples are no signal (`check_samples`), or there is a gap: a step longer than
-        `GAP_STEPS` median steps. The message names the recording, the channel and the time.
+    A gap, a step longer than `GAP_STEPS` median steps, is refused with recording, channel and time.
     """
     time, n, where = channel.time, len(channel.time), f"{recording}: {channel.role}"
     check_samples(time, channel.values, where=recording, names=("time", channel.role))
@@ -115,10 +102,7 @@ def common_axis(axes: Sequence[Axis], rate_hz: float, where: str, fewest: int) -
     Its rate is `rate_hz`, or that of the slowest channel where this is lower; then the axis is the
     slowest channel's own, so that its samples are used as they are.
 
-    Raises
-    ------
-    InputError
-        The channels share no span of time, or fewer than `fewest` samples.
+    It is refused where channels share no span of time, or fewer than `fewest` samples.
     """
     first = max(axis.start for axis in axes)
     last = min(axis.end for axis in axes)

@@ -142,14 +142,8 @@ def activity(
 ) -> FloatArray:
     """How active a recording is over time, from 0 at rest to 1 at a peak, shape (n,).
 
-    Parameters
-    ----------
-    recording : ModelInputs
-        The recording.
-    kind : {"torque", "emg"}
-        The size of the torque, or the mean of the EMG envelopes, each over its own peak.
-    counted : ndarray of bool, shape (n,), optional
-        Samples that tell how high a peak is.
+    `kind` is "torque", its size, or "emg", the mean of the envelopes, each over its own peak;
+    `counted` are the samples that tell how high a peak is.
     """
     mask = np.ones(recording.n, dtype=bool) if counted is None else counted
     if kind == "torque":

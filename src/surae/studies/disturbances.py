@@ -20,22 +20,7 @@ def coloured_noise(
 ) -> FloatArray:
     """First-order autoregressive noise, stationary from its first sample.
 
-    Parameters
-    ----------
-    n : int
-        Samples.
-    rate_hz : float
-        Sampling rate [Hz].
-    deviation : float
-        Standard deviation.
-    time : float
-        Correlation time T [s]: the correlation at the lag τ is exp(−τ/T); 0 for white noise.
-    rng : Generator
-        Its draws: n standard normal numbers.
-
-    Returns
-    -------
-    ndarray, shape (n,)
+    The correlation at the lag τ is exp(−τ/`time`) [s]; 0 is white noise.
     """
     from scipy.signal import lfilter
 
@@ -52,20 +37,8 @@ def wandering(t: FloatArray, period: float, columns: int, rng: np.random.Generat
     Independent normal numbers every `period`, joined by minimum-jerk steps and scaled so that the
     variance is 1 in between too.
 
-    Parameters
-    ----------
-    t : ndarray, shape (n,)
-        Times from 0 [s].
-    period : float
-        Between two of the numbers [s]; values two periods apart are independent.
-    columns : int
-        How many, independent of each other.
-    rng : Generator
-        Its draws; a longer trial begins as a shorter one.
-
-    Returns
-    -------
-    ndarray, shape (n, columns)
+    `period` [s] lies between two of the numbers: values two periods apart are independent, and so
+    are the columns. A longer trial begins as a shorter one.
     """
     knots = rng.standard_normal((int(t[-1] / period) + 2, columns))
     before = np.minimum((t / period).astype(int), len(knots) - 2)
@@ -76,17 +49,7 @@ def wandering(t: FloatArray, period: float, columns: int, rng: np.random.Generat
 
 
 def mixing(crosstalk: float) -> FloatArray:
-    """What electrodes (rows) pick up of muscles (columns): all of their own, a part of the others.
-
-    Parameters
-    ----------
-    crosstalk : float
-        That part.
-
-    Returns
-    -------
-    ndarray, shape (4, 4)
-    """
+    """What electrodes (rows) pick up of muscles (columns): all of their own, part of others."""
     n = len(MUSCLES)
     return np.full((n, n), crosstalk) + (1.0 - crosstalk) * np.eye(n)
 
@@ -96,13 +59,6 @@ def mixed_envelopes(envelopes: FloatArray, crosstalk: float) -> FloatArray:
 
     EMG of different muscles is uncorrelated, so raw signals that add up linearly (`mixing`) have
     envelopes that add up in squares.
-
-    Parameters
-    ----------
-    envelopes : ndarray, shape (n, 4)
-        Of the muscles.
-    crosstalk : float
-        As in `mixing`; 0 gives the envelopes unchanged.
     """
     if crosstalk == 0.0:
         return envelopes
@@ -117,18 +73,8 @@ def raw_emg(envelopes: FloatArray, rate_hz: float, rng: np.random.Generator) -> 
     standard deviation σ has the mean √(2/π)·σ = 0.798·σ, and the preparation's high-pass leaves
     `passed` = 0.973 of σ at 2048 Hz: so σ = √(π/2)/0.973 = 1.289 times the envelope.
 
-    Parameters
-    ----------
-    envelopes : ndarray, shape (n, k)
-        Expected rectified EMG after the high-pass [V], zero or more.
-    rate_hz : float
-        Sampling rate [Hz], at least `EMG_LOWEST_RATE`.
-    rng : Generator
-        Its draws.
-
-    Returns
-    -------
-    ndarray, shape (n, k)
+    The envelopes are expected rectified EMG after the high-pass [V]; the rate is at least
+    `EMG_LOWEST_RATE`.
     """
     n = len(envelopes)
     spectrum = np.fft.rfft(rng.standard_normal(envelopes.shape), axis=0)
@@ -144,13 +90,8 @@ def raw_emg(envelopes: FloatArray, rate_hz: float, rng: np.random.Generator) -> 
 def passed(rate_hz: float, settings: Preparation | None = None) -> float:
     """Root-mean-square gain that the EMG high-pass of a preparation has for `raw_emg`.
 
-    Parameters
-    ----------
-    rate_hz : float
-        Sampling rate of the raw EMG [Hz].
-    settings : Preparation, optional
-        The default one if not given. With another, estimated EMG weights are the true ones times
-        ``passed(rate_hz) / passed(rate_hz, settings)``.
+    It is the default preparation if not given. With another, estimated EMG weights are the true
+    ones times ``passed(rate_hz) / passed(rate_hz, settings)``.
     """
     settings = settings or Preparation()
     if settings.emg_highpass_hz is None:

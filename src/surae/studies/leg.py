@@ -41,18 +41,10 @@ Motion = tuple[FloatArray, FloatArray, FloatArray]
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """A trial without the noise of its sensors.
+    """A trial without the noise of its sensors."""
 
-    Attributes
-    ----------
-    envelopes : ndarray, shape (n, 4)
-        EMG envelopes of the muscles, not of the electrodes [V].
-    torque : ndarray, shape (n,)
-        On the device [Nm].
-    """
-
-    envelopes: FloatArray
-    torque: FloatArray
+    envelopes: FloatArray  #: EMG envelopes of the muscles, not of the electrodes [V], shape (n, 4).
+    torque: FloatArray  #: On the device [Nm], shape (n,).
 
 
 def simulate_leg(
@@ -65,18 +57,8 @@ def simulate_leg(
 ) -> Leg:
     """Effort, reflex, motion of ankle and knee, and the torque that the model makes of them.
 
-    Parameters
-    ----------
-    subject : VirtualSubject
-        Whose leg it is.
-    trajectory : Trajectory
-        Motion of the device and target effort.
-    model, options : str, ModelOptions
-        Model that stands for the truth.
-    imperfections : Imperfections
-        Of which the sensors' are not used here.
-    trial : int
-        Seed of the trial.
+    `model` and `options` stand for the truth; of the imperfections the sensors' are not used here;
+    `trial` is the trial's seed.
     """
     spec = get_model(model)
     plate = (trajectory.angle, trajectory.velocity, trajectory.acceleration)
@@ -156,14 +138,8 @@ def _log_normal(values: FloatArray, variation: float) -> FloatArray:
 def reflex(time: FloatArray, stretch: FloatArray, imperfections: Imperfections) -> FloatArray:
     """Effort of the stretch reflex: stretch velocity, delayed, above a threshold, limited.
 
-    Parameters
-    ----------
-    time : ndarray, shape (n,)
-        [s].
-    stretch : ndarray, shape (n,)
-        Lengthening velocity of the triceps with a rigid tendon [l0/s]; zero before the trial.
-    imperfections : Imperfections
-        Gain, delay, threshold and limit.
+    `stretch` is the lengthening velocity of the triceps with a rigid tendon [l0/s], zero before the
+    trial.
     """
     delayed = np.interp(time - imperfections.reflex_delay, time, stretch, left=0.0)
     above = np.maximum(delayed - imperfections.reflex_threshold, 0.0)
@@ -175,19 +151,9 @@ def misaligned(plate: Motion, forward: float, up: float) -> tuple[Motion, FloatA
 
     `surae.model.axis` says how they turn and what the device feels.
 
-    Parameters
-    ----------
-    plate : Motion
-        Of the device, which is what is measured; arrays of shape (n,).
-    forward, up : float
-        Position of the ankle's axis [m].
-
-    Returns
-    -------
-    motion : Motion
-        Of the ankle; `plate` itself where both are zero.
-    factor : ndarray, shape (n,), or None
-        dθ_ankle/dθ; None where both are zero.
+    `plate` is the device's motion, which is what is measured; `forward` and `up` [m] say where the
+    ankle's axis is. Given back are the ankle's motion and dθ_ankle/dθ; `plate` itself and None
+    where both are zero.
     """
     if forward == up == 0.0:
         return plate, None
@@ -208,21 +174,7 @@ def knee_torque(
     moment arm at the ankle stays that of θ. Exact for rigid tendons; with compliant ones the heads
     count as having tendons of their own.
 
-    Parameters
-    ----------
-    inputs : ModelInputs
-        Motion of the ankle and EMG envelopes of the muscles.
-    model, options : str, ModelOptions
-        The model.
-    values : ndarray
-        Its parameters.
-    flexion : ndarray, shape (n,)
-        Of the knee [rad], from where it was meant to be.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Torque to add [Nm]; zero where the knee does not flex.
+    `flexion` is the knee's [rad], from where it was meant to be; the torque is to be added [Nm].
     """
     emg = np.array(inputs.emg)
     emg[:, _NOT_GASTROCNEMIUS] = 0.0

@@ -46,30 +46,16 @@ _FIRST = 40_000
 
 @dataclass(frozen=True, slots=True)
 class RicherLeg:
-    """One trial of a leg that no model of a fit is.
+    """One trial of a leg that no model of a fit is."""
 
-    Attributes
-    ----------
-    inputs : ModelInputs
-        The recording as it is measured, EMG as envelopes that may be negative by their noise.
-    raw : ndarray, shape (n, 4), or None
-        Raw EMG [V] in place of the envelopes.
-    parameters : mapping of str to float
-        The true parameters of the leg, tendons and their toes included.
-    delay : float
-        From EMG to torque [s].
-    zero : float
-        Of the torque sensor [Nm].
-    noise : float
-        Standard deviation of the torque's noise [Nm].
-    """
-
+    #: The recording as it is measured, EMG as envelopes that may be negative by their noise.
     inputs: ModelInputs
-    raw: FloatArray | None
+    raw: FloatArray | None  #: Raw EMG [V] in place of the envelopes, shape (n, 4).
+    #: The true parameters of the leg, tendons and their toes included.
     parameters: dict[str, float]
-    delay: float
-    zero: float
-    noise: float
+    delay: float  #: From EMG to torque [s].
+    zero: float  #: Of the torque sensor [Nm].
+    noise: float  #: Standard deviation of the torque's noise [Nm].
 
     def write(self, path: PathLike, muscles: Sequence[str] = MUSCLES) -> None:
         """Write the trial as a CSV file, as a laboratory that knows nothing of it would have it."""
@@ -96,26 +82,12 @@ def richer_leg(
 ) -> RicherLeg:
     """Draw a leg and one trial of it: 35 s of holds with a chirp and alternating effort.
 
-    Parameters
-    ----------
-    seed : int
-        Of the leg; odd ones are active throughout, the others relaxed to 11 s.
-    drifting : bool
-        Whether the axis is beside the device's and the electrodes' gain drifts.
-    foreign : bool
-        Whether the muscles are of another kind than those of every model.
-    noise : float
-        Of EMG and torque, as a part of each one's mean magnitude.
-    emg_noise : float, optional
-        Of EMG, where it is another.
-    raw : bool
-        Raw EMG, sampled at `RAW_HZ` as everything is then; its noise is its own.
-    rate_hz : float
-        Of the recording.
-    trial : int
-        Trials of a leg share all but effort, zero, drift and noise.
-    **motion
-        Settings of the `Protocol` that differ: ``profile``, ``task``, ``duration``, …
+    Legs of an odd seed are active throughout, the others relaxed to 11 s. `drifting`: the axis is
+    beside the device's and the electrodes' gain drifts; `foreign`: the muscles are of another kind
+    than those of every model. `noise` is that of EMG and torque as a part of each one's mean
+    magnitude, `emg_noise` of EMG where it is another; `raw` EMG is sampled at `RAW_HZ`, as
+    everything is then, and its noise is its own. Trials of a leg share all but effort, zero, drift
+    and noise. `motion` are the settings of the `Protocol` that differ.
     """
     rate_hz, finer = (RAW_HZ, 1) if raw else (rate_hz, _FINER)
     drawn = virtual_subject(_FIRST + seed)

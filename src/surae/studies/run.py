@@ -14,22 +14,13 @@ from surae.studies.tasks import Task, run_task
 
 @dataclass(frozen=True, slots=True)
 class Finished:
-    """What a run did.
+    """What a run did."""
 
-    Attributes
-    ----------
-    rows, fits : int
-        Rows of the table, and the distinct fits behind them: all of them are kept.
-    computed : int
-        Fits that this run computed.
-    seconds : float
-        Its wall time.
-    """
-
+    #: `rows`, `fits`: rows of the table, and the distinct fits behind them: all of them are kept.
     rows: int
     fits: int
-    computed: int
-    seconds: float
+    computed: int  #: Fits that this run computed.
+    seconds: float  #: Its wall time.
 
 
 def run_study(

@@ -83,28 +83,16 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True)
 class TaskOutcome:
-    """What became of a task.
+    """What became of a task."""
 
-    Attributes
-    ----------
-    status : {"converged", "at-bounds", "failed"}
-        As of a fit; "failed" too where there was none.
-    message : str
-        What happened, in a sentence or two.
-    vaf, ipde : float or None
-        As of an assessment; None where there is none.
-    estimates : tuple of Estimate
-        The estimated parameters; none where there was no fit.
-    seconds : float
-        Time that it took.
-    """
-
+    #: "converged", "at-bounds", "failed": As of a fit; "failed" too where there was none.
     status: str
-    message: str
+    message: str  #: What happened, in a sentence or two.
+    #: `vaf`, `ipde`: as of an assessment; None where there is none.
     vaf: float | None = None
     ipde: float | None = None
-    estimates: tuple[Estimate, ...] = ()
-    seconds: float = 0.0
+    estimates: tuple[Estimate, ...] = ()  #: The estimated parameters; none where there was no fit.
+    seconds: float = 0.0  #: Time that it took.
 
     def plain(self) -> dict[str, Any]:
         """Give the outcome as plain data."""
@@ -136,13 +124,7 @@ def _task(combination: dict[str, Any]) -> Task:
 
 
 def outcome_of(key: str, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Run the task of some settings, as `run_task` does, wherever it may be; the outcome, plain.
-
-    Raises
-    ------
-    ComputationError
-        The program here is not the one that planned it.
-    """
+    """Run the task of some settings, as `run_task` does, wherever it may be; the outcome, plain."""
     options = tuple((name, value) for name, value in settings["options"])
     task = Task(**{**settings, "options": options})
     if task.key != key:

@@ -55,18 +55,8 @@ def results_in(folder: PathLike) -> frozenset[str]:
 def claimed(folder: PathLike, trials: Sequence[Trial]) -> Path:
     """The folder for a session's results, made where it is missing.
 
-    Parameters
-    ----------
-    folder : path
-        Where to.
-    trials : sequence of Trial
-        The session's.
-
-    Raises
-    ------
-    InputError
-        The trials themselves lie in it, it holds a file that is no result and would be replaced,
-        two fits would have one name, or it cannot be made.
+    It is refused where the trials themselves lie in it, it holds a file that is no result and would
+    be replaced, two fits would have one name, or it cannot be made.
     """
     root = Path(folder)
     names = _distinct(trial.name for trial in trials)
@@ -99,15 +89,7 @@ def set_aside(folder: PathLike, present: Iterable[str]) -> None:
 def fit_in(folder: PathLike) -> Path:
     """The fit that stands for a session: the joint one, or the only one that there is.
 
-    Parameters
-    ----------
-    folder : path
-        What `surae session` wrote, or a folder with a joint.json alone.
-
-    Raises
-    ------
-    InputError
-        There is none, or there are several and no joint one; why.
+    `folder` is what `surae session` wrote, or one with a joint.json alone.
     """
     root = Path(folder)
     index = index_of(root)

@@ -12,17 +12,8 @@ def changes(
 ) -> tuple[ParameterChange, ...]:
     """Parameters that leave their 95 % intervals when the tendons are no longer rigid.
 
-    Parameters
-    ----------
-    scores : sequence of ModelScore
-        The models.
-    worth : mapping of str to Assessment
-        The models' fits to all data, by model.
-
-    Returns
-    -------
-    tuple of ParameterChange
-        The largest relative change first. A parameter without interval in either fit is left out.
+    `worth` is of the fits to all data, by model. The largest relative change comes first; a
+    parameter without interval in either fit is left out.
     """
     rigid = best_of(scores, rigid=True)
     if rigid is None:

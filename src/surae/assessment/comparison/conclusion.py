@@ -30,10 +30,7 @@ RULE = (
 def conclude(scores: Sequence[ModelScore]) -> tuple[TendonEvidence | None, str]:
     """The finding and its sentence, from complete scores of at least one model of each kind.
 
-    Returns
-    -------
-    tuple of (TendonEvidence or None, str)
-        None where the fit of the rigid model, or of every compliant one, failed.
+    There is no evidence where the fit of the rigid model, or of every compliant one, failed.
     """
     rigid, best = best_of(scores, rigid=True), best_of(scores, rigid=False)
     if rigid is None or best is None or rigid.aicc is None or best.aicc is None:

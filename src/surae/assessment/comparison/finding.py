@@ -21,54 +21,31 @@ class TendonEvidence(StrEnum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ModelScore(Comparable):
-    """One model on the data.
+    """One model on the data."""
 
-    Attributes
-    ----------
-    model, title : str
-        Its name, and what it is called in tables.
-    rigid : bool
-        Whether it is without tendons.
-    status, message : str
-        Of its fit to all data.
-    at_bound : tuple of str
-        Estimated parameters that lie at a bound.
-    n_free : int
-        Estimated parameters.
-    vaf, rmse : float or None
-        Of its fit to all data [%, Nm]; None where the model gave no finite torque.
-    aicc, aicc_plain : float or None
-        Akaike's criterion with the effective number of samples, and with the nominal one; None
-        where the samples are too few for the parameters, or the fit failed.
-    delta, delta_plain : float or None
-        How much worse than the best of the models.
-    held_out : HeldOut or None
-        Prediction of data it was not fitted to.
-    held_out_note : str
-        Why there is none; else empty.
-    values : mapping of str to float
-        All its parameters, fitted to all data.
-    adequacy : Adequacy
-        Whether that fit is good enough for a comparison to mean something.
-    """
-
+    #: `model`, `title`: its name, and what it is called in tables.
     model: str
     title: str
-    rigid: bool
+    rigid: bool  #: Whether it is without tendons.
+    #: `status`, `message`: of its fit to all data.
     status: str
     message: str
-    at_bound: tuple[str, ...]
-    n_free: int
+    at_bound: tuple[str, ...]  #: Estimated parameters that lie at a bound.
+    n_free: int  #: Estimated parameters.
+    #: `vaf`, `rmse`: of its fit to all data [%, Nm]; None where the model gave no finite torque.
     vaf: float | None
     rmse: float | None
+    #: `aicc`, `aicc_plain`: Akaike's criterion with the effective number of samples, and with the
+    #: nominal one; None where the samples are too few for the parameters, or the fit failed.
     aicc: float | None
     aicc_plain: float | None
+    #: `delta`, `delta_plain`: how much worse than the best of the models.
     delta: float | None
     delta_plain: float | None
-    held_out: HeldOut | None
-    held_out_note: str
-    values: Mapping[str, float]
-    adequacy: Adequacy
+    held_out: HeldOut | None  #: Prediction of data it was not fitted to.
+    held_out_note: str  #: Why there is none; else empty.
+    values: Mapping[str, float]  #: All its parameters, fitted to all data.
+    adequacy: Adequacy  #: Whether that fit is good enough for a comparison to mean something.
 
 
 def best_of(scores: Sequence[ModelScore], *, rigid: bool) -> ModelScore | None:
@@ -84,26 +61,17 @@ def best_of(scores: Sequence[ModelScore], *, rigid: bool) -> ModelScore | None:
 
 @dataclass(frozen=True, slots=True)
 class ParameterChange:
-    """A parameter that a compliant model estimates otherwise than the rigid one.
+    """A parameter that a compliant model estimates otherwise than the rigid one."""
 
-    Attributes
-    ----------
-    model, parameter, unit : str
-        The compliant model, and the parameter both share.
-    rigid, compliant : float
-        The two estimates.
-    percent : float or None
-        Change from the rigid model's estimate [%]; None where that is zero.
-    half_width : float
-        Half the width of the wider of the two 95 % intervals; the change exceeds it.
-    """
-
+    #: `model`, `parameter`, `unit`: the compliant model, and the parameter both share.
     model: str
     parameter: str
     unit: str
+    #: `rigid`, `compliant`: the two estimates.
     rigid: float
     compliant: float
-    percent: float | None
+    percent: float | None  #: Change from the rigid model's estimate [%]; None where that is zero.
+    #: Half the width of the wider of the two 95 % intervals; the change exceeds it.
     half_width: float
 
 

@@ -21,25 +21,14 @@ GUARD_S, GUARD_PART = 0.5, 0.1
 
 @dataclass(frozen=True, slots=True)
 class Fold:
-    """One part of the data that is left out.
+    """One part of the data that is left out."""
 
-    Attributes
-    ----------
-    name : str
-        What is left out.
-    training : tuple of ModelInputs
-        What is fitted. The signals of a block are still simulated, as activation and relaxation
-        remember them; its torque has weight 0.
-    held : ModelInputs
-        The recording that is predicted.
-    samples : ndarray of int
-        Its samples that are left out.
-    """
-
-    name: str
+    name: str  #: What is left out.
+    #: What is fitted. The signals of a block are still simulated, as activation and relaxation
+    #: remember them; its torque has weight 0.
     training: tuple[ModelInputs, ...]
-    held: ModelInputs
-    samples: npt.NDArray[np.intp]
+    held: ModelInputs  #: The recording that is predicted.
+    samples: npt.NDArray[np.intp]  #: Its samples that are left out.
 
 
 def folds(inputs: Sequence[ModelInputs]) -> tuple[Fold, ...]:
@@ -83,13 +72,7 @@ def _counted(recording: ModelInputs) -> npt.NDArray[np.intp]:
 
 
 def without(problem: FitProblem, fold: Fold, result: FitResult) -> FitProblem:
-    """The problem without the fold's samples, starting from the solution with them.
-
-    Raises
-    ------
-    InputError
-        Too few samples are left to determine the parameters.
-    """
+    """The problem without the fold's samples, starting from the solution with them."""
     left = replace(
         problem,
         inputs=fold.training,
@@ -120,27 +103,14 @@ def prediction_error(result: FitResult, fold: Fold) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class HeldOut:
-    """How well a model predicts what its fits did not see.
+    """How well a model predicts what its fits did not see."""
 
-    Attributes
-    ----------
-    vaf : float
-        Of the residuals of all folds pooled, equation (31) [%].
-    spread : float
-        Standard deviation of the folds' own VAFs [%].
-    folds : tuple of float
-        VAF of every fold [%].
-    gain : float
-        How much `vaf` exceeds that of the rigid model [%]; 0 for the rigid model itself.
-    gain_se : float
-        Standard error of the gain, from how it differs between the folds [%].
-    """
-
-    vaf: float
-    spread: float
-    folds: tuple[float, ...]
+    vaf: float  #: Of the residuals of all folds pooled, equation (31) [%].
+    spread: float  #: Standard deviation of the folds' own VAFs [%].
+    folds: tuple[float, ...]  #: VAF of every fold [%].
+    #: How much `vaf` exceeds that of the rigid model [%]; 0 for the rigid model itself.
     gain: float
-    gain_se: float
+    gain_se: float  #: Standard error of the gain, from how it differs between the folds [%].
 
 
 def held_out(
@@ -152,17 +122,9 @@ def held_out(
     standard error is √k times the standard deviation of the terms: the folds are paired, so that a
     fold which is hard to predict for every model does not blur the difference.
 
-    Parameters
-    ----------
-    missed, of_rigid : sequence of float
-        Sum of squared prediction errors of each fold, by the model and by the rigid one [Nm²].
-    total : sequence of float
-        Sum of the squared measured torque of each fold [Nm²].
-
-    Returns
-    -------
-    HeldOut or None
-        None where a prediction is not finite, or a fold has no torque.
+    `missed` and `of_rigid` are sums of squared prediction errors of each fold, by the model and by
+    the rigid one, `total` those of the measured torque [Nm²]. None where a prediction is not
+    finite, or a fold has no torque.
     """
     mine, rigid, scale = np.array(missed), np.array(of_rigid), np.array(total)
     whole = scale.sum()

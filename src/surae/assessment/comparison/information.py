@@ -14,19 +14,8 @@ def aicc(mean_square: float, samples: float, parameters: int) -> float | None:
     of the residual and K = `parameters` + 1, as the variance is estimated too (Hurvich & Tsai
     1989; Burnham & Anderson 2002). Only differences between models of the same data mean anything.
 
-    Parameters
-    ----------
-    mean_square : float
-        Mean squared residual [Nm²].
-    samples : float
-        Independent samples n, not necessarily a whole number.
-    parameters : int
-        Estimated parameters of the model.
-
-    Returns
-    -------
-    float or None
-        None where n is too small for K, or the residual has no variance to take a logarithm of.
+    `mean_square` is in Nm²; `samples` counts independent ones, not necessarily a whole number. None
+    where n is too small for K, or the residual has no variance to take a logarithm of.
     """
     k = parameters + 1
     if samples <= k + 1 or not 0 < mean_square < math.inf:
@@ -40,16 +29,6 @@ def effective_samples(residuals: Iterable[FloatArray]) -> float:
     The sum ends by Geyer's initial positive sequence (1992): pairs ρ(2k) + ρ(2k + 1) are added
     while they are positive; what follows is taken for noise. Anticorrelated residuals, which would
     be worth more than n, count as n.
-
-    Parameters
-    ----------
-    residuals : iterable of ndarray, shape (n,)
-        Residual of each recording, whose mean is removed.
-
-    Returns
-    -------
-    float
-        At most the number of samples.
     """
     return sum(len(e) / _correlation_time(e) for e in residuals)
 

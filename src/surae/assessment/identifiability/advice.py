@@ -7,24 +7,13 @@ from surae.model.parameters import OPTIONAL
 
 @dataclass(frozen=True, slots=True)
 class TradeOff:
-    """Parameters whose effects on the torque resemble one another, and what tells them apart.
+    """Parameters whose effects on the torque resemble one another, and what tells them apart."""
 
-    Attributes
-    ----------
-    names : frozenset of str
-        Parameters that resemble one another, or, with `beside`, those of another group.
-    because : str
-        Why, as the rest of a sentence that begins with the parameters.
-    advice : str
-        What to do, as an imperative.
-    beside : frozenset of str
-        The other group; empty where `names` is the only one.
-    """
-
+    #: Parameters that resemble one another, or, with `beside`, those of another group.
     names: frozenset[str]
-    because: str
-    advice: str
-    beside: frozenset[str] = frozenset()
+    because: str  #: Why, as the rest of a sentence that begins with the parameters.
+    advice: str  #: What to do, as an imperative.
+    beside: frozenset[str] = frozenset()  #: The other group; empty where `names` is the only one.
 
     def holds(self, first: str, second: str) -> bool:
         """Whether this is about the two parameters."""

@@ -20,26 +20,17 @@ SINGULAR = 1e-10
 
 @dataclass(frozen=True, slots=True)
 class Direction:
-    """A combination of parameters, an eigenvector of the scaled information matrix.
+    """A combination of parameters, an eigenvector of the scaled information matrix."""
 
-    Attributes
-    ----------
-    eigenvalue : float
-        Information along it; parameters are measured in their own values, torque in standard
-        deviations of the noise.
-    uncertainty : float or None
-        1/√eigenvalue: relative standard error along it; None where there is no information.
-    changes : mapping of str to float
-        Its parameters, the most changed first, and their relative change along it, of length
-        1 over all parameters.
-    words : str
-        The same as a sentence.
-    """
-
+    #: Information along it; parameters are measured in their own values, torque in standard
+    #: deviations of the noise.
     eigenvalue: float
+    #: 1/√eigenvalue: relative standard error along it; None where there is no information.
     uncertainty: float | None
+    #: Its parameters, the most changed first, and their relative change along it, of length 1 over
+    #: all parameters.
     changes: Mapping[str, float]
-    words: str
+    words: str  #: The same as a sentence.
 
 
 def directions(
@@ -47,16 +38,9 @@ def directions(
 ) -> tuple[Direction, ...]:
     """Eigenvectors of the scaled information matrix RᵀR/σ², the weakest first.
 
-    Parameters
-    ----------
-    names : tuple of str
-        Parameters of the columns.
-    R : ndarray, shape (k, k)
-        Triangular factor of the sensitivities, each parameter in units of its own value [Nm].
-    length : ndarray, shape (k,)
-        Lengths of its columns.
-    sigma : float
-        Standard deviation of the noise [Nm].
+    R, shape (k, k), is the triangular factor of the sensitivities to each parameter in units of its
+    own value [Nm], `length` are those of its columns, `sigma` is the noise's standard deviation
+    [Nm].
     """
     _, s, Vt = np.linalg.svd(R)
     made = []

@@ -42,70 +42,37 @@ class Cause(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Identified:
-    """How well one estimated parameter is determined, and by what it is not.
+    """How well one estimated parameter is determined, and by what it is not."""
 
-    Attributes
-    ----------
-    name : str
-        The parameter.
-    sensitivity : float
-        δ_msqr of Brun et al. (2001): root mean square change of the torque for a change of the
-        parameter by its own value, as a part of the torque's own root mean square.
-    rank : int
-        1 for the greatest sensitivity.
-    alone : float or None
-        Relative standard error if all others were known; None without influence.
-    collinearity : float or None
-        By how much the estimation of the others widens it; None where they give the same torque.
-    uncertainty : float or None
-        Relative standard error, the product of the two.
-    partners : tuple of str
-        Parameters it trades off with, strongest first.
-    cause : Cause
-        Why it is, or is not, known to within the limit of an identified parameter.
-    advice : str
-        What to do to know it, or to know it better, in one sentence.
-    """
-
-    name: str
+    name: str  #: The parameter.
+    #: δ_msqr of Brun et al. (2001): root mean square change of the torque for a change of the
+    #: parameter by its own value, as a part of the torque's own root mean square.
     sensitivity: float
-    rank: int
+    rank: int  #: 1 for the greatest sensitivity.
+    #: Relative standard error if all others were known; None without influence.
     alone: float | None
+    #: By how much the estimation of the others widens it; None where they give the same torque.
     collinearity: float | None
-    uncertainty: float | None
-    partners: tuple[str, ...]
-    cause: Cause
-    advice: str
+    uncertainty: float | None  #: Relative standard error, the product of the two.
+    partners: tuple[str, ...]  #: Parameters it trades off with, strongest first.
+    cause: Cause  #: Why it is, or is not, known to within the limit of an identified parameter.
+    advice: str  #: What to do to know it, or to know it better, in one sentence.
 
 
 @dataclass(frozen=True, slots=True)
 class Identifiability:
-    """What the sensitivities at the estimate say of every parameter.
+    """What the sensitivities at the estimate say of every parameter."""
 
-    Attributes
-    ----------
-    names : tuple of str
-        Estimated parameters that do not lie at a bound.
-    directions : tuple of Direction
-        All of them, the weakest first.
-    condition : float or None
-        Of the scaled information matrix; None where it is singular.
-    gamma : float or None
-        Collinearity index of all parameters together; None where it is infinite.
-    collinear : tuple of (tuple of str, float)
-        Smallest sets that are collinear, with their index (infinite for the same torque).
-    parameters : mapping of str to Identified
-        Every estimated parameter.
-    columns : ndarray, shape (k, k)
-        Triangular factor of the sensitivities, columns of length 1, in the order of `names`.
-    """
-
-    names: tuple[str, ...]
-    directions: tuple[Direction, ...]
-    condition: float | None
+    names: tuple[str, ...]  #: Estimated parameters that do not lie at a bound.
+    directions: tuple[Direction, ...]  #: All of them, the weakest first.
+    condition: float | None  #: Of the scaled information matrix; None where it is singular.
+    #: Collinearity index of all parameters together; None where it is infinite.
     gamma: float | None
+    #: Smallest sets that are collinear, with their index (infinite for the same torque).
     collinear: tuple[tuple[tuple[str, ...], float], ...]
-    parameters: Mapping[str, Identified]
+    parameters: Mapping[str, Identified]  #: Every estimated parameter.
+    #: Triangular factor of the sensitivities, columns of length 1, in the order of `names`, shape
+    #: (k, k).
     columns: FloatArray
 
     def collinearity(self, *names: str) -> float:
@@ -116,17 +83,9 @@ class Identifiability:
 def identifiability(result: FitResult, *, variance_inflation: float = 1.0) -> Identifiability:
     """Examine the Jacobian at the estimate.
 
-    Parameters
-    ----------
-    result : FitResult
-        A fit. Parameters at a bound are taken as known; priors count as data.
-    variance_inflation : float
-        By how much the variance of the noise counts more than that of white noise would.
-
-    Returns
-    -------
-    Identifiability
-        Nothing but empty fields where the model gave no finite torque.
+    Parameters at a bound are taken as known; priors count as data. `variance_inflation` is by how
+    much the variance of the noise counts more than that of white noise would. All is empty where
+    the model gave no finite torque.
     """
     problem = result.problem
     kept = [j for j, name in enumerate(problem.free) if name not in result.at_bound]

@@ -22,27 +22,13 @@ _MOST = 100
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """The minimum over the other parameters with one parameter at `value`.
+    """The minimum over the other parameters with one parameter at `value`."""
 
-    Attributes
-    ----------
-    value : float
-        Of the held parameter.
-    x : ndarray, shape (p,)
-        All free parameters, the held one included.
-    sse : float
-        Sum of squared residuals, weighted and with priors [Nm²].
-    R : ndarray, shape (p, p)
-        Triangular factor of the Jacobian by all of them.
-    converged : bool
-        False where the iteration limit came first.
-    """
-
-    value: float
-    x: FloatArray
-    sse: float
-    R: FloatArray
-    converged: bool
+    value: float  #: Of the held parameter.
+    x: FloatArray  #: All free parameters, the held one included, shape (p,).
+    sse: float  #: Sum of squared residuals, weighted and with priors [Nm²].
+    R: FloatArray  #: Triangular factor of the Jacobian by all of them, shape (p, p).
+    converged: bool  #: False where the iteration limit came first.
 
 
 class Conditional:
@@ -80,19 +66,8 @@ class Conditional:
     def at(self, value: float, near: FloatArray, R: FloatArray | None = None) -> Point | None:
         """The minimum with the parameter at `value`, from a point nearby.
 
-        Parameters
-        ----------
-        value : float
-            Within the bounds.
-        near : ndarray, shape (p,)
-            Free parameters of the neighbour.
-        R : ndarray, shape (p, p), optional
-            Triangular factor of the Jacobian there; with it the others' change is predicted.
-
-        Returns
-        -------
-        Point or None
-            None where the model gives no finite torque.
+        With the triangular factor R of the Jacobian there the others' change is predicted. None
+        where the model gives no finite torque.
         """
         lower, upper = self._problem.lower.copy(), self._problem.upper.copy()
         lower[self._j] = upper[self._j] = value

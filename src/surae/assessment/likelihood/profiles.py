@@ -95,19 +95,10 @@ def profiles(
 ) -> Profiles:
     """Profile several parameters of a fit, each in a thread of its own.
 
-    Parameters
-    ----------
-    result : FitResult
-        The fit.
-    variance_inflation : float or mapping of str to float
-        Divides Δχ², see `profile`; by parameter, 1 for those left out, or the same for all.
-    inflation_reason : str
-        Why, for the reader.
-    store : path, optional
-        File that profiles are added to as they come; those of the same fit that it already holds
-        are not made again.
-    names, workers, progress
-        As of `surae.profile`, and so are what is returned and the errors.
+    `variance_inflation` divides Δχ², see `profile`: by parameter, 1 for those left out, or the same
+    for all; `inflation_reason` says why, for the reader. Profiles are added to the file `store` as
+    they come; those of the same fit that it already holds are not made again. All else is as of
+    `surae.profile`.
     """
     wanted = tuple(result.problem.free if names is None else names)
     inflation = dict.fromkeys(wanted, 1.0)

@@ -20,22 +20,15 @@ from surae.model.laboratory import laboratory
 
 @dataclass(frozen=True, slots=True)
 class Belief:
-    """What is known of one parameter beforehand.
+    """What is known of one parameter beforehand."""
 
-    Attributes
-    ----------
-    median, spread : float
-        Median, and standard deviation of the logarithm; of the parameter itself, in its unit,
-        where it may be negative.
-    log : bool
-        Whether it is on the logarithm.
-    origin : {"population", "fit", "given"}
-        Whether it is a default, was a prior of the fit, or was given for the posterior.
-    """
-
+    #: `median`, `spread`: median, and standard deviation of the logarithm; of the parameter itself,
+    #: in its unit, where it may be negative.
     median: float
     spread: float
-    log: bool
+    log: bool  #: Whether it is on the logarithm.
+    #: "population", "fit", "given": Whether it is a default, was a prior of the fit, or was given
+    #: for the posterior.
     origin: str
 
 
@@ -44,17 +37,7 @@ def beliefs(
 ) -> dict[str, Belief]:
     """The prior of every free parameter: given now, else the fit's, else the wide default.
 
-    Parameters
-    ----------
-    problem : FitProblem
-        The question; its options and EMG unit say what a parameter means.
-    given : mapping of str to (median, spread), optional
-        Priors that take the place of others.
-
-    Raises
-    ------
-    InputError
-        One given is of an unknown or fixed parameter, or not of two numbers above zero.
+    `given` holds (median, spread) by parameter.
     """
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
     wide = wide_priors(problem.options, problem.inputs[0].emg_unit)

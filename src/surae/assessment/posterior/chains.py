@@ -30,40 +30,18 @@ _NEEDED = ("nutpie", "arviz_stats")
 
 @dataclass(frozen=True, slots=True)
 class Chains:
-    """What the sampler drew.
+    """What the sampler drew."""
 
-    Attributes
-    ----------
-    draws : ndarray, shape (chains, draws, p)
-        Points after the tuning.
-    diverging : int
-        Draws at which the sampler's energy went astray.
-    evaluations : int
-        Of the density in the draws kept.
-    seconds : float
-        Wall time, tuning included.
-    whole : bool
-        False when the user stopped the sampler before its end.
-    versions : mapping of str to str
-        Versions of the sampler's libraries.
-    """
-
-    draws: FloatArray
-    diverging: int
-    evaluations: int
-    seconds: float
-    whole: bool
-    versions: Mapping[str, str]
+    draws: FloatArray  #: Points after the tuning, shape (chains, draws, p).
+    diverging: int  #: Draws at which the sampler's energy went astray.
+    evaluations: int  #: Of the density in the draws kept.
+    seconds: float  #: Wall time, tuning included.
+    whole: bool  #: False when the user stopped the sampler before its end.
+    versions: Mapping[str, str]  #: Versions of the sampler's libraries.
 
 
 def require_sampler() -> None:
-    """Refuse to begin without the libraries of the extra.
-
-    Raises
-    ------
-    InputError
-        One of them is not installed.
-    """
+    """Refuse to begin without the libraries of the extra."""
     for name in _NEEDED:
         if importlib.util.find_spec(name) is None:
             raise InputError(
@@ -89,34 +67,10 @@ def run_chains(
 ) -> Chains:
     """Draw from a density that is nearly a standard Gaussian.
 
-    Parameters
-    ----------
-    make_density : callable
-        Gives a density of its own to every thread.
-    dimension : int
-        Number of coordinates.
-    draws, tune : int
-        Draws of each chain that are kept, and that tune the sampler before.
-    chains : int
-        Number of chains, each from a point drawn from the Gaussian.
-    seed : int
-        The same seed gives the same draws on any number of cores.
-    cores : int, optional
-        Chains at a time; by default one for each processor.
-    progress : callable, optional
-        Called now and then.
-
-    Returns
-    -------
-    Chains
-        Ctrl-C keeps what is drawn, when at least two chains have draws to keep.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        The user stopped before that.
-    InputError
-        The sampler is not installed, or a number is too small.
+    `make_density` gives a density of its own to every thread; each chain tunes and then draws, from
+    a point drawn from the Gaussian; `cores` chains run at a time, by default one for each
+    processor. The same seed gives the same draws on any number of cores. Ctrl-C keeps what is
+    drawn, when at least two chains have draws to keep.
     """
     require_sampler()
     _check(draws=draws, tune=tune, chains=chains, seed=seed, cores=cores)

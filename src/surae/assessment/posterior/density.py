@@ -32,34 +32,18 @@ _FAR, _NEAR = 12.0, 3.0
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """A posterior: what it is of, and where and how wide it is.
+    """A posterior: what it is of, and where and how wide it is."""
 
-    Attributes
-    ----------
-    problem : FitProblem
-        The question.
-    log : ndarray of bool, shape (p,)
-        Which parameters are on logarithmic scale.
-    centre, spread : ndarray, shape (p,)
-        Mean and standard deviation of the priors, on the scale of each parameter.
-    samples : float
-        Independent samples, n over the variance inflation.
-    mode : ndarray, shape (p,)
-        Where the density is highest, on the scale of each parameter.
-    sse : float
-        Sum of squares there [Nm²].
-    root : ndarray, shape (p, p)
-        Root W of the Laplace approximation's covariance WWᵀ.
-    """
-
-    problem: FitProblem
-    log: npt.NDArray[np.bool_]
+    problem: FitProblem  #: The question.
+    log: npt.NDArray[np.bool_]  #: Which parameters are on logarithmic scale, shape (p,).
+    #: `centre`, `spread`: mean and standard deviation of the priors, on the scale of each
+    #: parameter, shape (p,).
     centre: FloatArray
     spread: FloatArray
-    samples: float
-    mode: FloatArray
-    sse: float
-    root: FloatArray
+    samples: float  #: Independent samples, n over the variance inflation.
+    mode: FloatArray  #: Where the density is highest, on the scale of each parameter, shape (p,).
+    sse: float  #: Sum of squares there [Nm²].
+    root: FloatArray  #: Root W of the Laplace approximation's covariance WWᵀ, shape (p, p).
 
     def parameters(self, z: FloatArray) -> FloatArray:
         """Parameters in their units, shape (…, p), at whitened coordinates of the same shape."""
@@ -93,19 +77,11 @@ def make_target(
 ) -> Target:
     """The posterior of a fit's parameters, its mode found from the fit's minimum.
 
-    Parameters
-    ----------
-    result : FitResult
-        The fit.
-    priors : mapping of str to Belief
-        Of every free parameter.
-    variance_inflation : float
-        By how much the variance of the noise counts more than that of white noise would.
-
-    Notes
-    -----
     The Laplace approximation takes the curvature as JᵀJ·n/sse plus that of the priors, so it has
     a width in the directions of which the recordings say nothing.
+
+    `variance_inflation` is by how much the variance of the noise counts more than that of white
+    noise would.
     """
     problem = result.problem
     known = [priors[name] for name in problem.free]

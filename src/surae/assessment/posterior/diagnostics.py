@@ -17,18 +17,12 @@ _TAILS = (0.05, 0.95)
 
 @dataclass(frozen=True, slots=True)
 class Convergence:
-    """How far the chains of one parameter can be believed.
+    """How far the chains of one parameter can be believed."""
 
-    Attributes
-    ----------
-    rhat : float or None
-        Rank-normalised split R-hat: 1 where the chains agree; None where they never moved.
-    ess_bulk, ess_tail : float or None
-        Independent draws that the chains are worth for the median, and for the ends of the
-        interval.
-    """
-
+    #: Rank-normalised split R-hat: 1 where the chains agree; None where they never moved.
     rhat: float | None
+    #: `ess_bulk`, `ess_tail`: independent draws that the chains are worth for the median, and for
+    #: the ends of the interval.
     ess_bulk: float | None
     ess_tail: float | None
 
@@ -36,8 +30,6 @@ class Convergence:
 def convergence(draws: FloatArray) -> Convergence:
     """Diagnostics of one parameter's chains, shape (chains, draws).
 
-    References
-    ----------
     Vehtari, Gelman, Simpson, Carpenter and Bürkner, Rank-normalization, folding, and
     localization: an improved R̂, Bayesian Analysis 16 (2021).
     """
@@ -59,14 +51,7 @@ def verdict(
 ) -> tuple[bool, str]:
     """Whether draws can be believed, and a sentence that says why or what to do.
 
-    Parameters
-    ----------
-    convergences : mapping of str to Convergence
-        Of every parameter.
-    diverging : int
-        Divergent draws.
-    shape : tuple of int
-        Chains and draws of each.
+    `shape` is the number of chains, and of draws of each.
     """
     chains, draws = shape
     enough = ESS_PER_CHAIN * chains

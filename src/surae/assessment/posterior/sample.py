@@ -37,37 +37,21 @@ _LITTLE = 0.7
 
 @dataclass(frozen=True, slots=True)
 class Marginal:
-    """The posterior of one parameter.
+    """The posterior of one parameter."""
 
-    Attributes
-    ----------
-    name, unit : str
-        The parameter.
-    value : float
-        Estimate of the fit, which knows nothing of the wide defaults.
-    median : float
-        Median of the draws.
-    ci95 : tuple of float
-        95 % credible interval, its ends the 2.5 and 97.5 % quantiles of the draws.
-    from_covariance : tuple of float, or None
-        The 95 % interval of the covariance, widened as the posterior is; None where there is none.
-    prior : Belief
-        What was known beforehand.
-    prior_part : float
-        Width of the posterior as a part of its prior's: near 1 the recordings added nothing.
-    convergence : Convergence
-        Whether its draws can be believed.
-    """
-
+    #: `name`, `unit`: the parameter.
     name: str
     unit: str
-    value: float
-    median: float
+    value: float  #: Estimate of the fit, which knows nothing of the wide defaults.
+    median: float  #: Median of the draws.
+    #: 95 % credible interval, its ends the 2.5 and 97.5 % quantiles of the draws.
     ci95: tuple[float, float]
+    #: The 95 % interval of the covariance, widened as the posterior is; None where there is none.
     from_covariance: tuple[float, float] | None
-    prior: Belief
+    prior: Belief  #: What was known beforehand.
+    #: Width of the posterior as a part of its prior's: near 1 the recordings added nothing.
     prior_part: float
-    convergence: Convergence
+    convergence: Convergence  #: Whether its draws can be believed.
 
     @property
     def of_prior(self) -> bool:
@@ -196,23 +180,12 @@ def sample(
 ) -> Posterior:
     """Draw from the posterior of a fit's free parameters.
 
-    Parameters
-    ----------
-    result : FitResult
-        The fit. Its fixed parameters stay fixed, its weights hold; instead of its bounds there
-        are priors.
-    priors : mapping of str to (median, spread), optional
-        Priors in place of the fit's own, which stand in place of the wide defaults; see
-        `surae.assessment.posterior.beliefs.beliefs`.
-    variance_inflation : float
-        By how much the variance of the noise counts more than that of white noise would. The
-        likelihood takes the noise for white; a residual that is correlated over time holds fewer
-        independent samples than it has. n/n_effective is a rough value, the ratio of the squared
-        standard errors with and without the correlation one for a parameter.
-    inflation_reason : str
-        Why, for the reader.
-    draws, tune, chains, seed, cores, progress
-        As of `surae.posterior`, and so are what is returned and the errors.
+    Fixed parameters stay fixed and weights hold; priors take the place of bounds: those of
+    `priors`, else the fit's own, else the wide defaults of `beliefs`. The likelihood takes the
+    noise for white; a residual that is correlated over time holds fewer independent samples than it
+    has, so the variance of the noise counts `variance_inflation` times: n/n_effective is a rough
+    value, the ratio of the squared standard errors with and without the correlation one for a
+    parameter. All else is as of `surae.posterior`.
     """
     require_sampler()
     if not 0 < variance_inflation < np.inf:

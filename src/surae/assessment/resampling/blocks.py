@@ -15,15 +15,7 @@ def block_length(residual: FloatArray) -> int:
     blocks: (2G²/D)^⅓·n^⅓ from the autocovariance R under a flat-top window, G = Σ|k|R(k) and
     D = 4/3·(ΣR)².
 
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        Signal whose mean is removed.
-
-    Returns
-    -------
-    int
-        At least 1, at most 3√n.
+    At least 1, at most 3√n.
     """
     n = len(residual)
     centred = residual - residual.mean()

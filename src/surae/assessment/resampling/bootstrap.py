@@ -36,24 +36,14 @@ _KIND = "bootstrap"
 
 @dataclass(frozen=True, slots=True)
 class BootstrapEstimate:
-    """One parameter over the replicates.
+    """One parameter over the replicates."""
 
-    Attributes
-    ----------
-    name, unit : str
-        The parameter.
-    value : float
-        Estimate of the fit.
-    sem : float or None
-        Standard deviation of the replicates.
-    ci95 : tuple of float, or None
-        Percentile interval: the 2.5th and 97.5th percentile of the replicates.
-    """
-
+    #: `name`, `unit`: the parameter.
     name: str
     unit: str
-    value: float
-    sem: float | None
+    value: float  #: Estimate of the fit.
+    sem: float | None  #: Standard deviation of the replicates.
+    #: Percentile interval: the 2.5th and 97.5th percentile of the replicates.
     ci95: tuple[float, float] | None
 
 

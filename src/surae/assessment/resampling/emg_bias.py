@@ -44,25 +44,14 @@ _STALL = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class ParameterBias:
-    """What EMG noise does to one parameter.
+    """What EMG noise does to one parameter."""
 
-    Attributes
-    ----------
-    name, unit : str
-        The parameter.
-    value : float
-        Estimate of the fit.
-    bias : float or None
-        By how much the noise shifted it; None where the fits failed.
-    error : float or None
-        Standard error of `bias` from the few noise realisations.
-    """
-
+    #: `name`, `unit`: the parameter.
     name: str
     unit: str
-    value: float
-    bias: float | None
-    error: float | None
+    value: float  #: Estimate of the fit.
+    bias: float | None  #: By how much the noise shifted it; None where the fits failed.
+    error: float | None  #: Standard error of `bias` from the few noise realisations.
 
     @property
     def corrected(self) -> float | None:
@@ -238,19 +227,7 @@ def quiet_noise(emg: FloatArray, rate_hz: float, where: str) -> NoiseModel:
     Of all half seconds the tenth with the lowest means is taken; what varies about each of their
     means is the noise, modelled as an autoregressive process.
 
-    Parameters
-    ----------
-    emg : ndarray, shape (n,)
-        Envelope.
-    rate_hz : float
-        Sampling rate [Hz].
-    where : str
-        What to call it in a message.
-
-    Raises
-    ------
-    InputError
-        The recording is too short.
+    `where` is what to call it in a message.
     """
     length = max(round(_WINDOW_S * rate_hz), 2)
     count = len(emg) // length

@@ -15,21 +15,8 @@ def refit(
 ) -> FloatArray | None:
     """Minimum next to a point, from that point only.
 
-    Parameters
-    ----------
-    problem : FitProblem
-        The problem.
-    x : ndarray, shape (p,)
-        Free parameters of the minimum of a problem like it.
-    noise : float
-        Standard deviation [Nm] that priors are weighed against.
-    stall : float
-        Gain [noise variances] that is not worth another evaluation.
-
-    Returns
-    -------
-    ndarray, shape (p,), or None
-        None where the model gives no finite numbers.
+    `noise` is the standard deviation [Nm] that priors are weighed against, `stall` the gain [noise
+    variances] that is not worth another evaluation. None where the model gives no finite numbers.
     """
     minimum = minimise(
         Residuals(problem, noise).rows, x, problem.lower, problem.upper,

@@ -33,15 +33,8 @@ def centred_r2(parts: Sequence[tuple[FloatArray, FloatArray]]) -> float:
 
     Unlike the VAF it does not reward a model for an offset. Each recording has its own mean.
 
-    Parameters
-    ----------
-    parts : sequence of (measured, residual), each of shape (n,)
-        Of each recording [Nm].
-
-    Returns
-    -------
-    float
-        At most 100; NaN where the residual has no finite sum of squares, or no torque changes.
+    `parts` are (measured, residual) of each recording [Nm]. NaN where the residual has no finite
+    sum of squares, or no torque changes.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         missed = sum(float(e @ e) for _, e in parts)
@@ -53,15 +46,8 @@ def centred_r2(parts: Sequence[tuple[FloatArray, FloatArray]]) -> float:
 def weighted_vaf(parts: Sequence[tuple[FloatArray, FloatArray, FloatArray]]) -> float | None:
     """Variance accounted for with samples that count unequally: (1 − Σwe²/ΣwT²)·100 %.
 
-    Parameters
-    ----------
-    parts : sequence of (measured, residual, weight), each of shape (n,)
-        Of each recording, where its weight is above zero.
-
-    Returns
-    -------
-    float or None
-        None where all samples count alike; NaN as `vaf`.
+    `parts` are (measured, residual, weight) of each recording, where its weight is above zero. None
+    where all samples count alike; NaN as `vaf`.
     """
     weights = np.concatenate([weight for _, _, weight in parts])
     if np.all(weights == weights[0]):

@@ -118,19 +118,7 @@ def autocovariance(
 ) -> tuple[FloatArray, FloatArray]:
     """Sums of products about zero, and the pairs in each, at lags 0 … `lags`.
 
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        Signal; samples that do not count may hold anything.
-    counted : ndarray of bool, shape (n,)
-        Samples that count.
-    lags : int
-        Largest lag, below n.
-
-    Returns
-    -------
-    sums, pairs : ndarray, shape (lags + 1,)
-        Sums are NaN where the signal is not finite.
+    Samples that do not count may hold anything; sums are NaN where the signal is not finite.
     """
     n = len(residual)
     kept = np.where(counted, residual, 0.0)

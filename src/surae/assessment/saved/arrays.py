@@ -26,10 +26,8 @@ def encode(array: FloatArray) -> dict[str, Any]:
 def decode(packed: dict[str, Any], shape: Sequence[int]) -> FloatArray:
     """The array that `encode` packed, which must have the given shape.
 
-    Raises
-    ------
-    ValueError
-        The data is not what it should be; never more memory is used than the shape asks for.
+    It raises ValueError where the data is not that, and never uses more memory than the shape asks
+    for.
     """
     if packed["encoding"] != _ENCODING or list(packed["shape"]) != list(shape):
         raise ValueError(f"an array is {packed['shape']}, expected {list(shape)}")

@@ -18,13 +18,7 @@ def save_baseline(path: PathLike, baseline: Baseline) -> None:
 
 
 def load_baseline(path: PathLike) -> Baseline:
-    """Read a baseline.
-
-    Raises
-    ------
-    InputError
-        The file is missing, or is not a baseline.
-    """
+    """Read a baseline."""
     data = read_json(path)
     check_format(data, path)
     try:

@@ -52,13 +52,7 @@ def family_as_dict(family: Family | None) -> dict[str, Any] | None:
 
 
 def read_family(data: Any, free: Sequence[str]) -> Family | None:
-    """The family that `family_as_dict` made plain, of these free parameters.
-
-    Raises
-    ------
-    KeyError, TypeError, ValueError
-        It is damaged.
-    """
+    """The family that `family_as_dict` made plain, of these free parameters."""
     if data is None:
         return None
     return Family(

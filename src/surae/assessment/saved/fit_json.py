@@ -26,21 +26,11 @@ from surae.quality.finding import Quality, quality_of
 
 @dataclass(frozen=True, slots=True)
 class SavedFit:
-    """What a FIT.json holds.
+    """What a FIT.json holds."""
 
-    Attributes
-    ----------
-    result : FitResult
-        The fit.
-    baseline : Baseline or None
-        The simulations that its standard errors were compared with.
-    quality : tuple of Quality
-        What was found in each recording; empty where nobody looked.
-    """
-
-    result: FitResult
-    baseline: Baseline | None
-    quality: tuple[Quality, ...]
+    result: FitResult  #: The fit.
+    baseline: Baseline | None  #: The simulations that its standard errors were compared with.
+    quality: tuple[Quality, ...]  #: What was found in each recording; empty where nobody looked.
 
 
 def save_fit(
@@ -49,24 +39,12 @@ def save_fit(
     assessment: Assessment,
     quality: Sequence[Quality] = (),
 ) -> None:
-    """Write a fit to `path`, all of it or nothing.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written.
-    """
+    """Write a fit to `path`, all of it or nothing."""
     write_json(path, as_dict(result, assessment, quality))
 
 
 def load_saved(path: PathLike) -> SavedFit:
-    """Read the fit that `save_fit` wrote; equal to the one saved, to the last bit.
-
-    Raises
-    ------
-    InputError
-        The file is missing, damaged, not a fit, or of a newer surae.
-    """
+    """Read the fit that `save_fit` wrote; equal to the one saved, to the last bit."""
     data = read_json(path)
     check_format(data, path)
     try:

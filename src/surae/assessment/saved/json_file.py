@@ -14,13 +14,7 @@ FORMAT = 2
 
 
 def read_json(path: PathLike) -> dict[str, Any]:
-    """A JSON object from a file.
-
-    Raises
-    ------
-    InputError
-        The file is missing or is not a JSON object.
-    """
+    """A JSON object from a file."""
     content = read_bytes(path)
     try:
         data = json.loads(content.decode("utf-8"))

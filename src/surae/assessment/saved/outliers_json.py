@@ -24,13 +24,7 @@ def outliers_as_dict(outliers: Outliers | None) -> dict[str, Any] | None:
 
 
 def read_outliers(data: dict[str, Any] | None, samples: Sequence[int]) -> Outliers | None:
-    """What `outliers_as_dict` made, for recordings of so many samples.
-
-    Raises
-    ------
-    ValueError
-        It is damaged.
-    """
+    """What `outliers_as_dict` made, for recordings of so many samples."""
     if data is None:
         return None
     weights = tuple(decode(w, (n,)) for w, n in zip(data["weights"], samples, strict=True))

@@ -12,24 +12,12 @@ from surae.files import PathLike, shown
 
 @dataclass(frozen=True, slots=True)
 class GivenParameters:
-    """Parameters from a file, and what else a FIT.json says of them.
+    """Parameters from a file, and what else a FIT.json says of them."""
 
-    Attributes
-    ----------
-    values : mapping of str to float
-        By name.
-    model : str or None
-        The model they belong to; None where the file does not say.
-    options : mapping
-        The model's options.
-    emg_unit : str or None
-        Unit of the EMG that the weights go with.
-    """
-
-    values: Mapping[str, float]
-    model: str | None
-    options: Mapping[str, Any]
-    emg_unit: str | None
+    values: Mapping[str, float]  #: By name.
+    model: str | None  #: The model they belong to; None where the file does not say.
+    options: Mapping[str, Any]  #: The model's options.
+    emg_unit: str | None  #: Unit of the EMG that the weights go with.
 
 
 def read_parameters(path: PathLike) -> GivenParameters:

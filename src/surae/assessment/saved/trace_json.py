@@ -75,13 +75,7 @@ def _lowpass(data: Any) -> tuple[float, int] | None:
 
 
 def read_trace(trace: Mapping[str, Any]) -> ModelInputs:
-    """What `trace_as_dict` wrote of a recording.
-
-    Raises
-    ------
-    KeyError, TypeError, ValueError
-        It is damaged.
-    """
+    """What `trace_as_dict` wrote of a recording."""
     n = int(trace["n"])
     return ModelInputs(
         name=str(trace["name"]),

@@ -49,35 +49,18 @@ REMEDIES = {
 
 @dataclass(frozen=True, slots=True)
 class Budget:
-    """What makes one parameter unsure.
+    """What makes one parameter unsure."""
 
-    Attributes
-    ----------
-    sd : float
-        Standard deviation, everything included, in the parameter's unit.
-    repeat : float
-        Standard deviation of the difference between two trials of the leg.
-    shares : mapping of str to float
-        Parts of the variance by source; they add up to 1.
-    without : mapping of str to float
-        Standard deviation that would be left with the source known.
-    """
-
-    sd: float
-    repeat: float
-    shares: Mapping[str, float]
-    without: Mapping[str, float]
+    sd: float  #: Standard deviation, everything included, in the parameter's unit.
+    repeat: float  #: Standard deviation of the difference between two trials of the leg.
+    shares: Mapping[str, float]  #: Parts of the variance by source; they add up to 1.
+    without: Mapping[str, float]  #: Standard deviation that would be left with the source known.
 
 
 def budgets(family: Family, free: tuple[str, ...]) -> dict[str, Budget]:
     """The budget of every parameter of the leg that was estimated.
 
-    Parameters
-    ----------
-    family : Family
-        Of the fit.
-    free : tuple of str
-        The estimated parameters, as its covariance has them.
+    `free` are the estimated parameters, as its covariance has them.
     """
     V = family.covariance
     groups: dict[str, list[int]] = {}

@@ -95,21 +95,12 @@ def covariance(
 
 @dataclass(frozen=True, slots=True)
 class InverseRoot:
-    """A root C of the inverse information, (JᵀJ)⁻¹ = C·Cᵀ; the columns of J·C are orthonormal.
+    """A root C of the inverse information, (JᵀJ)⁻¹ = C·Cᵀ; the columns of J·C are orthonormal."""
 
-    Attributes
-    ----------
-    kept : tuple of int
-        Positions of its rows' parameters.
-    matrix : ndarray, shape (k, r)
-        C, one row for each of them; r of the k directions are not singular.
-    groups : tuple of tuple of int
-        Rows that a singular direction ties together.
-    """
-
-    kept: tuple[int, ...]
+    kept: tuple[int, ...]  #: Positions of its rows' parameters.
+    #: C, one row for each of them; r of the k directions are not singular, shape (k, r).
     matrix: FloatArray
-    groups: tuple[tuple[int, ...], ...]
+    groups: tuple[tuple[int, ...], ...]  #: Rows that a singular direction ties together.
 
     @property
     def known(self) -> list[int]:

@@ -66,20 +66,8 @@ def robust_covariance(
     samples are gaps across which the noise goes on. A prior, and what is known of a parameter at
     its bound, is an observation of its own, with white noise.
 
-    Parameters
-    ----------
-    result : FitResult
-        A fit.
-    estimated : Covariance
-        Its covariance under white noise.
-
-    Returns
-    -------
-    RobustCovariance or None
-        None where no estimate has a variance, or none that is finite, and of a fit that has put the
-        noise's correlation into its estimate.
-    tuple of Whiteness
-        One for each recording.
+    There is no covariance where no estimate has a variance, or none that is finite, and of a fit
+    that has put the noise's correlation into its estimate.
     """
     problem = result.problem
     if not estimated.names or result.family is not None:

@@ -34,13 +34,7 @@ class Baseline:
 
 
 def check_baseline(baseline: Baseline, problem: FitProblem) -> None:
-    """Refuse to compare a fit with the simulations of another model.
-
-    Raises
-    ------
-    InputError
-        Model or options differ.
-    """
+    """Refuse to compare a fit with the simulations of another model."""
     if baseline.model != problem.spec.name:
         raise InputError(
             f"the baseline is of model {baseline.model!r}, the fit of {problem.spec.name!r}; make "
@@ -57,19 +51,9 @@ def snsem(
 
     Below 1 a parameter has had more influence on the torque than in the simulations, above 1 less.
 
-    Parameters
-    ----------
-    baseline : Baseline
-        Of the simulations.
-    standard_errors : mapping of str to (float or None)
-        Standard error by free parameter, equation (34).
-    emg_unit : {"V", "1"}
-        Of the fit's EMG; the weights of a normalised envelope have another unit than the baseline.
-
-    Returns
-    -------
-    dict of str to (float or None)
-        Of the parameters that are in both; None where the fit has no standard error.
+    The standard errors, equation (34), are by free parameter. The weights of a normalised envelope
+    (`emg_unit` "1") have another unit than the baseline. Parameters are those that are in both;
+    None where the fit has no standard error.
     """
     spec = get_model(baseline.model)
     skipped = spec.weights if emg_unit != "V" else ()
@@ -92,13 +76,7 @@ def baseline_as_dict(baseline: Baseline) -> dict[str, Any]:
 
 
 def read_baseline(data: Mapping[str, Any]) -> Baseline:
-    """The baseline that `baseline_as_dict` made plain data of.
-
-    Raises
-    ------
-    KeyError, TypeError, ValueError, AttributeError, InputError
-        It is damaged.
-    """
+    """The baseline that `baseline_as_dict` made plain data of."""
     spec = get_model(data["model"])
     sem = {}
     for name, value in data["sem"].items():

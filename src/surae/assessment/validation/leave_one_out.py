@@ -20,18 +20,10 @@ class LeftOut:
 
 @dataclass(frozen=True, slots=True)
 class LeaveOneOut:
-    """How well recordings of one leg predict each other.
+    """How well recordings of one leg predict each other."""
 
-    Attributes
-    ----------
-    recordings : tuple of LeftOut
-        In the order they were given.
-    pooled : Pooled
-        VAF, RMSE and bias over all predictions together.
-    """
-
-    recordings: tuple[LeftOut, ...]
-    pooled: Pooled
+    recordings: tuple[LeftOut, ...]  #: In the order they were given.
+    pooled: Pooled  #: VAF, RMSE and bias over all predictions together.
 
     @property
     def predictions(self) -> tuple[Prediction, ...]:

@@ -75,14 +75,7 @@ def pooled(predictions: Sequence[Prediction]) -> Pooled:
 
 
 def predict_others(result: FitResult, inputs: Sequence[ModelInputs]) -> tuple[Prediction, ...]:
-    """Predict recordings with the parameters of a fit to others, and judge; see `predict`.
-
-    Raises
-    ------
-    InputError
-        The EMG of a recording is in another unit than that of the fit, or lacks a muscle whose
-        weight the fit estimated.
-    """
+    """Predict recordings with the parameters of a fit to others, and judge; see `predict`."""
     problem = result.problem
     unit = problem.inputs[0].emg_unit
     weights = zip(MUSCLES, problem.spec.weights, strict=True)

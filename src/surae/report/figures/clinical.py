@@ -33,16 +33,9 @@ def curve_figure(
 ) -> Figure:
     """Torque against angle: of one session at rest and active, or of two at rest.
 
-    Parameters
-    ----------
-    curves : sequence of (str, TorqueCurve)
-        One session, or those before and after, each with its name.
-    norms : sequence of (Norm, str)
-        Groups whose torque in a slow stretch is drawn at its angle, mean and spread, by name.
-    words : mapping of str to str
-        Labels in the reader's language: ``angle torque relaxed calf tibialis``.
-    width : float
-        Width of the figure [inch]; a narrow one has its panels below each other.
+    `norms` are groups whose torque in a slow stretch is drawn at its angle, mean and spread, by
+    name; `words` are the labels in the reader's language: ``angle torque relaxed calf tibialis``. A
+    narrow figure (`width` [inch]) has its panels below each other.
     """
     narrow = width < _NARROW and len(curves) == 1
     figure = new_figure(2.75 * (2 if narrow else 1), width=width)
@@ -77,10 +70,7 @@ def curve_figure(
 def shares_figure(shares: Sequence[tuple[str, Sequence[tuple[str, float]]]]) -> Figure:
     """Parts of the torque as stacked bars [%], one for each session.
 
-    Parameters
-    ----------
-    shares : sequence of (str, sequence of (str, float))
-        Name of the session, and its parts by name.
+    `shares` are the names of the sessions, and the parts of each by name.
     """
     figure = new_figure(0.42 + 0.26 * len(shares), width=7.2)
     axes = figure.subplots()

@@ -15,13 +15,7 @@ _MOST = 60
 
 
 def forest_figure(pooled: Pooled) -> Figure:
-    """Every leg as it was found and as its group draws it, with the groups' means below.
-
-    Parameters
-    ----------
-    pooled : Pooled
-        A measure or parameter over the cohort.
-    """
+    """Every leg as it was found and as its group draws it, with the groups' means below."""
     legs = sorted(pooled.legs, key=lambda leg: (leg.group, leg.value))
     groups = list(dict.fromkeys(leg.group for leg in legs))
     rows = len(legs) + len(pooled.groups)
@@ -55,14 +49,7 @@ def sessions_figure(
 ) -> Figure:
     """Each leg as a line over its sessions.
 
-    Parameters
-    ----------
-    label : str
-        Of the values.
-    sessions : sequence of str
-        All there are, in order.
-    legs : sequence of (str, sequence of (str, float))
-        Group of each leg, and its value by session.
+    `legs` are the group of each, and its value by session.
     """
     figure = new_figure(2.6, width=7.2)
     axes = figure.subplots()
@@ -82,12 +69,7 @@ def sessions_figure(
 def scale_figure(label: str, scale: str, legs: Sequence[tuple[str, float, float]]) -> Figure:
     """Each leg against a clinical scale.
 
-    Parameters
-    ----------
-    label, scale : str
-        Of the values, and of the scale.
-    legs : sequence of (str, float, float)
-        Group, mark and value of each leg.
+    `legs` are the group, mark and value of each.
     """
     figure = new_figure(2.6, width=7.2)
     axes = figure.subplots()

@@ -35,23 +35,8 @@ def trials_figure(
 ) -> Figure:
     """Each parameter's estimate and 95 % interval by trial, that of all together as a band.
 
-    Parameters
-    ----------
-    names : sequence of str
-        Parameters to show.
-    fits : mapping of str to Assessment
-        By trial.
-    joint : Assessment or None
-        Of all together.
-    disputed : collection of str
-        Parameters in which trials contradict each other: none of them is drawn as identified.
-    width : float
-        Width of the figure [inch].
-
-    Returns
-    -------
-    Figure
-        One panel a parameter; an open mark lies at a bound or has no interval.
+    Where trials contradict each other in a parameter, it is `disputed` and none of them is drawn as
+    identified. There is one panel a parameter; an open mark lies at a bound or has no interval.
     """
     columns = max(round(width / _PANEL), 1)
     rows = -(-len(names) // columns)
@@ -110,19 +95,9 @@ def holds_figure(
 ) -> Figure:
     """Mean torque of trials that hold still, against the angle.
 
-    Parameters
-    ----------
-    trials : sequence of Trial
-        Those with a hold.
-    predicted : mapping of str to Crossed
-        How the joint fit follows them, by name.
-    moving : sequence of (angle, torque)
-        Of passive trials that move [rad, Nm].
-
-    Returns
-    -------
-    Figure
-        Passive holds as full marks, others as squares, what the joint fit says as crosses.
+    `trials` are those with a hold, `predicted` is how the joint fit follows them, `moving` are
+    angle and torque of passive trials that move [rad, Nm]. Passive holds are full marks, others
+    squares, what the joint fit says crosses.
     """
     figure = new_figure(3.4)
     axes = figure.add_subplot()
