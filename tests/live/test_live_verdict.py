@@ -2,7 +2,10 @@
 
 import shutil
 import time
+from concurrent.futures import Future
+from dataclasses import replace
 from pathlib import Path
+from threading import Event
 
 import pytest
 from streaming import Quick, waited
@@ -12,6 +15,7 @@ from surae.live.heard import Stream
 from surae.live.judge import verdict
 from surae.live.room import Room
 from surae.live.trials import Trials, mapping_of
+from surae.processes import End
 from surae.protocol import Protocol, generate
 from surae.quality import Finding, Quality
 from surae.recording import write_hdf5
@@ -145,6 +149,107 @@ def test_efforts_that_were_asked_for_are_told_to_the_judge_and_to_the_joint_fit(
         waited(lambda: again.session.get("trials") == [1, 2, 3])
     finally:
         again.close()
+
+
+class Held(Quick):
+    """A judge that says of a trial, and of all together, when it is let go."""
+
+    def __init__(self, **how: object) -> None:
+        super().__init__(**how)
+        self.fitted: list[int] = []
+        self.fit, self.judge = Event(), Event()
+        self.judge.set()
+        self.verdict = "keep"
+
+    def call(self, function: str, arguments: dict) -> End:
+        if function.endswith(":together"):
+            self.fitted.append(len(arguments["recordings"]))
+            self.fit.wait(20.0)
+        else:
+            self.judge.wait(20.0)
+        end = super().call(function, arguments)
+        return replace(end, value={**end.value, "verdict": self.verdict})
+
+
+@pytest.fixture
+def held(lsl, tmp_path, monkeypatch):
+    """Trials of which two were made, and the first is being fitted while the second waits."""
+    monkeypatch.setattr("surae.live.trials.Child", Held)
+    (tmp_path / "mapping.toml").write_text("[channels]\n")
+    trials = Trials(tmp_path)
+    made(trials).result(20)
+    waited(lambda: trials._refine.fitted == [1])
+    made(trials).result(20)
+    yield trials
+    trials._judge.judge.set()
+    trials._refine.fit.set()
+    trials.close()
+
+
+def made(trials: Trials) -> Future:
+    """A trial; the future of its verdict."""
+    number = trials.start()
+    Path(trials.path(number, ".h5")).write_bytes(b"a recording")
+    return trials.stop()
+
+
+@pytest.mark.parametrize(("third", "counts"), [("keep", 3), ("repeat", 2)])
+def test_a_joint_fit_that_waits_is_dropped_when_a_newer_trial_ends(held, third, counts) -> None:
+    held._judge.judge.clear()
+    told = made(held)  # it has ended, and is not judged yet
+    held._refine.fit.set()
+    held._later.submit(int).result(20)  # all that could begin has begun
+    assert held._refine.fitted == [1]
+    held._judge.verdict = third
+    held._judge.judge.set()
+    assert told.result(20)["verdict"] == third
+    waited(lambda: held.session.get("trials") == [1, 2, 3][:counts])
+    assert held._refine.fitted == [1, counts]
+
+
+class Gone(Quick):
+    """A judge that ends before it has said anything."""
+
+    def call(self, function: str, arguments: dict) -> End:
+        return super().call(function, arguments) if "warm" in function else self.end()
+
+    def end(self) -> End:
+        GOING.set()
+        CLOSED.wait(20.0)
+        return End("killed", message="its process was killed")
+
+    def close(self) -> None:
+        CLOSED.set()
+
+
+GOING, CLOSED = Event(), Event()
+
+
+@pytest.mark.parametrize("file", [False, True])
+def test_a_trial_that_is_judged_when_all_ends_is_judged_at_the_next_start(
+    lsl, tmp_path, monkeypatch, file
+) -> None:
+    GOING.clear()
+    CLOSED.clear()
+    monkeypatch.setattr("surae.live.trials.Child", Gone)
+    (tmp_path / "mapping.toml").write_text("[channels]\n")
+    (tmp_path / "other.h5").write_bytes(b"a recording")
+    trials = Trials(tmp_path, joint=False)
+    if file:
+        trials.take(tmp_path / "other.h5")
+    else:
+        made(trials)
+    assert GOING.wait(20.0)
+    trials.close()
+    assert "verdict" not in trials.trials[1]
+    monkeypatch.setattr("surae.live.trials.Child", Quick)
+    again = Trials(tmp_path, joint=False)
+    try:
+        told = again.verdicts[1].result(20)
+    finally:
+        again.close()
+    assert told["verdict"] == "keep"
+    assert told.get("protocol") == ("other.h5" if file else None)
 
 
 DEVICE = """\

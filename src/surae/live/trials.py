@@ -2,7 +2,8 @@
 
 Beside each other lie ``trial-01.xdf`` as it came, ``trial-01.h5`` as a recording, ``trial-01.json``
 with the verdict, and in ``between-01.xdf`` what came before the next trial. A trial without its
-JSON broke off: the next start says so, mends and judges it.
+JSON broke off: the next start says so, mends and judges it. A file that was recorded otherwise is
+named in the JSON at once, and judged at the next start where there is no verdict in it.
 """
 
 import json
@@ -79,6 +80,8 @@ class Trials:
         self._work = ThreadPoolExecutor(1, "live-judge")
         self._later = ThreadPoolExecutor(1, "live-refine")
         self.session: dict[str, Any] = {"state": "waiting"}
+        self._asked: Future[None] | None = None
+        self._closed = False
         self._lock = threading.Lock()
         self.trials: dict[int, dict[str, Any]] = {}
         self.running: int | None = None
@@ -93,7 +96,7 @@ class Trials:
         self.warm = self._work.submit(self._judge.call, "surae.live.judge:warm", {})
         self.verdicts = {number: self._submit(number, None, None) for number in broken}
         if joint and self.trials:  # what was known before this start is known again
-            self._later.submit(self._together)
+            self._ask_together()
 
     def start(self, **about: Any) -> int:
         """Begin a trial; what is known `about` it is kept. Returns its number."""
@@ -120,6 +123,8 @@ class Trials:
                 "trial": number, "state": "being judged", "began": _now(), "protocol": path.name,
                 "file": str(path), "marks": [],
             }  # fmt: skip
+            self._drop_together()
+            self._keep(number)
         self._tell("trial", self.trials[number])
         self.verdicts[number] = self._submit(number, None, time.monotonic())
         return number
@@ -144,6 +149,7 @@ class Trials:
             number, self.running = self.running, None
             if number is None:
                 raise InputError("no trial is running; start one first")
+            self._drop_together()
         ended, now = time.monotonic(), self.recorder.clock()
         self.recorder.note("stop", trial=number)
         while not self.recorder.arrived(now) and time.monotonic() < ended + _LATE:
@@ -157,6 +163,7 @@ class Trials:
 
     def close(self) -> None:
         """End, a trial that is running too; it will be judged when the folder is next opened."""
+        self._closed = True
         self.recorder.close()
         for child in (self._judge, self._refine):
             child.close()
@@ -212,6 +219,8 @@ class Trials:
             }
             self._settled(source)
             end = self._judge.call("surae.live.judge:judge", arguments)
+            if self._closed and end.how != "done":  # nothing is on disk: the next start judges it
+                return trial
             said = end.value if end.how == "done" else {"why": end.message}
             if end.how in ("failed", "killed"):  # our mistake, not the trial's
                 said |= {"verdict": "look", "advice": f"It could not be judged: {end.message}"}
@@ -223,14 +232,19 @@ class Trials:
         trial["state"] = "judged"
         if ended is not None:
             trial["seconds_to_verdict"] = round(time.monotonic() - ended, 3)
-        try:
-            write_json(self.path(number, ".json"), trial)
-        except (OSError, SuraeError) as error:
-            trial["note"] = f"the verdict is not on disk ({error}); the next start judges it again"
+        self._keep(number)
         self._tell("trial", trial)
-        if self.joint and trial["verdict"] != "repeat":
-            self._later.submit(self._together)
+        if self.joint:
+            self._ask_together()
         return trial
+
+    def _keep(self, number: int) -> None:
+        """Write down what is known of a trial."""
+        try:
+            write_json(self.path(number, ".json"), self.trials[number])
+        except (OSError, SuraeError) as error:
+            told = f"the verdict is not on disk ({error}); the next start judges it again"
+            self.trials[number]["note"] = told
 
     def _settled(self, file: Path) -> None:
         """Wait until all of a trial is on disk; not for longer than memory keeps it."""
@@ -257,6 +271,21 @@ class Trials:
             for number in numbers
             if "effort" in self.trials[number]
         }
+
+    def _ask_together(self) -> None:
+        """Have all trials fitted together, after a fit that is at work."""
+        with self._lock:
+            self._drop_together()
+            if not self._closed:
+                self._asked = self._later.submit(self._together)
+
+    def _drop_together(self) -> None:
+        """Cancel a joint fit that has not begun: without the trial that just ended it is of no use.
+
+        That trial's verdict asks for another.
+        """
+        if self._asked is not None:
+            self._asked.cancel()
 
     def _together(self) -> None:
         """Fit all trials that are worth it jointly, beside everything else."""
@@ -287,11 +316,13 @@ class Trials:
         self._tell("session", self.session)
 
     def _known(self) -> list[int]:
-        """Take up the trials in the folder; the numbers of those that broke off, mended."""
+        """Take up the trials in the folder; the numbers of those to be judged yet, mended."""
         broken = []
         for path in sorted(self.folder.glob("trial-*.json")):
             with suppress(OSError, ValueError):
                 self.trials[_number(path)] = json.loads(path.read_bytes())
+                if "verdict" not in self.trials[_number(path)]:
+                    broken.append(_number(path))
         for path in sorted(self.folder.glob("trial-*.xdf")):
             number = _number(path)
             if number not in self.trials:
