@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from surae.api.fitted import Fit
 from surae.api.fitting import load
@@ -14,6 +15,9 @@ from surae.measures.members import Told, measured, read_table, refitted
 from surae.measures.quantity import Quantities, quantities
 from surae.runner import Engine
 from surae.trials.folder import fit_in
+
+if TYPE_CHECKING:
+    from surae.report.clinical import ClinicalPage
 
 #: Where changes are asked unless told otherwise [deg].
 CHANGE_ANGLES = (0.0, 10.0)
@@ -157,7 +161,10 @@ def write_clinical_page(
     InputError
         The language is not known, the norms cannot be read, or the page cannot be written.
     """
-    write_atomic(path, clinical_page(fits, language=language, angle=angle, norms=norms, told=told))
+    from surae.report.clinical import clinical_html  # matplotlib
+
+    page = clinical_page(fits, language=language, angle=angle, norms=norms, told=told)
+    write_atomic(path, clinical_html(page))
 
 
 def write_curve_figure(
@@ -202,20 +209,18 @@ def clinical_page(
     angle: float = 10.0,
     norms: PathLike | None = None,
     told: Change | None = None,
-) -> str:
-    """The page that `write_clinical_page` writes, as HTML; parameters as there."""
-    from surae.report.clinical import change_page, clinical_html, fit_page  # matplotlib
+) -> "ClinicalPage":
+    """What the page that `write_clinical_page` writes says, as texts; parameters as there."""
+    from surae.report.clinical import change_page, fit_page  # matplotlib
 
     now = datetime.now().astimezone()
     if told is None:
         fit = fits[0]
-        page = fit_page(
+        return fit_page(
             fit.result, fit.assessment, created=now, language=language, angle=angle, norms=norms
         )
-    else:
-        sides = [(fit.result, fit.assessment) for fit in fits]
-        page = change_page(told, sides, created=now, language=language, angle=angle)
-    return clinical_html(page)
+    sides = [(fit.result, fit.assessment) for fit in fits]
+    return change_page(told, sides, created=now, language=language, angle=angle)
 
 
 def check_clinical_page(path: PathLike | None) -> None:

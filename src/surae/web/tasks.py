@@ -68,7 +68,7 @@ def fit(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     from surae import api
     from surae.web.fit_progress import FitProgress
 
-    quality = [api.check(recording) for recording in recordings]
+    quality = [api.check(recording, prepared=settings.prepared) for recording in recordings]
     news = FitProgress(inputs, task["recordings"], settings, tell)
     with _compiling(tell):
         fitted = api.fit_inputs(inputs, settings, quality, progress=news.start, follow=news.point)
@@ -203,6 +203,16 @@ def report(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     return {}
 
 
+def short(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
+    """What a fit's page for clinicians says, to be shown by a page of ours."""
+    del tell
+    from dataclasses import asdict
+
+    from surae import api
+
+    return asdict(api.clinical_page([api.load(task["fit"])], language=task["language"]))
+
+
 def warm(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Load what a report needs, which takes longer than the report."""
     del task, tell
@@ -272,6 +282,7 @@ TASKS: dict[str, Callable[[Mapping[str, Any], Tell], dict[str, Any]]] = {
     "design": design,
     "study": study,
     "report": report,
+    "short": short,
     "warm": warm,
     "inspect": inspect,
     "load": load,

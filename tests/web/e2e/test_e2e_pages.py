@@ -1,10 +1,12 @@
 """Every page: readable for all, at home on this computer, on a small screen and in the dark."""
 
 from importlib.resources import files
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import pytest
+from PIL import Image
 
 from surae.studies.study import parse_study
 
@@ -137,9 +139,34 @@ def test_one_click_mends_what_the_check_is_sure_of(desk: Desk, csv: Path, tmp_pa
 
 def test_a_result_begins_with_the_page_for_clinicians(desk: Desk, done: dict[str, str]) -> None:
     page = desk.go(f"/fits/{done['fit']}")
-    page.frame_locator("iframe").get_by_text("Stiffness and strength of the ankle").wait_for()
+    short = page.locator("#short-page")
+    short.get_by_text("Stiffness and strength of the ankle").wait_for()
     page.get_by_label("Language").select_option("nl")
-    page.frame_locator("iframe").get_by_text("Stijfheid en kracht van de enkel").wait_for()
+    short.get_by_text("Stijfheid en kracht van de enkel").wait_for()
+
+
+@pytest.mark.parametrize("medium", ["screen", "print"])
+def test_the_page_for_clinicians_is_read_on_paper_and_on_a_telephone(
+    desk: Desk, done: dict[str, str], medium: str
+) -> None:
+    page = desk.page
+    page.set_viewport_size({"width": 390, "height": 844})
+    desk.go(f"/fits/{done['fit']}")
+    page.emulate_media(media=medium)
+    short = page.locator("#short-page")
+    short.locator("tbody tr").first.wait_for()
+    for part in (short.locator(".answer"), short.locator("img").first):
+        expect(part).to_be_visible()
+        # A frame of its own would be empty here: it has to be the page's own content.
+        assert len(colours(part.screenshot())) > 10, medium
+    expect(short.locator("img").first).to_have_js_property("complete", True)
+    assert short.locator("img").first.evaluate("img => img.naturalWidth") > 0
+
+
+def colours(png: bytes) -> set[tuple[int, ...]]:
+    """The colours that a picture has: one or two where it is blank."""
+    picture = Image.open(BytesIO(png)).convert("RGB").getcolors(1 << 20)
+    return {colour for _, colour in picture or []}
 
 
 def test_the_report_is_downloaded_for_paper(desk: Desk, done: dict[str, str]) -> None:

@@ -1,5 +1,6 @@
 """Fits: asked for, understood, tried on other recordings, reported."""
 
+import json
 import tempfile
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -175,18 +176,28 @@ def get_report(id: PathId, bench: Bench, inline: bool = False) -> Response:
     return Response(data, media_type="text/html", headers=_framed(data.decode()))
 
 
+Language = Literal["en", "nl", "de", "fr"]
+
+
+@router.get("/fits/{id}/clinical")
+def get_short(id: PathId, bench: Bench, language: Language = "en") -> Response:
+    """What a fit's page for clinicians says: sentences, a table, and its figures as SVG."""
+    bench.project.need("fit", id)
+    fit = bench.project.path("fits", id, ".json")
+
+    def make() -> bytes:
+        page = bench.workers.ask("short", fit=str(fit), language=language)
+        return json.dumps(page).encode()
+
+    page = bench.reports.get((id, f"short-{language}"), make)  # a fit never changes
+    return Response(page, media_type="application/json")
+
+
 @router.get("/fits/{id}/clinical.html", response_class=Response, responses=_HTML)
-def get_clinical(
-    id: PathId,
-    bench: Bench,
-    language: Literal["en", "nl", "de", "fr"] = "en",
-    inline: bool = False,
-) -> Response:
-    """A fit's page for clinicians: one file to keep, or, inline, to be shown within a page."""
+def get_clinical(id: PathId, bench: Bench, language: Language = "en") -> Response:
+    """A fit's page for clinicians: one file to keep."""
     name, data = _report(bench, id, "html", language)
-    if not inline:
-        return Response(data, media_type="text/html", headers=attachment(name, ".html"))
-    return Response(data, media_type="text/html", headers=_framed(data.decode()))
+    return Response(data, media_type="text/html", headers=attachment(name, ".html"))
 
 
 @router.get("/fits/{id}/report.pdf", response_class=Response, responses=_PDF)

@@ -1,6 +1,6 @@
 // One fit: what came out, how sure it is, and what else the data say.
 
-import { download, get, patch, post } from "../core/api.js";
+import { download, get, patch, query } from "../core/api.js";
 import { byId, field, h, replace } from "../core/dom.js";
 import { change, draftState, loadDraft } from "../core/draft.js";
 import { onChanged } from "../core/events.js";
@@ -12,6 +12,7 @@ import { showCorrelations } from "../result/correlations.js";
 import { showDetails } from "../result/details.js";
 import { estimates } from "../result/estimates.js";
 import { profiles } from "../result/profiles.js";
+import { showShort } from "../result/short.js";
 import { traces } from "../result/traces.js";
 import { showUnsure } from "../result/unsure.js";
 import { validation } from "../result/validation.js";
@@ -76,12 +77,10 @@ function file(knob, url, name) {
 
 file("report-html", `/api/fits/${id}/report.html`, "report.html");
 file("report-pdf", `/api/fits/${id}/report.pdf`, "report.pdf");
-const clinical = () => `/api/fits/${id}/clinical.html?language=${byId("language").value}`;
-function showClinical() {
-  replace(byId("clinical-place"), h("iframe", { class: "report-frame", title: "The fit in short", src: `${clinical()}&inline=true` }));
-}
-byId("language").addEventListener("change", showClinical);
-byId("clinical-html").addEventListener("click", () => attempt(byId("error"), () => download(clinical(), "page.html"), byId("clinical-html")));
+byId("language").addEventListener("change", () => showShort(id));
+byId("clinical-html").addEventListener("click", () =>
+  attempt(byId("short-error"), () => download(`/api/fits/${id}/clinical.html${query({ language: byId("language").value })}`, "page.html"), byId("clinical-html")),
+);
 file("save-json", `/api/fits/${id}/fit.json`, "fit.json");
 
 byId("rename").addEventListener("click", async () => {
@@ -118,7 +117,7 @@ byId("report-show").addEventListener("click", () =>
 const ready = attempt(byId("error"), read);
 const filled = (work) => () => ready.then(() => result && work());
 tabs(byId("tabs"), {
-  short: filled(showClinical),
+  short: filled(() => showShort(id)),
   parameters: filled(overview),
   torque: filled(() => traces(id, result)),
   profiles: filled(() => profiles(id, () => result, read)),
