@@ -3,7 +3,13 @@
 import pytest
 
 from surae.recording.recording import ROLES
-from surae.recording.roles import CONFIDENCES, guess_role, heading_unit, words_of
+from surae.recording.roles import (
+    CONFIDENCES,
+    guess_role,
+    heading_unit,
+    is_plate_moment,
+    words_of,
+)
 
 
 @pytest.mark.parametrize(
@@ -84,6 +90,24 @@ def test_an_uncalibrated_sensor_keeps_its_role_and_asks_for_its_scale():
     assert guess is not None
     assert guess.role == "torque"
     assert "scale" in guess.rule
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [("MX1", "Nm"), ("Moment.Mz2", "N.mm"), ("ground_torque_x", None), ("FP1My", None)],
+)
+def test_a_moment_of_a_force_plate_is_no_torque_of_the_joint(name, unit):
+    assert guess_role(name, unit) is None
+    assert is_plate_moment(name, unit)
+
+
+@pytest.mark.parametrize(("name", "unit"), [("Platform torque", "Nm"), ("LAnkleMoment", "Nmm")])
+def test_what_moves_the_foot_is_no_force_plate(name, unit):
+    guess = guess_role(name, unit)
+    assert guess is not None
+    assert guess.role == "torque"
+    assert not is_plate_moment(name, unit)
+    assert not is_plate_moment("FX1", "N")
 
 
 def test_words():

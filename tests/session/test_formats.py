@@ -123,6 +123,22 @@ def test_other_joints_are_named(shared):
     assert "not the ankle" not in remarks["A22:LAnkleAngles.X"]
 
 
+def test_moments_of_force_plates_are_named_as_such(shared):
+    found = inspect(shared / "c3d" / "gait_points_and_analog.c3d")
+    channels = {c.column: c for c in found.channels}
+    for number in (1, 2):
+        for axis in "XYZ":
+            moment = channels[f"M{axis}{number}"]
+            assert moment.guess is None
+            assert f"force plate {number}" in moment.remark
+            assert "not the ankle's" in moment.remark
+    assert "not the ankle's" not in channels["FX1"].remark
+    assert {c.column for c in found.open["torque"]} == {
+        "A22:LAnkleMoment.X",
+        "A22:RAnkleMoment.X",
+    }
+
+
 def test_an_ankle_beside_a_thigh_stays_the_ankle(tmp_path):
     lines = ["time,Angle,Torque,TA,Vastus medialis"] + [f"{k / 10},{k},1,0,0" for k in range(9)]
     (tmp_path / "x.csv").write_text("\n".join(lines))

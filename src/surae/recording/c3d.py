@@ -297,8 +297,9 @@ def _channels(
     units, described = (parameters.texts("ANALOG", name) for name in ("UNITS", "DESCRIPTIONS"))
     scales, offsets = (parameters.numbers("ANALOG", name) for name in ("SCALE", "OFFSET"))
     general = next(iter(parameters.numbers("ANALOG", "GEN_SCALE")), 1.0)
+    plates = _plates(parameters)
     for index, name in enumerate(names):
-        remarks = [*described[index : index + 1], *doubts]
+        remarks = [*described[index : index + 1], plates.get(index, ""), *doubts]
         refused = ""
         scale, offset = (([*values[index : index + 1], 0.0][0]) for values in (scales, offsets))
         if index >= len(scales):
@@ -321,6 +322,13 @@ def _channels(
             remark="; ".join(text for text in remarks if text),
             refused=refused,
         )
+
+
+def _plates(parameters: _Parameters) -> dict[int, str]:
+    """The force plate that an analog channel is of, by the channel's place."""
+    channels = parameters.numbers("FORCE_PLATFORM", "CHANNEL")
+    each = len(channels) // (parameters.whole("FORCE_PLATFORM", "USED") or 1) or 1
+    return {int(at) - 1: f"force plate {k // each + 1}" for k, at in enumerate(channels)}
 
 
 def _points(

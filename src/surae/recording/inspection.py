@@ -17,7 +17,14 @@ from surae.recording.formats import open_table
 from surae.recording.inspected import InspectedChannel, Inspection
 from surae.recording.reading import is_mapping
 from surae.recording.recording import ROLES
-from surae.recording.roles import CONFIDENCES, Side, guess_role, joint_of_muscles, other_joint
+from surae.recording.roles import (
+    CONFIDENCES,
+    Side,
+    guess_role,
+    is_plate_moment,
+    joint_of_muscles,
+    other_joint,
+)
 from surae.recording.source import open_source
 from surae.recording.table import Column, Table, load_each, sampling_of, some
 
@@ -158,14 +165,18 @@ def _of_their_joint(
 ) -> list[InspectedChannel]:
     """Channels with no joint in their names are only possibly the ankle's beside a knee's muscles.
 
-    Those that name another joint say so in their remark. `raw` goes over to what replaces them.
+    Those of another joint or of a force plate say so in their remark. `raw` goes over to what
+    replaces them.
     """
     joint = joint_of_muscles([channel.column for channel in channels])
     told = []
     for channel in channels:
         guess, other = channel.guess, other_joint(channel.column)
-        if guess is None and other is not None:
-            remark = "; ".join(filter(None, (f"of the {other}, not the ankle", channel.remark)))
+        own = f"of the {other}, not the ankle" if other else ""
+        if not own and is_plate_moment(channel.column, channel.unit):
+            own = "a moment about an axis of a force plate or load cell, not the ankle's"
+        if guess is None and own:
+            remark = "; ".join(filter(None, (own, channel.remark)))
             told.append(replace(channel, remark=remark))
         elif joint and guess and guess.role and guess.confidence == "likely":
             rule = f"{guess.rule}, and the muscles are of the {joint}: is it the ankle's?"

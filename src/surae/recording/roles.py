@@ -5,7 +5,8 @@ capitals. In this order:
 
 1. Our own names (``torque_Nm``) state role and unit.
 2. Words of another joint (knee, hip, subtalar, …) or of a sensor that measures something else
-   (acceleration, gyroscope, force plate, marker) mean: no role.
+   (acceleration, gyroscope, force plate, marker) mean: no role. ``MX`` to ``MZ`` are moments of a
+   force plate or load cell.
 3. ``torque``, ``moment``: the torque. ``velocity``, ``speed``, ``omega``: the angular velocity.
    ``acceleration`` with ``ankle`` or ``angular``: the angular acceleration. ``angle``,
    ``position``, ``dorsiflexion``, ``goniometer``: the angle. They are *named* with the word
@@ -51,6 +52,9 @@ _OTHER_SENSORS = {
     "setpoint", "command", "reference", "temperature", "battery", "status", "saw", "counter",
     "forces", "power", "powers", "progress", "progression",
 }  # fmt: skip
+#: Words of force plates and load cells: their moments are about their own axes. A plate or platform
+#: alone may be that which the foot is moved by.
+_PLATE = {"forceplate", "ground", "fx", "fy", "fz", "mx", "my", "mz"}
 _TORQUE = {"torque", "moment", "drehmoment", "koppel", "torq", "tor"}
 _VELOCITY = {"velocity", "vel", "speed", "omega", "angvel"}
 _ACCELERATION = {"acceleration", "accel", "acc", "alpha", "angacc"}
@@ -143,7 +147,7 @@ def guess_role(name: str, unit: str | None = None) -> Guess | None:
     match = _quantity(said, words) or _muscle(said, words)
     if match is not None:
         return _of_unit(*match, side, unit, _COORDINATE.fullmatch(name))
-    known = said & (_OTHER_JOINTS | _OTHER_SENSORS | _OTHER_MUSCLES)
+    known = said & (_OTHER_JOINTS | _OTHER_SENSORS | _OTHER_MUSCLES | _PLATE)
     if suggested not in ("torque", "angle") or known:
         return None
     rule = f"only its unit, {unit}, is one of {suggested}"
@@ -178,6 +182,14 @@ def other_joint(name: str) -> str | None:
     if said & _ANKLE or not said & (_ANGLE | _TORQUE | _VELOCITY):
         return None
     return next((joint for joint in words_of(name) if joint in _OTHER_JOINTS), None)
+
+
+def is_plate_moment(name: str, unit: str | None = None) -> bool:
+    """Whether a channel is a moment of a force plate or load cell, by its name and unit."""
+    said = set(words_of(name))
+    return bool(said & _PLATE) and bool(
+        said & (_TORQUE | {"mx", "my", "mz"}) or unit_kind(unit) == "torque"
+    )
 
 
 def joint_of_muscles(names: Sequence[str]) -> str | None:
@@ -232,7 +244,7 @@ def _quantity(said: set[str], words: tuple[str, ...]) -> _Found | None:
     ankle = bool(said & _ANKLE)
     if said & _OTHER_JOINTS or said & _EMG:
         return None
-    if said & _OTHER_SENSORS - _ACCELERATION:
+    if said & (_OTHER_SENSORS | _PLATE) - _ACCELERATION:
         return None
     tests: tuple[tuple[str, set[str], Callable[[], bool]], ...] = (
         ("torque", _TORQUE, lambda: True),
