@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import surae
+from surae.errors import InputError
 from surae.frozen import read_only
 from surae.protocol import Protocol, generate
 from surae.quality import recording_of
@@ -159,13 +160,17 @@ def test_raw_emg_on_an_offset_is_taken_as_it_is(planted) -> None:
     assert prepared.emg[:, 1].min() < 1e-4  # the offset is gone
 
 
-@pytest.mark.parametrize(("declared", "severity"), [("raw", "info"), ("envelope", "error")])
+@pytest.mark.parametrize(("declared", "severity"), [("raw", "warning"), ("envelope", "error")])
 def test_emg_that_is_not_as_declared_is_a_finding(planted, declared, severity) -> None:
     smooth = recording_of(virtual_trial(virtual_subject(4), TRAJECTORY, noise=0.0))
     recording = planted.signals(70010).recording if declared == "envelope" else smooth
     recording = replace(recording, emg=declared)
-    (finding,) = [f for f in surae.check(recording).findings if f.code == "emg-kind"]
-    assert finding.severity == severity
+    (finding,) = surae.check(recording).findings  # and nothing that only follows from it
+    assert (finding.code, finding.severity) == ("emg-kind", severity)
+    with pytest.raises(InputError, match=r"is declared .* but looks") as refusal:
+        surae.prepare(recording)
+    said = finding.message.removesuffix(".")
+    assert said.split(" is declared")[1] in str(refusal.value)  # in the same words
     other = "envelope" if declared == "raw" else "raw"
     assert f'emg = "{other}"' in finding.advice
     assert finding.message.endswith(").")  # what it looks like is told whole

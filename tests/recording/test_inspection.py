@@ -133,7 +133,7 @@ def test_emg_that_is_declared_wrongly_is_named_in_one_set_of_words(tmp_path):
         assert emg_contradictions(read(tmp_path / "t.csv")) == {
             "emg_ta": line.replace("'emg_ta_V'", "emg_ta")
         }
-    for signal, declared in ((smooth, "envelope"), (emg(), "raw"), (np.abs(emg()), "raw")):
+    for signal, declared in ((smooth, "envelope"), (emg(), "raw"), (np.abs(emg()), "envelope")):
         table = {"time_s": time, "angle_rad": time, "emg_ta_V": signal}
         write_csv(tmp_path / "t.csv", table, [f"emg: {declared}"])
         assert emg_contradictions(read(tmp_path / "t.csv")) == {}

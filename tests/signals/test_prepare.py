@@ -241,15 +241,16 @@ def test_no_angle() -> None:
 
 def test_raw_emg_that_is_an_envelope() -> None:
     refused(
-        "emg_ta: raw EMG without a negative sample looks like an envelope; .*# emg: envelope.*"
-        'emg = "envelope".*--prepared',
+        r"emg_ta is declared raw but (looks like an envelope|was rectified) \(.*"
+        'emg = "envelope".*# emg: envelope.*--prepared',
         recording(envelopes(2048.0)),
     )
 
 
 def test_envelope_that_is_raw_emg() -> None:
-    pattern = "emg_ta: an EMG envelope cannot be negative, but it is -.* at .* s"
+    pattern = r'emg_ta is declared an envelope but looks raw \(.*: write emg = "raw"'
     refused(pattern, recording(measured(), emg="envelope"))
+    pattern = "emg_ta: an EMG envelope cannot be negative, but it is -.* at .* s"
     refused(pattern, recording(measured()), prepared=True)
 
 

@@ -190,8 +190,9 @@ def fit(
     )
     given = [read_in(recording) for recording in several(recordings)]
     inputs = inputs_for(settings, given, [read_in(recording) for recording in several(mvc)])
-    checked = map(check, given) if quality is None else quality
-    return fit_inputs(inputs, settings, tuple(checked), baseline, progress, follow)
+    if quality is None:
+        quality = [check(each, prepared=settings.prepared) for each in given]
+    return fit_inputs(inputs, settings, tuple(quality), baseline, progress, follow)
 
 
 def asks_as_fit(function: F) -> F:

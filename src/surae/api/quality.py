@@ -1,6 +1,7 @@
 """Findings on a recording in any form."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from surae.api.recordings import AnyRecording
 from surae.diagnosis import examined, wrong_units
@@ -31,7 +32,12 @@ def explained(error: InputError, recordings: Iterable[Recording | ModelInputs]) 
     return InputError(" ".join([f"{error}.", *said])) if said else error
 
 
-def check(recording: AnyRecording, *, commanded: Commanded | PathLike | None = None) -> Quality:
+def check(
+    recording: AnyRecording,
+    *,
+    commanded: Commanded | PathLike | None = None,
+    prepared: bool = False,
+) -> Quality:
     """Look for faults in a recording before it is fitted.
 
     Parameters
@@ -42,6 +48,9 @@ def check(recording: AnyRecording, *, commanded: Commanded | PathLike | None = N
     commanded : Commanded or path, optional
         What the device was to follow, or the file of `surae protocol` that says so. Without it, the
         protocols of `surae.protocol` are recognised in the angle.
+    prepared : bool
+        Whether the signals are to be used as they are, without filters: envelopes are then right
+        whatever the file says of its EMG.
 
     Returns
     -------
@@ -54,6 +63,14 @@ def check(recording: AnyRecording, *, commanded: Commanded | PathLike | None = N
         A file cannot be read.
     """
     asked = commanded if isinstance(commanded, Commanded | None) else commanded_file(commanded)
+    quality = _checked(recording, asked)
+    if not prepared:
+        return quality
+    right = tuple(f for f in quality.findings if (f.code, f.severity) != ("emg-kind", "warning"))
+    return replace(quality, findings=right)
+
+
+def _checked(recording: AnyRecording, asked: Commanded | None) -> Quality:
     if isinstance(recording, ModelInputs):
         recording = recording_of(recording)
     if isinstance(recording, DataFrame):

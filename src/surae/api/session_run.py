@@ -115,7 +115,7 @@ class _Run:
             except InputError as error:
                 self.failed[trial.name] = str(explained(error, [trial.recording]))
                 continue
-            self.quality[trial.name] = check(trial.recording)
+            self.quality[trial.name] = check(trial.recording, prepared=self.settings.prepared)
         for name in self.session.fitted:
             if name in self.inputs:
                 self._cost[name] = float(self.inputs[name].n)

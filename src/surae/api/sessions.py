@@ -86,7 +86,8 @@ class Session(TrialSet):
         recordings = [self.to_fit(name) for name in chosen]
         reference = self.emg_reference(settings)
         inputs = [prepared_for(settings, recording, reference) for recording in recordings]
-        return fit_inputs(inputs, settings, tuple(map(check, recordings)), **told)
+        quality = tuple(check(each, prepared=settings.prepared) for each in recordings)
+        return fit_inputs(inputs, settings, quality, **told)
 
     @asks_as_fit
     def run(

@@ -19,12 +19,14 @@ if TYPE_CHECKING:
 @MAPPING
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
 @click.option("--strict", is_flag=True, help="Exit with 1 if there is a warning or an error.")
+@click.option("--prepared", is_flag=True, help="The signals are used as they are: see `fit`.")
 @click.option("--commanded", metavar="P.csv", help="What the device was to follow.")
 def command(
     recordings: tuple[str, ...],
     mapping: str | None,
     as_json: bool,
     strict: bool,
+    prepared: bool,
     commanded: str | None,
 ) -> int:
     """Look for faults in recordings before they are fitted.
@@ -44,7 +46,7 @@ def command(
         for path in recordings:
             progress.describe(f"reading and checking {path}")
             recording = path if mapping is None else read(path, mapping=mapping)
-            qualities.append(check(recording, commanded=asked))
+            qualities.append(check(recording, commanded=asked, prepared=prepared))
     if as_json:
         click.echo(json.dumps(_plain(recordings, qualities), ensure_ascii=False, indent=2))
     else:

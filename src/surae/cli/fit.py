@@ -71,7 +71,7 @@ def command(
         quality = []
         for path, recording in zip(recordings, measured, strict=True):
             progress.describe(f"checking {path}")
-            quality.append(check(recording))
+            quality.append(check(recording, prepared=prepared))
             if strict:
                 refuse_errors(path, quality[-1])
         contractions = read_all(mvc, progress, mapping)

@@ -53,7 +53,7 @@ def kind(trial: Trial) -> tuple[Finding, ...]:
                 Finding(
                     "emg-kind",
                     # An envelope is right where all signals are prepared, as --prepared says.
-                    "error" if declared == "envelope" else "info",
+                    "error" if declared == "envelope" else "warning",
                     role,
                     trial.start,
                     trial.end,

@@ -12,6 +12,7 @@ from surae.quality.commanded import Commanded, recognised
 from surae.quality.numeric import BoolArray, correlation, quantiles, smooth
 from surae.quality.torque_model import TorqueModel, torque_model
 from surae.recording import MUSCLES, Channel, Recording
+from surae.recording.emg_kind import emg_contradictions
 from surae.units import FloatArray
 
 #: Rate at which signals are compared [Hz]: fine enough for a reflex's 25 ms.
@@ -166,11 +167,13 @@ def signals_of(recording: Recording) -> Signals:
 
 
 def emg_kind(recording: Recording) -> Literal["raw", "envelope"]:
-    """Whether the EMG is raw or an envelope, by its values where the recording says raw."""
+    """Whether the EMG is raw or an envelope, by its values where these contradict the recording."""
     emg = [c for role, c in recording.channels.items() if role.startswith("emg_")]
     alive = [c for c in emg if float(np.ptp(c.values)) > 0.0]
-    if recording.emg == "envelope" or not alive:
+    if not alive:
         return recording.emg
+    if recording.emg == "envelope":
+        return "raw" if 2 * len(emg_contradictions(recording)) > len(alive) else "envelope"
     ratios = []
     for channel in alive:
         low, middle, high = quantiles(channel.values, 0.001, 0.5, 0.999)

@@ -33,6 +33,8 @@ class Look:
     #: What to add to take away a constant offset of raw EMG that hides its zero, in the file's
     #: unit; 0 where none needs to be taken away.
     offset: float = 0.0
+    #: Whether no sample is negative, so that it is not raw, but it may not be an envelope either.
+    rectified: bool = False
 
 
 def look_of(time: FloatArray, values: FloatArray) -> Look:
@@ -49,7 +51,7 @@ def look_of(time: FloatArray, values: FloatArray) -> Look:
 def emg_contradictions(recording: Recording) -> dict[str, str]:
     """Sentences on EMG channels, by role, that are declared raw but look like envelopes or reverse.
 
-    Inspect, check and fit say it in these words. What could be either contradicts nothing.
+    Inspect, check and fit say it in these words.
     """
     looks = {
         role: look_of(channel.time, channel.values)
@@ -62,12 +64,15 @@ def emg_contradictions(recording: Recording) -> dict[str, str]:
 
 def contradiction(name: str, look: Look, declared: str) -> str:
     """What is wrong with an EMG that is `declared` raw or an envelope; empty where nothing is."""
-    if look.kind in (None, declared):
+    rectified = declared == "raw" and look.rectified
+    if look.kind == declared or (look.kind is None and not rectified):
         return ""
     article = "an envelope" if declared == "envelope" else "raw"
+    kind = look.kind or "envelope"
+    looks = f"looks {_LIKE[look.kind]}" if look.kind else "was rectified"
     return (
-        f"{name} is declared {article} but looks {_LIKE[look.kind]} ({look.rule}): write "
-        f"emg = \"{look.kind}\" in the mapping, or '# emg: {look.kind}' in a CSV"
+        f"{name} is declared {article} but {looks} ({look.rule}): write "
+        f"emg = \"{kind}\" in the mapping, or '# emg: {kind}' in a CSV"
     )
 
 
@@ -96,7 +101,7 @@ def _look(time: FloatArray, values: FloatArray) -> Look:
     if crossings <= _SLOW and not below:
         return Look("envelope", f"not negative and slow, {rate}")
     rule = f"not negative, yet fast: {rate}: rectified but not smoothed?"
-    return Look(None, "negative throughout" if below else rule)
+    return Look(None, "negative throughout" if below else rule, rectified=not below and low >= 0.0)
 
 
 def amplified(high: float, low: float, unit_volts: float) -> bool:

@@ -4,7 +4,7 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.recording import Channel
-from surae.recording.emg_kind import look_of
+from surae.recording.emg_kind import contradiction, look_of
 from surae.signals.filters import butterworth
 from surae.signals.resample import Uniform
 from surae.signals.settings import Preparation
@@ -37,14 +37,12 @@ def envelope(source: Uniform, settings: Preparation) -> Uniform:
 def refuse_not_raw(channel: Channel, source: Uniform, settings: Preparation) -> None:
     """Raise InputError where raw EMG is an envelope, or too slow for the high-pass filter."""
     lowest, highest = float(channel.values.min()), float(channel.values.max())
-    # On a constant offset, which the filter takes away, raw EMG has no negative sample either.
-    lifted = lowest >= 0.0 and look_of(channel.time, channel.values).kind == "raw"
-    if lowest >= 0.0 and highest > lowest and not lifted:
-        raise InputError(
-            f"{source.where}: raw EMG without a negative sample looks like an envelope; write "
-            f"'# emg: envelope' in the CSV, emg = \"envelope\" in the TOML, or use --prepared if "
-            f"all signals are (if it is raw on a constant offset, subtract that)"
-        )
+    if lowest >= 0.0 and highest > lowest:
+        # On a constant offset, which the filter takes away, raw EMG has no negative sample either.
+        said = contradiction(channel.role, look_of(channel.time, channel.values), "raw")
+        if said:
+            trial = source.where.removesuffix(f": {channel.role}")
+            raise InputError(f"{trial}: {said}, or use --prepared if all signals are")
     cutoff = settings.emg_highpass_hz
     if cutoff is not None and source.axis.rate_hz < RATE_FACTOR * cutoff:
         raise InputError(
@@ -54,15 +52,20 @@ def refuse_not_raw(channel: Channel, source: Uniform, settings: Preparation) -> 
         )
 
 
-def refuse_negative(channel: Channel, where: str) -> None:
-    """Raise InputError where an envelope is negative by more than a tenth of its maximum."""
+def refuse_negative(channel: Channel, where: str, declared: str) -> None:
+    """Raise InputError where an envelope is negative by more than a tenth of its maximum.
+
+    `declared` is what the recording says that its EMG is.
+    """
     at = int(np.argmin(channel.values))
     lowest, highest = float(channel.values[at]), float(channel.values.max())
     if lowest < -NEGATIVE_FRACTION * max(highest, 0.0):
+        said = contradiction(channel.role, look_of(channel.time, channel.values), declared)
+        if said:
+            raise InputError(f"{where.removesuffix(f': {channel.role}')}: {said}")
         raise InputError(
             f"{where}: an EMG envelope cannot be negative, but it is {lowest:.3g} at "
-            f"{channel.time[at]:.6g} s (maximum {highest:.3g}); if it is raw EMG, write "
-            f"'# emg: raw' in the CSV or emg = \"raw\" in the TOML, without --prepared"
+            f"{channel.time[at]:.6g} s (maximum {highest:.3g}); fit raw EMG without --prepared"
         )
 
 

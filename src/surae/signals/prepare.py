@@ -183,7 +183,7 @@ def _as_they_are(recording: Recording) -> _Signals:
                 f"{instead}"
             )
         if role.startswith("emg_"):
-            refuse_negative(channel, f"{name}: {role}")
+            refuse_negative(channel, f"{name}: {role}", recording.emg)
     return _Signals(
         rate_hz=stamps.axis.rate_hz,
         time=angle.time if stamps.jitter_s <= tolerance else stamps.axis.time,
@@ -211,7 +211,7 @@ def _chain(recording: Recording, settings: Preparation) -> _Signals:
             refuse_not_raw(recording.channels[role], sources[role], settings)
             filtered[role] = envelope(sources[role], settings)
         else:
-            refuse_negative(recording.channels[role], sources[role].where)
+            refuse_negative(recording.channels[role], sources[role].where, recording.emg)
     if emg and recording.emg == "raw":
         steps.append(envelope_step([sources[role] for role in emg], settings))
     mechanical = [role for role in ("angle", "torque") if role in sources]
