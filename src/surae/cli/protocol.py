@@ -81,6 +81,9 @@ def device_options(function: Command) -> Command:
 @click.option("--rate", default="256", show_default=True, metavar="HZ", help="Samples per second.")
 @device_options
 @click.option("--no-adapt", is_flag=True, help="Refuse what the device cannot follow instead.")
+@click.option("--despite", metavar="REASON",
+              help="Why efforts and range stay as they are though legs would ask more torque than "
+              "the device has; goes into the file.")  # fmt: skip
 @click.option("--output", required=True, metavar="P.csv|P.mat", help="Where the protocol goes.")
 @click.option("--figure", type=Picture(), metavar="P.svg|pdf|png", help="Draw it.")
 def command(
@@ -95,6 +98,7 @@ def command(
     device: str,
     without_limits: str | None,
     no_adapt: bool,
+    despite: str | None,
     output: str,
     figure: str | None,
 ) -> None:
@@ -107,6 +111,10 @@ def command(
     limiting = device_of(device, without_limits)
     if no_adapt and limiting is None:
         raise InputError("--no-adapt has no effect without the limits of a device")
+    if despite is not None and not despite.strip():
+        raise InputError("--despite: say why the device's torque may be exceeded")
+    if despite is not None and limiting is None:
+        raise InputError("--despite: without a device no limit is exceeded; leave it out")
     file_kind("--output", output, ".csv", ".mat")
     check_outputs({"--output": output, "--figure": figure}, [])
 
@@ -130,6 +138,7 @@ def command(
         given = {
             "--task": task, "--chirp-amplitude": chirp_amplitude, "--chirp-rate": chirp_rate,
             "--chirp-factor": chirp_factor, "--duration": duration, "--no-adapt": no_adapt or None,
+            "--despite": despite,
         }  # fmt: skip
         fixed = [option for option, value in given.items() if value is not None]
         if fixed:
@@ -160,18 +169,44 @@ def command(
                 f"{longest:g} s at that rate"
             )
         trajectory = generate(settings)
-        table, model = _table(settings, trajectory, triceps_path(trajectory)), "muscle"
-    write_protocol(trajectory, output, without_limits=without_limits)
+        given_up: tuple[str, ...] = (
+            () if despite is None else ("Nothing is given up for its torque.",)
+        )
+        if limits is not None and despite is None and not no_adapt:
+            with compilation_notice():
+                trajectory, given_up = _held(settings)
+        table = _table(settings, trajectory, triceps_path(trajectory), given_up)
+        model = "muscle"
+    with compilation_notice():
+        asked = asked_limits(trajectory, model)
+    beyond = "; ".join(limit.text for limit in asked if limit.exceeded)
+    if beyond and despite is None:
+        raise InputError(
+            f"{name}: {beyond}; leave --no-adapt out, which gives up effort and range as far as "
+            "needed, or say why it may be: --despite REASON"
+        )
+    if despite is not None and not beyond:
+        raise InputError(f"--despite: no limit of {device} is exceeded; leave it out")
+    note = f"beyond limits: {' '.join(despite.split())} ({beyond})" if despite else ""
+    write_protocol(trajectory, output, without_limits=without_limits, note=note)
     if figure is not None:
         from surae.api import protocol_figure, write_figure
 
         write_figure(figure, protocol_figure(trajectory))
-    with compilation_notice():
-        asked = asked_limits(trajectory, model)
     for line in (*table, *(limit.text for limit in asked), f"protocol: {shown(output)}"):
         show_line(line)
     if figure is not None:
         show_line(f"figure: {shown(figure)}")
+
+
+def _held(settings: "Protocol") -> "tuple[Trajectory, tuple[str, ...]]":
+    """The protocol within its device's torque, and what was given up for it."""
+    from surae.api import held_to_torque
+
+    try:
+        return held_to_torque(settings)
+    except InputError as error:
+        raise InputError(f"{error}, or say why it may be: --despite REASON") from None
 
 
 def device_of(name: str, without_limits: str | None) -> str | None:
@@ -208,7 +243,9 @@ def file_kind(option: str, path: str, *allowed: str) -> str:
     return suffix
 
 
-def _table(settings: "Protocol", trajectory: "Trajectory", path: "TricepsPath") -> list[str]:
+def _table(
+    settings: "Protocol", trajectory: "Trajectory", path: "TricepsPath", given_up: tuple[str, ...]
+) -> list[str]:
     """What the protocol asks for, in a few lines."""
     from surae.api import PROFILES, TASKS, peaks
 
@@ -238,7 +275,7 @@ def _table(settings: "Protocol", trajectory: "Trajectory", path: "TricepsPath") 
         f"{lengths[-1]:g} l0, {speeds[0]:g} to {speeds[-1]:g} l0/s",
     }
     if adaptation is not None:
-        steps = adaptation.steps or ("nothing: the device follows it as it is.",)
+        steps = (*adaptation.steps, *given_up) or ("nothing: the device follows it as it is.",)
         rows["adapted"] = steps[0]
         rows |= {" " * (k + 1): step for k, step in enumerate(steps[1:])}
     width = max(len(name) for name in rows)

@@ -6,6 +6,7 @@ as its own torque asks for.
 """
 
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from surae.planning.information import model_inputs
 from surae.planning.legs import Legs
 from surae.planning.limits import EXACT, Limits
 from surae.planning.plan import Plan
+from surae.planning.profile import ProfilePlan
 from surae.protocol import Device
 from surae.protocol.effort import GAP
 from surae.units import FloatArray
@@ -24,8 +26,13 @@ _GIVEN_UP, _STEP = 0.12, 0.01
 #: often bursts are lowered until the whole is.
 _RATE, _AFTER, _ROUNDS = 100.0, 0.8, 6
 
+#: What can be held to a torque: a designed protocol, or one of the thesis.
+_Plan = TypeVar("_Plan", Plan, ProfilePlan)
 
-def torques(plan: Plan, limits: Limits, legs: Legs, rate_hz: float = _RATE) -> FloatArray:
+
+def torques(
+    plan: Plan | ProfilePlan, limits: Limits, legs: Legs, rate_hz: float = _RATE
+) -> FloatArray:
     """Torque that each leg asks of the device, shape (n_legs, n) [Nm]; NaN where none is."""
     inputs = model_inputs(plan.trajectory(limits, rate_hz), legs, rate_hz)
     simulator = legs.spec.simulator(inputs, legs.options)
@@ -34,8 +41,8 @@ def torques(plan: Plan, limits: Limits, legs: Legs, rate_hz: float = _RATE) -> F
 
 
 def within_torque(
-    plan: Plan, limits: Limits, legs: Legs, device: Device | None
-) -> tuple[Plan, Limits, tuple[str, ...]]:
+    plan: _Plan, limits: Limits, legs: Legs, device: Device | None
+) -> tuple[_Plan, Limits, tuple[str, ...]]:
     """Plan and range with which no leg exceeds the device's torque, and what that cost.
 
     Raises
@@ -57,7 +64,7 @@ def within_torque(
     if eased != plan:
         before, after = (sum(b.level * b.length for b in p.bursts) for p in (plan, eased))
         notes.append(
-            f"Efforts are lowered by {100 * (1 - after / before):.0f} % in all, to keep within the "
+            f"Efforts are lowered by {100 * (1 - after / before):.2g} % in all, to keep within the "
             f"{device.max_torque:g} Nm of {device.name}."
         )
     most = float(np.nanmax(np.abs(torques(eased, held, legs))))
@@ -68,7 +75,9 @@ def within_torque(
     return eased, held, tuple(notes)
 
 
-def _narrowed(plan: Plan, limits: Limits, legs: Legs, device: Device, limit: float) -> Limits:
+def _narrowed(
+    plan: Plan | ProfilePlan, limits: Limits, legs: Legs, device: Device, limit: float
+) -> Limits:
     """The range over which relaxed legs ask no more than the limit."""
     relaxed, span = plan.eased(0.0), limits.high - limits.low
 
@@ -98,7 +107,7 @@ def _narrowed(plan: Plan, limits: Limits, legs: Legs, device: Device, limit: flo
     )
 
 
-def _eased(plan: Plan, limits: Limits, legs: Legs, limit: float) -> Plan:
+def _eased(plan: _Plan, limits: Limits, legs: Legs, limit: float) -> _Plan:
     """The plan with each burst as low as its own torque asks for."""
     if not plan.bursts:
         return plan

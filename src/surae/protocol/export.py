@@ -16,7 +16,11 @@ COLUMNS = ("time_s", "angle_rad", *(f"emg_{muscle}" for muscle in MUSCLES))
 
 
 def write_protocol(
-    trajectory: Trajectory, path: PathLike, *, without_limits: str | None = None
+    trajectory: Trajectory,
+    path: PathLike,
+    *,
+    without_limits: str | None = None,
+    note: str = "",
 ) -> None:
     """Write a protocol for a device: CSV, or MATLAB where the path ends in ``.mat``.
 
@@ -27,7 +31,9 @@ def write_protocol(
     path : path
         Where to.
     without_limits : str, optional
-        Why it may be written though no device's limits were kept; the reason goes into the CSV.
+        Why it may be written though no device's limits were kept; the reason goes into the file.
+    note : str
+        What else is to be known of it; goes into the file, too.
 
     Raises
     ------
@@ -40,10 +46,10 @@ def write_protocol(
             "no device: its limits would not be kept, so nothing is written; name the device, or "
             "say why it may be written without limits"
         )
-    if str(path).lower().endswith(".mat"):
-        write_protocol_mat(trajectory, path)
-    else:
-        write_protocol_csv(trajectory, path, note=f"without limits: {reason}" if reason else "")
+    notes = [f"without limits: {reason}" if reason else "", " ".join(note.split())]
+    told = "; ".join(each for each in notes if each)
+    write = write_protocol_mat if str(path).lower().endswith(".mat") else write_protocol_csv
+    write(trajectory, path, note=told)
 
 
 def write_protocol_target(trajectory: Trajectory, path: PathLike) -> None:
@@ -82,11 +88,11 @@ def write_protocol_csv(trajectory: Trajectory, path: PathLike, *, note: str = ""
     write_atomic(path, text.getvalue())
 
 
-def write_protocol_mat(trajectory: Trajectory, path: PathLike) -> None:
+def write_protocol_mat(trajectory: Trajectory, path: PathLike, *, note: str = "") -> None:
     """Write a MATLAB v5 file, all of it or nothing.
 
     Its variables are column vectors: `COLUMNS`, ``angular_velocity_rad_s`` and
-    ``angular_acceleration_rad_s2``; and the scalar ``rate_hz``.
+    ``angular_acceleration_rad_s2``; the scalar ``rate_hz``; and the text ``note``, if there is one.
 
     Raises
     ------
@@ -101,6 +107,8 @@ def write_protocol_mat(trajectory: Trajectory, path: PathLike) -> None:
         "angular_acceleration_rad_s2": trajectory.acceleration,
         "rate_hz": np.float64(trajectory.settings.rate_hz),
     }
+    if note:
+        variables["note"] = np.array(note)
     data = io.BytesIO()
     savemat(data, variables, oned_as="column")
     write_atomic(path, data.getvalue())
