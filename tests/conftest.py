@@ -6,11 +6,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.linalg  # noqa: F401  # its library too is to be limited
 from hypothesis import HealthCheck, settings
+from threadpoolctl import threadpool_limits
 
 from surae.protocol import Protocol, generate
 from surae.recording import write_csv
 from surae.studies import virtual_subject, virtual_trial
+
+# Tests share the cores among them. Threads of linear algebra on cores that others use wait for one
+# another busily: one decomposition takes a hundred times as long.
+threadpool_limits(limits=1)
+for _library in ("OMP", "OPENBLAS", "MKL"):  # for the processes that tests start
+    os.environ[f"{_library}_NUM_THREADS"] = "1"
 
 # What fails once fails again, and a busy computer fails nothing.
 settings.register_profile(

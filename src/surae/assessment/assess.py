@@ -19,6 +19,7 @@ from surae.estimation.contradiction import Contradiction, contradiction
 from surae.frozen import Comparable
 from surae.model import adapted
 from surae.signals import ModelInputs
+from surae.threads import one_blas_thread
 from surae.units import FloatArray
 
 _NO_VARIANCE = "no estimate has a variance"
@@ -105,6 +106,7 @@ class Assessment(Comparable):
     snsem: Mapping[str, float | None] = field(default_factory=dict)
 
 
+@one_blas_thread()
 def assess(
     result: FitResult, baseline: Baseline | None = None, *, alternatives: bool = False
 ) -> Assessment:
