@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 import surae
 from surae.frozen import read_only
 from surae.measures import measures_of_values
-from surae.model.axis import AnkleAxis
+from surae.model.geometry import AnkleAxis
 from surae.protocol import Protocol, generate
 from surae.recording import MUSCLES
 from surae.studies import virtual_subject

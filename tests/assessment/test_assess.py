@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from surae.assessment import Verdict, assess, predict
+from surae.assessment.parameter import IDENTIFIED, judge_interval
 from surae.assessment.uncertainty.covariance import half_width
-from surae.assessment.verdict import IDENTIFIED, judge_interval
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.estimation.residuals import Residuals

@@ -9,8 +9,7 @@ from scipy.signal import lfilter
 
 import surae
 from surae.assessment import assess
-from surae.assessment.resampling.blocks import block_length, draw_blocks
-from surae.assessment.resampling.bootstrap import bootstrap
+from surae.assessment.resampling.bootstrap import block_length, bootstrap, draw_blocks
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.frozen import read_only

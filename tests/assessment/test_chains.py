@@ -5,8 +5,7 @@ import importlib.util
 import numpy as np
 import pytest
 
-from surae.assessment.posterior.chains import require_sampler, run_chains
-from surae.assessment.posterior.diagnostics import convergence
+from surae.assessment.posterior.chains import convergence, require_sampler, run_chains
 from surae.errors import InputError
 
 MEAN = np.array([1.0, -0.5, 0.0])

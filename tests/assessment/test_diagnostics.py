@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surae.assessment.posterior.diagnostics import Convergence, convergence, verdict
+from surae.assessment.posterior.chains import Convergence, convergence, verdict
 
 pytestmark = pytest.mark.usefixtures("sampler")
 

@@ -7,8 +7,8 @@ import pytest
 
 import surae
 from surae.assessment import assess
+from surae.assessment.resampling.bootstrap import refit
 from surae.assessment.resampling.emg_bias import emg_bias, quiet_noise
-from surae.assessment.resampling.refit import refit
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.frozen import read_only

@@ -13,9 +13,8 @@ import pytest
 
 import surae
 from surae.assessment import assess
-from surae.assessment.saved.arrays import decode, encode
 from surae.assessment.saved.fit_json import as_dict, load_saved, save_fit
-from surae.assessment.saved.json_file import FORMAT
+from surae.assessment.saved.json_file import FORMAT, decode, encode
 from surae.assessment.saved.parameters_json import read_parameters
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem

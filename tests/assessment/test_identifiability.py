@@ -7,7 +7,7 @@ import pytest
 from toys import linear, toy_fit
 
 from surae.assessment import assess
-from surae.assessment.identifiability.collinearity import (
+from surae.assessment.identifiability.directions import (
     COLLINEAR,
     collinear_sets,
     index,

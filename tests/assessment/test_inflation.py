@@ -7,7 +7,7 @@ import pytest
 
 from surae import api
 from surae.assessment import Interval, assess
-from surae.assessment.inflation import Inflation, described, variance_inflation
+from surae.assessment.assess import Inflation, described, variance_inflation
 from surae.estimation import fit_problem, fit_robust, make_problem
 from surae.frozen import read_only
 

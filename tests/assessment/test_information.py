@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from surae.assessment.comparison.information import aicc, effective_samples
+from surae.assessment.comparison.compare import aicc, effective_samples
 
 
 def ar1(n: int, rho: float, seed: int) -> np.ndarray:

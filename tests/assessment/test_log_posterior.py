@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.assessment.posterior.beliefs import Belief, beliefs
-from surae.assessment.posterior.density import make_target
+from surae.assessment.posterior.density import Belief, beliefs, make_target
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.frozen import read_only

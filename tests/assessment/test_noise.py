@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from surae.assessment.residual.whiteness import autocovariance
+from surae.assessment.residual import autocovariance
 from surae.estimation.noise import NoiseModel, autoregressive
 
 PHI = np.array([1.6, -0.7])

@@ -6,9 +6,8 @@ from dataclasses import replace
 import pytest
 
 from surae.assessment import Baseline, assess
-from surae.assessment.saved.baseline_json import load_baseline, save_baseline
 from surae.assessment.saved.fit_json import load_saved, save_fit
-from surae.assessment.uncertainty.snsem import snsem
+from surae.assessment.uncertainty.snsem import load_baseline, save_baseline, snsem
 from surae.errors import InputError
 from surae.model import ModelOptions
 

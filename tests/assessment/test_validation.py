@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.assessment.residual.quality import rmse, vaf
-from surae.assessment.validation.leave_one_out import leave_one_out
-from surae.assessment.validation.prediction import pooled, predict_others
+from surae.assessment.residual import rmse, vaf
+from surae.assessment.validation import leave_one_out, pooled, predict_others
 from surae.errors import InputError
 from surae.estimation import FitSettings
 from surae.protocol import Protocol, generate
@@ -118,6 +117,6 @@ def test_ctrl_c_stops_leaving_out(noisy, others, fitted, monkeypatch) -> None:
     stopped = replace(
         fitted, starts=(*fitted.starts[:-1], replace(fitted.starts[-1], outcome="interrupted"))
     )
-    monkeypatch.setattr("surae.assessment.validation.leave_one_out.solve", lambda _: stopped)
+    monkeypatch.setattr("surae.assessment.validation.solve", lambda _: stopped)
     with pytest.raises(KeyboardInterrupt):
         leave_one_out([noisy, *others], FitSettings())

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from surae.assessment.parameter import Verdict, judge_interval
 from surae.assessment.uncertainty.covariance import Covariance
-from surae.assessment.verdict import Verdict, judge_interval
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from surae.assessment import Interval, assess
-from surae.assessment.residual.quality import vaf, weighted_vaf
+from surae.assessment.residual import vaf, weighted_vaf
 from surae.assessment.saved.fit_json import load_saved, save_fit
 from surae.errors import InputError
 from surae.estimation import fit_problem, fit_robust, make_problem

@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import lfilter
 
 from surae.assessment import whiteness
-from surae.assessment.residual.whiteness import autocovariance, most_lags
+from surae.assessment.residual import autocovariance, most_lags
 
 
 def coloured(rho, n, seed=1):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from surae.protocol import PROFILES, Protocol, generate, named_device
-from surae.protocol.triceps import L0_TRI, triceps_path
+from surae.protocol.coverage import L0_TRI, triceps_path
 from surae.report.figures import png, svg
 from surae.report.figures.protocol import protocol_figure
 

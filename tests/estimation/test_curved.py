@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from surae.estimation import make_problem
-from surae.estimation.curved import curved_move
-from surae.estimation.residuals import Residuals
+from surae.estimation.residuals import Residuals, curved_move
 
 
 @pytest.mark.parametrize("geometry", ["thesis", "virtual-work"])

@@ -10,7 +10,7 @@ from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.estimation.residuals import Residuals
 from surae.estimation.result import is_at_bound
-from surae.signals.thinning import thinning_factor
+from surae.signals.resample import thinning_factor
 from surae.studies import virtual_subject, virtual_trial
 
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import lsq_linear
 
 from surae.assessment import assess
-from surae.assessment.comparison.information import aicc
+from surae.assessment.comparison.compare import aicc
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.estimation.residuals import Residuals

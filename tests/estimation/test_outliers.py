@@ -8,7 +8,7 @@ import pytest
 from surae.assessment import Interval, assess
 from surae.errors import InputError
 from surae.estimation import LOSSES, fit_problem, fit_robust, make_problem
-from surae.estimation.losses import spread
+from surae.estimation.outliers import spread
 from surae.frozen import read_only
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from surae.assessment.saved.arrays import encode
-from surae.assessment.saved.family_json import _shifts
+from surae.assessment.saved.json_file import encode
+from surae.assessment.saved.parts_json import _shifts
 from surae.estimation.shifts import along, root, sized
 
 VALLEY = np.array([[1.0, -0.9], [-0.9, 1.0]])

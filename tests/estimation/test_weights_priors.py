@@ -7,7 +7,7 @@ import pytest
 
 from surae.assessment import assess
 from surae.estimation import fit_problem, make_problem
-from surae.estimation.prior import Prior
+from surae.estimation.population import Prior
 
 
 def quick(inputs, **given):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surae.model.limb import gravity_slope, gravity_torque, inertia_torque
+from surae.model.movement import gravity_slope, gravity_torque, inertia_torque
 
 
 def test_inertia_by_hand() -> None:

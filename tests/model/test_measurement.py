@@ -7,7 +7,7 @@ import pytest
 
 from surae.errors import InputError
 from surae.model import MODELS, ModelOptions, adapted, with_optional
-from surae.model.axis import STRAP, AnkleAxis
+from surae.model.geometry import STRAP, AnkleAxis
 from surae.model.parameters import CROSSTALK, OPTIONAL, OPTIONAL_PARAMETERS
 from surae.recording import MUSCLES
 from surae.signals import emg_levels

@@ -5,13 +5,15 @@ import pytest
 
 from surae.errors import InputError
 from surae.protocol.profiles import (
+    BLEND,
     MULTI_SINE_START,
     MULTIPLE_HOLDS,
     PROFILES,
     RAMP_AND_HOLD,
+    Ramp,
     named_profile,
+    ramps_and_holds,
 )
-from surae.protocol.ramps import BLEND, Ramp, ramps_and_holds
 
 EVERY = pytest.mark.parametrize("name", PROFILES)
 

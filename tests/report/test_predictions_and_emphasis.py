@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from surae.assessment import Baseline, assess
-from surae.assessment.validation.prediction import predict_others
+from surae.assessment.validation import predict_others
 from surae.estimation import fit_problem, fit_robust, make_problem
 from surae.frozen import read_only
 from surae.model import ModelOptions

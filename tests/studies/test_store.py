@@ -12,9 +12,8 @@ from dataclasses import replace
 import pytest
 
 from surae.errors import ComputationError, InputError
-from surae.studies.store import Store
+from surae.studies.store import Store, export_study, study_columns, study_table
 from surae.studies.study import parse_study
-from surae.studies.table import export_study, study_columns, study_table
 from surae.studies.tasks import Estimate, TaskOutcome
 
 TEXT = 'name = "a"\nprotocol = "sine"\nnoise = [0.01, 0.05]\nsubjects = 2\n'

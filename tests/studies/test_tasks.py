@@ -12,9 +12,10 @@ from surae.assessment import assess
 from surae.errors import ComputationError
 from surae.estimation import fit_problem, make_problem
 from surae.protocol import Protocol, generate
-from surae.studies import program, virtual_subject, virtual_trial
+from surae.studies import tasks as study_tasks
+from surae.studies import virtual_subject, virtual_trial
 from surae.studies.study import parse_study
-from surae.studies.tasks import TaskOutcome, outcome_of, planned, run_task
+from surae.studies.tasks import BOOKKEEPING, TaskOutcome, outcome_of, planned, run_task
 
 TEXT = 'protocol = "ramp-and-hold"\nrate_hz = 50\nstarts = 1\nchirp_amplitude = 0.2\n'
 
@@ -100,12 +101,12 @@ def test_a_worker_gives_the_same_and_refuses_another_program(monkeypatch) -> Non
 
 
 def test_the_fingerprint_follows_the_sources(tmp_path, monkeypatch) -> None:
-    for folder in (*program._COMPUTING,):
+    for folder in (*study_tasks._COMPUTING,):
         (tmp_path / folder).mkdir()
     kernel, keeping = tmp_path / "model" / "kernel.py", tmp_path / "studies" / "store.py"
     kernel.write_text("a = 1\n")
-    monkeypatch.setattr(program, "_PACKAGE", tmp_path)
-    fresh = program.fingerprint.__wrapped__
+    monkeypatch.setattr(study_tasks, "_PACKAGE", tmp_path)
+    fresh = study_tasks.fingerprint.__wrapped__
     before = fresh()
     keeping.write_text("b = 1\n")
     assert fresh() == before
@@ -115,7 +116,7 @@ def test_the_fingerprint_follows_the_sources(tmp_path, monkeypatch) -> None:
 
 def test_bookkeeping_names_modules_that_are_there() -> None:
     folder = Path(surae.__file__).parent / "studies"
-    assert all((folder / f"{name}.py").is_file() for name in program.BOOKKEEPING)
+    assert all((folder / f"{name}.py").is_file() for name in BOOKKEEPING)
 
 
 def test_subjects_differ_and_do_not_depend_on_the_noise() -> None:

@@ -53,8 +53,8 @@ from surae.assessment.posterior.agreement import read_profile_intervals as read_
 from surae.assessment.posterior.sample import Posterior as Posterior
 from surae.assessment.resampling.bootstrap import Bootstrap as Bootstrap
 from surae.assessment.resampling.emg_bias import EmgBias as EmgBias
-from surae.assessment.saved.baseline_json import save_baseline as save_baseline
 from surae.assessment.saved.parameters_json import read_parameters as read_parameters
+from surae.assessment.uncertainty.snsem import save_baseline as save_baseline
 from surae.estimation import make_problem as make_problem
 from surae.estimation.population import population_priors as population_priors
 from surae.measures import Measures as Measures
@@ -97,8 +97,8 @@ from surae.protocol import write_protocol_target as write_protocol_target
 from surae.protocol.adaptation import peaks as peaks
 from surae.protocol.chirp import DEFAULT_RATE as DEFAULT_RATE
 from surae.protocol.chirp import chirp_rate as chirp_rate
-from surae.protocol.triceps import TricepsPath as TricepsPath
-from surae.protocol.triceps import triceps_path as triceps_path
+from surae.protocol.coverage import TricepsPath as TricepsPath
+from surae.protocol.coverage import triceps_path as triceps_path
 from surae.quality import Finding as Finding
 from surae.quality import Quality as Quality
 from surae.quality import commanded_file as commanded_file
@@ -175,10 +175,10 @@ from surae.studies.imperfections import Imperfections as Imperfections
 from surae.studies.populations import TENDONS as TENDONS
 from surae.studies.run import run_study as run_study
 from surae.studies.store import Store as Store
+from surae.studies.store import export_study as export_study
+from surae.studies.store import study_columns as study_columns
+from surae.studies.store import study_table as study_table
 from surae.studies.study import SIMULATED_MODELS as SIMULATED_MODELS
 from surae.studies.study import Study as Study
 from surae.studies.study import parse_study as parse_study
 from surae.studies.study import read_study as read_study
-from surae.studies.table import export_study as export_study
-from surae.studies.table import study_columns as study_columns
-from surae.studies.table import study_table as study_table

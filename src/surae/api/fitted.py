@@ -12,7 +12,7 @@ from surae.assessment.assess import Assessment
 from surae.assessment.parameter import ParameterEstimate
 from surae.assessment.saved.fit_json import save_fit
 from surae.assessment.uncertainty.covariance import Covariance
-from surae.assessment.validation.prediction import Prediction, predict_others
+from surae.assessment.validation import Prediction, predict_others
 from surae.errors import InputError
 from surae.estimation import FitResult, FitSettings
 from surae.files import PathLike

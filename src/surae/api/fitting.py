@@ -9,9 +9,8 @@ from surae.api.fitted import Fit
 from surae.api.quality import check, explained
 from surae.api.recordings import AnyRecording, read_in, several
 from surae.assessment.assess import assess
-from surae.assessment.saved.baseline_json import load_baseline
 from surae.assessment.saved.fit_json import load_saved
-from surae.assessment.uncertainty.snsem import Baseline, check_baseline
+from surae.assessment.uncertainty.snsem import Baseline, check_baseline, load_baseline
 from surae.errors import InputError
 from surae.estimation import FitSettings, make_problem, solve
 from surae.estimation.starts import Follow

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from surae.api.fitted import Fit
-from surae.assessment.inflation import variance_inflation as inflation_of
+from surae.assessment.assess import variance_inflation as inflation_of
 from surae.assessment.likelihood.profiles import Profiles, profiles
 from surae.assessment.posterior.sample import CHAINS, DRAWS, TUNE, Posterior, sample
 from surae.assessment.resampling.bootstrap import REPLICATES, Bootstrap
@@ -34,7 +34,7 @@ def profile(
     variance_inflation : float or mapping of str to float, optional
         Divides Δχ², of all or of each parameter. By default what the assessment asks for: each
         parameter's own (sem_robust/sem)² where its interval is robust, as for a residual that is
-        correlated over time, and 1 otherwise; see `surae.assessment.inflation`.
+        correlated over time, and 1 otherwise; see `surae.assessment.assess`.
     workers : int, optional
         Profiles at a time; by default one for each processor. The numbers do not depend on it.
     store : path, optional
@@ -102,7 +102,7 @@ def posterior(
     variance_inflation : float, optional
         Divides the weight of the data. By default what the assessment asks for: the median over
         the parameters of (sem_robust/sem)² where intervals are robust, as for a residual that is
-        correlated over time, and 1 otherwise; see `surae.assessment.inflation`. One number, since
+        correlated over time, and 1 otherwise; see `surae.assessment.assess`. One number, since
         the likelihood has one noise: parameters for which the correlation matters more than for
         most get too narrow an interval, which their profile or `ci95` does not.
     cores : int, optional

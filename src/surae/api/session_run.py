@@ -12,8 +12,8 @@ from surae.api.fitted import Fit
 from surae.api.fitting import fit_inputs, load
 from surae.api.quality import check, explained
 from surae.api.session_result import SessionResult, finite, write_index, write_summary
-from surae.assessment.residual.quality import centred_r2
-from surae.assessment.validation.prediction import predict_others
+from surae.assessment.residual import centred_r2
+from surae.assessment.validation import predict_others
 from surae.diagnosis import STILL
 from surae.errors import ComputationError, InputError
 from surae.files import PathLike

@@ -6,9 +6,8 @@ from typing import Any
 from surae.api.fitted import Fit
 from surae.api.fitting import asks_as_fit
 from surae.api.recordings import AnyRecording, as_in_fit, read_in, several
-from surae.assessment.validation.leave_one_out import LeaveOneOut
-from surae.assessment.validation.leave_one_out import leave_one_out as leave_one_out_of
-from surae.assessment.validation.prediction import Prediction, predict_others
+from surae.assessment.validation import LeaveOneOut, Prediction, predict_others
+from surae.assessment.validation import leave_one_out as leave_one_out_of
 from surae.estimation import FitSettings
 from surae.progress import NamedProgress
 from surae.signals import ModelInputs, Weighting, weighted

@@ -7,14 +7,12 @@ from surae.assessment.assess import (
     assess,
 )
 from surae.assessment.comparison.finding import Comparison, TendonEvidence
-from surae.assessment.parameter import Interval, ParameterEstimate
-from surae.assessment.residual.quality import autocorrelation, rmse, vaf
-from surae.assessment.residual.whiteness import Whiteness, whiteness
+from surae.assessment.parameter import Interval, ParameterEstimate, Verdict
+from surae.assessment.residual import Whiteness, autocorrelation, rmse, vaf, whiteness
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width, ipde
 from surae.assessment.uncertainty.robust import RobustCovariance
 from surae.assessment.uncertainty.snsem import Baseline
-from surae.assessment.validation.prediction import Pooled, Prediction, pooled, predict
-from surae.assessment.verdict import Verdict
+from surae.assessment.validation import Pooled, Prediction, pooled, predict
 
 __all__ = [
     "Adequacy",

@@ -21,7 +21,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from surae.assessment.residual.quality import centred_r2
+from surae.assessment.residual import centred_r2
 from surae.assessment.uncertainty.covariance import covariance
 from surae.estimation import FitResult
 from surae.model.laboratory import group_of

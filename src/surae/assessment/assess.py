@@ -7,13 +7,19 @@ import numpy as np
 
 from surae.assessment.adequacy import Adequacy, Grade, judge_adequacy
 from surae.assessment.marginal import marginal
-from surae.assessment.parameter import Interval, ParameterEstimate
-from surae.assessment.residual.quality import centred_r2, rmse, vaf, weighted_vaf
-from surae.assessment.residual.whiteness import LEVEL, Whiteness
+from surae.assessment.parameter import (
+    IDENTIFIED,
+    Interval,
+    ParameterEstimate,
+    Verdict,
+    judge_interval,
+    judge_singular,
+    percent,
+)
+from surae.assessment.residual import LEVEL, Whiteness, centred_r2, rmse, vaf, weighted_vaf
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width, ipde
 from surae.assessment.uncertainty.robust import RobustCovariance, robust_covariance
 from surae.assessment.uncertainty.snsem import Baseline, check_baseline, snsem
-from surae.assessment.verdict import IDENTIFIED, Verdict, judge_interval, judge_singular, percent
 from surae.estimation import FitResult
 from surae.estimation.contradiction import Contradiction, contradiction
 from surae.frozen import Comparable
@@ -315,3 +321,37 @@ def _parameters(
             verdict, note, again, repeatable, budget if ci95 else {},
         )  # fmt: skip
     return parameters
+
+
+@dataclass(frozen=True, slots=True)
+class Inflation:
+    """Factors on the variance of the noise."""
+
+    factors: Mapping[str, float]  #: Of every parameter that was estimated.
+    reason: str  #: Why, in a plain phrase.
+
+    @property
+    def common(self) -> float:
+        """One factor for all: the median over the parameters."""
+        return float(np.median(list(self.factors.values()))) if self.factors else 1.0
+
+
+def variance_inflation(assessment: Assessment) -> Inflation:
+    """The factors that an assessment asks for: 1 where its residuals pass for white noise.
+
+    Where intervals are robust it is (sem_robust/sem)² of each parameter. One without a standard
+    error, as at a bound, has the median of the others.
+    """
+    free = [p for p in assessment.parameters.values() if p.free]
+    if assessment.interval is not Interval.ROBUST:
+        return Inflation({p.name: 1.0 for p in free}, assessment.interval_note)
+    known = {p.name: (p.sem_robust / p.sem) ** 2 for p in free if p.sem and p.sem_robust}
+    common = Inflation(known, "").common
+    return Inflation({p.name: known.get(p.name, common) for p in free}, assessment.interval_note)
+
+
+def described(factors: Mapping[str, float], reason: str) -> str:
+    """What was done to the noise and why, as a line: ``variance of the noise ×4: …``."""
+    least, most = f"{min(factors.values()):.3g}", f"{max(factors.values()):.3g}"
+    text = f"×{least}" if least == most else f"×{least} … ×{most}, by parameter"
+    return f"variance of the noise {text}" + (f": {reason}" if reason else "")

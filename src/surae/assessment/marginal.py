@@ -6,12 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from surae.assessment.adequacy import Adequacy, Grade
-from surae.assessment.parameter import Interval, ParameterEstimate
+from surae.assessment.parameter import IDENTIFIED, Interval, ParameterEstimate, Verdict, percent
 from surae.assessment.uncertainty.budget import REMEDIES, Budget, budgets
-from surae.assessment.verdict import IDENTIFIED, Verdict, percent
 from surae.estimation import FitProblem
-from surae.estimation.curved import stiffness_valleys
 from surae.estimation.mode import straight
+from surae.estimation.residuals import stiffness_valleys
 from surae.estimation.result import Family
 
 _NORMAL = 1.959964

@@ -10,9 +10,8 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.estimation import make_problem
-from surae.estimation.curved import curved_move
 from surae.estimation.least_squares import minimise
-from surae.estimation.residuals import Residuals
+from surae.estimation.residuals import Residuals, curved_move
 from surae.estimation.separable import scan_lengths
 from surae.frozen import read_only
 from surae.quality.numeric import quantiles, shifted, smooth

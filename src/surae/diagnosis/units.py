@@ -7,10 +7,10 @@ import numpy as np
 from surae.diagnosis.quick import percent, quick_fit
 from surae.frozen import read_only
 from surae.quality import Finding
+from surae.quality.finding import muscle_name
 from surae.quality.numeric import quantile, quantiles
 from surae.quality.registry import unfit
 from surae.quality.trial import signals_of
-from surae.quality.wording import muscle_name
 from surae.recording import MUSCLES, Recording
 
 #: Torque of an ankle [Nm] and duration [s] and rate [Hz] of a trial: least and most.

@@ -2,9 +2,8 @@
 
 from surae.estimation.fit import fit_problem
 from surae.estimation.least_squares import minimise
-from surae.estimation.losses import LOSSES
-from surae.estimation.outliers import fit_robust
-from surae.estimation.prior import Prior
+from surae.estimation.outliers import LOSSES, fit_robust
+from surae.estimation.population import Prior
 from surae.estimation.problem import FitProblem, make_problem
 from surae.estimation.result import Candidate, Family, FitResult, Outliers, Start
 from surae.estimation.solve import solve

@@ -13,9 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surae.estimation.correlated import counted_alike
 from surae.estimation.evidence import Quadratic
-from surae.estimation.member import TENDONS
+from surae.estimation.member import TENDONS, counted_alike
 from surae.estimation.mode import Mode, Target, whitened
 from surae.estimation.result import FitResult
 from surae.frozen import FrozenDict

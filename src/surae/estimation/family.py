@@ -21,12 +21,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from surae.estimation.correlated import under_noise
 from surae.estimation.evidence import Subset, subsets
 from surae.estimation.fit import fit_problem
 from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.least_squares import Outcome
-from surae.estimation.member import ODDS, Member
+from surae.estimation.member import ODDS, Member, under_noise
 from surae.estimation.mode import Mode, Target, straight, thinned_problem, white_noise
 from surae.estimation.noise import NoiseModel
 from surae.estimation.population import population_priors

@@ -13,13 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from surae.estimation.curved import stiffness_valleys
 from surae.estimation.evidence import Quadratic
 from surae.estimation.interrupt import checkpoint
 from surae.estimation.least_squares import Minimum, Outcome, minimise
 from surae.estimation.noise import NoiseModel, noise_of
 from surae.estimation.problem import FitProblem
-from surae.estimation.residuals import simulators
+from surae.estimation.residuals import simulators, stiffness_valleys
 from surae.estimation.result import is_at_bound
 from surae.model.laboratory import Belief, group_of
 from surae.model.parameters import OPTIONAL_PARAMETERS

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from surae.errors import InputError
-from surae.estimation.population import population_priors
-from surae.estimation.prior import Prior, checked_prior
+from surae.estimation.population import Prior, checked_prior, population_priors
 from surae.frozen import Comparable, FrozenDict
 from surae.model import (
     ModelOptions,
@@ -25,7 +24,7 @@ from surae.model.parameters import OPTIONAL
 from surae.recording import MUSCLES
 from surae.settings import FitSettings
 from surae.signals import ModelInputs
-from surae.signals.estimable import check_estimable
+from surae.signals.inputs import check_estimable
 from surae.units import FloatArray
 
 

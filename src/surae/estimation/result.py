@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from surae.estimation.noise import NoiseModel
-from surae.estimation.prior import Prior
+from surae.estimation.population import Prior
 from surae.estimation.problem import FitProblem
 from surae.frozen import Comparable, FrozenDict, read_only
 from surae.model.laboratory import Belief

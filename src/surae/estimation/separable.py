@@ -8,8 +8,13 @@ Which parameters these are, each model's `ModelSpec` says.
 
 import numpy as np
 
-from surae.estimation.box import box_quadratic
-from surae.estimation.least_squares import Rows, column_norms, compress, sum_of_squares
+from surae.estimation.least_squares import (
+    Rows,
+    box_quadratic,
+    column_norms,
+    compress,
+    sum_of_squares,
+)
 from surae.estimation.problem import FitProblem
 from surae.units import FloatArray
 

@@ -2,10 +2,51 @@
 
 Rows of shifts, one for each way in which it may go, whose outer products add up to its covariance:
 a wrong stiffness comes with the slack length that makes up for it, and what both make stays known.
+There are three sources, in this order.
+
+How much more recordings of one leg differ than their noise makes them: random effects.
+
+What recording i pulls an estimate by is V·Jᵢᵀeᵢ. Noise gives that the variance V·JᵢᵀJᵢ·V; what the
+pulls have beyond it is the leg, or the model, being another in each trial (the cluster-robust
+covariance of Liang and Zeger 1986, as far as it exceeds the model's).
+
+What a model leaves out, and how far that may have moved the estimates.
+
+A leg has another force-length curve than the model, antagonists that no electrode hears, tissue
+that stiffens otherwise. Such errors repeat with every movement: they are functions of angle,
+velocity and force, and no noise. Where the residual follows such functions, c·φ(t), their size s is
+known from it,
+
+    Φᵀe ~ N(0, G·S·G + G + N),   G = Φᵀ(1 − J·V·Jᵀ)Φ,   S = diag(s²),
+
+all whitened, N what noise of the EMG makes of it, by maximum of the posterior, one s for each
+muscle's active force and one for what is passive. What they do to the estimates is −V·JᵀΦ·c: where
+data show c, as far as they do, and where it hides behind the parameters, as far as s lets it. Where
+nothing is left out, s is zero and so is this (Kennedy and O'Hagan 2001 on models that are wrong;
+here the discrepancy is linear).
+
+What else shakes an estimate, beside the torque's noise: noise of the EMG, and the integrator.
+
+Both are known errors of the modelled torque that the noise of the residual does not tell of. What
+they do to the parameters is linear, δz = V·JᵀWᵀW·δT. Noise of the EMG does more: it is in the
+model's own columns, so the data ask for a slower filter that lets less of it through. That bias
+does not shrink with more data. As in SIMEX (Cook and Stefanski 1994), more noise of the same kind
+shows it, and it is taken away.
+
+Noise of an envelope is what changes faster than a muscle does. It is stronger where the EMG is,
+most of all in raw EMG that was rectified, whose size fluctuates by as much as itself.
 """
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from surae.estimation.evidence import Quadratic
+from surae.estimation.mode import Mode, Target, whitened
+from surae.frozen import read_only
+from surae.model.simulator import TorqueParts
+from surae.signals import ModelInputs, thinned
 from surae.units import FloatArray
 
 
@@ -24,3 +65,243 @@ def root(covariance: FloatArray) -> FloatArray:
     """Shifts whose outer products add up to a covariance, shape (q, q)."""
     values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
     return np.asarray((vectors * np.sqrt(np.maximum(values, 0.0))).T)
+
+
+def between_trials(target: Target, mode: Mode, quadratic: Quadratic) -> FloatArray:
+    """What differences between recordings do to the estimates.
+
+    Of shape (r, q), as they are searched, see `Family.spread`; none for a single recording.
+    """
+    count = len(target.problem.inputs)
+    if count < 2:
+        return np.zeros((0, len(mode.z)))
+    covariance = quadratic.solved({})[2]
+    pulls, expected = [], np.zeros(len(mode.z))
+    for rows in target.data_rows(mode.z):
+        pulls.append(covariance @ (rows[:-1] @ rows[-1]))
+        expected += np.einsum("ij,ij->i", covariance @ rows[:-1], covariance @ rows[:-1])
+    apart = (np.stack(pulls) - np.mean(pulls, axis=0)) * np.sqrt(count / (count - 1.0))
+    more = np.sqrt(np.maximum(np.sum(apart**2, axis=0) - expected, 0.0))
+    return sized(apart, more)
+
+
+#: What hides may be so many times what shows: legs of other muscles than the model's (decision 16).
+_HIDDEN = 3.0
+#: Gain of ln L that sizes which are sought bring by chance: as much speaks against them beforehand.
+_AGAINST = 2.0
+#: Scale of s, in noise's standard deviations of a whole trial, before anything is seen.
+_USUAL = 10.0
+#: Range of ln s² that is searched, and where its search begins.
+_RANGE, _BEGIN = (-12.0, 16.0), (-2.0, 4.0)
+#: Share of the largest eigenvalue below which there is none.
+_NOTHING = 1e-9
+
+
+def left_out(
+    target: Target,
+    mode: Mode,
+    quadratic: Quadratic,
+    noisy: Sequence[Sequence[FloatArray]],
+) -> FloatArray:
+    """Shifts by what the model leaves out, as they are searched; see `Family.spread`.
+
+    `noisy` is what draws of the EMG's noise change of the residual of each recording [Nm].
+    """
+    covariance = quadratic.solved({})[2]
+    grams, seens, levers, felt, pulled, groups = [], [], [], [], [], np.zeros(0)
+    gradient = quadratic.weight**2 * (mode.z - quadratic.mean)
+    blocks = zip(target.problem.inputs, target.data_rows(mode.z), target.noise, strict=True)
+    for number, (recording, rows, noise) in enumerate(blocks):
+        counts = 1.0 if recording.weight is None else np.sqrt(recording.weight)
+        features, groups = _features(recording, target.parts(mode.z, number))
+        features = whitened(features * counts, noise)
+        grams.append(features @ features.T)
+        seens.append(features @ rows[-1])
+        levers.append(rows[:-1] @ features.T)
+        gradient = gradient + rows[:-1] @ rows[-1]
+        noise_rows = whitened(np.stack([draw[number] for draw in noisy]) * counts, noise)
+        felt.append(noise_rows @ features.T)
+        pulled.append(noise_rows @ rows[:-1].T)
+    size = np.sqrt(np.maximum(np.diag(sum(grams)), 1e-300))
+    gram, lever = sum(grams) / np.outer(size, size), sum(levers) / size
+    moved = covariance @ lever
+    # the mode is beside the minimum where EMG is noisy
+    seen = sum(seens) / size - moved.T @ gradient
+    by_emg = sum(felt) / size - sum(pulled) @ moved
+    variance, directions = np.linalg.eigh(gram - lever.T @ moved)
+    kept = variance > _NOTHING * variance[-1]
+    view = np.sqrt(variance[kept])[:, None] * directions[:, kept].T
+    to_view = directions[:, kept].T / np.sqrt(variance[kept])[:, None]
+    noise_seen = np.eye(len(view)) + to_view @ (by_emg.T @ by_emg) @ to_view.T / len(noisy)
+    seen = to_view @ seen
+    logs, gain = _sizes(view, seen, noise_seen, groups)
+    prior = np.exp(logs)[groups]
+    taken = prior[:, None] * view.T @ np.linalg.inv((view * prior) @ view.T + noise_seen)
+    known = np.diag(prior) - taken @ (view * prior)
+    shown = taken @ seen
+    likely = 1.0 / (1.0 + np.exp(min(_AGAINST - gain, 500.0)))
+    ways = root(known + np.outer(shown, shown))
+    return np.asarray(_HIDDEN * np.sqrt(likely) * ways @ moved.T)
+
+
+def _sizes(
+    view: FloatArray, seen: FloatArray, noise: FloatArray, groups: FloatArray
+) -> tuple[FloatArray, float]:
+    """The most likely ln s² of each group of functions, and what ln L gains by them."""
+    from scipy.optimize import minimize
+
+    def unlikely(logs: FloatArray) -> float:
+        whole = (view * np.exp(logs)[groups]) @ view.T + noise
+        return float(np.linalg.slogdet(whole)[1] + seen @ np.linalg.solve(whole, seen))
+
+    def believed(logs: FloatArray) -> float:
+        # half-Cauchy beforehand, so that a size of which nothing is seen stays finite (Gelman 2006)
+        return unlikely(logs) + 2.0 * float(np.log1p(np.exp(logs) / _USUAL**2).sum())
+
+    count = int(groups.max()) + 1
+    ends = [
+        minimize(believed, np.full(count, begin), bounds=[_RANGE] * count, method="L-BFGS-B")
+        for begin in _BEGIN
+    ]
+    best = min(ends, key=lambda end: end.fun)
+    none = float(np.linalg.slogdet(noise)[1] + seen @ np.linalg.solve(noise, seen))
+    return np.asarray(best.x), 0.5 * (none - float(best.fun))
+
+
+def _features(recording: ModelInputs, parts: TorqueParts) -> tuple[FloatArray, FloatArray]:
+    """Functions that a residual should not follow, shape (k, n), and the group of each."""
+    low, high = np.percentile(recording.angle, [1.0, 99.0])
+    angle = np.clip(2.0 * (recording.angle - low) / max(high - low, 1e-9) - 1.0, -1.2, 1.2)
+    velocity = recording.velocity / max(np.percentile(np.abs(recording.velocity), 99.0), 1e-9)
+    features, groups = [], []
+    for group, torque in enumerate((parts.neural_tri, parts.neural_tib)):
+        active = np.abs(torque) / max(np.percentile(np.abs(torque), 99.0), 1e-9)
+        bends = (angle, angle**2, angle**3, velocity, velocity * angle, active, active * angle)
+        features += [active * bend for bend in bends]
+        groups += [group] * len(bends)
+    passive = (
+        angle**2, angle**3, angle**4, velocity, velocity * np.abs(velocity),
+        np.tanh(10.0 * velocity), velocity * angle,
+    )  # fmt: skip
+    return np.stack([*features, *passive]), np.array([*groups, *[2] * len(passive)])
+
+
+#: Band [Hz] in which an envelope is taken for noise, at most these parts of the sampling rate, and
+#: the time [s] over which its size is averaged.
+_NOISE_HZ, _NOISE_PART, _AVERAGED_S = (10.0, 40.0), (0.1, 0.35), 0.25
+#: Shift of a logarithm that is no longer small, and sum of squares, as a part of what it
+#: was, from which the torque is let go by it.
+_FARTHEST, _WORSE = 1.0, 1.3
+#: Samples below which nothing is said of it.
+_FEWEST = 30
+#: Pairs of noise realisations, of opposite signs, that show the bias, and realisations that show
+#: the scatter.
+_PAIRS, _DRAWS = 3, 12
+
+
+def without_emg_bias(
+    target: Target, mode: Mode, quadratic: Quadratic
+) -> tuple[FloatArray, FloatArray]:
+    """The mode without what noise of the EMG shifts it by on average, and what is left of that.
+
+    A shift that is not small, or after which the torque is followed much worse, is no matter of
+    first order: the mode stays, and the shift is something that is not known.
+
+    What is given back is the mode, and the shift that was not taken away.
+    """
+    covariance = quadratic.solved({})[2]
+    gradient = np.zeros(len(mode.z))
+    for noisy in _noisier(target, _PAIRS, both_signs=True):
+        for rows in noisy.data_rows(mode.z):
+            gradient += (rows[:-1] @ rows[-1]) / (2.0 * _PAIRS)
+    shift = covariance @ (gradient - quadratic.gradient)
+    moved = np.clip(mode.z + shift, target.lower, target.upper)
+    far = np.abs(shift[: len(target.names)][target.log]) > _FARTHEST
+    if not np.isfinite(shift).all() or far.any():
+        return mode.z, np.nan_to_num(shift)
+    before, after = target.sum_of_squares(mode.z), target.sum_of_squares(moved)
+    if not after < _WORSE * before:
+        return mode.z, shift
+    return np.asarray(moved), np.zeros(len(shift))
+
+
+def emg_draws(target: Target, mode: Mode) -> list[list[FloatArray]]:
+    """What draws of the EMG's noise change of the residual of each recording [Nm]."""
+    before = target.residuals(mode.z)
+    return [
+        [np.nan_to_num(e - old) for e, old in zip(noisy.residuals(mode.z), before, strict=True)]
+        for noisy in _noisier(target, _DRAWS)
+    ]
+
+
+def shaken(
+    target: Target, mode: Mode, quadratic: Quadratic, noisy: Sequence[Sequence[FloatArray]]
+) -> dict[str, FloatArray]:
+    """Shifts as they are searched, by source; see `Family.spread`.
+
+    `noisy` comes of `emg_draws`.
+    """
+    covariance = quadratic.solved({})[2]
+    levers = []
+    for rows, noise, recording in zip(
+        target.data_rows(mode.z), target.noise, target.problem.inputs, strict=True
+    ):
+        # W twice: forwards on the error, which is backwards on the rows
+        lever = covariance @ whitened(rows[:-1, ::-1], noise)[:, ::-1]
+        levers.append(lever if recording.weight is None else lever * np.sqrt(recording.weight))
+    values = target.values(mode.z)
+    step = sum(
+        lever @ _halved(target, values, recording)
+        for lever, recording in zip(levers, target.problem.inputs, strict=True)
+    )
+    emg = [
+        sum(lever @ change for lever, change in zip(levers, draw, strict=True)) for draw in noisy
+    ]
+    return {
+        "emg_noise": np.nan_to_num(np.stack(emg) / np.sqrt(len(noisy))),
+        "integration": np.nan_to_num(step)[None],
+    }
+
+
+def emg_noise(recording: ModelInputs) -> FloatArray:
+    """Standard deviation of white noise as strong as that of the envelopes, shape (n, 4)."""
+    from scipy.ndimage import uniform_filter1d
+    from scipy.signal import butter, sosfiltfilt, sosfreqz
+
+    if recording.n < _FEWEST:
+        return np.zeros_like(recording.emg)
+    rate = recording.rate_hz
+    band = [min(hz, part * rate) for hz, part in zip(_NOISE_HZ, _NOISE_PART, strict=True)]
+    sos = butter(2, band, btype="bandpass", fs=rate, output="sos")
+    passed = np.abs(sosfreqz(sos, 2048)[1]) ** 4  # of both passes, on power
+    fast = sosfiltfilt(sos, recording.emg, axis=0)
+    size = max(3, int(_AVERAGED_S * rate))
+    power = uniform_filter1d(fast**2, size, axis=0, mode="nearest") / passed.mean()
+    return np.asarray(np.sqrt(np.maximum(power, 0.0)))  # a running sum may end below zero
+
+
+def _noisier(target: Target, count: int, *, both_signs: bool = False) -> Iterator[Target]:
+    """The target with more noise of the EMG, as much as there is."""
+    rng = np.random.default_rng(0)
+    recordings = target.problem.inputs
+    levels = [emg_noise(recording) for recording in recordings]
+    for _ in range(count):
+        noise = [level * rng.standard_normal(level.shape) for level in levels]
+        for sign in (1.0, -1.0) if both_signs else (1.0,):
+            yield target.of_inputs(
+                tuple(
+                    replace(recording, emg=read_only(recording.emg + sign * more))
+                    for recording, more in zip(recordings, noise, strict=True)
+                )
+            )
+
+
+def _halved(target: Target, values: FloatArray, recording: ModelInputs) -> FloatArray:
+    """Error of the torque by the size of the steps [Nm]: a third of what steps of twice it add."""
+    spec, options = target.problem.spec, target.problem.options
+    coarse_inputs = thinned(recording, 2)
+    fine = spec.simulator(recording, options).torque(values)
+    coarse = spec.simulator(coarse_inputs, options).torque(values)
+    there = np.interp(coarse_inputs.time, recording.time, fine)
+    error: FloatArray = np.interp(recording.time, coarse_inputs.time, coarse - there) / 3.0
+    return error if np.isfinite(error).all() else np.zeros(recording.n)

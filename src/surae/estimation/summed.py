@@ -6,14 +6,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surae.estimation.correlated import under_noise
-from surae.estimation.left_out import left_out
-from surae.estimation.member import UNSUPPORTED, Member
+from surae.estimation.member import UNSUPPORTED, Member, under_noise
 from surae.estimation.mode import Mode, Target, straight
 from surae.estimation.result import Candidate, Family, FitResult, Start, is_at_bound
-from surae.estimation.shaken import emg_draws, shaken, without_emg_bias
-from surae.estimation.shifts import sized
-from surae.estimation.trials import between_trials
+from surae.estimation.shifts import (
+    between_trials,
+    emg_draws,
+    left_out,
+    shaken,
+    sized,
+    without_emg_bias,
+)
 from surae.frozen import FrozenDict, read_only
 from surae.model.laboratory import group_of
 from surae.signals import ModelInputs

@@ -17,7 +17,7 @@ import numpy as np
 from surae.frozen import read_only
 from surae.live.lsl import lsl, outlet
 from surae.processes import tell
-from surae.protocol.ramps import smooth_step
+from surae.protocol.profiles import smooth_step
 from surae.units import FloatArray
 
 if TYPE_CHECKING:

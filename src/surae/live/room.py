@@ -29,7 +29,7 @@ from surae.protocol import (
     read_protocol,
     write_protocol_csv,
 )
-from surae.protocol.ramps import smooth_step
+from surae.protocol.profiles import smooth_step
 from surae.recording import MUSCLES
 
 #: The name of the target of maximum contractions.

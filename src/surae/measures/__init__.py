@@ -1,9 +1,8 @@
 """What a clinician asks of a fit: measures in Nm and degrees, changes, norms, cohorts."""
 
 from surae.measures.compute import ANGLES, measures, measures_of_values
-from surae.measures.definition import Definition
 from surae.measures.measure import Measure, Measures
-from surae.measures.table import DEFINITIONS
+from surae.measures.table import DEFINITIONS, Definition
 
 __all__ = [
     "ANGLES",

@@ -27,7 +27,7 @@ from enum import StrEnum
 from typing import Any
 
 from surae._version import __version__
-from surae.assessment.verdict import percent
+from surae.assessment.parameter import percent
 from surae.errors import InputError
 from surae.files import PathLike, write_json
 from surae.frozen import FrozenDict

@@ -7,16 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surae.assessment import Assessment, Grade, Verdict
-from surae.assessment.verdict import IDENTIFIED, percent
+from surae.assessment.parameter import IDENTIFIED, percent
 from surae.errors import ComputationError, InputError
 from surae.estimation import FitResult
 from surae.frozen import FrozenDict
-from surae.measures.definition import Definition
-from surae.measures.leg import Leg, NotDefinedError
+from surae.measures.leg import Leg, NotDefinedError, measured_range
 from surae.measures.measure import Measure, Measures
-from surae.measures.reach import measured_range
 from surae.measures.spread import Spread, spread_of
-from surae.measures.table import DEFINITIONS
+from surae.measures.table import DEFINITIONS, Definition
 from surae.model import ModelOptions, get_model, with_optional
 from surae.model.laboratory import group_of
 from surae.units import FloatArray

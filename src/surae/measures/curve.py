@@ -8,7 +8,7 @@ from surae.assessment import Assessment
 from surae.estimation import FitResult
 from surae.frozen import Comparable, read_only
 from surae.measures.compute import Evaluated, Point, deviation, evaluate
-from surae.measures.reach import measured_range
+from surae.measures.leg import measured_range
 from surae.measures.spread import Spread, spread_of
 from surae.measures.table import DEFINITIONS
 from surae.units import FloatArray

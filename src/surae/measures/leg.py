@@ -11,6 +11,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from surae.errors import ComputationError
+from surae.estimation import FitResult
 from surae.model import ModelOptions, ModelSpec, Simulator, TorqueParts, get_model
 from surae.model.contraction import force_length_partials
 from surae.model.equilibrium import solve
@@ -248,3 +249,13 @@ def _force_length(x: float, l0: float) -> tuple[float, float]:
 
 def _series(a: float, b: float) -> float:
     return a * b / (a + b) if a + b else 0.0
+
+
+def measured_range(result: FitResult) -> tuple[float, float]:
+    """Lowest and highest angle of the samples that count [deg]."""
+    angles = [
+        recording.angle if recording.weight is None else recording.angle[recording.weight > 0]
+        for recording in result.problem.inputs
+    ]
+    low, high = np.degrees(np.percentile(np.concatenate(angles), [0.5, 99.5]))
+    return float(low), float(high)

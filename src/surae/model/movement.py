@@ -1,8 +1,8 @@
 """What a recording's movement does to limb and muscles, as far as its sensors can be believed.
 
 The angle that is measured is that of the device, and of its zero: the joint's is that of
-`surae.model.axis` at θ + angle_zero, with the ankle's axis at (axis_forward, axis_up). Everything
-in the leg follows the joint, and all its torque is felt by the device times dθ_joint/dθ.
+`surae.model.geometry` at θ + angle_zero, with the ankle's axis at (axis_forward, axis_up).
+Everything in the leg follows the joint, and all its torque is felt by the device times dθ_joint/dθ.
 """
 
 from collections.abc import Collection, Mapping
@@ -10,13 +10,57 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.model import limb
-from surae.model.axis import AnkleAxis, JointAngle
-from surae.model.geometry import Path, paths
+from surae.model.geometry import AnkleAxis, JointAngle, Path, paths
 from surae.model.options import ModelOptions
 from surae.model.parameters import OPTIONAL
 from surae.signals import ModelInputs
 from surae.units import FloatArray
+
+#: Distance of the point mass from the ankle axis [m], equation (6).
+ARM_LIMB = 0.15
+GRAVITY = 9.81
+
+
+def inertia_torque(*, acceleration: FloatArray) -> FloatArray:
+    """Inertial torque of a mass of 1 kg, equations (1) and (6): la²·θ''.
+
+    Parameters
+    ----------
+    acceleration : ndarray
+        Angular acceleration [rad/s²].
+
+    Returns
+    -------
+    ndarray
+        Torque per mass [Nm/kg].
+    """
+    return ARM_LIMB**2 * acceleration
+
+
+def gravity_torque(*, angle: FloatArray, theta_foot: float) -> FloatArray:
+    """Gravitational torque of a mass of 1 kg, equation (7): g·la·cos(θ − θ_foot).
+
+    Parameters
+    ----------
+    angle : ndarray
+        Ankle angle [rad].
+    theta_foot : float
+        Angle of the foot to the horizontal at θ = 0 [rad].
+
+    Returns
+    -------
+    ndarray
+        Torque per mass [Nm/kg].
+    """
+    torque: FloatArray = GRAVITY * ARM_LIMB * np.cos(angle - theta_foot)
+    return torque
+
+
+def gravity_slope(*, angle: FloatArray, theta_foot: float) -> FloatArray:
+    """Derivative of `gravity_torque` by the angle [Nm/(kg·rad)]; parameters as there."""
+    slope: FloatArray = -GRAVITY * ARM_LIMB * np.sin(angle - theta_foot)
+    return slope
+
 
 _AXIS = OPTIONAL["axis"]
 #: What they are to `AnkleAxis`.
@@ -95,15 +139,15 @@ class Movement:
             slopes = [JointAngle(same, still, still)] * len(columns)
         turning = joint.factor * velocity
         swinging = joint.factor * acceleration + joint.bend * velocity**2
-        inertia = limb.inertia_torque(acceleration=swinging)
-        gravity = limb.gravity_torque(angle=joint.angle, theta_foot=options.theta_foot)
-        falling = limb.gravity_slope(angle=joint.angle, theta_foot=options.theta_foot)
+        inertia = inertia_torque(acceleration=swinging)
+        gravity = gravity_torque(angle=joint.angle, theta_foot=options.theta_foot)
+        falling = gravity_slope(angle=joint.angle, theta_foot=options.theta_foot)
         limb_slopes = np.empty((len(columns), inputs.n))
         for row, by in enumerate(slopes):
             swung = by.factor * acceleration + by.bend * velocity**2
             limb_slopes[row] = by.factor * (inertia + gravity)
             limb_slopes[row] += joint.factor * (
-                limb.inertia_torque(acceleration=swung) + falling * by.angle
+                inertia_torque(acceleration=swung) + falling * by.angle
             )
         tri, tib = paths(angle=joint.angle, velocity=turning, options=options)
         return LegMovement(

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from surae.assessment.parameter import IDENTIFIED, Verdict, judge_interval, judge_singular
 from surae.assessment.uncertainty.budget import SOURCES, variance_given
 from surae.assessment.uncertainty.covariance import Covariance, half_width
-from surae.assessment.verdict import IDENTIFIED, Verdict, judge_interval, judge_singular
 from surae.frozen import Comparable, FrozenDict, read_only
 from surae.model import adapted
 from surae.model.laboratory import group_of

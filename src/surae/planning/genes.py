@@ -14,7 +14,7 @@ from surae.planning.limits import Limits
 from surae.planning.plan import Plan, Shake
 from surae.protocol import DIRECTIONS, TASKS
 from surae.protocol.effort import GAP, Burst, head_share, task_bursts
-from surae.protocol.ramps import BLEND, Ramp
+from surae.protocol.profiles import BLEND, Ramp
 from surae.units import FloatArray
 
 #: Still and relaxed at both ends of a trial [s].

@@ -8,8 +8,8 @@ import numpy as np
 
 from surae.assessment import Assessment
 from surae.assessment.adequacy import Grade
+from surae.assessment.parameter import IDENTIFIED, Verdict, percent
 from surae.assessment.uncertainty.covariance import half_width
-from surae.assessment.verdict import IDENTIFIED, Verdict, percent
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.files import PathLike

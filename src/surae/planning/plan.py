@@ -19,7 +19,7 @@ from surae.planning.kernels import plan_motion
 from surae.planning.limits import Limits
 from surae.protocol import Device, Given, Trajectory
 from surae.protocol.effort import Burst, burst_effort
-from surae.protocol.ramps import Ramp
+from surae.protocol.profiles import Ramp
 from surae.units import FloatArray
 
 #: The movement is checked against its limits at this rate at least [Hz].

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from surae.assessment.verdict import percent
+from surae.assessment.parameter import percent
 from surae.errors import InputError
 from surae.frozen import Comparable, FrozenDict, read_only
 from surae.planning.aim import Aim, make_aim

@@ -9,7 +9,7 @@ it. Ctrl-C in the terminal is the parent's.
 
 from surae.processes.child import Child, End, Plain, guarded
 from surae.processes.inside import function, tell, without_interrupt
-from surae.processes.telling import FULL, NO_ROOM, one_line, where
+from surae.processes.messages import FULL, NO_ROOM, one_line, where
 
 __all__ = [
     "FULL",

@@ -11,8 +11,7 @@ from importlib import import_module
 from typing import IO, Any
 
 from surae.errors import InputError, SuraeError
-from surae.processes.messages import received, send
-from surae.processes.telling import FULL, NO_ROOM, one_line, where
+from surae.processes.messages import FULL, NO_ROOM, one_line, received, send, where
 
 #: To the parent; None in a process that is nobody's child.
 _channel: IO[bytes] | None = None

@@ -3,9 +3,12 @@
 Nothing is pickled: what comes back can run nothing.
 """
 
+import errno
 import json
+import traceback
 from collections.abc import Mapping
 from math import prod
+from pathlib import Path
 from typing import IO, Any
 
 #: The longest line, and the longest array, that is taken [bytes].
@@ -64,3 +67,20 @@ def _blob(stream: IO[bytes], kind: str, shape: list[int]) -> Any:
     if len(data) < size:
         raise EOFError
     return data if kind == _BYTES else np.frombuffer(data, number).reshape(shape)
+
+
+#: What a system says when there is no room, and what we say.
+FULL = (errno.ENOSPC, errno.EDQUOT)
+NO_ROOM = "the disk is full; make room and try again, what is finished is kept"
+
+
+def where(error: BaseException) -> str:
+    """An error for a log: its kind and lines of code, not its text, which may name patients."""
+    frames = traceback.extract_tb(error.__traceback__)
+    places = [f"{'/'.join(Path(frame.filename).parts[-2:])}:{frame.lineno}" for frame in frames]
+    return f"{type(error).__name__} at {' < '.join(reversed(places[-8:]))}"
+
+
+def one_line(text: object) -> str:
+    """A message on one line."""
+    return " ".join(str(text).split())

@@ -2,7 +2,7 @@
 
 from surae.protocol.adaptation import Adaptation
 from surae.protocol.chirp import chirp, chirp_rate
-from surae.protocol.coverage import Coverage, coverage
+from surae.protocol.coverage import L0_TRI, Coverage, TricepsPath, coverage, triceps_path
 from surae.protocol.device import DEVICES, Device, allowed_range, named_device, read_device
 from surae.protocol.effort import DIRECTIONS, TASKS, Task
 from surae.protocol.export import (
@@ -14,7 +14,6 @@ from surae.protocol.export import (
 )
 from surae.protocol.profiles import PROFILES, Profile
 from surae.protocol.protocol import Given, Protocol, Trajectory, generate
-from surae.protocol.triceps import L0_TRI, TricepsPath, triceps_path
 
 __all__ = [
     "DEVICES",

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from surae.errors import InputError
-from surae.protocol.ramps import smooth_step
+from surae.protocol.profiles import smooth_step
 from surae.recording import MUSCLES
 from surae.units import FloatArray
 

@@ -3,11 +3,10 @@
 import numpy as np
 
 from surae.quality.emg import REST_VOLTS
-from surae.quality.finding import Finding, Skipped
+from surae.quality.finding import Finding, Skipped, muscle_name
 from surae.quality.numeric import BoolArray, quantile, quantiles, runs, smooth
 from surae.quality.reflex import Reflex, reflex
 from surae.quality.trial import Trial
-from surae.quality.wording import muscle_name
 from surae.recording import MUSCLES
 from surae.units import FloatArray
 

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from surae.quality.finding import Finding
+from surae.quality.finding import Finding, muscle_name, quantity, weight_of
 from surae.quality.numeric import equal_runs, quantile, runs, smooth
 from surae.quality.trial import Trial
-from surae.quality.wording import muscle_name, quantity, weight_of
 from surae.recording import MUSCLES, Channel
 from surae.recording.emg_kind import emg_contradictions
 

@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from surae.quality.finding import Finding, Skipped
+from surae.quality.finding import Finding, Skipped, muscle_name
 from surae.quality.numeric import shifted_correlations, smooth
 from surae.quality.torque_model import LONGEST, TorqueModel
 from surae.quality.trial import Trial
-from surae.quality.wording import muscle_name
 
 #: Lag of all EMG for the torque [s]. The true activation may be 30 ms faster or slower than the
 #: one assumed; clean virtual trials stay within 60 ms.

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.quality import activity, electrode, emg, lag, mains, position, reflex, timing, torque
+from surae.quality import activity, emg, lag, mains, position, reflex, timing, torque
 from surae.quality.commanded import Commanded
 from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped
 from surae.quality.trial import Trial, trial_of
@@ -35,7 +35,7 @@ CHECKS: tuple[Check, ...] = (
     Check(("emg-offset",), emg.offset, "EMG that does not rest at zero"),
     Check(("emg-artefact",), emg.artefact, "spikes and swings of cables and skin"),
     Check(("mains-hum",), mains.hum, "50 or 60 Hz in the EMG"),
-    Check(("electrode-off",), electrode.off, "an electrode that comes off during the trial"),
+    Check(("electrode-off",), mains.off, "an electrode that comes off during the trial"),
     Check(("electrode-lag",), lag.electrode_lag, "one electrode later than the others"),
     Check(("emg-torque-lag",), lag.torque_lag, "EMG and torque out of step"),
     Check(("torque-limit",), torque.limit, "torque at the device's limit"),

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.assessment.adequacy import Grade
+from surae.assessment.parameter import percent
 from surae.assessment.uncertainty.budget import REMEDIES, budgets
-from surae.assessment.verdict import percent
 from surae.estimation import FitResult
 
 #: What a source of uncertainty is called, in the order in which it is shown.

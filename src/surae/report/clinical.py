@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from surae._version import __version__
 from surae.assessment import Adequacy, Assessment, Grade, Verdict
-from surae.assessment.verdict import percent
+from surae.assessment.parameter import percent
 from surae.estimation import FitResult
 from surae.files import PathLike
 from surae.measures.change import Change, ChangeVerdict, Difference

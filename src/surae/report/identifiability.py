@@ -3,11 +3,10 @@
 from dataclasses import dataclass
 
 from surae.assessment import Assessment, Verdict
-from surae.assessment.identifiability.collinearity import COLLINEAR
-from surae.assessment.identifiability.directions import Direction
+from surae.assessment.assess import described, variance_inflation
+from surae.assessment.identifiability.directions import COLLINEAR, Direction
 from surae.assessment.identifiability.identified import Identified, identifiability
-from surae.assessment.inflation import described, variance_inflation
-from surae.assessment.verdict import IDENTIFIED
+from surae.assessment.parameter import IDENTIFIED
 from surae.estimation import FitResult
 from surae.report.formatting import NO_NUMBER, significant
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.errors import InputError
+from surae.studies.store import Cell
 from surae.studies.study import Value
-from surae.studies.table import Cell
 from surae.units import FloatArray
 
 Row = Mapping[str, Cell]
@@ -61,7 +61,7 @@ def study_curves(rows: Iterable[Row], factors: Sequence[str], x: str | None = No
     Parameters
     ----------
     rows : iterable of mapping
-        Of the table, by column; see `surae.studies.table`.
+        Of the table, by column; see `surae.studies.store`.
     factors : sequence of str
         Names of the factors.
     x : str, optional

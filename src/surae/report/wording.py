@@ -2,7 +2,7 @@
 
 from surae.assessment import Assessment, Interval, ParameterEstimate, Verdict
 from surae.assessment.adequacy import Grade
-from surae.assessment.verdict import IDENTIFIED
+from surae.assessment.parameter import IDENTIFIED
 from surae.estimation import FitResult
 from surae.report.emphasis import emphasis_text
 from surae.report.formatting import percentage, significant

@@ -1,11 +1,10 @@
 """Recordings to model inputs: filters, resampling, derivatives."""
 
-from surae.signals.estimable import check_estimable
-from surae.signals.inputs import EmgReference, ModelInputs
+from surae.signals.inputs import EmgReference, ModelInputs, check_estimable
 from surae.signals.normalise import emg_levels, emg_reference, normalise, normalised
 from surae.signals.prepare import prepare
+from surae.signals.resample import thinned, thinning_factor
 from surae.signals.settings import Preparation
-from surae.signals.thinning import thinned, thinning_factor
 from surae.signals.weighting import Weighting, weighted
 
 __all__ = [

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from surae.errors import InputError
 from surae.files import shown
 from surae.frozen import Comparable, FrozenDict
 from surae.recording import SourceFile
@@ -122,3 +123,40 @@ class ModelInputs(Comparable):
     def counts(self) -> npt.NDArray[np.bool_]:
         """Which samples count in a fit, shape (n,)."""
         return np.ones(self.n, dtype=bool) if self.weight is None else self.weight > 0
+
+
+#: An angle [rad] or torque [Nm] that stays within this range never changes.
+_STILL = 1e-6
+#: No ankle turns half a circle [rad]: such an angle is in degrees, or another channel.
+_FAR = np.pi
+
+
+def check_estimable(inputs: ModelInputs) -> None:
+    """Refuse inputs from which no parameter can be estimated.
+
+    Raises
+    ------
+    InputError
+        There is no torque, the angle or the torque never changes, or the angle is no ankle's.
+    """
+    if inputs.torque is None:
+        raise InputError(
+            f"{inputs.where}: there is no torque, so nothing can be estimated; add its column, or "
+            f"simulate instead"
+        )
+    highest = float(np.abs(inputs.angle).max())
+    if highest > _FAR:
+        raise InputError(
+            f"{inputs.where}: the angle reaches {highest:.3g} rad, which no ankle does; if it is "
+            f'in degrees, name the column angle_deg (or write unit = "deg" in the TOML)'
+        )
+    if np.ptp(inputs.angle) < _STILL:
+        raise InputError(
+            f"{inputs.where}: the angle never changes ({inputs.angle[0]:.4g} rad): nothing can be "
+            f"estimated; check the channel mapped to angle"
+        )
+    if np.ptp(inputs.torque) < _STILL:
+        raise InputError(
+            f"{inputs.where}: the torque never changes ({inputs.torque[0]:.4g} Nm): nothing can be "
+            f"estimated; check the channel mapped to torque"
+        )

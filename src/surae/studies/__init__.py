@@ -3,8 +3,8 @@
 from surae.studies.baseline import simulated_baseline
 from surae.studies.imperfections import Imperfections, realistic_imperfections
 from surae.studies.populations import stream
-from surae.studies.program import fingerprint
 from surae.studies.run import study_rows
+from surae.studies.tasks import fingerprint
 from surae.studies.virtual import (
     POPULATIONS,
     VirtualSubject,

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from surae.protocol.ramps import smooth_step
+from surae.protocol.profiles import smooth_step
 from surae.recording import MUSCLES
 from surae.signals import Preparation
 from surae.units import FloatArray

@@ -6,8 +6,7 @@ import numpy as np
 
 from surae.frozen import read_only
 from surae.model import ModelOptions, get_model
-from surae.model.axis import AnkleAxis
-from surae.model.geometry import arm_tri, paths
+from surae.model.geometry import AnkleAxis, arm_tri, paths
 from surae.protocol import Trajectory
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs
@@ -149,7 +148,7 @@ def reflex(time: FloatArray, stretch: FloatArray, imperfections: Imperfections) 
 def misaligned(plate: Motion, forward: float, up: float) -> tuple[Motion, FloatArray | None]:
     """Motion of an ankle whose axis is not the device's, and the factor from its torque.
 
-    `surae.model.axis` says how they turn and what the device feels.
+    `surae.model.geometry` says how they turn and what the device feels.
 
     `plate` is the device's motion, which is what is measured; `forward` and `up` [m] say where the
     ankle's axis is. Given back are the ankle's motion and dθ_ankle/dθ; `plate` itself and None

@@ -86,7 +86,7 @@ def study_rows(
     InputError, ComputationError
         As of `parse_study` and `run`.
     """
-    from surae.studies.table import study_table
+    from surae.studies.store import study_table
 
     study = parse_study(text)
     with Store(store, write=True) as kept:

@@ -6,15 +6,42 @@ import math
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
-from functools import lru_cache
+from functools import cache, lru_cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import Any, Self
 
+from surae._version import __version__
 from surae.errors import ComputationError
 from surae.frozen import read_only
 from surae.protocol import TASKS, Protocol, Trajectory, generate
 from surae.protocol.effort import effort
-from surae.studies.program import fingerprint
 from surae.studies.study import OPTIONS, Study, Value, motion, rise
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+#: Folders whose code a result depends on.
+_COMPUTING = ("signals", "model", "protocol", "estimation", "assessment", "studies")
+#: Modules of this folder that plan, keep and hand on results, and change none.
+BOOKKEEPING = ("run", "store", "study")
+_LIBRARIES = ("numba", "numpy", "scipy")
+
+
+@cache
+def fingerprint() -> str:
+    """Hash of surae's version, the sources that compute, and the libraries they use."""
+    digest = hashlib.sha256(__version__.encode())
+    for name in _LIBRARIES:
+        try:
+            digest.update(f"{name} {version(name)}\n".encode())
+        except PackageNotFoundError:  # part of a bundle without metadata
+            digest.update(f"{name}\n".encode())
+    for folder in _COMPUTING:
+        for source in sorted((_PACKAGE / folder).rglob("*.py")):
+            if folder != "studies" or source.stem not in BOOKKEEPING:
+                digest.update(source.relative_to(_PACKAGE).as_posix().encode())
+                digest.update(source.read_bytes())
+    return digest.hexdigest()
+
 
 #: Motions that a worker keeps, of 0.3 MB each.
 _MOTIONS = 64

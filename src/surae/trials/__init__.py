@@ -1,10 +1,8 @@
 """The trials of one leg: files in a folder, what each of them is, what it can tell."""
 
-from surae.trials.common import common_errors
-from surae.trials.crossing import Crossed
 from surae.trials.files import trial_files
 from surae.trials.sorting import EFFORTS, Hold, Reading, Trial, sorted_trials
-from surae.trials.trial_set import TrialSet, prepared_for, reading_of
+from surae.trials.trial_set import Crossed, TrialSet, common_errors, prepared_for, reading_of
 
 __all__ = [
     "EFFORTS",

@@ -14,10 +14,10 @@ import numpy as np
 
 from surae.diagnosis import STILL
 from surae.errors import InputError
+from surae.quality.finding import muscle_name
 from surae.quality.numeric import quantile, smooth
 from surae.quality.registry import unfit
 from surae.quality.trial import Signals, signals_of
-from surae.quality.wording import muscle_name
 from surae.recording import MUSCLES, Recording
 from surae.recording.mapping import EFFORTS, Said
 from surae.recording.roles import words_of

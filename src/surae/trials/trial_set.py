@@ -1,11 +1,12 @@
-"""The trials of one leg together: what they are, and one reference for their EMG."""
+"""The trials of one leg together: what they are, one EMG reference, what is wrong in all alike."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import Self
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any, Self
 
 from surae.errors import InputError
 from surae.frozen import FrozenDict
+from surae.quality import Quality
 from surae.recording import Recording, SourceFile
 from surae.recording.mapping import Said
 from surae.settings import FitSettings
@@ -188,3 +189,67 @@ def _in_volts(recording: Recording) -> bool:
 
 def _count(number: int, what: str) -> str:
     return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def common_errors(quality: Iterable[Quality]) -> tuple[str, ...]:
+    """Errors that more than half of the trials have, at least two, with what to do.
+
+    Parameters
+    ----------
+    quality : iterable of Quality
+        What was found in each trial.
+
+    Returns
+    -------
+    tuple of str
+        A sentence each; empty where trials have errors of their own only.
+    """
+    every = list(quality)
+    advice: dict[str, tuple[str, int]] = {}
+    for checked in every:
+        errors = {f.code: f.advice for f in checked.findings if f.severity == "error"}
+        for code, text in errors.items():
+            first, count = advice.get(code, (text, 0))
+            advice[code] = first, count + 1
+    return tuple(
+        f"{code} in {count} of {len(every)} trials alike, so it is the mapping's: {text}"
+        for code, (text, count) in advice.items()
+        if count > 1 and 2 * count > len(every)
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Crossed:
+    """How a fit follows a trial.
+
+    Attributes
+    ----------
+    vaf : float or None
+        Variance accounted for [%]; None where there is no prediction, and `reason` says why.
+    r2 : float or None
+        Centred R² [%]; None too where the trial's torque hardly changes, as in a passive hold.
+    rmse, bias : float or None
+        Root mean square and mean of measured minus predicted torque [Nm].
+    fitted : bool
+        The trial was in the fit: following it proves nothing.
+    reason : str
+        Why there is no prediction; empty where there is one.
+    """
+
+    vaf: float | None = None
+    r2: float | None = None
+    rmse: float | None = None
+    bias: float | None = None
+    fitted: bool = False
+    reason: str = ""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, units in the names."""
+        plain = asdict(self)
+        return plain | {"rmse_Nm": plain.pop("rmse"), "bias_Nm": plain.pop("bias")}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "Crossed":
+        """The inverse of `as_dict`."""
+        plain = dict(data)
+        return cls(rmse=plain.pop("rmse_Nm"), bias=plain.pop("bias_Nm"), **plain)

@@ -2,14 +2,13 @@
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from surae.assessment.assess import assess
-from surae.assessment.comparison.changes import changes
-from surae.assessment.comparison.conclusion import RULE, cautions, conclude
+from surae.assessment.comparison.conclusion import RULE, cautions, changes, conclude
 from surae.assessment.comparison.finding import Comparison, ModelScore, TendonEvidence
 from surae.assessment.comparison.held_out import (
     BLOCKS,
@@ -23,7 +22,7 @@ from surae.assessment.comparison.held_out import (
     prediction_error,
     without,
 )
-from surae.assessment.comparison.information import aicc, effective_samples
+from surae.assessment.residual import autocorrelation
 from surae.errors import InputError
 from surae.estimation import FitProblem, FitResult, FitSettings, make_problem, solve
 from surae.estimation.interrupt import postponed_interrupt
@@ -33,6 +32,43 @@ from surae.progress import NamedProgress
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 from surae.versions import versions
+
+
+def aicc(mean_square: float, samples: float, parameters: int) -> float | None:
+    """Akaike's information criterion of a least-squares fit, corrected for small samples.
+
+    n·ln σ² + 2K + 2K(K + 1)/(n − K − 1), with σ² = `mean_square` the maximum-likelihood variance
+    of the residual and K = `parameters` + 1, as the variance is estimated too (Hurvich & Tsai
+    1989; Burnham & Anderson 2002). Only differences between models of the same data mean anything.
+
+    `mean_square` is in Nm²; `samples` counts independent ones, not necessarily a whole number. None
+    where n is too small for K, or the residual has no variance to take a logarithm of.
+    """
+    k = parameters + 1
+    if samples <= k + 1 or not 0 < mean_square < math.inf:
+        return None
+    return samples * math.log(mean_square) + 2 * k + 2 * k * (k + 1) / (samples - k - 1)
+
+
+def effective_samples(residuals: Iterable[FloatArray]) -> float:
+    """Independent samples that autocorrelated residuals are worth, n/(1 + 2Σρ) of each recording.
+
+    The sum ends by Geyer's initial positive sequence (1992): pairs ρ(2k) + ρ(2k + 1) are added
+    while they are positive; what follows is taken for noise. Anticorrelated residuals, which would
+    be worth more than n, count as n.
+    """
+    return sum(len(e) / _correlation_time(e) for e in residuals)
+
+
+def _correlation_time(residual: FloatArray) -> float:
+    """1 + 2Σρ over the initial positive sequence, at least 1 [samples]."""
+    rho = autocorrelation(residual, len(residual) - 1)
+    even = len(rho) // 2 * 2
+    pairs = rho[0:even:2] + rho[1:even:2]
+    ends = (pairs <= 0).nonzero()[0]
+    kept = pairs[: ends[0]] if len(ends) else pairs
+    return max(1.0, 2.0 * float(kept.sum()) - 1.0)
+
 
 #: Models compared unless told otherwise.
 COMPARED = ("muscle", "muscle-tendon", "muscle-tendon-strain", "muscle-tendon-toe")

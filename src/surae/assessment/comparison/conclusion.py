@@ -1,9 +1,11 @@
-"""Whether the data speak for rigid or compliant tendons: the rule, and the sentence."""
+"""Whether the data speak for rigid or compliant tendons: the rule, the sentence, what changes."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 
 from surae.assessment.adequacy import Grade
-from surae.assessment.comparison.finding import ModelScore, TendonEvidence, best_of
+from surae.assessment.assess import Assessment
+from surae.assessment.comparison.finding import ModelScore, ParameterChange, TendonEvidence, best_of
 
 #: Difference of AICc that decides, and up to which models are as good as each other
 #: (Burnham & Anderson 2002: essentially no support beyond 10, substantial support within 2).
@@ -117,3 +119,40 @@ def _difference(lower: float) -> str:
 
 def _gain(gain: float, error: float) -> str:
     return f"{'better' if gain >= 0 else 'worse'} by {abs(gain):.2g} ± {error:.2g} % VAF"
+
+
+def changes(
+    scores: Sequence[ModelScore], worth: Mapping[str, Assessment]
+) -> tuple[ParameterChange, ...]:
+    """Parameters that leave their 95 % intervals when the tendons are no longer rigid.
+
+    `worth` is of the fits to all data, by model. The largest relative change comes first; a
+    parameter without interval in either fit is left out.
+    """
+    rigid = best_of(scores, rigid=True)
+    if rigid is None:
+        return ()
+    changed = [
+        change
+        for score in scores
+        if not score.rigid and score.aicc is not None
+        for change in _changed(score.model, worth[rigid.model], worth[score.model])
+    ]
+    return tuple(sorted(changed, key=lambda c: -math.inf if c.percent is None else -abs(c.percent)))
+
+
+def _changed(model: str, rigid: Assessment, compliant: Assessment) -> list[ParameterChange]:
+    changed = []
+    for name, before in rigid.parameters.items():
+        after = compliant.parameters.get(name)
+        if after is None or not (before.free and after.free):
+            continue
+        widths = [(p.ci95[1] - p.ci95[0]) / 2 for p in (before, after) if p.ci95 is not None]
+        half = max(widths, default=math.inf)
+        change = after.value - before.value
+        if abs(change) > half:
+            percent = 100 * change / before.value if before.value else None
+            changed.append(
+                ParameterChange(model, name, after.unit, before.value, after.value, percent, half)
+            )
+    return changed

@@ -7,15 +7,18 @@ from enum import StrEnum
 import numpy as np
 
 from surae.assessment.identifiability.advice import advice_on, trade_off
-from surae.assessment.identifiability.collinearity import (
+from surae.assessment.identifiability.directions import (
+    SINGULAR,
+    Direction,
     collinear_sets,
+    directions,
     index,
+    listed,
     unexplained,
     unit_columns,
 )
-from surae.assessment.identifiability.directions import SINGULAR, Direction, directions, listed
+from surae.assessment.parameter import IDENTIFIED
 from surae.assessment.uncertainty.covariance import half_width
-from surae.assessment.verdict import IDENTIFIED
 from surae.estimation import FitResult
 from surae.frozen import read_only
 from surae.units import FloatArray

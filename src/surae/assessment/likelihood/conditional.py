@@ -6,10 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.estimation import FitProblem
-from surae.estimation.box import box_quadratic
-from surae.estimation.curved import curved_move
-from surae.estimation.least_squares import Minimum, Outcome, column_norms, minimise, sum_of_squares
-from surae.estimation.residuals import Residuals
+from surae.estimation.least_squares import (
+    Minimum,
+    Outcome,
+    box_quadratic,
+    column_norms,
+    minimise,
+    sum_of_squares,
+)
+from surae.estimation.residuals import Residuals, curved_move
 from surae.units import FloatArray
 
 #: A failed step ends the iteration when no more than this many noise variances are to be gained.

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
-from surae.assessment.inflation import described
+from surae.assessment.assess import described
 from surae.assessment.kept import ledger_of
 from surae.assessment.likelihood.profile import Profile, check_profiled, prior_noise, profile
 from surae.errors import InputError

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from surae.assessment.identifiability.collinearity import unexplained
+from surae.assessment.identifiability.directions import unexplained
 from surae.assessment.likelihood.conditional import Conditional, Point
 from surae.errors import ComputationError
 from surae.estimation import FitResult

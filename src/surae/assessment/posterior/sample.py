@@ -12,11 +12,15 @@ from typing import Any, Literal
 
 import numpy as np
 
-from surae.assessment.inflation import described
-from surae.assessment.posterior.beliefs import Belief, beliefs
-from surae.assessment.posterior.chains import require_sampler, run_chains
-from surae.assessment.posterior.density import make_target
-from surae.assessment.posterior.diagnostics import Convergence, convergence, verdict
+from surae.assessment.assess import described
+from surae.assessment.posterior.chains import (
+    Convergence,
+    convergence,
+    require_sampler,
+    run_chains,
+    verdict,
+)
+from surae.assessment.posterior.density import Belief, beliefs, make_target
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width
 from surae.errors import InputError
 from surae.estimation import FitResult

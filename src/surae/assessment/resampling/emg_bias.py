@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from surae.assessment.likelihood.profile import prior_noise
-from surae.assessment.resampling.refit import refit
-from surae.assessment.residual.whiteness import autocovariance
+from surae.assessment.resampling.bootstrap import refit
+from surae.assessment.residual import autocovariance
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.estimation.noise import NoiseModel, autoregressive

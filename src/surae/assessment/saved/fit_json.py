@@ -10,11 +10,15 @@ import numpy as np
 from surae._version import __version__
 from surae.assessment.assess import Assessment
 from surae.assessment.parameter import ParameterEstimate
-from surae.assessment.saved.arrays import decode, encode
-from surae.assessment.saved.family_json import family_as_dict, read_family
-from surae.assessment.saved.json_file import FORMAT, check_format, read_json, real
-from surae.assessment.saved.outliers_json import outliers_as_dict, read_outliers
-from surae.assessment.saved.trace_json import read_trace, trace_as_dict
+from surae.assessment.saved.json_file import FORMAT, check_format, decode, encode, read_json, real
+from surae.assessment.saved.parts_json import (
+    family_as_dict,
+    outliers_as_dict,
+    read_family,
+    read_outliers,
+    read_trace,
+    trace_as_dict,
+)
 from surae.assessment.uncertainty.snsem import Baseline, baseline_as_dict, read_baseline
 from surae.errors import InputError
 from surae.estimation import FitProblem, FitResult, FitSettings, Outliers, Prior, Start

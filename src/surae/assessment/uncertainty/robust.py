@@ -18,7 +18,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from surae.assessment.residual.whiteness import Whiteness, autocovariance, most_lags, whiteness
+from surae.assessment.residual import Whiteness, autocovariance, most_lags, whiteness
 from surae.assessment.uncertainty.covariance import Covariance, InverseRoot, inverse_root
 from surae.estimation import FitResult, Outliers
 from surae.estimation.noise import NoiseModel, autoregressive

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from surae._version import __version__
+from surae.assessment.saved.json_file import check_format, read_json
 from surae.errors import InputError
 from surae.estimation import FitProblem
+from surae.files import PathLike, shown, write_json
 from surae.model import ModelOptions, check_names, get_model
 
 
@@ -87,3 +89,31 @@ def read_baseline(data: Mapping[str, Any]) -> Baseline:
         sem[str(name)] = float(value)
     check_names(sem, spec)
     return Baseline(spec.name, ModelOptions.of(**data["options"]), sem, str(data["about"]))
+
+
+def save_baseline(path: PathLike, baseline: Baseline) -> None:
+    """Write a baseline; `load_baseline` reads it back.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    write_json(path, baseline_as_dict(baseline))
+
+
+def load_baseline(path: PathLike) -> Baseline:
+    """Read a baseline."""
+    data = read_json(path)
+    check_format(data, path)
+    try:
+        return read_baseline(data)
+    except KeyError as error:
+        raise InputError(
+            f"{shown(path)}: not a baseline, {error} is missing; give a file that "
+            "`surae baseline` wrote"
+        ) from None
+    except (TypeError, ValueError, AttributeError) as error:
+        raise InputError(f"{shown(path)}: a damaged baseline ({error})") from None
+    except InputError as error:
+        raise InputError(f"{shown(path)}: {error}") from None

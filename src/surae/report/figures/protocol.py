@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.protocol import Trajectory
-from surae.protocol.triceps import L0_TRI, TricepsPath, triceps_path
+from surae.protocol.coverage import L0_TRI, TricepsPath, triceps_path
 from surae.recording import MUSCLES
 from surae.report.figures.style import (
     BLUE,

@@ -1,1 +1,0 @@
-"""What a fit leaves over: how much, whether it is white, and how it is correlated."""

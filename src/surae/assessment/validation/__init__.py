@@ -1,1 +1,0 @@
-"""How well parameters of some recordings predict others."""
