@@ -1,6 +1,7 @@
 """A session from folder to report: kept, resumed, stopped; and what it must not claim."""
 
 import csv
+import html
 import json
 import re
 import shutil
@@ -11,6 +12,7 @@ import pytest
 import surae
 from surae.api import session_run
 from surae.errors import InputError
+from surae.report import pdf
 
 QUICK = {"model": "muscle", "prepared": True, "starts": 1}
 
@@ -220,6 +222,33 @@ def test_the_report_answers_in_the_clinics_units(done):
     assert "In the clinic’s units: all together" in page
     assert "the torque of the relaxed ankle" in page or "relaxed ankle’s torque" in page
     assert page.count("<h1>") == 1
+
+
+def test_the_report_on_paper_says_what_the_page_says(done, tmp_path, run, monkeypatch):
+    folder, result = done
+    seen = {}
+
+    def keep(template: bytes, place, content) -> bytes:
+        assert template
+        seen.update(json.loads(json.dumps(content)), files={f.name for f in place.iterdir()})
+        return b"%PDF-"
+
+    result.report(tmp_path / "whole.pdf")
+    assert (tmp_path / "whole.pdf").read_bytes().startswith(b"%PDF-")
+    monkeypatch.setattr(pdf, "typeset", keep)
+    result.report(tmp_path / "session.pdf")
+    page = html.unescape((folder / "report.html").read_text())
+    assert seen["adequacy"]["grade"] == str(result.joint.adequacy.grade)
+    assert [row["name"] for row in seen["trials"]] == [t.name for t in result.session.trials]
+    told = [seen["adequacy"]["sentence"], *seen["adequacy"]["reasons"], *seen["summary"]]
+    told += [row["why"] for row in seen["trials"]] + [seen["page"]["answer"]]
+    told += [text for _, rows in seen["findings"] for row in rows for text in row]
+    for text in told:
+        assert text in page
+    assert {"torques.svg", "trials.svg", "curve.svg", "common.typ"} <= seen["files"]
+    assert page.count('<details class="explore">') == len(result.joined)
+    refused = run("session", folder, "--output", tmp_path / "o", "--report", "r.docx")
+    assert (refused.code, ".html or .pdf" in refused.err) == (2, True)
 
 
 def test_a_damaged_folder_is_told(tmp_path):

@@ -14,7 +14,7 @@ from surae._version import __version__
 from surae.api.fitted import Fit
 from surae.api.fitting import load
 from surae.errors import InputError
-from surae.files import PathLike, read_bytes, shown, write_atomic, write_json, write_table
+from surae.files import PathLike, read_bytes, shown, write_json, write_table
 from surae.frozen import FrozenDict
 from surae.quality import Quality
 from surae.settings import FitSettings
@@ -130,16 +130,22 @@ class SessionResult:
         write_table(path, list(dict.fromkeys(name for row in rows for name in row)), rows)
 
     def report(self, path: PathLike) -> None:
-        """Write the report: one self-contained HTML file.
+        """Write the report: one self-contained HTML file, or a PDF where `path` ends so.
 
         Parameters
         ----------
         path : path
             Where to.
-        """
-        from surae.report.session import session_page
 
-        text = session_page(
+        Raises
+        ------
+        InputError
+            It cannot be written, or a PDF needs typst.
+        """
+        from surae.report.session_report import write_session_report
+
+        write_session_report(
+            path,
             self.session.name,
             {key: getattr(self.session, key) for key in ("side", "date", "condition", "notes")},
             self.session.trials,
@@ -153,7 +159,6 @@ class SessionResult:
             created=datetime.now().astimezone(),
             interrupted=self.interrupted,
         )
-        write_atomic(path, text)
 
     def figure(self, path: PathLike, *, width: float = 170.0) -> None:
         """Draw every parameter by trial for a paper: lines as ``.svg`` or ``.pdf``, or a PNG.

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 @click.option("--prepared", is_flag=True, help="Use the signals as they are, without filters.")
 @request_options
 @click.option("--output", required=True, metavar="OUT/", help="Folder of the fits and the report.")
+@click.option("--report", metavar="R.pdf", help="Write the report here too: HTML or PDF.")
 @figure_options
 def command(
     recordings: tuple[str, ...],
@@ -39,6 +40,7 @@ def command(
     asked: dict[str, Any],
     mvc: tuple[str, ...],
     output: str,
+    report: str | None,
     figure: str | None,
     width: float,
 ) -> int:
@@ -56,9 +58,14 @@ def command(
             'write effort = "maximal" in the mapping\'s [trials]'
         )
     settings = request(model, asked | {"prepared": prepared})
-    if figure is not None and Path(figure).resolve().parent != Path(output).resolve():
-        check_outputs({"--figure": figure}, recordings)  # OUT/ is not there yet
+    for option, path in (("--report", report), ("--figure", figure)):
+        if path is not None and Path(path).resolve().parent != Path(output).resolve():
+            check_outputs({option: path}, recordings)  # OUT/ is not there yet
 
+    if report is not None:
+        from surae.api import check_report
+
+        check_report(report)
     from surae.cli.progress import compilation_notice, work
 
     with work() as progress:
@@ -69,9 +76,12 @@ def command(
         with compilation_notice():
             result = trials.run(output, settings, told=lambda step: _tell(progress, step))
     code = _show(result, output)
-    if figure is not None and result.fits:
-        from surae.cli.screen import show_line
+    from surae.cli.screen import show_line
 
+    if report is not None:
+        result.report(report)
+        show_line(f"report: {shown(report)}")
+    if figure is not None and result.fits:
         result.figure(figure, width=width)
         show_line(f"figure: {shown(figure)}")
     return code

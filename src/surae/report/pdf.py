@@ -1,7 +1,7 @@
-"""A fit's report for paper: the content of the page, set by typst."""
+"""Reports for paper: the content of the page, set by typst."""
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from importlib.resources import files
 from pathlib import Path
@@ -22,10 +22,16 @@ def render_pdf(
     require_typst()
     traces = traces_of(result)
     content = make_content(result, assessment, traces, predictions=predictions, **what)
-    template = files("surae.report").joinpath("templates", "report.typ").read_bytes()
+    drawn = drawings(content, traces, assessment, predictions)
+    return on_paper("report.typ", asdict(content), {name: svg(figure) for name, figure in drawn})
+
+
+def on_paper(template: str, content: dict[str, Any], images: Mapping[str, bytes]) -> bytes:
+    """What a template of ours makes of content, and of images as SVG by their names."""
+    templates = files("surae.report").joinpath("templates")
     with tempfile.TemporaryDirectory(prefix="surae-pdf-") as folder:
-        images = []
-        for name, figure in drawings(content, traces, assessment, predictions):
-            Path(folder, f"{name}.svg").write_bytes(svg(figure))
-            images.append(name)
-        return typeset(template, Path(folder), asdict(content) | {"images": images})
+        Path(folder, "common.typ").write_bytes(templates.joinpath("common.typ").read_bytes())
+        for name, drawn in images.items():
+            Path(folder, f"{name}.svg").write_bytes(drawn)
+        markup = templates.joinpath(template).read_bytes()
+        return typeset(markup, Path(folder), content | {"images": list(images)})

@@ -1,21 +1,19 @@
 """The report of a session: what each trial is, each fit beside all together, who predicts whom."""
 
-import base64
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from matplotlib.figure import Figure
 
 from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.estimation import FitResult
 from surae.quality import Quality
 from surae.report.adequacy import AdequacyWords, adequacy_words
-from surae.report.clinical import fit_page
 from surae.report.figures.session import holds_figure, trials_figure
-from surae.report.figures.style import svg
+from surae.report.figures.style import WIDTH
+from surae.report.figures.torques import fit_figure
 from surae.report.formatting import NO_NUMBER, estimate, percentage, signed, significant
 from surae.report.parameters import shown_parameters
 from surae.trials import Crossed, Trial, common_errors
@@ -68,7 +66,7 @@ class ParameterRow:
 
 @dataclass(frozen=True, slots=True)
 class SessionContent:
-    """Everything that the page says, as text; see `session_page`."""
+    """Everything that the page says, as text; see `session_content`."""
 
     name: str
     about: str
@@ -89,7 +87,7 @@ class SessionContent:
     findings: tuple[tuple[str, tuple[tuple[str, str, str, str], ...]], ...]
 
 
-def session_page(
+def session_content(
     name: str,
     about: Mapping[str, str | None],
     trials: Sequence[Trial],
@@ -103,18 +101,36 @@ def session_page(
     joint_predictions: Mapping[str, Crossed],
     created: datetime,
     interrupted: bool = False,
-) -> str:
-    """The report of a session as one HTML page, which asks nothing of the outside.
+) -> SessionContent:
+    """What the report of a session says.
 
-    `about` holds side, date, condition and notes; `fits` each trial's fit and `joint` that of all
-    trials in `joined`; `failed` says why a trial has no fit or is not in the joint one;
-    `predictions` and `joint_predictions` are how each fit, and the joint one, follow each trial.
+    Parameters
+    ----------
+    name : str
+        Of the session.
+    about : mapping of str to (str or None)
+        Side, date, condition, notes.
+    trials : sequence of Trial
+        All of them.
+    fits, joint
+        Each trial's fit, and that of all together.
+    joined : sequence of str
+        Trials of the joint fit.
+    failed : mapping of str to str
+        Why a trial has no fit or is not in the joint one.
+    quality : mapping of str to Quality
+        What was found in each trial.
+    predictions, joint_predictions
+        How each fit, and the joint one, follow each trial.
+    created : datetime
+        When the report is made.
+    interrupted : bool
+        Whether the user stopped before the end.
     """
     alone = {trial: assessment for trial, (_, assessment) in fits.items()}
     together = None if joint is None else joint[1]
     contradicted = contradictions(alone, together)
-    rows = _parameters(alone, together, contradicted)
-    content = SessionContent(
+    return SessionContent(
         name=name,
         about=", ".join(text for text in about.values() if text),
         created=created.strftime("%Y-%m-%d %H:%M %Z").strip(),
@@ -134,37 +150,32 @@ def session_page(
             for t in trials
         ),
         fitted=tuple(alone),
-        parameters=rows,
+        parameters=_parameters(alone, together, contradicted),
         crossed=_crossings(predictions, joint_predictions, trials),
         crossed_names=tuple(t.name for t in trials if t.moves and not t.problem),
         holds=tuple(_hold(t, joint_predictions.get(t.name)) for t in trials if t.hold),
         findings=tuple(_findings(t.name, quality) for t in trials if t.name in quality),
     )
-    images: dict[str, str] = {}
-    if alone and rows:
-        names = [row.name for row in rows]
-        figure = trials_figure(names, alone, together, disputed=contradicted)
-        images["trials"] = _image(figure)
+
+
+def session_drawings(
+    trials: Sequence[Trial],
+    fits: Mapping[str, Fitted],
+    joint: Fitted | None,
+    joint_predictions: Mapping[str, Crossed],
+) -> dict[str, Figure]:
+    """The figures of the report by name; arguments as of `session_content`."""
+    figures: dict[str, Figure] = {}
+    if joint is not None:
+        notes = [f"R² {percentage(each.r2)} %" for each in joint[1].recordings]
+        figures["torques"] = fit_figure(joint[0], notes)
+    alone = {trial: assessment for trial, (_, assessment) in fits.items()}
+    if alone and _estimated([*([] if joint is None else [joint[1]]), *alone.values()]):
+        figures["trials"] = session_figure(alone, None if joint is None else joint[1], width=WIDTH)
     held = [t for t in trials if t.hold is not None]
     if held:
-        images["holds"] = _image(holds_figure(held, joint_predictions, _passive(trials, fits)))
-    clinical = None
-    if joint is not None and not contradicted:
-        clinical = fit_page(*joint, created=created)
-    environment = Environment(
-        loader=PackageLoader("surae.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return environment.get_template("session.html.j2").render(
-        content=content, images=images, page=clinical
-    )
-
-
-def _image(figure: Figure) -> str:
-    return f"data:image/svg+xml;base64,{base64.b64encode(svg(figure)).decode()}"
+        figures["holds"] = holds_figure(held, joint_predictions, _passive(trials, fits))
+    return figures
 
 
 def _summary(

@@ -1,5 +1,6 @@
 """Every page: readable for all, at home on this computer, on a small screen and in the dark."""
 
+import re
 from importlib.resources import files
 from io import BytesIO
 from pathlib import Path
@@ -167,6 +168,43 @@ def colours(png: bytes) -> set[tuple[int, ...]]:
     """The colours that a picture has: one or two where it is blank."""
     picture = Image.open(BytesIO(png)).convert("RGB").getcolors(1 << 20)
     return {colour for _, colour in picture or []}
+
+
+def test_a_kept_reports_plots_are_zoomed_and_read_without_any_server(
+    browser: Any, desk: Desk, done: dict[str, str], tmp_path: Path
+) -> None:
+    page = desk.go(f"/fits/{done['fit']}")
+    with page.expect_download() as file:
+        page.get_by_role("button", name="Report (HTML)").click()
+    file.value.save_as(tmp_path / "report.html")
+    context = browser.new_context(offline=True, viewport={"width": 1280, "height": 800})
+    asked: list[str] = []
+    context.on("request", lambda request: asked.append(request.url))
+    kept = context.new_page()
+    kept.goto((tmp_path / "report.html").as_uri())
+    plot = kept.locator(".uplot").first
+    plot.scroll_into_view_if_needed()
+    box = plot.locator(".u-over").bounding_box()
+    assert box is not None
+
+    def at(share: float) -> float:
+        """The time that the plot tells where the cursor is."""
+        kept.mouse.move(box["x"] + share * box["width"], box["y"] + 0.5 * box["height"])
+        values = plot.locator(".u-value")
+        expect(values.nth(1)).to_have_text(re.compile(r"^−?[0-9.]+$"))  # the measured torque
+        return float(values.first.inner_text().replace("−", "-"))
+
+    quarter, half = at(0.25), at(0.5)
+    assert quarter < half
+    at(0.25)
+    kept.mouse.down()
+    at(0.75)
+    kept.mouse.up()
+    assert at(0.01) == pytest.approx(quarter, abs=0.1 * half)
+    kept.mouse.dblclick(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    assert at(0.25) == pytest.approx(quarter, abs=0.1)
+    assert all(url.startswith(("file:", "data:")) for url in asked)
+    context.close()
 
 
 def test_the_report_is_downloaded_for_paper(desk: Desk, done: dict[str, str]) -> None:

@@ -47,6 +47,8 @@
       }, [time, ...values], host));
     });
     addEventListener("resize", () => plots.forEach((plot) => plot.setSize({ width: width(host), height: plot.height })));
+    // What was closed had no width.
+    host.closest("details")?.addEventListener("toggle", () => dispatchEvent(new Event("resize")));
     document.getElementById(`whole-${which}`).addEventListener("click", () => plots[0].setScale("x", { min: time[0], max: time[time.length - 1] }));
   });
 })();
