@@ -205,9 +205,8 @@ def measure_next_of(
     if not better:
         return _nothing("No ready trial adds to what is weak: " + ", ".join(weak) + ".")
     changes = ", ".join(f"{n} from {_text(before[n])} to {_text(halves[0][n])}" for n in better[:3])
-    sentences = [
-        f"Measure {ready.name} next ({ready.seconds:g} s: {ready.description}): {changes}."
-    ]
+    what = ready.description.rstrip(".")
+    sentences = [f"Measure {ready.name} next ({ready.seconds:g} s: {what}): {changes}."]
     reached = {n: k for n, k in many.items() if k is not None}
     for times in sorted(set(reached.values())):
         which = ", ".join(n for n, k in reached.items() if k == times)

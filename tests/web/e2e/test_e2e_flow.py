@@ -209,6 +209,55 @@ def test_a_protocol_is_designed(desk: Desk) -> None:
     page.locator("#error").wait_for()
 
 
+def design_for_long(desk: Desk, first: dict[str, Any] | None = None) -> Any:
+    """The page, with a search that takes minutes begun, after another one, which becomes a job."""
+    page = desk.go("/protocol")
+    page.get_by_text("Worked out in").wait_for()
+    page.get_by_label("Durations").fill("20")
+    page.locator("#evaluations").select_option("long")
+    if first is not None:
+        first.update(desk.api("POST", "/api/protocols/design", first.copy()))
+    page.get_by_role("button", name="Design", exact=True).click()
+    return page
+
+
+def test_a_design_that_is_stopped_keeps_the_best_so_far(desk: Desk) -> None:
+    page = design_for_long(desk)
+    said, stop = page.locator("#search-said"), page.get_by_role("button", name="Stop, keep the")
+    expect(said).to_have_text(re.compile(r"Plans judged: [1-9]\d* of 12000"))
+    stop.click()
+    expect(said).to_have_text(
+        re.compile(r"^Stopped: largest error [\d.]+ % \(\w+\)\. Kept below under Saved protocols")
+    )
+    expect(stop).to_be_hidden()
+    expect(page.get_by_role("button", name="Design", exact=True)).to_be_enabled()
+    page.get_by_role("button", name="Open designed 20 s worst").click()
+    expect(page.locator("#profile")).to_have_value("designed")
+    expect(page.locator("#figures")).to_contain_text("20.0 s")
+    expect(page.locator("#limits")).to_be_hidden()  # what is kept keeps the device's limits
+    with page.expect_download() as file:
+        page.get_by_role("button", name="CSV of designed 20 s worst").click()
+    text = Path(file.value.path()).read_text(encoding="utf-8")
+    assert text.startswith("time_s,angle_rad")
+    assert float(text.splitlines()[-1].split(",")[0]) == 20.0
+    page.get_by_role("button", name="Delete designed 20 s worst").click()
+    expect(page.locator("#saved")).not_to_contain_text("designed 20 s worst")
+
+
+def test_a_design_that_is_stopped_before_it_began_keeps_nothing(desk: Desk) -> None:
+    settings = {"profile": "designed", "device": "achilles", "range": [-0.9, 0.6]}
+    first = {"settings": settings, "durations": [20], "evaluations": 12000}
+    page = design_for_long(desk, first)
+    said = page.locator("#search-said")
+    expect(said).to_have_text("Waiting for another job …")
+    page.get_by_role("button", name="Stop, keep the").click()
+    expect(said).to_have_text("Stopped: cancelled before it began. Nothing is kept.")
+    desk.api("POST", f"/api/jobs/{first['id']}/cancel")
+    desk.wait_for_job(first)
+    for kept in desk.api("GET", "/api/protocols")["protocols"]:
+        desk.api("DELETE", f"/api/protocols/{kept['id']}")
+
+
 @pytest.mark.slow
 def test_all_survives_a_restart_of_the_server(browser: Any, csv: Path, tmp_path: Path) -> None:
     first = Server(tmp_path / "project")

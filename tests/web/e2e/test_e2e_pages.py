@@ -146,6 +146,20 @@ def test_a_result_begins_with_the_page_for_clinicians(desk: Desk, done: dict[str
     short.get_by_text("Stijfheid en kracht van de enkel").wait_for()
 
 
+def test_what_to_measure_next_is_said_when_it_is_asked_for(
+    desk: Desk, done: dict[str, str]
+) -> None:
+    page = desk.go(f"/fits/{done['fit']}")
+    page.get_by_role("tab", name="What makes it unsure").click()
+    said = page.locator("#budget").get_by_role("status")
+    expect(said).to_be_empty()
+    page.get_by_role("button", name="Measure next").click()
+    first = re.compile(r"^Measure \S+ next \(\d+ s: .+\): \w+ from (±[\d.]+ %|unknown) to ±")
+    expect(said.locator("p").first).to_have_text(first)
+    told = desk.api("GET", f"/api/fits/{done['fit']}/next")["sentences"]
+    expect(said.locator("p")).to_have_text(told)
+
+
 @pytest.mark.parametrize("medium", ["screen", "print"])
 def test_the_page_for_clinicians_is_read_on_paper_and_on_a_telephone(
     desk: Desk, done: dict[str, str], medium: str

@@ -265,7 +265,9 @@ function watch(job) {
       searching = null;
       byId("search").disabled = false;
       byId("stop").hidden = true;
-      byId("search-said").textContent = `${now.state === "cancelled" ? "Stopped" : now.state === "done" ? "Done" : now.state}: ${now.message}. Kept below under Saved protocols; Compare all protocols shows the front.`;
+      const how = { cancelled: "Stopped", done: "Done", failed: "Failed" }[now.state] ?? now.state;
+      const where = now.result ? " Kept below under Saved protocols; Compare all protocols shows the front." : " Nothing is kept.";
+      byId("search-said").textContent = `${how}: ${now.message}.${where}`;
     },
   });
 }

@@ -39,7 +39,7 @@ function measureNext(id) {
       replace(said, h("p", { class: "alert" }, error.message));
     }
   });
-  return h("div", {}, h("div", { class: "button-row" }, ask), said);
+  return h("div", { class: "panel" }, h("div", { class: "button-row" }, ask), said);
 }
 
 const legend = ({ keys, sources }) =>
