@@ -78,12 +78,25 @@ def numbers(path: Path) -> list[list[str]]:
 
 
 @pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory) -> list[list[str]]:
+def finished(tmp_path_factory) -> Path:
+    """The folder of a run that nothing disturbed."""
     folder = tmp_path_factory.mktemp("undisturbed")
     (folder / "study.toml").write_text(STUDY, encoding="utf-8")
     done = finish(folder, "--workers", "1", "--engine", "threads")
     assert done.returncode == 0, done.stderr  # which may tell that the model was compiled
-    return exported(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def undisturbed(finished) -> list[list[str]]:
+    return exported(finished)
+
+
+@pytest.fixture
+def ran(study, finished) -> Path:
+    """The study with its finished store, s.db, to change."""
+    shutil.copy(finished / "s.db", study)
+    return study
 
 
 def exported(folder: Path, store: str = "s.db") -> list[list[str]]:
@@ -124,9 +137,8 @@ def test_run_status_export(run, study, undisturbed) -> None:
     assert set(table[0][: len(named)]) == named
 
 
-def test_a_changed_setting_computes_only_what_it_touches(run, study) -> None:
-    run("study", "run", "study.toml", "--store", "s.db", "--engine", "threads")
-    (study / "study.toml").write_text(STUDY.replace("[0.3, 0.5]", "[0.3, 0.6]"))
+def test_a_changed_setting_computes_only_what_it_touches(run, ran) -> None:
+    (ran / "study.toml").write_text(STUDY.replace("[0.3, 0.5]", "[0.3, 0.6]"))
     done = run("study", "run", "study.toml", "--store", "s.db", "--engine", "threads")
     assert "; 24 computed now" in done.out  # two amplitudes of twelve subjects at the new rate
 
@@ -147,14 +159,12 @@ def test_wrong_use_is_one_line(run, study) -> None:
     assert not (study / "s.db").exists()
 
 
-def test_the_table_never_replaces_the_store(run, study) -> None:
-    run("study", "run", "study.toml", "--store", "s.db", "--engine", "threads")
+def test_the_table_never_replaces_the_store(run, ran) -> None:
     refused(run("study", "export", "s.db", "--output", "s.db"), "is read by this command")
 
 
-def test_an_unfinished_study_is_exported_as_far_as_it_is(run, study) -> None:
-    run("study", "run", "study.toml", "--store", "s.db", "--engine", "threads")
-    file = sqlite3.connect(study / "s.db")
+def test_an_unfinished_study_is_exported_as_far_as_it_is(run, ran) -> None:
+    file = sqlite3.connect(ran / "s.db")
     file.execute("DELETE FROM result WHERE key IN (SELECT key FROM plan WHERE row >= 70)")
     file.commit()
     file.close()
@@ -165,46 +175,43 @@ def test_an_unfinished_study_is_exported_as_far_as_it_is(run, study) -> None:
 
 
 @pytest.mark.slow
-def test_a_figure_is_drawn_beside_the_table(run, study) -> None:
-    run("study", "run", "study.toml", "--store", "s.db", "--engine", "threads")
+def test_a_figure_is_drawn_beside_the_table(run, ran) -> None:
     done = run("study", "export", "s.db", "--output", "t.csv", "--figure", "f.png")
     assert (done.code, done.err) == (0, "")
     assert done.out.startswith("table: t.csv, 72 rows;")
     assert done.out.endswith("\nfigure: f.png\n")
-    assert (study / "f.png").read_bytes().startswith(b"\x89PNG")
+    assert (ran / "f.png").read_bytes().startswith(b"\x89PNG")
     export = ("study", "export", "s.db", "--output", "u.csv")
     done = run(*export, "--figure", "f.svg", "--x", "chirp_rate")
     assert done.code == 0
-    assert b"<svg" in (study / "f.svg").read_bytes()
+    assert b"<svg" in (ran / "f.svg").read_bytes()
     refused(run(*export, "--figure", "f.gif"), "f.gif must end in .svg, .pdf or .png")
     refused(run(*export, "--x", "noise"), "--x has no effect without --figure")
     refused(
         run(*export, "--figure", "u.csv.png", "--x", "noise"), "'noise' is no factor that varies"
     )
     refused(run(*export, "--figure", "s.db"), "s.db must end in")
-    file = sqlite3.connect(study / "s.db")
+    file = sqlite3.connect(ran / "s.db")
     lost = "json_set(value, '$.status', 'failed', '$.vaf', NULL)"
     file.execute(f"UPDATE result SET value = {lost}, failed = 'lost'")
     file.commit()
     file.close()
     refused(run(*export, "--figure", "none.png"), "nothing to draw: 72 rows are done and none has")
-    assert not (study / "none.png").exists()
+    assert not (ran / "none.png").exists()
 
 
-def test_status_imports_no_library_that_computes(run, study) -> None:
-    run("study", "run", "study.toml", "--store", "s.db", "--engine", "threads")
-    assert imported("study", "status", "s.db", folder=study) & COMPUTING == set()
+def test_status_imports_no_library_that_computes(run, ran) -> None:
+    assert imported("study", "status", "s.db", folder=ran) & COMPUTING == set()
 
 
-def test_a_store_is_copied_checked_and_repaired(run, study) -> None:
-    run("study", "run", "study.toml", "--store", "s.db", "--engine", "threads")
+def test_a_store_is_copied_checked_and_repaired(run, ran) -> None:
     assert run("study", "backup", "s.db", "c.db").out == "copy: c.db\n"
     refused(run("study", "backup", "s.db", "c.db"), "c.db is there already; give the copy another")
     for store in ("s.db", "c.db"):
         for what in ("check", "repair"):
             done = run("study", what, store)
             assert (done.code, done.out, done.err) == (0, "nothing is wrong\n", "")
-    file = sqlite3.connect(study / "s.db")
+    file = sqlite3.connect(ran / "s.db")
     file.execute("UPDATE result SET value = '{' WHERE key = (SELECT max(key) FROM result)")
     file.commit()
     file.close()

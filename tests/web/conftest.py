@@ -50,15 +50,14 @@ class Browser(httpx.Client):
         return dict(answer.json())
 
     def job(self, answer: httpx.Response) -> dict[str, Any]:
-        """Wait for the job that was asked for."""
+        """Wait for the job that was asked for; to ask how it is would keep it from its work."""
         assert answer.status_code == 202, answer.text
-        end = time.monotonic() + PATIENCE
-        while time.monotonic() < end:
-            job = self.get(f"/api/jobs/{answer.json()['id']}").json()
-            if job["state"] not in ("queued", "running"):
-                return dict(job)
-            time.sleep(0.05)
-        raise AssertionError(f"not done in {PATIENCE} s: {job}")
+        path = f"/api/jobs/{answer.json()['id']}"
+        for _ in self.events(f"{path}/events"):
+            pass
+        job = self.get(path).json()
+        assert job["state"] not in ("queued", "running"), job
+        return dict(job)
 
     def followed(self) -> tuple[dict[str, Any], list[tuple[str, Any]]]:
         """A fit of the draft, and its events from before its end: one may end unheard."""
@@ -72,10 +71,12 @@ class Browser(httpx.Client):
 
     def events(self, path: str) -> Iterator[tuple[str, Any]]:
         """Server-sent events as they come."""
+        end = time.monotonic() + PATIENCE
         with self.stream("GET", path) as answer:
             assert answer.status_code == 200
             event = ""
             for line in answer.iter_lines():
+                assert time.monotonic() < end, f"not done in {PATIENCE} s: {event}"
                 if line.startswith("event: "):
                     event = line.removeprefix("event: ")
                 elif line.startswith("data: "):
