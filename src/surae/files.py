@@ -8,10 +8,14 @@ import re
 import stat
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from surae.errors import InputError
+
+if TYPE_CHECKING:
+    from jinja2 import Environment, Template
 
 #: Largest file that is read [bytes]; a 30-minute trial at 2048 Hz is about 0.4 GB of text.
 MAX_BYTES = 4 * 2**30
@@ -245,3 +249,24 @@ def _reason(error: OSError | ValueError) -> str:
     """The system's reason for `error`, in lower case, without the path."""
     text = (error.strerror if isinstance(error, OSError) else None) or str(error)
     return text[:1].lower() + text[1:]
+
+
+def template(name: str, *packages: str) -> "Template":
+    """A page's template, of the first package that has it.
+
+    What it is filled with, names of files above all, is untrusted: everything is escaped.
+    """
+    return _templates(packages).get_template(name)
+
+
+@cache
+def _templates(packages: tuple[str, ...]) -> "Environment":
+    from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+
+    return Environment(
+        loader=ChoiceLoader([PackageLoader(package) for package in packages]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )

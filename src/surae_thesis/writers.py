@@ -1,13 +1,12 @@
 """The folder of a reproduction: the page, its PDF, and the verdicts as CSV and Markdown."""
 
-import base64
 from collections.abc import Sequence
 from dataclasses import asdict
 from importlib.resources import files
 from pathlib import Path
 
 from surae import __version__
-from surae.files import csv_row, read_bytes, write_atomic
+from surae.files import csv_row, read_bytes, template, write_atomic
 from surae.report import has_typst, typeset
 from surae_thesis.claims import Finding
 from surae_thesis.section import Cell, Chapters, Context, causes, chapters, counts
@@ -49,21 +48,16 @@ def write(context: Context) -> list[Path]:
 
 def page(context: Context, there: Chapters) -> str:
     """The page of these sections, its figures embedded; it asks nothing of the outside."""
-    from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+    from surae.report.figures import data_url
 
-    environment = Environment(
-        loader=ChoiceLoader([PackageLoader("surae_thesis"), PackageLoader("surae.report")]),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     images = {
-        drawing.name: _image(read_bytes(context.folder / "figures" / f"{drawing.name}.png"))
+        drawing.name: data_url(
+            read_bytes(context.folder / "figures" / f"{drawing.name}.png"), "png"
+        )
         for _, result in there
         for drawing in result.figures
     }
-    return environment.get_template("reproduction.html.j2").render(
+    return template("reproduction.html.j2", "surae_thesis", "surae.report").render(
         chapters=there,
         counts=counts(there),
         causes=_causes(there),
@@ -98,8 +92,8 @@ def pdf(context: Context, there: Chapters) -> bytes | None:
             for section, result in there
         ],
     }
-    template = files("surae_thesis").joinpath("templates", "reproduction.typ").read_bytes()
-    return typeset(template, context.folder.resolve(), content)
+    markup = files("surae_thesis").joinpath("templates", "reproduction.typ").read_bytes()
+    return typeset(markup, context.folder.resolve(), content)
 
 
 def verdicts_csv(there: Chapters) -> str:
@@ -179,7 +173,3 @@ def cell_text(cell: Cell) -> str:
     if isinstance(cell, float):
         return f"{cell:.2f}" if 10.0 <= abs(cell) < 1e4 else f"{cell:.3g}"
     return str(cell)
-
-
-def _image(data: bytes) -> str:
-    return f"data:image/png;base64,{base64.b64encode(data).decode()}"

@@ -1,6 +1,6 @@
 import numpy as np
 
-from surae.report.decimate import extremes, min_max
+from surae.report.traces import extremes, min_max
 
 
 def test_peaks_stay():

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from surae.report import build, write_report
-from surae.report.adequacy import adequacy_words
 from surae.report.explore import explorer
 from surae.report.traces import traces_of
+from surae.report.wording import adequacy_words
 
 HOSTILE = '"><script>alert(1)</script>'
 _EXTERNAL = ("src", "href", "action", "data", "poster", "srcset", "background")

@@ -8,7 +8,7 @@ import pytest
 import surae
 from surae.assessment import Verdict
 from surae.errors import InputError
-from surae.report import check_report, pdf
+from surae.report import check_report, rendering
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,7 @@ def test_it_holds_findings_and_predictions(fit, noisy, tmp_path, monkeypatch) ->
         seen.update(json.loads(json.dumps(content)), images={f.name for f in folder.iterdir()})
         return b"%PDF-"
 
-    monkeypatch.setattr(pdf, "typeset", keep)
+    monkeypatch.setattr(rendering, "typeset", keep)
     fit.report(tmp_path / "report.pdf", validation=surae.validate(fit, [noisy, noisy]))
     (section,) = seen["quality"]
     assert section["summary"] == fit.quality[0].summary

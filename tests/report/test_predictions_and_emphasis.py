@@ -14,7 +14,7 @@ from surae.frozen import read_only
 from surae.model import ModelOptions
 from surae.report import build
 from surae.report.figures import prediction_figure
-from surae.report.predictions import prediction_section
+from surae.report.sections import prediction_section
 from surae.signals import Weighting, weighted
 
 from .test_content import content_of

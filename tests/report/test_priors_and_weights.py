@@ -8,9 +8,8 @@ import pytest
 from surae.assessment import whiteness
 from surae.estimation import Prior, fit_problem, make_problem
 from surae.frozen import read_only
-from surae.report.excluded import excluded_spans, excluded_text
 from surae.report.figures import residual_figure, torque_figure
-from surae.report.priors import prior_note, prior_text
+from surae.report.provenance import excluded_spans, excluded_text, prior_note, prior_text
 from surae.report.traces import traces_of
 
 from .test_content import content_of, rows_of

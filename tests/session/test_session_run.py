@@ -12,7 +12,7 @@ import pytest
 import surae
 from surae.api import session_run
 from surae.errors import InputError
-from surae.report import pdf
+from surae.report import rendering
 
 QUICK = {"model": "muscle", "prepared": True, "starts": 1}
 
@@ -235,7 +235,7 @@ def test_the_report_on_paper_says_what_the_page_says(done, tmp_path, run, monkey
 
     result.report(tmp_path / "whole.pdf")
     assert (tmp_path / "whole.pdf").read_bytes().startswith(b"%PDF-")
-    monkeypatch.setattr(pdf, "typeset", keep)
+    monkeypatch.setattr(rendering, "typeset", keep)
     result.report(tmp_path / "session.pdf")
     page = html.unescape((folder / "report.html").read_text())
     assert seen["adequacy"]["grade"] == str(result.joint.adequacy.grade)

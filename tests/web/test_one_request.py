@@ -136,7 +136,7 @@ def test_every_field_is_reached_from_everywhere(name, trial, monkeypatch) -> Non
 def test_comparisons_and_leave_one_out_take_every_field(name, trial, monkeypatch) -> None:
     keywords, options, _ = REACHED[name]
     for function, call, command in (
-        ("surae.api.comparison.compare_models", surae.compare, ["compare", str(trial)]),
+        ("surae.api.validation.compare_models", surae.compare, ["compare", str(trial)]),
         (
             "surae.api.validation.leave_one_out_of",
             lambda trial, **asked: surae.leave_one_out([trial], **asked),

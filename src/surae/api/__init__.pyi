@@ -8,12 +8,10 @@ from surae.api.answers import fit_of as fit_of
 from surae.api.answers import write_clinical_page as write_clinical_page
 from surae.api.answers import write_cohort_page as write_cohort_page
 from surae.api.answers import write_curve_figure as write_curve_figure
-from surae.api.comparison import compare as compare
 from surae.api.designing import as_device as as_device
 from surae.api.designing import design as design
 from surae.api.designing import design_session as design_session
 from surae.api.designing import measure_next as measure_next
-from surae.api.examples import example as example
 from surae.api.expecting import expect as expect
 from surae.api.expecting import ready_trajectory as ready_trajectory
 from surae.api.fitted import Fit as Fit
@@ -28,6 +26,7 @@ from surae.api.intervals import posterior as posterior
 from surae.api.intervals import profile as profile
 from surae.api.quality import check as check
 from surae.api.recordings import AnyRecording as AnyRecording
+from surae.api.recordings import example as example
 from surae.api.recordings import normalise as normalise
 from surae.api.session_result import SessionResult as SessionResult
 from surae.api.session_result import load_session as load_session
@@ -37,6 +36,7 @@ from surae.api.sessions import session as session
 from surae.api.simulation import simulate as simulate
 from surae.api.simulation import simulate_parts as simulate_parts
 from surae.api.simulation import simulate_tendon as simulate_tendon
+from surae.api.validation import compare as compare
 from surae.api.validation import leave_one_out as leave_one_out
 from surae.api.validation import validate as validate
 from surae.assessment import Adequacy as Adequacy
@@ -128,13 +128,8 @@ from surae.recording.table import load_each as load_each
 from surae.recording.table import some as some
 from surae.recording.writing import shared_time as shared_time
 from surae.report import check_report as check_report
-from surae.report.adequacy import adequacy_words as adequacy_words
 from surae.report.budget import budget_section as budget_section
 from surae.report.budget import what_would_help as what_would_help
-from surae.report.decimate import extremes as extremes
-from surae.report.decimate import min_max as min_max
-from surae.report.emphasis import MANY_OUTLIERS as MANY_OUTLIERS
-from surae.report.excluded import excluded_spans as excluded_spans
 from surae.report.figures import figure_bytes as figure_bytes
 from surae.report.figures import png as png
 from surae.report.figures import predictions_figure as predictions_figure
@@ -155,9 +150,14 @@ from surae.report.laboratory import laboratory_section as laboratory_section
 from surae.report.laboratory import trials_section as trials_section
 from surae.report.parameters import repeatable as repeatable
 from surae.report.parameters import shown_parameters as shown_parameters
+from surae.report.provenance import MANY_OUTLIERS as MANY_OUTLIERS
+from surae.report.provenance import excluded_spans as excluded_spans
 from surae.report.references import always_cited as always_cited
 from surae.report.references import cited_by as cited_by
 from surae.report.study import study_curves as study_curves
+from surae.report.traces import extremes as extremes
+from surae.report.traces import min_max as min_max
+from surae.report.wording import adequacy_words as adequacy_words
 from surae.settings import FitSettings as FitSettings
 from surae.signals import ModelInputs as ModelInputs
 from surae.signals import Preparation as Preparation

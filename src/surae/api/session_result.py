@@ -142,7 +142,7 @@ class SessionResult:
         InputError
             It cannot be written, or a PDF needs typst.
         """
-        from surae.report.session_report import write_session_report
+        from surae.report.rendering import write_session_report
 
         write_session_report(
             path,

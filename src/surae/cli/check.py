@@ -1,13 +1,16 @@
-"""`surae check`."""
+"""`surae check`, and findings of the quality gate on the screen."""
 
 import json
+import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import click
 
+from surae.api import Finding, Quality
 from surae.cli.options import MAPPING
 from surae.cli.paths import check_recordings
+from surae.cli.screen import show_line
 from surae.files import shown
 
 if TYPE_CHECKING:
@@ -50,7 +53,7 @@ def command(
     if as_json:
         click.echo(json.dumps(_plain(recordings, qualities), ensure_ascii=False, indent=2))
     else:
-        from surae.cli.findings import show_quality
+        from surae.cli.check import show_quality
 
         for path, quality in zip(recordings, qualities, strict=True):
             show_quality(quality, shown(path))
@@ -71,3 +74,46 @@ def _plain(paths: Sequence[str], qualities: "Sequence[Quality]") -> dict[str, ob
             for skipped in quality.as_dict()["skipped"]
         ],
     }
+
+
+#: Widest text [columns].
+_MOST = 100
+#: Of what stands before the text of a finding.
+_INDENT = 9
+
+
+def show_quality(quality: Quality, name: str) -> None:
+    """Every finding in two or three lines: severity and span, what was found, what to do."""
+    show_line(f"{name}: {quality.summary}")
+    for finding in quality.findings:
+        show_line("")
+        show_line(_head(finding))
+        for text in (finding.message, f"→ {finding.advice}"):
+            show_line(_wrapped(text))
+    if quality.skipped:
+        show_line("")
+        show_line("Not checked:")
+        for skip in quality.skipped:
+            show_line(_wrapped(f"{skip.check}: {skip.reason}"))
+    show_line("")
+
+
+def show_short(quality: Quality) -> None:
+    """One line for a recording with findings that matter, and one for each of these."""
+    if quality.clean:
+        return
+    show_line(f"{quality.recording}: {quality.summary}; see `surae check`")
+    for finding in quality.findings:
+        if finding.severity != "info":
+            show_line(_wrapped(f"{finding.severity} {finding.code}: {finding.message}", 4))
+
+
+def _head(finding: Finding) -> str:
+    channel = f"  {finding.channel}" if finding.channel else ""
+    span = f"{finding.start_s:.2f}–{finding.end_s:.2f} s"
+    return f"{finding.severity:<{_INDENT - 2}}  {finding.code:<20}{span}{channel}"
+
+
+def _wrapped(text: str, indent: int = _INDENT) -> str:
+    space = " " * indent
+    return textwrap.fill(text, _MOST, initial_indent=space, subsequent_indent=space)

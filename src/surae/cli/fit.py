@@ -119,7 +119,7 @@ def finish(
     width: float = 0.0,
 ) -> int:
     """Write a fit, then show it: a closed pipe must not cost a result. Returns the exit code."""
-    from surae.cli.findings import show_short
+    from surae.cli.check import show_short
     from surae.cli.screen import show_fit, show_line
 
     if output is not None:

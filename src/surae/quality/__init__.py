@@ -2,8 +2,7 @@
 
 from surae.quality.commanded import Commanded
 from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped, quality_of
-from surae.quality.prepared import recording_of
-from surae.quality.reading import check_file, commanded_file
+from surae.quality.reading import check_file, commanded_file, recording_of
 from surae.quality.registry import CHECKS, CODES, Check, check_recording
 
 __all__ = [

@@ -15,10 +15,11 @@ from surae.quality.timing import axis_findings
 from surae.recording import MUSCLES, Channel, Recording, read
 from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.formats import open_table
-from surae.recording.naming import NAMES
+from surae.recording.roles import NAMES
 from surae.recording.source import open_source
 from surae.recording.table import Column, Table
-from surae.units import FACTORS, plain
+from surae.signals import ModelInputs
+from surae.units import FACTORS, FloatArray, plain
 
 #: Columns of a recording that hold the commanded angle, and their factor to radians.
 _COMMANDED = {f"commanded_angle_{unit}": factor for unit, factor in FACTORS["angle"].items()}
@@ -196,3 +197,18 @@ def _left(table: Table, roles: _Roles, columns: Mapping[str, Column]) -> Recordi
         channels[role] = channel(role, kept, Scaling(unit), table)
     smooth = table.notes.get("emg") == "envelope"
     return Recording("left", channels, emg="envelope" if smooth else "raw")
+
+
+def recording_of(inputs: ModelInputs) -> Recording:
+    """The recording whose channels are prepared signals, EMG as envelopes."""
+
+    def channel(role: str, values: FloatArray, unit: str) -> Channel:
+        return Channel(role, inputs.time, values, unit, "prepared")
+
+    channels = {"angle": channel("angle", inputs.angle, "rad")}
+    if inputs.torque is not None:
+        channels["torque"] = channel("torque", inputs.torque, "Nm")
+    for k, muscle in enumerate(MUSCLES):
+        if muscle not in inputs.missing_emg:
+            channels[f"emg_{muscle}"] = channel(f"emg_{muscle}", inputs.emg[:, k], inputs.emg_unit)
+    return Recording(inputs.name, channels, emg="envelope", fixed=inputs.fixed, files=inputs.files)

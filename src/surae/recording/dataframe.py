@@ -8,9 +8,9 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.frozen import freeze
-from surae.recording.naming import NAMES, TIMES
 from surae.recording.reading import recording_of_table
 from surae.recording.recording import ROLES, Recording
+from surae.recording.roles import NAMES, TIMES
 from surae.recording.table import Column, Table
 from surae.units import SI, FloatArray, kind, plain, spelled, to_si
 

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from surae.errors import InputError
-from surae.recording.naming import NAMES, TIMES
+from surae.recording.roles import NAMES, TIMES
 from surae.recording.rows import Rows, split
 from surae.recording.source import Source
 from surae.recording.table import Column, Table, some

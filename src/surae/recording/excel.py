@@ -14,7 +14,7 @@ import numpy as np
 from surae.errors import InputError
 from surae.recording.delimited import is_time, time_column
 from surae.recording.foreign import Parsed, foreign_table, packed
-from surae.recording.naming import NAMES
+from surae.recording.roles import NAMES
 from surae.recording.source import Source
 from surae.recording.table import Table
 from surae.recording.untrusted import optional, printable, untrusted

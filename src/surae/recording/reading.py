@@ -6,8 +6,8 @@ from surae.recording import hdf5, opensim
 from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.formats import open_table
 from surae.recording.mapping import read_mapping, recognises
-from surae.recording.naming import NAMES, TIMES, role_and_unit
 from surae.recording.recording import Recording, SourceFile
+from surae.recording.roles import NAMES, TIMES, role_and_unit
 from surae.recording.source import Source, open_source
 from surae.recording.table import Table, some
 from surae.units import plain

@@ -49,7 +49,7 @@ def build(
     str
         HTML.
     """
-    from surae.report.html import render  # matplotlib and Jinja, only when a report is made
+    from surae.report.rendering import render  # matplotlib and Jinja, only when a report is made
 
     return render(
         result, assessment, predictions, versions=versions, created=created, quality=quality
@@ -78,7 +78,7 @@ def write_report(
     check_report(path)
     what: dict[str, Any] = {"versions": versions, "created": created, "quality": quality}
     if is_pdf(path):
-        from surae.report.pdf import render_pdf
+        from surae.report.rendering import render_pdf
 
         write_atomic(path, render_pdf(result, assessment, predictions, **what))
     else:

@@ -4,7 +4,6 @@ It bears no name of a patient or a file. It is written in English, Dutch, German
 sentences of clinical.toml, and claims no more than the measures and changes it is made of.
 """
 
-import base64
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -14,7 +13,7 @@ from surae._version import __version__
 from surae.assessment import Adequacy, Assessment, Grade, Verdict
 from surae.assessment.parameter import percent
 from surae.estimation import FitResult
-from surae.files import PathLike
+from surae.files import PathLike, template
 from surae.measures.change import Change, ChangeVerdict, Difference
 from surae.measures.compute import measures
 from surae.measures.curve import TorqueCurve, torque_curve
@@ -163,13 +162,7 @@ def change_page(
 
 def clinical_html(page: ClinicalPage) -> str:
     """The page as one HTML file that asks nothing of the outside."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("surae.report"), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
-    return environment.get_template("clinical.html.j2").render(page=page)
+    return template("clinical.html.j2", "surae.report").render(page=page)
 
 
 def _answer(told: Measures, angle: float, words: Words) -> str:
@@ -309,7 +302,7 @@ def _labels(words: Words) -> dict[str, str]:
 def _figures(
     sessions: Sequence[tuple[str, TorqueCurve, Measures]], beside: Sequence[Placed], words: Words
 ) -> dict[str, str]:
-    from surae.report.figures import svg
+    from surae.report.figures import data_url, svg
     from surae.report.figures.clinical import shares_figure
 
     shares = [
@@ -320,10 +313,7 @@ def _figures(
     figures = {"curve": _curve([(name, curve) for name, curve, _ in sessions], beside, words)}
     if shares:
         figures["shares"] = shares_figure(shares)
-    return {
-        name: f"data:image/svg+xml;base64,{base64.b64encode(svg(figure)).decode()}"
-        for name, figure in figures.items()
-    }
+    return {name: data_url(svg(figure)) for name, figure in figures.items()}
 
 
 def _curve(

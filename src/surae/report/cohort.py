@@ -1,8 +1,8 @@
 """The page of a cohort: groups, differences and changes in tables, every leg in figures."""
 
-import base64
 from datetime import datetime
 
+from surae.files import template
 from surae.measures.cohort import Cohort, Contrast, Member, Pooled, sessions_of
 from surae.report.formatting import estimate, significant
 
@@ -19,9 +19,7 @@ _POINTS = "as found in the first session, a mark for each leg"
 
 def cohort_html(cohort: Cohort, *, created: datetime) -> str:
     """The page as one HTML file that asks nothing of the outside; it has the table's own names."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    from surae.report.figures import svg
+    from surae.report.figures import data_url, svg
     from surae.report.figures.cohort import forest_figure, scale_figure, sessions_figure
 
     figures = []
@@ -38,10 +36,7 @@ def cohort_html(cohort: Cohort, *, created: datetime) -> str:
             for scale in p.scales:
                 drawing = scale_figure(label, scale, _against(cohort, p, scale))
                 figures.append((f"{p.name} and {scale}", drawing, _POINTS))
-    drawn = [
-        (title, base64.b64encode(svg(figure)).decode(), caption)
-        for title, figure, caption in figures
-    ]
+    drawn = [(title, data_url(svg(figure)), caption) for title, figure, caption in figures]
     groups = []
     for p in cohort.pooled.values():
         for group, effects in p.groups.items():
@@ -62,11 +57,7 @@ def cohort_html(cohort: Cohort, *, created: datetime) -> str:
         for p in cohort.pooled.values()
         for scale, c in p.scales.items()
     ]
-    environment = Environment(
-        loader=PackageLoader("surae.report"), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
-    return environment.get_template("cohort.html.j2").render(
+    return template("cohort.html.j2", "surae.report").render(
         legs=len({m.leg for m in cohort.members}),
         missing=[(m.row, m.missing) for m in cohort.members if m.missing],
         rounds=cohort.rounds,

@@ -9,9 +9,7 @@ import numpy as np
 from surae.assessment import Assessment, Interval, Prediction, Verdict
 from surae.estimation import FitResult
 from surae.quality import Quality
-from surae.report.adequacy import AdequacyWords, adequacy_words
 from surae.report.budget import BudgetSection, budget_section
-from surae.report.correlations import CorrelationSection, correlation_section
 from surae.report.formatting import NO_NUMBER, percentage, significant
 from surae.report.identifiability import IdentifiabilitySection, identifiability_section
 from surae.report.laboratory import (
@@ -23,14 +21,22 @@ from surae.report.laboratory import (
     trials_section,
 )
 from surae.report.parameters import ParameterGroup, parameter_groups
-from surae.report.predictions import PredictionSection, prediction_section
 from surae.report.provenance import Setting, Source, settings, sources
-from surae.report.quality import QualitySection, quality_sections
 from surae.report.recordings import RecordingSection, recording_section
-from surae.report.snsem import SnsemSection, snsem_section
-from surae.report.starts import StartRow, start_rows
+from surae.report.sections import (
+    CorrelationSection,
+    PredictionSection,
+    QualitySection,
+    SnsemSection,
+    StartRow,
+    correlation_section,
+    prediction_section,
+    quality_sections,
+    snsem_section,
+    start_rows,
+)
 from surae.report.traces import Traces
-from surae.report.wording import caution, closeness, summary
+from surae.report.wording import AdequacyWords, adequacy_words, caution, closeness, summary
 
 _STATUS = {
     "converged": "converged",

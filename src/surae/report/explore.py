@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 
 from surae.recording import MUSCLES
-from surae.report.decimate import extremes
-from surae.report.traces import Traces
+from surae.report.traces import Traces, extremes
 from surae.units import FloatArray
 
 #: Samples of all recordings that a page holds at most, and of each at least.

@@ -8,7 +8,7 @@ from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.estimation import Prior
 from surae.model.laboratory import group_of
 from surae.report.formatting import NO_NUMBER, estimate, short, standard_error
-from surae.report.priors import prior_note, prior_span
+from surae.report.provenance import prior_note, prior_span
 
 #: Titles of the groups of parameters.
 _GROUPS = {

@@ -1,15 +1,119 @@
-"""How a fit came about: settings, what was fixed or changed, files and preparation."""
+"""How a fit came about: settings, weights, priors, what was left out, files and preparation."""
 
+import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from surae.assessment import Assessment
-from surae.estimation import FitResult
+from surae.estimation import FitResult, Prior
 from surae.estimation.population import population_of
 from surae.model import adapted
-from surae.report.emphasis import loss_text
-from surae.report.excluded import excluded_text
-from surae.report.formatting import short, significant
-from surae.report.priors import prior_text
+from surae.report.formatting import percentage, short, significant
+from surae.units import FloatArray
+
+#: Share of samples that count less than half from which they are no stray artefacts; Gaussian noise
+#: has 0.7 % of them under Huber's loss.
+MANY_OUTLIERS = 0.05
+
+
+def emphasis_text(result: FitResult, assessment: Assessment) -> str:
+    """A paragraph of the summary; empty where every sample counts as any other."""
+    texts = []
+    if any(recording.emphasised for recording in result.problem.inputs):
+        texts.append("The fit was told to follow some samples more closely than others.")
+    if result.outliers is not None:
+        share = 100 * result.outliers.share
+        texts.append(
+            f"Outliers were let count less ({result.outliers.loss} loss): {significant(share, 2)} "
+            "% of the samples count less than half. They are in the plain VAF and error all the "
+            "same."
+        )
+        if result.outliers.share > MANY_OUTLIERS:
+            texts.append(
+                "So many are no stray artefacts: the model leaves something out, and a loss that "
+                "spares outliers hides it."
+            )
+    if texts and assessment.vaf_weighted is not None:
+        texts.append(
+            f"With the samples counted as in the fit, the VAF is "
+            f"{percentage(assessment.vaf_weighted)} %."
+        )
+    return " ".join(texts)
+
+
+def loss_text(result: FitResult) -> str:
+    """The loss, its tuning and scale, and how many samples it spares."""
+    outliers = result.outliers
+    if outliers is None:
+        return "squares"
+    return (
+        f"{outliers.loss}, from {short(outliers.tuning)} standard deviations of "
+        f"{significant(outliers.scale, 3)} Nm; {significant(100 * outliers.share, 2)} % of the "
+        f"samples count less than half; weights at rest after {outliers.rounds} rounds"
+    )
+
+
+#: Spans that are written out at most.
+_SPANS = 6
+
+
+def excluded_spans(weight: FloatArray | None) -> tuple[tuple[int, int], ...]:
+    """First and last sample of every stretch of weight zero."""
+    if weight is None:
+        return ()
+    edges = np.diff(np.concatenate([[0], (weight == 0).astype(int), [0]]))
+    first, past = np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)
+    return tuple(zip(first.tolist(), (past - 1).tolist(), strict=True))
+
+
+def excluded_text(time: FloatArray, weight: FloatArray | None) -> str:
+    """How many samples were left out, and when; empty where all count."""
+    spans = excluded_spans(weight)
+    if not spans:
+        return ""
+    count = sum(last - first + 1 for first, last in spans)
+    texts = [
+        f"{_second(time[first])} s"
+        if first == last
+        else f"{_second(time[first])} … {_second(time[last])} s"
+        for first, last in spans[:_SPANS]
+    ]
+    if len(spans) > _SPANS:
+        texts.append(f"and {len(spans) - _SPANS} spans more")
+    return f"{count} of {len(time)} samples, weight 0: {', '.join(texts)}"
+
+
+def _second(time: float) -> str:
+    return short(round(float(time), 3))
+
+
+#: Spread up to which a logarithm's standard deviation reads as a percentage of the value.
+_SMALL = 0.3
+#: Part of the prior's spread from which the data are said to add little.
+_LITTLE = 0.7
+
+
+def prior_text(prior: Prior, unit: str = "") -> str:
+    """A prior's median and spread, ``"0.04 m ± 20 %"``."""
+    median = f"{short(prior.median)} {unit}".rstrip()
+    if prior.spread <= _SMALL:
+        return f"{median} ± {short(float(f'{100 * prior.spread:.3g}'))} %"
+    return f"{median}, times or divided by {significant(math.exp(min(prior.spread, 700.0)), 3)}"
+
+
+def prior_note(prior: Prior, value: float, sem: float | None) -> str:
+    """The prior at its parameter, and whether the data say much beside it."""
+    text = f"with prior {prior_text(prior)}"
+    if sem is not None and sem > _LITTLE * prior.spread * value:
+        text += ", to which the data add little"
+    return text
+
+
+def prior_span(prior: Prior) -> tuple[float, float, float]:
+    """Lower end, median and upper end of a prior, one standard deviation to either side."""
+    factor = math.exp(min(prior.spread, 700.0))
+    return prior.median / factor, prior.median, prior.median * factor
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,9 +7,8 @@ import numpy as np
 from surae.assessment import RecordingQuality, Whiteness
 from surae.recording.samples import sample
 from surae.report.cycles import find_cycles
-from surae.report.excluded import excluded_text
 from surae.report.formatting import chance, percentage, short, signed, significant
-from surae.report.provenance import Setting
+from surae.report.provenance import Setting, excluded_text
 from surae.report.tendons import GROUPS, TendonRow, tendon_rows
 from surae.report.traces import Traces
 

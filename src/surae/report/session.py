@@ -10,12 +10,12 @@ from matplotlib.figure import Figure
 from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.estimation import FitResult
 from surae.quality import Quality
-from surae.report.adequacy import AdequacyWords, adequacy_words
 from surae.report.figures.session import holds_figure, trials_figure
 from surae.report.figures.style import WIDTH
 from surae.report.figures.torques import fit_figure
 from surae.report.formatting import NO_NUMBER, estimate, percentage, signed, significant
 from surae.report.parameters import shown_parameters
+from surae.report.wording import AdequacyWords, adequacy_words
 from surae.trials import Crossed, Trial, common_errors
 from surae.units import FloatArray
 

@@ -4,9 +4,9 @@ from html import escape
 
 from surae.assessment import Assessment, ParameterEstimate
 from surae.estimation import FitResult
-from surae.report.adequacy import adequacy_words
 from surae.report.formatting import estimate, percentage, significant
 from surae.report.parameters import shown_parameters
+from surae.report.wording import adequacy_words
 
 _HEADINGS = ("parameter", "value", "95 % interval", "unit", "verdict", "meaning")
 #: Colours of a verdict that can be told on white and on black.

@@ -2,8 +2,6 @@
 
 from surae.report.figures.correlation import correlation_figure
 from surae.report.figures.drawings import drawings
-from surae.report.figures.lines import line, shared_legend
-from surae.report.figures.prediction import prediction_figure, predictions_figure
 from surae.report.figures.residual import residual_figure
 from surae.report.figures.style import (
     BLUE,
@@ -12,21 +10,30 @@ from surae.report.figures.style import (
     MUTED,
     OCHRE,
     RED,
+    data_url,
     dress,
     figure_bytes,
     footnote,
     heading,
     legend,
+    line,
     new_figure,
     pdf,
     png,
+    shared_legend,
     svg,
     trace,
     write_figure,
 )
 from surae.report.figures.tendon import tendon_figure
 from surae.report.figures.torque import torque_figure
-from surae.report.figures.torques import TorquePanel, fit_figure, torques_figure
+from surae.report.figures.torques import (
+    TorquePanel,
+    fit_figure,
+    prediction_figure,
+    predictions_figure,
+    torques_figure,
+)
 from surae.report.traces import traces_of
 
 __all__ = [
@@ -38,6 +45,7 @@ __all__ = [
     "RED",
     "TorquePanel",
     "correlation_figure",
+    "data_url",
     "drawings",
     "dress",
     "figure_bytes",

@@ -9,10 +9,10 @@ from surae.assessment import Assessment, Prediction
 from surae.report.content import Content
 from surae.report.figures.budget import budget_figure
 from surae.report.figures.correlation import correlation_figure
-from surae.report.figures.prediction import prediction_figure
 from surae.report.figures.residual import residual_figure
 from surae.report.figures.tendon import tendon_figure
 from surae.report.figures.torque import torque_figure
+from surae.report.figures.torques import prediction_figure
 from surae.report.traces import Traces
 
 

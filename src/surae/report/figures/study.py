@@ -8,8 +8,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from surae.report.figures.lines import MARKERS, line, shared_legend
-from surae.report.figures.style import GREY, dress, footnote, heading, new_figure
+from surae.report.figures.style import (
+    GREY,
+    MARKERS,
+    dress,
+    footnote,
+    heading,
+    line,
+    new_figure,
+    shared_legend,
+)
 from surae.report.study import Curve, ModelCurves, StudyCurves
 from surae.units import FloatArray
 

@@ -1,17 +1,19 @@
 """The look that all figures share, and their bytes; matplotlib's global state is left alone."""
 
+import base64
 import io
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from textwrap import wrap
-from typing import Any
+from typing import Any, Literal
 
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.files import PathLike, write_atomic
-from surae.report.decimate import min_max
+from surae.report.traces import min_max
 from surae.units import FloatArray
 
 #: Width of a figure [inch]: the printable width of A4 at 85 %.
@@ -131,6 +133,11 @@ def svg(figure: Figure) -> bytes:
     return text.encode()
 
 
+def data_url(data: bytes, kind: str = "svg+xml") -> str:
+    """An image as a page carries it within itself."""
+    return f"data:image/{kind};base64,{base64.b64encode(data).decode()}"
+
+
 def pdf(figure: Figure) -> bytes:
     """The figure as PDF, its letters from embedded TrueType fonts; equal figures, equal bytes."""
     from matplotlib import rc_context
@@ -158,3 +165,44 @@ def write_figure(path: PathLike, figure: Figure) -> None:
         The file cannot be written.
     """
     write_atomic(path, figure_bytes(path, figure))
+
+
+#: Letters of a line of a legend's title.
+_TITLE = 118
+#: A colour and a dash each.
+_LINES = ((BLUE, "-"), (RED, (0, (4, 1.5))), (OCHRE, (0, (1, 1.2))), (MUTED, (0, (5, 1, 1, 1))))
+#: A marker for every round of the lines.
+MARKERS = "os^DvPX*"
+
+
+def line(number: int) -> dict[str, Any]:
+    """Look of the line of this number, for `Axes.plot`; all differ up to 32."""
+    colour, dash = _LINES[number % len(_LINES)]
+    turn = number // len(_LINES)
+    return {
+        "color": colour, "linestyle": dash, "linewidth": 1.1,
+        "marker": MARKERS[turn % len(MARKERS)], "markersize": 4.2,
+        "markerfacecolor": colour if turn % 2 == 0 else "white",
+    }  # fmt: skip
+
+
+def shared_legend(
+    figure: Figure,
+    panels: Sequence[Axes],
+    columns: int,
+    where: Literal["outside upper center", "outside lower center"] = "outside upper center",
+    title: str = "",
+) -> bool:
+    """One legend of all panels, under a title; whether there is any line to tell of."""
+    handles: dict[str, Artist] = {}
+    for axes in panels:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            handles.setdefault(label, handle)
+    if handles:
+        legend = figure.legend(
+            list(handles.values()), list(handles), loc=where, ncols=min(columns, len(handles)),
+            frameon=False, fontsize=8, labelcolor=INK, handlelength=3.4, columnspacing=1.3,
+            title="\n".join(wrap(title, _TITLE)) or None, title_fontsize=8,
+        )  # fmt: skip
+        legend.get_title().set(color=MUTED, multialignment="center")
+    return bool(handles)

@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from surae._version import __version__
+from surae.files import template
 from surae.web.glossary import symbols, terms
 from surae.web.routes.common import Bench, Browser, PathId
 from surae.web.sessions import BrowserSession
@@ -15,20 +15,12 @@ router = APIRouter(include_in_schema=False)
 
 STATIC = Path(__file__).resolve().parents[1] / "static"
 
-_environment = Environment(
-    loader=PackageLoader("surae.web"),
-    autoescape=True,
-    undefined=StrictUndefined,
-    trim_blocks=True,
-    lstrip_blocks=True,
-)
-
 
 def page(
     request: Request, name: str, browser: BrowserSession | None, code: int = 200, **more: Any
 ) -> Response:
     """A page of a template."""
-    text = _environment.get_template(f"{name}.html.j2").render(
+    text = template(f"{name}.html.j2", "surae.web").render(
         csrf="" if browser is None else browser.csrf,
         version=__version__,
         page=name,
