@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 class Plots:
     """Plots of a fit: ``fit.plot()`` is all of a recording, its methods are one plot each.
 
-    Each takes the axes to draw on (``ax``), makes them where none are given, and returns them.
+    Each takes the axes to draw on (``ax``), makes them where none are given, and returns them;
+    `recording` says which one of the fit's, from 0.
     """
 
     result: FitResult  #: What was found.
@@ -33,18 +34,7 @@ class Plots:
         return f"plots of a fit: call it, or {names}"
 
     def __call__(self, recording: int = 0) -> "Sequence[Axes]":
-        """EMG, angle, torque and its parts against time, one below the other.
-
-        Parameters
-        ----------
-        recording : int
-            Which one of the fit's, from 0.
-
-        Returns
-        -------
-        sequence of Axes
-            Four of them.
-        """
+        """EMG, angle, torque and its parts against time, one below the other."""
         from surae.report.figures.style import WIDTH, dress, heading, trace
 
         traces = self._traces(recording)
@@ -71,54 +61,15 @@ class Plots:
         return list(panels)
 
     def torque(self, recording: int = 0, *, ax: "Axes | None" = None) -> "Axes":
-        """Measured and modelled torque against time.
-
-        Parameters
-        ----------
-        recording : int
-            Which one of the fit's, from 0.
-        ax : Axes, optional
-            Where to draw.
-
-        Returns
-        -------
-        Axes
-            The plot.
-        """
+        """Measured and modelled torque against time."""
         return _torque(_axes(ax), self._traces(recording))
 
     def parts(self, recording: int = 0, *, ax: "Axes | None" = None) -> "Axes":
-        """What the modelled torque is made of, against time.
-
-        Parameters
-        ----------
-        recording : int
-            Which one of the fit's, from 0.
-        ax : Axes, optional
-            Where to draw.
-
-        Returns
-        -------
-        Axes
-            The plot.
-        """
+        """What the modelled torque is made of, against time."""
         return _parts(_axes(ax), self._traces(recording))
 
     def residuals(self, recording: int = 0, *, ax: "Axes | None" = None) -> "Axes":
-        """Measured minus modelled torque against time.
-
-        Parameters
-        ----------
-        recording : int
-            Which one of the fit's, from 0.
-        ax : Axes, optional
-            Where to draw.
-
-        Returns
-        -------
-        Axes
-            The plot.
-        """
+        """Measured minus modelled torque against time."""
         from surae.report.figures.style import INK, dress, shade_excluded, trace
 
         traces, axes = self._traces(recording), _axes(ax)
@@ -130,15 +81,7 @@ class Plots:
     def parameters(self, *, ax: "Axes | None" = None) -> "Axes":
         """Every estimate with its 95 % interval, between its bounds (0 and 1 of the axis).
 
-        Parameters
-        ----------
-        ax : Axes, optional
-            Where to draw.
-
-        Returns
-        -------
-        Axes
-            The plot: dark what is identified, open what has no interval.
+        What is identified is dark, what has no interval is open.
         """
         from surae.report.figures.style import GREY, INK, dress
 
@@ -158,23 +101,7 @@ class Plots:
         return axes
 
     def correlation(self, *, ax: "Axes | None" = None) -> "Axes":
-        """Correlations of the estimates as a map.
-
-        Parameters
-        ----------
-        ax : Axes, optional
-            Where to draw.
-
-        Returns
-        -------
-        Axes
-            The plot.
-
-        Raises
-        ------
-        InputError
-            No estimate has a standard error.
-        """
+        """Correlations of the estimates as a map."""
         names = self.assessment.covariance.names
         if not names:
             raise InputError("no estimate has a standard error: there is nothing to correlate")

@@ -105,14 +105,8 @@ def simulate_parts(
 
     Parameters
     ----------
-    model : str
-        Name of a model.
-    parameters : mapping of str to float
-        All of the model's parameters by name.
-    recording : Recording, ModelInputs or path
-        Angle and EMG, used as they are.
-    **options
-        Switches of the model, as in `simulate`.
+    model, parameters, recording, **options
+        As of `simulate`.
 
     Returns
     -------
@@ -140,14 +134,8 @@ def simulate_tendon(
 
     Parameters
     ----------
-    model : str
-        Name of a model.
-    parameters : mapping of str to float
-        All of the model's parameters by name.
-    recording : Recording, ModelInputs or path
-        Angle and EMG, used as they are.
-    **options
-        Switches of the model, as in `simulate`.
+    model, parameters, recording, **options
+        As of `simulate`.
 
     Returns
     -------

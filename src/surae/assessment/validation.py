@@ -185,21 +185,9 @@ def leave_one_out(
 ) -> LeaveOneOut:
     """Predict every recording with a fit of all the others.
 
-    Parameters
-    ----------
-    inputs : sequence of ModelInputs
-        At least two recordings of one leg, as `FitSettings.inputs` gives them.
-    settings : FitSettings
-        What the fits are asked.
-    progress : callable, optional
-        Called before every fit.
-
-    Raises
-    ------
-    InputError
-        There are fewer than two recordings, or one has no torque.
-    KeyboardInterrupt
-        The user stopped a fit: a prediction with its parameters would be worth nothing.
+    There are at least two recordings of one leg, as `FitSettings.inputs` gives them; `progress` is
+    called before every fit. A fit that is stopped ends it: a prediction with its parameters would
+    be worth nothing.
     """
     if len(inputs) < 2:
         raise InputError("leaving one recording out needs at least two; give more")

@@ -91,39 +91,22 @@ class Correlation:
 
 @dataclass(frozen=True, slots=True)
 class Pooled:
-    """One measure or parameter over the cohort.
+    """One measure or parameter over the cohort."""
 
-    Attributes
-    ----------
-    name, unit, meaning, kind : str
-        As of `Quantity`.
-    groups : mapping of str to Effects
-        Mean and spread of each group of at least three legs.
-    legs : tuple of Among
-        Every leg that has a value.
-    differences : mapping of str to Contrast
-        Of each pair of groups, the second minus the first, Holm's p over all that is told.
-    changes : mapping of str to Contrast
-        Of each group, last session minus first.
-    scales : mapping of str to Correlation
-        Of legs with each clinical scale, by rank; Holm's p over all that is told.
-    left_out : mapping of str to int
-        Legs without a value, by reason.
-    at_bound : int
-        Legs whose value lies at a bound.
-    """
-
+    #: `name`, `unit`, `meaning`, `kind`: as of `Quantity`.
     name: str
     unit: str
     meaning: str
     kind: str
-    groups: FrozenDict[str, Effects]
-    legs: tuple[Among, ...]
+    groups: FrozenDict[str, Effects]  #: Mean and spread of each group of at least three legs.
+    legs: tuple[Among, ...]  #: Every leg that has a value.
+    #: Of each pair of groups, the second minus the first, Holm's p over all that is told.
     differences: FrozenDict[str, Contrast]
-    changes: FrozenDict[str, Contrast]
+    changes: FrozenDict[str, Contrast]  #: Of each group, last session minus first.
+    #: Of legs with each clinical scale, by rank; Holm's p over all that is told.
     scales: FrozenDict[str, Correlation]
-    left_out: FrozenDict[str, int]
-    at_bound: int
+    left_out: FrozenDict[str, int]  #: Legs without a value, by reason.
+    at_bound: int  #: Legs whose value lies at a bound.
 
 
 @dataclass(frozen=True, slots=True)

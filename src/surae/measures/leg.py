@@ -39,34 +39,19 @@ class NotDefinedError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """A muscle group that holds still at an angle.
+    """A muscle group that holds still at an angle."""
 
-    Attributes
-    ----------
-    force : float
-        On its tendon [N].
-    stiffness : float
-        Of muscle and tendon in series, by the length of both together, tissue fully relaxed [N/m].
-    quick : float
-        The same before tissue relaxes [N/m].
-    length : float
-        Of the muscle [m].
-    given : float
-        By how much the muscle lengthens of what both together do, slowly [-]; 1 on a rigid tendon.
-    arm, slope : float
-        Moment arm [m], and length of both together by the angle [m/rad].
-    arm_slope : float
-        Moment arm by the angle [m/rad].
-    """
-
-    force: float
+    force: float  #: On its tendon [N].
+    #: Of muscle and tendon in series, by the length of both together, tissue fully relaxed [N/m].
     stiffness: float
-    quick: float
-    length: float
+    quick: float  #: The same before tissue relaxes [N/m].
+    length: float  #: Of the muscle [m].
+    #: By how much the muscle lengthens of what both together do, slowly [-]; 1 on a rigid tendon.
     given: float
+    #: `arm`, `slope`: moment arm [m], and length of both together by the angle [m/rad].
     arm: float
     slope: float
-    arm_slope: float
+    arm_slope: float  #: Moment arm by the angle [m/rad].
 
     @property
     def torque(self) -> float:

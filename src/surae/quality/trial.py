@@ -42,43 +42,23 @@ _FEW, _RECOGNISED_FEW = 12.0, 0.88
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """What the checks share.
+    """What the checks share."""
 
-    Attributes
-    ----------
-    recording : Recording
-        As it was read; checks of single samples look at its channels.
-    emg_kind : {"raw", "envelope"}
-        What the EMG's values say it is, whatever the recording says.
-    time : ndarray, shape (n,)
-        Uniform axis over the span that all channels share [s].
-    rate_hz : float
-        Its rate: `RATE`, or that of the slowest channel where this is lower.
-    angle, velocity : ndarray, shape (n,)
-        [rad, rad/s], degrees under the name of radians undone.
-    torque : ndarray, shape (n,), or None
-        [Nm].
-    fast, slow : dict of str to ndarray, shape (n,)
-        Envelopes by muscle, averaged over one step and over `SLOW`.
-    commanded : Commanded or None
-        The motion that the device was to follow, given or recognised.
-    effort : ndarray, shape (n, 4), or None
-        The effort that was asked for, given or recognised.
-    model : TorqueModel or None
-        What torque, angle and EMG have to do with each other; None without torque.
-    """
-
-    recording: Recording
+    recording: Recording  #: As it was read; checks of single samples look at its channels.
+    #: What the EMG's values say it is, whatever the recording says.
     emg_kind: Literal["raw", "envelope"]
-    time: FloatArray
-    rate_hz: float
+    time: FloatArray  #: Uniform axis over the span that all channels share [s], shape (n,).
+    rate_hz: float  #: Its rate: `RATE`, or that of the slowest channel where this is lower.
+    #: `angle`, `velocity`: [rad, rad/s], degrees under the name of radians undone, shape (n,).
     angle: FloatArray
     velocity: FloatArray
-    torque: FloatArray | None
+    torque: FloatArray | None  #: [Nm], shape (n,).
+    #: `fast`, `slow`: envelopes by muscle, averaged over one step and over `SLOW`, shape (n,).
     fast: dict[str, FloatArray]
     slow: dict[str, FloatArray]
-    commanded: Commanded | None
-    effort: FloatArray | None
+    commanded: Commanded | None  #: The motion that the device was to follow, given or recognised.
+    effort: FloatArray | None  #: The effort that was asked for, given or recognised, shape (n, 4).
+    #: What torque, angle and EMG have to do with each other; None without torque.
     model: TorqueModel | None
 
     @property

@@ -58,10 +58,7 @@ def recognises(source: Source) -> bool:
 def open_table(source: Source) -> Table:
     """Read the channels and points.
 
-    Raises
-    ------
-    InputError
-        The file holds neither, is damaged, or contradicts itself beyond telling.
+    A file that holds neither, is damaged, or contradicts itself beyond telling is refused.
     """
     return foreign_table(source, "C3D", "c3d")
 

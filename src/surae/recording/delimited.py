@@ -44,10 +44,7 @@ def recognises(source: Source) -> bool:
 def open_table(source: Source) -> Table:
     """Read the header of a CSV file.
 
-    Raises
-    ------
-    InputError
-        It is no text, has no header, no time, or a comment sets what isn't known.
+    Text with no header, no time, or a comment that sets what isn't known is refused.
     """
     source.require_text()
     head = _header(source)

@@ -45,10 +45,7 @@ def recognises(source: Source) -> bool:
 def open_table(source: Source) -> Table:
     """Read the signals.
 
-    Raises
-    ------
-    InputError
-        The file is damaged or cut short, a signal has no calibration, or edfio is missing.
+    A file that is damaged or cut short, or a signal without calibration, is refused.
     """
     start_s, envelope = _beside(source.path)
     name = "BDF" if source.data.startswith(_BDF) else "EDF"

@@ -33,13 +33,7 @@ def recognises(source: Source) -> bool:
 
 
 def open_table(source: Source) -> Table:
-    """Read the sheets that have a column of times.
-
-    Raises
-    ------
-    InputError
-        It is damaged, no sheet has a column of times, or openpyxl is missing.
-    """
+    """Read the sheets that have a column of times."""
     return foreign_table(source, "Excel", "excel")
 
 

@@ -106,13 +106,7 @@ def read_recording(source: Source) -> Recording:
 
 
 def open_table(source: Source) -> Table:
-    """Give a file's channels as columns with our CSV names, for mappings that pick some of them.
-
-    Raises
-    ------
-    InputError
-        As of `read_recording`.
-    """
+    """Give a file's channels as columns with our CSV names, for mappings that pick some of them."""
     recording = read_recording(source)
     channels = {column_name(role, c.unit): c for role, c in recording.channels.items()}
 

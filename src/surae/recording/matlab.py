@@ -80,10 +80,7 @@ def recognises(source: Source) -> bool:
 def open_table(source: Source) -> Table:
     """Read the signals.
 
-    Raises
-    ------
-    InputError
-        The file is damaged, or holds no vectors with times or a rate.
+    A file that is damaged, or holds no vectors with times or a rate, is refused.
     """
     return foreign_table(source, "MATLAB", "matlab")
 

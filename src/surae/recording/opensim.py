@@ -25,10 +25,7 @@ def recognises(source: Source) -> bool:
 def open_table(source: Source) -> Table:
     """Read the header of an OpenSim storage file.
 
-    Raises
-    ------
-    InputError
-        It is no text, names no columns or no time, or its ``inDegrees`` is neither yes nor no.
+    It must name its columns and a time, and its ``inDegrees`` be yes or no.
     """
     source.require_text()
     units: Mapping[str, str] = {}

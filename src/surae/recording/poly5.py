@@ -62,10 +62,7 @@ def recognises(source: Source) -> bool:
 def open_table(source: Source) -> Table:
     """Read the header.
 
-    Raises
-    ------
-    InputError
-        It is of another version, compressed, damaged or cut short.
+    Another version, and a file that is compressed, damaged or cut short, is refused.
     """
     layout, signals, remark = _opened(source)
     by_name = {signal.name: signal for signal in signals}

@@ -47,10 +47,7 @@ def recognises(source: Source) -> bool:
 def open_table(source: Source) -> Table:
     """Read the header.
 
-    Raises
-    ------
-    InputError
-        It is no text, or its columns are not pairs of times and samples.
+    Columns must be pairs of times and samples.
     """
     source.require_text()
     labels: dict[str, re.Match[str]] = {}

@@ -38,10 +38,7 @@ def recognises(source: Source) -> bool:
 def open_table(source: Source) -> Table:
     """Read the file's streams.
 
-    Raises
-    ------
-    InputError
-        It is damaged or cut short, has no streams of numbers, or pyxdf is missing.
+    A file that is damaged or cut short, or has no streams of numbers, is refused.
     """
     return foreign_table(source, "XDF", "xdf")
 

@@ -51,45 +51,23 @@ _SUBJECTS = 1_000_000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
-    """One fit, by everything that its numbers depend on.
+    """One fit, by everything that its numbers depend on."""
 
-    Attributes
-    ----------
-    protocol, task, chirp_amplitude, rate_hz
-        The motion and the effort; see `surae.protocol.Protocol`.
-    chirp_rate : float or None
-        None without a chirp, where it is irrelevant.
-    population : str
-        Population of the virtual subject.
-    subject : int
-        Number of the subject, from 1.
-    noise : float
-        Noise of EMG and torque, a fraction of each signal's mean magnitude.
-    repeat : int
-        Number of the noise's realisation, from 1; without noise all are the same.
-    seed : int
-        Seed of the study: of its subjects and of the fit's random starts.
-    starts : int
-        Starts of the fit.
-    model : str
-        The model that simulates and is fitted.
-    options : tuple of (str, str or float)
-        Its options that the study gives.
-    """
-
+    #: `protocol`, `task`, `chirp_amplitude`, `rate_hz`: the motion and the effort; see
+    #: `surae.protocol.Protocol`.
     protocol: str
     task: str
     chirp_amplitude: float
-    chirp_rate: float | None
+    chirp_rate: float | None  #: None without a chirp, where it is irrelevant.
     rate_hz: float
-    population: str
-    subject: int
-    noise: float
-    repeat: int
-    seed: int
-    starts: int
-    model: str
-    options: tuple[tuple[str, Value], ...]
+    population: str  #: Population of the virtual subject.
+    subject: int  #: Number of the subject, from 1.
+    noise: float  #: Noise of EMG and torque, a fraction of each signal's mean magnitude.
+    repeat: int  #: Number of the noise's realisation, from 1; without noise all are the same.
+    seed: int  #: Seed of the study: of its subjects and of the fit's random starts.
+    starts: int  #: Starts of the fit.
+    model: str  #: The model that simulates and is fitted.
+    options: tuple[tuple[str, Value], ...]  #: Its options that the study gives.
 
     @property
     def key(self) -> str:

@@ -28,61 +28,29 @@ _ARRAYS = ("values", "sse", "chi2", "path")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Profile(Comparable):
-    """Profile of one parameter.
+    """Profile of one parameter."""
 
-    Attributes
-    ----------
-    name, unit : str
-        The parameter.
-    value : float
-        Estimate of the fit.
-    sem : float or None
-        Standard error from the covariance, widened as Δχ² is; None where there is none.
-    values : ndarray, shape (k,)
-        Where the parameter was held, ascending.
-    sse : ndarray, shape (k,)
-        Least sum of squares there, weighted and with priors [Nm²].
-    chi2 : ndarray, shape (k,)
-        Δχ²: (sse − lowest)/(σ²·variance_inflation).
-    others : tuple of str
-        The other free parameters.
-    path : ndarray, shape (k, len(others))
-        Their values along the profile.
-    variance_inflation : float
-        What the variance of the noise was multiplied by.
-    threshold : float
-        Δχ² at the ends of the 95 % interval.
-    interval : tuple of (float or None)
-        Lower and upper end; None where that side is open.
-    reasons : tuple of str
-        Why each end is open; empty where it is not.
-    status : {"closed", "open", "lower-minimum"}
-        Whether both ends were found, and whether the profile met a lower minimum than the fit's.
-    message : str
-        What a reader has to know.
-    lower : mapping of str to float, or None
-        Free parameters of the lower minimum.
-    evaluations : int
-        Of the model and its Jacobian.
-    """
-
+    #: `name`, `unit`: the parameter.
     name: str
     unit: str
-    value: float
+    value: float  #: Estimate of the fit.
+    #: Standard error from the covariance, widened as Δχ² is; None where there is none.
     sem: float | None
-    values: FloatArray
-    sse: FloatArray
-    chi2: FloatArray
-    others: tuple[str, ...]
-    path: FloatArray
-    variance_inflation: float
-    threshold: float
+    values: FloatArray  #: Where the parameter was held, ascending, shape (k,).
+    sse: FloatArray  #: Least sum of squares there, weighted and with priors [Nm²], shape (k,).
+    chi2: FloatArray  #: Δχ²: (sse − lowest)/(σ²·variance_inflation), shape (k,).
+    others: tuple[str, ...]  #: The other free parameters.
+    path: FloatArray  #: Their values along the profile, shape (k, len(others).
+    variance_inflation: float  #: What the variance of the noise was multiplied by.
+    threshold: float  #: Δχ² at the ends of the 95 % interval.
+    #: Lower and upper end; None where that side is open.
     interval: tuple[float | None, float | None]
-    reasons: tuple[str, str]
+    reasons: tuple[str, str]  #: Why each end is open; empty where it is not.
+    #: Whether both ends were found, and whether the profile met a lower minimum than the fit's.
     status: Status
-    message: str
-    lower: Mapping[str, float] | None
-    evaluations: int
+    message: str  #: What a reader has to know.
+    lower: Mapping[str, float] | None  #: Free parameters of the lower minimum.
+    evaluations: int  #: Of the model and its Jacobian.
 
     def plain(self) -> dict[str, Any]:
         """Give its values as plain data, without loss."""
@@ -119,34 +87,15 @@ def profile(
     Every point starts from its neighbour, first on the way out, then again on the way in, and
     keeps the lower minimum, so that a valley which only shows from afar is not missed.
 
-    Parameters
-    ----------
-    result : FitResult
-        The fit. Its fixed parameters stay fixed, its bounds and priors hold.
-    name : str
-        A parameter that it estimated.
-    variance_inflation : float
-        By how much the variance of the noise counts more than that of white noise would; divides
-        Δχ². A residual that is correlated over time holds fewer independent samples than it has:
-        n/n_effective is a rough value, the ratio of the squared standard errors with and without
-        the correlation one for this parameter.
-    noise : float, optional
-        Standard deviation [Nm] that priors are weighed against, as `prior_noise` gives it.
-    stopped : callable, optional
-        True ends the work with KeyboardInterrupt.
-
-    Returns
-    -------
-    Profile
-        Its threshold is t²(0.975; n − p), which is F₁ and, for many samples, χ²₁(0.95) = 3.84: σ²
-        is estimated from the residual, and where the model is linear the interval is that of the
-        covariance.
-
-    Raises
-    ------
-    InputError
-        The parameter is unknown or fixed, the inflation is no positive number, or the model gives
-        no finite torque at the fit.
+    Fixed parameters stay fixed, bounds and priors hold. `variance_inflation` is by how much the
+    variance of the noise counts more than that of white noise would; it divides Δχ². A residual
+    that is correlated over time holds fewer independent samples than it has: n/n_effective is a
+    rough value, the ratio of the squared standard errors with and without the correlation one for
+    this parameter. `noise` is the standard deviation [Nm] that priors are weighed against, as
+    `prior_noise` gives it; `stopped` ends the work with KeyboardInterrupt where it is True. The
+    threshold is t²(0.975; n − p), which is F₁ and, for many samples, χ²₁(0.95) = 3.84: σ² is
+    estimated from the residual, and where the model is linear the interval is that of the
+    covariance.
     """
     check_profiled(result, name, variance_inflation)
     result = with_laboratory(result)

@@ -139,22 +139,8 @@ def bootstrap(
     stream of random numbers: the same seed gives the same numbers, whatever the workers or
     interruptions.
 
-    Parameters
-    ----------
-    result : FitResult
-        The fit.
-    block_s : float, optional
-        Length of the blocks [s]; by default from the residual's autocorrelation (`block_length`).
-    store : path, optional
-        File that replicates are added to as they come; those of the same fit, seed and blocks that
-        it already holds are not made again.
-    replicates, seed, workers, progress
-        As of `surae.bootstrap`, and so is what is returned.
-
-    Raises
-    ------
-    InputError
-        A number is out of range, the fit has no bootstrap, or the file is of another one.
+    Replicates of the same fit, seed and blocks that the file `store` already holds are not made
+    again. All else is as of `surae.bootstrap`.
     """
     begin = time.perf_counter()
     result = with_laboratory(result)

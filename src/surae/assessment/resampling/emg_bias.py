@@ -136,21 +136,9 @@ def emg_bias(
     back to −1, where there is no noise. The noise is taken as additive, independent of the EMG,
     stationary and Gaussian.
 
-    Parameters
-    ----------
-    result : FitResult
-        The fit.
-    level : float, optional
-        Standard deviation of white noise as a part of each EMG's mean. By default the noise is
-        that of the EMG's quiet part, correlation included (`quiet_noise`): a lower limit, as noise
-        that grows with the muscle's activity is not in it.
-    pairs, seed, workers, progress
-        As of `surae.emg_bias`, and so is what is returned.
-
-    Raises
-    ------
-    InputError
-        A number is out of range, the fit has no finite torque, or an EMG no quiet part.
+    `level` is the standard deviation of white noise as a part of each EMG's mean. By default the
+    noise is that of the EMG's quiet part, correlation included (`quiet_noise`): a lower limit, as
+    noise that grows with the muscle's activity is not in it. All else is as of `surae.emg_bias`.
     """
     begin = time.perf_counter()
     result = with_laboratory(result)
