@@ -29,7 +29,7 @@ from typing import Any
 from surae._version import __version__
 from surae.assessment.parameter import percent
 from surae.errors import InputError
-from surae.files import PathLike, write_json
+from surae.files import Saved
 from surae.frozen import FrozenDict
 from surae.measures.quantity import Quantities, Quantity
 
@@ -74,7 +74,7 @@ class Difference:
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class Change(Saved):
     """Two sessions compared.
 
     Attributes
@@ -135,21 +135,6 @@ class Change:
             "measures": plain(self.measures),
             "parameters": plain(self.parameters),
         }
-
-    def save(self, path: PathLike) -> None:
-        """Write C.json.
-
-        Parameters
-        ----------
-        path : path
-            Where to.
-
-        Raises
-        ------
-        InputError
-            The file cannot be written.
-        """
-        write_json(path, self.as_dict())
 
 
 def compare_sessions(

@@ -18,7 +18,7 @@ import numpy as np
 
 from surae._version import __version__
 from surae.errors import InputError
-from surae.files import PathLike, write_json
+from surae.files import Saved
 from surae.frozen import FrozenDict
 from surae.measures.change import compare_sessions
 from surae.measures.quantity import Quantities, Quantity
@@ -110,7 +110,7 @@ class Pooled:
 
 
 @dataclass(frozen=True, slots=True)
-class Cohort:
+class Cohort(Saved):
     """A cohort: its members, and everything they have over all of them."""
 
     members: tuple[Member, ...]
@@ -150,21 +150,6 @@ class Cohort:
                 for p in self.pooled.values()
             },
         }  # fmt: skip
-
-    def save(self, path: PathLike) -> None:
-        """Write C.json.
-
-        Parameters
-        ----------
-        path : path
-            Where to.
-
-        Raises
-        ------
-        InputError
-            The file cannot be written.
-        """
-        write_json(path, self.as_dict())
 
 
 def _plain(c: Contrast) -> dict[str, Any]:

@@ -1,14 +1,11 @@
 """Reports of fits: one HTML file to read, print and keep."""
 
-import os
 from collections.abc import Mapping, Sequence
 from datetime import datetime
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from surae.errors import InputError
-from surae.files import PathLike, shown, write_atomic
-from surae.report.typeset import has_typst, typeset
+from surae.files import PathLike, write_atomic
+from surae.report.typeset import check_report, has_typst, is_pdf, typeset
 
 if TYPE_CHECKING:  # modules of this package are also used where nothing is computed
     from surae.assessment import Assessment, Prediction
@@ -83,32 +80,3 @@ def write_report(
         write_atomic(path, render_pdf(result, assessment, predictions, **what))
     else:
         write_atomic(path, build(result, assessment, predictions=predictions, **what))
-
-
-def is_pdf(path: PathLike) -> bool:
-    """Whether a report of this name is a PDF, not a page."""
-    return os.fspath(path).lower().endswith(".pdf")
-
-
-def check_report(path: PathLike | None) -> None:
-    """Refuse a report that could not be made, before the work instead of after it.
-
-    Parameters
-    ----------
-    path : path or None
-        Where it shall be written; None: nowhere.
-
-    Raises
-    ------
-    InputError
-        It is a PDF, and typst is not installed; or of another kind than HTML and PDF.
-    """
-    if path is None:
-        return
-    ending = Path(path).suffix.lower()
-    if ending not in ("", ".html", ".htm", ".pdf"):
-        raise InputError(f"{shown(path)}: a report is a page or a PDF; give .html or .pdf")
-    if is_pdf(path):
-        from surae.report.typeset import require_typst
-
-        require_typst()

@@ -12,14 +12,13 @@ from typing import Any
 from surae.assessment import Assessment, Prediction
 from surae.estimation import FitResult
 from surae.files import PathLike, template, write_atomic
-from surae.report import check_report, is_pdf
 from surae.report.clinical import fit_page
 from surae.report.content import make_content
 from surae.report.explore import explorer
 from surae.report.figures import data_url, drawings, png, svg
 from surae.report.session import Fitted, session_content, session_drawings
 from surae.report.traces import traces_of
-from surae.report.typeset import require_typst, typeset
+from surae.report.typeset import check_report, is_pdf, require_typst, typeset
 from surae.trials import Crossed, Trial
 
 #: Resolution of the others [dots per inch].

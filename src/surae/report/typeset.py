@@ -1,11 +1,13 @@
-"""Content set as PDF by typst, which the extra ``pdf`` brings."""
+"""What a report may be written as, and content set as PDF by typst, the extra ``pdf``."""
 
 import json
+import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from surae.errors import ComputationError, InputError
+from surae.files import PathLike, shown
 
 
 def has_typst() -> bool:
@@ -54,3 +56,30 @@ def typeset(template: bytes, folder: Path, content: Mapping[str, Any]) -> bytes:
     if not isinstance(printed, bytes):
         raise ComputationError("typst gave no PDF")
     return printed
+
+
+def is_pdf(path: PathLike) -> bool:
+    """Whether a report of this name is a PDF, not a page."""
+    return os.fspath(path).lower().endswith(".pdf")
+
+
+def check_report(path: PathLike | None) -> None:
+    """Refuse a report that could not be made, before the work instead of after it.
+
+    Parameters
+    ----------
+    path : path or None
+        Where it shall be written; None: nowhere.
+
+    Raises
+    ------
+    InputError
+        It is a PDF, and typst is not installed; or of another kind than HTML and PDF.
+    """
+    if path is None:
+        return
+    ending = Path(path).suffix.lower()
+    if ending not in ("", ".html", ".htm", ".pdf"):
+        raise InputError(f"{shown(path)}: a report is a page or a PDF; give .html or .pdf")
+    if is_pdf(path):
+        require_typst()

@@ -7,7 +7,7 @@ from enum import StrEnum
 from surae.assessment.adequacy import Adequacy
 from surae.assessment.comparison.held_out import HeldOut
 from surae.estimation import FitSettings
-from surae.files import PathLike, write_json
+from surae.files import Saved
 from surae.frozen import Comparable
 
 
@@ -76,7 +76,7 @@ class ParameterChange:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Comparison(Comparable):
+class Comparison(Comparable, Saved):
     """Models on the same data, and what follows for the tendons.
 
     Attributes
@@ -143,18 +143,3 @@ class Comparison(Comparable):
         """The comparison as plain data, as it is saved."""
         settings = self.settings.as_dict()
         return {"surae": self.versions["surae"], **asdict(self), "settings": settings}
-
-    def save(self, path: PathLike) -> None:
-        """Write the comparison as JSON, all of it or nothing.
-
-        Parameters
-        ----------
-        path : path
-            Where to.
-
-        Raises
-        ------
-        InputError
-            The file cannot be written.
-        """
-        write_json(path, self.as_dict())

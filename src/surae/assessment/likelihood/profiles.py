@@ -13,7 +13,7 @@ from surae.assessment.likelihood.profile import Profile, check_profiled, prior_n
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.estimation.result import with_laboratory
-from surae.files import PathLike, write_json
+from surae.files import PathLike, Saved
 from surae.processes import Plain
 from surae.progress import NamedProgress
 from surae.runner import Batch, Engine, cores, results
@@ -25,7 +25,7 @@ _KIND = "profiles"
 
 
 @dataclass(frozen=True, slots=True)
-class Profiles:
+class Profiles(Saved):
     """Profiles of one fit.
 
     Attributes
@@ -71,16 +71,6 @@ class Profiles:
             "seconds": self.seconds,
             "versions": dict(self.versions),
         }
-
-    def save(self, path: PathLike) -> None:
-        """Write the profiles as JSON, all of it or nothing.
-
-        Raises
-        ------
-        InputError
-            The file cannot be written.
-        """
-        write_json(path, self.as_dict())
 
 
 def profiles(

@@ -17,7 +17,7 @@ from surae.estimation import FitProblem, FitResult
 from surae.estimation.least_squares import Outcome, minimise
 from surae.estimation.residuals import Residuals, curved_move
 from surae.estimation.result import with_laboratory
-from surae.files import PathLike, write_json
+from surae.files import PathLike, Saved
 from surae.frozen import Comparable, read_only
 from surae.model import adapted
 from surae.progress import Progress
@@ -49,7 +49,7 @@ class BootstrapEstimate:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Bootstrap(Comparable):
+class Bootstrap(Comparable, Saved):
     """A block bootstrap of a fit.
 
     Attributes
@@ -108,16 +108,6 @@ class Bootstrap(Comparable):
             "seconds": self.seconds,
             "versions": dict(self.versions),
         }
-
-    def save(self, path: PathLike) -> None:
-        """Write the bootstrap as JSON, all of it or nothing.
-
-        Raises
-        ------
-        InputError
-            The file cannot be written.
-        """
-        write_json(path, self.as_dict())
 
 
 def bootstrap(

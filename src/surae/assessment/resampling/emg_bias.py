@@ -19,7 +19,7 @@ from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.estimation.noise import NoiseModel, autoregressive
 from surae.estimation.result import with_laboratory
-from surae.files import PathLike, write_json
+from surae.files import Saved
 from surae.frozen import read_only
 from surae.model import adapted
 from surae.progress import Progress
@@ -60,7 +60,7 @@ class ParameterBias:
 
 
 @dataclass(frozen=True, slots=True)
-class EmgBias:
+class EmgBias(Saved):
     """Bias of the estimates by EMG noise.
 
     Attributes
@@ -108,16 +108,6 @@ class EmgBias:
             "seconds": self.seconds,
             "versions": dict(self.versions),
         }
-
-    def save(self, path: PathLike) -> None:
-        """Write the bias as JSON, all of it or nothing.
-
-        Raises
-        ------
-        InputError
-            The file cannot be written.
-        """
-        write_json(path, self.as_dict())
 
 
 def emg_bias(
