@@ -8,10 +8,13 @@ where it was stopped.
 """
 
 import argparse
-from dataclasses import dataclass, replace
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 from scipy.optimize import brentq
 
 import surae
@@ -25,6 +28,12 @@ from surae.studies import virtual_subject
 RATE, FINER, NOISE = 128.0, 4, 0.03
 #: What a treatment leaves of stiffness k, and of the triceps's passive torque at 10° dorsiflexion.
 SOFTER, LESS = 0.80, 0.85
+#: Where measures are asked for [deg], and the quantities that the treatment changes.
+ANGLE = 10.0
+ASKED = (
+    "passive_stiffness@10deg", "passive_torque@10deg", "passive_torque_tri@10deg",
+    "k_tri", "x0_tri",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -37,7 +46,7 @@ class Session:
 
     @property
     def name(self) -> str:
-        """Of its files."""
+        """Name of its files."""
         return f"{self.seed:03d}-{self.number}{'t' if self.treated else ''}"
 
 
@@ -104,6 +113,11 @@ def write(session: Session, path: Path) -> None:
     surae.write_csv(path, columns, ["emg: envelope"])
 
 
+def sessions(seed: int) -> tuple[Session, Session, Session]:
+    """A leg before, again without any change, and treated."""
+    return Session(seed, 0), Session(seed, 1), Session(seed, 2, treated=True)
+
+
 def fitted(session: Session, folder: Path) -> surae.Fit:
     """The fit of a session, from its file where it was made before."""
     path = folder / f"{session.name}.json"
@@ -115,20 +129,64 @@ def fitted(session: Session, folder: Path) -> surae.Fit:
     return surae.load(path)
 
 
+def intervals(pairs: Iterable[int], folder: Path) -> pd.DataFrame:
+    """Every measure that a known leg has, of all recordings: whether its interval is true."""
+    rows = []
+    for seed in pairs:
+        for session in sessions(seed):
+            p, _ = leg(seed, treated=session.treated)
+            truth = measures_of_values(p, "muscle-tendon", angles=[ANGLE])
+            for name, told in fitted(session, folder).measures(angles=[ANGLE]).items():
+                if name in truth and not name.startswith("torque_per_emg") and told.ci95:
+                    low, high = told.ci95
+                    unit = 1.0 if told.unit == "deg" else abs(told.value) / 100.0
+                    rows.append(
+                        {
+                            "measure": name,
+                            "true": low <= truth[name] <= high,
+                            "identified": told.verdict == "identified",
+                            "half-width [% or deg]": (high - low) / 2.0 / unit,
+                        }
+                    )
+    return pd.DataFrame(rows)
+
+
+def claims(pairs: Iterable[int], folder: Path) -> pd.DataFrame:
+    """Of each pair and each quantity: whether `changed` is said of it."""
+    rows = []
+    for seed in pairs:
+        before, same, treated = (fitted(session, folder) for session in sessions(seed))
+        for kind, after in (("no change", same), ("treated", treated)):
+            told = surae.change(before, after, angles=[ANGLE])
+            said = {d.name for d in told.changed}
+            rows.append({"kind": kind, "any": bool(said)} | {name: name in said for name in ASKED})
+    return pd.DataFrame(rows)
+
+
 def main() -> None:
-    """Print how often each kind of pair was called changed."""
+    """Print how often intervals hold the truth, and how often each kind of pair was `changed`."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--pairs", type=int, default=30)
     parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--fits-only", action="store_true")
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
-    for seed in range(given.first, given.pairs):
-        before = Session(seed, 0)
-        for after in (Session(seed, 1), replace(before, number=2, treated=True)):
-            fitted(before, given.folder), fitted(after, given.folder)
-            print(after.name, flush=True)
+    pairs = range(given.first, given.first + given.pairs)
+    for seed in pairs:
+        for session in sessions(seed):
+            fitted(session, given.folder)
+        print(f"leg {seed} is measured", file=sys.stderr, flush=True)
+    held = intervals(pairs, given.folder)
+    sure = held[held["identified"]]
+    print(f"{held['true'].mean():.1%} of {len(held)} intervals hold the truth, of "
+          f"those identified {sure['true'].mean():.1%} of {len(sure)}\n")  # fmt: skip
+    grouped = held.groupby("measure", sort=False)
+    table = grouped[["true", "identified"]].mean()
+    table["half-width [% or deg]"] = grouped["half-width [% or deg]"].median()
+    print(table.to_string(float_format="{:.3f}".format), "\n")
+    counted = claims(pairs, given.folder).groupby("kind").mean()
+    print(f"part of {given.pairs} pairs in which it is changed\n")
+    print(counted.T.to_string(float_format="{:.2f}".format))
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from surae.estimation.evidence import Quadratic
 from surae.estimation.interrupt import checkpoint
 from surae.estimation.least_squares import Minimum, Outcome, minimise
-from surae.estimation.noise import NoiseModel, noise_of
+from surae.estimation.noise import NoiseModel, noise_behind, noise_of
 from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import simulators, stiffness_valleys
 from surae.estimation.result import is_at_bound
@@ -253,19 +253,47 @@ class Target:
         return Target(replace(self.problem, inputs=inputs), self.beliefs, self.noise, self.extra)
 
     def noise_at(self, z: FloatArray, *, white: bool = False) -> tuple[NoiseModel, ...]:
-        """The noise of each recording that its residual at a point has."""
+        """The noise of each recording that its residual at a point has.
+
+        White noise is the residual's sum of squares over its degrees of freedom. Correlated noise
+        is that whose residual would be as the residual is: estimated values have taken a part of
+        it, most at the low frequencies in which they act (`noise_behind`).
+        """
         counted = self.problem.n
         lost = counted / max(counted - len(z), 1)
-        models = []
+        residuals, models = [], []
         for residual, root in zip(self.residuals(z), self._roots, strict=True):
             e = residual if root is None else root * residual
             e = e[root > 0] if root is not None else e
-            if not np.isfinite(e).all():
-                e = np.ones(2)
-            order = 0 if white else min(_ORDER, len(e) // 10)
-            model = noise_of(e, order)
+            residuals.append(e if np.isfinite(e).all() else np.ones(2))
+            model = noise_of(residuals[-1], 0)
             models.append(replace(model, variance=max(model.variance * lost, 1e-30)))
-        return tuple(models)
+        if white:
+            return tuple(models)
+        taken = self.with_noise(models)._taken(z)
+        return tuple(
+            noise_behind(e, rows, min(_ORDER, len(e) // 10))
+            for e, rows in zip(residuals, taken, strict=True)
+        )
+
+    def _taken(self, z: FloatArray) -> list[FloatArray]:
+        """Rows (q, n) of each recording in which estimated values have fitted its noise.
+
+        With the Jacobian J of whitened rows and the priors' weight P their products are the matrix
+        J(JᵀJ + P)⁻¹Jᵀ, by which least squares take noise into the modelled torque.
+        """
+        blocks = [rows[:-1] for rows in self.data_rows(z)]
+        information = sum(rows @ rows.T for rows in blocks) + np.diag(self.weight**2)
+        if not np.isfinite(information).all():
+            return [np.zeros((0, rows.shape[1])) for rows in blocks]
+        scale = 1.0 / np.sqrt(np.diag(information))
+        values, vectors = np.linalg.eigh(information * scale * scale[:, None])
+        known = values > len(values) * np.finfo(float).eps * values[-1]
+        back = (vectors[:, known] / np.sqrt(values[known])).T * scale
+        return [
+            back @ (rows if root is None else rows[:, root > 0])
+            for rows, root in zip(blocks, self._roots, strict=True)
+        ]
 
 
 def whitened(rows: FloatArray, noise: NoiseModel) -> FloatArray:

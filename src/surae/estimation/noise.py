@@ -1,6 +1,6 @@
 """Noise that is correlated over time: an autoregressive model of it, and its spectrum."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +10,8 @@ from surae.units import FloatArray
 
 #: Frequencies at which a spectrum is looked at, up to half the sampling rate.
 _GRID = 2048
+#: Rounds of a noise model and what a fit took of it; each settles an order of magnitude more.
+_ROUNDS = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,6 +95,36 @@ def noise_of(residual: FloatArray, lags: int) -> NoiseModel:
     size = next_fast_len(2 * n, real=True)
     power = np.abs(np.fft.rfft(residual, size)) ** 2
     return autoregressive(np.fft.irfft(power, size)[: lags + 1] / n, n)
+
+
+def noise_behind(residual: FloatArray, taken: FloatArray, lags: int) -> NoiseModel:
+    """The autoregressive noise whose residual, after a fit, would be as this residual is.
+
+    A fit with the hat matrix H = UᵀU leaves (1 − H)·noise. Of the noise's power at a frequency it
+    takes the part that U has there, so that is given back until the noise model rests (the idea is
+    Worsley's, NeuroImage 15, 2002).
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Of the fit.
+    taken : ndarray, shape (q, n)
+        U.
+    lags : int
+        Largest order that is tried, below n.
+    """
+    from scipy.fft import next_fast_len
+
+    n = len(residual)
+    size = next_fast_len(2 * n, real=True)
+    left = np.abs(np.fft.rfft(residual, size)) ** 2
+    part = (np.abs(np.fft.rfft(taken, size, axis=1)) ** 2).sum(axis=0)
+    power = left
+    for _ in range(_ROUNDS):
+        model = autoregressive(np.fft.irfft(power, size)[: lags + 1] / n, n)
+        power = left + part * model.spectrum(size)
+    model = autoregressive(np.fft.irfft(power, size)[: lags + 1] / n, n)
+    return replace(model, variance=max(model.variance, 1e-30))
 
 
 def level_above_half(noise: NoiseModel) -> NoiseModel:
