@@ -36,7 +36,7 @@ from surae.model import adapted, get_model, with_optional
 from surae.model.laboratory import COMPLIANT, RIGID, Belief, group_of, laboratory
 from surae.progress import SearchProgress
 from surae.recording import MUSCLES
-from surae.signals import emg_levels
+from surae.signals import emg_levels, quiet_levels
 from surae.signals.prepare import sharpened
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
@@ -58,7 +58,8 @@ _HOPELESS = 300.0
 _POPULATION = "healthy"
 #: Groups that no sensor is free of: they are in whatever the evidence; those that are tried alone;
 #: and those whose valleys are many, for they bend the curves that other parameters place.
-_ALWAYS, _CORE, _BENDS = ("zero", "delay"), ("zero", "delay", "crosstalk"), ("toe", "shape")
+_ALWAYS, _BENDS = ("zero", "delay", "rest"), ("toe", "shape")
+_CORE = (*_ALWAYS, "crosstalk")
 
 
 def fit_family(problem: FitProblem, *, progress: SearchProgress | None = None) -> FitResult:
@@ -84,7 +85,7 @@ class _Search:
         inputs = tuple(sharpened(recording) for recording in problem.inputs)
         self._asked, self._progress = replace(problem, inputs=inputs), progress
         self._given = problem.inputs
-        beliefs = laboratory(problem.settings.nuisances)
+        beliefs = laboratory(problem.settings.nuisances, quiet_levels(problem.inputs))
         held = {*problem.settings.fixed, *(n for trial in problem.inputs for n in trial.fixed)}
         missing = {m for trial in problem.inputs for m in trial.missing_emg}
         silent = missing | {
@@ -324,7 +325,9 @@ def _needless(name: str, silent: set[str]) -> bool:
     """Whether a nuisance touches nothing, since a muscle is silent or has no EMG."""
     if name.startswith("xt_"):
         return bool(set(name.split("_")[1:]) & silent)
-    return name.startswith("emg_drift_") and name.rsplit("_", maxsplit=1)[-1] in silent
+    return (
+        name.startswith(("emg_drift_", "emg_rest_")) and name.rsplit("_", maxsplit=1)[-1] in silent
+    )
 
 
 def _as_searched(name: str, median: float, spread: float) -> Belief:

@@ -37,7 +37,7 @@ _BEYOND = 0.5
 #: Part of the variance that comes through a parameter at its bound, from which that is told.
 _BOUND = 0.25
 #: Groups of nuisances that the leg itself knows nothing of.
-_OUTSIDE = ("zero", "crosstalk", "axis", "drift", "shape")
+_OUTSIDE = ("zero", "crosstalk", "axis", "drift", "rest", "shape")
 
 
 @dataclass(frozen=True, slots=True)

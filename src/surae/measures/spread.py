@@ -20,7 +20,7 @@ from surae.units import FloatArray
 
 #: Groups of nuisances that differ between trials of one session, and further ones that do when
 #: electrodes and foot are mounted anew.
-_EACH_TRIAL = ("zero", "drift")
+_EACH_TRIAL = ("zero", "drift", "rest")
 _EACH_SESSION = (*_EACH_TRIAL, "crosstalk", "axis")
 #: Sources of `Family.spread` that another trial does not share.
 _NOT_SHARED = ("emg_noise", "trials")

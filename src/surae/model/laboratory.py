@@ -12,12 +12,14 @@ delay          30 ± 30 ms   20 to 100 ms from EMG to force (Cavanagh and Komi 1
 crosstalk      4 ± 3 %      of a neighbour's rectified EMG (De Luca and Merletti 1988: 3 to 10 %)
 axis           0 ± 10 mm    torques 5 to 9 % off (Arampatzis et al. 2007)
 drift          0 ± 10 %     of an electrode's gain within a trial, as skin and gel warm; assumed
+rest           0 ± 1        of the level that the electrode shows at its quietest: an envelope is
+                            never below zero, so that noise alone lifts it
 shape          −0.5 ± 1     Lloyd and Besier (2003): between −3 and 0, and 0 is a line
 toe            0.3 ± 0.1    of the tendon's force curve (Table 2 after Thelen 2003); spread assumed
 ============== ============ ================================================================
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from surae.errors import InputError
@@ -57,6 +59,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "crosstalk": OPTIONAL["crosstalk"],
     "axis": OPTIONAL["axis"],
     "drift": OPTIONAL["emg_drift"],
+    "rest": OPTIONAL["emg_rest"],
     "shape": OPTIONAL["emg_shape"],
     "toe": ("pt_tri", "pt_tib"),
 }
@@ -66,16 +69,22 @@ _BELIEFS = {
     "crosstalk": Belief(0.04, 0.03),
     "axis": Belief(0.0, 0.01),
     "drift": Belief(0.0, 0.1),
+    "rest": Belief(0.0, 1.0),
     "shape": Belief(-0.5, 1.0),
     "toe": Belief(0.3, 0.1, off=0.3),
 }
 
 
-def laboratory(nuisances: str | Mapping[str, tuple[float, float]] = ALL) -> dict[str, Belief]:
+def laboratory(
+    nuisances: str | Mapping[str, tuple[float, float]] = ALL,
+    quiet: Sequence[float] | None = None,
+) -> dict[str, Belief]:
     """The priors of all nuisances, by parameter.
 
     `nuisances` is ``"all"``, ``"none"``, or other priors, (mean, sd), for groups or parameters; the
     rest keep theirs. A standard deviation of 0 takes one out.
+    `quiet` is the level of each electrode at its quietest, in the EMG's unit: the priors of EMG at
+    rest are in parts of it. Where it is zero, or not given, that is taken for known.
     """
     if nuisances == NONE:
         return {}
@@ -83,7 +92,7 @@ def laboratory(nuisances: str | Mapping[str, tuple[float, float]] = ALL) -> dict
     if isinstance(nuisances, str):
         if nuisances != ALL:
             raise InputError(f"nuisances is {nuisances!r}; use 'all', 'none' or a mapping")
-        return beliefs
+        return _of_electrodes(beliefs, quiet)
     for name, pair in nuisances.items():
         names = GROUPS.get(name, (name,))
         if not set(names) <= beliefs.keys():
@@ -100,6 +109,15 @@ def laboratory(nuisances: str | Mapping[str, tuple[float, float]] = ALL) -> dict
                 del beliefs[each]
             else:
                 beliefs[each] = Belief(mean, sd, beliefs[each].off)
+    return _of_electrodes(beliefs, quiet)
+
+
+def _of_electrodes(beliefs: dict[str, Belief], quiet: Sequence[float] | None) -> dict[str, Belief]:
+    """Priors with those of EMG at rest in its unit."""
+    for name, level in zip(GROUPS["rest"], quiet or (0.0,) * 4, strict=True):
+        belief = beliefs.pop(name, None)
+        if belief is not None and level > 0.0:
+            beliefs[name] = Belief(belief.mean * level, belief.sd * level)
     return beliefs
 
 

@@ -18,7 +18,7 @@ from surae.signals import ModelInputs, thinned
 from surae.units import FloatArray
 
 #: Groups of nuisances that differ from trial to trial.
-EACH_TRIAL = ("zero", "drift")
+EACH_TRIAL = ("zero", "drift", "rest")
 #: A trial is judged at this rate at least [Hz]: it moves below 10 Hz.
 RATE = 100.0
 #: A direction's information below this part of the strongest one's is rounding, where each

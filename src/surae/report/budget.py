@@ -17,6 +17,7 @@ SOURCES = {
     "delay": "delay from EMG to torque",
     "crosstalk": "crosstalk between electrodes",
     "emg_gain": "drift of the EMG",
+    "emg_rest": "EMG at rest",
     "emg_shape": "curve from EMG to activation",
     "axis": "axis beside the device’s",
     "tendon": "tendons",

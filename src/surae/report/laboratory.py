@@ -16,6 +16,7 @@ _GROUPS = {
     "crosstalk": ("crosstalk", "part of another muscle’s EMG that an electrode picks up"),
     "axis": ("axis", "how far the ankle’s axis lies from the device’s"),
     "drift": ("drift of the EMG", "change of an electrode’s gain within the trial"),
+    "rest": ("EMG at rest", "what an electrode shows of a muscle that rests"),
     "shape": ("EMG curve", "bend from EMG to activation; 0 is a straight line"),
     "toe": ("tendon toe", "where the tendon’s force curve becomes straight"),
 }

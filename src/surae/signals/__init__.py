@@ -1,7 +1,13 @@
 """Recordings to model inputs: filters, resampling, derivatives."""
 
 from surae.signals.inputs import EmgReference, ModelInputs, check_estimable
-from surae.signals.normalise import emg_levels, emg_reference, normalise, normalised
+from surae.signals.normalise import (
+    emg_levels,
+    emg_reference,
+    normalise,
+    normalised,
+    quiet_levels,
+)
 from surae.signals.prepare import prepare
 from surae.signals.resample import thinned, thinning_factor
 from surae.signals.settings import Preparation
@@ -18,6 +24,7 @@ __all__ = [
     "normalise",
     "normalised",
     "prepare",
+    "quiet_levels",
     "thinned",
     "thinning_factor",
     "weighted",

@@ -21,6 +21,8 @@ from surae.units import FloatArray
 #: An envelope's peak is that of its average over this time [s], so that no single spike sets it.
 AVERAGED_S = 0.25
 
+#: How long a muscle rests at least [s], and largest part of an effort that is taken for its rest.
+_QUIET_S, _QUIET_PART = 1.0, 0.02
 _OF = {"session": "the session's largest envelope", "mvc": "maximum voluntary contractions"}
 
 
@@ -162,6 +164,24 @@ def _largest(envelope: FloatArray, rate_hz: float) -> float:
     width = min(max(round(AVERAGED_S * rate_hz), 1), len(envelope))
     total = np.cumsum(np.concatenate(([0.0], np.abs(envelope))))
     return float(np.max(total[width:] - total[:-width])) / width
+
+
+def quiet_levels(inputs: Sequence[ModelInputs]) -> tuple[float, float, float, float]:
+    """EMG levels of a leg at rest, of TA, GL, SOL, GM, in the EMG's unit; 0 without EMG.
+
+    Root mean square of the quietest second of all recordings, at most 2 % of what the electrode
+    shows of an effort: a muscle that is busy throughout does not tell what is there at rest.
+    """
+    from scipy.ndimage import uniform_filter1d
+
+    lowest = np.full(4, np.inf)
+    for recording in inputs:
+        size = min(max(int(_QUIET_S * recording.rate_hz), 1), recording.n)
+        power = uniform_filter1d(recording.emg**2, size, axis=0)
+        inside = power[size // 2 : recording.n - (size - 1) // 2]
+        lowest = np.minimum(lowest, np.sqrt(np.maximum(inside.min(axis=0), 0.0)))
+    ta, gl, sol, gm = np.minimum(lowest, _QUIET_PART * np.array(emg_levels(inputs)))
+    return float(ta), float(gl), float(sol), float(gm)
 
 
 def emg_levels(inputs: Sequence[ModelInputs]) -> tuple[float, float, float, float]:

@@ -24,12 +24,12 @@ from surae.units import FloatArray
 #: What a group of nuisances is called in a budget.
 SOURCES = {
     "zero": "zero", "delay": "delay", "crosstalk": "crosstalk", "axis": "axis", "drift": "emg_gain",
-    "shape": "emg_shape", "toe": "tendon",
+    "rest": "emg_rest",     "shape": "emg_shape", "toe": "tendon",
 }  # fmt: skip
 #: The tendons' own parameters, whose ignorance other parameters share.
 _TENDON = ("dlt_tri", "dlt_tib")
 #: Groups that differ from trial to trial.
-_EACH_TRIAL = ("zero", "drift")
+_EACH_TRIAL = ("zero", "drift", "rest")
 #: What would make it known, by source.
 REMEDIES = {
     "noise": "measure longer, or with more movement and effort",
@@ -41,6 +41,7 @@ REMEDIES = {
     "tendon": "measure the tendon's strain, by ultrasound",
     "axis": "align the axes, or measure their distance",
     "emg_gain": "keep the electrodes' gain steady, or measure it before and after",
+    "emg_rest": "record all muscles at rest, and take out what the electrodes show there",
     "emg_shape": "measure several levels of effort",
     "model": "measure a movement that tells the models apart",
     "integration": "sample at a higher rate",
