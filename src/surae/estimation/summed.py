@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from surae.estimation.flatness import flatness
 from surae.estimation.member import UNSUPPORTED, Member, under_noise
 from surae.estimation.mode import Mode, Target, straight
 from surae.estimation.result import Candidate, Family, FitResult, Start, is_at_bound
@@ -86,6 +87,10 @@ def summed(
     if chosen is rigid:  # its residual is the noise then
         target, mode = under_noise(chosen.target, chosen.mode)
         chosen = replace(chosen, target=target, mode=mode, quadratic=target.quadratic(mode))
+    flat = flatness(chosen.target, chosen.mode, chosen.covariance())
+    if flat.mode is not chosen.mode:
+        quadratic = chosen.target.quadratic(flat.mode)
+        chosen = replace(chosen, mode=flat.mode, quadratic=quadratic)
     odds = float(np.exp(-0.5 * min(rival.evidence - members[0].evidence, 1e3)))
     weight = 1.0 / (1.0 + odds)
     target, mode = chosen.target, chosen.mode
@@ -95,7 +100,7 @@ def summed(
     change = _natural(target, mode)
     covariance = change @ chosen.covariance() @ change.T
     noisy = emg_draws(target, mode)
-    models = [chosen.between_subsets()]
+    models = [chosen.between_subsets(), flat.shifts]
     if target is compliant.target:
         models.append(valleys.spread(target))
     if odds > UNSUPPORTED:
