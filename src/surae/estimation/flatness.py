@@ -53,11 +53,10 @@ def flatness(target: Target, mode: Mode, covariance: FloatArray) -> Flatness:
     ]
     best, *others = sorted((mode, *ends), key=lambda end: end.cost)
     information = np.linalg.pinv(covariance, hermitian=True)
-    shifts = np.zeros((len(others), len(best.z)))
-    for row, end in zip(shifts, others, strict=True):
+    shifts = []
+    for end in others:
         away = end.z - best.z
         expected, risen = float(away @ information @ away), end.cost - best.cost
-        if expected > _BACK and risen < expected:
-            more = 1.0 / max(risen, _LEVEL) - 1.0 / expected
-            row += away * np.sqrt(max(more, 0.0) / len(others))
-    return Flatness(best, shifts)
+        more = 1.0 / max(risen, _LEVEL) - 1.0 / expected if expected > _BACK else 0.0
+        shifts.append(away * np.sqrt(max(more, 0.0) / len(others)))
+    return Flatness(best, np.stack(shifts))
