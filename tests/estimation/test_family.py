@@ -15,6 +15,7 @@ from surae.estimation.result import with_laboratory
 from surae.estimation.shifts import emg_noise
 from surae.frozen import read_only
 from surae.model.laboratory import ALL, laboratory
+from surae.model.parameters import OPTIONAL
 from surae.recording import Recording, read
 from surae.signals import prepare
 from surae.studies.richer import richer_leg
@@ -135,6 +136,28 @@ def test_a_laboratory_can_be_told():
     assert set(told) == set(laboratory(ALL)) - {"emd"}
     with pytest.raises(InputError, match="no 'magic'"):
         laboratory({"magic": (0.0, 1.0)})
+
+
+def test_emg_at_rest_is_as_unsure_as_an_electrode_is_quiet():
+    rests = OPTIONAL["emg_rest"]
+    assert not set(rests) & set(laboratory())  # nobody said how quiet they are
+    quiet = laboratory(quiet=(1e-6, 2e-6, 0.0, 4e-6))
+    assert [quiet[name].sd for name in rests if name in quiet] == [1e-6, 2e-6, 4e-6]
+    told = laboratory({"rest": (0.5, 2.0), "emg_rest_gl": (0.0, 0.0)}, (1e-6,) * 4)
+    assert "emg_rest_gl" not in told
+    assert (told["emg_rest_ta"].mean, told["emg_rest_ta"].sd) == (0.5e-6, 2e-6)
+
+
+@pytest.mark.parametrize("lifted", [0.004, 0.01])
+def test_what_electrodes_show_at_rest_is_not_claimed_of_the_leg(leg, lifted):
+    emg = leg.inputs.emg + lifted * np.percentile(leg.inputs.emg, 99.0, axis=0)
+    fit = solve(make_problem([replace(leg.inputs, emg=read_only(emg))], "auto"))
+    worth = assess(fit)
+    claimed, hits = truth_in(worth, leg.parameters)
+    assert hits >= claimed - 1
+    assert worth.parameters["k_tri"].budget["emg_rest"] > 0.0
+    rest = fit.values["emg_rest_sol"] / np.percentile(leg.inputs.emg[:, 2], 99.0)
+    assert rest == pytest.approx(lifted, abs=0.006)
 
 
 def test_a_loss_needs_a_named_model(leg):

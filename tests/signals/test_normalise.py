@@ -8,7 +8,7 @@ import pytest
 import surae
 from surae.api.recordings import as_in_fit
 from surae.errors import InputError
-from surae.signals import emg_reference, normalise, normalised
+from surae.signals import emg_reference, normalise, normalised, quiet_levels
 
 
 @pytest.fixture(scope="module")
@@ -121,3 +121,18 @@ def test_options_that_contradict(noisy):
         surae.fit(noisy, "muscle", mvc=[noisy])
     with pytest.raises(InputError, match="use one of: session, mvc"):
         surae.fit(noisy, "muscle", normalise="trial")
+
+
+def test_an_electrode_at_rest_is_what_its_quietest_second_shows(clean):
+    n = clean.n
+    emg = np.full((n, 4), 0.5)
+    quiet = slice(n // 2, n // 2 + round(2 * clean.rate_hz))
+    emg[quiet] = [0.004, 0.002, 0.008, 0.5]
+    emg[:, 1] *= -1.0  # noise of an envelope may be below zero
+    levels = quiet_levels([replace(clean, emg=emg), clean])
+    own = quiet_levels([clean])
+    assert levels[0] == pytest.approx(min(0.004, own[0]))
+    assert all(level >= 0.0 for level in levels)
+    # a muscle that is never quiet does not tell: 2 % of its effort
+    assert quiet_levels([replace(clean, emg=np.full((n, 4), 0.5))]) == pytest.approx([0.01] * 4)
+    assert quiet_levels([replace(clean, emg=np.zeros((n, 4)))]) == (0.0,) * 4

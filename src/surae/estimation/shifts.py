@@ -86,7 +86,7 @@ def between_trials(target: Target, mode: Mode, quadratic: Quadratic) -> FloatArr
 
 
 #: What hides may be so many times what shows: legs of other muscles than the model's (decision 16).
-_HIDDEN = 3.0
+_HIDDEN = 4.0
 #: Gain of ln L that sizes which are sought bring by chance: as much speaks against them beforehand.
 _AGAINST = 2.0
 #: Scale of s, in noise's standard deviations of a whole trial, before anything is seen.
