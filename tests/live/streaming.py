@@ -2,20 +2,25 @@
 
 import json
 import os
+import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+import uvicorn
 
 from surae.live.lsl import SESSION, outlet
+from surae.live.pages import Served, create_app
 from surae.live.recorder import Recorder
 from surae.live.xdf import XdfLog
 from surae.processes import End
 from surae.recording import Recording
+from surae.web.security import Policy
 
 XML = (
     "<info><name>{name}</name><type>x</type><channel_count>{n}</channel_count>"
@@ -58,6 +63,22 @@ def waited(holds: Callable[[], object], seconds: float = 20.0) -> None:
     while not holds():
         assert time.monotonic() < end, f"it did not come within {seconds} s"
         time.sleep(0.02)
+
+
+@contextmanager
+def serving(served: Served, policy: Policy, subject: str | None) -> Iterator[str]:
+    """The pages on a port of this computer, as others beyond it would reach them or not."""
+    listening = socket.create_server(("127.0.0.1", 0))
+    config = uvicorn.Config(create_app(served, policy, subject), log_level="critical")
+    server = uvicorn.Server(config)
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]}, daemon=True)
+    thread.start()
+    while not server.started:
+        time.sleep(0.01)
+    yield f"http://127.0.0.1:{listening.getsockname()[1]}"
+    server.should_exit = True
+    thread.join(20.0)
+    listening.close()
 
 
 class Sender:

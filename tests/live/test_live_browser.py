@@ -6,7 +6,10 @@ import shutil
 
 import pytest
 from playwright import sync_api
-from streaming import rehearsing
+from streaming import rehearsing, serving
+
+from surae.live.pages import Served
+from surae.web.security import Policy
 
 pytestmark = pytest.mark.slow  # a rehearsal in real time; what the pages are told is tested beside
 expect = sync_api.expect
@@ -71,3 +74,18 @@ def test_a_trial_by_keyboard_on_both_pages(chromium, address) -> None:
     expect(page.locator("#start")).to_contain_text("Start")
     assert len(page.evaluate("window.suraeLatency")) > 30
     assert wrong == []
+
+
+def test_a_server_that_is_gone_is_said(chromium, lsl, tmp_path) -> None:
+    served = Served(tmp_path)
+    page = chromium.new_page()
+    try:
+        with serving(served, Policy.of("127.0.0.1"), None) as address:
+            page.goto(address, timeout=PATIENCE)
+            expect(page.locator("#clock")).not_to_be_empty(timeout=PATIENCE)
+            expect(page.locator("#error")).to_be_hidden()
+            served.stop()  # as it does before its end: no browser is waited for
+        expect(page.locator("#error")).to_contain_text("surae does not answer", timeout=PATIENCE)
+    finally:
+        served.close()
+        page.close()

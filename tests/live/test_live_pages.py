@@ -1,16 +1,13 @@
 """The pages: who may see and do what, and what is refused, without a browser."""
 
-import socket
-import threading
-import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 
 import httpx
 import pytest
-import uvicorn
+from streaming import serving
 
-from surae.live.pages import Served, create_app
+from surae.live.pages import Served
 from surae.web.security import Policy
 
 OPERATOR, SUBJECT = "operator-token", "subject-token"
@@ -23,22 +20,6 @@ def served(lsl, tmp_path_factory):
     )
     yield made
     made.close()
-
-
-@contextmanager
-def serving(served, policy: Policy, subject: str | None) -> Iterator[str]:
-    """The pages on a port of this computer, as others beyond it would reach them or not."""
-    listening = socket.create_server(("127.0.0.1", 0))
-    config = uvicorn.Config(create_app(served, policy, subject), log_level="critical")
-    server = uvicorn.Server(config)
-    thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]}, daemon=True)
-    thread.start()
-    while not server.started:
-        time.sleep(0.01)
-    yield f"http://127.0.0.1:{listening.getsockname()[1]}"
-    server.should_exit = True
-    thread.join(20.0)
-    listening.close()
 
 
 @pytest.fixture(scope="module")
@@ -148,3 +129,18 @@ def test_the_subjects_token_opens_the_subjects_page_alone(client, beyond) -> Non
         assert browser.get(path).status_code == 403, path
     wrong = client(beyond)
     assert wrong.get(f"/?token={SUBJECT}").status_code == 403
+
+
+def test_a_mapping_that_is_being_edited_holds_as_it_was(lsl, tmp_path) -> None:
+    mapping = tmp_path / "map.toml"
+    mapping.write_text('[channels.angle]\ncolumn = "device: a"\n')
+    made = Served(tmp_path / "leg", mapping=mapping)
+    try:
+        assert made.health()["roles"] == ["angle"]
+        for broken in ("[channels.angle\n", "", "channels = 3\n", '[channels.angle]\nunit = "x"\n'):
+            mapping.write_text(broken)
+            assert made.health()["roles"] == ["angle"]
+        mapping.write_text('[channels.torque]\ncolumn = "device: t"\n')
+        assert made.health()["roles"] == ["torque"]
+    finally:
+        made.close()

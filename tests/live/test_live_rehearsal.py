@@ -73,6 +73,8 @@ def test_a_good_trial_fits_and_a_spoilt_one_is_repeated(lsl, tmp_path) -> None:
     assert good["verdict"] != "repeat"
     assert "electrode-off" in spoilt["findings"]
     assert spoilt["verdict"] == "repeat"
+    what = r"electrode of the soleus .* come off at 1[23] s: .*Fix the electrode.* record again"
+    assert re.search(what, spoilt["advice"]), spoilt["advice"]
 
 
 @pytest.mark.slow

@@ -13,7 +13,7 @@ from streaming import Quick, waited
 from surae.errors import InputError
 from surae.live.heard import Stream
 from surae.live.judge import verdict
-from surae.live.room import Room
+from surae.live.room import Room, _files
 from surae.live.trials import Trials, mapping_of
 from surae.processes import End
 from surae.protocol import Protocol, generate
@@ -116,6 +116,21 @@ def test_a_file_that_appears_in_the_watched_folder_is_a_trial(lsl, watched, monk
     assert told["file"] == str(watched / "in" / "new.h5")
 
 
+def test_a_file_that_is_renamed_while_it_is_looked_at_ends_no_watch(tmp_path, monkeypatch) -> None:
+    for name in ("gone.csv", "kept.csv", ".hidden.csv", "copying.csv.part"):
+        (tmp_path / name).write_text("x")
+    whole = Path.is_file
+
+    def looked(path: Path) -> bool:
+        held = whole(path)
+        (tmp_path / "gone.csv").unlink(missing_ok=True)
+        return held
+
+    monkeypatch.setattr(Path, "is_file", looked)
+    assert _files(tmp_path) == {tmp_path / "kept.csv": 1}
+    assert _files(tmp_path / "none") == {}
+
+
 @pytest.mark.slow
 def test_a_file_that_appears_is_judged_as_a_stream_is(lsl, watched) -> None:
     asked = Protocol(profile="multiple-holds", task="active", duration=20.0, rate_hz=1024.0)
@@ -207,6 +222,16 @@ def test_a_joint_fit_that_waits_is_dropped_when_a_newer_trial_ends(held, third, 
     assert held._refine.fitted == [1, counts]
 
 
+def test_a_joint_fit_that_fails_leaves_the_one_before(held, monkeypatch) -> None:
+    held._refine.fit.set()
+    waited(lambda: held.session.get("trials") == [1, 2])
+    good = held.session
+    monkeypatch.setattr(held._refine, "call", lambda *_: End("failed", message="it broke"))
+    made(held).result(20)
+    waited(lambda: held.session["state"] == "failed")
+    assert held.session == {**good, "state": "failed", "why": "it broke", "fitting": [1, 2, 3]}
+
+
 class Gone(Quick):
     """A judge that ends before it has said anything."""
 
@@ -275,6 +300,16 @@ def test_what_is_loaded_stays_within_the_device_that_is_there(short, profile) ->
     short.load(profile=profile, task="active", duration=20.0)
     angle = short.trajectory.angle
     assert (angle.min() > -0.51, angle.max() < -0.09) == (True, True)
+
+
+def test_a_proposal_of_another_day_is_not_loaded(short) -> None:
+    short.load(profile="sine", task="active", duration=20.0)
+    shutil.copy(short._file, short.trials.folder / "measure-next.csv")
+    with pytest.raises(InputError, match="nothing says yet"):
+        short.load_next()
+    short.trials.session["proposed"] = "passive-20"
+    short.load_next()
+    assert short.asked["protocol"] == "next: passive-20"
 
 
 def test_a_range_is_the_subjects_and_the_device_must_reach_it(lsl, tmp_path, monkeypatch) -> None:

@@ -157,7 +157,9 @@ class Served:
     def health(self) -> dict[str, Any]:
         """How streams and disk do."""
         trials = self.room.trials
-        self.showing.roles = roles_of(trials.mapping)
+        with suppress(OSError, ValueError, LookupError, TypeError, AttributeError):
+            # Somebody may be editing it: until it can be read again, what it said before holds.
+            self.showing.roles = roles_of(trials.mapping)
         return {
             "streams": trials.recorder.health(),
             "trouble": trials.recorder.trouble,

@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +41,8 @@ _RATE = 256.0
 _AFTER = 0.5
 #: A watched folder is looked at this often [s].
 _WATCH = 1.0
+#: Endings of files that a program is still writing.
+_UNFINISHED = (".tmp", ".part", ".partial", ".crdownload")
 #: The simulated laboratory is waited for so long [s]: the first time, all is compiled.
 _PATIENCE = 180.0
 
@@ -179,11 +182,10 @@ class Room:
 
     def load_next(self) -> None:
         """Load what was found best to measure next."""
-        file = self.trials.folder / "measure-next.csv"
-        if not file.exists():
-            raise InputError("nothing says yet what to measure next; fit a trial first")
         proposed = self.trials.session.get("proposed")
-        self.load(file, name=f"next: {proposed}" if proposed else "")
+        if not proposed:  # a file that is there may be of another day
+            raise InputError("nothing says yet what to measure next; fit a trial first")
+        self.load(self.trials.folder / "measure-next.csv", name=f"next: {proposed}")
 
     def start(self, countdown: float = 0.5) -> int:
         """Begin a trial; the target moves after a countdown [s]. Returns the trial's number.
@@ -235,27 +237,35 @@ class Room:
 
     def _watch(self, folder: Path) -> None:
         """Take files that appear, once they do not grow any more."""
-        known = {path.name: path.stat().st_size for path in _files(folder)}
-        growing: dict[str, int] = {}
+        known = set(_files(folder))
+        growing: dict[Path, int] = {}
         while not self._ended.wait(_WATCH):
-            for path in _files(folder):
-                size = path.stat().st_size
-                if path.name not in known and size > 0 and growing.get(path.name) == size:
-                    known[path.name] = size
+            for path, size in _files(folder).items():
+                if path not in known and size > 0 and growing.get(path) == size:
+                    known.add(path)
                     self.trials.take(path)
-                growing[path.name] = size
+                growing[path] = size
 
     def _over(self, number: int) -> None:
         if self.trials.running == number:
-            self.stop()
+            with suppress(InputError):  # somebody stopped it at this moment
+                self.stop()
 
 
-def _files(folder: Path) -> list[Path]:
-    """The files in a folder, in order; none where it cannot be read now."""
-    try:
-        return sorted(path for path in folder.iterdir() if path.is_file())
-    except OSError:
-        return []
+def _files(folder: Path) -> dict[Path, int]:
+    """The files in a folder with their sizes, in order; none where it cannot be read now.
+
+    Programs that copy write under another name first: such a file may be gone when it is looked at.
+    """
+    sizes: dict[Path, int] = {}
+    with suppress(OSError):
+        for path in sorted(folder.iterdir()):
+            if path.name.startswith(".") or path.suffix.lower() in _UNFINISHED:
+                continue
+            with suppress(OSError):
+                if path.is_file():
+                    sizes[path] = path.stat().st_size
+    return sizes
 
 
 def known() -> dict[str, list[str]]:

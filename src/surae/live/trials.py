@@ -81,6 +81,7 @@ class Trials:
         self._later = ThreadPoolExecutor(1, "live-refine")
         self.session: dict[str, Any] = {"state": "waiting"}
         self._asked: Future[None] | None = None
+        self._tried: list[int] = []
         self._closed = False
         self._lock = threading.Lock()
         self.trials: dict[int, dict[str, Any]] = {}
@@ -295,8 +296,9 @@ class Trials:
             if trial.get("verdict") in ("keep", "look") and self.path(number, ".h5").exists()
         ]
         moving = [number for number in worth if self.trials[number].get("use") == "fit"]
-        if not moving or worth == self.session.get("trials"):
+        if not moving or worth == self._tried:
             return
+        self._tried = worth
         self.session = {**self.session, "state": "fitting", "fitting": worth}
         self._tell("session", self.session)
         arguments = {
@@ -312,7 +314,7 @@ class Trials:
             before = {row["name"]: row["value"] for row in rows}
             self.session = {"state": "fitted", "trials": worth, "before": before, **end.value}
         else:
-            self.session = {"state": "failed", "trials": worth, "why": end.message}
+            self.session = {**self.session, "state": "failed", "why": end.message}
         self._tell("session", self.session)
 
     def _known(self) -> list[int]:

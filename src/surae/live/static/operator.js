@@ -214,13 +214,14 @@ function showVerdict(trial) {
 function showSession() {
   const { session } = state;
   const place = byId("session");
+  const failed = session.state === "failed" && session.parameters ? [h("p", { class: "alert" }, `The fit with trials ${session.fitting.join(", ")} failed: ${session.why}. This is the one before.`)] : [];
   const busy = session.state === "fitting" ? [h("p", { class: "muted" }, `Trials ${session.fitting.join(", ")} are being fitted together; it takes a minute.`)] : [];
   if (!session.parameters) {
     const text = session.state === "failed" ? session.why : "After the first good trial: all trials fitted together, and what to measure next.";
     place.replaceChildren(...(busy.length ? busy : [h("p", { class: "muted" }, text)]));
     return;
   }
-  place.replaceChildren(...busy,
+  place.replaceChildren(...failed, ...busy,
     h("p", {}, `Trials ${session.trials.join(", ")} together: ${session.grade}, VAF ${session.vaf.toFixed(1)} %. ${session.reasons.join("; ")}`),
     h("div", { class: "next" }, ...session.next.map((sentence) => h("p", {}, sentence)),
       session.proposed ? h("button", { type: "button", id: "next", "aria-keyshortcuts": "N", click: next }, `Load ${session.proposed} `, h("kbd", {}, "N")) : null),
@@ -362,7 +363,12 @@ tried(async () => {
     byId(id).replaceChildren(...names.map((name) => h("option", { value: name, selected: name === first }, name)));
   }
   listen("/api/live/events", {
-    open: refresh,
+    open: () => tried(refresh),
+    error: () => {
+      byId("error").textContent = "surae does not answer: what is shown is old, and nothing may be recorded. Look at where it was started, and load this page again when it runs.";
+      byId("error").hidden = false;
+      byId("error").dataset.disk = "";
+    },
     frame: heardFrame,
     health: (told) => {
       Object.assign(state, told);

@@ -20,7 +20,7 @@ export async function act(name, body = {}) {
   return told;
 }
 
-/** Listen to the server; `heard` has a function for each event. */
+/** Listen to the server; `heard` has a function for each event, and `error` for a server that is gone. */
 export function listen(url, heard) {
   const source = new EventSource(url);
   for (const [name, work] of Object.entries(heard)) {
