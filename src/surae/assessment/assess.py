@@ -118,20 +118,9 @@ def assess(
 ) -> Assessment:
     """Judge a fit.
 
-    Parameters
-    ----------
-    result : FitResult
-        What was found.
-    baseline : Baseline, optional
-        Simulations to compare the standard errors with.
-    alternatives : bool
-        Whether a named model is held against what it does not know of: where the data contradict
-        it, its intervals reach to where a model of the laboratory would have the parameters.
-
-    Returns
-    -------
-    Assessment
-        Goodness of fit, intervals, correlations and verdicts.
+    With `alternatives` a named model is held against what it does not know of: where the data
+    contradict it, its intervals reach to where a model of the laboratory would have the parameters.
+    The baseline's simulations are what standard errors are compared with.
 
     Raises
     ------

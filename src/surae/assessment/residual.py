@@ -16,30 +16,19 @@ LEVEL = 0.05
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Whiteness(Comparable):
-    """The autocorrelation of a residual, and the test of whether it is more than chance.
+    """The autocorrelation of a residual, and the test of whether it is more than chance."""
 
-    Attributes
-    ----------
-    rate_hz : float
-        Sampling rate [Hz].
-    correlation : ndarray, shape (k + 1,)
-        Autocorrelation from lag 0 about zero, not about the mean, as many lags as are worth
-        showing; NaN where the residual is not finite.
-    band : float
-        Half-width of the band that holds 95 % of the values if the residual is white, 1.96/√n.
-    fall_s : float
-        Time after which the autocorrelation is within the band for the first time [s].
-    lags : int
-        Lags that are tested.
-    statistic, p_value : float
-        Of Ljung and Box: how likely white noise is at least as correlated over the tested lags.
-    """
-
-    rate_hz: float
+    rate_hz: float  #: Sampling rate [Hz].
+    #: Autocorrelation from lag 0 about zero, not about the mean, as many lags as are worth showing;
+    #: NaN where the residual is not finite, shape (k + 1,).
     correlation: FloatArray
+    #: Half-width of the band that holds 95 % of the values if the residual is white, 1.96/√n.
     band: float
+    #: Time after which the autocorrelation is within the band for the first time [s].
     fall_s: float
-    lags: int
+    lags: int  #: Lags that are tested.
+    #: `statistic`, `p_value`: of Ljung and Box: how likely white noise is at least as correlated
+    #: over the tested lags.
     statistic: float
     p_value: float
 

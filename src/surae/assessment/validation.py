@@ -110,22 +110,6 @@ def predict(
 
     A sample of weight 0 is predicted, and is in no figure; other weights change nothing.
 
-    Parameters
-    ----------
-    spec : ModelSpec
-        The model.
-    options : ModelOptions
-        Its switches.
-    values : mapping of str to float
-        All of its parameters by name.
-    inputs : sequence of ModelInputs
-        Recordings with their measured torque.
-
-    Returns
-    -------
-    tuple of Prediction
-        One for each recording.
-
     Raises
     ------
     InputError

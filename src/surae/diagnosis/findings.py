@@ -33,12 +33,7 @@ def examined(recording: Recording, commanded: Commanded | None = None) -> Qualit
     What is found to be wrong is put right before the checks look at the recording, so that what
     follows from it is no finding of its own.
 
-    Parameters
-    ----------
-    recording : Recording
-        As it was read.
-    commanded : Commanded, optional
-        The motion that the device was to follow.
+    `commanded` is the motion that the device was to follow.
     """
     told, right = wrong_units(recording)
     quality = check_recording(right, commanded)

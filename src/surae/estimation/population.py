@@ -29,20 +29,12 @@ _SMALLEST = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Prior:
-    """What is known of a parameter beforehand: a Gaussian on its logarithm.
+    """What is known of a parameter beforehand: a Gaussian on its logarithm."""
 
-    Attributes
-    ----------
-    median : float
-        Expected value, in the parameter's unit.
-    spread : float
-        Standard deviation of the logarithm; for small ones, the relative standard deviation.
-    straight : bool
-        The Gaussian is on the parameter itself, `spread` in its unit: a nuisance of the laboratory.
-    """
-
-    median: float
+    median: float  #: Expected value, in the parameter's unit.
+    #: Standard deviation of the logarithm; for small ones, the relative standard deviation.
     spread: float
+    #: The Gaussian is on the parameter itself, `spread` in its unit: a nuisance of the laboratory.
     straight: bool = False
 
     def row(self, value: float) -> tuple[float, float]:

@@ -30,37 +30,20 @@ from surae.units import FloatArray
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FitProblem(Comparable):
-    """A least-squares problem over the free parameters of one model and one or more recordings.
+    """A least-squares problem over the free parameters of one model and one or more recordings."""
 
-    Attributes
-    ----------
-    spec : ModelSpec
-        The model.
-    options : ModelOptions
-        Its switches.
-    inputs : tuple of ModelInputs
-        The recordings, prepared; all share the parameters.
-    free : tuple of str
-        Names of the parameters to estimate, in the model's order.
-    base : ndarray, shape (P,)
-        All parameters: the fixed values, and the starts of the free ones.
-    lower, upper : ndarray, shape (p,)
-        Bounds of the free parameters.
-    priors : mapping of str to Prior
-        What is known of free parameters beforehand.
-    settings : FitSettings
-        What was asked.
-    """
-
-    spec: ModelSpec
-    options: ModelOptions
-    inputs: tuple[ModelInputs, ...]
-    free: tuple[str, ...]
+    spec: ModelSpec  #: The model.
+    options: ModelOptions  #: Its switches.
+    inputs: tuple[ModelInputs, ...]  #: The recordings, prepared; all share the parameters.
+    free: tuple[str, ...]  #: Names of the parameters to estimate, in the model's order.
+    #: All parameters: the fixed values, and the starts of the free ones, shape (P,).
     base: FloatArray
+    #: `lower`, `upper`: bounds of the free parameters, shape (p,).
     lower: FloatArray
     upper: FloatArray
+    #: What is known of free parameters beforehand.
     priors: Mapping[str, Prior] = field(default_factory=FrozenDict)
-    settings: FitSettings = field(default_factory=FitSettings)
+    settings: FitSettings = field(default_factory=FitSettings)  #: What was asked.
 
     @property
     def columns(self) -> list[int]:

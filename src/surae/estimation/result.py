@@ -15,54 +15,30 @@ from surae.units import FloatArray
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Start(Comparable):
-    """One start of a multi-start fit and where it ended.
+    """One start of a multi-start fit and where it ended."""
 
-    Attributes
-    ----------
-    initial, values : mapping of str to float
-        Free parameters at the start and at the end.
-    sse : float
-        Sum of squared residuals at the end, weighted and with priors [Nm²].
-    outcome : str
-        Why the iteration ended.
-    iterations : int
-        Evaluations of the model and its Jacobian.
-    """
-
+    #: `initial`, `values`: free parameters at the start and at the end.
     initial: Mapping[str, float]
     values: Mapping[str, float]
-    sse: float
-    outcome: str
-    iterations: int
+    sse: float  #: Sum of squared residuals at the end, weighted and with priors [Nm²].
+    outcome: str  #: Why the iteration ended.
+    iterations: int  #: Evaluations of the model and its Jacobian.
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outliers(Comparable):
-    """How a fit let outliers count less.
+    """How a fit let outliers count less."""
 
-    Attributes
-    ----------
-    loss : str
-        Name of the loss.
-    tuning : float
-        Where it leaves the square, in standard deviations.
-    scale : float
-        Standard deviation σ of the noise, from the median of the absolute residual [Nm].
-    weights : tuple of ndarray
-        What the loss lets each sample of each recording count at the solution, in (0, 1].
-    widening : float
-        By how much JᵀWJ overstates the curvature of the loss: the mean of the weights ψ(u)/u over
-        the mean of ψ′. Standard errors made with JᵀWJ are too small by it.
-    rounds : int
-        Rounds until the weights rested.
-    """
-
-    loss: str
-    tuning: float
+    loss: str  #: Name of the loss.
+    tuning: float  #: Where it leaves the square, in standard deviations.
+    #: Standard deviation σ of the noise, from the median of the absolute residual [Nm].
     scale: float
+    #: What the loss lets each sample of each recording count at the solution, in (0, 1].
     weights: tuple[FloatArray, ...]
+    #: By how much JᵀWJ overstates the curvature of the loss: the mean of the weights ψ(u)/u over
+    #: the mean of ψ′. Standard errors made with JᵀWJ are too small by it.
     widening: float
-    rounds: int
+    rounds: int  #: Rounds until the weights rested.
 
     @property
     def share(self) -> float:
@@ -73,55 +49,28 @@ class Outliers(Comparable):
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """A model of the family that was fitted.
+    """A model of the family that was fitted."""
 
-    Attributes
-    ----------
-    model : str
-        Name of the model.
-    groups : tuple of str
-        Groups of nuisances that are in it.
-    evidence : float
-        −2 ln Z, but for a constant that all share.
-    weight : float
-        Probability that the data give it among all, alike beforehand.
-    values : mapping of str to float
-        All its parameters.
-    """
-
-    model: str
-    groups: tuple[str, ...]
-    evidence: float
-    weight: float
-    values: Mapping[str, float]
+    model: str  #: Name of the model.
+    groups: tuple[str, ...]  #: Groups of nuisances that are in it.
+    evidence: float  #: −2 ln Z, but for a constant that all share.
+    weight: float  #: Probability that the data give it among all, alike beforehand.
+    values: Mapping[str, float]  #: All its parameters.
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Family(Comparable):
-    """How a model was chosen among the family, and what that leaves unsure.
+    """How a model was chosen among the family, and what that leaves unsure."""
 
-    Attributes
-    ----------
-    candidates : tuple of Candidate
-        Models that were fitted, the chosen one first.
-    beliefs : mapping of str to Belief
-        Priors of the nuisances that are in the chosen model.
-    noise : tuple of NoiseModel
-        Of each recording's torque.
-    zeros : tuple of float
-        Torque zero of each recording [Nm]; empty where they share one.
-    covariance : ndarray, shape (p, p)
-        Of the problem's free parameters: nuisances are estimated along.
-    spread : mapping of str to ndarray, shape (r, p)
-        What else makes the free parameters unsure, by source: rows of shifts of all of them
-        together, in their units, whose outer products add up to the source's covariance.
-    """
-
-    candidates: tuple[Candidate, ...]
-    beliefs: Mapping[str, Belief]
-    noise: tuple[NoiseModel, ...]
-    zeros: tuple[float, ...]
+    candidates: tuple[Candidate, ...]  #: Models that were fitted, the chosen one first.
+    beliefs: Mapping[str, Belief]  #: Priors of the nuisances that are in the chosen model.
+    noise: tuple[NoiseModel, ...]  #: Of each recording's torque.
+    zeros: tuple[float, ...]  #: Torque zero of each recording [Nm]; empty where they share one.
+    #: Of the problem's free parameters: nuisances are estimated along, shape (p, p).
     covariance: FloatArray
+    #: What else makes the free parameters unsure, by source: rows of shifts of all of them
+    #: together, in their units, whose outer products add up to the source's covariance, shape (r,
+    #: p).
     spread: Mapping[str, FloatArray] = field(default_factory=FrozenDict)
 
     def deviations(self) -> dict[str, FloatArray]:

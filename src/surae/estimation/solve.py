@@ -20,19 +20,8 @@ def solve(
 ) -> FitResult:
     """Find the best minimum of a problem, with the loss, starts and seed of its settings.
 
-    Parameters
-    ----------
-    problem : FitProblem
-        The question.
-    starts : int, optional
-        Number of starts, instead of that of the settings.
-    progress, follow : callable, optional
-        As of `fit_problem`.
-
-    Returns
-    -------
-    FitResult
-        Ctrl-C keeps the best so far.
+    `starts` takes the place of the settings'; `progress` and `follow` are as of `fit_problem`.
+    Ctrl-C keeps the best so far.
 
     Raises
     ------

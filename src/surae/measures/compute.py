@@ -136,17 +136,8 @@ def measures(
 ) -> Measures:
     """All measures of a fit.
 
-    Parameters
-    ----------
-    result, assessment : FitResult, Assessment
-        The fit and what it is worth.
-    angles : sequence of float
-        Where torque and stiffness are asked [deg], dorsiflexion positive.
-
-    Returns
-    -------
-    Measures
-        By name; one that the model does not have is there without a value, with the reason.
+    `angles` [deg], dorsiflexion positive, are where torque and stiffness are asked. A measure that
+    the model does not have is there without a value, with the reason.
 
     Raises
     ------

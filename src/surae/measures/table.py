@@ -12,36 +12,19 @@ Compute = Callable[[Leg, float], float]
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """One measure.
+    """One measure."""
 
-    Attributes
-    ----------
-    name : str
-        Without the point, which follows an ``@``.
-    unit : str
-        Of its value.
-    compute : callable
-        The function; its docstring has meaning, formula and source.
-    at : str
-        Unit of the point it is asked at: ``"deg"`` for an angle; empty where there is none.
-    points : tuple of float
-        Where it is asked unless told otherwise; angles are the user's.
-    is_angle : bool
-        Whether its value is an angle, of which 10 % mean nothing.
-    of_recordings : bool
-        Whether it is made of the recordings and not of the leg alone.
-    alone : str
-        Why two sessions cannot be compared by it; empty where they can.
-    """
-
-    name: str
-    unit: str
+    name: str  #: Without the point, which follows an ``@``.
+    unit: str  #: Of its value.
+    #: The function; its docstring has meaning, formula and source.
     compute: Compute = field(compare=False)
+    #: Unit of the point it is asked at: ``"deg"`` for an angle; empty where there is none.
     at: str = ""
+    #: Where it is asked unless told otherwise; angles are the user's.
     points: tuple[float, ...] = (0.0,)
-    is_angle: bool = False
-    of_recordings: bool = False
-    alone: str = ""
+    is_angle: bool = False  #: Whether its value is an angle, of which 10 % mean nothing.
+    of_recordings: bool = False  #: Whether it is made of the recordings and not of the leg alone.
+    alone: str = ""  #: Why two sessions cannot be compared by it; empty where they can.
 
     @property
     def meaning(self) -> str:

@@ -11,17 +11,10 @@ from surae.units import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class TendonLaw:
-    """Force of one tendon against its elongation, equation (18).
+    """Force of one tendon against its elongation, equation (18)."""
 
-    Attributes
-    ----------
-    slack_length : float
-        lt0, length without force [m].
-    curve : tuple of float
-        What `surae.model.tendon.tendon_curve` makes of the parameters.
-    """
-
-    slack_length: float
+    slack_length: float  #: lt0, length without force [m].
+    #: What `surae.model.tendon.tendon_curve` makes of the parameters.
     curve: tuple[float, float, float, float, float]
 
     @property

@@ -32,24 +32,15 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA
 
 @dataclass(frozen=True, slots=True)
 class End:
-    """How a call ended.
+    """How a call ended."""
 
-    Attributes
-    ----------
-    how : {"done", "refused", "failed", "cancelled", "killed"}
-        "refused" where the input was wrong; "killed" where the process died.
-    value : plain data
-        What the function returned, where it is done.
-    message : str
-        Else why there is none, in a line.
-    where : str
-        The lines of code of an error that should not have been; without its text, which may hold
-        names.
-    """
-
+    #: "done", "refused", "failed", "cancelled", "killed": "refused" where the input was wrong;
+    #: "killed" where the process died.
     how: str
-    value: Plain = None
-    message: str = ""
+    value: Plain = None  #: What the function returned, where it is done.
+    message: str = ""  #: Else why there is none, in a line.
+    #: The lines of code of an error that should not have been; without its text, which may hold
+    #: names.
     where: str = ""
 
 

@@ -26,25 +26,9 @@ def build(
 ) -> str:
     """The report of a fit as one HTML page, which needs no script and no other file.
 
-    Parameters
-    ----------
-    result : FitResult
-        A fit of one or more recordings.
-    assessment : Assessment
-        What it is worth.
-    versions : mapping of str to str
-        Names and versions of the programs that made the fit.
-    created : datetime
-        When the report is made; the same arguments give the same page.
-    predictions : sequence of Prediction
-        Of other recordings, with the parameters of the fit.
-    quality : sequence of Quality
-        What was found in each recording before it was fitted.
-
-    Returns
-    -------
-    str
-        HTML.
+    The same arguments give the same page. `versions` are those of the programs that made the fit,
+    `created` is when the report is made, `predictions` are of other recordings, `quality` is what
+    was found in each recording before it was fitted.
     """
     from surae.report.rendering import render  # matplotlib and Jinja, only when a report is made
 

@@ -30,14 +30,8 @@ def require_typst() -> None:
 def typeset(template: bytes, folder: Path, content: Mapping[str, Any]) -> bytes:
     """The PDF that a template makes of plain data.
 
-    Parameters
-    ----------
-    template : bytes
-        Typst's markup. It reads `content` as data: no text in it is ever markup.
-    folder : Path
-        Where the template's images are.
-    content : mapping
-        What JSON can hold.
+    The template is Typst's markup; it reads `content`, what JSON can hold, as data: no text in it
+    is ever markup. Its images are in `folder`.
 
     Raises
     ------

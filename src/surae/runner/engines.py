@@ -38,22 +38,13 @@ Work = str | Callable[..., Plain]
 
 @dataclass(frozen=True, slots=True)
 class Engine:
-    """Which engine, as plain data.
+    """Which engine, as plain data."""
 
-    Attributes
-    ----------
-    kind : {"processes", "threads", "dask"}
-        Processes survive a call that kills its worker, and scale; threads start at once, and call
-        functions that have no name.
-    workers : int
-        Processes or threads; a cluster has its own.
-    address : str
-        Of the cluster's scheduler.
-    """
-
+    #: "processes", "threads", "dask": Processes survive a call that kills its worker, and scale;
+    #: threads start at once, and call functions that have no name.
     kind: str = "processes"
-    workers: int = 1
-    address: str = ""
+    workers: int = 1  #: Processes or threads; a cluster has its own.
+    address: str = ""  #: Of the cluster's scheduler.
 
     def __post_init__(self) -> None:
         """Refuse an unknown kind."""

@@ -38,31 +38,16 @@ class Running:
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """How far a plan is.
+    """How far a plan is."""
 
-    Attributes
-    ----------
-    name : str
-        What it is of.
-    rows, calls : int
-        Rows of the plan, and the distinct calls behind them.
-    done : int
-        Calls whose result is there.
-    reasons : mapping of str to int
-        Why calls failed, and how many; the most frequent first.
-    running : Running or None
-        The run at work; None where there is none.
-    last : str
-        How the last run ended; empty while one is at work, or before the first.
-    """
-
-    name: str
+    name: str  #: What it is of.
+    #: `rows`, `calls`: rows of the plan, and the distinct calls behind them.
     rows: int
     calls: int
-    done: int
-    reasons: Mapping[str, int]
-    running: Running | None
-    last: str
+    done: int  #: Calls whose result is there.
+    reasons: Mapping[str, int]  #: Why calls failed, and how many; the most frequent first.
+    running: Running | None  #: The run at work; None where there is none.
+    last: str  #: How the last run ended; empty while one is at work, or before the first.
 
 
 class Ledger:

@@ -19,17 +19,8 @@ def trial_files(
 ) -> dict[str, Path]:
     """The file of every trial by the trial's name.
 
-    Parameters
-    ----------
-    given : path, or sequence of paths
-        A folder, or the files themselves.
-    description : Description, optional
-        The mapping of all files; its ``{trial}`` says which files of a folder are meant.
-
-    Returns
-    -------
-    dict of str to Path
-        In the order of the names.
+    `given` is a folder, or the files themselves; the ``{trial}`` of a description says which files
+    of a folder are meant. Trials come in the order of their names.
 
     Raises
     ------

@@ -39,27 +39,13 @@ _MAXIMAL_WORDS = {"mvc", "mvic", "mvcs", "max", "maximal", "maximum"}
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """A file as it was read for a session, or why it could not be.
+    """A file as it was read for a session, or why it could not be."""
 
-    Attributes
-    ----------
-    name : str
-        The trial's.
-    path : str or None
-        Its file, None for a recording that came from no file.
-    recording : Recording or None
-        None where it could not be read, and `problem` says why.
-    problem : str
-        Empty where there is none.
-    said : Said
-        What its description says of it.
-    """
-
-    name: str
-    path: str | None
-    recording: Recording | None
-    problem: str = ""
-    said: Said = field(default_factory=Said)
+    name: str  #: The trial's.
+    path: str | None  #: Its file, None for a recording that came from no file.
+    recording: Recording | None  #: None where it could not be read, and `problem` says why.
+    problem: str = ""  #: Empty where there is none.
+    said: Said = field(default_factory=Said)  #: What its description says of it.
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,46 +59,23 @@ class Hold:
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """One trial of a session.
+    """One trial of a session."""
 
-    Attributes
-    ----------
-    name : str
-        Unique in the session.
-    path : str or None
-        Its file.
-    recording : Recording or None
-        None where it could not be read; `problem` then says why.
-    problem : str
-        Why it is not used; empty where it is.
-    effort : {"passive", "active", "maximal", "unknown"}
-        What the muscles did.
-    moves : bool
-        Whether the ankle moved.
-    why : str
-        How effort and movement were decided.
-    use : {"fit", "hold", "reference", "none"}
-        What it is used for: it is fitted; it gives torque at one angle; its EMG is a reference.
-    hold : Hold or None
-        Angle and torque of a trial that holds still.
-    condition, notes : str or None
-        As described.
-    told : bool
-        The effort was described or given, not decided.
-    """
-
-    name: str
-    path: str | None
-    recording: Recording | None
-    problem: str
-    effort: str
-    moves: bool
-    why: str
+    name: str  #: Unique in the session.
+    path: str | None  #: Its file.
+    recording: Recording | None  #: None where it could not be read; `problem` then says why.
+    problem: str  #: Why it is not used; empty where it is.
+    effort: str  #: "passive", "active", "maximal", "unknown": What the muscles did.
+    moves: bool  #: Whether the ankle moved.
+    why: str  #: How effort and movement were decided.
+    #: "fit", "hold", "reference", "none": What it is used for: it is fitted; it gives torque at one
+    #: angle; its EMG is a reference.
     use: str
-    hold: Hold | None = None
+    hold: Hold | None = None  #: Angle and torque of a trial that holds still.
+    #: `condition`, `notes`: as described.
     condition: str | None = None
     notes: str | None = None
-    told: bool = False
+    told: bool = False  #: The effort was described or given, not decided.
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,12 +91,7 @@ def sorted_trials(
 ) -> tuple[Trial, ...]:
     """Decide what each trial is.
 
-    Parameters
-    ----------
-    readings : sequence of Reading
-        All files of the session.
-    efforts : mapping of str to str, optional
-        Efforts by trial that go before what the data and descriptions say.
+    `efforts`, by trial, go before what the data and descriptions say.
 
     Raises
     ------

@@ -16,31 +16,18 @@ from surae.trials.sorting import LEFT_OUT, Reading, Trial, sorted_trials
 
 @dataclass(frozen=True, slots=True)
 class TrialSet:
-    """The trials of one leg.
+    """The trials of one leg."""
 
-    Attributes
-    ----------
-    trials : tuple of Trial
-        Every file that was given, those too that could not be read: what it is and is used for.
-    name : str
-        Shown in tables and reports.
-    side : {"left", "right"} or None
-        The leg.
-    date, condition, notes : str or None
-        As the mapping or the caller says.
-    mapping : SourceFile or None
-        The TOML through which all files were read.
-    efforts : mapping of str to str
-        Efforts that were given and not decided from the data.
-    """
-
+    #: Every file that was given, those too that could not be read: what it is and is used for.
     trials: tuple[Trial, ...]
-    name: str = "session"
-    side: str | None = None
+    name: str = "session"  #: Shown in tables and reports.
+    side: str | None = None  #: "left", "right": The leg.
+    #: `date`, `condition`, `notes`: as the mapping or the caller says.
     date: str | None = None
     condition: str | None = None
     notes: str | None = None
-    mapping: SourceFile | None = None
+    mapping: SourceFile | None = None  #: The TOML through which all files were read.
+    #: Efforts that were given and not decided from the data.
     efforts: Mapping[str, str] = field(default_factory=FrozenDict)
 
     def __post_init__(self) -> None:
@@ -192,18 +179,7 @@ def _count(number: int, what: str) -> str:
 
 
 def common_errors(quality: Iterable[Quality]) -> tuple[str, ...]:
-    """Errors that more than half of the trials have, at least two, with what to do.
-
-    Parameters
-    ----------
-    quality : iterable of Quality
-        What was found in each trial.
-
-    Returns
-    -------
-    tuple of str
-        A sentence each; empty where trials have errors of their own only.
-    """
+    """Errors that more than half of the trials have, at least two, with what to do."""
     every = list(quality)
     advice: dict[str, tuple[str, int]] = {}
     for checked in every:
@@ -220,28 +196,17 @@ def common_errors(quality: Iterable[Quality]) -> tuple[str, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Crossed:
-    """How a fit follows a trial.
+    """How a fit follows a trial."""
 
-    Attributes
-    ----------
-    vaf : float or None
-        Variance accounted for [%]; None where there is no prediction, and `reason` says why.
-    r2 : float or None
-        Centred R² [%]; None too where the trial's torque hardly changes, as in a passive hold.
-    rmse, bias : float or None
-        Root mean square and mean of measured minus predicted torque [Nm].
-    fitted : bool
-        The trial was in the fit: following it proves nothing.
-    reason : str
-        Why there is no prediction; empty where there is one.
-    """
-
+    #: Variance accounted for [%]; None where there is no prediction, and `reason` says why.
     vaf: float | None = None
+    #: Centred R² [%]; None too where the trial's torque hardly changes, as in a passive hold.
     r2: float | None = None
+    #: `rmse`, `bias`: root mean square and mean of measured minus predicted torque [Nm].
     rmse: float | None = None
     bias: float | None = None
-    fitted: bool = False
-    reason: str = ""
+    fitted: bool = False  #: The trial was in the fit: following it proves nothing.
+    reason: str = ""  #: Why there is no prediction; empty where there is one.
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, units in the names."""

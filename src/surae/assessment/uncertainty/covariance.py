@@ -17,31 +17,18 @@ _PART = 0.01
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Covariance(Comparable):
-    """Covariance of the estimates that have one.
+    """Covariance of the estimates that have one."""
 
-    Attributes
-    ----------
-    names : tuple of str
-        Parameters with a variance.
-    matrix : ndarray, shape (k, k)
-        Covariance, equation (33), in the products of their units.
-    correlation : ndarray, shape (k, k)
-        Normalised covariance, ones on the diagonal; also where nothing is left of the residual.
-    directions : tuple of tuple of str
-        Sets of parameters that trade off without changing the torque; a set of one has no
-        influence at all.
-    sigma2 : float
-        Variance of the residual [Nm²].
-    dof : int
-        Degrees of freedom: samples minus estimated parameters.
-    """
-
-    names: tuple[str, ...]
-    matrix: FloatArray
+    names: tuple[str, ...]  #: Parameters with a variance.
+    matrix: FloatArray  #: Covariance, equation (33), in the products of their units, shape (k, k).
+    #: Normalised covariance, ones on the diagonal; also where nothing is left of the residual,
+    #: shape (k, k).
     correlation: FloatArray
+    #: Sets of parameters that trade off without changing the torque; a set of one has no influence
+    #: at all.
     directions: tuple[tuple[str, ...], ...]
-    sigma2: float
-    dof: int
+    sigma2: float  #: Variance of the residual [Nm²].
+    dof: int  #: Degrees of freedom: samples minus estimated parameters.
 
 
 def covariance(

@@ -33,25 +33,14 @@ _ROUNDS, _RESTS = 6, 1e-3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RobustCovariance(Comparable):
-    """Covariance of the estimates under correlated noise.
+    """Covariance of the estimates under correlated noise."""
 
-    Attributes
-    ----------
-    names : tuple of str
-        Parameters, those of `Covariance.names`.
-    matrix : ndarray, shape (k, k)
-        Covariance in the products of their units.
-    dof : ndarray, shape (k,)
-        Degrees of freedom of each variance, for Student's t: 2/Var(ln v̂), as Satterthwaite's, from
-        the uncertainty of the noise model.
-    noise : tuple of NoiseModel
-        Of each recording.
-    """
-
-    names: tuple[str, ...]
-    matrix: FloatArray
+    names: tuple[str, ...]  #: Parameters, those of `Covariance.names`.
+    matrix: FloatArray  #: Covariance in the products of their units, shape (k, k).
+    #: Degrees of freedom of each variance, for Student's t: 2/Var(ln v̂), as Satterthwaite's, from
+    #: the uncertainty of the noise model, shape (k,).
     dof: FloatArray
-    noise: tuple[NoiseModel, ...]
+    noise: tuple[NoiseModel, ...]  #: Of each recording.
 
 
 def robust_covariance(

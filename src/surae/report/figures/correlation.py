@@ -29,15 +29,8 @@ def correlation_figure(
 
     Negative cells carry a dark corner, so the sign is there without hues.
 
-    Parameters
-    ----------
-    names : sequence of str
-        Parameters, in the order of the rows.
-    matrix : ndarray, shape (k, k)
-        Normalised covariance.
-    passive, active : sequence of str
-        Rows and columns of the block that is outlined; of several blocks, where they do not stand
-        side by side in `names`.
+    `passive` and `active` are rows and columns of the block that is outlined; of several blocks,
+    where they do not stand side by side in `names`.
     """
     k = len(names)
     side = min(WIDTH, 1.4 + 0.46 * k)

@@ -29,14 +29,8 @@ def residual_figure(
 ) -> Figure:
     """Residual against time, its autocorrelation with the white-noise band, and its histogram.
 
-    Parameters
-    ----------
-    time, residual : ndarray, shape (n,)
-        Time [s] and measured minus modelled torque [Nm].
-    whiteness : Whiteness
-        Its autocorrelation.
-    excluded : sequence of (int, int)
-        First and last sample of every stretch that the fit left out; the histogram is without them.
+    The torque is in Nm; `excluded` are first and last sample of every stretch that the fit left
+    out, without which the histogram is.
     """
     figure = new_figure(4.6)
     grid = figure.add_gridspec(2, 2, width_ratios=[1.4, 1.0], wspace=0.08)

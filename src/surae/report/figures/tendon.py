@@ -32,19 +32,9 @@ _POINTS = 200
 def tendon_figure(traces: Traces, state: TendonState) -> Figure:
     """Muscle and tendon of both groups over time, and the tendons' curves (thesis Figure 39).
 
-    Parameters
-    ----------
-    traces : Traces
-        Signals of one recording.
-    state : TendonState
-        What muscles and tendons do in it.
-
-    Returns
-    -------
-    Figure
-        Triceps surae left, tibialis anterior right: muscle length and velocity in optimal lengths,
-        tendon elongation, tendon force, and force against elongation with the range that the
-        recording used.
+    Triceps surae left, tibialis anterior right: muscle length and velocity in optimal lengths,
+    tendon elongation, tendon force, and force against elongation with the range that the recording
+    used.
     """
     figure = new_figure(10.2)
     grid = figure.add_gridspec(6, 2, height_ratios=[1.25, 1.1, 1.0, 1.35, 0.03, 1.75], wspace=0.05)

@@ -46,19 +46,9 @@ _MODELLED: _Look = {"color": BLUE, "linewidth": 1.0}
 def torque_figure(traces: Traces, *, width: float = WIDTH) -> Figure:
     """Figure like 18–20 of the thesis: what went in, what came out, and what it is made of.
 
-    Parameters
-    ----------
-    traces : Traces
-        Signals of one recording.
-    width : float
-        Width of the figure [inch].
-
-    Returns
-    -------
-    Figure
-        The EMG that was recorded, a strip each on one scale; angle; torque; torque parts. A
-        movement that repeats itself has a second column, where there is room: mean and standard
-        deviation over the cycle.
+    The EMG that was recorded, a strip each on one scale; angle; torque; torque parts. A movement
+    that repeats itself has a second column, where there is room (`width` [inch]): mean and standard
+    deviation over the cycle.
     """
     cycles = find_cycles(traces.angle, traces.rate_hz, traces.counted)
     muscles = [muscle for muscle in MUSCLES if muscle not in traces.missing_emg]

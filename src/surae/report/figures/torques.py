@@ -50,14 +50,7 @@ def torques_figure(
 ) -> Figure:
     """A panel for each recording, all on one scale of torque.
 
-    Parameters
-    ----------
-    panels : sequence of TorquePanel
-        At least one.
-    who : str
-        What the thin dark line is: ``"modelled"`` or ``"predicted"``.
-    width : float
-        Width of the figure [inch].
+    `who` is what the thin dark line is: ``"modelled"`` or ``"predicted"``; `width` is in inches.
     """
     columns = min(_COLUMNS, len(panels)) if width > 0.6 * WIDTH else 1
     rows = -(-len(panels) // columns)
@@ -85,14 +78,7 @@ def torques_figure(
 def fit_figure(result: FitResult, notes: Sequence[str] = (), *, width: float = WIDTH) -> Figure:
     """The figure of a fit: of one recording all its signals, of several their torque.
 
-    Parameters
-    ----------
-    result : FitResult
-        The fit.
-    notes : sequence of str, optional
-        A few letters on each recording, such as its R².
-    width : float
-        Width of the figure [inch].
+    `notes` are a few letters on each recording, such as its R²; `width` is in inches.
     """
     traces = traces_of(result)
     if len(traces) == 1:
@@ -105,15 +91,7 @@ def fit_figure(result: FitResult, notes: Sequence[str] = (), *, width: float = W
 
 
 def predictions_figure(predictions: Sequence[Prediction], *, width: float = WIDTH) -> Figure:
-    """The figure of a validation: of one recording also what is left over, of several a panel each.
-
-    Parameters
-    ----------
-    predictions : sequence of Prediction
-        At least one.
-    width : float
-        Width of the figure [inch].
-    """
+    """The figure of a validation: of one what is left over too, of several a panel each."""
     if len(predictions) == 1:
         return prediction_figure(predictions[0], width=width)
     panels = [
