@@ -128,6 +128,7 @@ from surae.recording.table import load_each as load_each
 from surae.recording.table import some as some
 from surae.recording.writing import shared_time as shared_time
 from surae.report import check_report as check_report
+from surae.report import has_typst as has_typst
 from surae.report.budget import budget_section as budget_section
 from surae.report.budget import what_would_help as what_would_help
 from surae.report.figures import figure_bytes as figure_bytes
@@ -154,6 +155,7 @@ from surae.report.provenance import MANY_OUTLIERS as MANY_OUTLIERS
 from surae.report.provenance import excluded_spans as excluded_spans
 from surae.report.references import always_cited as always_cited
 from surae.report.references import cited_by as cited_by
+from surae.report.session import trial_row as trial_row
 from surae.report.study import study_curves as study_curves
 from surae.report.traces import extremes as extremes
 from surae.report.traces import min_max as min_max

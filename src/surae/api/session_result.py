@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from datetime import datetime
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,6 +30,9 @@ from surae.trials.folder import (
     results_in,
     set_aside,
 )
+
+if TYPE_CHECKING:
+    from surae.report.session import SessionContent
 
 FORMAT = 1
 _ABOUT = ("name", "side", "date", "condition", "notes")
@@ -144,21 +147,32 @@ class SessionResult:
         """
         from surae.report.rendering import write_session_report
 
-        write_session_report(
-            path,
-            self.session.name,
-            {key: getattr(self.session, key) for key in ("side", "date", "condition", "notes")},
-            self.session.trials,
-            {name: (fit.result, fit.assessment) for name, fit in self.fits.items()},
-            None if self.joint is None else (self.joint.result, self.joint.assessment),
-            joined=self.joined,
-            failed=self.failed,
-            quality=self.quality,
-            predictions=self.predictions,
-            joint_predictions=self.joint_predictions,
-            created=datetime.now().astimezone(),
-            interrupted=self.interrupted,
-        )
+        write_session_report(path, **self._told())
+
+    def content(self) -> "SessionContent":
+        """What the report says, as texts."""
+        from surae.report.session import session_content
+
+        return session_content(**self._told())
+
+    def _told(self) -> dict[str, Any]:
+        """What a report is made of."""
+        about = ("side", "date", "condition", "notes")
+        joint = None if self.joint is None else (self.joint.result, self.joint.assessment)
+        return {
+            "name": self.session.name,
+            "about": {key: getattr(self.session, key) for key in about},
+            "trials": self.session.trials,
+            "fits": {name: (fit.result, fit.assessment) for name, fit in self.fits.items()},
+            "joint": joint,
+            "joined": self.joined,
+            "failed": self.failed,
+            "quality": self.quality,
+            "predictions": self.predictions,
+            "joint_predictions": self.joint_predictions,
+            "created": datetime.now().astimezone(),
+            "interrupted": self.interrupted,
+        }
 
     def figure(self, path: PathLike, *, width: float = 170.0) -> None:
         """Draw every parameter by trial for a paper: lines as ``.svg`` or ``.pdf``, or a PNG.

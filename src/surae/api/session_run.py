@@ -268,4 +268,5 @@ def _crossed(fit: Fit, inputs: ModelInputs, fitted: bool, number: int = 0) -> Cr
         finite(centred_r2([prediction.errors])) if moves else None,
         finite(prediction.rmse),
         finite(prediction.bias),
+        grade=str(prediction.adequacy.grade) if moves and prediction.adequacy else "",
     )

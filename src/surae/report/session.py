@@ -146,7 +146,7 @@ def session_content(
         no_joint=failed.get("joint", ""),
         joined=tuple(joined),
         trials=tuple(
-            _trial(t, alone.get(t.name), joint_predictions.get(t.name), failed, quality)
+            trial_row(t, alone.get(t.name), joint_predictions.get(t.name), failed, quality)
             for t in trials
         ),
         fitted=tuple(alone),
@@ -205,13 +205,14 @@ def _summary(
     return tuple(lines)
 
 
-def _trial(
+def trial_row(
     trial: Trial,
     alone: Assessment | None,
     joint: Crossed | None,
     failed: Mapping[str, str],
     quality: Mapping[str, Quality],
 ) -> TrialRow:
+    """A trial in words; what is not known is left open."""
     checked = quality.get(trial.name)
     grade = "" if alone is None else str(alone.adequacy.grade)
     return TrialRow(
@@ -236,9 +237,9 @@ def _cell(crossed: Crossed | None) -> Cell:
     if crossed is None or crossed.rmse is None:
         return Cell(NO_NUMBER, "" if crossed is None else crossed.reason)
     bias = NO_NUMBER if crossed.bias is None else signed(crossed.bias, 1)
-    kind = "own" if crossed.fitted else ""
     text = NO_NUMBER if crossed.r2 is None else percentage(crossed.r2)
-    return Cell(text, f"bias {bias} Nm", kind)
+    under = ", ".join(filter(None, (crossed.grade, f"bias {bias} Nm")))
+    return Cell(text, under, "own" if crossed.fitted else crossed.grade)
 
 
 def _crossings(

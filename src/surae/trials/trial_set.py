@@ -206,6 +206,9 @@ class Crossed:
     rmse: float | None = None
     bias: float | None = None
     fitted: bool = False  #: The trial was in the fit: following it proves nothing.
+    #: Whether it is predicted as well as the fit promises, see `Adequacy`; empty where it was in
+    #: the fit, or its torque hardly changes.
+    grade: str = ""
     reason: str = ""  #: Why there is no prediction; empty where there is one.
 
     def as_dict(self) -> dict[str, Any]:

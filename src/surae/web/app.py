@@ -16,8 +16,8 @@ from starlette.types import ASGIApp
 from surae._version import __version__
 from surae.errors import InputError, SuraeError
 from surae.processes import FULL, NO_ROOM, one_line, where
-from surae.web.fits import job_kinds
 from surae.web.http_errors import RefusedError
+from surae.web.kinds import job_kinds
 from surae.web.routes import (
     cohort,
     comparisons,
@@ -25,6 +25,7 @@ from surae.web.routes import (
     draft,
     fits,
     jobs,
+    legs,
     pages,
     protocols,
     recordings,
@@ -80,7 +81,7 @@ def create_app(bench: Workbench, policy: Policy) -> ASGIApp:
     )
     app.state.workbench, app.state.policy = bench, policy
     for module in (
-        draft, uploads, recordings, descriptions, fits, jobs, comparisons, cohort, protocols,
+        draft, uploads, recordings, descriptions, fits, legs, jobs, comparisons, cohort, protocols,
         studies, pages,
     ):  # fmt: skip
         app.include_router(module.router)

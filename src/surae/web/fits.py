@@ -19,7 +19,6 @@ from surae.api import (
 from surae.errors import InputError
 from surae.names import AUTO
 from surae.web.draft import settings_of, shown, upgraded
-from surae.web.jobs import Kind
 from surae.web.live import plain
 from surae.web.project import unique_name, when
 from surae.web.rows import Thing
@@ -46,7 +45,7 @@ def submit_fit(
         "draft": draft,
         "name": name,
         "recordings": [recording["id"] for recording in recordings],
-        "versions": _versions(bench, draft),
+        "versions": versions_of(bench, draft),
     }
     return bench.jobs.submit("fit", (name or label)[:200], session, task, recordings[0]["id"])
 
@@ -67,14 +66,14 @@ def submit_comparison(
         "models": models,
         "fit": fit,
         "recordings": [recording["id"] for recording in recordings],
-        "versions": _versions(bench, draft),
+        "versions": versions_of(bench, draft),
     }
     return bench.jobs.submit(
         "compare", f"compare models · {names}"[:200], session, task, recordings[0]["id"]
     )
 
 
-def _versions(bench: "Workbench", draft: Mapping[str, Any]) -> dict[str, int]:
+def versions_of(bench: "Workbench", draft: Mapping[str, Any]) -> dict[str, int]:
     """Which descriptions of its recordings a draft is about."""
     ids = [*draft["recordings"], *draft["mvc"]]
     return {id_: bench.project.need("recording", id_).get("version", 0) for id_ in ids}
@@ -99,33 +98,29 @@ def prepared_draft(
     return settings, settings.inputs(inputs, contractions)
 
 
-def job_kinds(bench: "Workbench") -> dict[str, Kind]:
-    """What the workbench's jobs are, and what becomes of them."""
-    return {
-        "fit": Kind("fits", lambda job, end: keep_fit(bench, job, end)),
-        "profile": Kind("fits", lambda job, end: keep_profile(bench, job, end)),
-        "compare": Kind("fits", lambda job, end: keep_comparison(bench, job, end)),
-        "design": Kind("studies", lambda job, end: keep_designs(bench, job, end)),
-        "study": Kind("studies", lambda job, end: keep_study(bench, job, end)),
-    }
-
-
 def keep_fit(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
     """Add a finished fit to the project."""
     task, told = job["task"], end["summary"]
-    names = ", ".join(told["names"])
-    data = {
-        **told,
-        "name": unique_name(
-            bench.database.all("fit"), task["name"] or f"{model_title(told['model'])} · {names}"
-        ),
-        "recordings": task["recordings"],
-        "versions": task.get("versions", {}),
-        "settings": task["draft"],
-    }
-    id_ = bench.project.add("fit", data, job["id"])
+    name = task["name"] or f"{model_title(told['model'])} · {', '.join(told['names'])}"
+    id_ = add_fit(bench, job["id"], name, told, task["recordings"], task)
     bench.changed("fits")
     return id_
+
+
+def add_fit(
+    bench: "Workbench", id_: str, name: str, told: Mapping[str, Any], recordings: list[str],
+    task: Mapping[str, Any],
+) -> str:  # fmt: skip
+    """Add a fit whose file is there; `told` is its summary, `task` what made it."""
+    versions, used = task.get("versions", {}), {*recordings, *task["draft"]["mvc"]}
+    data = {
+        **told,
+        "name": unique_name(bench.database.all("fit"), name),
+        "recordings": recordings,
+        "versions": {key: versions[key] for key in versions if key in used},
+        "settings": {**task["draft"], "recordings": recordings},
+    }
+    return bench.project.add("fit", data, id_)
 
 
 def keep_designs(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str | None:

@@ -13,11 +13,12 @@ from surae.web.rows import ID
 
 DATABASE = "project.db"
 #: Folders of things.
-FOLDERS = ("recordings", "fits", "comparisons", "studies", "uploads", "trash")
+FOLDERS = ("recordings", "fits", "sessions", "comparisons", "studies", "uploads", "trash")
 #: Where the file of a thing lies.
 FILES = {
     "recording": ("recordings", ".h5"),
     "fit": ("fits", ".json"),
+    "session": ("sessions", ".html"),
     "comparison": ("comparisons", ".json"),
     "study": ("studies", ".db"),
 }

@@ -39,7 +39,8 @@ class Project:
     ----------
     folder : path
         Made where it is missing, or begun where it is empty: ``project.db``, ``recordings/*.h5``,
-        ``fits/*.json``, ``comparisons/*.json``, ``studies/*.db``, ``uploads/`` and ``trash/``.
+        ``fits/*.json``, ``sessions/*.html``, ``comparisons/*.json``, ``studies/*.db``,
+        ``uploads/`` and ``trash/``.
 
     Raises
     ------

@@ -96,6 +96,14 @@ class _Fit(_Row):
     versions: dict[str, int] = {}
 
 
+class _Session(_Row):
+    name: str
+    recordings: Annotated[list[_Id], Field(min_length=1)]
+    fits: dict[str, _Id]
+    content: dict[str, Any]
+    settings: dict[str, Any]
+
+
 class _Comparison(_Row):
     conclusion: str
     recordings: list[_Id]
@@ -122,7 +130,7 @@ class _Upload(_Row):
 
 
 class _Job(_Row):
-    kind: Literal["fit", "profile", "compare", "study", "design"]
+    kind: Literal["fit", "profile", "session", "compare", "study", "design"]
     label: str
     state: Literal["queued", "running", "done", "failed", "cancelled", "interrupted"]
     session: str
@@ -146,6 +154,7 @@ KINDS: dict[str, type[_Row]] = {
     "subject": _Subject,
     "recording": _Recording,
     "fit": _Fit,
+    "session": _Session,
     "comparison": _Comparison,
     "study": _Study,
     "protocol": _Protocol,

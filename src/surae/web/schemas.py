@@ -247,6 +247,20 @@ class FitGiven(Strict):
     draft: DraftChange | None = None
 
 
+class TrialsGiven(Strict):
+    """Trials of one leg, and the efforts that their signals do not tell."""
+
+    recordings: Annotated[list[Id], Field(min_length=1, max_length=64)]
+    efforts: Annotated[dict[Id, Literal["passive", "active", "maximal"]], Field(max_length=64)] = {}
+
+
+class SessionGiven(TrialsGiven):
+    """A session to fit: each trial, and all together; as the session's draft asks, or one given."""
+
+    name: Named | None = None
+    draft: DraftChange | None = None
+
+
 class ComparisonGiven(Strict):
     """Models to compare on a draft's recordings."""
 

@@ -6,7 +6,7 @@ Each takes a task of plain data and a function that tells what happens, and retu
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,7 @@ from surae.web.draft import settings_of, upgraded
 from surae.web.places import file_of, recording_suffix
 
 if TYPE_CHECKING:
-    from surae.api import Fit, FitSettings, ModelInputs
+    from surae.api import Fit, FitSettings, ModelInputs, Step
 
 Tell = Callable[[Mapping[str, Any]], None]
 
@@ -77,6 +77,40 @@ def fit(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
         "message": fitted.message,
         "interrupted": fitted.result.starts[-1].outcome == "interrupted",
         "summary": summary(fitted),
+    }
+
+
+def session(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
+    """Fit trials each and all together as `surae session` does, and write fits and report."""
+    recordings = [
+        replace(recording, name=task["names"][id_])
+        for id_, recording in zip(
+            task["recordings"], _read(task, task["recordings"], tell), strict=True
+        )
+    ]
+    from surae import api
+
+    settings = settings_of(upgraded(task["draft"]), ())
+    efforts = {task["names"][id_]: effort for id_, effort in task["efforts"].items()}
+    leg = api.session(recordings, name=task["name"], efforts=efforts)
+
+    def told(step: "Step") -> None:
+        tell({"what": step.what, "done": step.done, "total": step.total})
+
+    with _compiling(tell):
+        result = leg.run(None, settings, told=told)
+    fits = {**result.fits, **({} if result.joint is None else {"joint": result.joint})}
+    for name, fitted in fits.items():
+        fitted.save(_file(task, "fits", task["fits"][name], ".json"))
+    for suffix in (".html", *((".pdf",) if api.has_typst() else ())):
+        result.report(_file(task, "sessions", task["id"], suffix))
+    return {
+        "message": f"{len(result.fits)} of {len(recordings)} trials fitted"
+        + ("" if result.joint is None else f", {len(result.joined)} together"),
+        "interrupted": result.interrupted,
+        "summaries": {name: summary(fitted) for name, fitted in fits.items()},
+        "joined": list(result.joined),
+        "content": asdict(result.content()),
     }
 
 
@@ -206,8 +240,6 @@ def report(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
 def short(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """What a fit's page for clinicians says, to be shown by a page of ours."""
     del tell
-    from dataclasses import asdict
-
     from surae import api
 
     return asdict(api.clinical_page([api.load(task["fit"])], language=task["language"]))
@@ -278,6 +310,7 @@ def quality(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
 TASKS: dict[str, Callable[[Mapping[str, Any], Tell], dict[str, Any]]] = {
     "fit": fit,
     "profile": profile,
+    "session": session,
     "compare": compare,
     "design": design,
     "study": study,

@@ -30,6 +30,8 @@ FLAGS = [
     "--disable-sync",
 ]
 _ADDRESS = re.compile(r"http://\S+?(?=/? )")
+#: A draft in which nothing is left out, as a session asks.
+WHOLE = {"model": "muscle", "starts": 1}
 MUSCLES = ("ta", "gl", "sol", "gm")
 #: Milliseconds that a page may take on a busy computer, the first compilation of kernels included.
 PATIENCE = 240_000
@@ -236,6 +238,14 @@ def done(browser: Any, server: Server, csv: Path) -> dict[str, str]:
     desk.api("PATCH", "/api/draft", {"change": change, "label": "fit it"})
     job = desk.wait_for_job(desk.api("POST", "/api/fits", {"name": "seeded fit", "draft": None}))
     assert job["state"] == "done", job
+    asked = {"recordings": [recording], "name": "seeded session"}
+    session = desk.wait_for_job(desk.api("POST", "/api/sessions", asked | {"draft": WHOLE}))
+    assert session["state"] == "done", session
     study = desk.api("POST", "/api/studies", {"toml": 'protocol = "sine"\n', "start": False})
     desk.close()
-    return {"recording": recording, "fit": job["result"], "study": study["id"]}
+    return {
+        "recording": recording,
+        "fit": job["result"],
+        "session": session["result"],
+        "study": study["id"],
+    }

@@ -30,6 +30,8 @@ FILLED = {
     "/fit": "#parameters tbody tr",
     "/fits/{fit}": "#parameter-table tbody tr",
     "/compare?fits={fit}": "#side tbody tr",
+    "/session": "#trials tbody tr",
+    "/sessions/{session}": "#trials tbody tr",
     "/cohort": "#table tbody tr",
     "/protocol": "#prediction tbody tr",
     "/studies": "#list tbody tr",

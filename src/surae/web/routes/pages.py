@@ -62,6 +62,19 @@ def result_page(id: PathId, request: Request, bench: Bench, browser: Browser) ->
     return page(request, "result", browser, id=id)
 
 
+@router.get("/session")
+def leg_page(request: Request, browser: Browser) -> Response:
+    """Sessions, and a new one."""
+    return page(request, "session", browser)
+
+
+@router.get("/sessions/{id}")
+def session_page(id: PathId, request: Request, bench: Bench, browser: Browser) -> Response:
+    """One session."""
+    bench.project.need("session", id)
+    return page(request, "session_result", browser, id=id)
+
+
 @router.get("/compare")
 def compare_page(request: Request, browser: Browser) -> Response:
     """Fits side by side."""

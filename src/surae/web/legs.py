@@ -1,0 +1,131 @@
+"""Sessions of the workbench: trials of one leg, fitted each and together by `Session.run`."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from surae.web.database import new_id
+from surae.web.fits import add_fit, fit_summary, versions_of
+from surae.web.http_errors import RefusedError
+from surae.web.project import unique_name, when
+from surae.web.rows import Thing
+from surae.web.sessions import BrowserSession
+
+if TYPE_CHECKING:
+    from surae.web.workbench import Workbench
+
+_TOGETHER = "all together"
+
+
+def sorted_as(
+    bench: "Workbench", recordings: Sequence[str], efforts: Mapping[str, str]
+) -> list[dict[str, Any]]:
+    """What each trial is, and what it is used for, in the words of the report."""
+    from surae.api import session, trial_row
+
+    rows = {id_: bench.project.need("recording", id_) for id_ in dict.fromkeys(recordings)}
+    leg = session(
+        [replace(bench.recording(id_), name=row["name"]) for id_, row in rows.items()],
+        efforts={rows[id_]["name"]: effort for id_, effort in efforts.items() if id_ in rows},
+    )
+    told = {trial.name: trial for trial in leg.trials}
+    return [
+        {
+            "recording": id_, "name": row["name"], "effort": told[row["name"]].effort,
+            "told": told[row["name"]].told, "fitted": told[row["name"]].use == "fit",
+            **{
+                key: getattr(trial_row(told[row["name"]], None, None, {}, {}), key)
+                for key in ("what", "why", "use", "problem")
+            },
+        }
+        for id_, row in rows.items()
+    ]  # fmt: skip
+
+
+def submit_session(
+    bench: "Workbench",
+    browser: BrowserSession,
+    draft: dict[str, Any],
+    recordings: Sequence[str],
+    efforts: Mapping[str, str],
+    name: str | None,
+) -> Thing:
+    """Ask for the fits of a session; what cannot be kept is refused now, not in the job."""
+    rows = [bench.project.need("recording", id_) for id_ in dict.fromkeys(recordings)]
+    cut = [row["name"] for row in rows if draft["exclusions"].get(row["id"])]
+    if cut:
+        raise RefusedError(
+            400,
+            f"stretches of {', '.join(cut)} are left out: a session fits trials whole; take that "
+            "back on the page of the recording, or fit without a session",
+        )
+    if len({row["side"] for row in rows if row["side"]}) > 1:
+        raise RefusedError(400, "the trials are of both legs; a session is of one")
+    chosen = [row["id"] for row in rows]
+    draft = {**draft, "recordings": chosen, "mvc": [], "sliders": {}, "exclusions": {}}
+    called = unique_name(bench.database.all("session"), name or _usual_name(bench, rows), 120)
+    task = {
+        "draft": draft,
+        "name": called,
+        "recordings": chosen,
+        "names": {row["id"]: row["name"] for row in rows},
+        "efforts": {id_: effort for id_, effort in efforts.items() if id_ in chosen},
+        "versions": versions_of(bench, draft),
+        "fits": {name: new_id() for name in (*(row["name"] for row in rows), "joint")},
+    }
+    return bench.jobs.submit("session", called, browser, task, chosen[0])
+
+
+def _usual_name(bench: "Workbench", rows: Sequence[Thing]) -> str:
+    subject = bench.database.get("subject", rows[0]["subject"]) if rows[0]["subject"] else None
+    parts = ["session", None if subject is None else subject["code"], rows[0]["side"]]
+    return " ".join(filter(None, parts))
+
+
+def keep_session(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
+    """Add a session to the project, and its fits as fits like any other."""
+    task, ids = job["task"], {}
+    by_name = {name: id_ for id_, name in task["names"].items()}
+    for name, told in end["summaries"].items():
+        joint = name == "joint"
+        recordings = [by_name[each] for each in (end["joined"] if joint else [name])]
+        label = f"{task['name']} · {_TOGETHER if joint else name}"
+        ids[name] = add_fit(bench, task["fits"][name], label, told, recordings, task)
+    data = {
+        "name": task["name"],
+        "recordings": task["recordings"],
+        "fits": ids,
+        "content": end["content"],
+        "settings": task["draft"],
+    }
+    id_ = bench.project.add("session", data, job["id"])
+    for what in ("fits", "sessions"):
+        bench.changed(what)
+    return id_
+
+
+def session_summary(bench: "Workbench", session: Thing) -> dict[str, Any]:
+    """A session in lists."""
+    first = bench.database.get("recording", session["recordings"][0], deleted=True)
+    adequacy = session["content"].get("adequacy")
+    return {
+        "id": session["id"],
+        "name": session["name"],
+        "created": when(session["created"]),
+        "trials": len(session["recordings"]),
+        "fits": len([name for name in session["fits"] if name != "joint"]),
+        "grade": None if adequacy is None else adequacy["grade"],
+        "subject": None if first is None else first["subject"],
+        "side": None if first is None else first["side"],
+    }
+
+
+def session_detail(bench: "Workbench", session: Thing) -> dict[str, Any]:
+    """What the report says, and the fits that are still there."""
+    fits = {name: bench.database.get("fit", id_) for name, id_ in session["fits"].items()}
+    return {
+        "summary": session_summary(bench, session),
+        "content": session["content"],
+        "fits": {name: fit_summary(bench, fit) for name, fit in fits.items() if fit is not None},
+        "paper": bench.project.path("sessions", session["id"], ".pdf").is_file(),
+    }

@@ -1,0 +1,155 @@
+// Sessions: which trials of a leg, what each of them is, and their fits.
+
+import { get, post, remove } from "../core/api.js";
+import { button, byId, h, replace, scroll, select } from "../core/dom.js";
+import { onChanged } from "../core/events.js";
+import { seconds, when } from "../core/format.js";
+import { attempt, complain, tell } from "../core/notice.js";
+import { latest } from "../core/pace.js";
+import { demoButton } from "../ui/demo.js";
+import { active, cancel, follow, progressText } from "../ui/jobs.js";
+import { sortable } from "../ui/table.js";
+
+const box = { page: byId("error"), fit: byId("new-error") };
+let recordings = [];
+let people = [];
+let chosen = null;
+let job = null;
+/** Efforts that were told, by recording. */
+const efforts = {};
+
+const list = sortable("All sessions of the project", [
+  { title: "Session", value: (s) => s.name, show: (s) => h("a", { href: `/sessions/${s.id}` }, s.name) },
+  { title: "Trials", numeric: true, value: (s) => s.trials, show: (s) => String(s.trials) },
+  { title: "Fitted", numeric: true, value: (s) => s.fits, show: (s) => String(s.fits) },
+  { title: "All together", value: (s) => s.grade, show: (s) => s.grade ?? "no fit" },
+  { title: "Made", value: (s) => s.created, show: (s) => when(s.created) },
+  { title: "", show: (s) => button("Delete", () => drop(s), { class: "small danger", "aria-label": `Delete ${s.name}` }) },
+]);
+
+const drop = (session) =>
+  attempt(box.page, async () => {
+    await remove(`/api/sessions/${session.id}`);
+    tell(`Deleted ${session.name}, and none of its fits. Undo brings it back.`);
+    await refresh();
+  });
+
+/** What belongs together at first: the recordings of the newest one's leg. */
+function leg() {
+  const [newest] = [...recordings].sort((a, b) => b.created.localeCompare(a.created));
+  return recordings.filter((one) => one.subject === newest.subject && one.side === newest.side).map((one) => one.id);
+}
+
+function showRecordings() {
+  const code = (id) => people.find((one) => one.id === id)?.code;
+  replace(
+    byId("recordings"),
+    h("ul", { class: "list" }, recordings.map((one) =>
+      h(
+        "li",
+        {},
+        h("label", { class: "check" }, h("input", { type: "checkbox", checked: chosen.has(one.id), "data-focus": one.id, on: { change: (event) => choose(one.id, event.target.checked) } }), one.name),
+        h("span", { class: "muted small" }, [code(one.subject), one.side, seconds(one.duration_s)].filter(Boolean).join(" · ")),
+      ),
+    )),
+  );
+}
+
+function choose(id, wanted) {
+  if (wanted) chosen.add(id);
+  else chosen.delete(id);
+  sort();
+}
+
+// What each trial is depends on the others: EMG is judged by the session's largest.
+const sort = latest(async () => {
+  byId("start").disabled = true;
+  if (!chosen.size) return replace(byId("trials"), h("p", { class: "muted" }, "Choose the trials of one leg."));
+  byId("trials").setAttribute("aria-busy", "true");
+  const told = await attempt(box.fit, () => post("/api/sessions/trials", asked()));
+  byId("trials").removeAttribute("aria-busy");
+  if (!told) return replace(byId("trials"));
+  byId("start").disabled = job !== null || !told.trials.some((one) => one.fitted);
+  return replace(byId("trials"), table(told.trials));
+});
+
+const asked = () => ({ recordings: [...chosen], efforts: Object.fromEntries(Object.entries(efforts).filter(([id]) => chosen.has(id))) });
+
+const table = (trials) =>
+  scroll(
+    "What each trial is",
+    h(
+      "table",
+      {},
+      h("caption", {}, "What each trial is, and what it is used for"),
+      h("thead", {}, h("tr", {}, ["Trial", "What it is", "Effort", "Used for"].map((text) => h("th", { scope: "col" }, text)))),
+      h("tbody", {}, trials.map((one) => h("tr", {}, h("th", { scope: "row" }, one.name), h("td", { class: "what" }, one.problem || one.what, h("div", { class: "muted small" }, one.problem ? "" : one.why)), h("td", {}, effort(one)), h("td", {}, one.use)))),
+    ),
+  );
+
+function effort(one) {
+  const options = [["", one.told ? "as its signals say" : `${one.effort}, by its signals`], ["passive", "passive"], ["active", "active"], ["maximal", "maximal"]];
+  const knob = select({ "aria-label": `Effort of ${one.name}`, "data-focus": `effort-${one.recording}` }, options, efforts[one.recording] ?? "");
+  knob.addEventListener("change", () => {
+    if (knob.value) efforts[one.recording] = knob.value;
+    else delete efforts[one.recording];
+    sort();
+  });
+  return knob;
+}
+
+function watch(found) {
+  job = found;
+  byId("start").disabled = true;
+  byId("stop").hidden = byId("progress").hidden = false;
+  byId("progress").removeAttribute("value");
+  const said = (told) => {
+    byId("said").textContent = told.total ? `${told.what}: ${told.done} of ${told.total} steps are done` : progressText(told, "");
+    if (told.total) byId("progress").value = told.done / told.total;
+  };
+  follow(found.id, {
+    state: (now) => {
+      if (now.state === "queued") byId("said").textContent = `Waiting, ${now.position ?? 1} in line`;
+      if (now.progress) said(now.progress);
+    },
+    progress: said,
+    end: (ended) => {
+      if (ended.state === "done") location.href = `/sessions/${ended.result}`;
+      job = null;
+      byId("stop").hidden = byId("progress").hidden = true;
+      if (ended.state === "failed") complain(box.fit, ended.message);
+      const words = { cancelled: "Stopped.", interrupted: "The server was stopped meanwhile.", failed: "" };
+      replace(byId("said"), words[ended.state] ?? "", ended.result && h("a", { href: `/sessions/${ended.result}` }, " What was complete is kept."));
+      sort();
+    },
+  });
+}
+
+byId("start").addEventListener("click", () => attempt(box.fit, async () => watch(await post("/api/sessions", asked()))));
+byId("stop").addEventListener("click", () => job && attempt(box.fit, () => cancel(job.id), byId("stop")));
+
+async function refresh() {
+  const [all, subjects, sessions] = await Promise.all([get("/api/recordings"), get("/api/subjects"), get("/api/sessions")]);
+  recordings = all.recordings;
+  people = subjects.subjects;
+  byId("list-card").hidden = sessions.sessions.length === 0;
+  list.update(sessions.sessions);
+  replace(byId("list"), list.element);
+  byId("new").hidden = recordings.length === 0;
+  byId("empty").hidden = recordings.length > 0;
+  if (!recordings.length) return replace(byId("empty"), h("div", { class: "empty" }, h("p", {}, h("strong", {}, "No recordings yet."), " A session needs some."), h("div", { class: "button-row" }, h("a", { class: "button primary", href: "/import" }, "Import files"), demoButton(box.page))));
+  const known = new Set(recordings.map((one) => one.id));
+  chosen = new Set(chosen ? [...chosen].filter((id) => known.has(id)) : leg());
+  showRecordings();
+  return sort();
+}
+
+onChanged(["recordings", "subjects", "sessions"], () => attempt(box.page, refresh));
+attempt(box.page, async () => {
+  const [models, { draft }] = await Promise.all([get("/api/models"), get("/api/draft")]);
+  const title = models.fitted.find((one) => one.name === draft.model)?.title ?? draft.model;
+  replace(byId("asked"), `Model: ${title}, ${draft.starts} starts, as chosen on the page `, h("a", { href: "/fit" }, "Fit"), ".");
+  await refresh();
+  const mine = (await active("session")).find((one) => one.mine);
+  if (mine) watch(mine);
+});

@@ -1,0 +1,93 @@
+"""Sessions in the workbench: the trials of a leg are sorted, fitted and crossed as by `surae`."""
+
+from dataclasses import asdict
+
+import numpy as np
+import pytest
+
+import surae
+from surae.protocol import Protocol, generate
+from surae.recording import read, write_csv
+from surae.studies import virtual_subject, virtual_trial
+
+MUSCLES = ("ta", "gl", "sol", "gm")
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """Two trials that move, and one that holds still."""
+    folder = tmp_path_factory.mktemp("leg")
+    motion = generate(Protocol(profile="multiple-holds", chirp_amplitude=0.2, rate_hz=64.0))
+    made = []
+    for seed, name in enumerate(("walk one", "walk two", "hold")):
+        trial = virtual_trial(virtual_subject(3), motion, seed=seed)
+        angle = 0.1 + 0.001 * trial.angle if name == "hold" else trial.angle
+        table = {"time_s": trial.time, "angle_rad": angle, "torque_Nm": trial.torque}
+        table |= {f"emg_{m}_V": np.maximum(trial.emg[:, i], 0) for i, m in enumerate(MUSCLES)}
+        made.append(folder / f"{name}.csv")
+        write_csv(made[-1], table, ["emg: envelope"])
+    return made
+
+
+@pytest.fixture(scope="module")
+def imported(server, files):
+    browser = server.browser()
+    return {path.stem: browser.recording(path) for path in files}
+
+
+def test_trials_are_sorted_and_an_effort_can_be_told(browser, imported) -> None:
+    asked = {"recordings": list(imported.values())}
+    told = {t["name"]: t for t in browser.post("/api/sessions/trials", json=asked).json()["trials"]}
+    assert [told[name]["fitted"] for name in imported] == [True, True, False]
+    assert "holds still" in told["hold"]["what"]
+    assert told["hold"]["use"] == "angle and torque of a hold"
+    asked["efforts"] = {imported["hold"]: "maximal"}
+    told = {t["name"]: t for t in browser.post("/api/sessions/trials", json=asked).json()["trials"]}
+    assert told["hold"]["use"] == "reference of EMG"
+    assert told["hold"]["told"]
+
+
+def test_a_session_is_that_of_surae(browser, imported, files) -> None:
+    browser.change(recordings=[], prepared=True, starts=1)
+    asked = {"recordings": list(imported.values()), "name": "leg"}
+    job = browser.job(browser.post("/api/sessions", json=asked))
+    assert job["state"] == "done", job
+    told = browser.get(f"/api/sessions/{job['result']}").json()
+    result = surae.session([read(path) for path in files], name="leg").run(
+        model="muscle", prepared=True, starts=1
+    )
+    for key in ("trials", "crossed", "parameters", "holds", "adequacy", "joined"):
+        ours = asdict(result.content())[key]
+        assert told["content"][key] == plain(ours), key
+    grades = [cell["kind"] for _, row in told["content"]["crossed"] for cell in row]
+    assert grades.count("own") == 4
+    assert set(grades) <= {"own", "adequate", "doubtful", "inadequate"}
+    assert set(told["fits"]) == {"walk one", "walk two", "joint"}
+    joint = browser.get(f"/api/fits/{told['fits']['joint']['id']}").json()
+    assert joint["summary"]["recordings"] == [imported["walk one"], imported["walk two"]]
+    page = browser.get(f"/api/sessions/{job['result']}/report.html")
+    assert "Each predicted by the others" in page.text
+    assert browser.get(f"/api/sessions/{job['result']}/report.pdf").content.startswith(b"%PDF")
+    (listed,) = browser.get("/api/sessions").json()["sessions"]
+    assert (listed["name"], listed["trials"], listed["fits"]) == ("leg", 3, 2)
+    assert browser.delete(f"/api/sessions/{job['result']}").status_code == 204
+    assert browser.get("/api/sessions").json()["sessions"] == []
+    assert browser.get(f"/api/fits/{told['fits']['joint']['id']}").status_code == 200
+
+
+def test_what_no_session_can_be_made_of_is_refused(browser, imported) -> None:
+    moving, still = imported["walk one"], imported["hold"]
+    refused = browser.post("/api/sessions", json={"recordings": [still]})
+    assert (refused.status_code, "moves" in refused.json()["error"]) == (400, True)
+    browser.change(exclusions={moving: [[1.0, 2.0]]})
+    refused = browser.post("/api/sessions", json={"recordings": [moving, still]})
+    assert refused.status_code == 400
+    assert "left out" in refused.json()["error"]
+    browser.change(exclusions={moving: None})
+
+
+def plain(value):
+    """As JSON has it."""
+    if isinstance(value, dict):
+        return {key: plain(each) for key, each in value.items()}
+    return [plain(each) for each in value] if isinstance(value, list | tuple) else value
