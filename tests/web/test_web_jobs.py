@@ -163,6 +163,9 @@ def test_a_fit_is_understood(browser, recorded) -> None:
     assert any(row["fit"] == id_ for row in rows)
     table = browser.get("/api/cohort.csv").text.splitlines()
     assert table[0].startswith("subject,group,side")
+    assert "muscle model [1.0]" in table[1]  # people read names; the id stands beside it
+    made = {each["label"]: each["value"] for each in fit["made"]}
+    assert made["Model"] == "muscle model [1.0] (muscle)"
     assert len(table) == len(rows) + 1
     page = browser.get(f"/api/fits/{id_}/report.html", params={"inline": True})
     assert "<html" in page.text

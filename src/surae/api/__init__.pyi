@@ -153,6 +153,7 @@ from surae.report.parameters import repeatable as repeatable
 from surae.report.parameters import shown_parameters as shown_parameters
 from surae.report.provenance import MANY_OUTLIERS as MANY_OUTLIERS
 from surae.report.provenance import excluded_spans as excluded_spans
+from surae.report.provenance import fit_settings as fit_settings
 from surae.report.references import always_cited as always_cited
 from surae.report.references import cited_by as cited_by
 from surae.report.session import trial_row as trial_row

@@ -21,7 +21,7 @@ from surae.report.laboratory import (
     trials_section,
 )
 from surae.report.parameters import ParameterGroup, parameter_groups
-from surae.report.provenance import Setting, Source, settings, sources
+from surae.report.provenance import Setting, Source, fit_settings, sources
 from surae.report.recordings import RecordingSection, recording_section
 from surae.report.sections import (
     CorrelationSection,
@@ -150,7 +150,7 @@ def make_content(
         identifiability=identifiability_section(result, assessment),
         starts=start_rows(result),
         agreeing=result.agreeing,
-        settings=settings(result, assessment),
+        settings=fit_settings(result, assessment),
         sources=sources(result),
         versions=tuple(Setting(name, version) for name, version in versions.items()),
         budget=budget_section(result, assessment),

@@ -141,7 +141,7 @@ def _option(value: str | float | tuple[float, ...]) -> str:
     return value if isinstance(value, str) else short(value)
 
 
-def settings(result: FitResult, assessment: Assessment) -> tuple[Setting, ...]:
+def fit_settings(result: FitResult, assessment: Assessment) -> tuple[Setting, ...]:
     """Model, options, fixed parameters, changed bounds, starts, seed and time of a fit."""
     problem = result.problem
     options = ", ".join(

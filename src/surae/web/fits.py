@@ -13,6 +13,7 @@ from surae.api import (
     budget_section,
     extremes,
     family_section,
+    fit_settings,
     laboratory_section,
     trials_section,
 )
@@ -258,7 +259,8 @@ def _told(fit: "Fit") -> dict[str, Any]:
         "family": family_section(result, assessment),
         "trials": trials_section(result, assessment),
     }
-    return {name: None if each is None else asdict(each) for name, each in sections.items()}
+    told = {name: None if each is None else asdict(each) for name, each in sections.items()}
+    return told | {"made": [asdict(each) for each in fit_settings(result, assessment)]}
 
 
 def fit_traces(

@@ -6,6 +6,7 @@ from fastapi import APIRouter, Query, Response
 
 from surae.api import ModelSpec, get_model, with_optional
 from surae.files import csv_row
+from surae.web.fits import model_title
 from surae.web.project import when
 from surae.web.routes.common import ERRORS, Bench, Responses, attachment
 from surae.web.rows import Thing
@@ -14,8 +15,9 @@ from surae.web.workbench import Workbench
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["cohort"])
 
-_LABELS = ("subject", "group", "side", "trial", "condition", "model", "status", "vaf", "ipde",
-           "created")  # fmt: skip
+#: Columns of the file before the estimates; `model` is what the command line calls it.
+_LABELS = ("subject", "group", "side", "trial", "condition", "model_title", "model", "status",
+           "vaf", "ipde", "created")  # fmt: skip
 _CSV: Responses = {200: {"content": {"text/csv": {}}}}
 
 Which = Annotated[Literal["latest", "all"], Query()]
@@ -78,6 +80,7 @@ def _row(fit: Thing, recording: Thing, subject: Thing | None) -> dict[str, Any]:
         "group": "" if subject is None else subject["group"],
         **{key: recording[key] for key in ("side", "trial", "condition")},
         "name": fit["name"],
+        "model_title": model_title(fit["model"]),
         "recordings": fit["recordings"],
         "names": fit["names"],
         **{key: fit[key] for key in ("model", "status", "vaf", "ipde", "parameters")},
