@@ -23,20 +23,12 @@ _STEP = 1e-5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Aim(Comparable):
-    """What is to be known well, of each leg.
+    """What is to be known well, of each leg."""
 
-    Attributes
-    ----------
-    name : str
-        As it was asked.
-    wanted : tuple of str
-        Names of the parameters and measures.
-    slopes : ndarray, shape (n_legs, n_wanted, p)
-        Derivatives of the logarithm of each by what a fit would estimate.
-    """
-
-    name: str
-    wanted: tuple[str, ...]
+    name: str  #: As it was asked.
+    wanted: tuple[str, ...]  #: Names of the parameters and measures.
+    #: Derivatives of the logarithm of each by what a fit would estimate, shape (n_legs, n_wanted,
+    #: p).
     slopes: FloatArray
 
     def errors(self, covariance: FloatArray) -> FloatArray:
@@ -58,18 +50,8 @@ class Aim(Comparable):
 def make_aim(name: str, legs: Legs) -> Aim:
     """The aim of that name.
 
-    Parameters
-    ----------
-    name : str
-        ``"worst"``, ``"mean"``, or names of parameters and measures with commas between them, e.g.
-        ``"k_tib,passive_stiffness@10deg"``.
-    legs : Legs
-        Whose they are.
-
-    Raises
-    ------
-    InputError
-        A name is none of the model's parameters that a fit estimates, and no measure.
+    `name` is ``"worst"``, ``"mean"``, or names of parameters and measures of the legs with commas
+    between them, e.g. ``"k_tib,passive_stiffness@10deg"``.
     """
     wanted = legs.own if name in (WORST, MEAN) else tuple(n.strip() for n in name.split(","))
     columns = [legs.spec.names.index(n) for n in legs.free]

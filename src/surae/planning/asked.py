@@ -18,22 +18,13 @@ _LEGS = 20
 
 @dataclass(frozen=True, slots=True)
 class AskedLimit:
-    """One limit of a device, and what a trial asks.
+    """One limit of a device, and what a trial asks."""
 
-    Attributes
-    ----------
-    text : str
-        Both in words, and when the first is asked where it is more than the second.
-    value, limit : float
-        What is asked at most, and what the device can do.
-    exceeded : bool
-        Whether the first is more than the second.
-    """
-
-    text: str
+    text: str  #: Both in words, and when the first is asked where it is more than the second.
+    #: `value`, `limit`: what is asked at most, and what the device can do.
     value: float
     limit: float
-    exceeded: bool
+    exceeded: bool  #: Whether the first is more than the second.
 
 
 def asked_limits(

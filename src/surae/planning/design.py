@@ -32,43 +32,21 @@ _MISSED = 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Design(Comparable):
-    """A designed protocol and what it will tell.
+    """A designed protocol and what it will tell."""
 
-    Attributes
-    ----------
-    plan : Plan
-        The protocol as ramps, perturbations and bursts.
-    limits : Limits
-        Of the movement.
-    trajectory : Trajectory
-        The same, sampled.
-    device : Device or None
-        Whose limits it keeps.
-    expectation : Expectation
-        What it will tell of legs that the search did not see.
-    aimed : mapping of str to (float or None)
-        Relative standard error of each parameter or measure that was aimed at by name, root mean
-        square over those legs; None where the trial does not determine it.
-    notes : tuple of str
-        What was given up for device and subject, a sentence each.
-    curve : tuple of (int, float, float)
-        Plans judged, seconds, and the cost of the best one, as the search went on.
-    seconds : float
-        Time that the search took [s].
-    stopped : bool
-        Whether the user ended it: then this is the best plan until then.
-    """
-
-    plan: Plan
-    limits: Limits
-    trajectory: Trajectory
-    device: Device | None
-    expectation: Expectation
+    plan: Plan  #: The protocol as ramps, perturbations and bursts.
+    limits: Limits  #: Of the movement.
+    trajectory: Trajectory  #: The same, sampled.
+    device: Device | None  #: Whose limits it keeps.
+    expectation: Expectation  #: What it will tell of legs that the search did not see.
+    #: Relative standard error of each parameter or measure that was aimed at by name, root mean
+    #: square over those legs; None where the trial does not determine it.
     aimed: Mapping[str, float | None]
-    notes: tuple[str, ...]
+    notes: tuple[str, ...]  #: What was given up for device and subject, a sentence each.
+    #: Plans judged, seconds, and the cost of the best one, as the search went on.
     curve: tuple[tuple[int, float, float], ...]
-    seconds: float
-    stopped: bool
+    seconds: float  #: Time that the search took [s].
+    stopped: bool  #: Whether the user ended it: then this is the best plan until then.
 
     def to_json(self) -> dict[str, Any]:
         """Give as plain data the plan, what it keeps, and what it will tell."""
@@ -117,33 +95,10 @@ def make_design(
 ) -> Design:
     """Search a protocol, hold it to the device, and judge it.
 
-    Parameters
-    ----------
-    name : str
-        What it is called.
-    seconds, rate_hz : float
-        Duration [s], and sampling rate of what is written [Hz].
-    device : Device or None
-        Whose limits hold.
-    range_of_motion : (float, float)
-        The subject's [rad].
-    legs, unseen : Legs
-        For whom it is searched, and by whom it is then judged.
-    noise : float
-        Standard deviation of the torque's noise [Nm], sample by sample at `rate_hz`.
-    aim : str
-        As of `make_aim`.
-    effort : bool
-        Whether the subject is asked for any.
-    evaluations, seed, known, progress
-        As of `search`.
-    start : Ready, optional
-        A protocol that the search begins with.
-
-    Raises
-    ------
-    InputError
-        The device cannot do it; the message says what to give up.
+    The subject's range is in rad, `noise` [Nm] is the standard deviation of the torque's, sample by
+    sample at `rate_hz`. It is searched for `legs` and then judged by `unseen`, from the protocol
+    `start`; `aim` is as of `make_aim`, all else as of `search`. Where the device cannot do it, the
+    message says what to give up.
     """
     begin = time.perf_counter()
     limits = limits_of(device, range_of_motion)

@@ -26,38 +26,21 @@ LEGS = 20
 
 @dataclass(frozen=True, slots=True)
 class Expected:
-    """What is expected of one parameter over all legs.
+    """What is expected of one parameter over all legs."""
 
-    Attributes
-    ----------
-    name, unit, meaning : str
-        As of the parameter.
-    value : float
-        Middle of the legs' values.
-    relative_sem : float or None
-        Standard error as a part of the value, root mean square over the legs; None where some leg
-        has none.
-    half_width : float or None
-        Half of the 95 % interval as a part of the value, likewise.
-    verdict : Verdict
-        Of that interval, by the rule of a fit.
-    note : str
-        Why, in a sentence.
-    identified_share : float
-        Part of the legs in which it would be identified.
-    budget : mapping of str to float
-        Parts of the variance by source; they add up to 1. Empty where there is none.
-    """
-
+    #: `name`, `unit`, `meaning`: as of the parameter.
     name: str
     unit: str
     meaning: str
-    value: float
+    value: float  #: Middle of the legs' values.
+    #: Standard error as a part of the value, root mean square over the legs; None where some leg
+    #: has none.
     relative_sem: float | None
-    half_width: float | None
-    verdict: Verdict
-    note: str
-    identified_share: float
+    half_width: float | None  #: Half of the 95 % interval as a part of the value, likewise.
+    verdict: Verdict  #: Of that interval, by the rule of a fit.
+    note: str  #: Why, in a sentence.
+    identified_share: float  #: Part of the legs in which it would be identified.
+    #: Parts of the variance by source; they add up to 1. Empty where there is none.
     budget: Mapping[str, float] = field(default_factory=FrozenDict)
 
 
@@ -164,17 +147,8 @@ def expected(
 ) -> Expectation:
     """What a trial will tell of each of the legs, and of all together.
 
-    Parameters
-    ----------
-    trajectory : Trajectory
-        The trial.
-    legs : Legs
-        Who may be measured.
-    noise : float
-        As of `Expectation`.
-    known : ndarray, shape (p, p), optional
-        Information that there is before the trial, on the parameters in the order of
-        `Information.names`; by default the priors of the nuisances.
+    `known`, shape (p, p), is the information that there is before the trial, on the parameters in
+    the order of `Information.names`; by default the priors of the nuisances.
     """
     with one_blas_thread():
         told = information(trajectory, legs, noise)
@@ -197,16 +171,8 @@ def expected_of(
 ) -> Expectation:
     """What information, of one trial or several, tells of each of the legs, and of all together.
 
-    Parameters
-    ----------
-    told : Information
-        Of the legs.
-    legs : Legs
-        Who may be measured.
-    known : ndarray, shape (p, p)
-        Information that there is besides.
-    protocol, seconds, noise, rate_hz
-        As of `Expectation`.
+    `known`, shape (p, p), is the information that there is besides; all else is as of
+    `Expectation`.
     """
     with one_blas_thread():
         covariances = [estimated(told.names, m + known) for m in told.matrices]

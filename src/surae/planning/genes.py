@@ -51,27 +51,13 @@ def _spent(bursts: tuple[Burst, ...]) -> tuple[float, float]:
 
 @dataclass(frozen=True, slots=True)
 class Genes:
-    """How a vector of numbers is read as a plan.
+    """How a vector of numbers is read as a plan."""
 
-    Attributes
-    ----------
-    name : str
-        What the plans are called.
-    seconds : float
-        Duration [s].
-    limits : Limits
-        Of the movement.
-    highest_hz : float
-        Highest frequency of the device [Hz].
-    effort : bool
-        Whether the subject is asked for any.
-    """
-
-    name: str
-    seconds: float
-    limits: Limits
-    highest_hz: float
-    effort: bool
+    name: str  #: What the plans are called.
+    seconds: float  #: Duration [s].
+    limits: Limits  #: Of the movement.
+    highest_hz: float  #: Highest frequency of the device [Hz].
+    effort: bool  #: Whether the subject is asked for any.
 
     def __post_init__(self) -> None:
         """Refuse what leaves no time to move."""
@@ -123,12 +109,8 @@ class Genes:
     def carried(self, genes: FloatArray, counts: tuple[int, int, int]) -> FloatArray:
         """Genes of another duration or device as a start here: repeated, or cut off.
 
-        Parameters
-        ----------
-        genes : ndarray
-            Of plans with so many ramps, bursts and perturbations; with bursts if these have any.
-        counts : tuple of int
-            Those numbers.
+        They are of plans with so many ramps, bursts and perturbations, with bursts if these have
+        any.
         """
         ramps, bursts, shakes = counts
         blocks = [2, *(3 * [ramps])] + ([1, *(3 * [bursts])] if bursts else []) + 5 * [shakes]

@@ -28,20 +28,11 @@ SINGULAR = 1e-13
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Information(Comparable):
-    """Information of one trial on each leg.
+    """Information of one trial on each leg."""
 
-    Attributes
-    ----------
-    names : tuple of str
-        Parameters of the leg, then nuisances.
-    matrices : ndarray, shape (n_legs, p, p)
-        Without the priors of the latter.
-    torque : ndarray, shape (n_legs, 2)
-        Least and greatest torque that each leg asks of the device [Nm].
-    """
-
-    names: tuple[str, ...]
-    matrices: FloatArray
+    names: tuple[str, ...]  #: Parameters of the leg, then nuisances.
+    matrices: FloatArray  #: Without the priors of the latter, shape (n_legs, p, p).
+    #: Least and greatest torque that each leg asks of the device [Nm], shape (n_legs, 2).
     torque: FloatArray
 
 
@@ -68,17 +59,8 @@ def information(
 ) -> Information:
     """Information of a trial on each of the legs.
 
-    Parameters
-    ----------
-    trajectory : Trajectory
-        The trial.
-    legs : Legs
-        Whose torque it is.
-    noise : float
-        Standard deviation of the torque's white noise [Nm], sample by sample at the rate of the
-        trajectory.
-    rate_hz : float
-        The torque is simulated at this rate at least, where the trajectory has it.
+    `noise` is the standard deviation of the torque's white noise [Nm], sample by sample at the rate
+    of the trajectory; the torque is simulated at `rate_hz` at least, where the trajectory has it.
     """
     inputs = model_inputs(trajectory, legs, rate_hz)
     variance = noise**2 * inputs.rate_hz / trajectory.settings.rate_hz
@@ -113,17 +95,7 @@ def shared(told: Information, legs: Legs) -> Information:
 def estimated(names: Sequence[str], precision: FloatArray) -> Covariance | None:
     """Covariance of estimates with this information; what trades off has no variance in it.
 
-    Parameters
-    ----------
-    names : sequence of str
-        Parameters.
-    precision : ndarray, shape (p, p)
-        Information on them.
-
-    Returns
-    -------
-    Covariance or None
-        None where the model gave no numbers.
+    None where the model gave no numbers.
     """
     if not np.isfinite(precision).all():
         return None

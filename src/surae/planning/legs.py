@@ -30,37 +30,19 @@ _WHO = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Legs(Comparable):
-    """Legs that may be measured, all of one model.
+    """Legs that may be measured, all of one model."""
 
-    Attributes
-    ----------
-    name : str
-        Who they are, in words.
-    spec : ModelSpec
-        The model, with its nuisances.
-    options : ModelOptions
-        Its switches.
-    free : tuple of str
-        What a fit would estimate: parameters of the leg, then nuisances.
-    beliefs : mapping of str to Belief
-        Priors of the nuisances.
-    values : ndarray, shape (n_legs, n_parameters)
-        Parameter vectors in the model's order.
-    emg_rest, emg_full : ndarray, shape (4,)
-        EMG envelope of TA, GL, SOL, GM at rest and at the largest effort, in `emg_unit`.
-    emg_unit : {"V", "1"}
-        Volts, or a normalised envelope.
-    """
-
-    name: str
-    spec: ModelSpec
-    options: ModelOptions
-    free: tuple[str, ...]
-    beliefs: Mapping[str, Belief]
-    values: FloatArray
+    name: str  #: Who they are, in words.
+    spec: ModelSpec  #: The model, with its nuisances.
+    options: ModelOptions  #: Its switches.
+    free: tuple[str, ...]  #: What a fit would estimate: parameters of the leg, then nuisances.
+    beliefs: Mapping[str, Belief]  #: Priors of the nuisances.
+    values: FloatArray  #: Parameter vectors in the model's order, shape (n_legs, n_parameters).
+    #: `emg_rest`, `emg_full`: EMG envelope of TA, GL, SOL, GM at rest and at the largest effort, in
+    #: `emg_unit`, shape (4,).
     emg_rest: FloatArray
     emg_full: FloatArray
-    emg_unit: str = "V"
+    emg_unit: str = "V"  #: "V", "1": Volts, or a normalised envelope.
 
     @property
     def own(self) -> tuple[str, ...]:
@@ -88,25 +70,8 @@ def population_legs(
 ) -> Legs:
     """Legs drawn from a population, or half from each.
 
-    Parameters
-    ----------
-    model : str
-        Name of a model, or ``"auto"``: the family's richest one, with the laboratory's nuisances.
-    population : str or None
-        A name of `POPULATIONS`; None for as many of each.
-    count : int
-        How many.
-    first : int
-        Seed of the first one.
-    nuisances : str or mapping, optional
-        As of `surae.fit`; by default all of them for ``"auto"``, and none for a named model.
-    options : ModelOptions, optional
-        Switches of the model.
-
-    Raises
-    ------
-    InputError
-        The model has parameters of which no population knows.
+    `model` may be ``"auto"``: the family's richest one, with the laboratory's nuisances, all by
+    default; a named model has none by default. Legs are of seeds from `first`.
     """
     options = options or ModelOptions()
     if population is not None and population not in POPULATIONS:
@@ -141,22 +106,7 @@ def population_legs(
 
 
 def fit_legs(result: FitResult, assessment: Assessment, count: int, *, seed: int = 0) -> Legs:
-    """Legs that a fit leaves possible: its estimate first, then draws of what it left open.
-
-    Parameters
-    ----------
-    result, assessment : FitResult, Assessment
-        A fit and what it is worth.
-    count : int
-        How many.
-    seed : int
-        Of the draws.
-
-    Raises
-    ------
-    InputError
-        The fit failed: it says nothing of a leg.
-    """
+    """Legs that a fit leaves possible: its estimate first, then draws of what it left open."""
     problem = result.problem
     if result.status == "failed":
         raise InputError("the fit failed, so it says nothing of a leg; name a population instead")

@@ -22,13 +22,7 @@ class Limits(NamedTuple):
 
 
 def limits_of(device: Device | None, range_of_motion: tuple[float, float]) -> Limits:
-    """What a movement over this range must keep on a device.
-
-    Raises
-    ------
-    InputError
-        The range is none, or beyond the device's.
-    """
+    """What a movement over this range must keep on a device."""
     low, high = allowed_range(device, range_of_motion)
     if high - low < 0.05:
         raise InputError(f"range {low:g} … {high:g} rad is too narrow to move in; widen it")

@@ -34,37 +34,19 @@ _SURELY = 0.85
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NextTrial(Comparable):
-    """The trial that adds most to what a fit knows.
+    """The trial that adds most to what a fit knows."""
 
-    Attributes
-    ----------
-    protocol : str or None
-        Name of the ready protocol; None where none would help.
-    sentences : tuple of str
-        The answer in words, the first sentence first.
-    gains : mapping of str to (float or None, float or None)
-        Half of each wanted parameter's 95 % interval as a part of its value, now and after one such
-        trial; None where there is none.
-    repetitions : mapping of str to (int or None)
-        How many such trials until it is identified; None for more than `MOST`.
-    trajectory : Trajectory or None
-        The trial.
-    """
-
-    protocol: str | None
-    sentences: tuple[str, ...]
+    protocol: str | None  #: Name of the ready protocol; None where none would help.
+    sentences: tuple[str, ...]  #: The answer in words, the first sentence first.
+    #: Half of each wanted parameter's 95 % interval as a part of its value, now and after one such
+    #: trial; None where there is none.
     gains: Mapping[str, tuple[float | None, float | None]]
+    #: How many such trials until it is identified; None for more than `MOST`.
     repetitions: Mapping[str, int | None]
-    trajectory: Trajectory | None
+    trajectory: Trajectory | None  #: The trial.
 
     def write(self, path: PathLike, *, without_limits: str | None = None) -> None:
-        """Write the trial for a device, as `surae.planning.design.Design.write` does.
-
-        Raises
-        ------
-        InputError
-            There is no trial, or it cannot be written.
-        """
+        """Write the trial for a device, as `surae.planning.design.Design.write` does."""
         if self.trajectory is None:
             raise InputError("there is no trial to write: " + self.sentences[0])
         write_protocol(self.trajectory, path, without_limits=without_limits)
@@ -82,17 +64,8 @@ class NextTrial(Comparable):
 def known_from(result: FitResult, assessment: Assessment, legs: Legs) -> FloatArray:
     """Information that a fit has, on ``legs.free``, and priors of another trial's own nuisances.
 
-    Parameters
-    ----------
-    result, assessment : FitResult, Assessment
-        The fit; intervals that are believed for correlated residuals are believed here too.
-    legs : Legs
-        Of that fit (`surae.planning.legs.fit_legs`).
-
-    Returns
-    -------
-    ndarray, shape (p, p)
-        Nuisances that trials share are in with their priors, once.
+    Intervals that are believed for correlated residuals are believed here too. Nuisances that
+    trials share are in with their priors, once. The legs are those of the fit (`fit_legs`).
     """
     free = legs.free
     own = {n for n in free if n in legs.beliefs and group_of(n) in EACH_TRIAL}
@@ -126,29 +99,10 @@ def measure_next_of(
 ) -> NextTrial:
     """The ready trial that adds most to a fit.
 
-    Parameters
-    ----------
-    result, assessment : FitResult, Assessment
-        The fit.
-    legs : Legs
-        The fitted leg.
-    noise : float
-        Standard deviation of the torque's noise [Nm], sample by sample at `rate_hz`.
-    device : Device or None
-        What is to move the leg.
-    range_of_motion : (float, float)
-        The subject's [rad].
-    longest : float
-        Longest trial that may be proposed [s].
-    wanted : sequence of str, optional
-        Parameters to know better; by default all that are not identified.
-    rate_hz : float
-        Sampling rate [Hz].
-
-    Raises
-    ------
-    InputError
-        A wanted parameter is none that the fit estimates.
+    The legs are the fitted leg's, `range_of_motion` is the subject's [rad], `noise` [Nm] the
+    standard deviation of the torque's, sample by sample at `rate_hz`. No trial longer than
+    `longest` [s] is proposed; `wanted` are parameters to know better, by default all that are not
+    identified.
     """
     unknown = [name for name in wanted or () if name not in legs.own]
     if unknown:

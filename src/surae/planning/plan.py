@@ -27,21 +27,13 @@ _FINE_RATE = 256.0
 
 
 class Shake(NamedTuple):
-    """A small perturbation.
+    """A small perturbation."""
 
-    Attributes
-    ----------
-    onset, length : float
-        When it begins, and how long it lasts [s].
-    amplitude : float
-        At most [rad].
-    first_hz, last_hz : float
-        Its frequency goes linearly from one to the other.
-    """
-
+    #: `onset`, `length`: when it begins, and how long it lasts [s].
     onset: float
     length: float
-    amplitude: float
+    amplitude: float  #: At most [rad].
+    #: `first_hz`, `last_hz`: its frequency goes linearly from one to the other.
     first_hz: float
     last_hz: float
 

@@ -18,18 +18,10 @@ _PER_PERIOD = 4.0
 
 @dataclass(frozen=True, slots=True)
 class ProfilePlan:
-    """A protocol of the thesis, whose range and efforts can be given up.
+    """A protocol of the thesis, whose range and efforts can be given up."""
 
-    Attributes
-    ----------
-    settings : Protocol
-        What it is.
-    bursts : tuple of Burst
-        What is asked of the subject.
-    """
-
-    settings: Protocol
-    bursts: tuple[Burst, ...]
+    settings: Protocol  #: What it is.
+    bursts: tuple[Burst, ...]  #: What is asked of the subject.
 
     @classmethod
     def of(cls, settings: Protocol) -> "ProfilePlan":

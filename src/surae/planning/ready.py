@@ -27,31 +27,16 @@ _LIKE = 1.1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ready(Comparable):
-    """A designed protocol that comes with surae.
+    """A designed protocol that comes with surae."""
 
-    Attributes
-    ----------
-    name : str
-        Name in settings and files.
-    description : str
-        What it is good for, in a sentence.
-    seconds : float
-        Duration [s].
-    model, aim : str
-        What it was searched for.
-    effort : bool
-        Whether it asks the subject for any.
-    genes : ndarray, shape (d,)
-        As `Genes` reads them.
-    """
-
-    name: str
-    description: str
-    seconds: float
+    name: str  #: Name in settings and files.
+    description: str  #: What it is good for, in a sentence.
+    seconds: float  #: Duration [s].
+    #: `model`, `aim`: what it was searched for.
     model: str
     aim: str
-    effort: bool
-    genes: FloatArray
+    effort: bool  #: Whether it asks the subject for any.
+    genes: FloatArray  #: As `Genes` reads them, shape (d,).
 
     @property
     def counts(self) -> tuple[int, int, int]:
@@ -69,13 +54,7 @@ class Ready(Comparable):
         rate_hz: float,
         legs: Legs,
     ) -> Trajectory:
-        """The protocol on a device: within its limits, and its torque for these legs.
-
-        Raises
-        ------
-        InputError
-            The device cannot do it.
-        """
+        """The protocol on a device: within its limits, and its torque for these legs."""
         limits = limits_of(device, range_of_motion)
         genes = Genes(self.name, self.seconds, limits, highest_hz(device), self.effort)
         carried = genes.carried(self.genes, self.counts)  # a slow device has time for fewer ramps

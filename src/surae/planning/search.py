@@ -34,27 +34,14 @@ _BEYOND, _NOTHING = 20.0, 1e3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Search(Comparable):
-    """Where a search ended.
+    """Where a search ended."""
 
-    Attributes
-    ----------
-    genes : ndarray, shape (d,)
-        The best plan.
-    cost : float
-        Its cost.
-    evaluations : int
-        Plans that were judged.
-    curve : tuple of (int, float, float)
-        Evaluations, seconds and the best cost, each time that it fell by a hundredth.
-    stopped : bool
-        Whether Ctrl-C ended it.
-    """
-
-    genes: FloatArray
-    cost: float
-    evaluations: int
+    genes: FloatArray  #: The best plan, shape (d,).
+    cost: float  #: Its cost.
+    evaluations: int  #: Plans that were judged.
+    #: Evaluations, seconds and the best cost, each time that it fell by a hundredth.
     curve: tuple[tuple[int, float, float], ...]
-    stopped: bool
+    stopped: bool  #: Whether Ctrl-C ended it.
 
 
 class _Judge:
@@ -127,26 +114,9 @@ def search(
 ) -> Search:
     """Search the plan of the smallest cost; the same arguments always find the same one.
 
-    Parameters
-    ----------
-    genes : Genes
-        How plans are written as numbers.
-    legs, aim : Legs, Aim
-        For whom, and what is to be known.
-    noise : float
-        Standard deviation of the torque's noise [Nm], sample by sample at `SEARCH_RATE`.
-    torque : float
-        What no leg should exceed [Nm].
-    evaluations : int
-        Plans that are judged at most.
-    seed : int
-        Of the search.
-    known : ndarray, shape (p, p), optional
-        Information that there is without the trial.
-    start : ndarray, optional
-        Genes where it begins.
-    progress : callable, optional
-        Told of what is done.
+    `noise` is the standard deviation of the torque's [Nm], sample by sample at `SEARCH_RATE`;
+    `torque` [Nm] is what no leg should exceed; `evaluations` plans are judged at most. `known`,
+    shape (p, p), is information that there is without the trial, `start` are genes where it begins.
     """
     from cmaes import SepCMA
 

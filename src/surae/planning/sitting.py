@@ -37,50 +37,27 @@ _WORTH = 0.005
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlannedTrial(Comparable):
-    """A trial that a session may have.
+    """A trial that a session may have."""
 
-    Attributes
-    ----------
-    name, kind : str
-        What it is called, and one of `KINDS`.
-    seconds : float
-        Duration [s].
-    trajectory : Trajectory
-        Movement and effort.
-    """
-
+    #: `name`, `kind`: what it is called, and one of `KINDS`.
     name: str
     kind: str
-    seconds: float
-    trajectory: Trajectory
+    seconds: float  #: Duration [s].
+    trajectory: Trajectory  #: Movement and effort.
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SessionPlan(Comparable):
-    """Trials of a session, and what they will tell together.
+    """Trials of a session, and what they will tell together."""
 
-    Attributes
-    ----------
-    trials : tuple of PlannedTrial
-        In the order in which to make them.
-    seconds : float
-        Of trials and pauses [s].
-    expectation : Expectation
-        Of all trials together.
-    worst : tuple of (float or None)
-        The largest relative standard error after each of the trials.
-    without : mapping of str to (float or None)
-        By kind of trial: the largest error of the best session of that length that has none.
-    sentences : tuple of str
-        All that in words.
-    """
-
-    trials: tuple[PlannedTrial, ...]
-    seconds: float
-    expectation: Expectation
+    trials: tuple[PlannedTrial, ...]  #: In the order in which to make them.
+    seconds: float  #: Of trials and pauses [s].
+    expectation: Expectation  #: Of all trials together.
+    #: The largest relative standard error after each of the trials.
     worst: tuple[float | None, ...]
+    #: By kind of trial: the largest error of the best session of that length that has none.
     without: Mapping[str, float | None]
-    sentences: tuple[str, ...]
+    sentences: tuple[str, ...]  #: All that in words.
 
     def to_json(self) -> dict[str, Any]:
         """Give all of it as plain data."""
@@ -104,19 +81,8 @@ def possible_trials(
 ) -> tuple[PlannedTrial, ...]:
     """The trials that a session is made of: at rest, designed ones, and a maximal one held still.
 
-    Parameters
-    ----------
-    device, range_of_motion, rate_hz
-        What moves the leg, the subject's range [rad], and the sampling rate [Hz].
-    legs : Legs
-        Whose torque must not exceed the device's.
-    effort : bool
-        Whether the subject can be asked for any.
-
-    Raises
-    ------
-    InputError
-        The device can do none of the designed ones.
+    The subject's range is in rad; the torque of no leg may exceed the device's. `effort`: whether
+    the subject can be asked for any.
     """
     made, refusals = [], []
     for ready in ready_protocols().values():
@@ -158,25 +124,10 @@ def plan_session(
 ) -> SessionPlan:
     """The trials that tell most together.
 
-    Parameters
-    ----------
-    trials : sequence of PlannedTrial
-        Each may be made as often as there is time for.
-    legs : Legs
-        For whom.
-    seconds, pause : float
-        Of the session, and after each trial but the last [s].
-    noise : float
-        Standard deviation of the torque's noise [Nm], sample by sample.
-    aim : str
-        As of `surae.planning.aim.make_aim`.
-    known : ndarray, shape (p, p), optional
-        Information that there is before; by default the priors of the nuisances.
-
-    Raises
-    ------
-    InputError
-        There is no time for any of the trials.
+    Each trial may be made as often as there is time for: `seconds`, with a `pause` [s] after each
+    but the last. `noise` is the standard deviation of the torque's [Nm], sample by sample; `aim` is
+    as of `make_aim`; `known`, shape (p, p), is information that there is before, by default the
+    priors of the nuisances.
     """
     known = prior_precision(legs.free, legs) if known is None else known
     with one_blas_thread():

@@ -45,10 +45,7 @@ def within_torque(
 ) -> tuple[_Plan, Limits, tuple[str, ...]]:
     """Plan and range with which no leg exceeds the device's torque, and what that cost.
 
-    Raises
-    ------
-    InputError
-        Even relaxed legs ask for more; the message says what to give up.
+    Where even relaxed legs ask for more, the message says what to give up.
     """
     if device is None or device.max_torque is None:
         return plan, limits, ()

@@ -41,12 +41,7 @@ _log = logging.getLogger("surae.web")
 def create_app(bench: Workbench, policy: Policy) -> ASGIApp:
     """The workbench as an ASGI application.
 
-    Parameters
-    ----------
-    bench : Workbench
-        The server's state; it is started and closed with the application.
-    policy : Policy
-        Who may ask.
+    The server's state is started and closed with the application; `policy` says who may ask.
     """
 
     @asynccontextmanager

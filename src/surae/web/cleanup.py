@@ -32,16 +32,8 @@ _TRASHED = re.compile(
 def clean(folder: Path, database: Database, day: int, old: float | None) -> None:
     """Set aside what is old; nobody else has the project open.
 
-    Parameters
-    ----------
-    folder : Path
-        The project's.
-    database : Database
-        Its content.
-    day : int
-        How many days it was used on.
-    old : float or None
-        What was deleted or uploaded before this time is old [s]; None where nothing is.
+    The project was used on so many days (`day`); what was deleted or uploaded before the time `old`
+    [s] is old, nothing where it is None.
     """
     database.forget_jobs(JOBS)
     if old is not None:

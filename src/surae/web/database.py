@@ -139,10 +139,7 @@ class Database:
     def get(self, kind: str, id_: str, *, deleted: bool = False) -> Thing | None:
         """A thing with its `id` and `created`; None where there is none, or it was deleted.
 
-        Raises
-        ------
-        RefusedError
-            Its row is damaged.
+        A damaged row is refused.
         """
         row = self.row(
             "SELECT id, created, data FROM thing WHERE id = ? AND kind = ? AND deleted <= ?",
@@ -229,12 +226,7 @@ def connected(path: Path, mode: str = "rw") -> sqlite3.Connection:
 def recognised(file: sqlite3.Connection, name: str) -> bool:
     """Whether a file has content, which is a project's, whole, and nothing else.
 
-    Raises
-    ------
-    InputError
-        It is somebody else's, a newer surae's, or holds what we did not put there.
-    ComputationError
-        It is damaged.
+    Somebody else's file, a newer surae's, and one that holds what we did not put there, is refused.
     """
     (application,) = file.execute("PRAGMA application_id").fetchone()
     (known,) = file.execute("SELECT count(*) FROM sqlite_master").fetchone()

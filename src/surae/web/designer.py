@@ -35,13 +35,7 @@ _LEGS = 6
 
 
 def trajectory_of(settings: "ProtocolSettings") -> Trajectory:
-    """The trajectory of some settings: a designed protocol, or a profile of the thesis.
-
-    Raises
-    ------
-    InputError
-        A setting is out of its range, or the device cannot do it.
-    """
+    """The trajectory of some settings: a designed protocol, or a profile of the thesis."""
     device = None if settings.device is None else named_device(settings.device)
     if settings.plan is not None:
         limits = settings.limits or (*settings.range, 1e6, 1e6)
@@ -71,13 +65,7 @@ def trajectory_of(settings: "ProtocolSettings") -> Trajectory:
 
 
 def for_export(settings: "ProtocolSettings", reason: str) -> Trajectory:
-    """The trajectory, if it may be written: within a device's limits, or for a reason.
-
-    Raises
-    ------
-    InputError
-        There is no device, or one of its limits is exceeded, and no reason is given.
-    """
+    """The trajectory, if it may be written: within a device's limits, or for a reason."""
     trajectory = trajectory_of(settings)
     exceeded = [limit for limit in limits(settings, trajectory) if limit["exceeded"]]
     if exceeded and not reason.strip():

@@ -31,13 +31,7 @@ def empty_draft() -> Draft:
 
 
 def changed(draft: Draft, change: Mapping[str, Any]) -> Draft:
-    """The draft with a change, itself left as it is.
-
-    Raises
-    ------
-    InputError
-        No fit could be asked so.
-    """
+    """The draft with a change, itself left as it is."""
     made = dict(draft)
     for key, value in change.items():
         if key in _MERGED and isinstance(value, Mapping):

@@ -47,13 +47,7 @@ class Events:
             self.tell(topic, _CLOSED, None)
 
     def refuse_more(self, who: str) -> None:
-        """Refuse one more stream to whom has too many.
-
-        Raises
-        ------
-        RefusedError
-            There are too many.
-        """
+        """Refuse one more stream to whom has too many."""
         with self._lock:
             if self._open[who] >= _OF_ONE or self._open.total() >= _OF_ALL:
                 raise RefusedError(503, "too many windows follow the server; close some of them")
@@ -68,18 +62,9 @@ class Events:
     ) -> AsyncIterator[str]:
         """A stream of server-sent events: how things stand, then what happens.
 
-        Parameters
-        ----------
-        who : str
-            Whose stream it is.
-        topics : tuple of str
-            What to listen to.
-        first : callable
-            Messages to begin with, made once the stream listens, so that nothing is missed.
-        last : str
-            The event after which the stream ends.
-        view : callable
-            What this listener sees of a message's data.
+        `who` listens to `topics`. The `first` messages are made once the stream listens, so that
+        nothing is missed; after the event `last` it ends; `view` is what this listener sees of a
+        message's data.
         """
         queue: asyncio.Queue[tuple[str, Any]] = asyncio.Queue(_WAITING)
         listener = (asyncio.get_running_loop(), queue)

@@ -12,17 +12,10 @@ _CODE = re.compile(r"`([^`]+)`")
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """An entry of the glossary.
+    """An entry of the glossary."""
 
-    Attributes
-    ----------
-    key : str
-        What a link to it says after the ``#``.
-    name, more, text : str
-        Its name, what stands beside it, and what it means.
-    """
-
-    key: str
+    key: str  #: What a link to it says after the ``#``.
+    #: `name`, `more`, `text`: its name, what stands beside it, and what it means.
     name: str
     more: str
     text: str

@@ -115,18 +115,8 @@ class Jobs:
     ) -> Thing:
         """Ask for a job.
 
-        Parameters
-        ----------
-        kind : str
-            What to do.
-        label : str
-            What lists call it.
-        session : BrowserSession
-            Who asks.
-        task : mapping
-            What the worker is given; kept, so that the job can be restarted.
-        about : str or None
-            The thing that it is about.
+        `label` is what lists call it; `task` is what the worker is given, kept so that the job can
+        be restarted; `about` is the thing that it is about.
         """
         lane = self._lanes[self._kinds[kind].lane]
         with self._changed:

@@ -37,32 +37,8 @@ def live(
 ) -> dict[str, Any]:
     """The torque of a draft's model with some values changed.
 
-    Parameters
-    ----------
-    inputs : ModelInputs
-        The recording, prepared.
-    draft : dict
-        Model, options and all other values.
-    values : mapping of str to float
-        Values by parameter.
-    points : int
-        At most so many instants.
-    parts : bool
-        Whether its parts are asked for.
-    start, end : float or None
-        The part of time that is shown [s].
-    key : hashable
-        Names `inputs`.
-
-    Returns
-    -------
-    dict
-        As the API's live answer.
-
-    Raises
-    ------
-    InputError
-        A parameter is unknown or its value is impossible.
+    `values` are by parameter, all others and the model the draft's; at most so many `points` are
+    given, from `start` to `end` [s], with the torque's `parts` or without; `key` names `inputs`.
     """
     begin = time.perf_counter()
     spec, options = spec_of(draft), ModelOptions.of(**draft["options"])

@@ -28,13 +28,7 @@ _KEY = re.compile(r"[0-9a-f]{32,64}")
 
 
 def refuse_foreign(folder: Path, where: str) -> None:
-    """Refuse a folder of somebody's own files, and links anywhere in a project.
-
-    Raises
-    ------
-    InputError
-        It is one, or there are.
-    """
+    """Refuse a folder of somebody's own files, and links anywhere in a project."""
     cannot = f"cannot use {where} as a project"
     if not folder.exists():
         return
@@ -87,13 +81,7 @@ def new_private(path: Path) -> None:
 
 
 def uploads_of(root: Path, session: object) -> Path:
-    """The folder of a session's uploads.
-
-    Raises
-    ------
-    RefusedError
-        The session is none of ours, or there is a link.
-    """
+    """The folder of a session's uploads."""
     folder = root / "uploads" / _checked(session, _KEY)[:32]
     if is_link(folder) or is_link(folder.parent):
         raise RefusedError(409, "the folder of uploads is a link; put the folder itself there")
@@ -101,13 +89,7 @@ def uploads_of(root: Path, session: object) -> Path:
 
 
 def file_of(root: Path, folder: str, id_: str, suffix: str) -> Path:
-    """The file of a thing in a project's folder.
-
-    Raises
-    ------
-    RefusedError
-        It is none of ours.
-    """
+    """The file of a thing in a project's folder."""
     path = root / folder / f"{_checked(id_, ID)}{suffix}"
     if is_link(path) or is_link(path.parent):
         raise RefusedError(409, f"{folder}/{path.name} is a link; put the file itself there")

@@ -91,10 +91,7 @@ class Project:
     def still_ours(self) -> None:
         """Refuse to go on where the folder, or the lock in it, has been taken away.
 
-        Raises
-        ------
-        RefusedError
-            What is written now would be lost, or meet what another server writes.
+        What is written then would be lost, or meet what another server writes.
         """
         with suppress(OSError):
             if self._identities() == self._places:
@@ -119,10 +116,7 @@ class Project:
     def path(self, folder: str, id_: str, suffix: str) -> Path:
         """The file of a thing; ids are ours, never a user's text.
 
-        Raises
-        ------
-        RefusedError
-            There is a link in its place: whoever gave this project away would choose what is read.
+        A link in its place is refused: whoever gave this project away would choose what is read.
         """
         return file_of(self.folder, folder, id_, suffix)
 
@@ -190,13 +184,7 @@ class Project:
         trash(self.folder, self.database, self.day, kind, id_)
 
     def need(self, kind: str, id_: str) -> Thing:
-        """A thing that has to be there.
-
-        Raises
-        ------
-        RefusedError
-            It is not.
-        """
+        """A thing that has to be there."""
         thing = self.database.get(kind, id_)
         if thing is None:
             raise not_found(kind)

@@ -69,17 +69,7 @@ def described_anew(
 ) -> Recording:
     """The recording as imported, with another description of the same columns.
 
-    Parameters
-    ----------
-    recording : Recording
-        As it was imported.
-    first, wanted : mapping
-        The description that it was imported with, and the one that it shall have.
-
-    Raises
-    ------
-    InputError
-        A column was not imported, or a unit is none of the signal's.
+    `first` is the description that it was imported with, `wanted` the one that it shall have.
     """
     roles = {(each["upload"], each["column"]): role for role, each in first["channels"].items()}
     channels = {}
@@ -151,13 +141,7 @@ def needs_files(first: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
 
 
 def like(wanted: Mapping[str, Any], own: Mapping[str, Any], name: str) -> dict[str, Any]:
-    """The description of another recording of the session, changed in the same way.
-
-    Raises
-    ------
-    InputError
-        It has no such column.
-    """
+    """The description of another recording of the session, changed in the same way."""
     columns = {channel["column"]: channel for channel in own["channels"].values()}
     channels = {}
     for role, channel in wanted["channels"].items():

@@ -38,10 +38,7 @@ class RequestWorkers:
     def ask(self, do: str, **task: Any) -> Mapping[str, Any]:
         """Do a task now and wait for it.
 
-        Raises
-        ------
-        RefusedError
-            The task's own line, where it was refused or failed.
+        It is refused with the task's own line, where that was refused or failed.
         """
         with self._changed:
             if self._waiting >= _WAITING:  # each holds a thread that pages are served by

@@ -167,10 +167,7 @@ KINDS: dict[str, type[_Row]] = {
 def thing(kind: str, id_: object, created: object, text: object) -> Thing:
     """A row as a thing.
 
-    Raises
-    ------
-    ValueError
-        What is wrong with it, in a few words.
+    A ValueError says what is wrong with it, in a few words.
     """
     if not isinstance(id_, str) or not ID.fullmatch(id_):
         raise ValueError("its id is none of ours")
@@ -202,10 +199,7 @@ def thing(kind: str, id_: object, created: object, text: object) -> Thing:
 def plain(text: object) -> Any:
     """What a text of JSON holds.
 
-    Raises
-    ------
-    ValueError
-        It is no JSON, or holds numbers that are none.
+    It raises ValueError for no JSON, and for numbers that are none.
     """
     if not isinstance(text, str):
         raise ValueError("it is no text")

@@ -58,24 +58,13 @@ _AGAIN = (
 
 @dataclass(frozen=True, slots=True)
 class Policy:
-    """What a server allows.
+    """What a server allows."""
 
-    Attributes
-    ----------
-    hosts : frozenset of str
-        Names by which it may be asked for, without port.
-    any_address : bool
-        Whether it may be asked for by any IP address: it listens on all of them.
-    token : str or None
-        What everybody has to know; None where nobody has to.
-    upload_bytes : int
-        Largest file.
-    """
-
-    hosts: frozenset[str]
+    hosts: frozenset[str]  #: Names by which it may be asked for, without port.
+    #: Whether it may be asked for by any IP address: it listens on all of them.
     any_address: bool = False
-    token: str | None = None
-    upload_bytes: int = 512 * 2**20
+    token: str | None = None  #: What everybody has to know; None where nobody has to.
+    upload_bytes: int = 512 * 2**20  #: Largest file.
 
     @classmethod
     def of(cls, host: str, token: str | None = None, upload_bytes: int = 512 * 2**20) -> "Policy":

@@ -56,13 +56,7 @@ def serve(
     upload_bytes: int,
     open_browser: bool,
 ) -> None:
-    """Serve a project until the user stops it.
-
-    Raises
-    ------
-    InputError
-        The address or the project cannot be used.
-    """
+    """Serve a project until the user stops it."""
     token = token_for(host, token)
 
     def made() -> tuple[Served, ASGIApp]:
@@ -89,21 +83,8 @@ def run(
 ) -> None:
     """Serve an application until the user stops it.
 
-    Parameters
-    ----------
-    made : callable
-        Makes what is served and its application, once the address is ours.
-    name : str
-        What it is called.
-    host, port, token, open_browser
-        Where it listens, what everybody must know, and whether it is shown.
-    more : callable
-        Called with the address, without token, once it answers.
-
-    Raises
-    ------
-    InputError
-        The address cannot be used.
+    `made` makes what is served and its application, once the address is ours; `name` is what it is
+    called; `more` is called with the address, without token, once it answers.
     """
     listening = _listen(host, port)
     try:

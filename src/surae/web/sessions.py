@@ -93,10 +93,7 @@ class BrowserSessions:
     ) -> None:
         """Change the draft, as one step that can be undone.
 
-        Raises
-        ------
-        RefusedError
-            Somebody else, another tab, has changed it since `revision`.
+        It is refused where somebody else, another tab, has changed it since `revision`.
         """
         with self._database.transaction():
             draft, now = self._read(session)
@@ -143,10 +140,7 @@ class BrowserSessions:
     ) -> None:
         """Give recordings, by id, other descriptions, as one step that can be undone.
 
-        Raises
-        ------
-        RefusedError
-            One has meanwhile been described by somebody else.
+        It is refused where one has meanwhile been described by somebody else.
         """
         with self._database.transaction():
             if not self._switch(before, after):

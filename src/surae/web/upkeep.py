@@ -35,35 +35,18 @@ _TABLES = {
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """What a check has seen.
+    """What a check has seen."""
 
-    Attributes
-    ----------
-    things, files : int
-        Things in the database, and files that are theirs and as they were kept.
-    problems : tuple of str
-        What is wrong, a line each.
-    orphans : tuple of str
-        Files that belong to nothing, as work that was killed leaves them.
-    unsealed : tuple of str
-        Files of things whose checksum an older surae did not keep.
-    """
-
+    #: `things`, `files`: things in the database, and files that are theirs and as they were kept.
     things: int
     files: int
-    problems: tuple[str, ...]
-    orphans: tuple[str, ...]
-    unsealed: tuple[str, ...]
+    problems: tuple[str, ...]  #: What is wrong, a line each.
+    orphans: tuple[str, ...]  #: Files that belong to nothing, as work that was killed leaves them.
+    unsealed: tuple[str, ...]  #: Files of things whose checksum an older surae did not keep.
 
 
 def check(folder: PathLike) -> Checked:
-    """Compare a project's database with itself and with the files, also while it is in use.
-
-    Raises
-    ------
-    InputError
-        The folder is no project, or holds links.
-    """
+    """Compare a project's database with itself and with the files, also while it is in use."""
     root = _project(folder)
     file = None
     try:
@@ -84,12 +67,7 @@ def backup(folder: PathLike, to: PathLike) -> Checked:
     The database is copied as it is at one instant, then every file that it names: files are whole
     before the database names them, and are never changed.
 
-    Raises
-    ------
-    InputError
-        The folder is no project, or the other one exists.
-    ComputationError
-        The copy is not whole.
+    A copy that is not whole is a ComputationError.
     """
     root, target = _project(folder), Path(os.path.realpath(to))
     cannot = f"cannot copy to {shown(to)}"
@@ -127,11 +105,6 @@ def repair(folder: PathLike) -> tuple[str, ...]:
 
     A database that is damaged, or holds more than ours, is read row by row into a new one; the old
     one, damaged rows, and files that belong to nothing go to the trash.
-
-    Raises
-    ------
-    InputError
-        The folder is no project, or a server has it.
     """
     root = _project(folder)
     done: list[str] = []

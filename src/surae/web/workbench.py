@@ -147,13 +147,7 @@ class Workbench:
         return dict(given) if given is not None else self.sessions.draft(session)
 
     def draft_recordings(self, draft: Mapping[str, Any]) -> list[Thing]:
-        """The recordings of a draft.
-
-        Raises
-        ------
-        RefusedError
-            There are none, or one has been deleted.
-        """
+        """The recordings of a draft."""
         if not draft["recordings"]:
             raise RefusedError(400, "no recording is chosen; choose at least one")
         return [self.project.need("recording", id_) for id_ in draft["recordings"]]

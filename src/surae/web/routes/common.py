@@ -49,10 +49,7 @@ def revision(thing: Thing) -> str:
 def refuse_unseen(thing: Thing, seen: str | None) -> None:
     """Refuse to overwrite what another browser has changed since `seen`.
 
-    Raises
-    ------
-    RefusedError
-        It has; the message says what stands there now.
+    The message says what stands there now.
     """
     if seen is None or seen.strip('"') == revision(thing):
         return
