@@ -71,6 +71,17 @@ def deaf() -> None:
     time.sleep(PATIENCE)
 
 
+def pause(seconds: float) -> None:
+    time.sleep(seconds)
+
+
+def work(seconds: float) -> str:
+    end = time.process_time() + seconds
+    while time.process_time() < end:
+        pass
+    return "done"
+
+
 def crash() -> None:
     os.kill(os.getpid(), signal.SIGSEGV)
 
@@ -185,6 +196,14 @@ def test_errors_of_a_call(child) -> None:
     assert child.process != process
     late = child.call(f"{ME}:deaf", {}, seconds=0.3)
     assert (late.how, late.message[:16]) == ("killed", "it took too long")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows counts by the clock alone")
+def test_work_is_limited_and_not_the_wait_for_a_busy_machine(child) -> None:
+    assert child.call(f"{ME}:pause", {"seconds": 1.2}, seconds=1.0).how == "done"
+    late = child.call(f"{ME}:work", {"seconds": 30.0}, seconds=1.0)
+    assert (late.how, late.message[:16]) == ("killed", "it took too long")
+    assert child.call(f"{ME}:work", {"seconds": 2.5}).value == "done"  # no limit, none left
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is limited by Linux only")
@@ -465,7 +484,8 @@ def test_a_system_without_posix_signals_interrupts_too() -> None:
     ) as process:
         assert process.stdin is not None
         assert process.stdout is not None
-        send(process.stdin, {"call": 1, "function": f"{ME}:busy", "arguments": {}, "memory": None})
+        call = {"call": 1, "function": f"{ME}:busy", "arguments": {}}
+        send(process.stdin, call | {"memory": None, "seconds": None})
         assert received(process.stdout) == {"told": {"at": "work"}}
         send(process.stdin, {"interrupt": 1})
         assert received(process.stdout) == {"how": "done", "value": "the best so far"}

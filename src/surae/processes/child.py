@@ -1,6 +1,7 @@
 """A child process that does calls, one at a time: started, asked, stopped, and made again."""
 
 import os
+import signal
 import subprocess
 import sys
 import threading
@@ -24,6 +25,8 @@ Hear = Callable[[Mapping[str, Any]], None]
 
 #: A child that was asked to stop and does not is killed after this [s].
 _PATIENCE = 20.0
+#: What a call may take by the clock, as a multiple of its processor time: machines are busy.
+_WAITING = 6.0
 #: A child is made anew after so many calls, whatever its libraries still hold.
 _CALLS = 50
 #: One thread for linear algebra, in the words of the libraries.
@@ -92,7 +95,8 @@ class Child:
         hear : callable, optional
             Called with every message that the function tells on the way.
         seconds : float, optional
-            When it has taken so long, the process is killed.
+            When it has worked so long (processor time, where the system counts it), or has taken
+            six times as long by the clock, the process is killed.
         memory : int, optional
             Address space that it may use [bytes], where the system can limit it.
         unless : callable, optional
@@ -105,11 +109,12 @@ class Child:
             self._busy, self._killed, self._interrupted = True, False, False
             self._serial += 1
             serial = self._serial
-        timer = None if seconds is None else _later(seconds, lambda: self._kill(serial))
+        wait = None if seconds is None else _WAITING * seconds
+        timer = None if wait is None else _later(wait, lambda: self._kill(serial))
         end: End | None = None
         try:
             request = {"call": serial, "function": function, "arguments": arguments,
-                       "memory": memory}  # fmt: skip
+                       "memory": memory, "seconds": seconds}  # fmt: skip
             end = _conversation(process, request, hear)
         finally:
             if timer is not None:
@@ -122,7 +127,8 @@ class Child:
                     self._drop()
         if end is not None:
             return end
-        why = "it took too long" if self._killed else "its process was killed or crashed"
+        late = self._killed or process.returncode == -getattr(signal, "SIGXCPU", 0)
+        why = "it took too long" if late else "its process was killed or crashed"
         return End("killed", message=f"{why}; nothing else was touched, try again")
 
     def interrupt(self) -> None:

@@ -1,10 +1,12 @@
 """What runs in a child: calls come in on standard input, what happens goes out on the output."""
 
+import math
 import os
 import queue
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from importlib import import_module
@@ -114,6 +116,7 @@ def _called(request: Mapping[str, Any], at_work: _AtWork) -> dict[str, Any]:
     """Do one call; the message that ends it."""
     try:
         _limit_memory(request["memory"])
+        _limit_work(request["seconds"])
         signal.signal(signal.SIGINT, signal.default_int_handler)
         with at_work.lock:
             at_work.serial = request["call"]
@@ -156,6 +159,19 @@ def _failed(error: BaseException) -> dict[str, Any]:
     """A mistake of ours."""
     text = f"internal error ({type(error).__name__}); report it"
     return {"how": "failed", "message": text, "where": where(error)}
+
+
+def _limit_work(seconds: float | None) -> None:
+    """End this process after so much processor time, where the system can; None: no limit of ours.
+
+    A busy machine makes no file too large: what counts is the work, not the wait.
+    """
+    with suppress(ImportError, OSError, ValueError):
+        import resource
+
+        hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
+        end = hard if seconds is None else math.ceil(time.process_time() + seconds)
+        resource.setrlimit(resource.RLIMIT_CPU, (end, hard))
 
 
 def _limit_memory(limit: int | None) -> None:
