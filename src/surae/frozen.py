@@ -16,13 +16,7 @@ V_co = TypeVar("V_co", covariant=True)
 
 
 class FrozenDict(Mapping[K, V_co]):
-    """A mapping that cannot be changed, and unlike a read-only view can be pickled and hashed.
-
-    Parameters
-    ----------
-    entries : mapping or iterable of pairs
-        What it holds, in this order.
-    """
+    """A mapping that cannot be changed, and unlike a read-only view can be pickled and hashed."""
 
     __slots__ = ("_entries",)
 

@@ -11,8 +11,9 @@ from surae.errors import InputError
 from surae.files import PathLike, shown, write_atomic
 from surae.measures.change import Change, compare_sessions
 from surae.measures.cohort import Cohort, borrowed, pool
-from surae.measures.members import Told, measured, read_table, refitted
+from surae.measures.members import measured, read_table, refitted
 from surae.measures.quantity import Quantities, quantities
+from surae.progress import Progress
 from surae.runner import Engine
 from surae.trials.folder import fit_in
 
@@ -71,7 +72,7 @@ def cohort(
     refit: bool = False,
     angles: Sequence[float] = (10.0,),
     engine: Engine | None = None,
-    progress: Told | None = None,
+    progress: Progress | None = None,
 ) -> Cohort:
     """What many legs tell together: groups, differences, change, and each leg among them.
 

@@ -50,16 +50,8 @@ class Mode:
 class Target:
     """What is minimised: residual rows of all recordings, whitened, and of all priors.
 
-    Parameters
-    ----------
-    problem : FitProblem
-        Model, recordings, free parameters (nuisances included) and bounds.
-    beliefs : mapping of str to Belief
-        Priors of the nuisances among the free parameters.
-    noise : sequence of NoiseModel
-        Of each recording.
-    extra : mapping of str to Belief, optional
-        Further priors, of parameters as they are searched.
+    `beliefs` are priors of the nuisances among the problem's free parameters, `noise` is that of
+    each recording, `extra` are further priors, of parameters as they are searched.
     """
 
     def __init__(

@@ -23,12 +23,8 @@ class Residuals:
     Priors follow as further residuals, σ·(ln x − ln median)/spread (`Prior.row`), so that the sum
     of squares over σ² is minus twice the logarithm of the posterior, but for a constant.
 
-    Parameters
-    ----------
-    problem : FitProblem
-        The question.
-    noise : float
-        Standard deviation σ of the torque's noise [Nm], against which priors are weighed.
+    `noise` is the standard deviation σ of the torque's noise [Nm], against which priors are
+    weighed.
     """
 
     def __init__(self, problem: FitProblem, noise: float = 0.0) -> None:

@@ -8,7 +8,7 @@ stays; what they tell badly borrows from the other legs.
 import csv
 import io
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -26,6 +26,7 @@ from surae.frozen import FrozenDict
 from surae.measures.cohort import Member, sessions_of
 from surae.measures.quantity import Quantities, Quantity, quantities
 from surae.measures.reml import FEWEST, random_effects
+from surae.progress import Progress
 from surae.runner import Died, Engine, results
 from surae.settings import FitSettings
 from surae.trials.folder import fit_in
@@ -36,8 +37,6 @@ _ROUNDS, _RESTS = 3, 0.1
 #: Least spread of a prior, and legs from which a group is a population of its own.
 _NARROWEST, _POPULATION = 0.02, 5
 
-#: Told of legs done, and how many there are.
-Told = Callable[[int, int], None]
 Priors = dict[str, tuple[float, float]]
 
 
@@ -103,7 +102,7 @@ def measured(
     angles: Sequence[float],
     engine: Engine,
     priors: Mapping[str, Priors] | None = None,
-    told: Told | None = None,
+    told: Progress | None = None,
 ) -> list[Member]:
     """The rows with what their fits bring; with priors by group, of fits made anew with them."""
     calls = {
@@ -203,7 +202,7 @@ def refitted(
     members: Sequence[Member],
     angles: Sequence[float],
     engine: Engine,
-    told: Told | None = None,
+    told: Progress | None = None,
 ) -> tuple[list[Member], int]:
     """Every leg fitted again with its population, until that rests; and the rounds it took."""
     known, latest = populations(members), list(members)

@@ -161,16 +161,8 @@ class ActiveState:
 class ActivationFilter:
     """The filter (14) at one cut-off and damping, which starts at rest.
 
-    Parameters
-    ----------
-    f0, beta : float
-        Cut-off [Hz] and relative damping.
-    dt : float
-        Sample time [s].
-    lags : tuple of float
-        Active states are wanted so long before each sample [s].
-    columns : tuple of int
-        Columns of the two where their derivatives are wanted; else −1, of one or of both.
+    The cut-off f0 is in Hz, the sample time dt in s. Active states are wanted `lags` [s] before
+    each sample; `columns` are those of the two where their derivatives are wanted, else −1.
     """
 
     def __init__(

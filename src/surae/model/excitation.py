@@ -68,21 +68,9 @@ class _Envelopes:
 class Excitation:
     """Excitation of one recording's muscles.
 
-    Parameters
-    ----------
-    inputs, options : ModelInputs, ModelOptions
-        Of the recording.
-    at : mapping of str to int
-        Columns of the model's parameters.
-    weights : tuple of str
-        Names of the weights of TA, GL, SOL, GM.
-    emg : ndarray, shape (4, n)
-        Envelopes of their electrodes.
-
-    Raises
-    ------
-    InputError
-        A shape is asked for, and no reference level is given.
+    `at` holds the columns of the model's parameters, `weights` the names of the weights of TA, GL,
+    SOL, GM, `emg`, shape (4, n), the envelopes of their electrodes. A shape needs a reference
+    level.
     """
 
     def __init__(

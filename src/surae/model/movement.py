@@ -99,12 +99,7 @@ class LegMovement:
 class Movement:
     """The movement of one recording; computed once where no parameter touches it.
 
-    Parameters
-    ----------
-    inputs, options : ModelInputs, ModelOptions
-        Of the recording.
-    at : mapping of str to int
-        Columns of the model's parameters.
+    `at` holds the columns of the model's parameters.
     """
 
     def __init__(self, inputs: ModelInputs, options: ModelOptions, at: Mapping[str, int]) -> None:

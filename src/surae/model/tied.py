@@ -22,22 +22,11 @@ from surae.units import FloatArray
 class TiedModel:
     """Base of the simulators; columns of a jacobian are to be distinct.
 
-    Parameters
-    ----------
-    inputs, options : ModelInputs, ModelOptions
-        Of the recording.
-    own : sequence of str
-        The model's own parameters, the mass first.
-    optional : sequence of str
-        Its optional ones, which follow.
-    weights : tuple of str
-        Weights of the EMG of TA, GL, SOL, GM.
-    emg : ndarray, shape (4, n), optional
-        What they weigh, if it is not the recording's envelopes.
-    cutoff, damping : str
-        Names of the activation filter's; without the latter it is critically damped.
-    lags : tuple of float
-        Active states are wanted so long before each sample [s].
+    `own` are the model's own parameters, the mass first, `optional` its optional ones, which
+    follow; `weights` are those of the EMG of TA, GL, SOL, GM, `emg`, shape (4, n), is what they
+    weigh, if it is not the recording's envelopes. `cutoff` and `damping` name the activation
+    filter's; without the latter it is critically damped. Active states are wanted `lags` [s] before
+    each sample.
     """
 
     def __init__(

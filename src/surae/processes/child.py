@@ -52,12 +52,8 @@ class Child:
 
     It ends with whoever holds this, closed or not.
 
-    Parameters
-    ----------
-    nice : int
-        By how much it makes way for others.
-    calls : int or None
-        After so many it is made anew; None: never.
+    `nice` is by how much it makes way for others; after so many `calls` it is made anew, never
+    where that is None.
     """
 
     def __init__(self, nice: int = 0, calls: int | None = _CALLS) -> None:

@@ -42,16 +42,8 @@ class Conditional:
     The parameter stays in the problem with equal bounds: the set that is free to move is smaller
     by one, and the derivative by the held one is there to predict the others' answer to a step.
 
-    Parameters
-    ----------
-    problem : FitProblem
-        The question.
-    name : str
-        The parameter to hold.
-    noise : float
-        Standard deviation of the residual [Nm] that priors are weighed against.
-    stopped : callable, optional
-        Asked before every evaluation; True ends the work with KeyboardInterrupt.
+    `noise` is the standard deviation of the residual [Nm] that priors are weighed against;
+    `stopped` is asked before every evaluation: True ends the work with KeyboardInterrupt.
     """
 
     def __init__(
