@@ -26,11 +26,11 @@ from surae.api import ready_trajectory
 from surae.planning import genes as genes_module
 from surae.planning import search as search_module
 from surae.planning.aim import make_aim
-from surae.planning.asked import held_to_torque
 from surae.planning.design import Design, _along
 from surae.planning.expectation import expected
 from surae.planning.information import information, prior_precision
 from surae.planning.legs import Legs, population_legs
+from surae.planning.limits import held_to_torque
 from surae.planning.torque import within_torque
 from surae.protocol import Device, Protocol, Trajectory, generate, named_device
 from surae.recording import write_csv

@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from surae.protocol.chirp import base_range, chirp, chirp_rate
-from surae.protocol.profiles import PROFILES
+from surae.protocol.profiles import PROFILES, base_range, chirp, chirp_rate
 
 T = np.linspace(0.0, 35.0, 350001)
 

@@ -15,8 +15,7 @@ from surae.measures.curve import Line, TorqueCurve
 from surae.measures.quantity import quantities
 from surae.names import LANGUAGES
 from surae.protocol import Protocol, generate
-from surae.report.clinical import change_page, clinical_html, fit_page
-from surae.report.clinical_words import sentences
+from surae.report.clinical import change_page, clinical_html, fit_page, sentences
 from surae.report.figures.clinical import curve_figure
 from surae.studies import virtual_subject, virtual_trial
 

@@ -7,8 +7,7 @@ from surae.estimation import fit_problem, make_problem
 from surae.frozen import read_only
 from surae.report.figures import png, tendon_figure
 from surae.report.formatting import significant
-from surae.report.tendons import tendon_rows
-from surae.report.traces import traces_of
+from surae.report.traces import tendon_rows, traces_of
 
 from .test_content import content_of
 

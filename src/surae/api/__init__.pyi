@@ -77,9 +77,9 @@ from surae.model.jit import on_compilation as on_compilation
 from surae.model.laboratory import richest as richest
 from surae.model.parameters import OPTIONAL as OPTIONAL
 from surae.model.parameters import OPTIONAL_PARAMETERS as OPTIONAL_PARAMETERS
+from surae.planning.asked import asked_limits as asked_limits
+from surae.planning.asked import held_to_torque as held_to_torque
 from surae.planning.expectation import Expectation as Expectation
-from surae.planning.limits import asked_limits as asked_limits
-from surae.planning.limits import held_to_torque as held_to_torque
 from surae.planning.plan import Plan as Plan
 from surae.planning.ready import ready_protocols as ready_protocols
 from surae.protocol import DEVICES as DEVICES
@@ -95,10 +95,10 @@ from surae.protocol import write_protocol_csv as write_protocol_csv
 from surae.protocol import write_protocol_mat as write_protocol_mat
 from surae.protocol import write_protocol_target as write_protocol_target
 from surae.protocol.adaptation import peaks as peaks
-from surae.protocol.chirp import DEFAULT_RATE as DEFAULT_RATE
-from surae.protocol.chirp import chirp_rate as chirp_rate
 from surae.protocol.coverage import TricepsPath as TricepsPath
 from surae.protocol.coverage import triceps_path as triceps_path
+from surae.protocol.profiles import DEFAULT_RATE as DEFAULT_RATE
+from surae.protocol.profiles import chirp_rate as chirp_rate
 from surae.quality import Finding as Finding
 from surae.quality import Quality as Quality
 from surae.quality import commanded_file as commanded_file

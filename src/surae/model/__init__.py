@@ -10,8 +10,13 @@ from surae.model.registry import (
     get_model,
     with_optional,
 )
-from surae.model.simulator import Simulator, TorqueParts, check_finite_torque
-from surae.model.tendon_state import TendonLaw, TendonState
+from surae.model.simulator import (
+    Simulator,
+    TendonLaw,
+    TendonState,
+    TorqueParts,
+    check_finite_torque,
+)
 
 __all__ = [
     "MODELS",

@@ -26,8 +26,8 @@ from surae.model.parameters import (
     OPTIONAL_PARAMETERS,
     TENDON_PARAMETERS,
 )
+from surae.model.simulator import TendonLaw, TendonState
 from surae.model.tendon import SLACK_TIB, SLACK_TRI, tendon_curve
-from surae.model.tendon_state import TendonLaw, TendonState
 from surae.model.tied import TiedModel
 from surae.signals import ModelInputs
 from surae.units import FloatArray

@@ -1,7 +1,6 @@
 """Measurement protocols: position profiles, effort tasks, device limits, coverage, files."""
 
 from surae.protocol.adaptation import Adaptation
-from surae.protocol.chirp import chirp, chirp_rate
 from surae.protocol.coverage import L0_TRI, Coverage, TricepsPath, coverage, triceps_path
 from surae.protocol.device import DEVICES, Device, allowed_range, named_device, read_device
 from surae.protocol.effort import DIRECTIONS, TASKS, Task
@@ -12,7 +11,7 @@ from surae.protocol.export import (
     write_protocol_mat,
     write_protocol_target,
 )
-from surae.protocol.profiles import PROFILES, Profile
+from surae.protocol.profiles import PROFILES, Profile, chirp, chirp_rate
 from surae.protocol.protocol import Given, Protocol, Trajectory, generate
 
 __all__ = [

@@ -5,6 +5,11 @@ A profile is a pure function of time, defined for every t, smooth, at rest at it
 `PROFILES`. Of the thesis's plots only the axes are left, so most speeds, frequencies and hold
 positions are ours; the durations, the 0.20 Hz of the sine, how each profile is made and the speed
 of the ramp and hold (0.35 l0/s in Figure 3, which is 0.9 rad/s) are the thesis's.
+
+To a profile the thesis adds a chirp A·sin(s·t²), s its "frequency scale factor" (2.5.1): its
+frequency is s·t/π and rises by s/π Hz/s (Figures 7 and 8). What happens at the ends of the range it
+doesn't say. A leg must never be moved beyond its range of motion, so the profile is mapped on a
+narrower range, chosen so that profile + chirp just reaches both ends.
 """
 
 from collections.abc import Callable
@@ -199,3 +204,62 @@ def named_profile(name: str) -> Profile:
     if name not in PROFILES:
         raise InputError(f"profile {name!r} is not known; use one of: {', '.join(PROFILES)}")
     return PROFILES[name]
+
+
+#: Rise of the frequency [Hz/s] where none is given: that of the thesis's factor 0.5, rounded.
+DEFAULT_RATE = 0.159
+
+
+def chirp_rate(factor: float) -> float:
+    """Rise of the frequency [Hz/s] of a chirp A·sin(factor·t²), factor in rad/s²."""
+    return factor / np.pi
+
+
+def chirp(
+    t: FloatArray, *, amplitude: float, rate: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Chirp A·sin(π·r·t²), of instantaneous frequency r·t, and its derivatives.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Times since the start [s].
+    amplitude : float
+        A [rad].
+    rate : float
+        r, the rise of the frequency [Hz/s]; `chirp_rate` gives it for a factor of the thesis.
+
+    Returns
+    -------
+    angle, velocity, acceleration : ndarray, shape (n,)
+        [rad, rad/s, rad/s²].
+    """
+    phase = np.pi * rate * t**2
+    phase_speed = 2 * np.pi * rate * t
+    angle = amplitude * np.sin(phase)
+    velocity = amplitude * phase_speed * np.cos(phase)
+    acceleration = amplitude * (2 * np.pi * rate * np.cos(phase) - phase_speed**2 * np.sin(phase))
+    return angle, velocity, acceleration
+
+
+def base_range(
+    fraction: FloatArray, added: FloatArray, range_of_motion: tuple[float, float]
+) -> tuple[float, float]:
+    """Range on which the profile is mapped so that profile + chirp spans the range of motion.
+
+    `fraction` is the profile, 0…1, `added` the chirp [rad], smaller than half the range. Low and
+    high are angles [rad] such that low + (high − low)·fraction + added has the extremes
+    `range_of_motion`, to 1e-12 rad.
+    """
+    plantarflexed, dorsiflexed = range_of_motion
+    amplitude = float(np.abs(added).max())
+    # From the range that is safe whatever the phases, each end is moved out by the room that is
+    # left. That room shrinks at every step: the sum follows `high` where the profile is near 1.
+    low, high = plantarflexed + amplitude, dorsiflexed - amplitude
+    for _ in range(200):
+        total = low + (high - low) * fraction + added
+        above, below = dorsiflexed - float(total.max()), float(total.min()) - plantarflexed
+        high, low = high + above, low - below
+        if max(abs(above), abs(below)) < 1e-13:
+            break
+    return low, high

@@ -8,10 +8,9 @@ import numpy as np
 from surae.errors import InputError
 from surae.frozen import read_only
 from surae.protocol.adaptation import Adaptation, Motion, fit_device, peaks, refusal
-from surae.protocol.chirp import DEFAULT_RATE, base_range, chirp
 from surae.protocol.device import TYPICAL_RANGE, Device, allowed_range
 from surae.protocol.effort import effort, named_task
-from surae.protocol.profiles import named_profile
+from surae.protocol.profiles import DEFAULT_RATE, base_range, chirp, named_profile
 from surae.units import FloatArray
 
 #: The motion is shaped on a grid at least this fine [Hz], a multiple of the rate asked for, so that

@@ -13,8 +13,10 @@ from typing import Any, Literal, cast
 
 from surae.errors import InputError
 from surae.files import PathLike, shown
-from surae.recording.mapping_reader import TRIAL, Entry, Reader
-from surae.recording.mapping_values import (
+from surae.recording.mapping_reader import (
+    TRIAL,
+    Entry,
+    Reader,
     brief,
     choice_in,
     day_in,

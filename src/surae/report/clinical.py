@@ -4,14 +4,18 @@ It bears no name of a patient or a file. It is written in English, Dutch, German
 sentences of clinical.toml, and claims no more than the measures and changes it is made of.
 """
 
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
+from functools import cache
+from importlib.resources import files
 from typing import TYPE_CHECKING
 
 from surae._version import __version__
 from surae.assessment import Adequacy, Assessment, Grade, Verdict
 from surae.assessment.parameter import percent
+from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.files import PathLike, template
 from surae.measures.change import Change, ChangeVerdict, Difference
@@ -19,11 +23,54 @@ from surae.measures.compute import measures
 from surae.measures.curve import TorqueCurve, torque_curve
 from surae.measures.measure import Measure, Measures
 from surae.measures.norms import Placed, placed, read_norms
-from surae.report.clinical_words import Words, sentences
+from surae.names import LANGUAGES
 from surae.report.formatting import NO_NUMBER, estimate, significant
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+class Words:
+    """The sentences of one language."""
+
+    def __init__(self, language: str) -> None:
+        if language not in LANGUAGES:
+            known = ", ".join(LANGUAGES)
+            raise InputError(f"no page in language {language!r}; use one of: {known}")
+        self.language = language
+
+    def __call__(self, key: str, **given: str) -> str:
+        """A sentence, filled in."""
+        text = sentences()[key][self.language]
+        return text.format(**given) if given else text
+
+    def number(self, text: str) -> str:
+        """A number as it is written here."""
+        return text if self.language == "en" else text.replace(".", ",")
+
+    def angle(self, degrees: float) -> str:
+        """An angle of the ankle with its direction."""
+        return self("dorsal" if degrees >= 0.0 else "plantar", degrees=f"{abs(degrees):g}°")
+
+    def own(self, text: str) -> str:
+        """A text of a norm, translated where the page knows it."""
+        return self(text) if text in sentences() else text
+
+    def measure(self, name: str) -> str:
+        """What a measure is called here; its own name where the page has none."""
+        base, _, at = name.partition("@")
+        if base not in sentences():
+            return name
+        at = at.replace("deg", "°").replace("s", " s").replace("-", "−")
+        return self(base).replace("{at}", at)
+
+
+@cache
+def sentences() -> dict[str, dict[str, str]]:
+    """Every sentence by its key and language."""
+    text = files("surae.report").joinpath("clinical.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text)
+
 
 #: The angle that the answer speaks of unless others were asked [deg].
 _AT = 10.0

@@ -9,8 +9,7 @@ from surae.recording.samples import sample
 from surae.report.cycles import find_cycles
 from surae.report.formatting import chance, percentage, short, signed, significant
 from surae.report.provenance import Setting, excluded_text
-from surae.report.tendons import GROUPS, TendonRow, tendon_rows
-from surae.report.traces import Traces
+from surae.report.traces import GROUPS, TendonRow, Traces, tendon_rows
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from surae.errors import InputError
 from surae.files import PathLike, read_bytes, shown
 from surae.model import MODELS, ModelOptions
 from surae.protocol import PROFILES, TASKS, Protocol, chirp_rate
-from surae.protocol.chirp import DEFAULT_RATE
+from surae.protocol.profiles import DEFAULT_RATE
 from surae.studies.virtual import POPULATIONS
 
 #: More than this is a slip of the keyboard: it would take months.

@@ -18,8 +18,7 @@ from surae.report.figures.style import (
     new_figure,
     trace,
 )
-from surae.report.tendons import GROUPS
-from surae.report.traces import Traces
+from surae.report.traces import GROUPS, Traces
 from surae.units import FloatArray
 
 _MILLI = 1e3
