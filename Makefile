@@ -2,6 +2,9 @@
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
+# Each worker begins with a half, so that what a file's tests share is mostly made once; who is
+# through first takes from the other.
+SHARED := -n 2 --dist worksteal
 READY  := $(VENV)/.ready
 
 .PHONY: demo test test-all check bench docs dist wheel lock browser clean
@@ -10,10 +13,10 @@ demo: $(READY)          ## fit the embedded virtual subject, write demo/report.h
 	@$(BIN)/surae demo --output demo
 
 test: $(READY) browser  ## the fast suite
-	$(BIN)/pytest -n 2
+	$(BIN)/pytest $(SHARED)
 
 test-all: $(READY) browser  ## everything, recovery and statistics too
-	$(BIN)/pytest -n 2 -m ""
+	$(BIN)/pytest $(SHARED) -m ""
 
 check: $(READY)         ## style and types
 	$(BIN)/ruff check .

@@ -11,7 +11,7 @@ from PIL import Image
 
 from surae.studies.study import parse_study
 
-from .conftest import Desk, Server, expect
+from .conftest import Desk, expect
 
 AXE = files("axe_playwright_python").joinpath("axe.min.js")
 #: What is looked at: everything in the light; in the dark, where only colours differ, these.
@@ -58,34 +58,44 @@ def pages(desk: Desk, done: dict[str, str]) -> Any:
         yield f"result: {tab}", page
 
 
-@pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
-def test_no_page_shuts_anyone_out(
-    browser: Any, server: Server, done: dict[str, str], scheme: str
+def shut_out(page: Any, name: str, scheme: str) -> list[str]:
+    """What keeps somebody from using a page, as axe finds it."""
+    page.emulate_media(color_scheme=scheme)
+    expect(page.locator("html")).to_have_attribute("data-theme", scheme)
+    page.evaluate(AXE.read_text(encoding="utf-8"))
+    told = page.evaluate(
+        "levels => axe.run(document, { runOnly: levels, resultTypes: ['violations'] })",
+        LEVELS[scheme],
+    )
+    return [
+        f"{name}: {violation['id']} ({violation['help']}) at "
+        f"{[node['target'] for node in violation['nodes']][:3]}"
+        for violation in told["violations"]
+    ]
+
+
+def test_pages_shut_nobody_out_fit_the_screen_and_ask_nobody_else(
+    desk: Desk, done: dict[str, str]
 ) -> None:
-    desk = Desk(browser, server, bypass_csp=True)
-    axe = AXE.read_text(encoding="utf-8")
     violations = []
-    for name, page in pages(desk, done):
-        page.evaluate(axe)
-        page.emulate_media(color_scheme=scheme)
-        expect(page.locator("html")).to_have_attribute("data-theme", scheme)
-        told = page.evaluate(
-            "levels => axe.run(document, { runOnly: levels, resultTypes: ['violations'] })",
-            LEVELS[scheme],
-        )
-        for violation in told["violations"]:
-            where = [node["target"] for node in violation["nodes"]][:3]
-            violations.append(f"{name}: {violation['id']} ({violation['help']}) at {where}")
-    desk.close()
-    assert violations == []
-
-
-def test_pages_fit_the_screen_and_ask_nobody_else(desk: Desk, done: dict[str, str]) -> None:
     for name, page in pages(desk, done):
         for width, height in SCREENS:
             page.set_viewport_size({"width": width, "height": height})
             assert page.evaluate("document.documentElement.scrollWidth") <= width, name
         assert page.locator("#main > .alert:visible").count() == (name == "/nowhere"), name
+        violations += shut_out(page, name, "light")
+    assert violations == []
+
+
+def test_what_shuts_somebody_out_is_found(desk: Desk) -> None:
+    page = desk.go("/glossary")
+    page.evaluate("document.body.append(document.createElement('img'))")  # without a text
+    assert any("image-alt" in told for told in shut_out(page, "glossary", "light"))
+
+
+@pytest.mark.slow
+def test_pages_shut_nobody_out_in_the_dark(desk: Desk, done: dict[str, str]) -> None:
+    assert [told for name, page in pages(desk, done) for told in shut_out(page, name, "dark")] == []
 
 
 def test_the_report_is_shown_within_the_page(desk: Desk, done: dict[str, str]) -> None:
