@@ -31,7 +31,7 @@ function columns({ columns: parameters }) {
     { title: "Subject", value: (r) => r.subject, show: (r) => h("a", { href: `/fits/${r.fit}` }, r.subject || r.name) },
     { title: "Group", value: (r) => r.group, show: (r) => r.group || NONE },
     { title: "Side", value: (r) => r.side, show: (r) => r.side ?? NONE },
-    { title: "Trial", value: (r) => r.trial, show: (r) => [r.trial, r.condition].filter(Boolean).join(", ") || NONE },
+    { title: "Trial", value: trial, show: trial },
     { title: "Status", value: (r) => r.status, show: (r) => status(r.status) },
     { title: "VAF", numeric: true, value: (r) => r.vaf, show: (r) => vaf(r.vaf) },
     { title: "IPDE", numeric: true, value: (r) => r.ipde, show: (r) => number(r.ipde, 3) },
@@ -43,6 +43,9 @@ function columns({ columns: parameters }) {
     })),
   ];
 }
+
+/** What tells rows of one leg apart: the trial as it was labelled, else its recordings. */
+const trial = (r) => [r.trial, r.condition].filter(Boolean).join(", ") || (r.names.length > 2 ? `${r.names.length} recordings` : r.names.join(", "));
 
 function cell(one) {
   if (!one || one.value === null) return NONE;

@@ -11,7 +11,7 @@ const KINDS = { robust: "Intervals allow for correlated residuals", thesis: "Int
 const UNFELT = /^(xt_|emg_|pt_|axis_|emd$|torque_zero$|angle_zero$)/;
 
 export function estimates({ fit }) {
-  const head = ["Parameter", "Estimate", meant("sem", "Standard error"), meant("interval-95", "95 % interval"), "Repeatable", meant("identified", "Verdict"), "Interval and bounds", "Why"];
+  const head = ["Parameter", "Estimate", meant("sem", "Standard error"), meant("interval-95", "95 % interval"), "Repeatable", h("span", {}, meant("identified", "Verdict"), ", and why"), "Interval and bounds"];
   return scroll(
     "Estimates",
     h(
@@ -35,12 +35,11 @@ function row(name, p) {
     h("td", { class: "num" }, sem ? quantity(sem, p.unit, 2) : NONE),
     h("td", { class: "nowrap" }, p.free ? interval(p.ci95, sem, p.value) : NONE),
     h("td", {}, p.ci95_repeat ? (p.repeatable ? "yes" : "no") : NONE),
-    h("td", {}, verdict(p.verdict)),
+    h("td", { class: "why" }, verdict(p.verdict), p.note && h("div", {}, p.note)),
     h(
       "td",
       { class: "range-cell" },
       ranges([known], { lower: p.lower, upper: p.upper }, `${name} is ${number(p.value, 3)}`),
     ),
-    h("td", { class: "why" }, p.note ?? ""),
   );
 }

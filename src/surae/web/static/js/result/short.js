@@ -21,6 +21,7 @@ const content = (page) => [
   h("p", { class: "muted" }, page.question),
   h("p", { class: "answer" }, page.answer),
   h("p", {}, page.adequacy),
+  page.reasons.length > 0 && h("ul", { lang: "en" }, page.reasons.map((text) => h("li", {}, text))),
   figure(page, "curve"),
   h("p", { class: "muted small" }, page.words.curve_note),
   page.images.shares && figure(page, "shares"),
