@@ -6,50 +6,27 @@ from typing import Any
 
 @dataclass(slots=True)
 class Stream:
-    """A stream as it is heard; one and the same through losses.
+    """A stream as it is heard; one and the same through losses."""
 
-    Attributes
-    ----------
-    number : int
-        Its number in the file.
-    name, kind, host : str
-        As it says of itself.
-    labels, units : list of str
-        Of its channels.
-    rate_hz : float
-        As it says; 0 where it is irregular.
-    words : bool
-        Whether it sends words.
-    state : {"good", "silent", "lost"}
-        Whether samples come.
-    received : int
-        Samples, in all.
-    gaps, losses : int
-        How often stamps jumped, and how often it was gone.
-    lost_s : float
-        For how long together [s].
-    offset_s : float or None
-        What its clock is behind ours, measured last.
-    last_s : float or None
-        Our time of its newest sample.
-    """
-
-    number: int
+    number: int  #: Its number in the file.
+    #: `name`, `kind`, `host`: as it says of itself.
     name: str
     kind: str
     host: str
+    #: `labels`, `units`: of its channels.
     labels: list[str]
     units: list[str]
-    rate_hz: float
-    words: bool
+    rate_hz: float  #: As it says; 0 where it is irregular.
+    words: bool  #: Whether it sends words.
     xml: str
-    state: str = "good"
-    received: int = 0
+    state: str = "good"  #: "good", "silent", "lost": Whether samples come.
+    received: int = 0  #: Samples, in all.
+    #: `gaps`, `losses`: how often stamps jumped, and how often it was gone.
     gaps: int = 0
     losses: int = 0
-    lost_s: float = 0.0
-    offset_s: float | None = None
-    last_s: float | None = None
+    lost_s: float = 0.0  #: For how long together [s].
+    offset_s: float | None = None  #: What its clock is behind ours, measured last.
+    last_s: float | None = None  #: Our time of its newest sample.
     inlet: Any = None
     uid: str = ""
     lost_at: float = 0.0

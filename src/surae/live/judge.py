@@ -72,26 +72,11 @@ def judge(
 ) -> dict[str, Any]:
     """Read, check and, where it moves, fit a trial; write it as our HDF5.
 
-    Parameters
-    ----------
-    file, output : str
-        The recording as it came, and the file to write.
-    earlier : sequence of str
-        Recordings of the session's other trials: what is rest and what is effort shows in them.
-    mapping : str, optional
-        The file of the session's mapping.
-    efforts : mapping of str to str, optional
-        The efforts that were asked for in this trial and the others, by name, as `surae.session`
-        takes them.
-    target : str, optional
-        The file of what was asked for.
-    begin : float
-        When what was asked for began, from the first sample [s]: the recording's time 0.
-
-    Returns
-    -------
-    dict
-        findings, use, grade, vaf, reasons, verdict, advice; None for what there is not, with `why`.
+    `earlier` are recordings of the session's other trials: what is rest and what is effort shows in
+    them. `mapping` is the file of the session's mapping, `target` that of what was asked for, which
+    began at `begin` [s] from the first sample, the recording's time 0; `efforts` were asked for in
+    this trial and the others, by name, as `surae.session` takes them. Said are findings, use,
+    grade, vaf, reasons, verdict, advice; None for what there is not, with `why`.
     """
     recording = replace(read(file, mapping=mapping), name=Path(output).stem)
     if begin:  # times are those that the operator saw: from where the target began
@@ -183,22 +168,9 @@ def together(
 ) -> dict[str, Any]:
     """Fit all trials of the session jointly, as `surae.fit` does by itself.
 
-    Parameters
-    ----------
-    recordings : sequence of str
-        Their files.
-    output, target : str
-        Where the fit goes, and what to measure next.
-    efforts : mapping of str to str, optional
-        As of `judge`.
-    device, span
-        As ``device`` and ``range`` of `surae.measure_next`.
-
-    Returns
-    -------
-    dict
-        grade, vaf, reasons, parameters, measures; and next, sentences on what to measure next,
-        which is `proposed`.
+    The fit goes to `output`, and what to measure next to `target`; `efforts` are as of `judge`,
+    `device` and `span` as ``device`` and ``range`` of `surae.measure_next`. Said are grade, vaf,
+    reasons, parameters, measures; and next, sentences on what to measure next, which is `proposed`.
     """
     fit = _session(recordings, efforts).fit_together()
     fit.save(output)

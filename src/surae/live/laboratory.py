@@ -48,13 +48,7 @@ class Laboratory:
                 self._say("load", path=path, trial=trial)
 
     def wait(self, patience: float) -> None:
-        """Wait until it streams, hears, and has what was loaded last.
-
-        Raises
-        ------
-        ComputationError
-            It does not, or it ended.
-        """
+        """Wait until it streams, hears, and has what was loaded last."""
         with self._told:
             self._told.wait_for(lambda: self.ready or self._end is not None, patience)
             if not self.ready:

@@ -34,15 +34,8 @@ _configured: list[Any] = []
 def lsl(network: bool = False) -> Any:
     """The module pylsl, configured; the first call in a process decides for all.
 
-    Parameters
-    ----------
-    network : bool
-        Look for streams on other computers too, as the laboratory's own configuration of LSL says.
-
-    Raises
-    ------
-    InputError
-        It is not installed.
+    With `network` it looks for streams on other computers too, as the laboratory's own
+    configuration of LSL says.
     """
     if _configured:
         return _configured[0]

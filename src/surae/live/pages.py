@@ -186,14 +186,8 @@ class Served:
 def create_app(served: Served, policy: Policy, subject: str | None) -> ASGIApp:
     """The pages as an ASGI application.
 
-    Parameters
-    ----------
-    served : Served
-        What they show.
-    policy : Policy
-        Who may operate.
-    subject : str or None
-        The token of the subject's page, which opens nothing else; None where nobody needs one.
+    `policy` says who may operate; `subject` is the token of the subject's page, which opens nothing
+    else; None where nobody needs one.
     """
     environment = Environment(
         loader=PackageLoader("surae.live", "html"),

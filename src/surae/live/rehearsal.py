@@ -39,12 +39,8 @@ FAULTS = ("electrode-off", "hum", "torque-sign", "angle-sign", "dropout")
 def run(seed: int, population: str, emg: str = "raw") -> None:
     """Stream until this process ends.
 
-    Parameters
-    ----------
-    seed, population : int, str
-        Whose leg it is.
-    emg : {"raw", "envelope"}
-        What the amplifier gives.
+    `seed` and `population` say whose leg it is, `emg` what the amplifier gives: "raw" or
+    "envelope".
     """
     laboratory = _Laboratory(seed, population, emg)
     from surae.protocol import Protocol, generate

@@ -123,19 +123,8 @@ class Room:
     def load(self, path: PathLike | None = None, name: str = "", **protocol: Any) -> None:
         """Load what is asked for in the next trial.
 
-        Parameters
-        ----------
-        path : path, optional
-            A file as `surae protocol` writes it.
-        name : str
-            What it is called, if not as the file.
-        **protocol
-            Else a `surae.protocol.Protocol` without device and range, which are the room's.
-
-        Raises
-        ------
-        InputError
-            There is no such protocol, or a trial is running.
+        It is a file as `surae protocol` writes it, called `name` if not as the file; else a
+        `surae.protocol.Protocol` without device and range, which are the room's.
         """
         with self._lock:
             if self.trials.running is not None:
@@ -188,13 +177,7 @@ class Room:
         self.load(self.trials.folder / "measure-next.csv", name=f"next: {proposed}")
 
     def start(self, countdown: float = 0.5) -> int:
-        """Begin a trial; the target moves after a countdown [s]. Returns the trial's number.
-
-        Raises
-        ------
-        InputError
-            A trial is running, or the rehearsal's device is not where the trial begins.
-        """
+        """Begin a trial; the target moves after a countdown [s]. Returns the trial's number."""
         with self._lock:
             if self.laboratory is not None:
                 self.laboratory.wait(_PATIENCE)

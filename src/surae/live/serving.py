@@ -27,12 +27,8 @@ def serve(
 ) -> None:
     """Record, show and judge until the user stops it.
 
-    Parameters
-    ----------
-    folder, mapping, network, watch, leg, device, span
-        As of `surae.live.room.Room`.
-    host, port, token, open_browser
-        As of `surae.web.server.run`.
+    `host`, `port`, `token` and `open_browser` are as of `surae.web.server.run`, all else as of
+    `surae.live.room.Room`.
     """
     token = token_for(host, token)
     subject = None if token is None else secrets.token_urlsafe(12)

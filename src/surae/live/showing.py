@@ -110,12 +110,7 @@ class Showing:
     def run(self, clock: Callable[[], float], asked: Callable[[], FloatArray]) -> None:
         """Send frames until closed, in a thread of its own.
 
-        Parameters
-        ----------
-        clock : callable
-            LSL's time [s].
-        asked : callable
-            What is asked for now: angle [rad] and four efforts.
+        `clock` gives LSL's time [s], `asked` what is asked for now: angle [rad] and four efforts.
         """
         work = threading.Thread(
             target=self._frames, args=(clock, asked), daemon=True, name="live-frames"

@@ -141,10 +141,7 @@ class Trials:
     def stop(self, begin: float | None = None) -> "Future[dict[str, Any]]":
         """End the trial and have it judged; the future holds what is said of it.
 
-        Parameters
-        ----------
-        begin : float, optional
-            When its target began, in LSL's time [s].
+        `begin` is when its target began, in LSL's time [s].
         """
         with self._lock:
             number, self.running = self.running, None

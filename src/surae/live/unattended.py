@@ -27,27 +27,8 @@ def unattended(
 ) -> None:
     """Make some trials of a virtual leg in real time, and print what is said of each.
 
-    Parameters
-    ----------
-    folder : path
-        Where they are kept.
-    trials : int
-        How many.
-    seconds : float
-        How long each is [s].
-    faults : tuple of str
-        As ``kind@seconds`` for all trials, or ``kind@seconds@trial``.
-    seed : int
-        Whose leg it is.
-    mapping, device, span
-        As of `Room`.
-
-    Raises
-    ------
-    InputError
-        A fault is not known.
-    ComputationError
-        The simulated laboratory does not answer.
+    `trials` of `seconds` each are kept in `folder`; `faults` are ``kind@seconds`` for all trials,
+    or ``kind@seconds@trial``; `seed` says whose leg it is; all else is as of `Room`.
     """
     planned = [_fault(text) for text in faults]
     room = Room(folder, mapping=mapping, leg=seed, joint=False, device=device, span=span)
