@@ -30,83 +30,38 @@ def page(
     return Response(text, status_code=code, media_type="text/html")
 
 
-@router.get("/")
-def project_page(request: Request, browser: Browser) -> Response:
-    """The project."""
-    return page(request, "project", browser)
+def _offer(path: str, name: str, kind: str) -> None:
+    """Have a path show a template: by itself, or for a thing of a kind that has to be there."""
+
+    def frame(request: Request, browser: Browser) -> Response:
+        return page(request, name, browser)
+
+    def frame_of(id: PathId, request: Request, bench: Bench, browser: Browser) -> Response:
+        bench.project.need(kind, id)
+        return page(request, name, browser, id=id)
+
+    router.add_api_route(path, frame_of if kind else frame, name=name)
 
 
-@router.get("/import")
-def import_page(request: Request, browser: Browser) -> Response:
-    """Import."""
-    return page(request, "import", browser)
-
-
-@router.get("/recordings/{id}")
-def recording_page(id: PathId, request: Request, bench: Bench, browser: Browser) -> Response:
-    """One recording."""
-    bench.project.need("recording", id)
-    return page(request, "recording", browser, id=id)
-
-
-@router.get("/fit")
-def fit_page(request: Request, browser: Browser) -> Response:
-    """The draft, its sliders and its fit."""
-    return page(request, "fit", browser)
-
-
-@router.get("/fits/{id}")
-def result_page(id: PathId, request: Request, bench: Bench, browser: Browser) -> Response:
-    """One fit."""
-    bench.project.need("fit", id)
-    return page(request, "result", browser, id=id)
-
-
-@router.get("/session")
-def leg_page(request: Request, browser: Browser) -> Response:
-    """Sessions, and a new one."""
-    return page(request, "session", browser)
-
-
-@router.get("/sessions/{id}")
-def session_page(id: PathId, request: Request, bench: Bench, browser: Browser) -> Response:
-    """One session."""
-    bench.project.need("session", id)
-    return page(request, "session_result", browser, id=id)
-
-
-@router.get("/compare")
-def compare_page(request: Request, browser: Browser) -> Response:
-    """Fits side by side."""
-    return page(request, "compare", browser)
-
-
-@router.get("/cohort")
-def cohort_page(request: Request, browser: Browser) -> Response:
-    """The cohort."""
-    return page(request, "cohort", browser)
-
-
-@router.get("/protocol")
-def protocol_page(request: Request, browser: Browser) -> Response:
-    """The protocol designer."""
-    return page(request, "protocol", browser)
-
-
-@router.get("/studies")
-def studies_page(request: Request, browser: Browser) -> Response:
-    """Studies."""
-    return page(request, "studies", browser)
+#: Path, template, and the kind of thing that it is about, if it is about one.
+for _page in (
+    ("/", "project", ""),
+    ("/import", "import", ""),
+    ("/recordings/{id}", "recording", "recording"),
+    ("/fit", "fit", ""),
+    ("/fits/{id}", "result", "fit"),
+    ("/session", "session", ""),
+    ("/sessions/{id}", "session_result", "session"),
+    ("/compare", "compare", ""),
+    ("/cohort", "cohort", ""),
+    ("/protocol", "protocol", ""),
+    ("/studies", "studies", ""),
+    ("/studies/{id}", "study", "study"),
+):
+    _offer(*_page)
 
 
 @router.get("/glossary")
 def glossary_page(request: Request, browser: Browser) -> Response:
     """What terms and symbols mean."""
     return page(request, "glossary", browser, terms=terms(), symbols=symbols())
-
-
-@router.get("/studies/{id}")
-def study_page(id: PathId, request: Request, bench: Bench, browser: Browser) -> Response:
-    """One study."""
-    bench.project.need("study", id)
-    return page(request, "study", browser, id=id)
