@@ -26,10 +26,14 @@ def path(tmp_path):
     return tmp_path / "s.db"
 
 
+def keep(store, outcomes) -> None:
+    store.add([(key, outcome.plain()) for key, outcome in outcomes])
+
+
 def fill(path, text=TEXT, outcome=DONE, most=99):
     with Store(path, write=True) as store:
         keys = list(store.plan(parse_study(text)))[:most]
-        store.keep_outcomes([(key, outcome) for key in keys])
+        keep(store, [(key, outcome) for key in keys])
         store.end("finished")
     return keys
 
@@ -82,7 +86,7 @@ def test_several_outcomes_are_kept_together_or_not_at_all(path) -> None:
     with Store(path, write=True) as store:
         others = list(store.plan(parse_study(TEXT)))
         with pytest.raises(ComputationError, match="UNIQUE"):
-            store.keep_outcomes([(others[0], DONE), (keys[0], DONE)])
+            keep(store, [(others[0], DONE), (keys[0], DONE)])
         assert store.status().done == 1
 
 
@@ -224,14 +228,14 @@ def test_links_beside_a_store_lead_nowhere(path, tmp_path, end) -> None:
 def test_without_its_lock_s_file_the_later_run_takes_over(path) -> None:
     with Store(path, write=True) as first:
         tasks = list(first.plan(parse_study(TEXT)))
-        first.keep_outcomes([(tasks[0], DONE)])
+        keep(first, [(tasks[0], DONE)])
         path.with_name("s.db.lock").unlink()
         with Store(path, write=True) as second:
             rest = list(second.plan(parse_study(TEXT)))
             assert len(rest) == 3
             with pytest.raises(ComputationError, match="taken over by another run"):
-                first.keep_outcomes([(tasks[1], DONE)])
-            second.keep_outcomes([(key, DONE) for key in rest])
+                keep(first, [(tasks[1], DONE)])
+            keep(second, [(key, DONE) for key in rest])
     with Store(path) as store:
         assert store.status().done == 4
 
@@ -254,10 +258,10 @@ def test_a_copy_is_whole_also_while_a_run_writes(path, tmp_path) -> None:
     copy = tmp_path / "copy.db"
     with Store(path, write=True) as store:
         keys = list(store.plan(parse_study(TEXT)))
-        store.keep_outcomes([(keys[0], DONE)])
+        keep(store, [(keys[0], DONE)])
         with Store(path) as reader:
             reader.backup(copy)
-        store.keep_outcomes([(keys[1], DONE)])
+        keep(store, [(keys[1], DONE)])
     with Store(copy) as store:
         assert (store.status().done, store.damage()) == (1, [])
     with Store(path) as store, pytest.raises(InputError, match=r"copy\.db is there already"):

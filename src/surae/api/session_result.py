@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from surae.report.session import SessionContent
 
 FORMAT = 1
-_ABOUT = ("name", "side", "date", "condition", "notes")
 
 
 @dataclass(frozen=True, slots=True)

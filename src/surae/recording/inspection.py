@@ -188,10 +188,6 @@ def _of_their_joint(
     return told
 
 
-def _is_emg(role: str | None) -> bool:
-    return role is not None and role.startswith("emg_")
-
-
 def _plain_candidates(channels: Sequence[InspectedChannel], role: str) -> list[InspectedChannel]:
     """The channels whose name says this role most plainly, vague ones left out."""
     candidates = [c for c in channels if c.usable and c.guess is not None and c.guess.role == role]

@@ -1,7 +1,7 @@
 """The file that keeps a study, its plan and every outcome from when it is there; and its table."""
 
 import hashlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 from surae.database import told
@@ -46,10 +46,6 @@ class Store(Ledger):
         without = "failed IS NOT NULL AND json_extract(value, '$.vaf') IS NULL"
         with told(self._name):
             return self._file.execute(f"DELETE FROM result WHERE {without}").rowcount
-
-    def keep_outcomes(self, outcomes: Iterable[tuple[str, TaskOutcome]]) -> None:
-        """Put outcomes on disk, all of them or none, by their tasks' keys."""
-        self.add([(key, outcome.plain()) for key, outcome in outcomes])
 
     def text(self) -> str:
         """The STUDY.toml that the plan was made from.
