@@ -36,6 +36,14 @@ def run(monkeypatch, capsys, tmp_path):
     return command
 
 
+@pytest.fixture
+def undrawn(monkeypatch) -> None:
+    """Reports without figures and words, which take longer than small fits: nobody reads them."""
+    monkeypatch.setattr(
+        "surae.SessionResult.report", lambda _, path: path.write_text("", encoding="utf-8")
+    )
+
+
 def rows(n=400, rate=200.0, angle=0.2, torque=5.0, emg=0.0, seed=0):
     """The lines of a laboratory's table: crank in degrees, load in Nm, one EMG in mV."""
     time = np.arange(n) / rate

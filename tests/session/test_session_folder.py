@@ -74,6 +74,7 @@ def test_a_trial_called_joint_is_refused(walks, tmp_path):
         surae.session(tmp_path).run(**QUICK)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_fits_of_an_earlier_run_are_not_taken_for_this_ones(walks, tmp_path):
     folder, done, _ = walks
     out = tmp_path / "out"
@@ -88,6 +89,7 @@ def test_fits_of_an_earlier_run_are_not_taken_for_this_ones(walks, tmp_path):
     assert surae.load_session(out).rows() == alone.rows()
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_run_that_was_stopped_tells_no_older_joint_fit(walks, tmp_path, monkeypatch):
     """A change of settings, stopped before the joint fit: the older one stands for nothing."""
     folder, done, _ = walks
@@ -105,6 +107,7 @@ def test_a_run_that_was_stopped_tells_no_older_joint_fit(walks, tmp_path, monkey
     assert "no joint one" in told["error"]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_killed_run_leaves_an_index_and_goes_on(walks, tmp_path, monkeypatch):
     folder, _, result = walks
     out, whole, calls = tmp_path / "out", session_run.fit_inputs, []
@@ -126,6 +129,7 @@ def test_a_killed_run_leaves_an_index_and_goes_on(walks, tmp_path, monkeypatch):
     assert again.rows() == result.rows()
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_an_index_cannot_have_other_files_removed(walks, tmp_path):
     folder, done, _ = walks
     out = tmp_path / "out"

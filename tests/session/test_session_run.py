@@ -73,6 +73,7 @@ def test_the_folder_is_read_back(done):
     assert frame.attrs["units"]["k_tri"] == "1/m"
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_run_resumes_and_notices_what_changed(done, leg, tmp_path, monkeypatch):
     folder, result = done
     out = tmp_path / "out"
@@ -168,6 +169,7 @@ def test_progress_is_told_with_an_estimate(leg):
     assert any(step.left_s and step.left_s > 0 for step in outcomes)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_what_was_there_already_is_no_measure_of_the_time_left(done, leg, tmp_path):
     out = tmp_path / "out"
     shutil.copytree(done[0], out)
