@@ -71,7 +71,8 @@ def test_a_mapping_reaches_no_file_but_uploads(browser, tmp_path, trial) -> None
 @pytest.mark.parametrize(
     ("line", "says"),
     [
-        ('zero = "rest.csv"', r"channels.angle.zero is found in a file"),
+        ('zero = "rest.csv"', r"channels.angle.zero: upload rest.csv too"),
+        ('zero = "../../project.db"', r"channels.angle.zero: upload project.db too"),
         ('[trials]\na.side = "left"', r"[trials] says what differs"),
     ],
 )
@@ -82,6 +83,29 @@ def test_a_mapping_whose_lines_would_be_lost_is_refused(browser, trial, line, sa
     answer = browser.get(f"/api/uploads/{id_}/inspect")
     assert answer.status_code == 400
     assert says in answer.json()["error"]
+
+
+@pytest.mark.parametrize("zero", ["[2.0, 4.0]", '"rest.csv"'])
+def test_a_zero_becomes_the_offset_that_it_means(serve, trial, tmp_path, zero) -> None:
+    browser = serve().browser()
+    rest, time = tmp_path / "rest.csv", np.arange(100) / 32.0
+    write_csv(rest, {"time_s": time, "angle_rad": 0 * time, "torque_Nm": 0 * time + 3.0})
+    for path in (trial, rest):
+        browser.upload(path)
+    column = f'file = "{trial.name}"\ncolumn = '
+    toml = f'emg = "envelope"\n[channels.angle]\n{column}"angle_rad"\nunit = "rad"\n'
+    toml += f'[channels.torque]\n{column}"torque_Nm"\nunit = "Nm"\n'
+    toml += f"scale = 0.5\nsign = -1\nzero = {zero}\n"
+    id_ = browser.post("/api/uploads", params={"name": "map.toml"}, content=toml).json()["id"]
+    told = browser.get(f"/api/uploads/{id_}/inspect").json()
+    (tmp_path / trial.name).write_bytes(trial.read_bytes())
+    (tmp_path / "map.toml").write_text(toml)
+    meant = surae.read(tmp_path / "map.toml").channels["torque"].values
+    made = browser.post("/api/imports", json={"mapping": told["mapping"]}).json()["id"]
+    url = f"/api/recordings/{made}/window"
+    shown = browser.get(url, params={"signals": "torque", "points": 2000}).json()
+    assert shown["signals"][0]["v"] == pytest.approx(meant.tolist(), abs=1e-9)
+    assert any("its zero is that of" in note for note in told["notes"])
 
 
 def test_subjects(serve, trial) -> None:

@@ -178,36 +178,59 @@ def _of_mapping(data: bytes, name: str, ids: Mapping[str, str]) -> dict[str, Any
             "offset": _number(entry.get("offset"), 0.0),
         }
     lacking = ", ".join(dict.fromkeys(missing))
+    mapping = {
+        "name": _said(told.get("name"), None) or Path(name).stem,
+        "emg": _said(told.get("emg"), "raw"),
+        "side": _said(told.get("side"), None),
+        "channels": channels,
+        "fixed": _plain(told.get("fixed")),
+        "prepare": _plain(told.get("prepare")),
+    }
+    found = [] if missing else _zeros(told, name, mapping, {id_: file for file, id_ in ids.items()})
     return {
         "format": "TOML mapping",
         "columns": [],
-        "mapping": {
-            "name": _said(told.get("name"), None) or Path(name).stem,
-            "emg": _said(told.get("emg"), "raw"),
-            "side": _said(told.get("side"), None),
-            "channels": channels,
-            "fixed": _plain(told.get("fixed")),
-            "prepare": _plain(told.get("prepare")),
-        },
-        "notes": [f"upload the files it names too: {lacking}"] if missing else [],
+        "mapping": mapping,
+        "notes": [f"upload the files it names too: {lacking}"] if missing else found,
         "ready": bool(channels) and not missing,
     }
 
 
+def _zeros(
+    told: Mapping[str, Any], name: str, mapping: Mapping[str, Any], names: Mapping[str, str]
+) -> list[str]:
+    """Put the offset that each `zero` means into the form's mapping; a sentence on each."""
+    channels, notes = mapping["channels"], []
+
+    def first(role: str, **said: Any) -> float:
+        """The first sample of a channel that is described so."""
+        every = {**mapping, "channels": {**channels, role: {**channels[role], **said}}}
+        Path(_MAPPING).write_text(_toml(every, names), encoding="utf-8")
+        return float(read(_MAPPING).channels[role].values[0])
+
+    for role, entry in told["channels"].items():
+        zero = entry.get("zero")
+        if zero is None:
+            continue
+        if isinstance(zero, str) and (zero := file_name(zero)) not in names.values():
+            raise InputError(f"{name}: channels.{role}.zero: upload {zero} too")
+        plain = first(role)
+        step = first(role, offset=1.0) - plain  # sign and unit
+        offset = (first(role, zero=zero) - plain) / step
+        channels[role]["offset"] = float(f"{offset:.9g}")
+        where = zero if isinstance(zero, str) else f"{zero[0]:g} to {zero[1]:g} s"
+        notes.append(f"{role}: its zero is that of {where}, an offset of {offset:.4g}")
+    return notes
+
+
 def _refuse_what_no_form_shows(told: Mapping[str, Any], name: str) -> None:
-    """Refuse what would be lost: the form describes one recording by numbers."""
+    """Refuse what would be lost: the form describes one recording."""
     if "trials" in told:
         raise InputError(
-            f"{name}: [trials] says what differs in trials, which this form cannot keep: "
-            "`surae session` and `surae convert --mapping` read it"
+            f"{name}: [trials] says what differs in trials, which this form cannot keep: drop the "
+            "trials alone and change what differs on each recording's page; `surae session` and "
+            "`surae convert --mapping` read it as it is"
         )
-    entries = told.get("channels")
-    for role, entry in (entries if isinstance(entries, dict) else {}).items():
-        if isinstance(entry, dict) and "zero" in entry:
-            raise InputError(
-                f"{name}: channels.{role}.zero is found in a file, which this form cannot keep: "
-                "write the offset in its place, or `surae convert --mapping` first"
-            )
 
 
 def _said(value: object, otherwise: str | None) -> str | None:
@@ -312,11 +335,18 @@ def _toml(mapping: Mapping[str, Any], names: Mapping[str, str]) -> str:
             f"column = {_text(channel['column'])}",
             f"sign = {int(channel['sign'])}",
             f"scale = {_value(float(channel['scale']))}",
-            f"offset = {_value(float(channel['offset']))}",
+            f"offset = {_value(float(channel['offset']))}"
+            if channel.get("zero") is None
+            else f"zero = {_zero(channel['zero'])}",
         ]
         if channel.get("unit") is not None:
             lines.append(f"unit = {_text(channel['unit'])}")
     return "\n".join(lines) + "\n"
+
+
+def _zero(zero: object) -> str:
+    """A quiet file, or a quiet stretch [s]; what is neither is refused where it is read."""
+    return f"[{', '.join(map(_value, zero))}]" if isinstance(zero, list) else _value(zero)
 
 
 def _text(text: str) -> str:
