@@ -16,10 +16,8 @@ version = release
 
 extensions = [
     "mathml",
-    "measure_tables",
-    "parameter_tables",
-    "quality_table",
     "reproduction_table",
+    "tables",
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",

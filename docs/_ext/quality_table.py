@@ -1,9 +1,5 @@
 """The table of the quality gate's codes, made of its registry at every build."""
 
-from pathlib import Path
-
-from sphinx.application import Sphinx
-
 from surae.quality import CHECKS, CODES
 
 #: What the checks of the time axis and quick fits look for, which the registry lists by code alone.
@@ -68,16 +64,3 @@ def table() -> str:
         raise ValueError(f"docs/_ext/quality_table.py does not fit the gate: {sorted(differ)}")
     rows = "".join(f"| `{code}` | {sought[code]} | {ADVICE[code]} |\n" for code in CODES)
     return "| code | looks for | what to do |\n|---|---|---|\n" + rows
-
-
-def write(app: Sphinx) -> None:
-    """Write the table beside the page that includes it, where it has changed."""
-    path, text = Path(app.srcdir) / "how-to" / "quality-codes.md", table()
-    if not path.exists() or path.read_text(encoding="utf-8") != text:
-        path.write_text(text, encoding="utf-8")
-
-
-def setup(app: Sphinx) -> dict[str, bool]:
-    """Write it before anything is read."""
-    app.connect("builder-inited", write)
-    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,10 +1,12 @@
-"""The parameter tables of the model pages, made of the models themselves at every build."""
+"""Tables of the documentation, made of the program itself at every build."""
 
 from collections.abc import Iterable
 from pathlib import Path
 
+import quality_table
 from sphinx.application import Sphinx
 
+from surae.measures import DEFINITIONS
 from surae.model.parameters import (
     MUSCLE_2010_PARAMETERS,
     MUSCLE_PARAMETERS,
@@ -13,7 +15,7 @@ from surae.model.parameters import (
     Parameter,
 )
 
-TABLES: dict[str, Iterable[Parameter]] = {
+PARAMETERS: dict[str, Iterable[Parameter]] = {
     "muscle": MUSCLE_PARAMETERS,
     "muscle-2010": MUSCLE_2010_PARAMETERS,
     "tendon": TENDON_PARAMETERS,
@@ -22,7 +24,19 @@ TABLES: dict[str, Iterable[Parameter]] = {
 }
 
 
-def table(parameters: Iterable[Parameter]) -> str:
+def measures() -> str:
+    """A table in Markdown: every measure, its unit, what it is and how it is computed."""
+    rows = []
+    for d in DEFINITIONS:
+        at = {"deg": "@θ", "": ""}.get(d.at, f"@{d.points[0]:g}{d.at}")
+        formula = d.formula.replace("|", "\\|")
+        rows.append(f"| `{d.name}{at}` | {d.unit} | {d.meaning} | {formula} |\n")
+    return "| measure | unit | what it is | formula and source |\n|---|---|---|---|\n" + "".join(
+        rows
+    )
+
+
+def of_parameters(parameters: Iterable[Parameter]) -> str:
     """A table in Markdown."""
     head = "| name | unit | meaning | start | bounds |\n|---|---|---|--:|---|\n"
     return head + "".join(
@@ -32,9 +46,14 @@ def table(parameters: Iterable[Parameter]) -> str:
 
 
 def write(app: Sphinx) -> None:
-    """Write all tables beside the pages that include them, where they have changed."""
-    for name, parameters in TABLES.items():
-        path, text = Path(app.srcdir) / "models" / f"parameters-{name}.md", table(parameters)
+    """Write each beside the page that includes it, where it has changed."""
+    texts = {
+        "methods/measure-table.md": measures(),
+        "how-to/quality-codes.md": quality_table.table(),
+        **{f"models/parameters-{name}.md": of_parameters(p) for name, p in PARAMETERS.items()},
+    }
+    for name, text in texts.items():
+        path = Path(app.srcdir) / name
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")
 
