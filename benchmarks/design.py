@@ -3,6 +3,7 @@
     python benchmarks/design.py aim passive_stiffness@10deg
     python benchmarks/design.py curve muscle 5 10 20 40 60
     python benchmarks/design.py curve muscle-tendon-strain 5 10 20 40 60 120 300
+    python benchmarks/design.py nowhere muscle 5 10 20 40 60
     python benchmarks/design.py limits
     python benchmarks/design.py fits 10
 
@@ -22,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 import surae
-from surae.api import ready_trajectory
+from surae.api import designing, ready_trajectory
 from surae.planning import genes as genes_module
 from surae.planning import search as search_module
 from surae.planning.aim import make_aim
@@ -129,8 +130,11 @@ class _Noted(search_module._Judge):
         return cost
 
 
-def curve(model: str, marks: list[float]) -> Iterator[dict[str, object]]:
-    """How good the best plan is after so many seconds of a search of the usual length."""
+def curve(model: str, marks: list[float], *, nowhere: bool = False) -> Iterator[dict[str, object]]:
+    """How good the best plan is after so many seconds of a search of the usual length, which begins
+    with a ready protocol, or with none."""
+    if nowhere:
+        designing.start_for = lambda *_: None  # type: ignore[assignment]
     legs = population_legs(model, None, LEGS)
     compared = against(of_all(legs))
     search_module._Judge = _Noted  # type: ignore[misc]
@@ -211,6 +215,7 @@ if __name__ == "__main__":
     lines = {
         "aim": lambda: aim(rest[0]),
         "curve": lambda: curve(rest[0], [float(mark) for mark in rest[1:]]),
+        "nowhere": lambda: curve(rest[0], [float(mark) for mark in rest[1:]], nowhere=True),
         "limits": limits,
         "fits": lambda: fits(int(rest[0])),
     }[what]()
