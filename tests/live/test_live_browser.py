@@ -28,6 +28,7 @@ def chromium():
         browser = player.chromium.launch(
             executable_path=path, args=["--no-sandbox", "--disable-gpu"]
         )
+        expect.set_options(timeout=PATIENCE)  # as long as a busy computer may take
         yield browser
         browser.close()
 
@@ -47,7 +48,7 @@ def test_a_trial_by_keyboard_on_both_pages(chromium, address) -> None:
     page, wrong = chromium.new_page(), []
     page.on("pageerror", lambda error: wrong.append(str(error)))
     page.on("console", lambda message: wrong.append(message.text))
-    page.goto(address)
+    page.goto(address, timeout=PATIENCE)
     expect(page.locator("#profile option")).not_to_have_count(0, timeout=PATIENCE)
     page.select_option("#profile", "sine")
     page.fill("#seconds", "12")
@@ -58,7 +59,7 @@ def test_a_trial_by_keyboard_on_both_pages(chromium, address) -> None:
 
     subject = chromium.new_context().new_page()
     subject.on("pageerror", lambda error: wrong.append(str(error)))
-    subject.goto(f"{address}subject")
+    subject.goto(f"{address}subject", timeout=PATIENCE)
     expect(subject.locator("#say")).to_have_text("Relax")
     page.locator("#clock").click()
     page.keyboard.press("Space")
@@ -70,7 +71,7 @@ def test_a_trial_by_keyboard_on_both_pages(chromium, address) -> None:
 
     expect(page.locator("#verdict strong")).to_contain_text("Trial 1:", timeout=PATIENCE)
     expect(page.locator("#trials li")).to_have_count(1)
-    expect(page.locator("#trials li .pill")).not_to_have_text("being judged")
+    expect(page.locator("#trials li .pill")).not_to_have_text("being judged")  # with the verdict
     expect(page.locator("#start")).to_contain_text("Start")
     assert len(page.evaluate("window.suraeLatency")) > 30
     assert wrong == []

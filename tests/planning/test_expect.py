@@ -37,12 +37,15 @@ def recorded(trajectory, seed, path, population="healthy"):
     return subject.parameters
 
 
-def fitted_errors(trajectory, legs, tmp_path):
-    """Relative errors of real fits, and the standard errors expected for the same legs."""
+def fitted_errors(trajectory, legs, tmp_path, starts=2):
+    """Relative errors of real fits, and the standard errors expected for the same legs.
+
+    What is expected is of the best fit: of thirty, one may need ten starts to come to it.
+    """
     errors, said = [], []
     for seed, population in legs:
         truth = recorded(trajectory, seed, tmp_path / "trial.csv", population)
-        fit = surae.fit(tmp_path / "trial.csv", "muscle", prepared=True, starts=2)
+        fit = surae.fit(tmp_path / "trial.csv", "muscle", prepared=True, starts=starts)
         names = list(fit.parameters)
         errors.append([fit.parameters[n].value / truth[n] - 1.0 for n in names])
         own = replace(population_legs("muscle", population, 1))
@@ -65,7 +68,7 @@ def test_errors_of_fits_are_those_expected(tmp_path) -> None:
 @pytest.mark.parametrize("name", ["multiple-holds", "multi-sine-holds"])
 def test_errors_of_thirty_fits_are_within_15_percent(tmp_path, name) -> None:
     legs = [(100 + seed, ("healthy", "patient")[seed % 2]) for seed in range(30)]
-    errors, said = fitted_errors(motion(profile=name, duration=35.0), legs, tmp_path)
+    errors, said = fitted_errors(motion(profile=name, duration=35.0), legs, tmp_path, starts=10)
     assert np.sqrt(np.mean((errors / said) ** 2)) == pytest.approx(1.0, abs=0.15)
 
 
@@ -73,7 +76,7 @@ def test_errors_of_thirty_fits_are_within_15_percent(tmp_path, name) -> None:
 def test_errors_of_thirty_fits_of_a_designed_protocol_are_within_15_percent(tmp_path) -> None:
     designed = ready_trajectory("everything-35", named_device("achilles"), (-0.9, 0.6), RATE)
     legs = [(100 + seed, ("healthy", "patient")[seed % 2]) for seed in range(30)]
-    errors, said = fitted_errors(designed, legs, tmp_path)
+    errors, said = fitted_errors(designed, legs, tmp_path, starts=10)
     assert np.sqrt(np.mean((errors / said) ** 2)) == pytest.approx(1.0, abs=0.15)
 
 

@@ -300,8 +300,13 @@ async function tried(work) {
   }
 }
 
+let asked = 0;
+/** Ask how all stands; of several answers, the one that was asked for last counts. */
 const refresh = async () => {
-  state = await get("/api/live");
+  const own = ++asked;
+  const told = await get("/api/live");
+  if (own !== asked) return;
+  state = told;
   showAll();
 };
 const startStop = () => tried(async () => {
@@ -376,6 +381,8 @@ tried(async () => {
       showAsked();
     },
     trial: (trial) => {
+      state.trials = [...state.trials.filter((one) => one.trial !== trial.trial), trial].sort((a, b) => a.trial - b.trial);
+      showTrials();
       if (trial.state === "judged") showVerdict(trial);
       refresh();
     },
