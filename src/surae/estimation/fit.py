@@ -23,6 +23,9 @@ from surae.versions import versions
 
 #: A sum below this part of the torque's own is an exact fit.
 _EXACT = 1e-12
+#: How often a search that is the best, and not yet at rest, goes on; the variances of the noise
+#: that such a search must gain.
+_CONTINUED, _AT_REST = 3, 1e-2
 
 
 def fit_problem(
@@ -84,6 +87,15 @@ def fit_problem(
                     break
                 if progress is not None:
                     progress(len(minima), starts, min(map(_finite_sum, minima)))
+            # The best may be in the middle of a long flat valley: it goes on from there.
+            best = min(range(len(minima)), key=lambda k: _finite_sum(minima[k]))
+            for _ in range(_CONTINUED):
+                if minima[best].outcome is not Outcome.ITERATIONS:
+                    break
+                minima[best] = minimise(
+                    residuals.rows, minima[best].x, problem.lower, problem.upper,
+                    stall=_AT_REST / problem.n,
+                )  # fmt: skip
         except KeyboardInterrupt:
             if len(minima) == number:  # and not while the caller was told of a whole start
                 here = minimise(
