@@ -160,6 +160,7 @@ def exact_step(f0: float, beta: float, dt: float) -> tuple[np.ndarray, np.ndarra
 @example(f0=15.0, beta=4.0, dt=0.02)
 @example(f0=0.01, beta=1.0, dt=1e-5)
 @example(f0=25.0, beta=0.2, dt=0.02)
+@example(f0=57.75, beta=6.71875, dt=0.012693791315972572)  # Φ[1, 1] is a small difference
 @settings(max_examples=150)
 def test_step_and_its_derivatives_against_the_matrix_exponential(f0, beta, dt) -> None:
     step, step_f0, step_beta = filter_step(f0, beta, dt)

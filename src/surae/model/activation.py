@@ -100,6 +100,7 @@ def filter_step(f0: float, beta: float, dt: float) -> tuple[FloatArray, FloatArr
         weight *= j + 1
         phi2 = _plus(_times(phi2, z, beta), weight)
     phi1 = _plus(_times(phi2, z, beta), 1.0)
+    free = _plus(_times(phi1, z, beta), 1.0)
     for _ in range(doublings):
         # at 2Z: φ2 ← (φ1² + 2φ2)/4, then φ1 ← I + 2Z·φ2
         square = _times(phi1, phi1, beta)
@@ -114,7 +115,7 @@ def filter_step(f0: float, beta: float, dt: float) -> tuple[FloatArray, FloatArr
         scale *= 2.0
         z = (0.0, scale * h, 0.0, scale, 0.0, 0.0)
         phi1 = _plus(_times(phi2, z, beta), 1.0)
-    free = _plus(_times(phi1, z, beta), 1.0)
+        free = _times(free, free, beta)  # I + Z·φ1 cancels where little of a state is left
 
     steps = np.empty((3, 2, 4))  # the step, its derivatives by h and by beta
     for i in range(3):
