@@ -236,7 +236,9 @@ def test_the_cohorts_table_runs_no_formula(serve) -> None:
     fit = {**OTHERS["fit"], "recordings": [database.add("recording", measured)]}
     database.add("fit", fit)
     lines = server.browser().get("/api/cohort.csv").text.splitlines()
-    assert lines[1].startswith('"\'=1+1",,,"""@x","x;\'=2+2",muscle,converged,99.0,,')
+    assert lines[1].startswith(
+        '"\'=1+1",,,"""@x","x;\'=2+2","muscle model [1.0]",muscle,converged,99.0,,'
+    )
 
 
 @pytest.mark.parametrize("toml", ["a = " + "[" * 50_000, "repeats = " + "9" * 5000])
