@@ -14,6 +14,21 @@ import numpy as np
 
 from surae.units import FloatArray
 
+#: Rounding of sums over samples, of a matrix with ones on its diagonal.
+_ROUNDING = 1e-11
+
+
+def factor_of(scaled: FloatArray) -> FloatArray:
+    """Lower Cholesky factor of a matrix, shape (q, q), with ones on its diagonal.
+
+    Data without noise outweigh every prior to their last digit: then the matrix is singular but for
+    rounding, which is added.
+    """
+    try:
+        return np.asarray(np.linalg.cholesky(scaled))
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.cholesky(scaled + _ROUNDING * np.eye(len(scaled))))
+
 
 @dataclass(frozen=True, slots=True)
 class Quadratic:
@@ -43,7 +58,8 @@ class Quadratic:
         cost += float(weight2 @ away**2)
         # Columns of very different size: a factor of what is scaled keeps its digits.
         scale = 1.0 / np.sqrt(np.diag(H))
-        factor = np.linalg.cholesky(H * scale * scale[:, None])
+        scaled = H * scale * scale[:, None]
+        factor = factor_of(scaled)
         inverse = np.linalg.inv(factor) * scale
         solved = inverse @ g
         log_det = 2.0 * float(np.log(np.diag(factor) / scale).sum())

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from surae.estimation.evidence import factor_of
 from surae.estimation.flatness import flatness
 from surae.estimation.member import UNSUPPORTED, Member, under_noise
 from surae.estimation.mode import Mode, Target, straight
@@ -142,11 +143,11 @@ def summed(
     finite = bool(np.isfinite(sse) and np.isfinite(covariance).all())
     status = "failed" if not finite else "at-bounds" if bound else "converged"
     dof = max(problem.n - len(problem.free), 1)
-    R = (
-        np.sqrt(max(sse, 1e-300) / dof) * np.linalg.cholesky(np.linalg.inv(covariance)).T
-        if finite
-        else np.full((len(problem.free),) * 2, np.nan)
-    )
+    R = np.full((len(problem.free),) * 2, np.nan)
+    if finite:
+        scale = 1.0 / np.sqrt(np.diag(covariance))
+        root = np.linalg.inv(factor_of(covariance * scale * scale[:, None])) * scale
+        R = np.sqrt(max(sse, 1e-300) / dof) * np.linalg.qr(root)[1]
     return FitResult(
         problem=problem,
         status=status,
