@@ -16,8 +16,10 @@ from surae.estimation.shifts import emg_noise
 from surae.frozen import read_only
 from surae.model.laboratory import ALL, laboratory
 from surae.model.parameters import OPTIONAL
+from surae.protocol import Protocol, generate
 from surae.recording import Recording, read
 from surae.signals import prepare
+from surae.studies import virtual_subject, virtual_trial
 from surae.studies.richer import richer_leg
 
 
@@ -273,3 +275,13 @@ def test_what_fits_again_believes_what_the_search_did(fitted):
     assert delay.median * np.exp(0.5 * delay.spread**2) == pytest.approx(0.03)
     plain = fit_problem(make_problem([fitted.problem.inputs[0]], "muscle"), starts=1)
     assert with_laboratory(plain) is plain
+
+
+@pytest.mark.parametrize("profile", ["multiple-holds", "ramp-and-hold"])
+def test_data_without_noise_are_no_reason_to_fail(profile):
+    subject = virtual_subject(seed=1)
+    trajectory = generate(Protocol(profile=profile, rate_hz=128.0, chirp_amplitude=0.1))
+    fit = solve(make_problem([virtual_trial(subject, trajectory, noise=0.0)], "auto"))
+    assert fit.status == "converged"
+    for name in ("k_tri", "x0_tri", "l0_tri", "f0"):
+        assert fit.values[name] == pytest.approx(subject.parameters[name], rel=1e-3)

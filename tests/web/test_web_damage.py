@@ -46,6 +46,10 @@ OTHERS: dict[str, dict[str, Any]] = {
         "seconds": 1.0, "recordings": ["f" * 16], "names": ["x"], "starts": 1, "agreeing": 1,
         "parameters": {}, "settings": {},
     },
+    "session": {
+        "name": "x", "recordings": ["f" * 16], "fits": {"joint": "f" * 16},
+        "content": {"adequacy": {"grade": "doubtful"}}, "settings": {},
+    },
     "comparison": {"conclusion": "x", "recordings": [], "models": [], "fit": None},
     "study": {"name": "x", "toml": 'name = "x"\nprotocol = "sine"\n', "rows": 1},
     "protocol": {"name": "x", "settings": {"profile": "multiple-holds"}},
@@ -291,13 +295,15 @@ def test_one_bad_row_is_one_bad_row(serve) -> None:
                 database.write("INSERT INTO thing VALUES (?, ?, ?, ?, ?)", *row)
     damaged = browser.get("/api/damaged").json()["damaged"]
     assert Counter(name["kind"] for name in damaged) == dict.fromkeys(KINDS, len(BAD) + 2)
-    for kind in ("subjects", "recordings", "fits", "jobs", "comparisons", "studies", "protocols"):
+    for kind in (
+        "subjects", "recordings", "fits", "sessions", "jobs", "comparisons", "studies", "protocols",
+    ):  # fmt: skip
         answer = browser.get(f"/api/{kind}")
         assert answer.status_code == 200, answer.text
         assert [entry["id"] for entry in answer.json()[kind]] == ["0" * 16], kind
     for path in ("cohort", "draft", "uploads", "jobs?active=true"):
         assert browser.get(f"/api/{path}").status_code == 200, path
-    for path in ("recordings", "fits", "comparisons", "studies", "jobs"):
+    for path in ("recordings", "fits", "sessions", "comparisons", "studies", "jobs"):
         assert browser.get(f"/api/{path}/{'e' * 16}").status_code == 409
     server.close()
     Project(server.bench.project.folder).close()  # it still opens
