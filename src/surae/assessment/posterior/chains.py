@@ -5,6 +5,7 @@ import threading
 import time
 import warnings
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any
@@ -191,7 +192,8 @@ def _attend(sampler: Any, work: _Work, progress: Progress | None, total: int) ->
             warnings.simplefilter("ignore", UserWarning)
             return sampler.abort(), False
     except BaseException:
-        sampler.cancel()
+        with suppress(BaseException):  # it panics where a chain has failed before
+            sampler.cancel()
         raise
 
 
