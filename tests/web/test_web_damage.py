@@ -423,3 +423,17 @@ def test_a_mistake_of_ours_tells_no_values() -> None:
     assert end.how == "failed"
     assert "patient" not in str(end)
     assert "tasks.py" in end.where
+
+
+@pytest.mark.parametrize("adequacy", [1, [], {}, {"grade": 2}, "doubtful"])
+def test_a_session_with_no_grade_where_one_should_be_is_damaged(serve, adequacy) -> None:
+    server = serve()
+    browser, good = server.browser(), OTHERS["session"]
+    server.bench.database.add("session", good, "0" * 16)
+    text = json.dumps({**good, "content": {"adequacy": adequacy}})
+    row = ("e" * 16, "session", 1.0, 0, text)
+    server.bench.database.write("INSERT INTO thing VALUES (?, ?, ?, ?, ?)", *row)
+    listed = browser.get("/api/sessions")
+    assert listed.status_code == 200, listed.text
+    assert [entry["id"] for entry in listed.json()["sessions"]] == ["0" * 16]
+    assert [name["id"] for name in browser.get("/api/damaged").json()["damaged"]] == ["e" * 16]

@@ -96,11 +96,19 @@ class _Fit(_Row):
     versions: dict[str, int] = {}
 
 
+class _Adequacy(_Row):
+    grade: str
+
+
+class _SessionContent(_Row):
+    adequacy: _Adequacy | None = None
+
+
 class _Session(_Row):
     name: str
     recordings: Annotated[list[_Id], Field(min_length=1)]
     fits: dict[str, _Id]
-    content: dict[str, Any]
+    content: _SessionContent
     settings: dict[str, Any]
 
 
