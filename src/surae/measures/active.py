@@ -1,10 +1,12 @@
 """Measures of a leg that is active, of how fast, and of what its torque is made of."""
 
+import cmath
+import math
+
 import numpy as np
 
 from surae.measures.leg import Leg, NotDefinedError, elongation
 from surae.model.contraction import FECC, MVSH, MVSHL, force_length
-from surae.units import FloatArray
 
 #: Most that an active state is raised to for a stated torque [N].
 _STRONGEST = 1e5
@@ -187,11 +189,7 @@ def neural_work_share(leg: Leg, _: float) -> float:
 
 
 def _share(leg: Leg, name: str, *, work: bool = False) -> float:
-    sizes = {"tissue": 0.0, "neural": 0.0, "inertial": 0.0, "gravitational": 0.0}
-    for parts, inputs in zip(leg.parts, leg.inputs, strict=True):
-        weight: FloatArray = np.ones(inputs.n) if not work else np.abs(inputs.velocity)
-        for part in sizes:
-            sizes[part] += float(np.sum(weight * np.abs(getattr(parts, part)))) / inputs.rate_hz
+    sizes = {part: both[work] for part, both in leg.shares.items()}
     total = sum(sizes.values())
     if not total > 0.0:
         raise NotDefinedError("there is no torque, or no movement, to share")
@@ -220,6 +218,10 @@ def _alpha(leg: Leg, torque: float) -> float:
 
     if leg.active_torque("tri", 0.0, _STRONGEST) < torque:
         raise NotDefinedError(f"no activity makes {torque:g} Nm at 0°")
+    # Where the muscle's force bends back, several states may make it: then the equation is solved.
+    alpha = leg.active_state("tri", 0.0, torque)
+    if abs(leg.active_torque("tri", 0.0, alpha) - torque) <= 1e-9 * torque:
+        return alpha
     return float(
         brentq(lambda alpha: leg.active_torque("tri", 0.0, alpha) - torque, 0.0, _STRONGEST,
                xtol=1e-6)
@@ -234,8 +236,9 @@ def _filter(leg: Leg) -> tuple[float, float]:
 
 def _step_response(t: float, beta: float) -> float:
     """Step response of a second-order filter of natural frequency 1 and this damping."""
-    root = np.sqrt(complex(beta**2 - 1.0))
+    root = cmath.sqrt(beta**2 - 1.0)
     if abs(root) < 1e-6:
-        return float(1.0 - (1.0 + t) * np.exp(-t))
+        return 1.0 - (1.0 + t) * math.exp(-t)
     slow, fast = -beta + root, -beta - root
-    return float(1.0 - np.real((fast * np.exp(slow * t) - slow * np.exp(fast * t)) / (fast - slow)))
+    shape = (fast * cmath.exp(slow * t) - slow * cmath.exp(fast * t)) / (fast - slow)
+    return 1.0 - shape.real

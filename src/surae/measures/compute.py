@@ -161,11 +161,10 @@ def judged_measures(
     ]
 
 
-def leg_of(result: FitResult, values: Mapping[str, float] | None = None) -> Leg:
-    """The leg of a fit, or one with other values of its free parameters."""
+def leg_of(result: FitResult) -> Leg:
+    """The leg of a fit."""
     problem = result.problem
-    own = {**result.values, **(values or {})}
-    return Leg(problem.spec, problem.options, own, problem.inputs)
+    return Leg(problem.spec, problem.options, result.values, problem.inputs)
 
 
 def evaluate(result: FitResult, spread: Spread, wanted: Sequence[Point]) -> tuple[Evaluated, ...]:
@@ -192,7 +191,7 @@ def evaluate(result: FitResult, spread: Spread, wanted: Sequence[Point]) -> tupl
             and (point.definition.of_recordings or group_of(name) not in _OUTSIDE)
         ]
         step = _step(spread, j)
-        sides = [leg_of(result, {name: float(spread.moved(j, by))}) for by in (-step, step)]
+        sides = [leg.with_values({name: float(spread.moved(j, by))}) for by in (-step, step)]
         for point in inner:
             try:
                 low, high = (point.value(side) for side in sides)
@@ -229,10 +228,9 @@ def _drawn(result: FitResult, spread: Spread, wanted: Sequence[Point]) -> dict[s
     if spread.lost == spread.names or not np.isfinite(spread.total).all():
         return {}
     rows = np.full((_DRAWS, len(inner)), np.nan)
-    problem = result.problem
+    likeliest = leg_of(result)
     for i, drawn in enumerate(spread.draws(_DRAWS, _SEED)):
-        own = {**result.values, **dict(zip(spread.names, drawn.tolist(), strict=True))}
-        leg = Leg(problem.spec, problem.options, own, problem.inputs)
+        leg = likeliest.with_values(dict(zip(spread.names, drawn.tolist(), strict=True)))
         for k, point in enumerate(inner):
             try:
                 rows[i, k] = point.value(leg)

@@ -4,16 +4,18 @@ Everything here is statics in the ankle's own angle; zeros, delays and axes of a
 part in it. Lengths, arms and the balance of muscle and tendon are those of `surae.model`.
 """
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from surae.errors import ComputationError
 from surae.estimation import FitResult
 from surae.model import ModelOptions, ModelSpec, Simulator, TorqueParts, get_model
-from surae.model.contraction import force_length_partials
+from surae.model.contraction import CF
 from surae.model.equilibrium import solve
 from surae.model.geometry import paths
 from surae.model.tendon import SLACK_TIB, SLACK_TRI, TendonCurve, tendon_curve, tendon_force
@@ -37,8 +39,7 @@ class NotDefinedError(Exception):
     """A measure that a leg does not have, with the reason as a sentence."""
 
 
-@dataclass(frozen=True, slots=True)
-class Hold:
+class Hold(NamedTuple):
     """A muscle group that holds still at an angle."""
 
     force: float  #: On its tendon [N].
@@ -73,6 +74,13 @@ class Leg:
     values: Mapping[str, float]  #: Every parameter of the model.
     inputs: tuple[ModelInputs, ...] = ()  #: Recordings; empty where only the leg itself is asked.
     _holds: dict[tuple[str, float, float], Hold] = field(default_factory=dict, compare=False)
+    _muscles: dict[str, "_Muscle"] = field(default_factory=dict, compare=False)
+    _ties: dict[int, Simulator] = field(default_factory=dict, compare=False)
+
+    def with_values(self, values: Mapping[str, float]) -> "Leg":
+        """The leg with other values of some parameters, in the same recordings."""
+        own = {**self.values, **values}
+        return Leg(self.spec, self.options, own, self.inputs, _ties=self._ties)
 
     @property
     def is_of_2010(self) -> bool:
@@ -102,28 +110,43 @@ class Leg:
 
     def rigid_length(self, group: str, degrees: float) -> float:
         """Length of muscle and tendon together beyond the tendon's slack length [m]."""
-        return _path(group, degrees, self.options)[0]
+        return _length(_straight_path(group, self.options), degrees * _DEGREE)
 
     def angle_of(self, group: str, length: float) -> float:
         """Angle [deg] at which muscle and tendon, but for its slack length, are so long."""
-        from scipy.optimize import brentq
-
-        def beyond(degrees: float) -> float:
-            return self.rigid_length(group, degrees) - length
-
-        if not beyond(-_TURN) * beyond(_TURN) < 0.0:
+        path = _straight_path(group, self.options)
+        ends = [_length(path, sign * _TURN * _DEGREE) - length for sign in (-1.0, 1.0)]
+        if not ends[0] * ends[1] < 0.0:
             raise NotDefinedError("no angle of the ankle makes the muscle so long")
-        return float(brentq(beyond, -_TURN, _TURN, xtol=1e-8))
+        # Of both roots of the quadratic, that between which and 0 the length turns nowhere.
+        missing, slope = length - path.length, path.slope
+        root = math.sqrt(slope * slope + 2.0 * path.bend * missing)
+        return 2.0 * missing / (slope + math.copysign(root, slope)) / _DEGREE
 
     def tendon(self, group: str) -> TendonCurve:
         """The tendon's curve, as `surae.model.tendon.tendon_force` takes it."""
-        if not self.is_compliant:
+        curve = self._muscle(group).curve
+        if curve is None:
             raise NotDefinedError("the tendons of this model are rigid")
-        v = self.values
-        eps0 = v[f"dlt_{group}"]
-        if self.options.tendon_strain == "slack-length":
-            eps0 *= slack_length(group)
-        return tendon_curve(eps0, v[f"pt_{group}"], v[f"kt_{group}"], v[f"fmax_{group}"])
+        return curve
+
+    def _muscle(self, group: str) -> "_Muscle":
+        if group not in self._muscles:
+            v, curve, pulls = self.values, None, not (self.is_of_2010 and group == "tib")
+            if self.is_compliant:
+                in_metres = self.options.tendon_strain == "thesis"
+                eps0 = v[f"dlt_{group}"] * (1.0 if in_metres else slack_length(group))
+                curve = tendon_curve(eps0, v[f"pt_{group}"], v[f"kt_{group}"], v[f"fmax_{group}"])
+            self._muscles[group] = _Muscle(
+                _straight_path(group, self.options),
+                v[f"k_{group}"] if pulls else 0.0,
+                v[f"x0_{group}"] if pulls else math.inf,
+                self.optimal_length(group),
+                self.relaxed,
+                v.get("F0", 0.0) if pulls else 0.0,
+                curve,
+            )
+        return self._muscles[group]
 
     def hold(self, group: str, degrees: float, alpha: float = 0.0) -> Hold:
         """A muscle group at an angle with an active state α [N], tissue fully relaxed."""
@@ -133,32 +156,25 @@ class Leg:
         return self._holds[key]
 
     def _held(self, group: str, degrees: float, alpha: float) -> Hold:
-        x, slope, arm, arm_slope = _path(group, degrees, self.options)
-        l0, v = self.optimal_length(group), self.values
-        if self.is_of_2010 and group == "tib":
-            k, elastic, shift = 0.0, 0.0, 0.0
-        else:
-            k, shift = v[f"k_{group}"], v.get("F0", 0.0)
-            elastic = float(np.exp(k * (x - v[f"x0_{group}"])))
-        if not self.is_compliant:
-            lift, lift_slope = _force_length(x, l0)
-            own = alpha * lift_slope
-            force = self.relaxed * elastic + shift + alpha * lift
-            slow = self.relaxed * k * elastic + own
-            quick = k * elastic + own
-            return Hold(force, slow, quick, x, 1.0, arm, slope, arm_slope)
-        muscle = (k, v[f"x0_{group}"], l0, self.options.vmax_factor * l0)
-        step = (x, x, _STILL, self.relaxed, 0.0, alpha)
-        solved, e, here = solve(0.0, muscle, self.tendon(group), step)
+        path, k, x0, l0, relaxed, shift, curve = muscle = self._muscle(group)
+        angle = degrees * _DEGREE
+        x, slope = _length(path, angle), path.slope + path.bend * angle
+        arm = path.arm + path.arm_slope * angle
+        if curve is None:
+            elastic, (lift, lift_slope) = muscle.elastic(x), _force_length(x, l0)
+            own, force = alpha * lift_slope, relaxed * elastic + shift + alpha * lift
+            slow, quick = relaxed * k * elastic + own, k * elastic + own
+            return Hold(force, slow, quick, x, 1.0, arm, slope, path.arm_slope)
+        step = (x, x, _STILL, relaxed, 0.0, alpha)
+        solved, e, here = solve(0.0, (k, x0, l0, self.options.vmax_factor * l0), curve, step)
         if not solved:
             raise ComputationError("muscle and tendon have no finite balance with these parameters")
-        force, stiff = here[2], here[3]
-        elastic = float(np.exp(k * (x - e - v[f"x0_{group}"])))
+        force, stiff, elastic = here[2], here[3], muscle.elastic(x - e)
         own = alpha * _force_length(x - e, l0)[1]
-        slow, quick = self.relaxed * k * elastic + own, k * elastic + own
+        slow, quick = relaxed * k * elastic + own, k * elastic + own
         return Hold(
             force, _series(stiff, slow), _series(stiff, quick), x - e, stiff / (stiff + slow), arm,
-            slope, arm_slope,
+            slope, path.arm_slope,
         )  # fmt: skip
 
     def active_torque(self, group: str, degrees: float, alpha: float) -> float:
@@ -166,52 +182,124 @@ class Leg:
         pull = self.hold(group, degrees, alpha).torque - self.hold(group, degrees).torque
         return abs(pull)
 
+    def active_state(self, group: str, degrees: float, torque: float) -> float:
+        """The active state α [N] that adds a torque [Nm] to the pull at an angle."""
+        rest, muscle = self.hold(group, degrees), self._muscle(group)
+        force = rest.force + torque / abs(rest.arm)
+        x, tissue = rest.length, rest.force
+        if muscle.curve is not None:
+            x = self.rigid_length(group, degrees) - elongation(muscle.curve, force)
+            tissue = self.relaxed * muscle.elastic(x)
+        return (force - tissue) / _force_length(x, muscle.l0)[0]
+
     @cached_property
     def largest_activity(self) -> Mapping[str, float]:
         """Largest active state α of each group in the recordings [N]: its 99th percentile."""
         if not self.inputs:
             raise NotDefinedError("no recording says how active the muscles were")
-        states = [self._simulator(inputs).active_states(self._vector) for inputs in self.inputs]
+        states = [tie.active_states(self._vector) for tie in self._simulators]
         alpha = np.concatenate(states, axis=1)
         return dict(zip(GROUPS, np.percentile(alpha, _LARGEST, axis=1).tolist(), strict=True))
 
     @cached_property
     def parts(self) -> tuple[TorqueParts, ...]:
         """What the modelled torque of each recording is made of."""
-        return tuple(self._simulator(inputs).parts(self._vector) for inputs in self.inputs)
+        return tuple(tie.parts(self._vector) for tie in self._simulators)
 
-    def passive_torque(self, degrees: FloatArray, rate_hz: float) -> FloatArray:
+    @cached_property
+    def shares(self) -> Mapping[str, tuple[float, float]]:
+        """Sums over the recordings of the size of each part's torque [Nm·s], and of its power."""
+        sums = dict.fromkeys(("tissue", "neural", "inertial", "gravitational"), (0.0, 0.0))
+        for parts, inputs in zip(self.parts, self.inputs, strict=True):
+            speed = np.abs(inputs.velocity)
+            for part, before in sums.items():
+                size = np.abs(getattr(parts, part))
+                torque, power = (float(np.sum(of)) / inputs.rate_hz for of in (size, speed * size))
+                sums[part] = before[0] + torque, before[1] + power
+        return sums
+
+    def passive_torque(self, degrees: Sequence[float], rate_hz: float) -> FloatArray:
         """Passive torque [Nm] of a leg without activity that is turned so, shape (n,)."""
-        spec, angle = get_model(self.spec.name), degrees * _DEGREE
-        velocity = np.gradient(angle, 1.0 / rate_hz)
-        still = np.zeros((len(angle), 4))
-        turned = ModelInputs(
-            "turned", rate_hz, np.arange(len(angle)) / rate_hz, angle, velocity,
-            np.zeros_like(angle), still, "V", None, prepared=True,
-        )  # fmt: skip
-        values = np.array([self.values[name] for name in spec.names])
-        return spec.simulator(turned, self.options).parts(values).tissue
+        names, simulator = _turned(self.spec.name, self.options, tuple(degrees), rate_hz)
+        at_rest = [0.0 if name == "m" else self.values[name] for name in names]  # no limb
+        return simulator.torque(np.array(at_rest))
 
     @cached_property
     def slow_stretch(self) -> tuple[FloatArray, FloatArray]:
         """Angles [deg] and passive torque [Nm] of a stretch from −30° to 40° at 5°/s."""
         degrees = np.arange(*_STRETCH)
-        return degrees, self.passive_torque(degrees, _STRETCHING / _STRETCH[2])
+        return degrees, self.passive_torque(degrees.tolist(), _STRETCHING / _STRETCH[2])
 
     @property
     def _vector(self) -> FloatArray:
         return np.array([self.values[name] for name in self.spec.names])
 
-    def _simulator(self, inputs: ModelInputs) -> Simulator:
-        return self.spec.simulator(inputs, self.options)
+    @property
+    def _simulators(self) -> list[Simulator]:
+        for number, inputs in enumerate(self.inputs):
+            if number not in self._ties:
+                self._ties[number] = self.spec.simulator(inputs, self.options)
+        return list(self._ties.values())
 
 
-@lru_cache(maxsize=4096)
-def _path(group: str, degrees: float, options: ModelOptions) -> tuple[float, float, float, float]:
-    """Length [m], its slope [m/rad], moment arm [m] and its slope [m/rad] at an angle."""
-    angle = np.array([degrees * _DEGREE])
-    path = paths(angle=angle, velocity=np.zeros(1), options=options)[GROUPS.index(group)]
-    return float(path.length[0]), float(path.slope[0]), float(path.arm[0]), path.arm_slope
+@lru_cache(maxsize=8)
+def _turned(
+    model: str, options: ModelOptions, degrees: tuple[float, ...], rate_hz: float
+) -> tuple[tuple[str, ...], Simulator]:
+    """A model's parameters, and the model tied to a leg without activity that is turned so."""
+    spec, angle = get_model(model), np.array(degrees) * _DEGREE
+    n, velocity = len(angle), np.gradient(angle, 1.0 / rate_hz)
+    inputs = ModelInputs(
+        "turned", rate_hz, np.arange(n) / rate_hz, angle, velocity, np.zeros(n), np.zeros((n, 4)),
+        "V", None, prepared=True,
+    )  # fmt: skip
+    return spec.names, spec.simulator(inputs, options)
+
+
+class _StraightPath(NamedTuple):
+    """Path of a muscle group about 0 rad: its arm is a straight line, its length a parabola."""
+
+    #: `length`, `slope`, `bend`: length of muscle and tendon [m] at 0 rad and its derivatives.
+    length: float
+    slope: float
+    bend: float
+    #: `arm`, `arm_slope`: moment arm [m] at 0 rad and its derivative.
+    arm: float
+    arm_slope: float
+
+
+@lru_cache(maxsize=64)
+def _straight_path(group: str, options: ModelOptions) -> _StraightPath:
+    still = np.zeros(1)
+    path = paths(angle=still, velocity=still, options=options)[GROUPS.index(group)]
+    return _StraightPath(
+        float(path.length[0]), float(path.slope[0]), path.bend, float(path.arm[0]), path.arm_slope
+    )
+
+
+def _length(path: _StraightPath, angle: float) -> float:
+    return path.length + (path.slope + 0.5 * path.bend * angle) * angle
+
+
+class _Muscle(NamedTuple):
+    """A muscle group of a leg, at any angle."""
+
+    path: _StraightPath  #: Where it goes.
+    k: float  #: Stiffness coefficient [1/m].
+    x0: float  #: Slack length [m]; infinite where it has no tissue.
+    l0: float  #: Optimal length [m].
+    relaxed: float  #: As of `Leg`.
+    shift: float  #: F0 of the model of 2010 [N].
+    curve: TendonCurve | None  #: Of its tendon; None where that is rigid.
+
+    def elastic(self, x: float) -> float:
+        """Elastic force before relaxation (8) [N]; infinite where there is no number as large."""
+        if self.x0 == math.inf:
+            return 0.0
+        try:
+            return math.exp(self.k * (x - self.x0))
+        except OverflowError:
+            return math.inf
 
 
 def slack_length(group: str) -> float:
@@ -228,8 +316,10 @@ def elongation(curve: TendonCurve, force: float) -> float:
 
 
 def _force_length(x: float, l0: float) -> tuple[float, float]:
-    value, slope, _ = force_length_partials(x, l0)
-    return value, slope
+    """Force-length factor (16) and its slope [1/m]."""
+    u = (x - l0) / l0
+    value = math.exp(-u * u / CF)
+    return value, -2.0 * u / (CF * l0) * value
 
 
 def _series(a: float, b: float) -> float:

@@ -142,7 +142,7 @@ def dissipated_energy(leg: Leg, _: float) -> float:
     count = int((_TO - _FROM) / _SPEED * _RATE)
     there = np.linspace(_FROM, _TO, count + 1)
     angle = np.concatenate([there, there[-2::-1]])
-    torque = leg.passive_torque(angle, _RATE)
+    torque = leg.passive_torque(angle.tolist(), _RATE)
     between = 0.5 * (torque[1:] + torque[:-1])
     return 1e3 * float(np.sum(between * np.diff(np.radians(angle))))
 
