@@ -9,6 +9,7 @@ while its amplitude falls, as in those figures, where a steeper filter would rem
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from surae.protocol.device import Device
 from surae.units import FloatArray
@@ -110,9 +111,11 @@ def fit_device(
     if _excess(device, motion) <= 1.0 and highest_hz <= device.frequency_limit:
         return Fitted(motion)
 
+    spectrum = spectrum_of(motion[0])
+
     def filtered(cutoff_hz: float) -> Fitted:
         low, high = range_of_motion
-        angle, velocity, acceleration = low_pass(motion[0], cutoff_hz, rate_hz)
+        angle, velocity, acceleration = low_pass(spectrum, cutoff_hz, rate_hz)
         lowest = float(angle.min())
         gain = (high - low) / (float(angle.max()) - lowest)
         stretched = (low + gain * (angle - lowest), gain * velocity, gain * acceleration)
@@ -149,15 +152,17 @@ def refusal(device: Device, motion: Motion, highest_hz: float) -> str | None:
     return None
 
 
-def low_pass(angle: FloatArray, cutoff_hz: float, rate_hz: float) -> Motion:
-    """Zero-phase first-order low-pass of a motion, with its exact derivatives.
+def spectrum_of(angle: FloatArray) -> NDArray[np.complex128]:
+    """Spectrum of a motion continued by its mirror image at both ends, so it rests there."""
+    return np.fft.rfft(np.concatenate([angle, angle[-2:0:-1]]))
 
-    The motion is continued by its mirror image at both ends, so it begins and ends at rest.
+
+def low_pass(spectrum: NDArray[np.complex128], cutoff_hz: float, rate_hz: float) -> Motion:
+    """Zero-phase first-order low-pass of a motion, with its exact derivatives.
 
     At the frequency `cutoff_hz` the amplitude is divided by √2.
     """
-    n = len(angle)
-    spectrum = np.fft.rfft(np.concatenate([angle, angle[-2:0:-1]]))
+    n = len(spectrum)
     frequency = np.arange(n, dtype=np.float64) * (rate_hz / (2 * n - 2))
     filtered = spectrum * _filter_gain(frequency, cutoff_hz)
     omega = 2j * np.pi * frequency

@@ -2,6 +2,8 @@
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -168,41 +170,51 @@ def generate(settings: Protocol) -> Trajectory:
     oversampling = math.ceil(_FINE_RATE / settings.rate_hz)
     fine_rate = settings.rate_hz * oversampling
     n = math.floor(settings.seconds * settings.rate_hz + 1e-9) + 1
-    time = np.arange(n) / settings.rate_hz
-    fine = np.arange((n - 1) * oversampling + 1) / fine_rate
+    time, fine = _Grid(n, settings.rate_hz), _Grid((n - 1) * oversampling + 1, fine_rate)
     adaptation = None
     if settings.device is None:
         motion = _motion(settings, time, _base_range(settings, fine))
     else:
-        adapted, adaptation = _adapted(settings, settings.device, fine, fine_rate)
+        adapted, adaptation = _adapted(settings, settings.device, fine)
         angle, velocity, acceleration = (signal[::oversampling] for signal in adapted)
         motion = angle, velocity, acceleration
     return Trajectory(
         settings=settings,
-        time=read_only(time),
+        time=read_only(time.time),
         angle=read_only(motion[0]),
         velocity=read_only(motion[1]),
         acceleration=read_only(motion[2]),
-        effort=read_only(effort(time, named_task(settings.task))),
+        effort=read_only(effort(time.time, named_task(settings.task))),
         adaptation=adaptation,
     )
 
 
-def _base_range(settings: Protocol, fine: FloatArray) -> tuple[float, float]:
+class _Grid(NamedTuple):
+    """Equidistant times from 0."""
+
+    n: int  #: Number of samples.
+    rate_hz: float
+
+    @property
+    def time(self) -> FloatArray:
+        """The times [s]."""
+        return np.arange(self.n) / self.rate_hz
+
+
+def _base_range(settings: Protocol, fine: _Grid) -> tuple[float, float]:
     """Angles on which the profile is mapped so that it spans the range together with the chirp."""
     if settings.chirp_amplitude == 0.0:
         return settings.range_of_motion
-    profile = named_profile(settings.profile)
-    added, _, _ = chirp(fine, amplitude=settings.chirp_amplitude, rate=settings.chirp_rate)
-    fraction = profile.position(fine * (profile.duration / settings.seconds))
+    added, _, _ = chirp(fine.time, amplitude=settings.chirp_amplitude, rate=settings.chirp_rate)
+    fraction = _position(settings.profile, settings.seconds, fine)
     return base_range(fraction, added, settings.range_of_motion)
 
 
-def _motion(settings: Protocol, t: FloatArray, base: tuple[float, float]) -> Motion:
+def _motion(settings: Protocol, grid: _Grid, base: tuple[float, float]) -> Motion:
     """Profile, mapped on the angles `base`, and chirp, with derivatives."""
-    position, speed, speeding = _profile(settings, t)
+    position, speed, speeding = _profile(settings.profile, settings.seconds, grid)
     added, added_velocity, added_acceleration = chirp(
-        t, amplitude=settings.chirp_amplitude, rate=settings.chirp_rate
+        grid.time, amplitude=settings.chirp_amplitude, rate=settings.chirp_rate
     )
     low, gain = base[0], base[1] - base[0]
     return (
@@ -212,39 +224,47 @@ def _motion(settings: Protocol, t: FloatArray, base: tuple[float, float]) -> Mot
     )
 
 
-def _profile(settings: Protocol, t: FloatArray) -> Motion:
-    """The profile at its duration, as a fraction, with derivatives by differences of the function.
+# What follows is asked for again and again as range, chirp and effort are adapted.
+
+
+@lru_cache(maxsize=4)
+def _position(name: str, seconds: float, grid: _Grid) -> FloatArray:
+    """The profile over `seconds`, as a fraction."""
+    profile = named_profile(name)
+    return read_only(profile.position(grid.time * (profile.duration / seconds)))
+
+
+@lru_cache(maxsize=4)
+def _profile(name: str, seconds: float, grid: _Grid) -> Motion:
+    """The profile over `seconds`, as a fraction, with derivatives by differences of the function.
 
     A profile is a smooth function known at every t, so fourth-order central differences over a
     millisecond serve: their error is below 1e-7 1/s and 1e-3 1/s².
     """
-    profile = named_profile(settings.profile)
-    stretch = profile.duration / settings.seconds
-    own, h = t * stretch, 2e-4
-    far_back, back, here, ahead, far_ahead = (
-        profile.position(own + k * h) for k in (-2, -1, 0, 1, 2)
-    )
+    profile = named_profile(name)
+    stretch = profile.duration / seconds
+    own, h = grid.time * stretch, 2e-4
+    here = _position(name, seconds, grid)
+    far_back, back, ahead, far_ahead = (profile.position(own + k * h) for k in (-2, -1, 1, 2))
     speed = (far_back - 8 * back + 8 * ahead - far_ahead) / (12 * h)
     speeding = (-far_back + 16 * back - 30 * here + 16 * ahead - far_ahead) / (12 * h**2)
-    return here, stretch * speed, stretch**2 * speeding
+    return here, read_only(stretch * speed), read_only(stretch**2 * speeding)
 
 
-def _adapted(
-    settings: Protocol, device: Device, t: FloatArray, rate_hz: float
-) -> tuple[Motion, Adaptation]:
+def _adapted(settings: Protocol, device: Device, fine: _Grid) -> tuple[Motion, Adaptation]:
     """The motion that the device can follow, or InputError if it may not be adapted."""
-    asked = _motion(settings, t, _base_range(settings, t))
+    asked = _motion(settings, fine, _base_range(settings, fine))
     amplitude = device.chirp_amplitude(settings.profile, settings.chirp_amplitude)
     end_hz = settings.chirp_rate * settings.seconds if amplitude > 0.0 else 0.0
     if not settings.adapt:
         _refuse(settings, device, asked, end_hz)
         amplitude = settings.chirp_amplitude
     used = replace(settings, chirp_amplitude=amplitude)
-    motion = asked if used == settings else _motion(used, t, _base_range(used, t))
+    motion = asked if used == settings else _motion(used, fine, _base_range(used, fine))
     fitted = fit_device(
         device,
         motion,
-        rate_hz=rate_hz,
+        rate_hz=fine.rate_hz,
         highest_hz=end_hz,
         range_of_motion=settings.range_of_motion,
     )

@@ -12,7 +12,7 @@ import numpy as np
 
 from surae.frozen import Comparable, read_only
 from surae.protocol import PROFILES
-from surae.protocol.adaptation import low_pass
+from surae.protocol.adaptation import low_pass, spectrum_of
 from surae.quality.numeric import BoolArray, quantile
 from surae.recording import Channel
 from surae.units import FloatArray
@@ -150,10 +150,7 @@ def _filtered(
     rate = _COARSE / float(seconds[-1])
     coarse = np.interp(grid, seconds, angle)
     moving = [base] if chirp is None else [base, chirp]
-    spectra = [
-        np.fft.rfft(np.concatenate([wave, wave[-2:0:-1]]))
-        for wave in (np.interp(grid, seconds, wave) for wave in moving)
-    ]
+    spectra = [spectrum_of(np.interp(grid, seconds, wave)) for wave in moving]
     frequency = np.arange(_COARSE + 1) * (rate / (2 * _COARSE))
 
     def spread(log_cutoff: float) -> float:
@@ -169,7 +166,7 @@ def _filtered(
         width /= 2.0
         least, best = min((least, best), *((spread(x), x) for x in (best - width, best + width)))
     exact = (len(seconds) - 1) / float(seconds[-1])
-    passed = [low_pass(wave, float(np.exp(best)), exact)[0] for wave in moving]
+    passed = [low_pass(spectrum_of(wave), float(np.exp(best)), exact)[0] for wave in moving]
     residual, fitted = _left(angle, [*_columns(passed[0], seconds), *passed[1:]])
     return _spread(residual), fitted
 
