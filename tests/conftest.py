@@ -2,6 +2,7 @@
 
 import importlib.util
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from threadpoolctl import threadpool_limits
 from surae.protocol import Protocol, generate
 from surae.recording import write_csv
 from surae.studies import virtual_subject, virtual_trial
+from undrawn import blank_figures
 
 # Tests share the cores among them. Threads of linear algebra on cores that others use wait for one
 # another busily: one decomposition takes a hundred times as long.
@@ -78,6 +80,13 @@ def clean(subject, trajectory):
 def noisy(subject, trajectory):
     """A trial with the thesis's noise."""
     return virtual_trial(subject, trajectory, noise=0.05)
+
+
+@pytest.fixture
+def undrawn() -> Iterator[None]:
+    """Reports of this test have no figures: their words are what is tested."""
+    with blank_figures():
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import cached_property
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from surae.model import ModelOptions, get_model
 from surae.recording import SourceFile
 from surae.report import build
 from surae.signals import ModelInputs
+from undrawn import blank_figures
 
 TRUTH = {
     "m": 2.0, "k_tri": 200.0, "k_tib": 110.0, "x0_tri": 0.018, "x0_tib": 0.065, "tau_rel": 2.0,
@@ -54,19 +56,30 @@ def trial(
 
 @dataclass(frozen=True)
 class Case:
-    """A fit, what it is worth, and its report."""
+    """A fit, what it is worth, and its report, where a test reads it."""
 
     result: FitResult
     assessment: Assessment
-    page: str
+
+    @cached_property
+    def page(self) -> str:
+        """All of the report."""
+        return build(
+            self.result,
+            self.assessment,
+            versions={"surae": "1.2.3"},
+            created=datetime(2026, 1, 5, 14, 3),
+        )
+
+    @cached_property
+    def words(self) -> str:
+        """The report without its figures."""
+        with blank_figures():
+            return Case(self.result, self.assessment).page
 
 
 def make_case(result: FitResult) -> Case:
-    assessment = assess(result)
-    page = build(
-        result, assessment, versions={"surae": "1.2.3"}, created=datetime(2026, 1, 5, 14, 3)
-    )
-    return Case(result, assessment, page)
+    return Case(result, assess(result))
 
 
 @pytest.fixture(scope="session")

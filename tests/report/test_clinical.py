@@ -125,6 +125,7 @@ def test_no_change_is_never_a_yes(fit) -> None:
     assert not any(row.is_strong for row in told.rows)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_commands_write_it(fit, tmp_path, monkeypatch) -> None:
     from click.testing import CliRunner
 

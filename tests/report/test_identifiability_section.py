@@ -49,8 +49,8 @@ def test_advice_only_where_something_is_to_be_done(plain):
     said = identifiability_section(plain.result, plain.assessment)
     for row in said.rows:
         assert (row.advice == "") == (row.verdict == "identified"), row
-    assert "What this torque tells apart" in plain.page
-    assert said.text in plain.page
+    assert "What this torque tells apart" in plain.words
+    assert said.text in plain.words
 
 
 def test_a_silent_muscle(silent):

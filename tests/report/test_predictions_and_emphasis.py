@@ -16,6 +16,7 @@ from surae.report import build
 from surae.report.figures import prediction_figure
 from surae.report.sections import prediction_section
 from surae.signals import Weighting, weighted
+from undrawn import blank_figures
 
 from .test_content import content_of
 
@@ -53,7 +54,7 @@ def test_a_loss_is_told_with_what_it_spared(spared, plain):
     assert "Outliers were let count less (huber loss)" in summary
     assert "With the samples counted as in the fit, the VAF is" in summary
     assert "no stray artefacts" not in summary
-    assert "Only the solution with the weights of the outliers was tried" in spared.page
+    assert "Only the solution with the weights of the outliers was tried" in spared.words
     facts = {fact.label for fact in content_of(spared).recordings[0].facts}
     assert "VAF, weighted as in the fit" in facts
     without, summary = texts(plain)
@@ -74,9 +75,9 @@ def test_weights_are_told(make_trial, make_fitted):
     inputs = weighted([make_trial()], Weighting(windows=((1.0, 2.0, 0.0),), peaks=4.0))
     case = make_fitted(fit_problem(make_problem(inputs), starts=1))
     assert "told to follow some samples more closely" in texts(case)[1]
-    assert "Weights: 1 … 2 s left out of the fit." in case.page
-    assert "counts 5 times as much as rest" in case.page
-    assert "because some samples count more than others" in case.page
+    assert "Weights: 1 … 2 s left out of the fit." in case.words
+    assert "counts 5 times as much as rest" in case.words
+    assert "because some samples count more than others" in case.words
 
 
 def test_default_priors_are_told_from_given_ones(make_trial):
@@ -102,7 +103,10 @@ def page(plain, predictions):
     """A report with a baseline and predictions."""
     baseline = Baseline("muscle", ModelOptions(), {"m": 0.001, "f0": 0.02}, "<4> subjects")
     assessment = assess(plain.result, baseline)
-    return build(plain.result, assessment, versions={}, created=CREATED, predictions=predictions)
+    with blank_figures():
+        return build(
+            plain.result, assessment, versions={}, created=CREATED, predictions=predictions
+        )
 
 
 def section_of(page, name):
@@ -114,7 +118,7 @@ def test_the_snsem_of_every_parameter_that_has_one(plain, page):
     assert "Standard errors against simulations" in section
     assert "&lt;4&gt; subjects" in section
     assert section.count("<tr>") == 3
-    assert "Standard errors against simulations" not in plain.page
+    assert "Standard errors against simulations" not in plain.words
 
 
 def test_predictions_have_a_section_a_table_and_a_figure_each(plain, page):
@@ -125,7 +129,7 @@ def test_predictions_have_a_section_a_table_and_a_figure_each(plain, page):
     assert "<b>shifted</b>" not in section
     assert "&lt;b&gt;shifted&lt;/b&gt;" in section
     assert "carry over only in part" in section
-    assert "Predicting other recordings" not in plain.page
+    assert "Predicting other recordings" not in plain.words
 
 
 def test_a_good_prediction_is_not_warned_of(plain, predictions):

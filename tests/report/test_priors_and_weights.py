@@ -34,12 +34,12 @@ def test_priors_are_in_the_settings_and_at_the_parameters(informed, plain):
     rows = rows_of(content)
     assert rows["l0_tri"].prior == "with prior 0.044 ± 20 %"
     assert rows["l0_tib"].prior == ""
-    assert "; with prior 0.044 ± 20 %" in informed.page
-    assert "the prior, one standard deviation to either side" in informed.page
+    assert "; with prior 0.044 ± 20 %" in informed.words
+    assert "the prior, one standard deviation to either side" in informed.words
     without = {setting.label: setting.value for setting in content_of(plain).settings}
     assert without["Priors"] == "none"
-    assert 'class="prior"' not in plain.page
-    assert informed.page.count('class="prior"') == 2
+    assert 'class="prior"' not in plain.words
+    assert informed.words.count('class="prior"') == 2
 
 
 def test_the_mark_spans_a_standard_deviation_within_the_bounds(informed):
@@ -93,7 +93,7 @@ def test_what_was_left_out_is_said_twice_and_hatched(informed):
     expected = "51 of 1000 samples, weight 0: 2 … 2.49 s, 3 s"
     facts = {fact.label: fact.value for fact in content.recordings[0].facts}
     assert facts["Left out of the fit"] == content.sources[0].excluded == expected
-    assert informed.page.count(expected) == 2
+    assert informed.words.count(expected) == 2
     traces = traces_of(informed.result)[0]
     white = whiteness(traces.residual[traces.counted], 100.0)
     for figure in (
@@ -116,16 +116,23 @@ def test_what_was_left_out_is_in_no_number(informed):
     white = whiteness(traces.residual[traces.counted], 100.0)
     histogram = residual_figure(traces.time, traces.residual, white, traces.excluded).axes[2]
     assert histogram.get_xlim()[1] < 10
-    assert "passes for white noise" in informed.page
+    assert "passes for white noise" in informed.words
 
 
 def test_all_samples_count_without_weights(plain):
-    assert "Left out" not in plain.page
+    assert "Left out" not in plain.words
     assert traces_of(plain.result)[0].counted.all()
 
 
-@pytest.mark.parametrize("model", ["muscle", "muscle-tendon"])
-@pytest.mark.parametrize("fixed", [{"m": 1e200}, {"k_tri": 1e6, "x0_tri": 1e-3}, {"g1": 1e300}])
+@pytest.mark.parametrize(
+    ("model", "fixed"),
+    [
+        ("muscle", {"m": 1e200}),
+        ("muscle", {"k_tri": 1e6, "x0_tri": 1e-3}),
+        ("muscle-tendon", {"k_tri": 1e6, "x0_tri": 1e-3}),
+        ("muscle-tendon", {"g1": 1e300}),
+    ],
+)
 def test_a_fit_that_overflows_has_a_report(model, fixed, make_trial, make_fitted):
     bounds = {name: (0.5 * value, 2.0 * value) for name, value in fixed.items()}
     problem = make_problem([make_trial()], model, fixed=fixed, bounds=bounds)

@@ -103,15 +103,15 @@ def test_the_table_has_the_extremes(traces):
 
 
 def test_the_page_shows_them_with_words_for_the_figure(elastic):
-    assert elastic.page.count("<h3>Muscles and tendons</h3>") == 1
+    assert elastic.words.count("<h3>Muscles and tendons</h3>") == 1
     (section,) = content_of(elastic).recordings
     assert section.tendon[0].text in section.tendon_alt
-    assert all(row.force in elastic.page for row in section.tendon)
+    assert all(row.force in elastic.words for row in section.tendon)
     assert section.warnings == ()
 
 
 def test_rigid_tendons_have_no_section(plain):
-    assert "Muscles and tendons" not in plain.page
+    assert "Muscles and tendons" not in plain.words
     assert traces_of(plain.result)[0].tendon is None
     assert content_of(plain).recordings[0].tendon == ()
 

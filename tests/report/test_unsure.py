@@ -90,7 +90,7 @@ def test_a_named_model_says_that_noise_is_all_it_knows(plain):
     assert laboratory_section(plain.result, plain.assessment) is None
     assert family_section(plain.result, plain.assessment) is None
     assert trials_section(plain.result, plain.assessment) is None
-    assert "imperfections" not in plain.page
+    assert "imperfections" not in plain.words
 
 
 def test_every_weak_verdict_links_to_what_to_measure_next(plain):
@@ -104,8 +104,8 @@ def test_every_weak_verdict_links_to_what_to_measure_next(plain):
     doubted = graded(plain.assessment, Grade.INADEQUATE)
     assert what_to_measure(doubted) == ()
     weak = sum(p.verdict in (Verdict.WEAK, Verdict.UNDETERMINED) for p in table.values() if p.free)
-    assert plain.page.count('href="#next"') == weak
-    assert plain.page.count('id="next"') == min(weak, 1)
+    assert plain.words.count('href="#next"') == weak
+    assert plain.words.count('id="next"') == min(weak, 1)
 
 
 def test_the_laboratory_says_what_was_assumed_and_who_says_so(auto):

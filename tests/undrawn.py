@@ -1,0 +1,23 @@
+"""Reports without their figures, for tests of what reports say."""
+
+import base64
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+#: An image of one dot.
+_PNG = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAQAAAC1HAwCAAAAC0lEQVR42mNkYAAAAAYAAjCB0C8AAAAASUVORK5CYII="
+)
+_SVG = b'<svg xmlns="http://www.w3.org/2000/svg" width="1" height="1"/>'
+
+
+@contextmanager
+def blank_figures() -> Iterator[None]:
+    """Figures are a dot each: to draw them takes longer than all else of a small report."""
+    with pytest.MonkeyPatch.context() as patched:
+        for module in ("rendering", "figures", "figures.style"):
+            patched.setattr(f"surae.report.{module}.png", lambda *_: _PNG)
+            patched.setattr(f"surae.report.{module}.svg", lambda *_: _SVG)
+        yield
