@@ -12,6 +12,7 @@ from surae.assessment import Grade, Verdict
 from surae.errors import InputError
 from surae.measures.change import compare_sessions
 from surae.measures.curve import Line, TorqueCurve
+from surae.measures.norms import Placed, read_norms
 from surae.measures.quantity import quantities
 from surae.names import LANGUAGES
 from surae.protocol import Protocol, generate
@@ -66,6 +67,21 @@ def test_a_band_without_an_end_leaves_its_curve_readable() -> None:
     rest, active = curve_figure([("leg", curve)], [], names).axes
     assert -20.0 < rest.get_ylim()[0] < -6.0
     assert active.get_ylim()[0] == pytest.approx(-4.0, abs=0.7)
+
+
+def test_a_group_is_drawn_beside_the_same_measure_of_the_leg() -> None:
+    # What groups resisted in a slow stretch is no point of the relaxed line.
+    angle = np.linspace(-0.3, 0.3, 20)
+    line = Line(torque=angle, low=angle - 1.0, high=angle + 1.0)
+    names = {n: n for n in ("angle", "torque", "relaxed", "slow", "calf", "tibialis")}
+    curve = TorqueCurve(angle=angle, passive=line, active_tri=line, active_tib=line)
+    slow = [n for n in read_norms() if n.measure == "slow_torque@10deg"]
+    beside = [(Placed(norm=norm, value=7.5, below=0.5), norm.group) for norm in slow]
+    rest = curve_figure([("leg", curve)], beside, names).axes[0]
+    drawn = [text.get_text() for text in rest.get_legend().get_texts()]
+    assert drawn == ["relaxed", "slow", *(norm.group for norm in slow)]
+    own = [mark for mark in rest.lines if mark.get_label() == "slow"]
+    assert [*own[0].get_xdata(), *own[0].get_ydata()] == [10.0, 7.5]
 
 
 def test_what_is_not_identified_is_no_plain_answer(fit) -> None:

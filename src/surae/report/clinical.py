@@ -371,7 +371,7 @@ def _curve(
 ) -> "Figure":
     from surae.report.figures.clinical import curve_figure
 
-    labels = {key: words(key) for key in ("angle", "torque", "relaxed", "calf", "tibialis")}
-    norms = [(p.norm, words.own(p.norm.group)) for p in beside
-             if p.norm.measure.startswith("slow_torque@")]  # fmt: skip
-    return curve_figure(curves, norms, labels, width=width)
+    labels = {key: words(key) for key in ("angle", "torque", "relaxed", "slow", "calf", "tibialis")}
+    slow = [(p, words.own(p.norm.group)) for p in beside
+            if p.norm.measure.startswith("slow_torque@")]  # fmt: skip
+    return curve_figure(curves, slow, labels, width=width)

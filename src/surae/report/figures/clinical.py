@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.measures.curve import Line, TorqueCurve
-from surae.measures.norms import Norm
+from surae.measures.norms import Placed
 from surae.report.figures.style import BLUE, GREY, INK, MUTED, dress, new_figure
 from surae.units import FloatArray
 
@@ -20,22 +20,25 @@ _NARROW = 5.0
 _BEYOND = 2.0
 #: Label of the edge of a band, which a legend leaves out.
 _EDGE = "_edge"
+#: Marks of groups, told apart in grey.
+_GROUPS = ("s", "D", "^")
 #: Fill and hatch of the shares.
 _FILLS = ((INK, ""), (BLUE, "////"), (GREY, ""), ("#ffffff", "...."))
 
 
 def curve_figure(
     curves: Sequence[tuple[str, TorqueCurve]],
-    norms: Sequence[tuple[Norm, str]],
+    beside: Sequence[tuple[Placed, str]],
     words: Mapping[str, str],
     *,
     width: float = 7.2,
 ) -> Figure:
     """Torque against angle: of one session at rest and active, or of two at rest.
 
-    `norms` are groups whose torque in a slow stretch is drawn at its angle, mean and spread, by
-    name; `words` are the labels in the reader's language: ``angle torque relaxed calf tibialis``. A
-    narrow figure (`width` [inch]) has its panels below each other.
+    `beside` are the leg's torque in a slow stretch among groups, by name; both are drawn at its
+    angle, of groups mean and spread. `words` are the labels in the reader's language: ``angle
+    torque relaxed slow calf tibialis``. A narrow figure (`width` [inch]) has its panels below each
+    other.
     """
     narrow = width < _NARROW and len(curves) == 1
     figure = new_figure(2.75 * (2 if narrow else 1), width=width)
@@ -52,10 +55,16 @@ def curve_figure(
         for look, (name, curve) in enumerate(curves):
             _band(rest, curve.angle, curve.passive, look, f"{name}, {words['relaxed']}")
         panels = (rest,)
-    for number, (norm, group) in enumerate(norms):
-        at = float(norm.measure.partition("@")[2].removesuffix("deg")) + 0.8 * number
+    own: set[float] = set()
+    for number, (placed, group) in enumerate(beside, 1):
+        norm, at = placed.norm, float(placed.norm.measure.partition("@")[2].removesuffix("deg"))
+        if at not in own:  # a slow stretch is not the relaxed line: like is shown beside like
+            label = "_" if own else words["slow"]
+            rest.plot([at], [placed.value], "o", color=INK, mfc="white", ms=4.5, label=label)
+            own.add(at)
         rest.errorbar(
-            [at], [norm.mean], [norm.sd], fmt="s", color=MUTED, ms=3.5, lw=1.0, capsize=3,
+            [at + 1.5 * number], [norm.mean], [norm.sd], fmt=_GROUPS[number % len(_GROUPS)],
+            color=MUTED, mfc="white" if number % 2 else MUTED, ms=4.0, lw=1.0, capsize=3,
             label=group,
         )  # fmt: skip
     for axes in panels:
