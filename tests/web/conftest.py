@@ -7,12 +7,13 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import httpx
 import pytest
 import uvicorn
 
+from surae.processes import Child, End
 from surae.web.app import create_app
 from surae.web.security import Policy
 from surae.web.workbench import Workbench
@@ -111,7 +112,65 @@ class Server:
         self._socket.close()
 
 
+class LentChild:
+    """A child process that goes on with the next server's work when its own server closes it.
+
+    Each begins with importing what computes, which takes longer than most of what is asked of it.
+    """
+
+    _idle: ClassVar[dict[int, list[Child]]] = {}
+
+    def __init__(self, nice: int = 0) -> None:
+        idle = self._idle.setdefault(nice, [])
+        self._child = idle.pop() if idle else Child(nice)
+        self._nice, self._calls, self._closed = nice, 0, False
+        self._lock = threading.Lock()
+
+    @property
+    def process(self) -> int | None:
+        return self._child.process
+
+    def call(self, *asked: Any, **more: Any) -> End:
+        with self._lock:
+            if self._closed:
+                return End("cancelled", message="cancelled before it began")
+            self._calls += 1
+        try:
+            return self._child.call(*asked, **more)
+        finally:
+            with self._lock:
+                self._calls -= 1
+
+    def interrupt(self) -> None:
+        self._child.interrupt()
+
+    def close(self) -> None:
+        with self._lock:
+            if self._closed:
+                return
+            self._closed = True
+            if not self._calls:
+                self._idle[self._nice].append(self._child)
+                return
+        self._child.close()
+
+    @classmethod
+    def end(cls) -> None:
+        for child in (child for idle in cls._idle.values() for child in idle):
+            child.close()
+
+
 Serve = Callable[..., Server]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def lent() -> Iterator[None]:
+    """Servers within this process lend each other their children."""
+    with pytest.MonkeyPatch.context() as patched:
+        for module in ("jobs", "request_workers"):
+            patched.setattr(f"surae.web.{module}.Child", LentChild)
+        yield
+    LentChild.end()
 
 
 def least(tries: Callable[[], float], limit: float) -> float:

@@ -29,6 +29,8 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
+#: Of a window.
+SIZE = {"width": 1280, "height": 800}
 _ADDRESS = re.compile(r"http://\S+?(?=/? )")
 #: A draft in which nothing is left out, as a session asks.
 WHOLE = {"model": "muscle", "starts": 1}
@@ -81,10 +83,10 @@ class Server:
 
 
 class Desk:
-    """One browser window, private to a test, which notes whatever a page must not do."""
+    """One browser window, which notes whatever a page must not do."""
 
-    def __init__(self, browser: Any, server: Server, **how: Any) -> None:
-        self.context = browser.new_context(viewport={"width": 1280, "height": 800}, **how)
+    def __init__(self, browser: Any, server: Server) -> None:
+        self.context = browser.new_context(viewport=SIZE)
         self.context.set_default_timeout(PATIENCE)
         expect.set_options(timeout=PATIENCE)
         self.address = server.address
@@ -152,11 +154,27 @@ class Desk:
         assert ended is not None, job
         return dict(ended)
 
-    def close(self) -> None:
-        """Close the window; fails when a page asked another computer or broke its own rules."""
-        self.context.close()
+    def renew(self) -> None:
+        """Leave the page, and forget the session, what the browser kept and what was noted."""
+        self.page.unroute_all(behavior="ignoreErrors")
+        if self.page.url.startswith(self.address):
+            self.page.evaluate("localStorage.clear()")
+        self.page.goto("about:blank")
+        self.context.clear_cookies()
+        self.page.emulate_media(media="screen", color_scheme="light")
+        self.page.set_viewport_size(SIZE)
+        self.outside.clear()
+        self.complaints.clear()
+
+    def judge(self) -> None:
+        """Fail when a page asked another computer or broke its own rules."""
         assert self.outside == []
         assert self.complaints == []
+
+    def close(self) -> None:
+        """Close the window, and judge."""
+        self.context.close()
+        self.judge()
 
 
 @pytest.fixture(scope="package")
@@ -181,20 +199,26 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     running.stop()
 
 
-@pytest.fixture
-def desk(browser: Any, server: Server) -> Iterator[Desk]:
-    """A window onto the workbench, with a session of its own."""
+@pytest.fixture(scope="package")
+def window(browser: Any, server: Server) -> Iterator[Desk]:
+    """A window for all tests: to open one takes as long as most of what they look at."""
     opened = Desk(browser, server)
     yield opened
-    opened.close()
+    opened.context.close()
+
+
+@pytest.fixture
+def desk(window: Desk) -> Iterator[Desk]:
+    """The window onto the workbench, as if it were new, with a session of its own."""
+    window.renew()
+    yield window
+    window.judge()
 
 
 @pytest.fixture(scope="package")
 def trial() -> Any:
     """A short trial of a virtual subject, with the thesis's noise."""
-    protocol = Protocol(
-        profile="multiple-holds", chirp_amplitude=0.1, chirp_rate=0.2, rate_hz=125.0
-    )
+    protocol = Protocol(profile="multiple-holds", chirp_amplitude=0.1, chirp_rate=0.2, rate_hz=64.0)
     return virtual_trial(virtual_subject(1), generate(protocol))
 
 
