@@ -1,8 +1,11 @@
 import json
 
+import pytest
+
 import surae
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_demo_finds_the_true_values_again(run, tmp_path) -> None:
     done = run("demo", "--output", "some/where")
     assert (done.code, done.err) == (0, "")

@@ -81,6 +81,7 @@ def test_colours_only_on_a_terminal_that_wants_them(run, files, monkeypatch) -> 
     assert "\x1b[32m" not in run(*FIT).out
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_outputs_appear_and_load(run, files) -> None:
     done = run(*FIT, "--output", "ä b.json", "--report", "r.html", "--seed", "7")
     assert done.code == 0
@@ -131,7 +132,7 @@ def test_a_muscle_without_emg_is_fine_when_its_weight_is_fixed(run, edit) -> Non
             del row[column]
 
     edit("no ta.csv", drop)
-    arguments = ("fit", "no ta.csv", "--prepared", "--starts", "1")
+    arguments = ("fit", "no ta.csv", "--model", "muscle", "--prepared", "--starts", "1")
     assert run(*arguments).code == 2
     done = run(*arguments, "--fixed", "g1=0")
     assert done.code in (0, 1)
@@ -222,14 +223,11 @@ def test_a_fit_in_place_of_a_recording_is_named(run, files) -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("name", "begins"), [("f.svg", b"<?xml"), ("f.pdf", b"%PDF"), ("f.png", b"\x89PNG")]
-)
-def test_a_figure_for_a_paper(run, files, name, begins) -> None:
-    done = run(*FIT, "--figure", name, "--width", "120")
+def test_a_figure_for_a_paper(run, files) -> None:
+    done = run(*FIT, "--figure", "f.pdf", "--width", "120")
     assert done.code == 0
-    assert done.out.endswith(f"figure: {name}\n")
-    assert (files / name).read_bytes().startswith(begins)
+    assert done.out.endswith("figure: f.pdf\n")
+    assert (files / "f.pdf").read_bytes().startswith(b"%PDF")
 
 
 @pytest.mark.parametrize(

@@ -25,6 +25,7 @@ def old(run, files):
     return files
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_simulated_fitted_reported_and_validated(run, old) -> None:
     header = (old / "old.csv").read_text(encoding="utf-8").splitlines()
     assert any("model muscle-2010" in line for line in header[:3])

@@ -7,7 +7,7 @@ import pytest
 from .conftest import refused
 
 COMMANDS = {
-    "fit": ("fit", "trial.csv", "--prepared"),
+    "fit": ("fit", "trial.csv", "--model", "muscle", "--prepared"),
     "simulate": ("simulate", "trial.csv", "--parameters", "true.json"),
     "validate": ("validate", "fit.json", "trial.csv"),
 }

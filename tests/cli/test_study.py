@@ -15,7 +15,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
+from surae.cli import group
 from surae.studies.study import FACTORS
 
 from .conftest import refused
@@ -82,8 +84,8 @@ def finished(tmp_path_factory) -> Path:
     """The folder of a run that nothing disturbed."""
     folder = tmp_path_factory.mktemp("undisturbed")
     (folder / "study.toml").write_text(STUDY, encoding="utf-8")
-    done = finish(folder, "--workers", "1", "--engine", "threads")
-    assert done.returncode == 0, done.stderr  # which may tell that the model was compiled
+    within("run", str(folder / "study.toml"), "--store", str(folder / "s.db"), "--workers", "1",
+           "--engine", "threads")  # fmt: skip
     return folder
 
 
@@ -100,12 +102,16 @@ def ran(study, finished) -> Path:
 
 
 def exported(folder: Path, store: str = "s.db") -> list[list[str]]:
-    done = subprocess.run(
-        [sys.executable, "-m", "surae", "study", "export", store, "--output", "table.csv"],
-        cwd=folder, check=False, capture_output=True, text=True, timeout=PATIENCE,
-    )  # fmt: skip
-    assert (done.returncode, done.stderr) == (0, "")
+    said = within("export", str(folder / store), "--output", str(folder / "table.csv"))
+    assert said == ""
     return numbers(folder / "table.csv")
+
+
+def within(*arguments: str) -> str:
+    """Run `surae study …` within this process; what it said on stderr."""
+    done = CliRunner().invoke(group, ["study", *arguments], catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    return done.stderr
 
 
 def test_run_status_export(run, study, undisturbed) -> None:
