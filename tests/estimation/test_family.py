@@ -11,8 +11,8 @@ from surae.assessment.posterior.density import beliefs
 from surae.assessment.saved.fit_json import load_saved, save_fit
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem, solve
+from surae.estimation.noisy_emg import emg_noise
 from surae.estimation.result import with_laboratory
-from surae.estimation.shifts import emg_noise
 from surae.frozen import read_only
 from surae.model.laboratory import ALL, laboratory
 from surae.model.parameters import OPTIONAL

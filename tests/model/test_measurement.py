@@ -10,7 +10,7 @@ from surae.model import MODELS, ModelOptions, adapted, with_optional
 from surae.model.geometry import STRAP, AnkleAxis
 from surae.model.parameters import CROSSTALK, OPTIONAL, OPTIONAL_PARAMETERS
 from surae.recording import MUSCLES
-from surae.signals import emg_levels
+from surae.signals import emg_levels, smooth_effort
 
 LEVELS = (3e-4, 2e-4, 4e-4, 3e-4)
 OPTIONS = ModelOptions(emg_ref=LEVELS)
@@ -119,10 +119,22 @@ def test_crosstalk_and_rest_are_taken_out_again(name, inputs) -> None:
 
 @pytest.mark.parametrize("shape", [-3.0, -1e-9, 1e-3, 0.7])
 def test_shape_is_that_of_lloyd_and_besier(shape, inputs) -> None:
-    level = np.array(LEVELS)
-    curved = level * np.expm1(shape * inputs.emg / level) / np.expm1(shape)
-    same = torque("muscle", replace(inputs, emg=curved))
+    level, smooth = np.array(LEVELS), smooth_effort(inputs.emg.T, inputs.rate_hz).T
+    curved = level * np.expm1(shape * smooth / level) / np.expm1(shape)
+    same = torque("muscle", replace(inputs, emg=inputs.emg / smooth * curved))
     np.testing.assert_allclose(torque("muscle", inputs, emg_shape=shape), same, rtol=0, atol=1e-9)
+
+
+def test_noise_of_the_emg_is_not_curved(inputs) -> None:
+    """A curve makes another mean of what fluctuates by as much as itself, as rectified EMG does."""
+    steady = replace(inputs, emg=np.tile(0.5 * np.array(LEVELS), (inputs.n, 1)))
+    rng = np.random.default_rng(1)
+    speckled = np.abs(rng.standard_normal(steady.emg.shape)) * np.sqrt(np.pi / 2.0)
+    noisy = replace(steady, emg=steady.emg * speckled)
+    plain = torque("muscle", noisy).mean() - torque("muscle", steady).mean()
+    curved = torque("muscle", noisy, emg_shape=-3.0).mean()
+    curved -= torque("muscle", steady, emg_shape=-3.0).mean()
+    assert abs(curved) < 2.0 * abs(plain)
 
 
 def test_shape_changes_nothing_at_the_reference_level(inputs) -> None:
@@ -227,7 +239,8 @@ def test_drift_is_taken_out_to_first_order(name, inputs) -> None:
 
 def test_levels_of_a_session(inputs) -> None:
     levels = emg_levels([inputs, replace(inputs, emg=2 * inputs.emg)])
-    both = np.concatenate([inputs.emg, 2 * inputs.emg])
+    effort = smooth_effort(inputs.emg.T, inputs.rate_hz).T
+    both = np.concatenate([effort, 2 * effort])
     assert levels == pytest.approx(np.percentile(both, 99, axis=0), rel=1e-12)
     assert ModelOptions(emg_ref=levels).as_dict()["emg_ref"] == levels
     assert ModelOptions.of(emg_ref=list(levels)) == ModelOptions(emg_ref=levels)

@@ -25,26 +25,16 @@ data show c, as far as they do, and where it hides behind the parameters, as far
 nothing is left out, s is zero and so is this (Kennedy and O'Hagan 2001 on models that are wrong;
 here the discrepancy is linear).
 
-What else shakes an estimate, beside the torque's noise: noise of the EMG, and the integrator.
-
-Both are known errors of the modelled torque that the noise of the residual does not tell of. What
-they do to the parameters is linear, δz = V·JᵀWᵀW·δT. Noise of the EMG does more: it is in the
-model's own columns, so the data ask for a slower filter that lets less of it through. That bias
-does not shrink with more data. As in SIMEX (Cook and Stefanski 1994), more noise of the same kind
-shows it, and it is taken away.
-
-Noise of an envelope is what changes faster than a muscle does. It is stronger where the EMG is,
-most of all in raw EMG that was rectified, whose size fluctuates by as much as itself.
+What else shakes an estimate, beside the torque's noise: noise of the EMG
+(`surae.estimation.noisy_emg`), and the integrator. Both are known errors of the modelled torque;
+what they do to the parameters is linear, δz = V·JᵀWᵀW·δT.
 """
-
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from surae.estimation.evidence import Quadratic
 from surae.estimation.mode import Mode, Target, whitened
-from surae.frozen import read_only
+from surae.estimation.noisy_emg import NoisyEmg
 from surae.model.simulator import TorqueParts
 from surae.signals import ModelInputs, thinned
 from surae.units import FloatArray
@@ -97,16 +87,8 @@ _RANGE, _BEGIN = (-12.0, 16.0), (-2.0, 4.0)
 _NOTHING = 1e-9
 
 
-def left_out(
-    target: Target,
-    mode: Mode,
-    quadratic: Quadratic,
-    noisy: Sequence[Sequence[FloatArray]],
-) -> FloatArray:
-    """Shifts by what the model leaves out, as they are searched; see `Family.spread`.
-
-    `noisy` is what draws of the EMG's noise change of the residual of each recording [Nm].
-    """
+def left_out(target: Target, mode: Mode, quadratic: Quadratic, noisy: NoisyEmg) -> FloatArray:
+    """Shifts by what the model leaves out, as they are searched; see `Family.spread`."""
     covariance = quadratic.solved({})[2]
     grams, seens, levers, felt, pulled, groups = [], [], [], [], [], np.zeros(0)
     gradient = quadratic.weight**2 * (mode.z - quadratic.mean)
@@ -119,7 +101,7 @@ def left_out(
         seens.append(features @ rows[-1])
         levers.append(rows[:-1] @ features.T)
         gradient = gradient + rows[:-1] @ rows[-1]
-        noise_rows = whitened(np.stack([draw[number] for draw in noisy]) * counts, noise)
+        noise_rows = whitened(np.stack([draw[number] for draw in noisy.changes]) * counts, noise)
         felt.append(noise_rows @ features.T)
         pulled.append(noise_rows @ rows[:-1].T)
     size = np.sqrt(np.maximum(np.diag(sum(grams)), 1e-300))
@@ -132,7 +114,8 @@ def left_out(
     kept = variance > _NOTHING * variance[-1]
     view = np.sqrt(variance[kept])[:, None] * directions[:, kept].T
     to_view = directions[:, kept].T / np.sqrt(variance[kept])[:, None]
-    noise_seen = np.eye(len(view)) + to_view @ (by_emg.T @ by_emg) @ to_view.T / len(noisy)
+    emg_seen = to_view @ (by_emg.T @ by_emg) @ to_view.T / len(noisy.changes)
+    noise_seen = np.eye(len(view)) + emg_seen
     seen = to_view @ seen
     logs, gain = _sizes(view, seen, noise_seen, groups)
     prior = np.exp(logs)[groups]
@@ -186,61 +169,10 @@ def _features(recording: ModelInputs, parts: TorqueParts) -> tuple[FloatArray, F
     return np.stack([*features, *passive]), np.array([*groups, *[2] * len(passive)])
 
 
-#: Band [Hz] in which an envelope is taken for noise, at most these parts of the sampling rate, and
-#: the time [s] over which its size is averaged.
-_NOISE_HZ, _NOISE_PART, _AVERAGED_S = (10.0, 40.0), (0.1, 0.35), 0.25
-#: Shift of a logarithm that is no longer small, and sum of squares, as a part of what it
-#: was, from which the torque is let go by it.
-_FARTHEST, _WORSE = 1.0, 1.3
-#: Samples below which nothing is said of it.
-_FEWEST = 30
-#: Pairs of noise realisations, of opposite signs, that show the bias, and realisations that show
-#: the scatter.
-_PAIRS, _DRAWS = 3, 12
-
-
-def without_emg_bias(
-    target: Target, mode: Mode, quadratic: Quadratic
-) -> tuple[FloatArray, FloatArray]:
-    """The mode without what noise of the EMG shifts it by on average, and what is left of that.
-
-    A shift that is not small, or after which the torque is followed much worse, is no matter of
-    first order: the mode stays, and the shift is something that is not known.
-
-    What is given back is the mode, and the shift that was not taken away.
-    """
-    covariance = quadratic.solved({})[2]
-    gradient = np.zeros(len(mode.z))
-    for noisy in _noisier(target, _PAIRS, both_signs=True):
-        for rows in noisy.data_rows(mode.z):
-            gradient += (rows[:-1] @ rows[-1]) / (2.0 * _PAIRS)
-    shift = covariance @ (gradient - quadratic.gradient)
-    moved = np.clip(mode.z + shift, target.lower, target.upper)
-    far = np.abs(shift[: len(target.names)][target.log]) > _FARTHEST
-    if not np.isfinite(shift).all() or far.any():
-        return mode.z, np.nan_to_num(shift)
-    before, after = target.sum_of_squares(mode.z), target.sum_of_squares(moved)
-    if not after < _WORSE * before:
-        return mode.z, shift
-    return np.asarray(moved), np.zeros(len(shift))
-
-
-def emg_draws(target: Target, mode: Mode) -> list[list[FloatArray]]:
-    """What draws of the EMG's noise change of the residual of each recording [Nm]."""
-    before = target.residuals(mode.z)
-    return [
-        [np.nan_to_num(e - old) for e, old in zip(noisy.residuals(mode.z), before, strict=True)]
-        for noisy in _noisier(target, _DRAWS)
-    ]
-
-
 def shaken(
-    target: Target, mode: Mode, quadratic: Quadratic, noisy: Sequence[Sequence[FloatArray]]
+    target: Target, mode: Mode, quadratic: Quadratic, noisy: NoisyEmg
 ) -> dict[str, FloatArray]:
-    """Shifts as they are searched, by source; see `Family.spread`.
-
-    `noisy` comes of `emg_draws`.
-    """
+    """Shifts as they are searched, by source; see `Family.spread`."""
     covariance = quadratic.solved({})[2]
     levers = []
     for rows, noise, recording in zip(
@@ -255,45 +187,13 @@ def shaken(
         for lever, recording in zip(levers, target.problem.inputs, strict=True)
     )
     emg = [
-        sum(lever @ change for lever, change in zip(levers, draw, strict=True)) for draw in noisy
+        sum(lever @ change for lever, change in zip(levers, draw, strict=True))
+        for draw in noisy.changes
     ]
     return {
-        "emg_noise": np.nan_to_num(np.stack(emg) / np.sqrt(len(noisy))),
+        "emg_noise": np.nan_to_num(np.stack(emg) / np.sqrt(len(emg))),
         "integration": np.nan_to_num(step)[None],
     }
-
-
-def emg_noise(recording: ModelInputs) -> FloatArray:
-    """Standard deviation of white noise as strong as that of the envelopes, shape (n, 4)."""
-    from scipy.ndimage import uniform_filter1d
-    from scipy.signal import butter, sosfiltfilt, sosfreqz
-
-    if recording.n < _FEWEST:
-        return np.zeros_like(recording.emg)
-    rate = recording.rate_hz
-    band = [min(hz, part * rate) for hz, part in zip(_NOISE_HZ, _NOISE_PART, strict=True)]
-    sos = butter(2, band, btype="bandpass", fs=rate, output="sos")
-    passed = np.abs(sosfreqz(sos, 2048)[1]) ** 4  # of both passes, on power
-    fast = sosfiltfilt(sos, recording.emg, axis=0)
-    size = max(3, int(_AVERAGED_S * rate))
-    power = uniform_filter1d(fast**2, size, axis=0, mode="nearest") / passed.mean()
-    return np.asarray(np.sqrt(np.maximum(power, 0.0)))  # a running sum may end below zero
-
-
-def _noisier(target: Target, count: int, *, both_signs: bool = False) -> Iterator[Target]:
-    """The target with more noise of the EMG, as much as there is."""
-    rng = np.random.default_rng(0)
-    recordings = target.problem.inputs
-    levels = [emg_noise(recording) for recording in recordings]
-    for _ in range(count):
-        noise = [level * rng.standard_normal(level.shape) for level in levels]
-        for sign in (1.0, -1.0) if both_signs else (1.0,):
-            yield target.of_inputs(
-                tuple(
-                    replace(recording, emg=read_only(recording.emg + sign * more))
-                    for recording, more in zip(recordings, noise, strict=True)
-                )
-            )
 
 
 def _halved(target: Target, values: FloatArray, recording: ModelInputs) -> FloatArray:

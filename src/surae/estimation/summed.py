@@ -10,15 +10,9 @@ from surae.estimation.evidence import factor_of
 from surae.estimation.flatness import flatness
 from surae.estimation.member import UNSUPPORTED, Member, under_noise
 from surae.estimation.mode import Mode, Target, straight
+from surae.estimation.noisy_emg import noisy_emg, without_emg_bias
 from surae.estimation.result import Candidate, Family, FitResult, Start, is_at_bound
-from surae.estimation.shifts import (
-    between_trials,
-    emg_draws,
-    left_out,
-    shaken,
-    sized,
-    without_emg_bias,
-)
+from surae.estimation.shifts import between_trials, left_out, shaken, sized
 from surae.frozen import FrozenDict, read_only
 from surae.model.laboratory import group_of
 from surae.signals import ModelInputs
@@ -96,11 +90,14 @@ def summed(
     weight = 1.0 / (1.0 + odds)
     target, mode = chosen.target, chosen.mode
     problem = target.problem
-    z, left = without_emg_bias(target, mode, chosen.quadratic)
+    noisy = noisy_emg(target, mode, chosen.quadratic)
+    z, left = without_emg_bias(target, mode, chosen.quadratic, noisy)
     mode = Mode(z, mode.cost)
     change = _natural(target, mode)
-    covariance = change @ chosen.covariance() @ change.T
-    noisy = emg_draws(target, mode)
+    whole = chosen.covariance()
+    covariance = change @ whole @ change.T
+    # noise of the EMG is told of apart, so what it makes of the residual is taken out here
+    less = noisy.part * whole @ chosen.quadratic.information @ whole
     models = [chosen.between_subsets(), flat.shifts]
     if target is compliant.target:
         models.append(valleys.spread(target))
@@ -137,7 +134,7 @@ def summed(
         beliefs=FrozenDict(target.beliefs),
         noise=target.noise,
         zeros=tuple(mode.z[len(target.names) :].tolist()),
-        covariance=read_only(covariance),
+        covariance=read_only(change @ (whole - less) @ change.T),
         spread=FrozenDict({source: read_only(by @ change.T) for source, by in shifts.items()}),
     )
     finite = bool(np.isfinite(sse) and np.isfinite(covariance).all())

@@ -339,15 +339,18 @@ def _phi1(z: float) -> tuple[float, float]:
 
 
 @jit
-def shaped(envelopes: FloatArray, reference: FloatArray, shape: float) -> FloatArray:
-    """Envelopes curved so that 0 and the reference level stay what they are.
+def shaped(
+    envelopes: FloatArray, smooth: FloatArray, reference: FloatArray, shape: float
+) -> FloatArray:
+    """Envelopes curved over effort so that 0 and the reference level stay what they are.
 
-    ê = e_ref·(exp(A·e/e_ref) − 1)/(exp(A) − 1) = e·φ1(A·e/e_ref)/φ1(A), exact at A = 0 too.
+    ê = e·φ1(A·s/e_ref)/φ1(A), which is e_ref·(exp(A·e/e_ref) − 1)/(exp(A) − 1) where e is as smooth
+    as s; exact at A = 0 too.
 
     Parameters
     ----------
-    envelopes : ndarray, shape (k, n)
-        e.
+    envelopes, smooth : ndarray, shape (k, n)
+        e and s.
     reference : ndarray, shape (k,)
         e_ref, in their unit.
     shape : float
@@ -355,16 +358,17 @@ def shaped(envelopes: FloatArray, reference: FloatArray, shape: float) -> FloatA
 
     Returns
     -------
-    ndarray, shape (3, k, n)
-        ê and its derivatives by e and by A.
+    ndarray, shape (4, k, n)
+        ê and its derivatives by e, by s and by A.
     """
-    out = np.empty((3, *envelopes.shape))
+    out = np.empty((4, *envelopes.shape))
     whole, d_whole = _phi1(shape)
     for c in range(envelopes.shape[0]):
         for i in range(envelopes.shape[1]):
-            e, u = envelopes[c, i], envelopes[c, i] / reference[c]
+            e, u = envelopes[c, i], smooth[c, i] / reference[c]
             part, d_part = _phi1(shape * u)
             out[0, c, i] = e * part / whole
-            out[1, c, i] = (part + shape * u * d_part) / whole
-            out[2, c, i] = e * (u * d_part - part * d_whole / whole) / whole
+            out[1, c, i] = part / whole
+            out[2, c, i] = e * shape * d_part / (whole * reference[c])
+            out[3, c, i] = e * (u * d_part - part * d_whole / whole) / whole
     return out

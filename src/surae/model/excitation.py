@@ -10,12 +10,14 @@ a level at rest r (`emg_rest_…`), a contact that drifts by d from the recordin
 gastrocnemius lateralis), and a force that does not grow as EMG does (`emg_shape` A, Lloyd and
 Besier 2003; −3 to 0 there, 0 is linear):
 
-    u = M⁻¹·(1 − d·τ)·(e − r),   ê = e_ref·(exp(A·u/e_ref) − 1)/(exp(A) − 1)
+    u = M⁻¹·(1 − d·τ)·(e − r),   ê = u·e_ref/s·(exp(A·s/e_ref) − 1)/(exp(A) − 1)
 
-τ goes from −½ to ½ over the whole recording; M is 1 on its diagonal. Nothing is clipped: a muscle
-that is less active than its electrode's rest has a small negative ê. The weights keep their unit,
-for ê = u at 0 and at the reference level e_ref (`ModelOptions.emg_ref`; 1 for a normalised EMG). A
-muscle without EMG hears nothing and is not heard.
+τ goes from −½ to ½ over the whole recording; M is 1 on its diagonal; s is u made of envelopes that
+are as smooth as effort is (`surae.signals.smooth_effort`): rectified EMG fluctuates by as much as
+itself, and force is curved over effort, not over noise. Nothing is clipped: a muscle that is less
+active than its electrode's rest has a small negative ê. The weights keep their unit, for ê = u at
+s = 0 and at the reference level e_ref (`ModelOptions.emg_ref`; 1 for a normalised EMG). A muscle
+without EMG hears nothing and is not heard.
 
 lmt is the muscle-tendon unit's length: with it lengthens the muscle on a rigid tendon, and what a
 compliant tendon leaves to the muscle is not known before the force is. `reflex_delay` is all of the
@@ -38,7 +40,7 @@ from surae.model.movement import LegMovement
 from surae.model.options import ModelOptions
 from surae.model.parameters import CROSSTALK, OPTIONAL
 from surae.recording import MUSCLES
-from surae.signals import ModelInputs
+from surae.signals import ModelInputs, smooth_effort
 from surae.units import FloatArray
 
 #: EMG channels of triceps and tibialis.
@@ -53,7 +55,8 @@ class _Envelopes:
 
     `weighted` are ê, `own` are u and `active` are e − r; `gain` is 1 − d·τ, of one sample where
     nothing drifts, and `unmixing` is M⁻¹. `steep` is ∂ê/∂u and `by_shape` is ∂ê/∂A, None where the
-    force grows as EMG does.
+    force grows as EMG does; where it does not, all but ê and `by_shape` are followed by the same of
+    the smooth envelopes, shape (4, 2n).
     """
 
     weighted: FloatArray
@@ -82,13 +85,16 @@ class Excitation:
         weights: tuple[str, ...],
         emg: FloatArray,
     ) -> None:
+        elapsed, curved = np.linspace(-0.5, 0.5, inputs.n), "emg_shape" in at
+        if curved:
+            emg = np.concatenate([emg, smooth_effort(emg, inputs.rate_hz)], axis=1)
         self._emg = np.array(emg, dtype=np.float64, order="C")
         self._at, self._weights = at, [at[name] for name in weights]
         corrections = (*_RESTS, *_DRIFTS, *CROSSTALK.values())
         self._corrections = {at[name] for name in corrections if name in at}
-        self._elapsed = np.linspace(-0.5, 0.5, inputs.n)
+        self._elapsed = np.tile(elapsed, 2) if curved else elapsed
         self._present = np.array([m not in inputs.missing_emg for m in MUSCLES], dtype=float)
-        self._reference = _reference(inputs, options, self._present) if "emg_shape" in at else None
+        self._reference = _reference(inputs, options, self._present) if curved else None
         self.has_reflex = "reflex_delay" in at
 
     def drives(
@@ -126,9 +132,13 @@ class Excitation:
             own = np.einsum("ij,jn->in", unmixing, own)
         if self._reference is None:
             return _Envelopes(own, own, active, gain, unmixing)
-        column = self._at["emg_shape"]
-        curved = shaped(np.ascontiguousarray(own), self._reference, float(values[column]))
-        return _Envelopes(curved[0], own, active, gain, unmixing, curved[1], curved[2])
+        column, n = self._at["emg_shape"], own.shape[1] // 2
+        curved, by_own, by_smooth, by_shape = shaped(
+            np.ascontiguousarray(own[:, :n]), np.ascontiguousarray(own[:, n:]), self._reference,
+            float(values[column]),
+        )  # fmt: skip
+        steep = np.concatenate([by_own, by_smooth], axis=1)
+        return _Envelopes(curved, own, active, gain, unmixing, steep, by_shape)
 
     def _of_emg(
         self, group: int, values: FloatArray, envelopes: _Envelopes, wanted: frozenset[int]
@@ -154,14 +164,15 @@ class Excitation:
             heard *= -self._present[:, None]
             for i, name in enumerate(_RESTS):
                 if at.get(name, -1) in wanted and heard[i].any():
-                    taken = heard[i] * envelopes.gain[i]
-                    slopes.append((at[name], np.array(np.broadcast_to(taken, signal.shape))))
+                    slopes.append((at[name], _folded(heard[i] * envelopes.gain[i], len(signal))))
             for i, name in enumerate(_DRIFTS):
                 if at.get(name, -1) in wanted and heard[i].any():
-                    slopes.append((at[name], heard[i] * self._elapsed * envelopes.active[i]))
+                    faded = heard[i] * self._elapsed * envelopes.active[i]
+                    slopes.append((at[name], _folded(faded, len(signal))))
             for (hears, of), name in CROSSTALK.items():
                 if at.get(name, -1) in wanted and heard[hears].any():
-                    slopes.append((at[name], heard[hears] * envelopes.own[of]))
+                    mixed = heard[hears] * envelopes.own[of]
+                    slopes.append((at[name], _folded(mixed, len(signal))))
         if "emd" not in at:
             return Drive(signal, slopes)
         column = at["emd"]
@@ -179,6 +190,13 @@ class Excitation:
             for column, by in zip(leg.columns, muscle.speed_slopes, strict=True)
         ]
         return Drive(gain * stretch, slopes, float(values[delay]), delay if delay in wanted else -1)
+
+
+def _folded(taken: FloatArray, n: int) -> FloatArray:
+    """What is taken of a drive by way of the envelopes and, behind them, of the smooth ones."""
+    if len(taken) == 2 * n:
+        return np.asarray(taken[:n] + taken[n:])
+    return np.array(np.broadcast_to(taken, n))
 
 
 def _reference(inputs: ModelInputs, options: ModelOptions, present: FloatArray) -> FloatArray:

@@ -7,6 +7,7 @@ from surae.signals.normalise import (
     normalise,
     normalised,
     quiet_levels,
+    smooth_effort,
 )
 from surae.signals.prepare import prepare
 from surae.signals.resample import thinned, thinning_factor
@@ -25,6 +26,7 @@ __all__ = [
     "normalised",
     "prepare",
     "quiet_levels",
+    "smooth_effort",
     "thinned",
     "thinning_factor",
     "weighted",

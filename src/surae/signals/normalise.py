@@ -23,6 +23,8 @@ AVERAGED_S = 0.25
 
 #: How long a muscle rests at least [s], and largest part of an effort that is taken for its rest.
 _QUIET_S, _QUIET_PART = 1.0, 0.02
+#: Cut-off [Hz] of what effort is smoothed by (-3 dB).
+_EFFORT_HZ = 6.0
 _OF = {"session": "the session's largest envelope", "mvc": "maximum voluntary contractions"}
 
 
@@ -190,7 +192,19 @@ def emg_levels(inputs: Sequence[ModelInputs]) -> tuple[float, float, float, floa
     A reference for `emg_shape` (`ModelOptions.emg_ref`), over all recordings of a session together;
     0 for a muscle without EMG.
     """
-    ta, gl, sol, gm = np.percentile(
-        np.concatenate([recording.emg for recording in inputs]), 99.0, 0
-    )
+    efforts = [smooth_effort(recording.emg.T, recording.rate_hz) for recording in inputs]
+    ta, gl, sol, gm = np.percentile(np.concatenate(efforts, axis=1), 99.0, 1)
     return float(ta), float(gl), float(sol), float(gm)
+
+
+def smooth_effort(emg: FloatArray, rate_hz: float) -> FloatArray:
+    """EMG envelopes, shape (4, n), as smooth as effort is: what a force may be curved over.
+
+    Rectified EMG fluctuates by as much as itself, and a curve makes another mean of that. Lloyd and
+    Besier (2003) took its low-pass of 6 Hz before; this one is a Gaussian's, which neither delays
+    nor undershoots.
+    """
+    from scipy.ndimage import gaussian_filter1d
+
+    width = np.sqrt(np.log(2.0)) / (2.0 * np.pi * _EFFORT_HZ) * rate_hz
+    return np.asarray(gaussian_filter1d(emg, width, axis=1, mode="nearest"))

@@ -1,0 +1,42 @@
+"""Measured trials of one leg: what is told of it is of use, and no trial denies another."""
+
+from itertools import combinations
+
+import pytest
+
+import surae
+
+TRIALS = {
+    "PL_50_01": "dynamometer", "PL_50_02": "repeats", "PL_0_01": "repeats", "PL_100_01": "repeats",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def fits(shared, tmp_path_factory):
+    told = (shared / "dynamometer" / "PL_50_01.toml").read_text(encoding="utf-8")
+    folder = tmp_path_factory.mktemp("trials")
+    made = {}
+    for trial, where in TRIALS.items():
+        path = shared / where / f"{trial}.mat"
+        mapping = folder / f"{trial}.toml"
+        mapping.write_text(told.replace("PL_50_01.mat", str(path)), encoding="utf-8")
+        made[trial] = surae.fit(mapping)
+    return made
+
+
+@pytest.mark.slow
+def test_the_optimal_length_of_a_measured_muscle_is_told(fits):
+    """Raw EMG of one muscle: noise of it once made an interval of many times the value."""
+    for fit in fits.values():
+        assert fit.adequacy.r2 > 99.5
+        p = fit.parameters["l0_tib"]
+        assert p.sem < 0.1 * p.value
+
+
+@pytest.mark.slow
+def test_what_is_identified_of_a_measured_leg_does_not_differ_between_its_trials(fits):
+    for one, other in combinations(fits.values(), 2):
+        for name, p in one.parameters.items():
+            q = other.parameters[name]
+            if p.verdict == q.verdict == "identified":
+                assert max(p.ci95[0], q.ci95[0]) <= min(p.ci95[1], q.ci95[1]), name

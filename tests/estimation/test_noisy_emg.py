@@ -1,0 +1,107 @@
+"""Noise of the EMG: found in the residual, counted once, and no more than it can be."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from surae.assessment import Verdict, assess
+from surae.estimation import make_problem, solve
+from surae.estimation.mode import Mode, Target
+from surae.estimation.noisy_emg import noisy_emg, without_emg_bias
+from surae.frozen import read_only
+from surae.recording import MUSCLES, Recording
+from surae.signals import prepare
+from surae.studies.disturbances import raw_emg
+from surae.studies.leg import EMG_FULL
+from surae.studies.richer import richer_leg
+
+SEED = 723  # of none of the legs that this was made on
+
+
+def prepared(leg, emg, kind):
+    return prepare(
+        Recording.from_arrays(
+            leg.inputs.time, leg.inputs.angle, leg.inputs.torque, emg, emg_kind=kind
+        )
+    )
+
+
+def found(inputs):
+    """The fit, and the target and mode that it ended at."""
+    result = solve(make_problem([inputs], "auto"))
+    family = result.family
+    target = Target(result.problem, family.beliefs, family.noise)
+    mode = Mode(target.start(result.values), 0.0)
+    return result, target, mode
+
+
+@pytest.fixture(scope="module")
+def leg():
+    return richer_leg(SEED, raw=True, emg_noise=0.0, profile="ramp-and-hold", duration=17.0)
+
+
+@pytest.fixture(scope="module")
+def raw(leg):
+    return found(prepared(leg, leg.raw, "raw"))
+
+
+def test_the_noise_of_raw_emg_is_what_the_residual_is_made_of(raw):
+    _, target, mode = raw
+    noisy = noisy_emg(target, mode, target.quadratic(mode))
+    assert noisy.part > 0.5
+    assert noisy.strength > 0.7
+    assert noisy.power > 0.5 * target.quadratic(mode).cost
+
+
+def test_a_smooth_envelope_makes_none_of_the_residual(leg):
+    _, target, mode = found(prepared(leg, leg.inputs.emg.clip(0.0), "envelope"))
+    noisy = noisy_emg(target, mode, target.quadratic(mode))
+    assert noisy.part < 0.1
+    assert noisy.strength == 1.0
+
+
+def test_noise_that_a_residual_does_not_have_is_not_there(raw):
+    """Effort that trembles is no noise: the torque trembles with it, and no residual is left."""
+    _, target, mode = raw
+    recording = target.problem.inputs[0]
+    rng = np.random.default_rng(2)
+    emg = recording.emg * rng.gamma(0.3, 3.0, (recording.n, 1))
+    trembling = replace(recording, emg=read_only(emg))
+    torque = recording.torque + target.of_inputs((trembling,)).residuals(mode.z)[0]
+    torque += 0.05 * rng.standard_normal(recording.n)
+    followed = target.of_inputs((replace(trembling, torque=read_only(torque)),))
+    noisy = noisy_emg(followed, mode, followed.quadratic(mode))
+    assert noisy.strength < 0.7
+
+
+def test_a_shift_is_no_longer_than_noise_can_make_it(raw):
+    _, target, mode = raw
+    recording = target.problem.inputs[0]
+    rng = np.random.default_rng(5)
+    scatter = recording.emg.max(axis=0) * np.abs(rng.standard_normal(recording.emg.shape))
+    loud = target.of_inputs((replace(recording, emg=read_only(recording.emg + 3.0 * scatter)),))
+    quadratic = loud.quadratic(mode)
+    noisy = noisy_emg(loud, mode, quadratic)
+    z, left = without_emg_bias(loud, mode, quadratic, noisy)
+    assert np.array_equal(z, mode.z)
+    most = (np.sqrt(quadratic.cost) + np.sqrt(noisy.power)) ** 2 + len(z)
+    length = left @ (quadratic.information @ left + quadratic.weight**2 * left)
+    assert 0.0 < length <= most * (1.0 + 1e-9)
+
+
+def test_a_force_that_is_curved_over_raw_emg_leaves_the_intervals_useful(leg):
+    """The curve is one of effort: over raw EMG's fluctuation a bias had no end (decision 16)."""
+    shape, rate = -2.0, leg.inputs.rate_hz
+    effort = leg.inputs.emg.clip(0.0) / EMG_FULL
+    heard = EMG_FULL * np.log1p(effort * np.expm1(shape)) / shape
+    emg = raw_emg(heard, rate, np.random.default_rng(11))
+    worth = assess(solve(make_problem([prepared(leg, emg, "raw")], "auto")))
+    told = [worth.parameters[name] for name in ("m", "l0_tri", "l0_tib")]
+    assert all(p.sem < 0.2 * p.value for p in told)
+    claimed = [p for p in worth.parameters.values() if p.verdict is Verdict.IDENTIFIED]
+    assert claimed
+    weights = {f"g{c + 1}" for c in range(len(MUSCLES))}  # another level is their reference
+    for p in claimed:
+        if p.name not in weights:
+            assert p.ci95[0] <= leg.parameters[p.name] <= p.ci95[1]
