@@ -175,6 +175,24 @@ def _read_toml(text: str) -> None:
         assert parse_study(text).size > 1
 
 
+@pytest.fixture
+def small_example(monkeypatch):
+    """The example is written as always, and then made way for the small trial of its name.
+
+    To fit all of it takes as long as the other pages together; `surae demo` is tested with as much.
+    """
+    whole = surae_package.example
+
+    def example(path: str) -> None:
+        small = Path(path).read_bytes()
+        whole(path)
+        assert surae_package.read(path).emg == "raw"
+        Path(path).write_bytes(small)
+
+    monkeypatch.setattr(surae_package, "example", example)
+
+
+@pytest.mark.usefixtures("undrawn", "small_example")
 @pytest.mark.parametrize("page", PAGES)
 def test_a_page_works_as_it_is_printed(page, workplace, surae):
     namespace: dict[str, object] = {"__name__": "printed"}

@@ -23,7 +23,7 @@ from surae.protocol import (
 )
 from surae.protocol.effort import effort
 
-QUICK = {"evaluations": 60, "rate_hz": 64.0}
+QUICK = {"evaluations": 20, "rate_hz": 64.0}
 
 
 def random_design(seed):
@@ -98,12 +98,12 @@ def test_the_budget_is_that_of_the_thesis_task() -> None:
 
 @pytest.fixture(scope="module")
 def designed():
-    return surae.design(20.0, seed=3, evaluations=400, rate_hz=64.0, aim="mean")
+    return surae.design(20.0, seed=3, evaluations=200, rate_hz=64.0, aim="mean")
 
 
 def test_a_design_tells_more_than_its_beginning_and_is_the_same_again(designed) -> None:
     assert designed.curve[-1][2] < designed.curve[0][2] - 0.02
-    again = surae.design(20.0, seed=3, evaluations=400, rate_hz=64.0, aim="mean")
+    again = surae.design(20.0, seed=3, evaluations=200, rate_hz=64.0, aim="mean")
     assert again.plan == designed.plan
     assert np.array_equal(again.trajectory.angle, designed.trajectory.angle)
     assert not designed.stopped
