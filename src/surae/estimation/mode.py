@@ -237,7 +237,7 @@ class Target:
         return total
 
     def apart(self, z: FloatArray, other: FloatArray) -> float:
-        """Σ (ΔT/σ)² of the modelled torques at two points, σ² the variance of each noise's model."""
+        """Σ (ΔT/σ)² of the modelled torques at two points, with the σ² of each noise model."""
         total = 0.0
         for here, there, root, noise in zip(
             self.residuals(z), self.residuals(other), self._roots, self.noise, strict=True
