@@ -11,6 +11,7 @@ from surae.cli import main
 from surae.protocol import Protocol, generate
 from surae.recording import write_csv
 from surae.studies import virtual_subject, virtual_trial
+from undrawn import blank_figures
 
 
 class Done(NamedTuple):
@@ -42,6 +43,13 @@ def undrawn(monkeypatch) -> None:
     monkeypatch.setattr(
         "surae.SessionResult.report", lambda _, path: path.write_text("", encoding="utf-8")
     )
+
+
+@pytest.fixture
+def words_alone():
+    """Reports without figures: their words are what is read."""
+    with blank_figures():
+        yield
 
 
 def rows(n=400, rate=200.0, angle=0.2, torque=5.0, emg=0.0, seed=0):
