@@ -122,5 +122,6 @@ def test_multiple_holds_moves_at_many_speeds():
 
 
 def test_unknown_profile_is_named_with_what_there_is():
-    with pytest.raises(InputError, match=r"'steps' is not known; use one of: ramp-and-hold, sine"):
+    known = ", ".join(PROFILES)
+    with pytest.raises(InputError, match=f"'steps' is not known; use one of: {known}"):
         named_profile("steps")

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from surae.model.activation import ActiveState, IntArray
+from surae.model.activation import ActiveState
 from surae.model.movement import MusclePath
 from surae.model.options import ModelOptions
 from surae.model.parameters import MUSCLE_PARAMETERS
 from surae.model.rigid import exponentials, rigid_forces, rigid_path_slope, rigid_torque
-from surae.model.tied import TiedModel
+from surae.model.tied import Sums, TiedModel
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 
@@ -39,26 +39,19 @@ class MuscleSimulator(TiedModel):
         return rigid_forces(own, *curves, muscle.speed, active.alpha[0], self._factor, self._dt)
 
     def _contract(
-        self,
-        p: FloatArray,
-        slots: IntArray,
-        turned: IntArray,
-        group: int,
-        muscle: MusclePath,
-        active: ActiveState,
-        torque: FloatArray,
-        jacobian: FloatArray,
+        self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState, into: Sums
     ) -> None:
         columns, alpha = GROUP_COLUMNS[group], active.alpha[0]
         own = p[columns]
         curves = exponentials(own, muscle.length)
         rigid_torque(
-            own, slots[columns], muscle.arm, muscle.length, muscle.speed, *curves, alpha,
-            active.slopes[:, 0], slots[active.columns], self._factor, self._dt, torque, jacobian,
+            own, into.slots[columns], muscle.arm, muscle.length, muscle.speed, *curves, alpha,
+            active.slopes[:, 0], into.slots[active.columns], self._factor, self._dt, into.torque,
+            into.jacobian,
         )  # fmt: skip
-        for row, slot in enumerate(turned):
+        for row, slot in enumerate(into.turned):
             rigid_path_slope(
                 own, muscle.arm, muscle.length, muscle.speed, *curves, alpha,
                 muscle.arm_slopes[row], muscle.length_slopes[row], muscle.speed_slopes[row],
-                self._factor, self._dt, jacobian[slot],
+                self._factor, self._dt, into.jacobian[slot],
             )  # fmt: skip

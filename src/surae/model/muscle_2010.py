@@ -27,13 +27,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from surae.errors import InputError
-from surae.model.activation import ActiveState, IntArray
+from surae.model.activation import ActiveState
 from surae.model.contraction import contraction
 from surae.model.geometry import length_tib, length_tri
 from surae.model.movement import MusclePath
 from surae.model.options import ModelOptions
 from surae.model.parameters import MUSCLE_2010_PARAMETERS
-from surae.model.tied import TiedModel
+from surae.model.tied import Sums, TiedModel
 from surae.signals import ModelInputs
 from surae.signals.filters import HIGHEST_CUTOFF, butterworth
 from surae.units import FloatArray
@@ -92,21 +92,13 @@ class Muscle2010Simulator(TiedModel):
         return elastic + p[_B] * muscle.speed + p[_F0], elastic
 
     def _contract(
-        self,
-        p: FloatArray,
-        slots: IntArray,
-        turned: IntArray,
-        group: int,
-        muscle: MusclePath,
-        active: ActiveState,
-        torque: FloatArray,
-        jacobian: FloatArray,
+        self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState, into: Sums
     ) -> None:
-        alpha, arm = active.alpha[0], muscle.arm
+        alpha, arm, jacobian, slots = active.alpha[0], muscle.arm, into.jacobian, into.slots
         factor, by_length, by_speed = self._contraction(group, muscle)
         passive, elastic = self._passive(p, group, muscle)
         force, gain = passive + factor * alpha, arm * factor
-        torque += arm * force
+        into.torque[:] += arm * force
         if group == 0:
             jacobian[slots[_K]] = (muscle.length - p[_X0]) * elastic * arm
             jacobian[slots[_X0]] = -p[_K] * elastic * arm
@@ -114,7 +106,7 @@ class Muscle2010Simulator(TiedModel):
         for column, slope in zip(active.columns, active.slopes[:, 0], strict=True):
             jacobian[slots[column]] += gain * slope
         tissue = group == 0
-        for row, slot in enumerate(turned):
+        for row, slot in enumerate(into.turned):
             longer, faster = muscle.length_slopes[row], muscle.speed_slopes[row]
             change = tissue * (p[_K] * elastic * longer + p[_B] * faster)
             change += alpha * (by_length * longer + by_speed * faster)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from surae.frozen import read_only
-from surae.model.activation import ActiveState, IntArray
+from surae.model.activation import ActiveState
 from surae.model.compliant import (
     ELONGATION,
     EPS0,
@@ -28,7 +28,7 @@ from surae.model.parameters import (
 )
 from surae.model.simulator import TendonLaw, TendonState
 from surae.model.tendon import SLACK_TIB, SLACK_TRI, tendon_curve
-from surae.model.tied import TiedModel
+from surae.model.tied import Sums, TiedModel
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 
@@ -110,41 +110,27 @@ class MuscleTendonSimulator(TiedModel):
     ) -> FloatArray:
         """States of a muscle group, shape (5, n)."""
         slots = np.zeros(len(p), dtype=np.int64)
-        return self._integrate(p, slots, slots[:0], group, muscle, active, np.empty((1, 0)))
+        no_sums = Sums(np.empty(0), np.empty((1, 0)), slots, slots[:0])
+        return self._integrate(p, group, muscle, active, no_sums)
 
     def _contract(
-        self,
-        p: FloatArray,
-        slots: IntArray,
-        turned: IntArray,
-        group: int,
-        muscle: MusclePath,
-        active: ActiveState,
-        torque: FloatArray,
-        jacobian: FloatArray,
+        self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState, into: Sums
     ) -> None:
-        force = self._integrate(p, slots, turned, group, muscle, active, jacobian)[FORCE]
-        torque += muscle.arm * force
-        for row, slot in enumerate(turned):
-            jacobian[slot] += muscle.arm_slopes[row] * force
+        force = self._integrate(p, group, muscle, active, into)[FORCE]
+        into.torque[:] += muscle.arm * force
+        for row, slot in enumerate(into.turned):
+            into.jacobian[slot] += muscle.arm_slopes[row] * force
 
     def _integrate(
-        self,
-        p: FloatArray,
-        slots: IntArray,
-        turned: IntArray,
-        group: int,
-        muscle: MusclePath,
-        active: ActiveState,
-        jacobian: FloatArray,
+        self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState, into: Sums
     ) -> FloatArray:
         columns = _COLUMNS[group]
         lengths, slopes = self._stages(group, muscle)
         states = np.full((5, len(muscle.length)), np.nan)
         compliant_states(
-            p[columns], slots[columns], float(self._strain_lengths[group]), muscle.arm,
-            lengths, active.alpha, active.slopes, slots[active.columns], slopes, turned,
-            self._factor, self._dt, states, jacobian,
+            p[columns], into.slots[columns], float(self._strain_lengths[group]), muscle.arm,
+            lengths, active.alpha, active.slopes, into.slots[active.columns], slopes, into.turned,
+            self._factor, self._dt, states, into.jacobian,
         )  # fmt: skip
         return states
 

@@ -1,7 +1,8 @@
 """The models by name: adding one is one file with a simulator and one line here."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from importlib import import_module
 from numbers import Real
 
 import numpy as np
@@ -21,9 +22,6 @@ from surae.model.parameters import (
 from surae.model.simulator import Simulator
 from surae.signals import ModelInputs
 from surae.units import FloatArray
-
-#: Ties a model to a recording, with the names of its optional parameters.
-Tie = Callable[[ModelInputs, ModelOptions, tuple[str, ...]], Simulator]
 
 _WEIGHTS = ("g1", "g2", "g3", "g4")
 _WEIGHTS_2010 = ("e1", "e2", "e3", "e4")
@@ -45,8 +43,9 @@ class ModelSpec(Comparable):
         All its parameters, in the order of its parameter vectors.
     free : tuple of str
         Those a fit estimates unless told otherwise; the others keep their `start`.
-    tie : callable
-        Ties the model to a recording; `simulator` does it for this one.
+    tie : str
+        What ties the model to a recording, ``"module:class"``; `simulator` does it. It is imported
+        only when it is used: numba takes its time.
     parent : str or None
         The simpler model, of the same parameters and fewer, from whose solution a fit of this one
         starts; None for a model whose start is solved for its linear parameters.
@@ -66,7 +65,7 @@ class ModelSpec(Comparable):
     title: str
     parameters: tuple[Parameter, ...]
     free: tuple[str, ...]
-    tie: Tie
+    tie: str
     parent: str | None = None
     weights: tuple[str, ...] = _WEIGHTS
     linear: tuple[str, ...] = ()
@@ -81,7 +80,9 @@ class ModelSpec(Comparable):
 
     def simulator(self, inputs: ModelInputs, options: ModelOptions) -> Simulator:
         """The model tied to a recording, with its optional parameters."""
-        return self.tie(inputs, options, self.optional)
+        module, _, name = self.tie.partition(":")
+        tied: Simulator = getattr(import_module(module), name)(inputs, options, self.optional)
+        return tied
 
     def vector(self, given: Mapping[str, float], options: ModelOptions) -> FloatArray:
         """Parameter vector from values by name.
@@ -176,28 +177,6 @@ def check_value(parameter: Parameter, value: float, spec: ModelSpec) -> None:
         raise InputError(f"{spec.name}: {parameter.name} is {value:g}{unit}; it must be {rule}")
 
 
-def _muscle(inputs: ModelInputs, options: ModelOptions, optional: tuple[str, ...]) -> Simulator:
-    from surae.model.muscle import MuscleSimulator  # numba, only when it is used
-
-    return MuscleSimulator(inputs, options, optional)
-
-
-def _muscle_2010(
-    inputs: ModelInputs, options: ModelOptions, optional: tuple[str, ...]
-) -> Simulator:
-    from surae.model.muscle_2010 import Muscle2010Simulator
-
-    return Muscle2010Simulator(inputs, options, optional)
-
-
-def _muscle_tendon(
-    inputs: ModelInputs, options: ModelOptions, optional: tuple[str, ...]
-) -> Simulator:
-    from surae.model.muscle_tendon import muscle_tendon_simulator
-
-    return muscle_tendon_simulator(inputs, options, optional)
-
-
 _FIFTEEN = tuple(p.name for p in MUSCLE_PARAMETERS)
 _WITH_TENDON = MUSCLE_PARAMETERS + TENDON_PARAMETERS
 
@@ -209,7 +188,7 @@ MODELS: dict[str, ModelSpec] = {
             "muscle model [1.0]",
             MUSCLE_PARAMETERS,
             _FIFTEEN,
-            _muscle,
+            "surae.model.muscle:MuscleSimulator",
             linear=("m", *_WEIGHTS),
             slack={"x0_tri": "k_tri", "x0_tib": "k_tib"},
             scanned=("l0_tri", "l0_tib"),
@@ -219,7 +198,7 @@ MODELS: dict[str, ModelSpec] = {
             "muscle model of 2010, reconstructed",
             MUSCLE_2010_PARAMETERS,
             tuple(p.name for p in MUSCLE_2010_PARAMETERS),
-            _muscle_2010,
+            "surae.model.muscle_2010:Muscle2010Simulator",
             weights=_WEIGHTS_2010,
             linear=("m", *_WEIGHTS_2010, "b_tri", "F0"),
             slack={"x0_tri": "k_tri"},
@@ -229,7 +208,7 @@ MODELS: dict[str, ModelSpec] = {
             "muscle-tendon model [2.0]",
             _WITH_TENDON,
             _FIFTEEN,
-            _muscle_tendon,
+            "surae.model.muscle_tendon:muscle_tendon_simulator",
             "muscle",
         ),
         ModelSpec(
@@ -237,7 +216,7 @@ MODELS: dict[str, ModelSpec] = {
             "muscle-tendon model, tendon strain freed [2.1]",
             _WITH_TENDON,
             (*_FIFTEEN, "dlt_tri", "dlt_tib"),
-            _muscle_tendon,
+            "surae.model.muscle_tendon:muscle_tendon_simulator",
             "muscle",
         ),
         ModelSpec(
@@ -245,7 +224,7 @@ MODELS: dict[str, ModelSpec] = {
             "muscle-tendon model, tendon toe force freed [2.2]",
             _WITH_TENDON,
             (*_FIFTEEN, "pt_tri", "pt_tib"),
-            _muscle_tendon,
+            "surae.model.muscle_tendon:muscle_tendon_simulator",
             "muscle",
         ),
     )

@@ -7,6 +7,7 @@ and activation are the same for all.
 """
 
 from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +18,17 @@ from surae.model.options import ModelOptions
 from surae.model.simulator import TorqueParts
 from surae.signals import ModelInputs
 from surae.units import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Sums:
+    """What a muscle group adds its torque and derivatives to."""
+
+    torque: FloatArray  #: Of the whole leg [Nm], shape (n,).
+    jacobian: FloatArray  #: Its derivatives, the last row of what is not wanted, shape (rows, n).
+    slots: IntArray  #: Row of every parameter, by its column, shape (P,).
+    #: Rows of the parameters that turn the path: those of `MusclePath.arm_slopes` and the like.
+    turned: IntArray
 
 
 class TiedModel:
@@ -83,9 +95,9 @@ class TiedModel:
         turned = slots[np.array(leg.columns, dtype=np.int64)]
         for row, slope in zip(turned, leg.limb_slopes, strict=True):
             jacobian[row] = p[0] * slope
+        into = Sums(torque, jacobian, slots, turned)
         for group, active in enumerate(self._active(p, leg, columns)):
-            muscle = leg.muscles[group]
-            self._contract(p, slots, turned, group, muscle, active, torque, jacobian)
+            self._contract(p, group, leg.muscles[group], active, into)
         return torque, jacobian[:-1]
 
     def parts(self, values: FloatArray) -> TorqueParts:
@@ -151,18 +163,7 @@ class TiedModel:
         raise NotImplementedError
 
     def _contract(
-        self,
-        p: FloatArray,
-        slots: IntArray,
-        turned: IntArray,
-        group: int,
-        muscle: MusclePath,
-        active: ActiveState,
-        torque: FloatArray,
-        jacobian: FloatArray,
+        self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState, into: Sums
     ) -> None:
-        """Add a group's torque, and its derivatives to the rows that `slots` has for columns.
-
-        `turned` are the rows of the parameters that touch its path.
-        """
+        """Add a group's torque and its derivatives, those by what turns its path included."""
         raise NotImplementedError
