@@ -13,7 +13,7 @@ from surae.estimation import FitResult, fit_problem, make_problem
 from surae.frozen import read_only
 from surae.model import ModelOptions, get_model
 from surae.recording import SourceFile
-from surae.report import build
+from surae.report.rendering import render
 from surae.signals import ModelInputs
 from undrawn import blank_figures
 
@@ -64,7 +64,7 @@ class Case:
     @cached_property
     def page(self) -> str:
         """All of the report."""
-        return build(
+        return render(
             self.result,
             self.assessment,
             versions={"surae": "1.2.3"},

@@ -11,8 +11,9 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from surae.report import build, write_report
+from surae.report import write_report
 from surae.report.explore import explorer
+from surae.report.rendering import render
 from surae.report.traces import traces_of
 from surae.report.wording import adequacy_words
 from undrawn import blank_figures
@@ -146,7 +147,7 @@ def test_the_same_fit_gives_the_same_file(plain, tmp_path):
     assert path.read_text(encoding="utf-8") == plain.page
     with blank_figures():
         created = datetime(2027, 1, 5, 14, 3)
-        later = build(plain.result, plain.assessment, versions={}, created=created)
+        later = render(plain.result, plain.assessment, versions={}, created=created)
     assert "2027-01-05" in later
 
 

@@ -12,8 +12,8 @@ from surae.assessment.validation import predict_others
 from surae.estimation import fit_problem, fit_robust, make_problem
 from surae.frozen import read_only
 from surae.model import ModelOptions
-from surae.report import build
 from surae.report.figures import prediction_figure
+from surae.report.rendering import render
 from surae.report.sections import prediction_section
 from surae.signals import Weighting, weighted
 from undrawn import blank_figures
@@ -104,7 +104,7 @@ def page(plain, predictions):
     baseline = Baseline("muscle", ModelOptions(), {"m": 0.001, "f0": 0.02}, "<4> subjects")
     assessment = assess(plain.result, baseline)
     with blank_figures():
-        return build(
+        return render(
             plain.result, assessment, versions={}, created=CREATED, predictions=predictions
         )
 

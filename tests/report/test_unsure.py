@@ -11,10 +11,10 @@ from surae.assessment.adequacy import Adequacy, Grade
 from surae.assessment.uncertainty.budget import budgets
 from surae.estimation import fit_problem, make_problem, solve
 from surae.frozen import FrozenDict
-from surae.report import build
 from surae.report.budget import budget_section, what_to_measure, what_would_help
 from surae.report.laboratory import family_section, laboratory_section, trials_section
 from surae.report.parameters import parameter_groups, repeatable, shown_parameters
+from surae.report.rendering import render
 
 
 @pytest.fixture(scope="module")
@@ -181,7 +181,7 @@ def test_what_had_nothing_to_act_on_is_not_shown(auto):
 
 def test_the_page_has_all_of_it(auto):
     result, assessment = auto
-    page = build(result, assessment, versions={}, created=datetime(2026, 1, 5, 14, 3))
+    page = render(result, assessment, versions={}, created=datetime(2026, 1, 5, 14, 3))
     for heading in ("What makes each parameter unsure", "The laboratory’s imperfections",
                     "Which model the data support"):  # fmt: skip
         assert page.count(f">{heading}</h2>") == 1
@@ -201,7 +201,7 @@ def test_a_fit_without_imperfections_says_that_it_was_asked_for(make_trial):
 
 def test_one_start_of_a_named_model_is_still_warned_of(make_trial):
     result = fit_problem(make_problem([make_trial()]), starts=1)
-    page = build(result, assess(result), versions={}, created=datetime(2026, 1, 5, 14, 3))
+    page = render(result, assess(result), versions={}, created=datetime(2026, 1, 5, 14, 3))
     assert "Only the default start was tried" in page
 
 

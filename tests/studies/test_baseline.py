@@ -9,14 +9,15 @@ from surae.estimation import fit_problem, make_problem
 from surae.model import ModelOptions
 from surae.protocol import Protocol, generate
 from surae.studies import virtual_subject, virtual_trial
-from surae.studies.baseline import make_baseline, simulated_baseline
+from surae.studies.baseline import make_baseline
 
 PROTOCOL = Protocol(profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.1, rate_hz=64.0)
 
 
 def test_it_is_the_mean_over_the_subjects() -> None:
     done = []
-    baseline = simulated_baseline(PROTOCOL, n=2, seed=4, progress=lambda *at: done.append(at))
+    told = make_baseline(PROTOCOL, n=2, seed=4, progress=lambda *at: done.append(at))
+    baseline = told.sem
     assert done == [(1, 2), (2, 2)]
     each = []
     for seed in (4, 5):
@@ -38,7 +39,7 @@ def test_a_subject_of_the_same_kind_has_an_snsem_around_1() -> None:
 
 
 def test_more_noise_gives_larger_errors() -> None:
-    quiet, loud = (simulated_baseline(PROTOCOL, n=1, noise=noise) for noise in (0.02, 0.04))
+    quiet, loud = (make_baseline(PROTOCOL, n=1, noise=noise).sem for noise in (0.02, 0.04))
     assert loud["l0_tri"] / quiet["l0_tri"] == pytest.approx(2.0, rel=0.2)
 
 
@@ -48,10 +49,10 @@ def test_options_go_along() -> None:
 
 
 def test_subjects_have_tendons_of_their_own_where_the_model_frees_them() -> None:
-    baseline = simulated_baseline(PROTOCOL, "muscle-tendon-strain", n=1)
+    baseline = make_baseline(PROTOCOL, "muscle-tendon-strain", n=1).sem
     assert 0 < baseline["dlt_tri"] < 0.01
 
 
 def test_no_subjects() -> None:
     with pytest.raises(InputError, match="0 subjects"):
-        simulated_baseline(PROTOCOL, n=0)
+        make_baseline(PROTOCOL, n=0)

@@ -12,29 +12,7 @@ if TYPE_CHECKING:  # modules of this package are also used where nothing is comp
     from surae.estimation import FitResult
     from surae.quality import Quality
 
-__all__ = ["build", "check_report", "has_typst", "typeset", "write_report"]
-
-
-def build(
-    result: "FitResult",
-    assessment: "Assessment",
-    *,
-    versions: Mapping[str, str],
-    created: datetime,
-    predictions: "Sequence[Prediction]" = (),
-    quality: "Sequence[Quality]" = (),
-) -> str:
-    """The report of a fit as one HTML page, which needs no script and no other file.
-
-    The same arguments give the same page. `versions` are those of the programs that made the fit,
-    `created` is when the report is made, `predictions` are of other recordings, `quality` is what
-    was found in each recording before it was fitted.
-    """
-    from surae.report.rendering import render  # matplotlib and Jinja, only when a report is made
-
-    return render(
-        result, assessment, predictions, versions=versions, created=created, quality=quality
-    )
+__all__ = ["check_report", "has_typst", "typeset", "write_report"]
 
 
 def write_report(
@@ -47,7 +25,11 @@ def write_report(
     predictions: "Sequence[Prediction]" = (),
     quality: "Sequence[Quality]" = (),
 ) -> None:
-    """Write the report of a fit to `path`, a PDF where it ends in ``.pdf``; see `build`.
+    """Write the report of a fit to `path`: a PDF where it ends in ``.pdf``, else one HTML page.
+
+    The page needs no script and no other file; the same arguments give the same. `versions` are
+    those of the programs that made the fit, `created` is when the report is made, `predictions` are
+    of other recordings, `quality` is what was found in each recording before it was fitted.
 
     Raises
     ------
@@ -58,9 +40,7 @@ def write_report(
     """
     check_report(path)
     what: dict[str, Any] = {"versions": versions, "created": created, "quality": quality}
-    if is_pdf(path):
-        from surae.report.rendering import render_pdf
+    from surae.report.rendering import render, render_pdf  # matplotlib, only when one is made
 
-        write_atomic(path, render_pdf(result, assessment, predictions, **what))
-    else:
-        write_atomic(path, build(result, assessment, predictions=predictions, **what))
+    made = (render_pdf if is_pdf(path) else render)(result, assessment, predictions, **what)
+    write_atomic(path, made)

@@ -28,9 +28,9 @@ _DRAWN = ("correlation", "budget")
 
 
 def render(
-    result: FitResult, assessment: Assessment, predictions: Sequence[Prediction], **what: Any
+    result: FitResult, assessment: Assessment, predictions: Sequence[Prediction] = (), **what: Any
 ) -> str:
-    """The page; see `surae.report.build`."""
+    """The page; the arguments are those of `surae.report.write_report`."""
     traces = traces_of(result)
     content = make_content(result, assessment, traces, predictions=predictions, **what)
     images = {}

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from surae.assessment import Baseline
 
 
-def simulated_baseline(
+def make_baseline(
     protocol: Protocol,
     model: str = "muscle",
     n: int = 10,
@@ -24,8 +24,8 @@ def simulated_baseline(
     noise: float = 0.05,
     options: ModelOptions | None = None,
     progress: Progress | None = None,
-) -> dict[str, float]:
-    """Mean standard error of every free parameter over virtual subjects, by name.
+) -> "Baseline":
+    """Mean standard errors of the free parameters over virtual subjects, to compare fits with.
 
     Each subject does the protocol once, simulated with the model that is fitted. The fit starts
     from the true parameters: the baseline is of fits that found them, as the thesis's was (2.7).
@@ -51,7 +51,7 @@ def simulated_baseline(
 
     Returns
     -------
-    dict of str to float
+    Baseline
         Mean SEM, equation (34), in the parameter's unit; a parameter that no fit could tell, or
         that ended at a bound in all of them, is left out.
 
@@ -62,7 +62,7 @@ def simulated_baseline(
     ComputationError
         No parameter of any subject has a standard error.
     """
-    from surae.assessment import covariance  # the compiler: only when something is fitted
+    from surae.assessment import Baseline, covariance  # the compiler: only when something is fitted
     from surae.estimation import fit_problem, make_problem
 
     if n < 1:
@@ -85,30 +85,9 @@ def simulated_baseline(
             progress(number + 1, n)
     if not values_by_name:
         raise ComputationError("no simulated fit gave a standard error; use another protocol")
-    return {
+    sem = {
         name: float(np.mean(values_by_name[name])) for name in spec.names if name in values_by_name
     }
-
-
-def make_baseline(
-    protocol: Protocol,
-    model: str = "muscle",
-    n: int = 10,
-    seed: int = 0,
-    *,
-    population: str = "healthy",
-    noise: float = 0.05,
-    options: ModelOptions | None = None,
-    progress: Progress | None = None,
-) -> "Baseline":
-    """The mean standard errors with what they are of; see `simulated_baseline`."""
-    from surae.assessment import Baseline
-
-    options = options or ModelOptions()
-    sem = simulated_baseline(
-        protocol, model, n, seed,
-        population=population, noise=noise, options=options, progress=progress,
-    )  # fmt: skip
     chirp = ""
     if protocol.chirp_amplitude:
         chirp = f", chirp {protocol.chirp_amplitude:g} rad at {protocol.chirp_rate:g} Hz/s"

@@ -16,8 +16,10 @@ from starlette.types import ASGIApp
 from surae._version import __version__
 from surae.errors import InputError, SuraeError
 from surae.processes import FULL, NO_ROOM, one_line, where
+from surae.web.fits import keep_comparison, keep_designs, keep_fit, keep_profile, keep_study
 from surae.web.http_errors import RefusedError
-from surae.web.kinds import job_kinds
+from surae.web.jobs import Kind
+from surae.web.legs import keep_session
 from surae.web.routes import (
     cohort,
     comparisons,
@@ -38,6 +40,18 @@ from surae.web.workbench import Workbench
 _log = logging.getLogger("surae.web")
 
 
+def _job_kinds(bench: Workbench) -> dict[str, Kind]:
+    """Each kind of job by its name."""
+    return {
+        "fit": Kind("fits", lambda job, end: keep_fit(bench, job, end)),
+        "profile": Kind("fits", lambda job, end: keep_profile(bench, job, end)),
+        "session": Kind("fits", lambda job, end: keep_session(bench, job, end)),
+        "compare": Kind("fits", lambda job, end: keep_comparison(bench, job, end)),
+        "design": Kind("studies", lambda job, end: keep_designs(bench, job, end)),
+        "study": Kind("studies", lambda job, end: keep_study(bench, job, end)),
+    }
+
+
 def create_app(bench: Workbench, policy: Policy) -> ASGIApp:
     """The workbench as an ASGI application.
 
@@ -47,7 +61,7 @@ def create_app(bench: Workbench, policy: Policy) -> ASGIApp:
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         del app
-        bench.start(job_kinds(bench))
+        bench.start(_job_kinds(bench))
         try:
             yield
         finally:

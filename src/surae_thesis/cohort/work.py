@@ -11,7 +11,7 @@ from surae import ComputationError, ModelInputs
 from surae.assessment import vaf
 from surae.model import get_model
 from surae.protocol import Protocol, chirp_rate
-from surae.studies import simulated_baseline
+from surae.studies import make_baseline
 from surae_thesis.cohort.members import CohortSubject, make_cohort
 from surae_thesis.cohort.trials import cohort_inputs
 
@@ -109,7 +109,7 @@ def baseline_job(
     protocol_ = Protocol(
         profile=protocol, chirp_amplitude=0.2, chirp_rate=chirp_rate(0.5), rate_hz=rate_hz
     )
-    return simulated_baseline(protocol_, model, subjects, seed)
+    return dict(make_baseline(protocol_, model, subjects, seed).sem)
 
 
 def strength_job(*, seed: int, member: int, protocol: str, rate_hz: float) -> dict[str, float]:
