@@ -168,12 +168,12 @@ def test_an_interruption_keeps_the_best_so_far(late, monkeypatch, model, after) 
     # After so many evaluations: without the drives, and on the way with them.
     count, evaluate = 0, Residuals.data_rows
 
-    def interrupted(self: Residuals, x: np.ndarray) -> np.ndarray:
+    def interrupted(self: Residuals, x: np.ndarray, *wanted: object) -> np.ndarray:
         nonlocal count
         count += 1
         if count == after:
             raise KeyboardInterrupt
-        return evaluate(self, x)
+        return evaluate(self, x, *wanted)
 
     problem = make_problem([late], model, free=["emd"])
     monkeypatch.setattr(Residuals, "data_rows", interrupted)

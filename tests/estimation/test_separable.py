@@ -75,7 +75,7 @@ def reference(problem, x):
 @pytest.mark.parametrize("seed", range(8))
 def test_as_low_as_scipy_within_the_bounds(seed, noisy):
     problem = make_problem([noisy])
-    rows = Residuals(problem).rows
+    rows = Residuals(problem).data_rows
     rng = np.random.default_rng(seed)
     x = sensible_point(problem, rng) if seed % 2 else random_point(problem, rng)
     solved, sse = solve_linear(problem, rows, x)
@@ -88,7 +88,7 @@ def test_as_low_as_scipy_within_the_bounds(seed, noisy):
 def test_parameters_that_are_not_linear_are_kept(noisy):
     problem = make_problem([noisy])
     x = sensible_point(problem, np.random.default_rng(0))
-    solved, _ = solve_linear(problem, Residuals(problem).rows, x)
+    solved, _ = solve_linear(problem, Residuals(problem).data_rows, x)
     for j, name in enumerate(problem.free):
         assert (solved[j] == x[j]) == (name not in SEVEN), name
 
@@ -100,14 +100,14 @@ def test_the_truth_is_found_from_the_other_eight(clean, subject):
     for j, name in enumerate(problem.free):
         if name in SEVEN:
             x[j] = problem.start[j]
-    solved, sse = solve_linear(problem, Residuals(problem).rows, x)
+    solved, sse = solve_linear(problem, Residuals(problem).data_rows, x)
     np.testing.assert_allclose(solved, truth, rtol=1e-6)
     assert sse < 1e-12 * float(clean.torque @ clean.torque)
 
 
 def test_the_answer_does_not_depend_on_where_the_linear_parameters_were(noisy):
     problem = make_problem([noisy])
-    rows = Residuals(problem).rows
+    rows = Residuals(problem).data_rows
     rng = np.random.default_rng(3)
     x = sensible_point(problem, rng)
     once, _ = solve_linear(problem, rows, x)
@@ -122,7 +122,7 @@ def test_the_answer_does_not_depend_on_where_the_linear_parameters_were(noisy):
 @pytest.mark.parametrize("seed", range(4))
 def test_no_perturbation_within_the_bounds_is_lower(seed, noisy):
     problem = make_problem([noisy])
-    rows = Residuals(problem).rows
+    rows = Residuals(problem).data_rows
     rng = np.random.default_rng(seed)
     solved, _ = solve_linear(problem, rows, random_point(problem, rng))
     lowest = cost(rows, solved)
@@ -144,12 +144,12 @@ def test_a_bound_in_the_way_is_met_exactly(name, side, clean, subject):
     problem = make_problem([clean], bounds={name: pair})
     x = np.array([subject.parameters[n] for n in problem.free])
     x = np.clip(x, problem.lower, problem.upper)
-    solved, _ = solve_linear(problem, Residuals(problem).rows, x)
+    solved, _ = solve_linear(problem, Residuals(problem).data_rows, x)
     j = problem.free.index(name)
     assert solved[j] == pytest.approx(pair[side], rel=1e-9)
     assert np.all((solved >= problem.lower) & (solved <= problem.upper))
     _, lowest = reference(problem, x)
-    assert cost(Residuals(problem).rows, solved) == pytest.approx(lowest, rel=1e-6)
+    assert cost(Residuals(problem).data_rows, solved) == pytest.approx(lowest, rel=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -159,15 +159,15 @@ def test_fixed_parameters_stay(names, clean, subject):
     fixed = {name: 1.1 * subject.parameters[name] for name in names}
     problem = make_problem([clean], fixed=fixed)
     x = problem.start
-    solved, _ = solve_linear(problem, Residuals(problem).rows, x)
+    solved, _ = solve_linear(problem, Residuals(problem).data_rows, x)
     assert len(solved) == 15 - len(names)
     _, lowest = reference(problem, x)
-    assert cost(Residuals(problem).rows, solved) == pytest.approx(lowest, rel=1e-6)
+    assert cost(Residuals(problem).data_rows, solved) == pytest.approx(lowest, rel=1e-6)
 
 
 def test_no_linear_parameter_at_all(noisy, subject):
     problem = make_problem([noisy], fixed={name: subject.parameters[name] for name in SEVEN})
-    rows = Residuals(problem).rows
+    rows = Residuals(problem).data_rows
     solved, sse = solve_linear(problem, rows, problem.start)
     np.testing.assert_array_equal(solved, problem.start)
     assert sse == pytest.approx(cost(rows, problem.start), rel=1e-12)
@@ -178,20 +178,20 @@ def test_a_silent_channel_keeps_its_weight(noisy):
     emg[:, 1] = 0.0
     problem = make_problem([replace(noisy, emg=emg)])
     x = problem.start
-    solved, _ = solve_linear(problem, Residuals(problem).rows, x)
+    solved, _ = solve_linear(problem, Residuals(problem).data_rows, x)
     j = problem.free.index("g2")
     assert solved[j] == x[j]
     _, lowest = reference(problem, x)
-    assert cost(Residuals(problem).rows, solved) == pytest.approx(lowest, rel=1e-6)
+    assert cost(Residuals(problem).data_rows, solved) == pytest.approx(lowest, rel=1e-6)
 
 
 def test_two_channels_alike_share_what_one_would_have(noisy):
     emg = noisy.emg.copy()
     emg[:, 1] = emg[:, 2]
     problem = make_problem([replace(noisy, emg=emg)])
-    solved, _ = solve_linear(problem, Residuals(problem).rows, problem.start)
+    solved, _ = solve_linear(problem, Residuals(problem).data_rows, problem.start)
     _, lowest = reference(problem, problem.start)
-    assert cost(Residuals(problem).rows, solved) == pytest.approx(lowest, rel=1e-6)
+    assert cost(Residuals(problem).data_rows, solved) == pytest.approx(lowest, rel=1e-6)
 
 
 def held_at(inputs, **beyond):
@@ -205,21 +205,21 @@ def held_at(inputs, **beyond):
 
 def test_a_model_that_overflows_leaves_the_point_as_it_is(noisy):
     problem = held_at(noisy, k_tri=1e6, x0_tri=1e-3)
-    solved, sse = solve_linear(problem, Residuals(problem).rows, problem.start)
+    solved, sse = solve_linear(problem, Residuals(problem).data_rows, problem.start)
     np.testing.assert_array_equal(solved, problem.start)
     assert sse == np.inf
 
 
 def test_a_torque_near_the_largest_number_leaves_no_warning(noisy):
     problem = held_at(noisy, m=1e200)
-    _, sse = solve_linear(problem, Residuals(problem).rows, problem.start)
+    _, sse = solve_linear(problem, Residuals(problem).data_rows, problem.start)
     assert sse == np.inf
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_the_scan_never_raises_the_cost(seed, noisy):
     problem = make_problem([noisy])
-    rows = Residuals(problem).rows
+    rows = Residuals(problem).data_rows
     x = random_point(problem, np.random.default_rng(seed))
     _, without = solve_linear(problem, rows, x)
     scanned = scan_lengths(problem, rows, x)
@@ -233,7 +233,7 @@ def test_the_scan_never_raises_the_cost(seed, noisy):
 
 def test_the_scan_leaves_fixed_lengths_alone(noisy):
     problem = make_problem([noisy], fixed={"l0_tri": 0.045, "l0_tib": 0.08})
-    rows = Residuals(problem).rows
+    rows = Residuals(problem).data_rows
     x = problem.start
     np.testing.assert_array_equal(scan_lengths(problem, rows, x), solve_linear(problem, rows, x)[0])
 
@@ -243,5 +243,5 @@ def test_the_scan_leaves_a_far_valley(clean, subject):
     x = np.array([subject.parameters[name] for name in problem.free])
     j = problem.free.index("l0_tri")
     x[j] = problem.upper[j]
-    found = scan_lengths(problem, Residuals(problem).rows, x)
+    found = scan_lengths(problem, Residuals(problem).data_rows, x)
     assert abs(found[j] - subject.parameters["l0_tri"]) < 0.01

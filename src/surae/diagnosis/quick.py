@@ -4,6 +4,7 @@ A quick fit is model 1.0 on some 500 samples with the zero of the torque free, a
 R² is about the mean.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,9 +93,9 @@ def quick_fit(
     assert measured is not None
     residuals = Residuals(problem)
 
-    def rows(x: FloatArray) -> FloatArray:
+    def rows(x: FloatArray, wanted: Sequence[int] | None = None) -> FloatArray:
         """Rows without their means, where the torque's zero is to be solved for."""
-        every = residuals.data_rows(x)
+        every = residuals.data_rows(x, wanted)
         if zero:
             every -= every.mean(axis=1, keepdims=True)
         return every

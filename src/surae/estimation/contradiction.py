@@ -15,7 +15,7 @@ import numpy as np
 
 from surae.estimation.evidence import Quadratic
 from surae.estimation.member import TENDONS, counted_alike
-from surae.estimation.mode import Mode, Target, whitened
+from surae.estimation.mode import Target, whitened
 from surae.estimation.result import FitResult
 from surae.frozen import FrozenDict
 from surae.model import adapted, get_model, with_optional
@@ -116,18 +116,21 @@ def _quadratic(target: Target, z: FloatArray, left: Sequence[FloatArray]) -> Qua
     The richer model's residual is another there: its stiffest tendons are none that are rigid. The
     last coordinates are how much of what filters did is in the residual.
     """
-    told, more = target.quadratic(Mode(z, 0.0)), len(_BLUR)
+    more = len(_BLUR)
     information = np.zeros((len(z) + more, len(z) + more))
     gradient, cost = np.zeros(len(z) + more), 0.0
     values = target.values(z)
     blocks = zip(
-        target.problem.inputs, target.data_rows(z, whiten=False), left, target.noise, strict=True
+        target.problem.inputs, target.data_rows(z, raw=True), left, target.noise, strict=True
     )
     for recording, rows, e, noise in blocks:
-        root = 1.0 if recording.weight is None else np.sqrt(recording.weight)
-        blurred = _blurred(target, values, recording)
-        changes = [blurred, blurred - _blurred(target, values, smoothed(recording))]
-        block = np.stack([*rows[:-1], *(-root * change for change in changes), root * e])
+        torque = rows[-1] + (0.0 if recording.torque is None else recording.torque)
+        again = smoothed(recording)
+        blurred = _blurred(target, values, recording, torque)
+        twice = _blurred(target, values, again, _torque(target, values, again))
+        block = np.stack([*rows[:-1], -blurred, twice - blurred, e])
+        if recording.weight is not None:
+            block *= np.sqrt(recording.weight)
         block = whitened(block, noise)
         information += block[:-1] @ block[:-1].T
         gradient += block[:-1] @ block[-1]
@@ -137,22 +140,29 @@ def _quadratic(target: Target, z: FloatArray, left: Sequence[FloatArray]) -> Qua
         gradient,
         cost,
         z=np.append(z, np.zeros(more)),
-        mean=np.append(told.mean, [belief.mean for belief in _BLUR]),
-        weight=np.append(told.weight, [1.0 / belief.sd for belief in _BLUR]),
+        mean=np.append(target.mean, [belief.mean for belief in _BLUR]),
+        weight=np.append(target.weight_at(z), [1.0 / belief.sd for belief in _BLUR]),
     )
 
 
-def _blurred(target: Target, values: FloatArray, recording: ModelInputs) -> FloatArray:
+def _torque(target: Target, values: FloatArray, recording: ModelInputs) -> FloatArray:
+    """The model's torque [Nm] of a recording."""
+    return target.problem.spec.simulator(recording, target.problem.options).torque(values)
+
+
+def _blurred(
+    target: Target, values: FloatArray, recording: ModelInputs, torque: FloatArray
+) -> FloatArray:
     """What filtering changes of the torque that it does not change of the model's [Nm].
 
     A fast movement's torque is not the one at what filters leave of the movement, though that was
     sharpened. Filtering once more shows by how much; filtering twice more, how that grows.
+
+    `torque` is the model's of the recording as it is.
     """
-    simulator, options = target.problem.spec.simulator, target.problem.options
-    torque = simulator(recording, options).torque(values)
     again = sharpened(smoothed(replace(recording, torque=torque)))
     wanted = torque if again.torque is None else again.torque
-    error: FloatArray = simulator(again, options).torque(values) - wanted
+    error: FloatArray = _torque(target, values, again) - wanted
     return error if np.isfinite(error).all() else np.zeros(recording.n)
 
 

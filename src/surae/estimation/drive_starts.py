@@ -9,9 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from surae.estimation.least_squares import Rows
 from surae.estimation.problem import FitProblem
-from surae.estimation.separable import solve_linear
+from surae.estimation.separable import SomeRows, solve_linear
 from surae.model import get_model, with_optional
 from surae.model.parameters import OPTIONAL
 from surae.units import FloatArray
@@ -64,7 +63,7 @@ def held_off(problem: FitProblem, own: FloatArray) -> FloatArray:
     return clipped
 
 
-def delay_valleys(problem: FitProblem, rows: Rows, x: FloatArray) -> list[FloatArray]:
+def delay_valleys(problem: FitProblem, rows: SomeRows, x: FloatArray) -> list[FloatArray]:
     """Points to descend from, of a model of rigid tendons whose minimum without drives is `x`.
 
     The first is that minimum or better, the others are delayed. Their filter stays as it is,
@@ -95,12 +94,12 @@ def _is_on(group: tuple[str, ...], values: dict[str, float]) -> bool:
     return any(values.get(name, 0.0) for name in group if name != "reflex_delay")
 
 
-def _with_reflex(problem: FitProblem, rows: Rows, x: FloatArray) -> FloatArray:
+def _with_reflex(problem: FitProblem, rows: SomeRows, x: FloatArray) -> FloatArray:
     """The point with the gains of its reflex solved at the delay that suits best, if that helps."""
     if "reflex_delay" not in problem.free:
         return x
     j = problem.free.index("reflex_delay")
-    residual = rows(x)[-1]
+    residual = rows(x, [])[-1]
     best, lowest = x, float(residual @ residual)
     for delay in _REFLEX_DELAYS:
         point = x.copy()

@@ -156,8 +156,11 @@ class Target:
         """The modelled torque of one recording, split into its parts."""
         return self._simulators[number].parts(self._of_recording(self.values(z), z, number))
 
-    def data_rows(self, z: FloatArray, *, whiten: bool = True) -> list[FloatArray]:
-        """Rows (q + 1, n) of each recording: derivatives by z and, last, residual."""
+    def data_rows(self, z: FloatArray, *, raw: bool = False) -> list[FloatArray]:
+        """Rows (q + 1, n) of each recording: derivatives by z and, last, residual.
+
+        They are weighted and whitened, or `raw`.
+        """
         checkpoint()
         values, scale, blocks = self.values(z), self.scale(z), []
         q = len(self.names)
@@ -173,9 +176,9 @@ class Target:
                 if self.own_zeros:
                     rows[q + number] = 1.0
                 rows[-1] = torque - self._measured[number]
-                if root is not None:
+                if root is not None and not raw:
                     rows *= root
-                blocks.append(whitened(rows, noise) if whiten else rows)
+                blocks.append(rows if raw else whitened(rows, noise))
         return blocks
 
     def rows(self, z: FloatArray) -> FloatArray:
@@ -222,12 +225,16 @@ class Target:
             information += rows[:-1] @ rows[:-1].T
             gradient += rows[:-1] @ rows[-1]
             cost += float(rows[-1] @ rows[-1])
+        return Quadratic(information, gradient, cost, mode.z, self.mean, self.weight_at(mode.z))
+
+    def weight_at(self, z: FloatArray) -> FloatArray:
+        """1/sd of the priors, shape (q,), and of what is at a bound at a point."""
         weight = self.weight.copy()
         for j, name in enumerate(self.names):
             low, high = self.lower[j], self.upper[j]
-            if group_of(name) is None and is_at_bound(float(mode.z[j]), float(low), float(high)):
+            if group_of(name) is None and is_at_bound(float(z[j]), float(low), float(high)):
                 weight[j] = max(weight[j], np.sqrt(12.0) / (high - low))
-        return Quadratic(information, gradient, cost, mode.z, self.mean, weight)
+        return weight
 
     def sum_of_squares(self, z: FloatArray) -> float:
         """Weighted sum of squared residuals [Nm²], whatever the noise."""

@@ -41,22 +41,28 @@ class Residuals:
         self._samples = sum(recording.n for recording in problem.inputs)
         self._rows = np.empty((len(self._columns) + 1, self._samples + len(problem.priors)))
 
-    def data_rows(self, x: FloatArray) -> FloatArray:
-        """Jacobian rows and the residual [Nm] of the recordings alone, without priors."""
+    def data_rows(self, x: FloatArray, wanted: Sequence[int] | None = None) -> FloatArray:
+        """Jacobian rows and the residual [Nm] of the recordings alone, without priors.
+
+        Of all parameters, which the next call overwrites, or of those that are `wanted`.
+        """
         checkpoint()
         self._values[self._columns] = x
-        begin = 0
+        begin, whole, columns = 0, self._rows, self._columns
+        if wanted is not None:
+            whole = np.empty((len(wanted) + 1, self._samples))
+            columns = [self._columns[j] for j in wanted]
         for simulator, measured, root in zip(
             self._simulators, self._measured, self._roots, strict=True
         ):
             end = begin + len(measured)
-            torque, jacobian = simulator.torque_jacobian(self._values, self._columns)
-            self._rows[:-1, begin:end] = jacobian
-            np.subtract(torque, measured, out=self._rows[-1, begin:end])
+            torque, jacobian = simulator.torque_jacobian(self._values, columns)
+            whole[:-1, begin:end] = jacobian
+            np.subtract(torque, measured, out=whole[-1, begin:end])
             if root is not None:
-                self._rows[:, begin:end] *= root
+                whole[:, begin:end] *= root
             begin = end
-        return self._rows[:, : self._samples]
+        return whole[:, : self._samples]
 
     def rows(self, x: FloatArray) -> FloatArray:
         """Jacobian rows and the residual [Nm], shape (p + 1, n); the next call overwrites them."""

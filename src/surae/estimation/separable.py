@@ -6,10 +6,11 @@ the long valleys in which weights trade with filter and lengths are gone (Golub 
 Which parameters these are, each model's `ModelSpec` says.
 """
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 
 from surae.estimation.least_squares import (
-    Rows,
     box_quadratic,
     column_norms,
     compress,
@@ -18,12 +19,14 @@ from surae.estimation.least_squares import (
 from surae.estimation.problem import FitProblem
 from surae.units import FloatArray
 
+#: The rows of `surae.estimation.least_squares.Rows`, of those free parameters alone that are named.
+SomeRows = Callable[[FloatArray, Sequence[int]], FloatArray]
 _SCAN_POINTS = 5
 #: Relative ridge that keeps the linear problem solvable when a channel is silent.
 _RIDGE = 1e-10
 
 
-def solve_linear(problem: FitProblem, rows: Rows, x: FloatArray) -> tuple[FloatArray, float]:
+def solve_linear(problem: FitProblem, rows: SomeRows, x: FloatArray) -> tuple[FloatArray, float]:
     """Replace the linear parameters of `x` by their least-squares values within the bounds.
 
     Parameters of `x` that are not linear are kept; `x` itself comes back where the model gives no
@@ -38,7 +41,7 @@ def solve_linear(problem: FitProblem, rows: Rows, x: FloatArray) -> tuple[FloatA
     base = x.copy()
     for i in slack:
         base[linear[i]] = problem.upper[linear[i]]
-    basis = rows(base)[[*linear, -1]]
+    basis = rows(base, linear)
     if not np.isfinite(basis).all():
         return x, np.inf
     if not linear:
@@ -68,7 +71,7 @@ def solve_linear(problem: FitProblem, rows: Rows, x: FloatArray) -> tuple[FloatA
     return np.minimum(np.maximum(solved, problem.lower), problem.upper), sse
 
 
-def scan_lengths(problem: FitProblem, rows: Rows, x: FloatArray) -> FloatArray:
+def scan_lengths(problem: FitProblem, rows: SomeRows, x: FloatArray) -> FloatArray:
     """The best of a coarse scan of the optimal lengths, linear parameters solved at each point.
 
     A start whose optimal length lies far outside the lengths the muscle reaches ends in a valley
