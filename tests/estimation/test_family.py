@@ -11,6 +11,7 @@ from surae.assessment.posterior.density import beliefs
 from surae.assessment.saved.fit_json import load_saved, save_fit
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem, solve
+from surae.estimation.mode import Target, white_noise
 from surae.estimation.noisy_emg import emg_noise
 from surae.estimation.result import with_laboratory
 from surae.frozen import read_only
@@ -100,7 +101,7 @@ def test_what_is_fixed_stays_and_what_is_known_is_no_nuisance(leg):
     assert "torque_zero" not in result.family.beliefs
 
 
-def test_several_recordings_have_their_own_zeros(leg):
+def test_several_recordings_have_their_own_zeros(leg, tmp_path):
     other = richer_leg(0, trial=1)
     result = solve(make_problem([leg.inputs, other.inputs], "auto"))
     assert result.family.zeros == pytest.approx((leg.zero, other.zero), abs=0.3)
@@ -112,6 +113,26 @@ def test_several_recordings_have_their_own_zeros(leg):
     assert hits >= claimed - 2
     budgets = [p.budget for p in worth.parameters.values() if p.budget]
     assert np.median([budget["trials"] for budget in budgets]) < 0.5
+    for each, alone in zip(result.family.recordings, (leg, other), strict=True):
+        for name in ("m", "k_tri", "l0_tri"):
+            away = abs(each.values[name] - alone.parameters[name])
+            assert away < 4.0 * each.sem[name]
+    save_fit(tmp_path / "fit.json", result, worth)
+    assert load_saved(tmp_path / "fit.json").result == result
+
+
+def test_recordings_by_themselves_are_fits_of_their_own(noisy):
+    """The short search from the joint mode ends within half a standard error of a long one."""
+    louder = noisy.torque + 0.2 * np.random.default_rng(0).standard_normal(noisy.n)
+    problem = make_problem([noisy, replace(noisy, torque=read_only(louder))], "muscle")
+    target = Target(problem, {}, white_noise(problem, 0.03))
+    mode = target.descend(target.start({}), evaluations=60, tolerance=0.03)
+    for number in range(2):
+        alone, there = target.alone(mode.z, number)
+        best = alone.descend(there.z, evaluations=100, tolerance=1e-4)
+        sd = np.sqrt(np.diag(alone.quadratic(best).solved({})[2]))
+        assert np.abs((there.z - best.z) / sd).max() < 0.5
+        assert alone.names == target.names
 
 
 def test_two_legs_are_not_one(leg):

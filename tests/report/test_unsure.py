@@ -3,14 +3,13 @@
 from dataclasses import replace
 from datetime import datetime
 
-import numpy as np
 import pytest
 
 from surae.assessment import Verdict, assess
 from surae.assessment.adequacy import Adequacy, Grade
 from surae.assessment.uncertainty.budget import budgets
 from surae.estimation import fit_problem, make_problem, solve
-from surae.frozen import FrozenDict
+from surae.estimation.result import OfRecording
 from surae.report.budget import budget_section, what_to_measure, what_would_help
 from surae.report.laboratory import family_section, laboratory_section, trials_section
 from surae.report.parameters import parameter_groups, repeatable, shown_parameters
@@ -148,17 +147,23 @@ def test_the_evidence_is_said_as_strongly_as_it_is(auto):
 
 def test_trials_are_told_of_only_where_they_differ(auto):
     result, assessment = auto
-    name = next(n for n, p in assessment.parameters.items() if p.free)
-    assert (
-        trials_section(replace(result, family=replace(result.family, spread={})), assessment)
-        is None
+    assert trials_section(result, assessment) is None  # a single recording
+    names = [n for n, p in assessment.parameters.items() if p.free]
+    value = assessment.parameters[names[0]].value
+    recordings = tuple(
+        OfRecording(
+            {n: at * assessment.parameters[n].value for n in names},
+            dict.fromkeys(names, 1e-3 * value),
+        )
+        for at in (0.9, 1.0, 1.1)
     )
-    shift = np.zeros((1, len(result.problem.free)))
-    shift[0, result.problem.free.index(name)] = 0.1 * assessment.parameters[name].value
-    spread = FrozenDict({"trials": shift})
-    family = replace(result.family, spread=spread)
+    family = replace(result.family, recordings=recordings)
     section = trials_section(replace(result, family=family), assessment)
-    assert [(row[0], row[3]) for row in section.rows] == [(name, "10 %")]
+    assert [row.name for row in section.rows] == names
+    first = section.rows[0]
+    assert len(first.each) == 3
+    assert all("±" in text for text in first.each)
+    assert float(first.spread.split()[0]) == pytest.approx(10.0, abs=5.0)
 
 
 def test_repeatable_stands_beside_identified_and_is_not_it(auto):

@@ -131,8 +131,11 @@ class ParameterEstimate:
     note : str
         The verdict in a plain sentence.
     ci95_repeat : tuple of float, or None
-        95 % interval of what another trial of this leg would give: what all its trials share, and
-        is wrong alike in all of them, is not in it.
+        95 % interval of what would be found were this leg measured and fitted once more in the same
+        way: as many trials of the same kind, electrodes and foot left as they are, with other
+        noise, effort, drift and zero of the sensor. What is wrong alike in both is not in it, nor a
+        change of the leg itself, unless recordings of a joint fit show how much trials differ. Two
+        such values differ by up to √((a² + b²)/2), a and b the half-widths of their intervals.
     repeatable : bool
         Whether that interval is within 10 % of the value, and the fit is not inadequate.
     budget : mapping of str to float

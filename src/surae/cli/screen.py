@@ -68,6 +68,7 @@ def show_fit(fit: "Fit") -> None:
     _print(out, table)
     for line in (*_notes(fit, out.width), *_unknown(fit, out.width)):
         show_line(line)
+    _show_trials(fit, out)
     for quality in fit.assessment.recordings:
         show_line(
             f"{quality.name}: VAF {percentage(quality.vaf)} %{_weighted(quality.vaf_weighted)}, "
@@ -87,6 +88,23 @@ def show_fit(fit: "Fit") -> None:
         which = {"robust": "robust standard errors, as ", "thesis": "equation (34), as "}
         show_line(f"intervals: {which.get(fit.assessment.interval, '')}{note}")
     show_line(f"{fit.status}: {fit.message} ({fit.result.seconds:.2f} s)")
+
+
+def _show_trials(fit: "Fit", out: Console) -> None:
+    """What each recording of a joint fit says by itself, and how much they differ."""
+    from surae.api import trials_section
+
+    section = trials_section(fit.result, fit.assessment)
+    if section is None:
+        return
+    table = _table()
+    for name in ("parameter", "together", *section.recordings, "spread", "unit"):
+        outer = name in ("parameter", "unit")
+        table.add_column(name, justify="left" if outer else "right", overflow="fold")
+    for row in section.rows:
+        table.add_row(row.name, row.value, *row.each, row.spread, row.unit or "-")
+    _print(out, table)
+    show_line("\n".join([*textwrap.wrap(section.text, out.width), ""]))
 
 
 def show_adequacy(adequacy: "Adequacy") -> None:

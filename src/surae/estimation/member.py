@@ -32,9 +32,9 @@ def under_noise(target: Target, mode: Mode) -> tuple[Target, Mode]:
     where that moves too far as well, samples count alike, for as little as the residual's slow
     part says.
     """
-    white = target.with_noise(target.noise_at(mode.z, white=True))
+    white = target.with_noise(target.own_noise(mode.z, white=True))
     plain = white.descend(mode.z, evaluations=20, tolerance=0.03)
-    noise = target.noise_at(plain.z)
+    noise = target.own_noise(plain.z)
     for believed in (noise, tuple(level_above_half(model) for model in noise)):
         correlated = target.with_noise(believed)
         there = correlated.descend(plain.z, evaluations=15, tolerance=0.01)

@@ -20,7 +20,7 @@ from surae.estimation.noise import NoiseModel, noise_behind, noise_of
 from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import simulators, stiffness_valleys
 from surae.estimation.result import is_at_bound
-from surae.model.laboratory import Belief, group_of
+from surae.model.laboratory import EACH_TRIAL, Belief, group_of
 from surae.model.parameters import OPTIONAL_PARAMETERS
 from surae.model.simulator import TorqueParts
 from surae.signals import ModelInputs, thinned
@@ -143,10 +143,11 @@ class Target:
         for number, (simulator, measured) in enumerate(
             zip(self._simulators, self._measured, strict=True)
         ):
-            parts.append(simulator.torque(self._of_recording(values, z, number)) - measured)
+            parts.append(simulator.torque(self.of_recording(values, z, number)) - measured)
         return tuple(parts)
 
-    def _of_recording(self, values: FloatArray, z: FloatArray, number: int) -> FloatArray:
+    def of_recording(self, values: FloatArray, z: FloatArray, number: int) -> FloatArray:
+        """The whole parameter vector of one recording, whose zero may be its own, shape (P,)."""
         if self.own_zeros:
             values = values.copy()
             values[self.problem.spec.names.index(_ZERO)] = z[len(self.names) + number]
@@ -154,7 +155,7 @@ class Target:
 
     def parts(self, z: FloatArray, number: int) -> TorqueParts:
         """The modelled torque of one recording, split into its parts."""
-        return self._simulators[number].parts(self._of_recording(self.values(z), z, number))
+        return self._simulators[number].parts(self.of_recording(self.values(z), z, number))
 
     def data_rows(self, z: FloatArray, *, raw: bool = False) -> list[FloatArray]:
         """Rows (q + 1, n) of each recording: derivatives by z and, last, residual.
@@ -169,7 +170,7 @@ class Target:
                 zip(self._simulators, self.problem.inputs, self._roots, self.noise, strict=True)
             ):
                 torque, jacobian = simulator.torque_jacobian(
-                    self._of_recording(values, z, number), self._columns
+                    self.of_recording(values, z, number), self._columns
                 )
                 rows = np.zeros((q + self.zeros + 1, recording.n))
                 rows[:q] = jacobian * scale[:, None]
@@ -260,6 +261,41 @@ class Target:
     def of_inputs(self, inputs: tuple[ModelInputs, ...]) -> "Target":
         """The posterior of other recordings."""
         return Target(replace(self.problem, inputs=inputs), self.beliefs, self.noise, self.extra)
+
+    def alone(self, z: FloatArray, number: int) -> tuple["Target", Mode]:
+        """One recording of several by itself, and its mode.
+
+        A recording alone knows crosstalk, delay and axis badly. They are the same in all trials, so
+        they are held where they are; zero, drift and what electrodes show at rest are its own.
+        """
+        problem, values = self.problem, self.of_recording(self.values(z), z, number)
+        own = [j for j, n in enumerate(problem.free) if group_of(n) in (None, *EACH_TRIAL)]
+        free = tuple(problem.free[j] for j in own)
+        target = Target(
+            replace(
+                problem,
+                inputs=problem.inputs[number : number + 1],
+                free=free,
+                base=values,
+                lower=problem.lower[own],
+                upper=problem.upper[own],
+            ),
+            {name: belief for name, belief in self.beliefs.items() if name in free},
+            self.noise[number : number + 1],
+            {name: belief for name, belief in self.extra.items() if name in free},
+        )
+        return target, target.descend(target.start({}), evaluations=12, tolerance=0.03)
+
+    def own_noise(self, z: FloatArray, *, white: bool = False) -> tuple[NoiseModel, ...]:
+        """The noise of each recording, that of several as each by itself has it.
+
+        What a trial differs by from the others is no noise of it, for which it would count less.
+        """
+        if len(self.problem.inputs) == 1:
+            return self.noise_at(z, white=white)
+        begin = self.with_noise(self.noise_at(z, white=True))
+        each = (begin.alone(z, number) for number in range(len(self.problem.inputs)))
+        return tuple(target.noise_at(mode.z, white=white)[0] for target, mode in each)
 
     def noise_at(self, z: FloatArray, *, white: bool = False) -> tuple[NoiseModel, ...]:
         """The noise of each recording that its residual at a point has.

@@ -58,6 +58,17 @@ class Candidate:
     values: Mapping[str, float]  #: All its parameters.
 
 
+@dataclass(frozen=True, slots=True)
+class OfRecording:
+    """What one recording of a joint fit says by itself of the leg's free parameters.
+
+    What no trial of a session has for itself, such as crosstalk, is as the joint fit has it.
+    """
+
+    values: Mapping[str, float]  #: By parameter, in its unit.
+    sem: Mapping[str, float]  #: Their standard errors: noise, and what each trial has anew.
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Family(Comparable):
     """How a model was chosen among the family, and what that leaves unsure."""
@@ -72,6 +83,8 @@ class Family(Comparable):
     #: together, in their units, whose outer products add up to the source's covariance, shape (r,
     #: p).
     spread: Mapping[str, FloatArray] = field(default_factory=FrozenDict)
+    #: Of each recording, in the order of the problem's; empty for a single one.
+    recordings: tuple[OfRecording, ...] = ()
 
     def deviations(self) -> dict[str, FloatArray]:
         """Standard deviations of the free parameters by source of `spread`, shape (p,)."""

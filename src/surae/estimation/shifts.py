@@ -2,13 +2,7 @@
 
 Rows of shifts, one for each way in which it may go, whose outer products add up to its covariance:
 a wrong stiffness comes with the slack length that makes up for it, and what both make stays known.
-There are three sources, in this order.
-
-How much more recordings of one leg differ than their noise makes them: random effects.
-
-What recording i pulls an estimate by is V·Jᵢᵀeᵢ. Noise gives that the variance V·JᵢᵀJᵢ·V; what the
-pulls have beyond it is the leg, or the model, being another in each trial (the cluster-robust
-covariance of Liang and Zeger 1986, as far as it exceeds the model's).
+There are two sources, in this order.
 
 What a model leaves out, and how far that may have moved the estimates.
 
@@ -29,6 +23,8 @@ What else shakes an estimate, beside the torque's noise: noise of the EMG
 (`surae.estimation.noisy_emg`), and the integrator. Both are known errors of the modelled torque;
 what they do to the parameters is linear, δz = V·JᵀWᵀW·δT.
 """
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -57,24 +53,6 @@ def root(covariance: FloatArray) -> FloatArray:
     return np.asarray((vectors * np.sqrt(np.maximum(values, 0.0))).T)
 
 
-def between_trials(target: Target, mode: Mode, quadratic: Quadratic) -> FloatArray:
-    """What differences between recordings do to the estimates.
-
-    Of shape (r, q), as they are searched, see `Family.spread`; none for a single recording.
-    """
-    count = len(target.problem.inputs)
-    if count < 2:
-        return np.zeros((0, len(mode.z)))
-    covariance = quadratic.solved({})[2]
-    pulls, expected = [], np.zeros(len(mode.z))
-    for rows in target.data_rows(mode.z):
-        pulls.append(covariance @ (rows[:-1] @ rows[-1]))
-        expected += np.einsum("ij,ij->i", covariance @ rows[:-1], covariance @ rows[:-1])
-    apart = (np.stack(pulls) - np.mean(pulls, axis=0)) * np.sqrt(count / (count - 1.0))
-    more = np.sqrt(np.maximum(np.sum(apart**2, axis=0) - expected, 0.0))
-    return sized(apart, more)
-
-
 #: What hides may be so many times what shows: legs of other muscles than the model's (decision 16).
 _HIDDEN = 4.0
 #: Gain of ln L that sizes which are sought bring by chance: as much speaks against them beforehand.
@@ -87,30 +65,40 @@ _RANGE, _BEGIN = (-12.0, 16.0), (-2.0, 4.0)
 _NOTHING = 1e-9
 
 
-def left_out(target: Target, mode: Mode, quadratic: Quadratic, noisy: NoisyEmg) -> FloatArray:
-    """Shifts by what the model leaves out, as they are searched; see `Family.spread`."""
+def left_out(
+    target: Target,
+    mode: Mode,
+    quadratic: Quadratic,
+    noisy: NoisyEmg,
+    owns: Sequence[tuple[Target, Mode, Quadratic]],
+) -> FloatArray:
+    """Shifts by what the model leaves out, as they are searched; see `Family.spread`.
+
+    `owns` are the recordings each by itself: what they differ by is not what the model leaves out.
+    """
     covariance = quadratic.solved({})[2]
-    grams, seens, levers, felt, pulled, groups = [], [], [], [], [], np.zeros(0)
-    gradient = quadratic.weight**2 * (mode.z - quadratic.mean)
-    blocks = zip(target.problem.inputs, target.data_rows(mode.z), target.noise, strict=True)
-    for number, (recording, rows, noise) in enumerate(blocks):
+    gram = bent = lever = by_emg = np.zeros((1, 1))
+    seen = groups = np.zeros(1)
+    blocks = zip(target.problem.inputs, target.data_rows(mode.z), target.noise, owns, strict=True)
+    for number, (recording, rows, noise, (own, there, around)) in enumerate(blocks):
         counts = 1.0 if recording.weight is None else np.sqrt(recording.weight)
         features, groups = _features(recording, target.parts(mode.z, number))
         features = whitened(features * counts, noise)
-        grams.append(features @ features.T)
-        seens.append(features @ rows[-1])
-        levers.append(rows[:-1] @ features.T)
-        gradient = gradient + rows[:-1] @ rows[-1]
         noise_rows = whitened(np.stack([draw[number] for draw in noisy.changes]) * counts, noise)
-        felt.append(noise_rows @ features.T)
-        pulled.append(noise_rows @ rows[:-1].T)
-    size = np.sqrt(np.maximum(np.diag(sum(grams)), 1e-300))
-    gram, lever = sum(grams) / np.outer(size, size), sum(levers) / size
-    moved = covariance @ lever
-    # the mode is beside the minimum where EMG is noisy
-    seen = sum(seens) / size - moved.T @ gradient
-    by_emg = sum(felt) / size - sum(pulled) @ moved
-    variance, directions = np.linalg.eigh(gram - lever.T @ moved)
+        (alone,) = own.data_rows(there.z)
+        own_lever = alone[:-1] @ features.T
+        moved = around.solved({})[2] @ own_lever
+        # the mode is beside the minimum where EMG is noisy
+        gradient = alone[:-1] @ alone[-1] + around.weight**2 * (there.z - around.mean)
+        gram = gram + features @ features.T
+        bent = bent + own_lever.T @ moved
+        lever = lever + rows[:-1] @ features.T
+        seen = seen + features @ alone[-1] - moved.T @ gradient
+        by_emg = by_emg + noise_rows @ features.T - noise_rows @ alone[:-1].T @ moved
+    size = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    moved = covariance @ lever / size
+    seen, by_emg = seen / size, by_emg / size
+    variance, directions = np.linalg.eigh((gram - bent) / np.outer(size, size))
     kept = variance > _NOTHING * variance[-1]
     view = np.sqrt(variance[kept])[:, None] * directions[:, kept].T
     to_view = directions[:, kept].T / np.sqrt(variance[kept])[:, None]

@@ -6,13 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from surae.estimation.each import Each
 from surae.estimation.evidence import factor_of
 from surae.estimation.flatness import flatness
 from surae.estimation.member import UNSUPPORTED, Member, under_noise
 from surae.estimation.mode import Mode, Target, straight
 from surae.estimation.noisy_emg import noisy_emg, without_emg_bias
 from surae.estimation.result import Candidate, Family, FitResult, Start, is_at_bound
-from surae.estimation.shifts import between_trials, left_out, shaken, sized
+from surae.estimation.shifts import left_out, shaken, sized
 from surae.frozen import FrozenDict, read_only
 from surae.model.laboratory import group_of
 from surae.signals import ModelInputs
@@ -92,7 +93,8 @@ def summed(
     problem = target.problem
     noisy = noisy_emg(target, mode, chosen.quadratic)
     z, left = without_emg_bias(target, mode, chosen.quadratic, noisy)
-    mode = Mode(z, mode.cost)
+    each = Each(target, mode, z - mode.z, noisy) if len(inputs) > 1 else None
+    mode, around = Mode(z, mode.cost), chosen.quadratic
     change = _natural(target, mode)
     whole = chosen.covariance()
     covariance = change @ whole @ change.T
@@ -105,11 +107,14 @@ def summed(
         models.append(rival.away_from(chosen, odds * weight))
     shifts = {
         "model": np.vstack(models),
-        "trials": between_trials(target, mode, chosen.quadratic),
-        "left_out": left_out(target, mode, chosen.quadratic, noisy),
-        **shaken(target, mode, chosen.quadratic, noisy),
+        "left_out": left_out(
+            target, mode, around, noisy, [(target, mode, around)] if each is None else each.owns
+        ),
+        **shaken(target, mode, around, noisy),
         "emg_bias": left[None],
     }
+    if each is not None:
+        shifts["trials"] = each.shifts(mode, around)
     problem = replace(problem, inputs=inputs)
     residuals = tuple(read_only(-e) for e in target.of_inputs(inputs).residuals(mode.z))
     roots = [1.0 if recording.weight is None else recording.weight for recording in inputs]
@@ -136,6 +141,7 @@ def summed(
         zeros=tuple(mode.z[len(target.names) :].tolist()),
         covariance=read_only(change @ (whole - less) @ change.T),
         spread=FrozenDict({source: read_only(by @ change.T) for source, by in shifts.items()}),
+        recordings=() if each is None else each.told(),
     )
     finite = bool(np.isfinite(sse) and np.isfinite(covariance).all())
     status = "failed" if not finite else "at-bounds" if bound else "converged"

@@ -15,13 +15,9 @@ from surae.assessment.uncertainty.covariance import inverse_root
 from surae.estimation import FitResult
 from surae.estimation.mode import straight
 from surae.frozen import Comparable
-from surae.model.laboratory import group_of
+from surae.model.laboratory import EACH_MOUNTING, EACH_TRIAL, group_of
 from surae.units import FloatArray
 
-#: Groups of nuisances that differ between trials of one session, and further ones that do when
-#: electrodes and foot are mounted anew.
-_EACH_TRIAL = ("zero", "drift", "rest")
-_EACH_SESSION = (*_EACH_TRIAL, "crosstalk", "axis")
 #: Sources of `Family.spread` that another trial does not share.
 _NOT_SHARED = ("emg_noise", "trials")
 
@@ -92,8 +88,8 @@ def spread_of(result: FitResult, assessment: Assessment) -> Spread:
     return replace(
         bare,
         total=V + sum(added.values(), np.zeros_like(V)),
-        repeat=_drawn_anew(result, V, scale, _EACH_TRIAL) + fresh,
-        session=_drawn_anew(result, V, scale, _EACH_SESSION) + fresh,
+        repeat=_drawn_anew(result, V, scale, EACH_TRIAL) + fresh,
+        session=_drawn_anew(result, V, scale, (*EACH_TRIAL, *EACH_MOUNTING)) + fresh,
         model=added.get("model", np.zeros_like(V)),
     )
 

@@ -63,6 +63,9 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "shape": OPTIONAL["emg_shape"],
     "toe": ("pt_tri", "pt_tib"),
 }
+#: Groups that differ between trials of one session, and those that do beside them when electrodes
+#: and foot are mounted anew.
+EACH_TRIAL, EACH_MOUNTING = ("zero", "drift", "rest"), ("crosstalk", "axis")
 _BELIEFS = {
     "zero": Belief(0.0, 10.0),
     "delay": Belief(0.03, 0.03),

@@ -2,9 +2,12 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from surae.assessment import Assessment, ParameterEstimate
 from surae.assessment.adequacy import Grade
 from surae.estimation import Candidate, Family, FitResult
+from surae.estimation.each import trial_spread
 from surae.model import get_model
 from surae.model.laboratory import GROUPS, Belief, group_of
 from surae.report.formatting import NO_NUMBER, estimate, significant
@@ -65,11 +68,25 @@ class FamilySection:
 
 
 @dataclass(frozen=True, slots=True)
+class TrialsRow:
+    """One parameter over the recordings of a joint fit."""
+
+    name: str
+    unit: str
+    value: str  #: Of all together.
+    each: tuple[str, ...]  #: By each recording alone, ± its standard error.
+    #: Standard deviation from trial to trial beyond those errors, as a part of the value, and what
+    #: it is below in 95 %.
+    spread: str
+
+
+@dataclass(frozen=True, slots=True)
 class TrialsSection:
-    """How much each parameter differs from trial to trial: name, standard deviation, unit, part."""
+    """What each recording of a joint fit says by itself, and how much they differ."""
 
     text: str
-    rows: tuple[tuple[str, str, str, str], ...]
+    recordings: tuple[str, ...]
+    rows: tuple[TrialsRow, ...]
 
 
 def laboratory_section(result: FitResult, assessment: Assessment) -> LaboratorySection | None:
@@ -183,20 +200,30 @@ def _support(family: Family, grade: Grade) -> str:
 
 def trials_section(result: FitResult, assessment: Assessment) -> TrialsSection | None:
     """How the trials of a joint fit differ; None where that was not looked at."""
-    spread = None if result.family is None else result.family.deviations().get("trials")
-    rows = []
-    for name, sd in () if spread is None else zip(result.problem.free, spread, strict=True):
-        p = assessment.parameters.get(name)
-        if p is None or not p.free or not sd > 0.0:
-            continue
-        part = f"{significant(100 * sd / abs(p.value), 2)} %" if p.value else NO_NUMBER
-        rows.append((name, significant(sd, 2), "" if p.unit == "-" else p.unit, part))
-    if not rows:
+    family, problem = result.family, result.problem
+    if family is None or not family.recordings:
         return None
+    apart, rows = trial_spread(family.recordings), []
+    for name, p in assessment.parameters.items():
+        if not p.free or any(name not in alone.values for alone in family.recordings):
+            continue
+        each = [estimate(a.values[name], a.sem[name], (0.0, 0.0)) for a in family.recordings]
+        likely, most = (100 * sd / abs(p.value) if p.value else np.inf for sd in apart[name])
+        rows.append(
+            TrialsRow(
+                name=name,
+                unit="" if p.unit == "-" else p.unit,
+                value=estimate(p.value, p.trusted_sem, p.ci95).value,
+                each=tuple(f"{text.value} ± {text.sem}" for text in each),
+                spread=f"{significant(likely, 2)} % (< {significant(most, 2)} %)",
+            )
+        )
     return TrialsSection(
-        f"Each of the {len(result.problem.inputs)} recordings would put a parameter a little "
-        "elsewhere. The standard deviation of what that does to the common value is in its "
-        "interval.",
+        "What each recording alone says, ± its standard error; what no trial has for itself, such "
+        "as crosstalk, is as all together have it. The spread is the standard deviation from trial "
+        "to trial beyond those errors, and in brackets what it is below with 95 % certainty: few "
+        "recordings tell it badly. What it does to the common value is in its interval.",
+        tuple(recording.name for recording in problem.inputs),
         tuple(rows),
     )
 

@@ -164,7 +164,8 @@ def _intervals(assessment: Assessment) -> str:
     if assessment.interval is Interval.MARGINAL:
         return (
             f"The intervals are wide on purpose: {assessment.interval_note}. Constants taken from "
-            "the literature, such as moment arms, are their condition and not in them."
+            "the literature, such as moment arms, and the zero of the angle are conditions of "
+            "them, not in them."
         )
     if assessment.interval is Interval.THESIS:
         return (

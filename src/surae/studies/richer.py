@@ -39,6 +39,8 @@ _TOES = {"pt_tri": 0.3, "pt_tib": 0.3, "kt_tri": 4.0, "kt_tib": 4.0}
 #: What a foreign leg has: F̄toe and ktoe of its tendons, the width cf of its force-length curve,
 #: vmax in optimal lengths a second, and the part of a muscle's effort that its antagonist has too.
 _TOE, _BEND, _WIDTH, _VMAX, _UNHEARD = (0.2, 0.4), (2.0, 4.0), (0.08, 0.13), (6.0, 10.0), 0.10
+#: What differs from trial to trial in a leg that is not the same in all.
+_VARYING = ("k_tri", "k_tib", "k_rel", "tau_rel", "g1", "g2", "g3", "g4")
 #: Rate of raw EMG [Hz].
 RAW_HZ = 1024.0
 _FIRST = 40_000
@@ -78,6 +80,9 @@ def richer_leg(
     raw: bool = False,
     rate_hz: float = 128.0,
     trial: int = 0,
+    mounting: int = 0,
+    varying: float = 0.0,
+    turned: float = 0.0,
     **motion: Any,
 ) -> RicherLeg:
     """Draw a leg and one trial of it: 35 s of holds with a chirp and alternating effort.
@@ -87,15 +92,21 @@ def richer_leg(
     than those of every model. `noise` is that of EMG and torque as a part of each one's mean
     magnitude, `emg_noise` of EMG where it is another; `raw` EMG is sampled at `RAW_HZ`, as
     everything is then, and its noise is its own. Trials of a leg share all but effort, zero, drift
-    and noise. `motion` are the settings of the `Protocol` that differ.
+    and noise; those of another `mounting`, of electrodes and foot, have another crosstalk and axis
+    too. `varying` is the part by which stiffness, relaxation and the muscles' strength differ from
+    trial to trial, `turned` by how much the angle's zero is off [rad]. `motion` are the settings of
+    the `Protocol` that differ.
     """
     rate_hz, finer = (RAW_HZ, 1) if raw else (rate_hz, _FINER)
     drawn = virtual_subject(_FIRST + seed)
     rng = stream(drawn, "richer leg")
     tendons = {name: float(rng.uniform(*limits)) for name, limits in _TENDONS.items()}
     crosstalk = rng.uniform(0.0, _CROSSTALK, (4, 4))
-    np.fill_diagonal(crosstalk, 1.0)
     delay = float(rng.uniform(*_DELAY))
+    if mounting:
+        rng = stream(drawn, "richer mounting", mounting)
+        crosstalk = rng.uniform(0.0, _CROSSTALK, (4, 4))
+    np.fill_diagonal(crosstalk, 1.0)
     axis = np.clip(_AXIS * rng.standard_normal(2), -0.015, 0.015) if drifting else np.zeros(2)
     rng = stream(drawn, "richer trial", trial)
     zero = float(rng.uniform(-_ZERO, _ZERO))
@@ -110,7 +121,8 @@ def richer_leg(
     if foreign:
         driving, options, toes = _foreign(drawn, path, driving, trial)
         own |= toes
-    torque = zero + _torque(own, path, driving, options, axis)
+    now = _differing(own, varying, stream(drawn, "varying leg", trial))
+    torque = zero + _torque(now, path, driving, options, axis)
     gain = 1.0 + drift * (time[:, None] / time[-1] - 0.5)
     heard = envelopes @ crosstalk.T * gain
     sampled = raw_emg(envelopes, rate_hz, rng) @ crosstalk.T * gain if raw else None
@@ -123,7 +135,7 @@ def richer_leg(
             name=f"richer leg {seed}",
             rate_hz=rate_hz,
             time=read_only(time[kept]),
-            angle=read_only(path.angle[kept]),
+            angle=read_only(path.angle[kept] + turned),
             velocity=read_only(path.velocity[kept]),
             acceleration=read_only(path.acceleration[kept]),
             emg=read_only(emg + scatter * rng.standard_normal(emg.shape)),
@@ -137,6 +149,13 @@ def richer_leg(
         zero=zero,
         noise=deviation,
     )
+
+
+def _differing(
+    own: Mapping[str, float], varying: float, rng: np.random.Generator
+) -> Mapping[str, float]:
+    """A leg whose stiffness, relaxation and strength differ by such a part in this trial."""
+    return {**own, **{n: own[n] * np.exp(varying * rng.standard_normal()) for n in _VARYING}}
 
 
 def _motion(rate_hz: float, seed: int, settings: Mapping[str, Any]) -> Trajectory:

@@ -9,6 +9,7 @@ import numpy as np
 from surae.assessment.saved.json_file import decode, encode, real
 from surae.estimation import LOSSES, Candidate, Family, Outliers
 from surae.estimation.noise import NoiseModel
+from surae.estimation.result import OfRecording
 from surae.frozen import FrozenDict
 from surae.model.laboratory import Belief
 from surae.recording import MUSCLES, SourceFile
@@ -165,6 +166,9 @@ def family_as_dict(family: Family | None) -> dict[str, Any] | None:
         "zeros": list(family.zeros),
         "covariance": encode(family.covariance),
         "spread": {source: encode(by) for source, by in family.spread.items()},
+        "recordings": [
+            {"values": dict(each.values), "sem": dict(each.sem)} for each in family.recordings
+        ],
     }
 
 
@@ -200,6 +204,10 @@ def read_family(data: Any, free: Sequence[str]) -> Family | None:
         covariance=decode(data["covariance"], (len(free), len(free))),
         spread=FrozenDict(
             (str(source), _shifts(by, free)) for source, by in data["spread"].items()
+        ),
+        recordings=tuple(
+            OfRecording(_numbers(each["values"]), _numbers(each["sem"]))
+            for each in data.get("recordings", ())
         ),
     )
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from surae.estimation.result import Family
 from surae.frozen import FrozenDict
-from surae.model.laboratory import group_of
+from surae.model.laboratory import EACH_TRIAL, group_of
 from surae.units import FloatArray
 
 #: What a group of nuisances is called in a budget.
@@ -28,8 +28,6 @@ SOURCES = {
 }  # fmt: skip
 #: The tendons' own parameters, whose ignorance other parameters share.
 _TENDON = ("dlt_tri", "dlt_tib")
-#: Groups that differ from trial to trial.
-_EACH_TRIAL = ("zero", "drift", "rest")
 #: What would make it known, by source.
 REMEDIES = {
     "noise": "measure longer, or with more movement and effort",
@@ -120,7 +118,7 @@ def _repeat(family: Family, free: tuple[str, ...]) -> FloatArray:
     shared = np.zeros(len(free))
     for j, name in enumerate(free):
         belief = family.beliefs.get(name)
-        if belief is not None and group_of(name) not in _EACH_TRIAL:
+        if belief is not None and group_of(name) not in EACH_TRIAL:
             shared[j] = 1.0 / belief.sd**2
     V = family.covariance
     return np.asarray(np.diag(V) - np.einsum("ij,j,ij->i", V, shared, V))

@@ -17,7 +17,9 @@ export function showUnsure({ budget, laboratory, family, trials }, id) {
     table("Models that were weighed", ["Model", "Imperfections in it", "Probability"], family.models),
     family.variants.length > 0 && table("Other sets of imperfections, in the intervals by their probability", ["Model", "Imperfections in it", "Probability"], family.variants),
   ]);
-  card("trials", trials, "From trial to trial", () => [table("Spread between trials", ["Parameter", "Standard deviation", "Unit", "Of the value"], trials.rows)]);
+  card("trials", trials, "From trial to trial", () => [
+    table("Every parameter by recording", ["Parameter", "Unit", "Together", ...trials.recordings, "Spread"], trials.rows.map((r) => [r.name, r.unit || "–", r.value, ...r.each, r.spread])),
+  ]);
 }
 
 function card(id, section, title, rest) {
