@@ -11,6 +11,7 @@ from surae.assessment.posterior.density import beliefs
 from surae.assessment.saved.fit_json import load_saved, save_fit
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem, solve
+from surae.estimation.each import trial_spread
 from surae.estimation.mode import Target, white_noise
 from surae.estimation.noisy_emg import emg_noise
 from surae.estimation.result import with_laboratory
@@ -140,7 +141,8 @@ def test_two_legs_are_not_one(leg):
     result = solve(make_problem([leg.inputs, richer_leg(2).inputs], "auto"))
     worth = assess(result)
     assert truth_in(worth, leg.parameters)[0] == 0
-    assert any("is not followed" in reason for reason in worth.adequacy.reasons)
+    assert any("leaves something out" in reason for reason in worth.adequacy.reasons)
+    assert trial_spread(result.family.recordings)["g2"][0] > 0.1 * result.values["g2"]
 
 
 def test_a_zero_of_one_recording_is_odd_though_their_mean_is_not(fitted):
