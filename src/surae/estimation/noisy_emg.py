@@ -41,7 +41,7 @@ _PAIRS, _DRAWS = 3, 32
 #: is not taken for the EMG's.
 _SLOW_HZ, _OTHER = 2.0, 0.1
 #: Slow power that draws make, as a part of what there is, from which noise is not as strong as was
-#: taken for it: thirty draws and one residual differ by so much by chance.
+#: taken for it: some draws and one residual differ by so much by chance.
 _PLAUSIBLE = 1.5
 
 
