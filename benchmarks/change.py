@@ -3,8 +3,9 @@
 Each leg is measured before and after, each time with electrodes put on anew (crosstalk, the gain of
 each electrode), the foot strapped in anew (zero, axis), other efforts and other noise, and every
 recording goes through a CSV file and the fit that users get. The leg itself is richer than every
-model: compliant tendons and a delay of its own. Fits are kept in the folder, so that it goes on
-where it was stopped.
+model: compliant tendons and a delay of its own. With --plain it is a leg of model 1.0, and of all
+this only the electrodes' gain, efforts and noise change. Fits are kept in the folder, so that it
+goes on where it was stopped.
 """
 
 import argparse
@@ -43,35 +44,43 @@ class Session:
     seed: int
     number: int
     treated: bool = False
+    plain: bool = False
 
     @property
     def name(self) -> str:
         """Name of its files."""
-        return f"{self.seed:03d}-{self.number}{'t' if self.treated else ''}"
+        kind = "p" if self.plain else ""
+        return f"{self.seed:03d}{kind}-{self.number}{'t' if self.treated else ''}"
 
+    @property
+    def model(self) -> str:
+        """The model that the leg is simulated with."""
+        return "muscle" if self.plain else "muscle-tendon"
 
-def leg(seed: int, *, treated: bool = False) -> tuple[dict[str, float], float]:
-    """True parameters of a leg, and its delay [s]."""
-    subject = virtual_subject(60_000 + seed, "patient" if seed % 3 == 0 else "healthy")
-    rng = np.random.default_rng([seed, 1])
-    p = dict(subject.parameters)
-    p["dlt_tri"], p["dlt_tib"] = rng.uniform(0.012, 0.030), rng.uniform(0.005, 0.012)
-    delay = rng.uniform(0.020, 0.060)
-    if treated:
-        less = LESS * triceps_torque(p)
-        p["k_tri"] *= SOFTER
-        p["x0_tri"] = brentq(lambda x0: triceps_torque({**p, "x0_tri": x0}) - less, 1e-4, 0.06)
-    return p, float(delay)
+    def leg(self) -> tuple[dict[str, float], float]:
+        """True parameters of the leg, and its delay [s]."""
+        subject = virtual_subject(60_000 + self.seed, "healthy" if self.seed % 3 else "patient")
+        rng = np.random.default_rng([self.seed, 1])
+        p, delay = dict(subject.parameters), 0.0
+        if not self.plain:
+            p["dlt_tri"], p["dlt_tib"] = rng.uniform(0.012, 0.030), rng.uniform(0.005, 0.012)
+            delay = float(rng.uniform(0.020, 0.060))
+        if self.treated:
+            less = LESS * self.triceps_torque(p)
+            p["k_tri"] *= SOFTER
+            p["x0_tri"] = brentq(
+                lambda x0: self.triceps_torque({**p, "x0_tri": x0}) - less, 1e-4, 0.06
+            )
+        return p, delay
 
-
-def triceps_torque(p: dict[str, float]) -> float:
-    """True passive torque of the triceps at 10° of dorsiflexion [Nm]."""
-    return measures_of_values(p, "muscle-tendon", angles=[10.0])["passive_torque_tri@10deg"]
+    def triceps_torque(self, p: dict[str, float]) -> float:
+        """True passive torque of the triceps at 10° of dorsiflexion [Nm]."""
+        return measures_of_values(p, self.model, angles=[ANGLE])[f"passive_torque_tri@{ANGLE:g}deg"]
 
 
 def write(session: Session, path: Path) -> None:
     """Measure a leg: write the session's recording as a CSV file."""
-    p, delay = leg(session.seed, treated=session.treated)
+    p, delay = session.leg()
     rng = np.random.default_rng([session.seed, session.number, 7])
     task = "active" if session.seed % 2 else "part-passive"
     motion = generate(
@@ -83,7 +92,7 @@ def write(session: Session, path: Path) -> None:
     time = motion.time
     envelopes = 1e-6 + 6e-4 * motion.effort * rng.uniform(0.7, 1.0, 4)
     late = np.stack([np.interp(time - delay, time, column) for column in envelopes.T], axis=1)
-    forward, up = np.clip(0.004 * rng.standard_normal(2), -0.01, 0.01)
+    forward, up = np.clip(0.004 * rng.standard_normal(2), -0.01, 0.01) * (not session.plain)
     joint = AnkleAxis(angle=motion.angle, forward=forward, up=up).joint
     inputs = surae.ModelInputs(
         name=session.name,
@@ -99,11 +108,16 @@ def write(session: Session, path: Path) -> None:
         torque=None,
         prepared=True,
     )
-    torque = joint.factor * surae.simulate("muscle-tendon", p, inputs) + rng.uniform(-6.0, 6.0)
-    mixing = rng.uniform(0.0, 0.08, (4, 4))
-    np.fill_diagonal(mixing, 1.0)
-    heard = envelopes @ mixing.T * np.exp(0.3 * rng.standard_normal(4))
-    heard *= 1.0 + rng.uniform(-0.05, 0.05, 4) * (time[:, None] / time[-1] - 0.5)
+    zero, mixing = rng.uniform(-6.0, 6.0), rng.uniform(0.0, 0.08, (4, 4))
+    gains = np.exp(0.3 * rng.standard_normal(4))
+    drift = 1.0 + rng.uniform(-0.05, 0.05, 4) * (time[:, None] / time[-1] - 0.5)
+    torque = joint.factor * surae.simulate(session.model, p, inputs)
+    if session.plain:
+        heard = envelopes * gains
+    else:
+        torque = torque + zero
+        np.fill_diagonal(mixing, 1.0)
+        heard = envelopes @ mixing.T * gains * drift
     kept = slice(None, None, FINER)
     emg, torque = heard[kept], torque[kept]
     emg = emg + NOISE * emg.mean(axis=0) * rng.standard_normal(emg.shape)
@@ -113,9 +127,13 @@ def write(session: Session, path: Path) -> None:
     surae.write_csv(path, columns, ["emg: envelope"])
 
 
-def sessions(seed: int) -> tuple[Session, Session, Session]:
+def sessions(seed: int, plain: bool) -> tuple[Session, Session, Session]:
     """A leg before, again without any change, and treated."""
-    return Session(seed, 0), Session(seed, 1), Session(seed, 2, treated=True)
+    return (
+        Session(seed, 0, plain=plain),
+        Session(seed, 1, plain=plain),
+        Session(seed, 2, treated=True, plain=plain),
+    )
 
 
 def fitted(session: Session, folder: Path) -> surae.Fit:
@@ -129,13 +147,12 @@ def fitted(session: Session, folder: Path) -> surae.Fit:
     return surae.load(path)
 
 
-def intervals(pairs: Iterable[int], folder: Path) -> pd.DataFrame:
+def intervals(pairs: Iterable[int], folder: Path, plain: bool) -> pd.DataFrame:
     """Every measure that a known leg has, of all recordings: whether its interval is true."""
     rows = []
     for seed in pairs:
-        for session in sessions(seed):
-            p, _ = leg(seed, treated=session.treated)
-            truth = measures_of_values(p, "muscle-tendon", angles=[ANGLE])
+        for session in sessions(seed, plain):
+            truth = measures_of_values(session.leg()[0], session.model, angles=[ANGLE])
             for name, told in fitted(session, folder).measures(angles=[ANGLE]).items():
                 if name in truth and not name.startswith("torque_per_emg") and told.ci95:
                     low, high = told.ci95
@@ -151,11 +168,11 @@ def intervals(pairs: Iterable[int], folder: Path) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def claims(pairs: Iterable[int], folder: Path) -> pd.DataFrame:
+def claims(pairs: Iterable[int], folder: Path, plain: bool) -> pd.DataFrame:
     """Of each pair and each quantity: whether `changed` is said of it."""
     rows = []
     for seed in pairs:
-        before, same, treated = (fitted(session, folder) for session in sessions(seed))
+        before, same, treated = (fitted(session, folder) for session in sessions(seed, plain))
         for kind, after in (("no change", same), ("treated", treated)):
             told = surae.change(before, after, angles=[ANGLE])
             said = {d.name for d in told.changed}
@@ -169,14 +186,15 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--pairs", type=int, default=30)
     parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--plain", action="store_true", help="legs of model 1.0")
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     pairs = range(given.first, given.first + given.pairs)
     for seed in pairs:
-        for session in sessions(seed):
+        for session in sessions(seed, given.plain):
             fitted(session, given.folder)
         print(f"leg {seed} is measured", file=sys.stderr, flush=True)
-    held = intervals(pairs, given.folder)
+    held = intervals(pairs, given.folder, given.plain)
     sure = held[held["identified"]]
     print(f"{held['true'].mean():.1%} of {len(held)} intervals hold the truth, of "
           f"those identified {sure['true'].mean():.1%} of {len(sure)}\n")  # fmt: skip
@@ -184,7 +202,7 @@ def main() -> None:
     table = grouped[["true", "identified"]].mean()
     table["half-width [% or deg]"] = grouped["half-width [% or deg]"].median()
     print(table.to_string(float_format="{:.3f}".format), "\n")
-    counted = claims(pairs, given.folder).groupby("kind").mean()
+    counted = claims(pairs, given.folder, given.plain).groupby("kind").mean()
     print(f"part of {given.pairs} pairs in which it is changed\n")
     print(counted.T.to_string(float_format="{:.2f}".format))
 
