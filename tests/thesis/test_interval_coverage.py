@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 
 from benchmark_files import load
 
-BENCHMARK = load("coverage")
+BENCHMARK = load("intervals")
 
 REALISATIONS = 150
 

@@ -1,13 +1,16 @@
 """How often the 95 % intervals hold the truth: Markdown tables for white and correlated noise.
 
-One virtual subject; the EMG is free of noise, so that the Cramér–Rao bound is that of the torque's
-noise alone.
+One virtual subject and model 1.0; with --legs one realisation each of many subjects, and model
+`auto` with and without the laboratory's nuisances beside it. The EMG is free of noise, so that the
+Cramér–Rao bound is that of the torque's noise alone.
 """
 
 import argparse
+import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy.signal import lfilter
@@ -157,8 +160,93 @@ def markdown(rows: Sequence[CoverageRow]) -> str:
     return "\n".join(lines)
 
 
+def correlated(rng: np.random.Generator, n: int, *, rho: float, sd: float) -> FloatArray:
+    """AR(1) noise of standard deviation `sd`, the same for every ρ."""
+    drive = sd * np.sqrt(1 - rho**2) * rng.standard_normal(n)
+    return lfilter([1], [1, -rho], drive, zi=[rho * rng.standard_normal() * sd])[0]
+
+
+def innovations(rows: FloatArray, *, rho: float, sd: float) -> FloatArray:
+    """What is new at each sample of rows along the last axis, over its standard deviation."""
+    later = (rows[..., 1:] - rho * rows[..., :-1]) / (sd * np.sqrt(1 - rho**2))
+    return np.concatenate([rows[..., :1] / sd, later], axis=-1)
+
+
+#: The fits of `of_legs`: what they are called, and how each is asked for.
+ASKED: dict[str, dict[str, str]] = {
+    "model 1.0": {"model": "muscle"},
+    'auto, nuisances="none"': {"model": "auto", "nuisances": "none"},
+    "auto": {"model": "auto"},
+}
+
+
+def of_legs(
+    protocol: Protocol, legs: int, part: float, noise: Callable[..., FloatArray], whiten: Whiten
+) -> str:
+    """Fit many legs of model 1.0 once with each of `ASKED`; count.
+
+    Parameters
+    ----------
+    protocol : Protocol
+        How each is measured.
+    legs : int
+        How many.
+    part : float
+        The noise's standard deviation as part of the mean torque.
+    noise, whiten : callable
+        The noise of standard deviation 1 [-], and what makes it white of variance 1.
+
+    Returns
+    -------
+    str
+        A Markdown table: intervals that are true, of all and of the identified; errors over the
+        bound of Cramér and Rao and widths over those of model 1.0, of what that identifies.
+    """
+    motion = generate(protocol)
+    true: dict[str, list[bool]] = {name: [] for name in ASKED}
+    sure: dict[str, list[bool]] = {name: [] for name in ASKED}
+    over: dict[str, list[float]] = {name: [] for name in ASKED}
+    wide: dict[str, list[float]] = {name: [] for name in ASKED}
+    for leg in range(legs):
+        subject = virtual_subject(1000 + leg)
+        clean = virtual_trial(subject, motion, noise=0.0)
+        assert clean.torque is not None
+        sd = part * np.abs(clean.torque).mean()
+        rng = np.random.default_rng([leg, 5])
+        trial = replace(clean, torque=read_only(clean.torque + sd * noise(rng, clean.n)))
+        _, sensitivity = surae.simulate("muscle", subject.parameters, clean, jacobian=True)
+        bounds = dict(zip(subject.parameters, _bound(whiten(sensitivity.T) / sd), strict=True))
+        fits = {
+            name: surae.fit(trial, quality=(), **asked).parameters for name, asked in ASKED.items()
+        }
+        for name, parameters in fits.items():
+            for key, bound in bounds.items():
+                p, plain = parameters[key], fits["model 1.0"][key]
+                if p.ci95 is None:
+                    continue
+                true[name].append(p.ci95[0] <= subject.parameters[key] <= p.ci95[1])
+                if p.verdict is Verdict.IDENTIFIED:
+                    sure[name].append(true[name][-1])
+                if plain.verdict is Verdict.IDENTIFIED and plain.ci95 is not None:
+                    over[name].append((p.value - subject.parameters[key]) / bound)
+                    wide[name].append(np.diff(p.ci95)[0] / np.diff(plain.ci95)[0])
+        print(f"leg {leg} is fitted", file=sys.stderr, flush=True)
+    lines = [
+        "| fit | intervals true | identified true | RMS error / bound | median width / model 1.0 |",
+        "|---|--:|--:|--:|--:|",
+    ]
+    lines += [
+        f"| {name} | {np.mean(true[name]):.1%} of {len(true[name])} "
+        f"| {np.mean(sure[name]):.1%} of {len(sure[name])} "
+        f"| {np.sqrt(np.mean(np.square(over[name]))):.2f} | {np.median(wide[name]):.2f} |"
+        for name in ASKED
+    ]
+    return "\n".join(lines)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--legs", type=int, help="that many subjects, one realisation each")
     parser.add_argument("--realisations", type=int, default=1000)
     parser.add_argument("--subject", type=int, default=1)
     parser.add_argument("--noise", type=float, default=0.05, help="part of the mean torque")
@@ -173,6 +261,14 @@ def main() -> None:
         chirp_rate=0.5,
         rate_hz=given.rate,
     )
+    if given.legs is not None:
+        for rho in given.rho:
+            table = of_legs(
+                protocol, given.legs, given.noise,
+                partial(correlated, rho=rho, sd=1.0), partial(innovations, rho=rho, sd=1.0),
+            )  # fmt: skip
+            print(f"## ρ = {rho:g}, {given.legs} legs\n\n{table}\n", flush=True)
+        return
     clean = virtual_trial(subject, generate(protocol), noise=0.0)
     sd = given.noise * np.abs(clean.torque).mean()
     print(
@@ -181,17 +277,8 @@ def main() -> None:
         f"{given.realisations} realisations.\n"
     )
     for rho in given.rho:
-        # Noise of the same variance for every ρ.
-        drive = sd * np.sqrt(1 - rho**2)
-
-        def noise(rng, n, rho=rho, drive=drive):
-            first = rng.standard_normal() * sd
-            return lfilter([1], [1, -rho], drive * rng.standard_normal(n), zi=[rho * first])[0]
-
-        def whiten(rows, rho=rho, drive=drive):
-            later = (rows[..., 1:] - rho * rows[..., :-1]) / drive
-            return np.concatenate([rows[..., :1] / sd, later], axis=-1)
-
+        noise = partial(correlated, rho=rho, sd=sd)
+        whiten = partial(innovations, rho=rho, sd=sd)
         begin = time.perf_counter()
         result = coverage(clean, subject.parameters, noise, whiten, realisations=given.realisations)
         seconds = time.perf_counter() - begin
