@@ -30,6 +30,16 @@ class Toy:
         return torque, rows[list(columns)]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class ToySpec(ModelSpec):
+    """A model that is a curve and needs no recording."""
+
+    curve: Curve | None = None
+
+    def simulator(self, inputs, options):
+        return Toy(self.curve)
+
+
 def toy_problem(
     curve: Curve,
     data: np.ndarray,
@@ -47,7 +57,7 @@ def toy_problem(
     )  # fmt: skip
     names = tuple(start)
     parameters = tuple(Parameter(k, "-", k, "limb", start[k], *bounds[k], False) for k in names)
-    spec = ModelSpec("toy", "toy", parameters, names, lambda *_: Toy(curve))
+    spec = ToySpec("toy", "toy", parameters, names, tie="", curve=curve)
     chosen = tuple(free or names)
     return FitProblem(
         spec=spec,
