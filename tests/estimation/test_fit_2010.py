@@ -99,7 +99,7 @@ def test_only_stiffness_and_cut_off_are_searched(trial):
     x = problem.lower + (problem.upper - problem.lower) * rng.random(10)
     for name in ("k_tri", "f"):
         x[problem.free.index(name)] = TRUTH[name]
-    solved, sse = solve_linear(problem, Residuals(problem).rows, x)
+    solved, sse = solve_linear(problem, Residuals(problem).data_rows, x)
     np.testing.assert_allclose(solved, list(TRUTH.values()), rtol=1e-6)
     assert sse < 1e-12 * float(trial.torque @ trial.torque)
 
@@ -110,7 +110,7 @@ def test_as_low_as_scipy_within_the_bounds(seed, clean, noisy):
     problem = make_problem([noisy], MODEL)
     rng = np.random.default_rng(seed)
     x = problem.lower + (problem.upper - problem.lower) * rng.random(10)
-    rows = Residuals(problem).rows
+    rows = Residuals(problem).data_rows
     solved, sse = solve_linear(problem, rows, x)
     assert np.all((solved >= problem.lower) & (solved <= problem.upper))
     assert sse == pytest.approx(float(np.sum(rows(solved)[-1] ** 2)), rel=1e-8)
@@ -138,7 +138,7 @@ def test_as_low_as_scipy_within_the_bounds(seed, clean, noisy):
 
 def test_nothing_is_scanned(noisy_trial):
     problem = make_problem([noisy_trial], MODEL)
-    rows, x = Residuals(problem).rows, problem.start
+    rows, x = Residuals(problem).data_rows, problem.start
     np.testing.assert_array_equal(scan_lengths(problem, rows, x), solve_linear(problem, rows, x)[0])
 
 
