@@ -66,3 +66,16 @@ def test_what_is_identified_of_richer_legs_is_true(tmp_path, drifting) -> None:
                 true += p.ci95[0] <= leg.parameters[name] <= p.ci95[1]
     assert claimed >= 0.6 * free
     assert true >= 0.9 * claimed
+
+
+@pytest.mark.slow
+def test_the_filter_is_not_identified_where_two_muscles_have_no_electrode(tmp_path) -> None:
+    # What gastrocnemius does shows as another filter: β was called identified, four deviations off.
+    leg = richer_leg(662)
+    leg.write(tmp_path / "leg.csv", ("ta", "sol"))
+    fit = surae.fit(tmp_path / "leg.csv", fixed={"g2": 0.0, "g4": 0.0}, quality=())
+    for name in ("f0", "beta"):
+        assert fit.parameters[name].verdict != "identified"
+        low, high = fit.parameters[name].ci95
+        assert low <= leg.parameters[name] <= high
+    assert fit.parameters["beta"].budget["unheard"] > 0.5

@@ -36,7 +36,7 @@ class ToySpec(ModelSpec):
 
     curve: Curve | None = None
 
-    def simulator(self, inputs, options):
+    def simulator(self, *_):
         return Toy(self.curve)
 
 

@@ -1,11 +1,18 @@
 """What moves all estimates together: directions are kept, sizes are those that are asked."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from surae.assessment.saved.json_file import encode
 from surae.assessment.saved.parts_json import _shifts
-from surae.estimation.shifts import along, root, sized
+from surae.estimation.mode import Mode, Target, white_noise
+from surae.estimation.problem import make_problem
+from surae.estimation.shifts import along, root, sized, unheard
+from surae.protocol import Protocol, generate
+from surae.settings import FitSettings
+from surae.studies import virtual_subject, virtual_trial
 
 VALLEY = np.array([[1.0, -0.9], [-0.9, 1.0]])
 
@@ -29,6 +36,21 @@ def test_files_of_shifts_and_of_former_deviations_are_read() -> None:
     rows = np.arange(6.0).reshape(2, 3)
     assert np.array_equal(_shifts(encode(rows), ("a", "b", "c")), rows)
     assert np.array_equal(_shifts({"a": 1.0, "c": 2.0}, ("a", "b", "c")), np.diag([1.0, 0.0, 2.0]))
+
+
+@pytest.mark.parametrize(("missing", "count"), [((), 0), (("gl", "gm"), 2)])
+def test_muscles_without_an_electrode_leave_the_filter_unsure(missing, count) -> None:
+    motion = generate(Protocol(profile="multiple-holds", chirp_amplitude=0.2, rate_hz=40.0))
+    trial = replace(virtual_trial(virtual_subject(1), motion), missing_emg=missing)
+    fixed = {"g2": 0.0, "g4": 0.0}
+    problem = make_problem((trial,), FitSettings.of(model="muscle", fixed=fixed))
+    target = Target(problem, {}, white_noise(problem, 0.05))
+    mode = Mode(target.start(dict(virtual_subject(1).parameters)), 0.0)
+    shifts = unheard(target, mode, target.quadratic(mode))
+    assert shifts.shape == (count, len(mode.z))
+    if count:
+        where = [target.names.index(name) for name in ("f0", "beta")]
+        assert np.diag(shifts[:, where]) == pytest.approx([0.10, 0.10])
 
 
 def test_more_shifts_than_there_can_be_are_refused() -> None:

@@ -55,6 +55,9 @@ def root(covariance: FloatArray) -> FloatArray:
 
 #: What hides may be so many times what shows: legs of other muscles than the model's (decision 16).
 _HIDDEN = 4.0
+#: By how much muscles without an electrode move the logarithm of what EMG is filtered by: set on
+#: twelve virtual legs with two electrodes (decision 16).
+_DYNAMICS, _UNHEARD = ("f0", "beta"), 0.10
 #: Gain of ln L that sizes which are sought bring by chance: as much speaks against them beforehand.
 _AGAINST = 2.0
 #: Scale of s, in noise's standard deviations of a whole trial, before anything is seen.
@@ -182,6 +185,21 @@ def shaken(
         "emg_noise": np.nan_to_num(np.stack(emg) / np.sqrt(len(emg))),
         "integration": np.nan_to_num(step)[None],
     }
+
+
+def unheard(target: Target, mode: Mode, quadratic: Quadratic) -> FloatArray:
+    """Shifts by muscles that no electrode hears, as they are searched, shape (r, q).
+
+    The EMG of others stands for theirs, and they act a little earlier or later: by what no residual
+    tells apart from another filter. The other values follow along their valleys.
+    """
+    if not any(recording.missing_emg for recording in target.problem.inputs):
+        return np.zeros((0, len(mode.z)))
+    covariance = quadratic.solved({})[2]
+    ways = [target.names.index(name) for name in _DYNAMICS if name in target.names]
+    return np.asarray([_UNHEARD * covariance[j] / covariance[j, j] for j in ways]).reshape(
+        len(ways), len(mode.z)
+    )
 
 
 def _halved(target: Target, values: FloatArray, recording: ModelInputs) -> FloatArray:

@@ -13,7 +13,7 @@ from surae.estimation.member import UNSUPPORTED, Member, under_noise
 from surae.estimation.mode import Mode, Target, straight
 from surae.estimation.noisy_emg import noisy_emg, without_emg_bias
 from surae.estimation.result import Candidate, Family, FitResult, Start, is_at_bound
-from surae.estimation.shifts import left_out, shaken, sized
+from surae.estimation.shifts import left_out, shaken, sized, unheard
 from surae.frozen import FrozenDict, read_only
 from surae.model.laboratory import group_of
 from surae.signals import ModelInputs
@@ -112,6 +112,7 @@ def summed(
         ),
         **shaken(target, mode, around, noisy),
         "emg_bias": left[None],
+        "unheard": unheard(target, mode, around),
     }
     if each is not None:
         shifts["trials"] = each.shifts(mode, around)

@@ -23,6 +23,7 @@ SOURCES = {
     "tendon": "tendons",
     "model": "choice of the model",
     "left_out": "what the model leaves out",
+    "unheard": "muscles without EMG",
     "trials": "differences between trials",
     "integration": "integration",
 }

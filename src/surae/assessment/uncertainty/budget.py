@@ -43,6 +43,7 @@ REMEDIES = {
     "emg_shape": "measure several levels of effort",
     "model": "measure a movement that tells the models apart",
     "integration": "sample at a higher rate",
+    "unheard": "record the EMG of all four muscles",
 }
 
 
