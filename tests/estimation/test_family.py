@@ -150,7 +150,7 @@ def test_a_zero_of_one_recording_is_odd_though_their_mean_is_not(fitted):
     odd = replace(fitted, family=replace(fitted.family, zeros=(35.0, -30.0)))
     judged = judge_adequacy(odd)
     assert judged.grade == "doubtful"
-    assert "torque_zero" in judged.reasons[0]
+    assert judged.reasons[0].startswith("zero of the torque (torque_zero): farther")
 
 
 def test_a_laboratory_can_be_told():

@@ -183,7 +183,9 @@ def _laboratory(result: FitResult) -> list[_Reason]:
     ]
     if not odd:
         return []
-    return [(False, f"{', '.join(odd)} would be odder than laboratories are")]
+    meanings = {p.name: p.meaning for p in result.problem.spec.parameters}
+    said = ", ".join(f"{meanings[name]} ({name})" for name in odd)
+    return [(False, f"{said}: farther from what is usual than a laboratory is likely to be")]
 
 
 def _agreement(
