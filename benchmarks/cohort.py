@@ -34,7 +34,7 @@ WEAK = Protocol(
     profile="ramp-and-hold", task="active", chirp_amplitude=0.02, chirp_rate=0.1, rate_hz=60.0
 )
 #: Legs by which a group's own mean is known.
-DRAWN = 2000
+DRAWN = 20_000
 
 
 def truth(group: str, seed: int) -> dict[str, float]:

@@ -17,7 +17,7 @@ from surae.studies import virtual_subject, virtual_trial
 
 @pytest.mark.parametrize("leg", [1001, 1002])
 def test_noise_is_believed_though_weak_values_move_far(leg):
-    # What is weak on a short trial moves far along valleys, where the tangent is no measure.
+    # What is weak on a short trial moves far along valleys; what noise explains is as far there.
     motion = generate(
         Protocol(
             profile="multiple-holds", task="part-passive", chirp_amplitude=0.2, chirp_rate=0.5,

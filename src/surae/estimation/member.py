@@ -61,9 +61,9 @@ def _as_near_as_noise(
 ) -> bool:
     """Whether a mode under correlated noise is as far from least squares as noise explains.
 
-    The distance is that of the modelled torques, Σ (ΔT/σ)², which does not grow where parameters
-    trade with one another; what noise of this correlation makes of it is the trace of the
-    information times what least squares are less certain.
+    The distance is that of the modelled torques, Σ (ΔT/σ)², along the tangent; what noise of this
+    correlation makes of it is the trace of the information times what least squares are less
+    certain, both where least squares are.
     """
     if correlated.sum_of_squares(there.z) > _LET_GO * white.sum_of_squares(plain.z):
         return False
@@ -78,7 +78,8 @@ def _as_near_as_noise(
     inverse = np.linalg.inv(information + prior)
     least_squares = inverse @ (meat + prior) @ inverse
     weighted = correlated.quadratic(plain).solved({})[2]
-    distance = white.apart(there.z, plain.z)
+    away = there.z - plain.z
+    distance = float(away @ information @ away)
     expected = float(np.trace(information @ (least_squares - weighted)))
     return distance <= _EXPLAINED * max(expected, _LEAST)
 

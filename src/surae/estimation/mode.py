@@ -244,16 +244,6 @@ class Target:
             total += float(np.sum((e if root is None else root * e) ** 2))
         return total
 
-    def apart(self, z: FloatArray, other: FloatArray) -> float:
-        """Σ (ΔT/σ)² of the modelled torques at two points, with the σ² of each noise model."""
-        total = 0.0
-        for here, there, root, noise in zip(
-            self.residuals(z), self.residuals(other), self._roots, self.noise, strict=True
-        ):
-            moved = here - there if root is None else root * (here - there)
-            total += float(moved @ moved) / noise.variance
-        return total
-
     def with_noise(self, noise: Sequence[NoiseModel]) -> "Target":
         """The posterior with other noise."""
         return Target(self.problem, self.beliefs, noise, self.extra)
