@@ -85,6 +85,13 @@ def test_a_difference_between_groups_is_found_and_its_interval_holds() -> None:
     assert 88 <= held <= 100
 
 
+@pytest.mark.parametrize(("count", "noted"), [(20, False), (150, True)])
+def test_intervals_of_very_many_legs_come_with_a_warning(count, noted) -> None:
+    rng = np.random.default_rng(0)
+    legs = [leg(f"S{i}", 200.0 + 10.0 * rng.standard_normal(), 4.0) for i in range(count)]
+    assert ("narrower than what all fits are wrong in" in pool(legs).note) == noted
+
+
 def test_what_is_missing_or_at_a_bound_is_told_and_kept_apart() -> None:
     rows = [leg(f"L{i}", 200.0 + i, 5.0) for i in range(6)]
     bound = leg("B", 600.0, 5.0, at_bound=True, missing="it lies at its bound")

@@ -103,6 +103,7 @@ def _notes(made: "Cohort") -> list[str]:
                 for key, c in contrasts.items()
                 if c.p < 0.05
             ]
+    notes += [made.note] if made.note else []
     notes += [f"{m.row}: no fit ({m.missing})" for m in made.members if m.missing]
     bound = [f"{p.name} {p.at_bound}" for p in made.pooled.values() if p.at_bound]
     if bound:

@@ -60,6 +60,7 @@ def cohort_html(cohort: Cohort, *, created: datetime) -> str:
     return template("cohort.html.j2", "surae.report").render(
         legs=len({m.leg for m in cohort.members}),
         missing=[(m.row, m.missing) for m in cohort.members if m.missing],
+        note=cohort.note,
         rounds=cohort.rounds,
         groups=groups,
         contrasts=contrasts,
