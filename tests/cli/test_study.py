@@ -153,7 +153,7 @@ def test_wrong_use_is_one_line(run, study) -> None:
     begin = ("study", "run", "study.toml", "--store")
     refused(run(*begin, "s.db", "--workers", "0"), "--workers 0: give a whole number, 1 to")
     refused(run(*begin, "s.db", "--workers", "2", "--dask", "tcp://h:1"), "--dask brings workers")
-    refused(run(*begin, "s.db", "--engine", "gpu"), "--engine gpu: use processes or threads")
+    refused(run(*begin, "s.db", "--engine", "gpu"), "'gpu' is not one of 'processes', 'threads'")
     refused(run(*begin, "study.toml"), "study.toml is read by this command")
     refused(run(*begin, "no/s.db"), "there is no folder")
     refused(run("study", "run", "none.toml", "--store", "s.db"), "there is no such file")

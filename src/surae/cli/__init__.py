@@ -18,6 +18,7 @@ from typing import NoReturn
 import click
 
 from surae._version import __version__
+from surae.cli.progress import StoppedError
 from surae.errors import InputError, SuraeError
 
 #: Command → module and its one-line help.
@@ -103,6 +104,8 @@ def main() -> NoReturn:
         context = getattr(error, "ctx", None)
         hint = f" (see `{context.command_path} --help`)" if context else ""
         _fail(f"{error.format_message()}{hint}", 2, debug)
+    except StoppedError as error:
+        _fail(str(error), 130, debug)
     except InputError as error:
         _fail(str(error), 2, debug)
     except SuraeError as error:

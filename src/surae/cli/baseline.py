@@ -1,14 +1,16 @@
 """`surae baseline`."""
 
+from functools import partial
 from typing import Any
 
 import click
 
-from surae import names
+from surae import api, names
 from surae.cli.options import MODEL_NAMES, SEED, Number, Whole, model_options
 from surae.cli.paths import check_outputs
+from surae.cli.progress import compilation_notice, work
 from surae.cli.protocol import DEVICE_NAMES, TASK_NAMES, chirp_rise, chirp_rise_options
-from surae.files import shown
+from surae.cli.screen import show_files, show_line
 
 #: More subjects than this are a slip of the keyboard.
 _MOST_SUBJECTS = 10_000
@@ -30,7 +32,7 @@ _MOST_SUBJECTS = 10_000
 @click.option("--chirp-amplitude", type=Number(), default=0.2, show_default=True, metavar="A",
               help="Of the added chirp, in rad.")  # fmt: skip
 @chirp_rise_options
-@click.option("--rate", type=Number(), default=125.0, show_default=True, metavar="HZ",
+@click.option("--rate", "rate_hz", type=Number(), default=125.0, show_default=True, metavar="HZ",
               help="Samples per second.")  # fmt: skip
 @click.option("--device", metavar=DEVICE_NAMES, help="Adapt the motion to its limits.")
 @click.option("--output", required=True, metavar="B.json", help="Where the baseline goes.")
@@ -38,18 +40,12 @@ _MOST_SUBJECTS = 10_000
 def command(
     name: str,
     model: str,
-    subjects: int,
-    population: str,
-    noise: float,
-    seed: int,
-    task: str,
-    chirp_amplitude: float,
-    chirp_rate: str | None,
-    chirp_factor: str | None,
-    rate: float,
+    chirp_rate: float | None,
+    chirp_factor: float | None,
     device: str | None,
     output: str,
     options: dict[str, Any],
+    **asked: Any,
 ) -> None:
     """Simulate the standard errors with which `surae fit --baseline` compares those of a fit.
 
@@ -58,37 +54,24 @@ def command(
     """
     check_outputs({"--output": output}, [])
 
-    from surae.api import ModelOptions, Protocol, get_model, named_device
-
-    get_model(model)
-    protocol = Protocol(
+    api.get_model(model)
+    motion = {key: asked.pop(key) for key in ("task", "chirp_amplitude", "rate_hz")}
+    protocol = api.Protocol(
         profile=name,
-        task=task,
-        chirp_amplitude=chirp_amplitude,
         chirp_rate=chirp_rise(chirp_rate, chirp_factor),
-        rate_hz=rate,
-        device=None if device is None else named_device(device),
+        device=None if device is None else api.named_device(device),
+        **motion,
     )
 
-    from surae.api import make_baseline, save_baseline, standard_error
-    from surae.cli.progress import compilation_notice, work
-    from surae.cli.screen import show_line
-
     with work() as progress, compilation_notice():
-        baseline = make_baseline(
-            protocol,
-            model,
-            subjects,
-            seed,
-            population=population,
-            noise=noise,
-            options=ModelOptions.of(**options),
-            progress=progress.fits,
-        )
-    save_baseline(output, baseline)
-    units = {p.name: p.unit for p in get_model(model).parameters}
+        baseline = api.make_baseline(
+            protocol, model, **asked, options=api.ModelOptions.of(**options),
+            progress=partial(progress.parts, "fits"),
+        )  # fmt: skip
+    api.save_baseline(output, baseline)
+    units = {p.name: p.unit for p in api.get_model(model).parameters}
     show_line(f"Mean SEM of {baseline.about}:")
     for parameter, sem in baseline.sem.items():
         unit = "" if units[parameter] == "-" else f" {units[parameter]}"
-        show_line(f"  {parameter}: {standard_error(sem)}{unit}")
-    show_line(f"baseline: {shown(output)}")
+        show_line(f"  {parameter}: {api.standard_error(sem)}{unit}")
+    show_files({"baseline": output})

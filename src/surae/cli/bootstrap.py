@@ -1,15 +1,16 @@
 """`surae bootstrap`."""
 
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import Any
 
 import click
 
-from surae.cli.options import MOST_FITS, SEED, WORKERS, Number, Whole
+from surae import api
+from surae.cli.options import MOST_FITS, SEED, Number, Whole, workers_option
 from surae.cli.paths import check_outputs
+from surae.cli.progress import StoppedError, compilation_notice, work
+from surae.cli.screen import Columns, show_files, show_line, show_table
 from surae.files import shown
-
-if TYPE_CHECKING:
-    from surae.api import Bootstrap
 
 
 @click.command("bootstrap")
@@ -17,20 +18,11 @@ if TYPE_CHECKING:
 @click.option("--replicates", type=Whole(1, MOST_FITS), default=1000, show_default=True,
               metavar="N", help="Fits to make.")  # fmt: skip
 @SEED
-@click.option("--block", type=Number(), metavar="SECONDS",
+@click.option("--block", "block_s", type=Number(), metavar="SECONDS",
               help="Length of the blocks.  [default: from the residual]")  # fmt: skip
-@click.option(
-    "--workers", type=WORKERS, metavar="N", help="Fits at a time.  [default: all processors]"
-)
+@workers_option("Fits")
 @click.option("--output", metavar="B.json", help="Write the intervals; makes it resumable.")
-def command(
-    fitted: str,
-    replicates: int,
-    seed: int,
-    block: float | None,
-    workers: int | None,
-    output: str | None,
-) -> int:
+def command(fitted: str, output: str | None, **asked: Any) -> None:
     """Find intervals by fitting again and again with blocks of the residual as the noise.
 
     With --output B.json, every replicate is added to B.json.replicates as it is done: the same
@@ -39,26 +31,11 @@ def command(
     store = None if output is None else f"{output}.replicates"
     check_outputs({"--output": output, "replicates": store}, [fitted])
 
-    from surae.api import bootstrap, load  # numba: only when the command is in order
-    from surae.cli.progress import compilation_notice, work
-
-    fit = load(fitted)
+    fit = api.load(fitted)
     with work() as progress, compilation_notice():
-
-        def told(done: int, total: int) -> None:
-            progress.describe(f"bootstrap: {done} of {total}")
-
-        drawn = bootstrap(
-            fit,
-            replicates=replicates,
-            seed=seed,
-            block_s=block,
-            workers=workers,
-            store=store,
-            progress=told,
+        drawn = api.bootstrap(
+            fit, **asked, store=store, progress=partial(progress.parts, "bootstrap")
         )
-
-    from surae.cli.screen import show_line, show_table
 
     if output is not None:
         drawn.save(output)
@@ -70,20 +47,15 @@ def command(
         f"{len(drawn.values)} replicates{again}{failed}; blocks of {blocks} s; "
         f"{drawn.seconds:.1f} s"
     )
-    if output is not None:
-        show_line(f"bootstrap: {shown(output)}")
+    show_files({"bootstrap": output})
     if drawn.missing:
         kept = f"; the same command goes on from {shown(str(store))}" if store else ""
-        click.echo(f"surae: stopped, {drawn.missing} replicates missing{kept}", err=True)
-        return 130
-    return 0
+        raise StoppedError(f"stopped, {drawn.missing} replicates missing{kept}")
 
 
-def _table(drawn: "Bootstrap") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    from surae.api import estimate
-
+def _table(drawn: "api.Bootstrap") -> Columns:
     rows: list[tuple[str, ...]] = []
     for p in drawn.parameters.values():
-        text = estimate(p.value, p.sem, p.ci95)
+        text = api.estimate(p.value, p.sem, p.ci95)
         rows.append((p.name, text.value, text.interval, text.sem, p.unit))
     return ("parameter", "value", "95 % interval", "SEM", "unit"), rows

@@ -1,15 +1,12 @@
 """`surae change`."""
 
-from typing import TYPE_CHECKING
-
 import click
 
+from surae import api
 from surae.cli.options import LANGUAGE, Number
 from surae.cli.paths import check_outputs, spare_fits
-from surae.files import shown
-
-if TYPE_CHECKING:
-    from surae.api import Change
+from surae.cli.progress import compilation_notice
+from surae.cli.screen import Columns, show_files, show_line, show_verdicts
 
 _NUMBERS = ("before", "after", "difference", "95 % interval", "would show")
 
@@ -47,14 +44,9 @@ def command(
     check_outputs(outputs, [before, after, *baselines])
     spare_fits(outputs)
 
-    from surae.api import change, check_clinical_page, fit_of, write_clinical_page
-    from surae.cli.progress import compilation_notice
-
-    check_clinical_page(report)
+    api.check_clinical_page(report)
     with compilation_notice():
-        told = change(before, after, baselines=baselines, angles=angles or None, legs=legs)
-
-    from surae.cli.screen import show_line, show_verdicts
+        told = api.change(before, after, baselines=baselines, angles=angles or None, legs=legs)
 
     if output is not None:
         told.save(output)
@@ -64,33 +56,31 @@ def command(
     show_line(told.multiplicity)
     if told.baselines:
         show_line(f"the spread between sessions is that of {told.baselines} baselines")
-    if output is not None:
-        show_line(f"change: {shown(output)}")
     if report is not None:
         angle = angles[0] if len(angles) == 1 else 10.0
-        sides = [fit_of(before), fit_of(after)]
-        write_clinical_page(report, sides, language=language, angle=angle, told=told)
-        show_line(f"report: {shown(report)}")
+        sides = [api.fit_of(before), api.fit_of(after)]
+        api.write_clinical_page(report, sides, language=language, angle=angle, told=told)
+    show_files({"change": output, "report": report})
 
 
-def _table(told: "Change") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+def _table(told: "api.Change") -> Columns:
     """What can be compared; what cannot stands below, by reason."""
-    from surae.api import estimate, significant
-
     rows: list[tuple[str, ...]] = []
     for d in (*told.measures.values(), *told.parameters.values()):
         if d.difference is None or d.ci95 is None or d.smallest is None:
             continue
-        values = ["—" if value is None else significant(value, 3) for value in (d.before, d.after)]
-        text = estimate(d.difference, (d.ci95[1] - d.ci95[0]) / 3.92, d.ci95)
+        values = [
+            "—" if value is None else api.significant(value, 3) for value in (d.before, d.after)
+        ]
+        text = api.estimate(d.difference, (d.ci95[1] - d.ci95[0]) / 3.92, d.ci95)
         rows.append((
-            d.name, *values, text.value, text.interval, significant(d.smallest, 2),
+            d.name, *values, text.value, text.interval, api.significant(d.smallest, 2),
             d.unit, str(d.verdict),
         ))  # fmt: skip
     return ("of", *_NUMBERS, "unit", "verdict"), rows
 
 
-def _reasons(told: "Change") -> dict[str, list[str]]:
+def _reasons(told: "api.Change") -> dict[str, list[str]]:
     """What cannot be compared, by reason."""
     reasons: dict[str, list[str]] = {}
     for d in (*told.measures.values(), *told.parameters.values()):

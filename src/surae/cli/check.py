@@ -3,18 +3,15 @@
 import json
 import textwrap
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import click
 
-from surae.api import Finding, Quality
+from surae import api
 from surae.cli.options import MAPPING
 from surae.cli.paths import check_recordings
+from surae.cli.progress import work
 from surae.cli.screen import show_line
 from surae.files import shown
-
-if TYPE_CHECKING:
-    from surae.api import Quality
 
 
 @click.command("check")
@@ -40,27 +37,22 @@ def command(
     """
     check_recordings(recordings)
 
-    from surae.api import check, commanded_file, read
-    from surae.cli.progress import work
-
-    asked = None if commanded is None else commanded_file(commanded)
+    asked = None if commanded is None else api.commanded_file(commanded)
     qualities = []
     with work() as progress:
         for path in recordings:
             progress.describe(f"reading and checking {path}")
-            recording = path if mapping is None else read(path, mapping=mapping)
-            qualities.append(check(recording, commanded=asked, prepared=prepared))
+            recording = path if mapping is None else api.read(path, mapping=mapping)
+            qualities.append(api.check(recording, commanded=asked, prepared=prepared))
     if as_json:
         click.echo(json.dumps(_plain(recordings, qualities), ensure_ascii=False, indent=2))
     else:
-        from surae.cli.check import show_quality
-
         for path, quality in zip(recordings, qualities, strict=True):
             show_quality(quality, shown(path))
     return 1 if strict and not all(quality.clean for quality in qualities) else 0
 
 
-def _plain(paths: Sequence[str], qualities: "Sequence[Quality]") -> dict[str, object]:
+def _plain(paths: Sequence[str], qualities: "Sequence[api.Quality]") -> dict[str, object]:
     """The findings as plain data, each with the recording it is of."""
     return {
         "findings": [
@@ -82,7 +74,7 @@ _MOST = 100
 _INDENT = 9
 
 
-def show_quality(quality: Quality, name: str) -> None:
+def show_quality(quality: "api.Quality", name: str) -> None:
     """Every finding in two or three lines: severity and span, what was found, what to do."""
     show_line(f"{name}: {quality.summary}")
     for finding in quality.findings:
@@ -98,7 +90,7 @@ def show_quality(quality: Quality, name: str) -> None:
     show_line("")
 
 
-def show_short(quality: Quality) -> None:
+def show_short(quality: "api.Quality") -> None:
     """One line for a recording with findings that matter, and one for each of these."""
     if quality.clean:
         return
@@ -108,7 +100,7 @@ def show_short(quality: Quality) -> None:
             show_line(_wrapped(f"{finding.severity} {finding.code}: {finding.message}", 4))
 
 
-def _head(finding: Finding) -> str:
+def _head(finding: "api.Finding") -> str:
     channel = f"  {finding.channel}" if finding.channel else ""
     span = f"{finding.start_s:.2f}–{finding.end_s:.2f} s"
     return f"{finding.severity:<{_INDENT - 2}}  {finding.code:<20}{span}{channel}"

@@ -2,6 +2,9 @@
 
 import click
 
+from surae import api
+from surae.cli.screen import show_line
+
 
 @click.command("cite")
 @click.argument("fitted", metavar="[FIT.json]", required=False)
@@ -11,15 +14,10 @@ def command(fitted: str | None, bibtex: bool) -> None:
 
     Without a fit: what every use of surae stands on.
     """
-    from surae.api import always_cited, cited_by
-    from surae.cli.screen import show_line
-
-    cited = always_cited()
+    cited = api.always_cited()
     if fitted is not None:
-        from surae.api import load
-
-        fit = load(fitted)
-        cited = cited_by(fit.result, fit.assessment)
+        fit = api.load(fitted)
+        cited = api.cited_by(fit.result, fit.assessment)
     if bibtex:
         for entry in cited:
             show_line(f"% {entry.reason}")

@@ -1,17 +1,14 @@
 """`surae cohort`."""
 
-from typing import TYPE_CHECKING
+from functools import partial
 
 import click
 
-from surae.cli.options import WORKERS, Number
+from surae import api
+from surae.cli.options import DASK, Number, engine_of, workers_option
 from surae.cli.paths import check_outputs, spare_fits
-from surae.errors import InputError
-from surae.files import shown
-from surae.runner import Engine, cores
-
-if TYPE_CHECKING:
-    from surae.api import Cohort
+from surae.cli.progress import compilation_notice, work
+from surae.cli.screen import Columns, show_files, show_line, show_verdicts
 
 
 @click.command("cohort")
@@ -20,9 +17,8 @@ if TYPE_CHECKING:
               help="Learn the population and fit every leg again with it.")  # fmt: skip
 @click.option("--angle", type=Number(), default=10.0, metavar="DEG",
               help="Where torque and stiffness are told.  [default: 10]")  # fmt: skip
-@click.option("--workers", type=WORKERS, metavar="N",
-              help="Legs at a time.  [default: all processors]")  # fmt: skip
-@click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster to run on instead.")
+@workers_option("Legs")
+@DASK
 @click.option("--output", metavar="C.json", help="Write the cohort.")
 @click.option("--report", metavar="C.html", help="Write a page with its tables and figures.")
 def command(
@@ -40,51 +36,34 @@ def command(
     as there are side, group and session; other columns are clinical scales. Every leg counts as
     much as its interval allows; what is missing or at a bound is told.
     """
-    if dask is not None and workers is not None:
-        raise InputError("--dask brings workers of its own; give it without --workers")
+    engine = engine_of(dask, workers)
     outputs = {"--output": output, "--report": report}
     check_outputs(outputs, [table])
     spare_fits(outputs)
 
-    from surae.api import check_clinical_page, cohort, write_cohort_page
-    from surae.cli.progress import compilation_notice, work
-
-    check_clinical_page(report)
-    count = workers or cores()
-    engine = (
-        Engine("dask", address=dask)
-        if dask is not None
-        else Engine("processes" if count > 1 else "threads", count)
-    )
+    api.check_clinical_page(report)
     with work() as progress, compilation_notice():
-
-        def told(done: int, total: int) -> None:
-            progress.describe(f"{done} of {total} legs")
-
-        made = cohort(table, refit=refit, angles=[angle], engine=engine, progress=told)
-
-    from surae.cli.screen import show_line, show_verdicts
+        made = api.cohort(
+            table, refit=refit, angles=[angle], engine=engine,
+            progress=partial(progress.parts, "legs"),
+        )  # fmt: skip
 
     if output is not None:
         made.save(output)
     show_verdicts(*_table(made), numbers=("legs", "mean", "95 % interval", "spread"))
     for line in _notes(made):
         show_line(line)
-    if output is not None:
-        show_line(f"cohort: {shown(output)}")
     if report is not None:
-        write_cohort_page(report, made)
-        show_line(f"report: {shown(report)}")
+        api.write_cohort_page(report, made)
+    show_files({"cohort": output, "report": report})
 
 
-def _table(made: "Cohort") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    from surae.api import estimate, significant
-
+def _table(made: "api.Cohort") -> Columns:
     rows: list[tuple[str, ...]] = []
     for p in made.pooled.values():
         for group, effects in p.groups.items():
-            text = estimate(effects.mean, effects.se, effects.ci95)
-            spread = significant(effects.tau2**0.5, 2)
+            text = api.estimate(effects.mean, effects.se, effects.ci95)
+            spread = api.significant(effects.tau2**0.5, 2)
             rows.append(
                 (p.name, group or "all", str(effects.k), text.value, text.interval, spread, p.unit)
             )
@@ -92,7 +71,7 @@ def _table(made: "Cohort") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     return heads, rows
 
 
-def _notes(made: "Cohort") -> list[str]:
+def _notes(made: "api.Cohort") -> list[str]:
     """Differences and changes that are shown, and who is not in them."""
     notes = []
     for p in made.pooled.values():

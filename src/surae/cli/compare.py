@@ -4,12 +4,13 @@ from typing import Any
 
 import click
 
-from surae import names
+from surae import api, names
 from surae.cli.fit import read_all
-from surae.cli.options import MODEL_NAMES, request, request_options
+from surae.cli.options import MODEL_NAMES, PREPARED, request, request_options
 from surae.cli.paths import check_outputs, check_recordings
-from surae.errors import InputError
-from surae.files import shown
+from surae.cli.progress import StoppedError, compilation_notice, work
+from surae.cli.screen import show_comparison, show_files
+from surae.errors import ComputationError, InputError
 
 #: Starts of every model unless told otherwise.
 _FEW_STARTS = 3
@@ -20,7 +21,7 @@ _FEW_STARTS = 3
 @click.option("--models", metavar="M,M…",
               help=f"Which, with commas, of {MODEL_NAMES}.  "
               "[default: all but muscle-2010]")  # fmt: skip
-@click.option("--prepared", is_flag=True, help="Use the signals as they are, without filters.")
+@PREPARED
 @request_options
 @click.option("--output", metavar="C.json", help="Write the comparison.")
 def command(
@@ -30,7 +31,7 @@ def command(
     asked: dict[str, Any],
     mvc: tuple[str, ...],
     output: str | None,
-) -> int:
+) -> None:
     """Tell whether recordings ask for compliant tendons, and what those change.
 
     Every model is fitted to all data, from three starts unless told otherwise, and then predicts
@@ -44,37 +45,26 @@ def command(
     settings = request(names.AUTO, {"starts": _FEW_STARTS, "prepared": prepared} | asked)
     check_recordings(recordings)
 
-    from surae.cli.progress import compilation_notice, work
-
     with work() as progress:
         measured, contractions = read_all(recordings, progress), read_all(mvc, progress)
         check_outputs(
             {"--output": output},
             (file.path for recording in (*measured, *contractions) for file in recording.files),
         )
-        from surae.api import compare  # numba: only when the input is in order
-
-        def told(what: str, done: int, total: int) -> None:
-            progress.describe(f"fit {done + 1} of {total}: {what}")
-
         with compilation_notice():
-            comparison = compare(measured, chosen, settings, mvc=contractions, progress=told)
-
-    from surae.cli.screen import show_comparison, show_line
+            comparison = api.compare(
+                measured, chosen, settings, mvc=contractions,
+                progress=lambda what, done, total: progress.describe(
+                    f"fit {done + 1} of {total}: {what}"
+                ),
+            )  # fmt: skip
 
     if output is not None:
         comparison.save(output)
     show_comparison(comparison)
-    if output is not None:
-        show_line(f"comparison: {shown(output)}")
+    show_files({"comparison": output})
     if comparison.missing:
-        click.echo(
-            "surae: stopped by the user; what is complete is shown"
-            + (" and written" if output is not None else ""),
-            err=True,
-        )
-        return 130
+        written = " and written" if output is not None else ""
+        raise StoppedError(f"stopped by the user; what is complete is shown{written}")
     if comparison.finding is None:
-        click.echo(f"surae: {comparison.conclusion}", err=True)
-        return 1
-    return 0
+        raise ComputationError(comparison.conclusion)

@@ -1,17 +1,16 @@
 """`surae convert`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
+from surae import api
 from surae.cli.options import MAPPING
 from surae.cli.paths import check_outputs
+from surae.cli.progress import work
+from surae.cli.screen import show_line
 from surae.errors import InputError
 from surae.files import shown
-
-if TYPE_CHECKING:
-    from surae.api import Recording
 
 _SUFFIXES = (".h5", ".hdf5", ".csv", ".sto")
 
@@ -37,37 +36,26 @@ def command(recording: str, output: str, mapping: str | None, prepared: bool) ->
     if suffix:
         check_outputs({"OUT": output}, [recording])
 
-    from surae.api import (
-        csv_columns,
-        read,
-        shared_time,
-        write_bids,
-        write_csv,
-        write_hdf5,
-        write_sto,
-    )
-    from surae.cli.progress import work
-
     with work() as progress:
         progress.describe(f"reading {recording}")
-        measured = read(recording, mapping=mapping)
+        measured = api.read(recording, mapping=mapping)
         check_outputs({"OUT": output} if suffix else {}, [file.path for file in measured.files])
         if prepared:
             progress.describe(f"preparing {recording}")
             measured = _prepared(measured)
         progress.describe(f"writing {output}")
         if suffix in (".h5", ".hdf5"):
-            write_hdf5(output, measured)
+            api.write_hdf5(output, measured)
         elif suffix == ".csv":
-            shared_time(measured, f"cannot write {shown(output)}")
+            api.shared_time(measured, f"cannot write {shown(output)}")
             name = " ".join(measured.name.split())
-            write_csv(output, csv_columns(measured), [f"name: {name}", f"emg: {measured.emg}"])
+            api.write_csv(
+                output, api.csv_columns(measured), [f"name: {name}", f"emg: {measured.emg}"]
+            )
         elif suffix == ".sto":
-            write_sto(output, measured)
+            api.write_sto(output, measured)
         else:
-            write_bids(output, measured)
-
-    from surae.cli.screen import show_line
+            api.write_bids(output, measured)
 
     again = "; fit it with --prepared, or it is filtered again" if prepared else ""
     show_line(f"converted: {shown(output)}{again}")
@@ -76,27 +64,26 @@ def command(recording: str, output: str, mapping: str | None, prepared: bool) ->
         show_line(f"not kept in this format: {', '.join(lost)}; .h5 keeps all")
 
 
-def _prepared(recording: "Recording") -> "Recording":
+def _prepared(recording: "api.Recording") -> "api.Recording":
     """The recording as a model reads it."""
     from dataclasses import replace
 
-    from surae.api import MUSCLES, Channel, Recording, prepare
     from surae.units import SI
 
-    inputs = prepare(recording)
+    inputs = api.prepare(recording)
     values = {
         "angle": inputs.angle,
         "torque": inputs.torque,
         **{
             f"emg_{muscle}": inputs.emg[:, i]
-            for i, muscle in enumerate(MUSCLES)
+            for i, muscle in enumerate(api.MUSCLES)
             if muscle not in inputs.missing_emg
         },
         "angular_velocity": inputs.velocity,
         "angular_acceleration": inputs.acceleration,
     }
     channels = {
-        role: Channel(
+        role: api.Channel(
             role=role,
             time=inputs.time,
             values=signal,
@@ -108,5 +95,7 @@ def _prepared(recording: "Recording") -> "Recording":
         for role, signal in values.items()
         if signal is not None
     }
-    made = Recording(name=recording.name, channels=channels, emg="envelope", fixed=recording.fixed)
+    made = api.Recording(
+        name=recording.name, channels=channels, emg="envelope", fixed=recording.fixed
+    )
     return replace(made, side=recording.side, device=recording.device, files=recording.files)

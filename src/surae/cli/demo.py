@@ -4,14 +4,18 @@ from pathlib import Path
 
 import click
 
+from surae import api
+from surae.cli.fit import judge_end, show_fitted
 from surae.cli.paths import check_outputs
+from surae.cli.progress import compilation_notice, work
+from surae.cli.screen import show_line
 from surae.errors import InputError
 from surae.files import shown, write_json
 
 
 @click.command("demo")
 @click.option("--output", default="demo", show_default=True, metavar="DIR", help="Where to write.")
-def command(output: str) -> int:
+def command(output: str) -> None:
     """Fit an embedded virtual subject: protocol, noisy trial, fit, table and report.
 
     The subject's true parameters are known; they are written beside the fit, as true.json.
@@ -25,24 +29,19 @@ def command(output: str) -> int:
     fitted, report, true = (str(folder / f) for f in ("fit.json", "report.html", "true.json"))
     check_outputs({"fit": fitted, "report": report, "true values": true}, ())
 
-    from surae.api import Protocol, fit, generate, named_device, virtual_subject, virtual_trial
-    from surae.cli.fit import finish
-    from surae.cli.progress import compilation_notice, work
-    from surae.cli.screen import show_line
-
-    subject = virtual_subject(seed=1)
+    subject = api.virtual_subject(seed=1)
     # The protocol that the thesis chose, on the device it was chosen for.
-    achilles = named_device("achilles")
-    protocol = Protocol(
+    achilles = api.named_device("achilles")
+    protocol = api.Protocol(
         profile="multiple-holds", chirp_amplitude=0.2, chirp_rate=0.159, device=achilles
     )
     with work() as progress, compilation_notice():
         progress.describe("simulating a trial")
-        trial = virtual_trial(subject, generate(protocol))
-        result = fit(trial, progress=progress.starts)
+        trial = api.virtual_trial(subject, api.generate(protocol))
+        result = api.fit(trial, progress=progress.starts)
     write_json(true, {"parameters": dict(subject.parameters)})
-    code = finish(result, fitted, report)
+    show_fitted(result, fitted, report)
     intervals = {p.name: p.ci95 for p in result.parameters.values() if p.ci95 is not None}
     inside = sum(low <= subject.parameters[p] <= high for p, (low, high) in intervals.items())
     show_line(f"{inside} of {len(intervals)} true values lie in their 95 % interval: {shown(true)}")
-    return code
+    judge_end(result, fitted)

@@ -5,9 +5,13 @@ from typing import Any
 
 import click
 
-from surae.cli.options import SEED, Number, Picture, Whole, model_options
+from surae import api
+from surae.cli.expect import part, show_expectation
+from surae.cli.options import SEED, Number, Picture, Whole, model_options, range_option
 from surae.cli.paths import check_outputs
-from surae.cli.protocol import device_of, device_options, file_kind, span_of
+from surae.cli.progress import StoppedError, compilation_notice, work
+from surae.cli.protocol import device_of, device_options, file_kind
+from surae.cli.screen import show_files, show_line
 from surae.errors import InputError
 from surae.files import shown, write_json
 from surae.names import FITTED, NUISANCES, POPULATIONS
@@ -30,9 +34,7 @@ from surae.names import FITTED, NUISANCES, POPULATIONS
 @click.option("--pause", type=Number(), metavar="S",
               help="After each trial of a session, in s.  [default: 30]")  # fmt: skip
 @device_options
-@click.option("--range", "range_", metavar="LOW:HIGH",
-              help="Full plantarflexion and dorsiflexion of the subject, in rad; asked for of "
-              "patients.  [default: the fit's, or -0.9:0.6 as far as the device]")  # fmt: skip
+@range_option("the fit's, or -0.9:0.6 as far as the device", whose="; asked for of patients")
 @click.option("--noise", type=Number(above=0.0), metavar="NM",
               help="Of the torque, white.  [default: 0.5, or the fit's]")  # fmt: skip
 @click.option("--nuisances", type=click.Choice(NUISANCES), metavar="all|none",
@@ -60,14 +62,14 @@ def command(
     pause: float | None,
     device: str,
     without_limits: str | None,
-    range_: str | None,
+    range: tuple[float, float] | None,
     rate: float,
     output: str,
     target: str | None,
     figure: str | None,
     options: dict[str, Any],
     **asked: Any,
-) -> int:
+) -> None:
     """Find the movement and effort that tell most of a leg, within a device's limits.
 
     The same options find the same protocol. Ctrl-C keeps the best so far.
@@ -87,17 +89,12 @@ def command(
         raise InputError("--fit and --after: give one of them; --after counts what it knows, too")
     limiting = device_of(device, without_limits)
 
-    from surae.api import design, fit_of, write_protocol_target
-    from surae.cli.expect import part, show_expectation
-    from surae.cli.progress import compilation_notice, work
-    from surae.cli.screen import show_line
-
     who: dict[str, Any] = {
         "device": limiting,
         "model": model,
-        "fit": None if fitted is None else fit_of(fitted),
-        "after": None if after is None else fit_of(after),
-        "range": None if range_ is None else span_of(range_),
+        "fit": None if fitted is None else api.fit_of(fitted),
+        "after": None if after is None else api.fit_of(after),
+        "range": range,
         "rate_hz": rate,
     }
     if minutes is not None:
@@ -109,24 +106,18 @@ def command(
         asked.pop("seed")
         _plan(minutes, 30.0 if pause is None else pause, output, without_limits,
               **who, **asked, **options)  # fmt: skip
-        return 0
+        return
 
     with work() as progress, compilation_notice():
-
-        def counted(done: int, total: int, best: float) -> None:
-            del best
-            progress.parts("plans judged", done, total)
-
-        made = design(
-            35.0 if duration is None else duration, progress=counted, **who, **asked, **options
-        )
+        made = api.design(
+            35.0 if duration is None else duration, **who, **asked, **options,
+            progress=lambda done, total, _: progress.parts("plans judged", done, total),
+        )  # fmt: skip
     made.write(output, without_limits=without_limits)
     if target is not None:
-        write_protocol_target(made.trajectory, target)
+        api.write_protocol_target(made.trajectory, target)
     if figure is not None:
-        from surae.api import protocol_figure, write_figure
-
-        write_figure(figure, protocol_figure(made.trajectory))
+        api.write_figure(figure, api.protocol_figure(made.trajectory))
     show_expectation(made.expectation)
     for note in made.notes:
         show_line(note)
@@ -134,34 +125,26 @@ def command(
         told = ", ".join(f"{name} {part(sem)}" for name, sem in made.aimed.items())
         show_line(f"standard error of what was aimed at: {told}")
     show_line(f"{made.curve[-1][0]:,} plans to the best; {made.seconds:.0f} s")
-    for what, path in (("protocol", output), ("target", target), ("figure", figure)):
-        if path is not None:
-            show_line(f"{what}: {shown(path)}")
+    show_files({"protocol": output, "target": target, "figure": figure})
     if made.stopped:
-        click.echo("surae: stopped by the user; the best so far is kept", err=True)
-        return 130
-    return 0
+        raise StoppedError("stopped by the user; the best so far is kept")
 
 
 def _plan(
     minutes: float, pause: float, output: str, without_limits: str | None, **asked: Any
 ) -> None:
     """Plan a session, and write its trials into a folder."""
-    from surae.api import design_session, write_protocol, write_protocol_target
-    from surae.cli.expect import show_expectation
-    from surae.cli.progress import compilation_notice
-    from surae.cli.screen import show_line
-
     with compilation_notice():
-        plan = design_session(minutes, pause=pause, **asked)
+        plan = api.design_session(minutes, pause=pause, **asked)
     folder = Path(output)
     folder.mkdir(parents=True, exist_ok=True)
     for k, trial in enumerate(plan.trials, 1):
         path = folder / f"{k:02d}-{trial.name}.csv"
-        write_protocol(trial.trajectory, path, without_limits=without_limits)
+        api.write_protocol(trial.trajectory, path, without_limits=without_limits)
         if trial.trajectory.effort.any():
-            write_protocol_target(trial.trajectory, path.with_name(f"{path.stem}-target.csv"))
+            api.write_protocol_target(trial.trajectory, path.with_name(f"{path.stem}-target.csv"))
     write_json(folder / "plan.json", plan.to_json())
     show_expectation(plan.expectation)
-    for line in (*plan.sentences, f"session: {shown(output)}"):
+    for line in plan.sentences:
         show_line(line)
+    show_files({"session": output})

@@ -6,6 +6,10 @@ from importlib.util import find_spec
 
 import click
 
+from surae import api
+from surae.cli.progress import compilation_notice, work
+from surae.cli.screen import show_line
+
 #: Extra → packages that it brings, as imported and as distributed.
 EXTRAS = {
     "formats": (("edfio", "edfio"), ("pyarrow", "pyarrow"), ("pyxdf", "pyxdf")),
@@ -25,16 +29,14 @@ def command() -> int:
 
     Exit code 1 where the trial's parameters are not found back.
     """
-    from surae.cli.screen import show_line
     from surae.versions import versions
 
     show_line("versions: " + ", ".join(f"{name} {text}" for name, text in versions().items()))
     show_line(f"processors: {_processors()}")
     for name, packages in EXTRAS.items():
         show_line(f"extra {name}: {_extra(name, packages)}")
-    from surae.api import cache_folder
 
-    folder = cache_folder()
+    folder = api.cache_folder()
     held = [path.stat().st_size for path in folder.rglob("*") if path.is_file()]
     show_line(f"compiled kernels: {folder}, {len(held)} files, {sum(held) / 1e6:.1f} MB")
     return _self_test()
@@ -63,17 +65,13 @@ def _self_test() -> int:
     """Fit a virtual trial without noise: every parameter must come back."""
     from time import perf_counter
 
-    from surae.api import Protocol, fit, generate, virtual_subject, virtual_trial
-    from surae.cli.progress import compilation_notice, work
-    from surae.cli.screen import show_line
-
-    subject = virtual_subject(seed=1)
-    protocol = Protocol(profile="multiple-holds", chirp_amplitude=0.1, rate_hz=64.0)
-    trial = virtual_trial(subject, generate(protocol), noise=0.0)
+    subject = api.virtual_subject(seed=1)
+    protocol = api.Protocol(profile="multiple-holds", chirp_amplitude=0.1, rate_hz=64.0)
+    trial = api.virtual_trial(subject, api.generate(protocol), noise=0.0)
     with work() as progress, compilation_notice():
         progress.describe("fitting a small trial")
         begin = perf_counter()
-        fitted = fit(trial, starts=2, progress=progress.starts)
+        fitted = api.fit(trial, starts=2, progress=progress.starts)
         seconds = perf_counter() - begin
     off = {
         name: abs(fitted.values[name] / truth - 1.0) for name, truth in subject.parameters.items()

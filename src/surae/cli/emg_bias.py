@@ -1,15 +1,15 @@
 """`surae emg-bias`."""
 
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import Any
 
 import click
 
-from surae.cli.options import SEED, WORKERS, Number, Whole
+from surae import api
+from surae.cli.options import SEED, Number, Whole, workers_option
 from surae.cli.paths import check_outputs
-from surae.files import shown
-
-if TYPE_CHECKING:
-    from surae.api import EmgBias, Fit
+from surae.cli.progress import StoppedError, compilation_notice, work
+from surae.cli.screen import Columns, show_files, show_line, show_table
 
 #: More pairs than these are a slip of the keyboard.
 _MOST = 100_000
@@ -17,23 +17,14 @@ _MOST = 100_000
 
 @click.command("emg-bias")
 @click.argument("fitted", metavar="FIT.json")
-@click.option("--noise", type=Number(), metavar="PART",
+@click.option("--noise", "level", type=Number(), metavar="PART",
               help="Of each EMG's mean, white.  [default: the EMG's quiet part]")  # fmt: skip
 @click.option("--pairs", type=Whole(1, _MOST), default=10, show_default=True, metavar="N",
               help="Pairs of realisations, 8 fits each.")  # fmt: skip
 @SEED
-@click.option(
-    "--workers", type=WORKERS, metavar="N", help="Fits at a time.  [default: all processors]"
-)
+@workers_option("Fits")
 @click.option("--output", metavar="BIAS.json", help="Write the biases.")
-def command(
-    fitted: str,
-    noise: float | None,
-    pairs: int,
-    seed: int,
-    workers: int | None,
-    output: str | None,
-) -> int:
+def command(fitted: str, output: str | None, **asked: Any) -> None:
     """Find how far noise of the EMG has shifted each parameter, which no interval shows.
 
     Ever more noise is added to the EMG, and what that does to the estimates is followed back to an
@@ -41,35 +32,21 @@ def command(
     """
     check_outputs({"--output": output}, [fitted])
 
-    from surae.api import emg_bias, load  # numba: only when the command is in order
-    from surae.cli.progress import compilation_notice, work
-
-    fit = load(fitted)
+    fit = api.load(fitted)
     with work() as progress, compilation_notice():
-
-        def told(done: int, total: int) -> None:
-            progress.describe(f"EMG noise: {done} of {total} pairs")
-
-        bias = emg_bias(fit, level=noise, pairs=pairs, seed=seed, workers=workers, progress=told)
-
-    from surae.cli.screen import show_line, show_table
+        bias = api.emg_bias(fit, **asked, progress=partial(progress.parts, "pairs of EMG noise"))
 
     if output is not None:
         bias.save(output)
     show_table(*_table(fit, bias))
     show_line(f"EMG noise: {bias.source}; {bias.pairs - bias.missing} pairs, "
               f"{bias.seconds:.1f} s")  # fmt: skip
-    if output is not None:
-        show_line(f"EMG bias: {shown(output)}")
+    show_files({"EMG bias": output})
     if bias.missing:
-        click.echo(f"surae: stopped by the user, {bias.missing} pairs missing", err=True)
-        return 130
-    return 0
+        raise StoppedError(f"stopped by the user, {bias.missing} pairs missing")
 
 
-def _table(fit: "Fit", bias: "EmgBias") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    from surae.api import NO_NUMBER, significant
-
+def _table(fit: "api.Fit", bias: "api.EmgBias") -> Columns:
     rows: list[tuple[str, ...]] = []
     estimates = {**fit.parameters, **fit.nuisances}
     for p in bias.parameters.values():
@@ -77,10 +54,10 @@ def _table(fit: "Fit", bias: "EmgBias") -> tuple[tuple[str, ...], list[tuple[str
         rows.append(
             (
                 p.name,
-                significant(p.value, 4),
-                NO_NUMBER if p.bias is None else significant(p.bias, 2),
-                NO_NUMBER if p.error is None else significant(p.error, 2),
-                NO_NUMBER if p.bias is None or not sem else f"{100 * p.bias / sem:+.0f} %",
+                api.significant(p.value, 4),
+                api.NO_NUMBER if p.bias is None else api.significant(p.bias, 2),
+                api.NO_NUMBER if p.error is None else api.significant(p.error, 2),
+                api.NO_NUMBER if p.bias is None or not sem else f"{100 * p.bias / sem:+.0f} %",
                 p.unit,
             )
         )

@@ -1,16 +1,16 @@
 """`surae expect`."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
+from surae import api
 from surae.cli.options import Number, Whole, model_options
 from surae.cli.paths import check_outputs
-from surae.files import shown, write_json
+from surae.cli.progress import compilation_notice
+from surae.cli.screen import show_files, show_line, show_verdicts
+from surae.files import write_json
 from surae.names import AUTO, FITTED, NUISANCES, POPULATIONS
-
-if TYPE_CHECKING:
-    from surae.api import Expectation
 
 
 @click.command("expect")
@@ -34,14 +34,10 @@ if TYPE_CHECKING:
 @click.option("--output", metavar="E.json", help="Write what is expected.")
 def command(
     protocol: str,
-    model: str,
-    population: str | None,
     fitted: str | None,
-    noise: float | None,
-    nuisances: str | None,
-    legs: int,
     output: str | None,
     options: dict[str, Any],
+    **asked: Any,
 ) -> None:
     """Tell what a protocol will tell of each parameter, before anybody is measured.
 
@@ -50,29 +46,18 @@ def command(
     """
     check_outputs({"--output": output}, [fitted] if fitted is not None else [])
 
-    from surae.api import expect, load
-    from surae.cli.progress import compilation_notice
-
-    fit = None if fitted is None else load(fitted)
+    fit = None if fitted is None else api.load(fitted)
     with compilation_notice():
-        expectation = expect(
-            protocol, model, population=population, fit=fit, noise=noise, nuisances=nuisances,
-            legs=legs, **options,
-        )  # fmt: skip
+        expectation = api.expect(protocol, fit=fit, **asked, **options)
     if output is not None:
         write_json(output, expectation.to_json())
 
-    from surae.cli.screen import show_line
-
     show_expectation(expectation)
-    if output is not None:
-        show_line(f"expectation: {shown(output)}")
+    show_files({"expectation": output})
 
 
-def show_expectation(expectation: "Expectation") -> None:
+def show_expectation(expectation: "api.Expectation") -> None:
     """A table of what is expected of each parameter, and of all."""
-    from surae.cli.screen import show_line, show_verdicts
-
     rows = []
     for p in expectation.parameters.values():
         source = max(p.budget, key=lambda name: p.budget[name], default="—")

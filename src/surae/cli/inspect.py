@@ -2,17 +2,16 @@
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
+from surae import api
 from surae.cli.options import MAPPING
 from surae.cli.paths import check_outputs, check_recordings
+from surae.cli.progress import work
+from surae.cli.screen import show_line, show_table
 from surae.errors import InputError
 from surae.files import shown, write_atomic
-
-if TYPE_CHECKING:
-    from surae.api import InspectedChannel, InspectedTrials, Inspection
 
 
 @click.command("inspect")
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Write JSON to stdout instead of a table.")
 def command(
     files: tuple[str, ...], mapping: str | None, side: str | None, output: str | None, as_json: bool
-) -> int:
+) -> None:
     """List the channels of data files, and guess which signal each is.
 
     Several files, or a folder, may hold the channels of one recording, or trials of one layout:
@@ -35,13 +34,10 @@ def command(
     if output is not None and not output.lower().endswith(".toml"):
         raise InputError(f"--output: {shown(output)} must end in .toml, which says what it is")
 
-    from surae.api import InspectedTrials, data_files, inspect_trials, mapping_text, trials_text
-    from surae.cli.progress import work
-
     paths = [
         str(path)
         for given in files
-        for path in (data_files(given) if Path(given).is_dir() else [given])
+        for path in (api.data_files(given) if Path(given).is_dir() else [given])
     ]
     if not paths:
         raise InputError(f"{shown(files[0])}: no data file is there")
@@ -49,42 +45,38 @@ def command(
     if mapping is not None:
         if output is not None or as_json:
             raise InputError("--mapping shows how files are read; give it alone")
-        return _as_mapped(paths, mapping)
+        _as_mapped(paths, mapping)
+        return
     with work() as progress:
         progress.describe(f"reading {', '.join(paths[:3])}{' …' if len(paths) > 3 else ''}")
-        inspected = inspect_trials(paths, side=side)
+        inspected = api.inspect_trials(paths, side=side)
     if output is not None:
         folder = Path(output).parent
-        text = (
-            trials_text(inspected, folder)
-            if isinstance(inspected, InspectedTrials)
-            else mapping_text(inspected, folder)
-        )
-        write_atomic(output, text)
-
-    from surae.cli.screen import show_line
+        if isinstance(inspected, api.InspectedTrials):
+            write_atomic(output, api.trials_text(inspected, folder))
+        else:
+            write_atomic(output, api.mapping_text(inspected, folder))
 
     if as_json:
         show_line(json.dumps(inspected.to_json(), indent=1, allow_nan=False, ensure_ascii=False))
-        return 0
-    _show(inspected.typical if isinstance(inspected, InspectedTrials) else inspected)
-    if isinstance(inspected, InspectedTrials):
-        _show_trials(inspected)
+        return
     to = "MAP.toml" if output is None else shown(output)
     given = f"{shown(files[0])}{' …' if len(files) > 1 else ''}"
-    many = isinstance(inspected, InspectedTrials)
-    then = f"surae session {given} --mapping {to} --output OUT" if many else f"surae fit {to}"
+    if isinstance(inspected, api.InspectedTrials):
+        _show(inspected.typical)
+        _show_trials(inspected)
+        then = f"surae session {given} --mapping {to} --output OUT"
+    else:
+        _show(inspected)
+        then = f"surae fit {to}"
     if output is None:
         show_line(f"To use it: --output MAP.toml, check the comments in it, {then}")
     else:
         show_line(f"mapping: {to}; check its comments, then: {then}")
-    return 0
 
 
-def _show_trials(inspected: "InspectedTrials") -> None:
+def _show_trials(inspected: "api.InspectedTrials") -> None:
     """Show of how many trials that was one, and where the others differ."""
-    from surae.cli.screen import show_line
-
     show_line(f"- {len(inspected.trials)} trials of this layout: {', '.join(inspected.trials)}")
     told: dict[str, list[str]] = {}
     for difference in inspected.differences:
@@ -95,28 +87,21 @@ def _show_trials(inspected: "InspectedTrials") -> None:
         show_line(f"- {text}")
 
 
-def _as_mapped(paths: list[str], mapping: str) -> int:
-    """What a mapping makes of each file; 2 where one cannot be read so."""
-    from surae.api import read
-    from surae.cli.screen import show_line
-
+def _as_mapped(paths: list[str], mapping: str) -> None:
+    """What a mapping makes of each file; refused where one cannot be read so."""
     wrong = 0
     for path in paths:
         try:
-            show_line(repr(read(path, mapping=mapping)))
+            show_line(repr(api.read(path, mapping=mapping)))
         except InputError as error:
             wrong += 1
             show_line(f"{shown(path)}: {error}")
     if wrong:
-        click.echo(f"surae: {wrong} of {len(paths)} files cannot be read so", err=True)
-    return 2 if wrong else 0
+        raise InputError(f"{wrong} of {len(paths)} files cannot be read so")
 
 
-def _show(inspection: "Inspection") -> None:
+def _show(inspection: "api.Inspection") -> None:
     """The channels as a table, then what was found and what is left to say."""
-    from surae.api import some
-    from surae.cli.screen import show_line, show_table
-
     for path, form in inspection.formats.items():
         show_line(f"{shown(path)}: {form}")
         headings = ("channel", "unit", "Hz", "samples", "start [s]", "least", "greatest", "role")
@@ -148,18 +133,16 @@ def _show(inspection: "Inspection") -> None:
         for remark in filter(None, channel.remark.split("; ")):
             remarks.setdefault(remark, []).append(channel.column)
     for remark, names in remarks.items():
-        show_line(f"- {some(names, 3)}: {remark}")
+        show_line(f"- {api.some(names, 3)}: {remark}")
     for line in inspection.advice:
         show_line(f"- {line}")
 
 
-def _role(channel: "InspectedChannel", inspection: "Inspection") -> str:
+def _role(channel: "api.InspectedChannel", inspection: "api.Inspection") -> str:
     """The role that a channel has, or with a question mark could have."""
-    from surae.api import MUSCLES
-
     role = next((role for role, chosen in inspection.roles.items() if chosen is channel), None)
     left = [role for role, several in inspection.open.items() if any(c is channel for c in several)]
-    if role is None and len(left) == len(MUSCLES) and all(r.startswith("emg_") for r in left):
+    if role is None and len(left) == len(api.MUSCLES) and all(r.startswith("emg_") for r in left):
         return "emg_?"
     return role or " or ".join(f"{each}?" for each in left) or "–"
 

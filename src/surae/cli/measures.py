@@ -1,15 +1,12 @@
 """`surae measures`."""
 
-from typing import TYPE_CHECKING
-
 import click
 
+from surae import api
 from surae.cli.options import LANGUAGE, Number, figure_options
 from surae.cli.paths import check_outputs, spare_fits
-from surae.files import shown
-
-if TYPE_CHECKING:
-    from surae.api import Measures
+from surae.cli.progress import compilation_notice
+from surae.cli.screen import Columns, show_adequacy, show_files, show_line, show_verdicts
 
 
 @click.command("measures")
@@ -41,24 +38,12 @@ def command(
     check_outputs(outputs, [fitted])
     spare_fits(outputs)
 
-    from surae.api import (
-        check_clinical_page,
-        fit_of,
-        placed,
-        read_norms,
-        write_clinical_page,
-        write_curve_figure,
-    )
+    api.check_clinical_page(report)
+    beside = api.read_norms(norms)
 
-    check_clinical_page(report)
-    beside = read_norms(norms)
-    from surae.cli.progress import compilation_notice
-
-    fit = fit_of(fitted)
+    fit = api.fit_of(fitted)
     with compilation_notice():
         told = fit.measures(angles) if angles else fit.measures()
-
-    from surae.cli.screen import show_adequacy, show_line, show_verdicts
 
     if output is not None:
         told.save(output)
@@ -67,32 +52,27 @@ def command(
     for measure in told.values():
         if measure.value is None:
             show_line(f"{measure.name}: {measure.note}")
-    for place in placed(told, beside):
+    for place in api.placed(told, beside):
         norm = place.norm
         show_line(
             f"{norm.measure}: {place.text} of {norm.group} (n = {norm.n}, "
             f"{norm.condition}) lie below; {norm.reference}"
         )
-    if output is not None:
-        show_line(f"measures: {shown(output)}")
     if report is not None:
         angle = angles[0] if len(angles) == 1 else 10.0
-        write_clinical_page(report, [fit], language=language, angle=angle, norms=norms)
-        show_line(f"report: {shown(report)}")
+        api.write_clinical_page(report, [fit], language=language, angle=angle, norms=norms)
     if figure is not None:
-        write_curve_figure(figure, fit, language=language, norms=norms, width=width)
-        show_line(f"figure: {shown(figure)}")
+        api.write_curve_figure(figure, fit, language=language, norms=norms, width=width)
+    show_files({"measures": output, "report": report, "figure": figure})
 
 
-def _table(told: "Measures") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    from surae.api import estimate
-
+def _table(told: "api.Measures") -> Columns:
     heads = ("measure", "value", "95 % interval", "unit", "note", "verdict")
     rows: list[tuple[str, ...]] = []
     for m in told.values():
         if m.value is None:
             continue
         sem = None if m.ci95 is None else (m.ci95[1] - m.ci95[0]) / 3.92
-        text = estimate(m.value, sem, m.ci95)
+        text = api.estimate(m.value, sem, m.ci95)
         rows.append((m.name, text.value, text.interval, m.unit, m.note, str(m.verdict)))
     return heads, rows

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from surae import names
+from surae import api, names
 from surae.errors import InputError
 from surae.files import shown
 
 if TYPE_CHECKING:
-    from surae.api import FitSettings
+    from surae.runner import Engine
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -152,6 +152,17 @@ class Span(OptionType):
         )
 
 
+class Range(OptionType):
+    """The range of motion of a subject: LOW:HIGH."""
+
+    def read(self, text: str, where: str) -> tuple[float, float]:
+        """Full plantarflexion and dorsiflexion [rad]."""
+        low, colon, high = (part.strip() for part in text.partition(":"))
+        if not (low and colon and high):
+            raise InputError(f"{where}: write LOW:HIGH in rad, e.g. --range -0.9:0.6")
+        return number(where, low), number(where, high)
+
+
 class Picture(OptionType):
     """The file of a figure."""
 
@@ -258,6 +269,44 @@ def figure_options(function: F) -> F:
 
 
 WORKERS = Whole(1, MOST_WORKERS)
+
+
+def workers_option(what: str, *, many: str = "all processors") -> Callable[[F], F]:
+    """How many of something are made at a time; by default as `many` says."""
+    help = f"{what} at a time.  [default: {many}]"
+    return click.option("--workers", type=WORKERS, metavar="N", help=help)
+
+
+def range_option(default: str, *, whose: str = "") -> Callable[[F], F]:
+    """The subject's range of motion; what it is by default, and who has to give it."""
+    help = "Full plantarflexion and dorsiflexion of the subject, in rad"
+    help += f"{whose}.  [default: {default}]"
+    return click.option("--range", type=Range(), metavar="LOW:HIGH", help=help)
+
+
+FITTED_MODEL = click.option(
+    "--model", type=click.Choice(names.FITTED), default=names.AUTO, show_default=True, metavar="M",
+    help=f"{names.AUTO}: what the data support; or {MODEL_NAMES}.",
+)  # fmt: skip
+PREPARED = click.option("--prepared", is_flag=True,
+                        help="Use the signals as they are, without filters.")  # fmt: skip
+DASK = click.option("--dask", metavar="ADDRESS",
+                    help="Scheduler of a Dask cluster to run on instead.")  # fmt: skip
+
+
+def engine_of(dask: str | None, workers: int | None, kind: str | None = None) -> "Engine":
+    """Where the work is done: a Dask cluster, or so many workers of a kind."""
+    from surae.runner import Engine, cores  # numpy
+
+    if dask is None:
+        count = workers or cores()
+        return Engine(kind or ("processes" if count > 1 else "threads"), count)
+    if workers is not None or kind is not None:
+        ours = "--workers" if kind is None else "--workers or --engine"
+        raise InputError(f"--dask brings workers of its own; give it without {ours}")
+    return Engine("dask", address=dask)
+
+
 SEED = click.option("--seed", type=Whole(0), default=0, metavar="N",
                     help="Of what is random.  [default: 0]")  # fmt: skip
 INFLATION = click.option("--variance-inflation", type=Number(above=0.0), metavar="F",
@@ -300,23 +349,21 @@ def request_options(function: F) -> F:
     return _collected(_REQUEST, "asked")(_MVC(function))
 
 
-def request(model: "str | FitSettings", asked: dict[str, Any]) -> "FitSettings":
+def request(model: "str | api.FitSettings", asked: dict[str, Any]) -> "api.FitSettings":
     """What a command was asked, as `surae.fit` takes it.
 
     `model` may be what the options are put in place of; `asked` is what `request_options`
     collected.
     """
-    from surae.api import FitSettings, Weighting
-
     given = dict(asked)
     windows = (*given.pop("exclude", ()), *given.pop("weight", ()))
     peaks, kind = given.pop("weight_peaks", None), given.pop("peaks_of", None)
     if kind is not None and peaks is None:
         raise InputError("--peaks-of has no effect without --weight-peaks; give one")
     if windows or peaks is not None:
-        given["weights"] = Weighting(windows, peaks or 0.0, kind or "torque")
+        given["weights"] = api.Weighting(windows, peaks or 0.0, kind or "torque")
     if given.pop("robust", False) and given.setdefault("loss", "huber") != "huber":
         raise InputError(f"--robust means --loss huber, not {given['loss']}; give one of them")
     given["bounds"], given["population"] = given.pop("bound", {}), given.pop("priors", None)
     given["priors"], given["preparation"] = given.pop("prior", {}), given.pop("filter", {})
-    return FitSettings.of(model, **given)
+    return api.FitSettings.of(model, **given)

@@ -1,16 +1,13 @@
 """`surae posterior`."""
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
-
 import click
 
+from surae import api
 from surae.cli.options import INFLATION, WORKERS, Picture, Whole, prior_option
 from surae.cli.paths import check_outputs
-from surae.files import shown
-
-if TYPE_CHECKING:
-    from surae.api import Agreement, Posterior
+from surae.cli.progress import StoppedError, compilation_notice, work
+from surae.cli.screen import Columns, ends_text, show_files, show_line, show_table
+from surae.errors import ComputationError
 
 #: More of anything than this is a slip of the keyboard.
 _MOST_DRAWS, _MOST_CHAINS = 1_000_000, 100
@@ -42,7 +39,7 @@ def command(
     output: str | None,
     figure: str | None,
     **numbers: int | None,
-) -> int:
+) -> None:
     """Draw from the posterior of a fit: its recordings and prior knowledge together.
 
     Priors take the place of the fit's bounds; POSTERIOR.json says which. Needs the extra bayes:
@@ -52,92 +49,63 @@ def command(
     read = [fitted] if profiled is None else [fitted, profiled]
     check_outputs({"--output": output, "--figure": figure}, read)
 
-    from surae.api import agreements, load, posterior, read_profile_intervals
-    from surae.cli.progress import compilation_notice, work
-
-    fit = load(fitted)
+    fit = api.load(fitted)
     intervals = None
     if profiled is not None:
-        intervals = read_profile_intervals(profiled, fit.values, fit.result.problem.spec.name)
+        intervals = api.read_profile_intervals(profiled, fit.values, fit.result.problem.spec.name)
     with work() as progress, compilation_notice():
 
-        def told(done: int, total: int) -> None:
+        def tell(done: int, total: int) -> None:
             progress.describe(f"posterior: {100 * done / total:.0f} % drawn")
 
-        told(0, 1)
-        drawn = posterior(
-            fit, priors=prior, variance_inflation=variance_inflation, progress=told, **given
+        tell(0, 1)
+        drawn = api.posterior(
+            fit, priors=prior, variance_inflation=variance_inflation, progress=tell, **given
         )
 
-    from surae.cli.screen import show_line, show_table
-
-    compared = agreements(drawn, intervals)
+    compared = api.agreements(drawn, intervals)
     if output is not None:
         drawn.save(output)
     if figure is not None:
-        from surae.api import posterior_figure, write_figure
-
         ends = {name: interval.ends for name, interval in (intervals or {}).items()}
-        write_figure(figure, posterior_figure(drawn, ends))
+        api.write_figure(figure, api.posterior_figure(drawn, ends))
     show_table(*_table(drawn, compared))
     for line in _notes(drawn, compared):
         show_line(line)
-    if output is not None:
-        show_line(f"posterior: {shown(output)}")
-    if figure is not None:
-        show_line(f"figure: {shown(figure)}")
+    show_files({"posterior": output, "figure": figure})
     if not drawn.whole:
-        click.echo("surae: stopped by the user; what was drawn is shown", err=True)
-        return 130
+        raise StoppedError("stopped by the user; what was drawn is shown")
     if drawn.status != "converged":
-        click.echo(f"surae: not converged: {drawn.message}", err=True)
-        return 1
-    return 0
+        raise ComputationError(f"not converged: {drawn.message}")
 
 
-def _table(
-    drawn: "Posterior", compared: "dict[str, Agreement]"
-) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+def _table(drawn: "api.Posterior", compared: "dict[str, api.Agreement]") -> Columns:
     """The intervals of posterior, covariance and profile beside each other, and diagnostics."""
-    from surae.api import NO_NUMBER, significant
-
-    def interval(ends: Sequence[float | None] | None) -> str:
-        if ends is None:
-            return NO_NUMBER
-        return " … ".join("open" if end is None else significant(end, 4) for end in ends)
-
     profiled = any(agreement.profile is not None for agreement in compared.values())
-    heads = ["parameter", "median", "95 % credible", "95 % covariance",
-             *(["95 % profile"] if profiled else []), "R-hat", "draws", "unit"]  # fmt: skip
+    heads = ("parameter", "median", "95 % credible", "95 % covariance",
+             *(["95 % profile"] if profiled else []), "R-hat", "draws", "unit")  # fmt: skip
     rows = []
     for name, marginal in drawn.marginals.items():
         seen, beside = marginal.convergence, compared[name].profile
-        rows.append(
-            (
-                name,
-                significant(marginal.median, 4),
-                interval(marginal.ci95),
-                interval(marginal.from_covariance),
-                *([interval(None if beside is None else beside.ends)] if profiled else []),
-                NO_NUMBER if seen.rhat is None else f"{seen.rhat:.3f}",
-                f"{min(seen.ess_bulk or 0.0, seen.ess_tail or 0.0):.0f}",
-                marginal.unit,
-            )
-        )
-    return tuple(heads), rows
+        rows.append((
+            name, api.significant(marginal.median, 4),
+            ends_text(marginal.ci95), ends_text(marginal.from_covariance),
+            *([ends_text(None if beside is None else beside.ends)] if profiled else []),
+            api.NO_NUMBER if seen.rhat is None else f"{seen.rhat:.3f}",
+            f"{min(seen.ess_bulk or 0.0, seen.ess_tail or 0.0):.0f}", marginal.unit,
+        ))  # fmt: skip
+    return heads, rows
 
 
-def _notes(drawn: "Posterior", compared: "dict[str, Agreement]") -> list[str]:
+def _notes(drawn: "api.Posterior", compared: "dict[str, api.Agreement]") -> list[str]:
     """Say where intervals part, what rests on priors, and whether the draws can be believed."""
-    from surae.api import AGREEMENT_TOLERANCE
-
     lines = []
     for what, off in (
         ("covariance", {n: agreement.off_covariance for n, agreement in compared.items()}),
         ("profile", {n: agreement.off_profile for n, agreement in compared.items()}),
     ):
         known = {name: value for name, value in off.items() if value is not None}
-        apart = {name: value for name, value in known.items() if value > AGREEMENT_TOLERANCE}
+        apart = {name: value for name, value in known.items() if value > api.AGREEMENT_TOLERANCE}
         if apart:
             named = ", ".join(f"{name} by {100 * value:.0f} %" for name, value in apart.items())
             lines.append(
@@ -145,9 +113,8 @@ def _notes(drawn: "Posterior", compared: "dict[str, Agreement]") -> list[str]:
                 f"{named}"
             )
         elif known:
-            lines.append(
-                f"as the {what}: all ends within {100 * AGREEMENT_TOLERANCE:.0f} % of a half-width"
-            )
+            within = f"{100 * api.AGREEMENT_TOLERANCE:.0f} % of a half-width"
+            lines.append(f"as the {what}: all ends within {within}")
     other = [
         name
         for name, agreement in compared.items()

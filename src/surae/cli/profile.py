@@ -1,33 +1,26 @@
 """`surae profile`."""
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import click
 
-from surae.cli.options import INFLATION, WORKERS, Picture
+from surae import api
+from surae.cli.options import INFLATION, Picture, workers_option
 from surae.cli.paths import check_outputs
-from surae.files import shown
-
-if TYPE_CHECKING:
-    from surae.api import Profiles
+from surae.cli.progress import StoppedError, compilation_notice, work
+from surae.cli.screen import Columns, ends_text, show_files, show_line, show_table
 
 
 @click.command("profile")
 @click.argument("fitted", metavar="FIT.json")
 @click.argument("names", metavar="[NAME…]", nargs=-1)
-@click.option("--workers", type=WORKERS, metavar="N",
-              help="Profiles at a time.  [default: all processors]")  # fmt: skip
+@workers_option("Profiles")
 @INFLATION
 @click.option("--output", metavar="PROFILE.json", help="Write the profiles; makes it resumable.")
 @click.option("--figure", type=Picture(), metavar="PROFILE.svg|pdf|png", help="Draw them.")
 def command(
-    fitted: str,
-    names: tuple[str, ...],
-    workers: int | None,
-    variance_inflation: float | None,
-    output: str | None,
-    figure: str | None,
-) -> int:
+    fitted: str, names: tuple[str, ...], output: str | None, figure: str | None, **asked: Any
+) -> None:
     """Find how far each parameter can move before the fit gets worse.
 
     The profile holds a parameter at value after value and fits all others again: its 95 % interval
@@ -38,66 +31,44 @@ def command(
     store = None if output is None else f"{output}.profiles"
     check_outputs({"--output": output, "--figure": figure, "profiles": store}, [fitted])
 
-    from surae.api import load, profile  # numba: only when the command is in order
-    from surae.cli.progress import compilation_notice, work
-
-    fit = load(fitted)
+    fit = api.load(fitted)
     with work() as progress, compilation_notice():
         progress.describe("profiles")
-
-        def told(name: str, done: int, total: int) -> None:
-            progress.describe(f"profiles: {done} of {total} done, {name} last")
-
-        profiles = profile(
-            fit,
-            names or None,
-            variance_inflation=variance_inflation,
-            workers=workers,
-            store=store,
-            progress=told,
-        )
-
-    from surae.cli.screen import show_line, show_table
+        profiles = api.profile(
+            fit, names or None, **asked, store=store,
+            progress=lambda name, done, total: progress.describe(
+                f"profiles: {done} of {total} done, {name} last"
+            ),
+        )  # fmt: skip
 
     if output is not None:
         profiles.save(output)
-    drawn = figure is not None and bool(profiles.profiles)
-    if figure is not None and drawn:
-        from surae.api import profile_figure, write_figure
-
-        write_figure(figure, profile_figure(tuple(profiles.profiles.values()), profiles.noise))
+    if not profiles.profiles:
+        figure = None  # there is nothing to draw
+    if figure is not None:
+        every = tuple(profiles.profiles.values())
+        api.write_figure(figure, api.profile_figure(every, profiles.noise))
     show_table(*_table(profiles))
     for line in _notes(profiles):
         show_line(line)
-    if output is not None:
-        show_line(f"profiles: {shown(output)}")
-    if figure is not None and drawn:
-        show_line(f"figure: {shown(figure)}")
+    show_files({"profiles": output, "figure": figure})
     if profiles.missing:
         done = "complete profiles are shown" + (" and written" if output is not None else "")
         left = ", ".join(profiles.missing)
-        click.echo(f"surae: stopped by the user; {done}; not done: {left}", err=True)
-        return 130
-    return 0
+        raise StoppedError(f"stopped by the user; {done}; not done: {left}")
 
 
-def _table(profiles: "Profiles") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+def _table(profiles: "api.Profiles") -> Columns:
     """Intervals of profile and covariance beside each other."""
-    from surae.api import NO_NUMBER, significant
-
     heads = ("parameter", "value", "95 % profile", "95 % covariance", "status", "unit")
-    rows: list[tuple[str, ...]] = []
-    for p in profiles.profiles.values():
-        low, high = ("open" if end is None else significant(end, 4) for end in p.interval)
-        ends = p.from_covariance
-        parabola = NO_NUMBER if ends is None else " … ".join(significant(end, 4) for end in ends)
-        rows.append(
-            (p.name, significant(p.value, 4), f"{low} … {high}", parabola, str(p.status), p.unit)
-        )
-    return heads, rows
+    return heads, [
+        (p.name, api.significant(p.value, 4), ends_text(p.interval), ends_text(p.from_covariance),
+         str(p.status), p.unit)
+        for p in profiles.profiles.values()
+    ]  # fmt: skip
 
 
-def _notes(profiles: "Profiles") -> list[str]:
+def _notes(profiles: "api.Profiles") -> list[str]:
     """What is to be said of them."""
     notes = [
         f"{p.name}: {p.message}"

@@ -8,10 +8,17 @@ from typing import TYPE_CHECKING
 
 import click
 
+from surae import api
+from surae.errors import SuraeError
+
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
 _COMPILING = "Compiling the model, once for this installation: some ten seconds …"
+
+
+class StoppedError(SuraeError):
+    """The user stopped it, and what was complete is kept: the message says what. Exit 130."""
 
 
 class Work:
@@ -19,48 +26,31 @@ class Work:
 
     def __init__(self, bar: "Progress | None" = None, task: "TaskID | None" = None) -> None:
         self._bar, self._task = bar, task
-        self._first: tuple[int, float] | None = None
-        self._named = ""
+        self._first, self._begun, self._named = 0, 0.0, ""
 
-    def describe(self, what: str) -> None:
-        """Say what is being done."""
+    def describe(self, what: str, done: int | None = None, total: int | None = None) -> None:
+        """Say what is being done, and with `done` and `total` how far it is."""
         if self._bar is not None and self._task is not None:
             shown = what if what.isprintable() else repr(what)
-            self._bar.update(self._task, description=shown)
+            self._bar.update(self._task, description=shown, completed=done, total=total)
 
     def starts(self, done: int, total: int, best: float) -> None:
         """Say how many starts of a fit are done; the sum of squares tells a user nothing."""
         del best
-        if self._bar is not None and self._task is not None:
-            what = f"fitting: start {min(done + 1, total)} of {total}"
-            self._bar.update(self._task, completed=done, total=total, description=what)
-
-    def fits(self, done: int, total: int) -> None:
-        """Say how many fits of a study are kept, and how fast they come."""
-        if self._bar is not None and self._task is not None:
-            now = time.monotonic()
-            before, began = self._first = self._first or (done, now)
-            rate = f", {(done - before) / (now - began):.1f} a second" if done > before else ""
-            self._bar.update(
-                self._task,
-                completed=done - before,
-                total=total - before,
-                description=f"fits: {done:,} of {total:,}{rate}",
-            )
+        self.describe(f"fitting: start {min(done + 1, total)} of {total}", done, total)
 
     def parts(self, what: str, done: int, total: int) -> None:
-        """Say how many parts of something named are there; each name has its own estimate."""
-        if self._bar is not None and self._task is not None:
-            if what != self._named:
-                self._named, self._first = what, (done, time.monotonic())
+        """Say how many parts of something named are there, and how fast they come.
+
+        What was there at first took no time now: it does not count in what is left.
+        """
+        if what != self._named:
+            self._named, self._first, self._begun = what, done, time.monotonic()
+            if self._bar is not None and self._task is not None:
                 self._bar.reset(self._task)
-            before = self._first[0] if self._first else 0
-            self._bar.update(
-                self._task,
-                completed=done - before,
-                total=total - before,
-                description=f"{what}: {done:,} of {total:,}",
-            )
+        made = done - self._first
+        rate = f", {made / (time.monotonic() - self._begun):.1f} a second" if made else ""
+        self.describe(f"{what}: {done:,} of {total:,}{rate}", made, total - self._first)
 
 
 @contextmanager
@@ -92,7 +82,5 @@ def work() -> Iterator[Work]:
 @contextmanager
 def compilation_notice() -> Iterator[None]:
     """Say why the first run is slow, when and only when the model really is compiled."""
-    from surae.api import on_compilation
-
-    with on_compilation(lambda: click.echo(_COMPILING, err=True)):
+    with api.on_compilation(lambda: click.echo(_COMPILING, err=True)):
         yield

@@ -2,17 +2,17 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from surae.cli.options import Picture, number
+from surae import api
+from surae.cli.options import Number, Picture, range_option
 from surae.cli.paths import check_outputs
+from surae.cli.progress import compilation_notice
+from surae.cli.screen import show_files, show_line
 from surae.errors import InputError
 from surae.files import shown
-
-if TYPE_CHECKING:
-    from surae.api import Protocol, Trajectory, TricepsPath
 
 Command = Callable[..., Any]
 
@@ -29,22 +29,20 @@ _SHAPED_HZ = 2000.0
 
 def chirp_rise_options(function: Command) -> Command:
     """Add --chirp-rate and --chirp-factor, which `chirp_rise` reads."""
-    rate = click.option("--chirp-rate", metavar="R",
+    rate = click.option("--chirp-rate", type=Number(), metavar="R",
                         help="Rise of its frequency, in Hz/s.  [default: 0.159]")  # fmt: skip
-    factor = click.option("--chirp-factor", metavar="S",
+    factor = click.option("--chirp-factor", type=Number(), metavar="S",
                           help="Instead, the thesis's s of A·sin(s·t²): S/π Hz/s.")  # fmt: skip
     return rate(factor(function))
 
 
-def chirp_rise(rate: str | None, factor: str | None) -> float:
+def chirp_rise(rate: float | None, factor: float | None) -> float:
     """Rise of the chirp's frequency [Hz/s] from --chirp-rate or --chirp-factor."""
-    from surae.api import DEFAULT_RATE, chirp_rate
-
     if rate is not None and factor is not None:
         raise InputError("--chirp-rate and --chirp-factor say the same; give one of them")
     if factor is not None:
-        return chirp_rate(number("--chirp-factor", factor))
-    return DEFAULT_RATE if rate is None else number("--chirp-rate", rate)
+        return api.chirp_rate(factor)
+    return api.DEFAULT_RATE if rate is None else rate
 
 
 def device_options(function: Command) -> Command:
@@ -71,14 +69,13 @@ def device_options(function: Command) -> Command:
 @click.argument("name", metavar="NAME")
 @click.option("--task", metavar=TASK_NAMES,
               help="What the subject is asked to do.  [default: part-passive]")  # fmt: skip
-@click.option("--chirp-amplitude", metavar="A",
+@click.option("--chirp-amplitude", type=Number(), metavar="A",
               help="Of the added chirp, in rad.  [default: 0]")  # fmt: skip
 @chirp_rise_options
-@click.option("--range", "range_", metavar="LOW:HIGH",
-              help="Full plantarflexion and dorsiflexion of the subject, in rad.  "
-              "[default: -0.9:0.6, as far as the device]")  # fmt: skip
-@click.option("--duration", metavar="S", help="In s.  [default: the profile's own]")
-@click.option("--rate", default="256", show_default=True, metavar="HZ", help="Samples per second.")
+@range_option("-0.9:0.6, as far as the device")
+@click.option("--duration", type=Number(), metavar="S", help="In s.  [default: the profile's own]")
+@click.option("--rate", "rate_hz", type=Number(), default=256.0, show_default=True, metavar="HZ",
+              help="Samples per second.")  # fmt: skip
 @device_options
 @click.option("--no-adapt", is_flag=True, help="Refuse what the device cannot follow instead.")
 @click.option("--despite", metavar="REASON",
@@ -89,12 +86,12 @@ def device_options(function: Command) -> Command:
 def command(
     name: str,
     task: str | None,
-    chirp_amplitude: str | None,
-    chirp_rate: str | None,
-    chirp_factor: str | None,
-    range_: str | None,
-    duration: str | None,
-    rate: str,
+    chirp_amplitude: float | None,
+    chirp_rate: float | None,
+    chirp_factor: float | None,
+    range: tuple[float, float] | None,
+    duration: float | None,
+    rate_hz: float,
     device: str,
     without_limits: str | None,
     no_adapt: bool,
@@ -103,11 +100,7 @@ def command(
     figure: str | None,
 ) -> None:
     """Make a measurement protocol."""
-    amplitude = 0.0 if chirp_amplitude is None else number("--chirp-amplitude", chirp_amplitude)
     rise = chirp_rise(chirp_rate, chirp_factor)
-    span = None if range_ is None else span_of(range_)
-    seconds = None if duration is None else number("--duration", duration)
-    rate_hz = number("--rate", rate)
     limiting = device_of(device, without_limits)
     if no_adapt and limiting is None:
         raise InputError("--no-adapt has no effect without the limits of a device")
@@ -118,23 +111,9 @@ def command(
     file_kind("--output", output, ".csv", ".mat")
     check_outputs({"--output": output, "--figure": figure}, [])
 
-    from surae.api import (
-        Protocol,
-        allowed_range,
-        as_device,
-        asked_limits,
-        generate,
-        ready_protocols,
-        ready_trajectory,
-        triceps_path,
-        write_protocol,
-    )
-    from surae.cli.progress import compilation_notice
-    from surae.cli.screen import show_line
-
-    limits = as_device(limiting)
-    angles = allowed_range(limits, span)
-    if name in ready_protocols():
+    limits = api.as_device(limiting)
+    angles = api.allowed_range(limits, range)
+    if name in api.ready_protocols():
         given = {
             "--task": task, "--chirp-amplitude": chirp_amplitude, "--chirp-rate": chirp_rate,
             "--chirp-factor": chirp_factor, "--duration": duration, "--no-adapt": no_adapt or None,
@@ -147,17 +126,17 @@ def command(
                 "design your own: surae design"
             )
         with compilation_notice():
-            trajectory = ready_trajectory(name, limits, angles, rate_hz)
-        ready = ready_protocols()[name]
+            trajectory = api.ready_trajectory(name, limits, angles, rate_hz)
+        ready = api.ready_protocols()[name]
         table, model = [f"{name}: {ready.description}"], ready.model
     else:
-        settings = Protocol(
+        settings = api.Protocol(
             profile=name,
             task=task or "part-passive",
-            chirp_amplitude=amplitude,
+            chirp_amplitude=chirp_amplitude or 0.0,
             chirp_rate=rise,
             range_of_motion=angles,
-            duration=seconds,
+            duration=duration,
             rate_hz=rate_hz,
             device=limits,
             adapt=not no_adapt,
@@ -168,17 +147,17 @@ def command(
                 f"{settings.seconds:g} s at {rate_hz:g} Hz are too many samples; use at most "
                 f"{longest:g} s at that rate"
             )
-        trajectory = generate(settings)
+        trajectory = api.generate(settings)
         given_up: tuple[str, ...] = (
             () if despite is None else ("Nothing is given up for its torque.",)
         )
         if limits is not None and despite is None and not no_adapt:
             with compilation_notice():
                 trajectory, given_up = _held(settings)
-        table = _table(settings, trajectory, triceps_path(trajectory), given_up)
+        table = _table(settings, trajectory, api.triceps_path(trajectory), given_up)
         model = "muscle"
     with compilation_notice():
-        asked = asked_limits(trajectory, model)
+        asked = api.asked_limits(trajectory, model)
     beyond = "; ".join(limit.text for limit in asked if limit.exceeded)
     if beyond and despite is None:
         raise InputError(
@@ -188,23 +167,18 @@ def command(
     if despite is not None and not beyond:
         raise InputError(f"--despite: no limit of {device} is exceeded; leave it out")
     note = f"beyond limits: {' '.join(despite.split())} ({beyond})" if despite else ""
-    write_protocol(trajectory, output, without_limits=without_limits, note=note)
+    api.write_protocol(trajectory, output, without_limits=without_limits, note=note)
     if figure is not None:
-        from surae.api import protocol_figure, write_figure
-
-        write_figure(figure, protocol_figure(trajectory))
-    for line in (*table, *(limit.text for limit in asked), f"protocol: {shown(output)}"):
+        api.write_figure(figure, api.protocol_figure(trajectory))
+    for line in (*table, *(limit.text for limit in asked)):
         show_line(line)
-    if figure is not None:
-        show_line(f"figure: {shown(figure)}")
+    show_files({"protocol": output, "figure": figure})
 
 
-def _held(settings: "Protocol") -> "tuple[Trajectory, tuple[str, ...]]":
+def _held(settings: "api.Protocol") -> "tuple[api.Trajectory, tuple[str, ...]]":
     """The protocol within its device's torque, and what was given up for it."""
-    from surae.api import held_to_torque
-
     try:
-        return held_to_torque(settings)
+        return api.held_to_torque(settings)
     except InputError as error:
         raise InputError(f"{error}, or say why it may be: --despite REASON") from None
 
@@ -225,14 +199,6 @@ def device_of(name: str, without_limits: str | None) -> str | None:
     return None if name.lower() == "none" else name
 
 
-def span_of(text: str) -> tuple[float, float]:
-    """The range of motion from LOW:HIGH."""
-    low, colon, high = (part.strip() for part in text.partition(":"))
-    if not (low and colon and high):
-        raise InputError(f"--range {text}: write LOW:HIGH in rad, e.g. --range -0.9:0.6")
-    return number(f"--range {text}", low), number(f"--range {text}", high)
-
-
 def file_kind(option: str, path: str, *allowed: str) -> str:
     """The kind of file that a path's ending names."""
     suffix = Path(path).suffix.lower()
@@ -244,15 +210,18 @@ def file_kind(option: str, path: str, *allowed: str) -> str:
 
 
 def _table(
-    settings: "Protocol", trajectory: "Trajectory", path: "TricepsPath", given_up: tuple[str, ...]
+    settings: "api.Protocol",
+    trajectory: "api.Trajectory",
+    path: "api.TricepsPath",
+    given_up: tuple[str, ...],
 ) -> list[str]:
     """What the protocol asks for, in a few lines."""
-    from surae.api import PROFILES, TASKS, peaks
-
     adaptation = trajectory.adaptation
     low, high = settings.range_of_motion
     least, most = float(trajectory.angle.min()), float(trajectory.angle.max())
-    velocity, acceleration = peaks((trajectory.angle, trajectory.velocity, trajectory.acceleration))
+    velocity, acceleration = api.peaks(
+        (trajectory.angle, trajectory.velocity, trajectory.acceleration)
+    )
     if adaptation is not None:
         velocity, acceleration = adaptation.peak_velocity[1], adaptation.peak_acceleration[1]
     amplitude = settings.chirp_amplitude if adaptation is None else adaptation.chirp_amplitude[1]
@@ -260,8 +229,8 @@ def _table(
     slow, fast = float(path.velocity.min()), float(path.velocity.max())
     lengths, speeds = path.coverage.length_edges, path.coverage.velocity_edges
     rows = {
-        "motion": PROFILES[settings.profile].description,
-        "effort": TASKS[settings.task].description,
+        "motion": api.PROFILES[settings.profile].description,
+        "effort": api.TASKS[settings.task].description,
         "duration": f"{settings.seconds:g} s, {len(trajectory.time)} samples at "
         f"{settings.rate_hz:g} Hz",
         "span": f"{least:.3f} to {most:.3f} rad, {100 * (most - least) / (high - low):.3g} % of "

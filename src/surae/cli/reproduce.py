@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from surae.cli.options import WORKERS, Whole
+from surae.cli.options import Whole, workers_option
+from surae.cli.progress import StoppedError, compilation_notice, work
+from surae.cli.screen import show_line, show_verdicts
 from surae.errors import InputError
 from surae.files import shown, write_atomic
 
@@ -22,8 +24,7 @@ if TYPE_CHECKING:
 @click.option("--quick", is_flag=True, help="Fewer fits of everything: minutes.")
 @click.option("--seed", type=Whole(0, 999_999_999), default=1, show_default=True, metavar="N",
               help="Of everything that is random.")  # fmt: skip
-@click.option("--workers", type=WORKERS, metavar="N",
-              help="Processes at a time.  [default: one for each core]")  # fmt: skip
+@workers_option("Processes", many="one for each core")
 @click.option("--markdown", metavar="FILE.md", help="Write the verdicts there too.")
 def command(
     output: str,
@@ -32,7 +33,7 @@ def command(
     seed: int,
     workers: int | None,
     markdown: str | None,
-) -> int:
+) -> None:
     """Compute the thesis's results again: each claim beside ours, with a verdict.
 
     The folder holds a page with every claim, figure and table, a PDF where typst is installed, and
@@ -52,8 +53,6 @@ def command(
     folder = Path(output)
     make_folder(folder)
 
-    from surae.cli.progress import compilation_notice, work
-    from surae.cli.screen import show_line
     from surae_thesis.writers import markdown as verdicts
 
     begin = time.perf_counter()
@@ -70,12 +69,10 @@ def command(
                 context, chosen, lambda section: progress.describe(f"section {section.name}")
             )
     except KeyboardInterrupt:
-        click.echo(
-            f"surae: stopped by the user; what is computed is kept in {shown(folder)}: run the "
-            "same command to go on",
-            err=True,
-        )
-        return 130
+        raise StoppedError(
+            f"stopped by the user; what is computed is kept in {shown(folder)}: run the same "
+            "command to go on"
+        ) from None
     there = chapters(context)
     _show(there)
     if markdown is not None:
@@ -86,12 +83,10 @@ def command(
     show_line(f"page: {shown(written[0])}")
     for path in written[1:]:
         show_line(f"      {shown(path)}")
-    return 0
 
 
 def _show(there: "Chapters") -> None:
     """A table of verdicts for each section, and how many there are."""
-    from surae.cli.screen import show_line, show_verdicts
     from surae_thesis.section import counts
 
     for section, result in there:

@@ -1,33 +1,31 @@
 """`surae session`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from surae import names
-from surae.cli.options import MAPPING, MODEL_NAMES, figure_options, request, request_options
+from surae import api
+from surae.cli.options import (
+    FITTED_MODEL,
+    MAPPING,
+    PREPARED,
+    figure_options,
+    request,
+    request_options,
+)
 from surae.cli.paths import check_outputs
-from surae.cli.progress import Work
-from surae.errors import InputError
+from surae.cli.progress import StoppedError, Work, compilation_notice, work
+from surae.cli.screen import show_files, show_line, show_table
+from surae.errors import ComputationError, InputError
 from surae.files import shown
-
-if TYPE_CHECKING:
-    from surae.api import SessionResult, Step
 
 
 @click.command("session")
 @click.argument("recordings", metavar="FILES|DIR", nargs=-1, required=True)
 @MAPPING
-@click.option(
-    "--model",
-    type=click.Choice(names.FITTED),
-    default=names.AUTO,
-    show_default=True,
-    metavar="M",
-    help=f"{names.AUTO}: what the data support; or {MODEL_NAMES}.",
-)
-@click.option("--prepared", is_flag=True, help="Use the signals as they are, without filters.")
+@FITTED_MODEL
+@PREPARED
 @request_options
 @click.option("--output", required=True, metavar="OUT/", help="Folder of the fits and the report.")
 @click.option("--report", metavar="R.pdf", help="Write the report here too: HTML or PDF.")
@@ -43,7 +41,7 @@ def command(
     report: str | None,
     figure: str | None,
     width: float,
-) -> int:
+) -> None:
     """Fit the trials of one leg: each, all together, and each predicted by the others.
 
     FILES are data files or a folder of them; --mapping says which column is which signal, for all.
@@ -63,31 +61,30 @@ def command(
             check_outputs({option: path}, recordings)  # OUT/ is not there yet
 
     if report is not None:
-        from surae.api import check_report
-
-        check_report(report)
-    from surae.cli.progress import compilation_notice, work
+        api.check_report(report)
 
     with work() as progress:
         progress.describe("reading and sorting the trials")
-        from surae.api import session  # numba: only when there is something to read
 
-        trials = session(list(recordings), mapping=mapping)
+        trials = api.session(list(recordings), mapping=mapping)
         with compilation_notice():
             result = trials.run(output, settings, told=lambda step: _tell(progress, step))
-    code = _show(result, output)
-    from surae.cli.screen import show_line
-
+    _show(result, output)
     if report is not None:
         result.report(report)
-        show_line(f"report: {shown(report)}")
     if figure is not None and result.fits:
         result.figure(figure, width=width)
-        show_line(f"figure: {shown(figure)}")
-    return code
+    show_files({"report": report, "figure": figure if result.fits else None})
+    if result.interrupted:
+        raise StoppedError(
+            "stopped by the user; the fits that are complete are written, and the same command "
+            "goes on"
+        )
+    if not result.fits:
+        raise ComputationError("no trial could be fitted")
 
 
-def _tell(progress: Work, step: "Step") -> None:
+def _tell(progress: Work, step: "api.Step") -> None:
     """A bar while something is done, a line when it is."""
     if not step.outcome:
         progress.parts(step.what, step.done, step.total)
@@ -102,13 +99,10 @@ def _span(seconds: float) -> str:
     return f"{round(seconds / 60)} min left"
 
 
-def _show(result: "SessionResult", output: str) -> int:
-    """What came of it; the exit code."""
-    from surae.api import percentage
-    from surae.cli.screen import show_line, show_table
-
+def _show(result: "api.SessionResult", output: str) -> None:
+    """What came of it."""
     rows = [
-        (row["trial"], row["effort"], row["grade"], percentage(row["r2"] or float("nan")), "%")
+        (row["trial"], row["effort"], row["grade"], api.percentage(row["r2"] or float("nan")), "%")
         for row in result.rows()
     ]
     if rows:
@@ -118,17 +112,6 @@ def _show(result: "SessionResult", output: str) -> int:
     for text in result.common:
         show_line(text)
     show_line(f"report: {shown(output)}/report.html; table: {shown(output)}/table.csv")
-    if result.interrupted:
-        click.echo(
-            "surae: stopped by the user; the fits that are complete are written, and the same "
-            "command goes on",
-            err=True,
-        )
-        return 130
     unread = [trial.name for trial in result.session.trials if trial.recording is None]
     if unread:
         click.echo(f"surae: could not be read: {', '.join(unread)}", err=True)
-    if not result.fits:
-        click.echo("surae: no trial could be fitted", err=True)
-        return 1
-    return 0

@@ -4,9 +4,11 @@ from typing import Any
 
 import click
 
-from surae import names
+from surae import api, names
 from surae.cli.options import MODEL_NAMES, model_options
 from surae.cli.paths import check_outputs
+from surae.cli.progress import compilation_notice
+from surae.cli.screen import show_line
 from surae.errors import ComputationError, InputError
 from surae.files import shown
 
@@ -29,29 +31,14 @@ def command(
     P.json may hold emd, a delay of the EMG, and reflex_tri, reflex_tib, reflex_delay, a reflex. A
     FIT.json also says the model and its options, unless they are given here.
     """
-    from surae.api import (
-        MUSCLES,
-        ModelOptions,
-        csv_columns,
-        get_model,
-        prepare,
-        read,
-        with_optional,
-        write_csv,
-    )
-
-    measured = read(recording)
-    inputs = prepare(measured, prepared=True)
+    measured = api.read(recording)
+    inputs = api.prepare(measured, prepared=True)
     check_outputs({"--output": output}, [parameters, *(file.path for file in measured.files)])
 
-    from surae.api import read_parameters, simulate_parts
-    from surae.cli.progress import compilation_notice
-    from surae.cli.screen import show_line
-
-    source = read_parameters(parameters)
-    spec = with_optional(get_model(model or source.model or "muscle"), source.values)
+    source = api.read_parameters(parameters)
+    spec = api.with_optional(api.get_model(model or source.model or "muscle"), source.values)
     settings = dict(source.options) | options
-    known = ModelOptions.of(**settings)
+    known = api.ModelOptions.of(**settings)
     try:
         values = spec.vector(source.values, known)
     except InputError as error:
@@ -61,7 +48,7 @@ def command(
             f"{shown(recording)}: its EMG is in {inputs.emg_unit!r}, that of {shown(parameters)} "
             f"in {source.emg_unit!r}; the weights do not carry over"
         )
-    weights = dict(zip(MUSCLES, spec.weights, strict=True))
+    weights = dict(zip(api.MUSCLES, spec.weights, strict=True))
     silent = [muscle for muscle in inputs.missing_emg if source.values[weights[muscle]]]
     if silent:
         click.echo(
@@ -69,13 +56,13 @@ def command(
         )
     with compilation_notice():
         try:
-            parts = simulate_parts(spec.name, source.values, inputs, **settings)
+            parts = api.simulate_parts(spec.name, source.values, inputs, **settings)
         except ComputationError as error:
             raise ComputationError(f"{shown(parameters)}: {error}") from None
         state = spec.simulator(inputs, known).tendon(values)
-    table = csv_columns(measured) | {"torque_Nm": parts.total} | dict(parts.columns())
+    table = api.csv_columns(measured) | {"torque_Nm": parts.total} | dict(parts.columns())
     if state is not None:
         table |= state.columns()
     # The model takes the EMG as an envelope, whatever the file said of it.
-    write_csv(output, table, ["emg: envelope", f"torque simulated with model {spec.name}"])
+    api.write_csv(output, table, ["emg: envelope", f"torque simulated with model {spec.name}"])
     show_line(f"simulated: {shown(output)}")

@@ -1,17 +1,17 @@
 """`surae study`: run, status, export."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from functools import partial
 
 import click
 
-from surae.cli.options import WORKERS, Picture
+from surae import api
+from surae.cli.options import DASK, Picture, engine_of, workers_option
 from surae.cli.paths import check_outputs
+from surae.cli.progress import StoppedError, compilation_notice, work
+from surae.cli.screen import show_line
 from surae.errors import InputError
 from surae.files import shown, write_atomic
-
-if TYPE_CHECKING:
-    from surae.api import Store
 
 #: Reasons of failures that `status` lists.
 _REASONS = 5
@@ -27,57 +27,46 @@ def command() -> None:
 @command.command("run", short_help="Run a study, or go on with it.")
 @click.argument("study", metavar="STUDY.toml")
 @click.option("--store", required=True, metavar="S.db", help="Keeps every finished fit.")
-@click.option("--workers", type=WORKERS, metavar="N",
-              help="Fits at a time.  [default: one for each core]")  # fmt: skip
-@click.option(
-    "--engine", metavar="processes|threads", help="What the workers are.  [default: processes]"
-)
-@click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster to run on instead.")
+@workers_option("Fits", many="one for each core")
+@click.option("--engine", type=click.Choice(("processes", "threads")),
+              help="What the workers are.  [default: processes]")  # fmt: skip
+@DASK
 @click.option("--retry", is_flag=True, help="Try again what gave no fit in an earlier run.")
 def run_command(
     study: str, store: str, workers: int | None, engine: str | None, dask: str | None, retry: bool
-) -> int:
+) -> None:
     """Run a study, or go on with it: what the store holds is not computed again.
 
     STUDY.toml gives factors, each a value or a list of values; all combinations are fitted. The
     run may be stopped in any way and at any time: run it again and it goes on.
     """
-    if dask is not None and (workers is not None or engine is not None):
-        raise InputError("--dask brings workers of its own; give it without --workers or --engine")
-    if engine not in (None, "processes", "threads"):
-        raise InputError(f"--engine {engine}: use processes or threads")
+    if dask is None:
+        engine = engine or "processes"
+    chosen = engine_of(dask, workers, engine)
     check_outputs({"--store": store}, [study])
 
-    from surae.api import read_study
+    asked = api.read_study(study)
 
-    asked = read_study(study)
-
-    from surae.api import Store, run_study
-    from surae.cli.progress import compilation_notice, work
-    from surae.cli.screen import show_line
-    from surae.runner import Engine, cores
-
-    chosen = (
-        Engine("dask", address=dask)
-        if dask is not None
-        else Engine(engine or "processes", workers or cores())
-    )
-    with Store(store, write=True) as kept:
+    with api.Store(store, write=True) as kept:
         try:
             with work() as progress, compilation_notice():
                 progress.describe(f"planning {asked.size:,} fits")
-                done = run_study(asked, kept, engine=chosen, progress=progress.fits, retry=retry)
+                done = api.run_study(
+                    asked,
+                    kept,
+                    engine=chosen,
+                    progress=partial(progress.parts, "fits"),
+                    retry=retry,
+                )
         except KeyboardInterrupt:
             try:
                 now = kept.status()
             except InputError:  # it was still planning
                 raise KeyboardInterrupt from None
-            click.echo(
-                f"surae: stopped by the user; {now.done:,} of {now.calls:,} fits are kept: run the "
-                "same command to go on",
-                err=True,
-            )
-            return 130
+            raise StoppedError(
+                f"stopped by the user; {now.done:,} of {now.calls:,} fits are kept: run the same "
+                "command to go on"
+            ) from None
         reasons = kept.status().reasons
     rate = f", {done.computed / done.seconds:.1f} a second" if done.computed else ""
     show_line(
@@ -86,17 +75,13 @@ def run_command(
     )
     _show_reasons(reasons)
     show_line(f"table: surae study export {shown(store)} --output TABLE.csv")
-    return 0
 
 
 @command.command("status", short_help="Tell how far it is, also while it runs.")
 @click.argument("store", metavar="S.db")
 def status_command(store: str) -> None:
     """Tell how far a study is, also while it runs."""
-    from surae.api import Store
-    from surae.cli.screen import show_line
-
-    with Store(store) as kept:
+    with api.Store(store) as kept:
         now = kept.status()
     part = f" ({100 * now.done / now.calls:.0f} %)" if now.calls else ""
     show_line(f"{now.name}: {now.done:,} of {_counted(now.calls, now.rows)} done{part}")
@@ -129,12 +114,10 @@ def export_command(store: str, output: str, figure: str | None, x: str | None) -
         raise InputError("--x has no effect without --figure; give one")
     read = [store, f"{store}-wal", f"{store}-shm", f"{store}.lock"]
     check_outputs({"--output": output, "--figure": figure}, read)
-    from surae.api import Store, export_study
-    from surae.cli.screen import show_line
 
-    with Store(store) as kept:
+    with api.Store(store) as kept:
         drawn = _drawn(kept, figure, x) if figure is not None else b""
-        rows, hash_ = export_study(kept, output)
+        rows, hash_ = api.export_study(kept, output)
         all_rows = kept.status().rows
     if figure is not None:
         write_atomic(figure, drawn)
@@ -154,10 +137,7 @@ def export_command(store: str, output: str, figure: str | None, x: str | None) -
 @click.argument("copy", metavar="COPY.db")
 def backup_command(store: str, copy: str) -> None:
     """Copy a study's store as it is at one moment, also while a run writes to it."""
-    from surae.api import Store
-    from surae.cli.screen import show_line
-
-    with Store(store) as kept:
+    with api.Store(store) as kept:
         kept.backup(copy)
     show_line(f"copy: {shown(copy)}")
 
@@ -166,10 +146,7 @@ def backup_command(store: str, copy: str) -> None:
 @click.argument("store", metavar="S.db")
 def check_command(store: str) -> int:
     """Look for damage in a study's store; changes nothing."""
-    from surae.api import Store
-    from surae.cli.screen import show_line
-
-    with Store(store) as kept:
+    with api.Store(store) as kept:
         damage = kept.damage()
     for line in damage[:_MOST_LINES]:
         show_line(line)
@@ -186,28 +163,21 @@ def repair_command(store: str) -> None:
 
     What could not be read is computed by the next `surae study run`.
     """
-    from surae.api import Store
-    from surae.cli.screen import show_line
-
-    with Store(store) as kept:
+    with api.Store(store) as kept:
         whole = not kept.damage()
     if whole:
         show_line("nothing is wrong")
         return
-    saved, aside = Store.repair(store)
+    saved, aside = api.Store.repair(store)
     show_line(f"{shown(store)}: {saved:,} fits saved; the damaged file is {shown(aside.name)}")
 
 
-def _drawn(kept: "Store", figure: str, x: str | None) -> bytes:
+def _drawn(kept: "api.Store", figure: str, x: str | None) -> bytes:
     """The figure of what is there."""
-    from surae.api import parse_study, study_curves, study_table
+    study = api.parse_study(kept.text())
+    curves = api.study_curves(api.study_table(kept), tuple(study.factors), x)
 
-    study = parse_study(kept.text())
-    curves = study_curves(study_table(kept), tuple(study.factors), x)
-
-    from surae.api import figure_bytes, study_figure
-
-    return figure_bytes(figure, study_figure(curves, f"{study.name}:"))
+    return api.figure_bytes(figure, api.study_figure(curves, f"{study.name}:"))
 
 
 def _counted(fits: int, rows: int) -> str:
@@ -218,8 +188,6 @@ def _counted(fits: int, rows: int) -> str:
 
 def _show_reasons(reasons: Mapping[str, int]) -> None:
     """The most frequent reasons of failures."""
-    from surae.cli.screen import show_line
-
     if not reasons:
         return
     show_line(f"{sum(reasons.values()):,} failed:")

@@ -1,19 +1,18 @@
 """`surae validate`."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from surae import names
+from surae import api, names
 from surae.cli.fit import read_all
 from surae.cli.options import MODEL_NAMES, figure_options, request, request_options
 from surae.cli.paths import check_outputs, check_recordings
+from surae.cli.progress import compilation_notice, work
+from surae.cli.screen import show_files, show_line, show_predictions
 from surae.errors import InputError
 from surae.files import shown, write_json
-
-if TYPE_CHECKING:
-    from surae.api import FitSettings, Pooled, Prediction
 
 
 @click.command("validate")
@@ -59,22 +58,16 @@ def command(
             raise InputError(f"--{name.replace('_', '-')} has no effect without --leave-one-out")
     weighting = request("muscle", asked).weights
 
-    from surae.api import check_report, read
-
-    check_report(report)
-    measured = [read(path) for path in recordings]
+    api.check_report(report)
+    measured = [api.read(path) for path in recordings]
     check_outputs(
         {"--output": output, "--report": report, "--figure": figure},
         [fitted, *(f.path for recording in measured for f in recording.files)],
     )
 
-    from surae.api import load, validate  # numba: only when the input is in order
-    from surae.cli.progress import compilation_notice
-    from surae.cli.screen import show_line, show_predictions
-
-    fit = load(fitted)
+    fit = api.load(fitted)
     with compilation_notice():
-        predictions = validate(fit, measured, prepared=prepared, weights=weighting)
+        predictions = api.validate(fit, measured, prepared=prepared, weights=weighting)
     if output is not None:
         write_json(output, {"recordings": _table(recordings, predictions)})
     show_predictions(predictions, recordings)
@@ -82,19 +75,16 @@ def command(
     for path, recording in zip(recordings, measured, strict=True):
         if any(file.sha256 in used for file in recording.files):
             show_line(f"{shown(path)} was used in the fit: following it proves nothing")
-    if output is not None:
-        show_line(f"validation: {shown(output)}")
     if report is not None:
         fit.report(report, validation=predictions)
-        show_line(f"report: {shown(report)}")
     if figure is not None:
         fit.figure(figure, validation=predictions, width=width)
-        show_line(f"figure: {shown(figure)}")
+    show_files({"validation": output, "report": report, "figure": figure})
 
 
 def _leave_one_out(
     paths: tuple[str, ...],
-    settings: "FitSettings",
+    settings: "api.FitSettings",
     mvc: tuple[str, ...],
     output: str | None,
     figure: str | None,
@@ -103,19 +93,15 @@ def _leave_one_out(
     """Predict each recording with a fit of the others."""
     check_recordings(paths)
 
-    from surae.cli.progress import compilation_notice, work
-
     with work() as progress:
         measured, contractions = read_all(paths, progress), read_all(mvc, progress)
         check_outputs(
             {"--output": output, "--figure": figure},
             [file.path for recording in (*measured, *contractions) for file in recording.files],
         )
-        from surae.api import leave_one_out  # numba: only when the input is in order
-        from surae.cli.screen import show_line, show_predictions
 
         with compilation_notice():
-            left_out = leave_one_out(
+            left_out = api.leave_one_out(
                 measured,
                 settings,
                 mvc=contractions,
@@ -135,28 +121,25 @@ def _leave_one_out(
     for path, recording in zip(paths, left_out.recordings, strict=True):
         if recording.fit.status != "converged":
             show_line(f"without {shown(path)}: {recording.fit.status}, {recording.fit.message}")
-    if output is not None:
-        show_line(f"validation: {shown(output)}")
     if figure is not None:
-        from surae.api import predictions_figure, write_figure
+        drawn = api.predictions_figure(left_out.predictions, width=width / 25.4)
+        api.write_figure(figure, drawn)
+    show_files({"validation": output, "figure": figure})
 
-        write_figure(figure, predictions_figure(left_out.predictions, width=width / 25.4))
-        show_line(f"figure: {shown(figure)}")
 
-
-def _table(paths: Sequence[str], predictions: Sequence["Prediction"]) -> list[dict[str, Any]]:
+def _table(paths: Sequence[str], predictions: Sequence["api.Prediction"]) -> list[dict[str, Any]]:
     return [
         {"path": path, **_figures(prediction), **_judged(prediction)}
         for path, prediction in zip(paths, predictions, strict=True)
     ]
 
 
-def _judged(prediction: "Prediction") -> dict[str, Any]:
+def _judged(prediction: "api.Prediction") -> dict[str, Any]:
     judged = prediction.adequacy
     if judged is None:
         return {}
     return {"r2": judged.r2, "grade": str(judged.grade), "reasons": list(judged.reasons)}
 
 
-def _figures(prediction: "Prediction | Pooled") -> dict[str, Any]:
+def _figures(prediction: "api.Prediction | api.Pooled") -> dict[str, Any]:
     return {"vaf": prediction.vaf, "rmse_Nm": prediction.rmse, "bias_Nm": prediction.bias}

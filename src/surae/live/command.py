@@ -5,8 +5,7 @@ from pathlib import Path
 
 import click
 
-from surae.cli.options import Number, Whole
-from surae.cli.protocol import span_of
+from surae.cli.options import Number, Whole, range_option
 from surae.errors import InputError
 
 
@@ -24,9 +23,7 @@ from surae.errors import InputError
 @click.option("--mapping", metavar="MAP.toml", help="Which channel of the streams is which signal.")
 @click.option("--device", default="achilles", show_default=True, metavar="NAME|FILE.toml",
               help="What moves the leg.")  # fmt: skip
-@click.option("--range", "range_", metavar="LOW:HIGH",
-              help="Full plantarflexion and dorsiflexion of the subject, in rad.  "
-              "[default: -0.9:0.6, as far as the device]")  # fmt: skip
+@range_option("-0.9:0.6, as far as the device")
 @click.option("--output", default="surae-live", show_default=True, metavar="DIR",
               help="Where the trials are kept.")  # fmt: skip
 @click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS",
@@ -47,7 +44,7 @@ def command(
     seed: int,
     mapping: str | None,
     device: str,
-    range_: str | None,
+    range: tuple[float, float] | None,
     output: str,
     host: str,
     port: int,
@@ -65,7 +62,6 @@ def command(
         raise InputError("--unattended goes with --rehearse; leave it away, or add that")
     if watch is not None and not Path(watch).is_dir():
         raise InputError(f"--watch {watch}: there is no such folder; make it first")
-    span = None if range_ is None else span_of(range_)
     from surae.live.lsl import SESSION, lsl
     from surae.recording.reading import open_mapping
 
@@ -84,7 +80,7 @@ def command(
             watch=watch,
             leg=seed if rehearse else None,
             device=device,
-            span=span,
+            span=range,
             host=host,
             port=port,
             token=token,
@@ -101,5 +97,5 @@ def command(
         seed=seed,
         mapping=mapping,
         device=device,
-        span=span,
+        span=range,
     )

@@ -4,21 +4,7 @@ import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from surae.api import (
-    PROFILES,
-    Plan,
-    Protocol,
-    Trajectory,
-    allowed_range,
-    asked_limits,
-    expect,
-    extremes,
-    generate,
-    named_device,
-    ready_protocols,
-    ready_trajectory,
-    triceps_path,
-)
+from surae import api
 from surae.errors import InputError
 from surae.web.live import plain
 
@@ -34,18 +20,18 @@ _PREDICTED = 60_000
 _LEGS = 6
 
 
-def trajectory_of(settings: "ProtocolSettings") -> Trajectory:
+def trajectory_of(settings: "ProtocolSettings") -> api.Trajectory:
     """The trajectory of some settings: a designed protocol, or a profile of the thesis."""
-    device = None if settings.device is None else named_device(settings.device)
+    device = None if settings.device is None else api.named_device(settings.device)
     if settings.plan is not None:
         limits = settings.limits or (*settings.range, 1e6, 1e6)
-        allowed_range(device, limits[:2])
+        api.allowed_range(device, limits[:2])
         if settings.plan.seconds * settings.rate_hz > _MOST_SAMPLES:
             raise InputError("too many samples; use a lower rate")
-        return Plan.sampled(_plain(settings.plan), limits, settings.rate_hz, device)
-    if settings.profile in ready_protocols():
-        return ready_trajectory(settings.profile, device, settings.range, settings.rate_hz)
-    made = Protocol(
+        return api.Plan.sampled(_plain(settings.plan), limits, settings.rate_hz, device)
+    if settings.profile in api.ready_protocols():
+        return api.ready_trajectory(settings.profile, device, settings.range, settings.rate_hz)
+    made = api.Protocol(
         profile=settings.profile,
         task=settings.task,
         chirp_amplitude=settings.chirp_amplitude,
@@ -61,10 +47,10 @@ def trajectory_of(settings: "ProtocolSettings") -> Trajectory:
             f"{made.seconds:g} s at {made.rate_hz:g} Hz are too many samples; use a shorter "
             "duration or a lower rate"
         )
-    return generate(made)
+    return api.generate(made)
 
 
-def for_export(settings: "ProtocolSettings", reason: str) -> Trajectory:
+def for_export(settings: "ProtocolSettings", reason: str) -> api.Trajectory:
     """The trajectory, if it may be written: within a device's limits, or for a reason."""
     trajectory = trajectory_of(settings)
     exceeded = [limit for limit in limits(settings, trajectory) if limit["exceeded"]]
@@ -74,16 +60,16 @@ def for_export(settings: "ProtocolSettings", reason: str) -> Trajectory:
     return trajectory
 
 
-def limits(settings: "ProtocolSettings", trajectory: Trajectory) -> list[dict[str, Any]]:
+def limits(settings: "ProtocolSettings", trajectory: api.Trajectory) -> list[dict[str, Any]]:
     """Every limit of the device, whether it is exceeded by those it is for, and by how much."""
     if trajectory.settings.device is None:
         return [{"text": "No device: no limit is kept", "exceeded": True}]
     model, population = "muscle", None
     if settings.plan is not None:
         model, population = settings.plan.model, settings.plan.population
-    elif settings.profile in ready_protocols():
-        model = ready_protocols()[settings.profile].model
-    asked = asked_limits(trajectory, model, population)
+    elif settings.profile in api.ready_protocols():
+        model = api.ready_protocols()[settings.profile].model
+    asked = api.asked_limits(trajectory, model, population)
     return [{"text": limit.text, "exceeded": limit.exceeded} for limit in asked]
 
 
@@ -103,9 +89,9 @@ def preview(
             f"{len(trajectory.time)} samples at {settings.rate_hz:g} Hz are too many to predict "
             "from; use a rate of 125 Hz: it tells as much"
         )
-    path, adaptation = triceps_path(trajectory), trajectory.adaptation
-    told = expect(trajectory, model, population=population, noise=noise, legs=_LEGS)
-    shown = extremes([trajectory.angle, trajectory.velocity], _POINTS)
+    path, adaptation = api.triceps_path(trajectory), trajectory.adaptation
+    told = api.expect(trajectory, model, population=population, noise=noise, legs=_LEGS)
+    shown = api.extremes([trajectory.angle, trajectory.velocity], _POINTS)
     step = max(-(-len(trajectory.time) // _POINTS), 1)
     return {
         "t": plain(trajectory.time[shown]),
@@ -141,20 +127,20 @@ def side_by_side(
     The legs and the noise are the same; those that are kept move over their own range.
     """
     rows = []
-    short = [name for name, profile in PROFILES.items() if profile.duration < 20.0]
+    short = [name for name, profile in api.PROFILES.items() if profile.duration < 20.0]
     fresh = {"rate_hz": 128.0, "duration": None, "plan": None, "limits": None}
     compared = {
         name: settings.model_copy(
             update={**fresh, "profile": name, **({"task": "passive"} if name in short else {})}
         )
-        for name in (*ready_protocols(), *PROFILES)
+        for name in (*api.ready_protocols(), *api.PROFILES)
     } | {name: given.model_copy(update={"rate_hz": 128.0}) for name, given in kept.items()}
     for name, asked in compared.items():
-        designed = name in ready_protocols() or asked.plan is not None
+        designed = name in api.ready_protocols() or asked.plan is not None
         row: dict[str, Any] = {"name": name, "designed": designed}
         try:
             trajectory = trajectory_of(asked)
-            told = expect(trajectory, model, population=population, noise=noise, legs=_LEGS)
+            told = api.expect(trajectory, model, population=population, noise=noise, legs=_LEGS)
         except InputError as refusal:
             rows.append(row | {"refused": str(refusal)})
             continue

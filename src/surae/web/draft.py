@@ -4,21 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
-from surae.api import (
-    FitSettings,
-    ModelSpec,
-    Parameter,
-    Weighting,
-    adapted,
-    get_model,
-    richest,
-    with_optional,
-)
+from surae import api
 from surae.errors import InputError
 
 #: Keys whose entries a change adds to or, with None, takes away; it replaces all others.
 _MERGED = ("exclusions", "sliders")
-_SETTINGS = tuple(field.name for field in fields(FitSettings))
+_SETTINGS = tuple(field.name for field in fields(api.FitSettings))
 
 #: The settings as plain data, with recordings, contractions, spans to leave out, and sliders.
 Draft = dict[str, Any]
@@ -27,7 +18,7 @@ Draft = dict[str, Any]
 def empty_draft() -> Draft:
     """What a new session begins with; the settings are those of `surae fit`."""
     data: Draft = {"recordings": [], "mvc": [], "exclusions": {}, "sliders": {}}
-    return {**FitSettings().as_dict(), **data}
+    return {**api.FitSettings().as_dict(), **data}
 
 
 def changed(draft: Draft, change: Mapping[str, Any]) -> Draft:
@@ -38,7 +29,7 @@ def changed(draft: Draft, change: Mapping[str, Any]) -> Draft:
             entries = {**draft[key], **value}
             made[key] = {name: entry for name, entry in entries.items() if entry is not None}
         elif key == "options":
-            made[key] = {**FitSettings().options.as_dict(), **value}
+            made[key] = {**api.FitSettings().options.as_dict(), **value}
         elif key != "parameters":
             made[key] = value
     for name, told in change.get("parameters", {}).items():
@@ -53,8 +44,8 @@ def _take_row(draft: Draft, name: str, told: Mapping[str, Any] | None) -> None:
     draft["free"] = [other for other in draft["free"] if other != name]
     if told is None:
         return
-    spec = with_optional(get_model(richest(draft["model"])), {name})
-    default = adapted(spec.parameters, _settings(draft).options).get(name)
+    spec = api.with_optional(api.get_model(api.richest(draft["model"])), {name})
+    default = api.adapted(spec.parameters, _settings(draft).options).get(name)
     usual, value = name in spec.free, told.get("value")
     if not told.get("free", usual):
         if value is not None or default is not None:
@@ -108,7 +99,7 @@ def upgraded(data: object) -> Draft:
         return {**empty, "recordings": data.get("recordings", [])}
 
 
-def settings_of(draft: Draft, recordings: Sequence[str]) -> FitSettings:
+def settings_of(draft: Draft, recordings: Sequence[str]) -> api.FitSettings:
     """What a draft asks of these recordings, given by their ids, for its model.
 
     Parameters of a model that the session had chosen before are left out.
@@ -117,7 +108,7 @@ def settings_of(draft: Draft, recordings: Sequence[str]) -> FitSettings:
     spans = [draft["exclusions"].get(id_, ()) for id_ in recordings]
     if not any(spans):
         return settings
-    shared = settings.weights if isinstance(settings.weights, Weighting) else Weighting()
+    shared = settings.weights if isinstance(settings.weights, api.Weighting) else api.Weighting()
     each = tuple(
         replace(shared, windows=(*shared.windows, *((float(a), float(b), 0.0) for a, b in own)))
         for own in spans
@@ -125,20 +116,20 @@ def settings_of(draft: Draft, recordings: Sequence[str]) -> FitSettings:
     return replace(settings, weights=each[0] if len(each) == 1 else each)
 
 
-def _settings(draft: Draft) -> FitSettings:
+def _settings(draft: Draft) -> api.FitSettings:
     """The draft's settings, without what it says of single recordings."""
-    return FitSettings.from_dict({key: draft[key] for key in _SETTINGS})
+    return api.FitSettings.from_dict({key: draft[key] for key in _SETTINGS})
 
 
-def spec_of(draft: Draft) -> ModelSpec:
+def spec_of(draft: Draft) -> api.ModelSpec:
     """The model of a draft, with the drives of which it mentions a parameter."""
-    return with_optional(get_model(richest(draft["model"])), _settings(draft).mentioned)
+    return api.with_optional(api.get_model(api.richest(draft["model"])), _settings(draft).mentioned)
 
 
 def values_of(draft: Draft, emg_unit: str, prescribed: Mapping[str, float]) -> dict[str, float]:
     """The value of every parameter before a fit: slider, else fixed or start, else default."""
     spec = spec_of(draft)
-    table = adapted(spec.parameters, _settings(draft).options, emg_unit)
+    table = api.adapted(spec.parameters, _settings(draft).options, emg_unit)
     values = {name: float(p.start) for name, p in table.items()}
     values |= {name: float(value) for name, value in prescribed.items() if name in table}
     for told in (draft["start"], draft["fixed"]):
@@ -152,7 +143,7 @@ def parameter_table(
 ) -> list[dict[str, Any]]:
     """The parameters of the draft's model as a page shows them."""
     spec = spec_of(draft)
-    table = adapted(spec.parameters, _settings(draft).options, emg_unit)
+    table = api.adapted(spec.parameters, _settings(draft).options, emg_unit)
     now = values_of(draft, emg_unit, prescribed)
     priors = _population(draft)
     rows, told_of = [], shown(draft)["parameters"]
@@ -184,16 +175,14 @@ def parameter_table(
     return rows
 
 
-def described(p: Parameter, free: bool) -> dict[str, Any]:
+def described(p: api.Parameter, free: bool) -> dict[str, Any]:
     """The defaults of one parameter."""
     return {"free": free, "value": p.start, "lower": p.lower, "upper": p.upper}
 
 
 def _population(draft: Draft) -> dict[str, dict[str, float]]:
     """Default priors that the draft asks for."""
-    from surae.api import population_priors
-
     if draft["population"] is None:
         return {}
-    known = population_priors(draft["population"], _settings(draft).options)
+    known = api.population_priors(draft["population"], _settings(draft).options)
     return {name: {"median": m, "spread": s} for name, (m, s) in known.items()}

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from surae.api import FitSettings, ModelInputs, ModelSpec, Simulator, thinned, thinning_factor
+from surae import api
 from surae.units import FloatArray
 from surae.web.pyramid import Pyramid
 
@@ -25,20 +25,21 @@ class FitProgress:
 
     def __init__(
         self,
-        inputs: Sequence[ModelInputs],
+        inputs: Sequence[api.ModelInputs],
         ids: Sequence[str],
-        settings: FitSettings,
+        settings: api.FitSettings,
         tell: Tell,
     ) -> None:
         self._inputs = [
-            thinned(recording, thinning_factor(recording, _RATE, _SAMPLES)) for recording in inputs
+            api.thinned(recording, api.thinning_factor(recording, _RATE, _SAMPLES))
+            for recording in inputs
         ]
         self._ids, self._tell = ids, tell
         self._options = settings.options
         self._starts, self._start, self._iteration = settings.starts, 1, 0
         self._points = min(_POINTS, max(_ALL // len(self._inputs), 100))
-        self._last, self._simulators = 0.0, dict[tuple[str, ...], list[Simulator]]()
-        self._best: tuple[ModelSpec, FloatArray, float] | None = None
+        self._last, self._simulators = 0.0, dict[tuple[str, ...], list[api.Simulator]]()
+        self._best: tuple[api.ModelSpec, FloatArray, float] | None = None
 
     def start(self, done: int, starts: int, best: float) -> None:
         """A start is done."""
@@ -47,14 +48,14 @@ class FitProgress:
         if self._best is not None:
             self._send(*self._best)
 
-    def point(self, spec: ModelSpec, values: FloatArray, sse: float) -> None:
+    def point(self, spec: api.ModelSpec, values: FloatArray, sse: float) -> None:
         """A better point is found."""
         self._iteration += 1
         self._best = (spec, values, sse)
         if time.monotonic() - self._last >= _EVERY:
             self._send(spec, values, sse)
 
-    def _send(self, spec: ModelSpec, values: FloatArray, sse: float) -> None:
+    def _send(self, spec: api.ModelSpec, values: FloatArray, sse: float) -> None:
         # A fit may go through simpler models, and through the same one without its drives.
         key = (spec.name, *spec.names)
         if key not in self._simulators:

@@ -7,16 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from surae.api import (
-    MODELS,
-    adequacy_words,
-    budget_section,
-    extremes,
-    family_section,
-    fit_settings,
-    laboratory_section,
-    trials_section,
-)
+from surae import api
 from surae.errors import InputError
 from surae.names import AUTO
 from surae.web.draft import settings_of, shown, upgraded
@@ -26,7 +17,6 @@ from surae.web.rows import Thing
 from surae.web.sessions import BrowserSession
 
 if TYPE_CHECKING:
-    from surae.api import Fit, FitSettings, ModelInputs
     from surae.web.workbench import Workbench
 
 _PARTS = ("tissue_tri", "tissue_tib", "neural_tri", "neural_tib", "inertial", "gravitational")
@@ -82,15 +72,13 @@ def versions_of(bench: "Workbench", draft: Mapping[str, Any]) -> dict[str, int]:
 
 def check_draft(bench: "Workbench", draft: dict[str, Any]) -> None:
     """Refuse a draft that no fit can be made of, with the line that the fit would give."""
-    from surae.api import make_problem
-
     settings, inputs = prepared_draft(bench, draft)
-    make_problem(inputs, settings)
+    api.make_problem(inputs, settings)
 
 
 def prepared_draft(
     bench: "Workbench", draft: dict[str, Any]
-) -> "tuple[FitSettings, tuple[ModelInputs, ...]]":
+) -> "tuple[api.FitSettings, tuple[api.ModelInputs, ...]]":
     """What a draft asks, and what a model reads of its recordings."""
     settings = settings_of(draft, draft["recordings"])
     inputs, contractions = (
@@ -190,7 +178,7 @@ def _profile(row: Mapping[str, Any]) -> dict[str, Any]:
 
 def model_title(name: str) -> str:
     """What people call a model."""
-    return "automatic" if name == AUTO else MODELS[name].title
+    return "automatic" if name == AUTO else api.MODELS[name].title
 
 
 def fit_summary(bench: "Workbench", fit: Thing) -> dict[str, Any]:
@@ -249,22 +237,22 @@ def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
     }
 
 
-def _told(fit: "Fit") -> dict[str, Any]:
+def _told(fit: "api.Fit") -> dict[str, Any]:
     """What the report says of the whole fit, of what makes it unsure, and of what was searched."""
     result, assessment = fit.result, fit.assessment
     sections: dict[str, Any] = {
-        "adequacy": adequacy_words(fit.adequacy),
-        "budget": budget_section(result, assessment),
-        "laboratory": laboratory_section(result, assessment),
-        "family": family_section(result, assessment),
-        "trials": trials_section(result, assessment),
+        "adequacy": api.adequacy_words(fit.adequacy),
+        "budget": api.budget_section(result, assessment),
+        "laboratory": api.laboratory_section(result, assessment),
+        "family": api.family_section(result, assessment),
+        "trials": api.trials_section(result, assessment),
     }
     told = {name: None if each is None else asdict(each) for name, each in sections.items()}
-    return told | {"made": [asdict(each) for each in fit_settings(result, assessment)]}
+    return told | {"made": [asdict(each) for each in api.fit_settings(result, assessment)]}
 
 
 def fit_traces(
-    fitted: "Fit", number: int, start: float | None, end: float | None, points: int
+    fitted: "api.Fit", number: int, start: float | None, end: float | None, points: int
 ) -> dict[str, Any]:
     """The curves of one recording of a fit, at common instants."""
     parts = fitted.parts(number)  # refuses a wrong number
@@ -277,7 +265,7 @@ def fit_traces(
     modelled = measured - residual
     inside = slice(first, last)
     # Every point is a sample: parts add up to the torque, and no swing of a chirp is lost.
-    shown = first + extremes(
+    shown = first + api.extremes(
         [each[inside] for each in (measured, modelled, recording.angle)], points
     )
     return {
@@ -300,6 +288,5 @@ def _excluded(time: Any, weight: Any) -> list[list[float]]:
     """Spans that were left out [s]."""
     if weight is None:
         return []
-    from surae.api import excluded_spans
 
-    return [[float(time[a]), float(time[b])] for a, b in excluded_spans(weight)]
+    return [[float(time[a]), float(time[b])] for a, b in api.excluded_spans(weight)]

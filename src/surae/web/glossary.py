@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 
+from surae import api
+
 #: A term of the glossary: its bold name, what else stands on its line, and the explanation.
 _ENTRY = re.compile(r"^\*\*(.+?)\*\*(.*)\n: ((?:.+\n?(?:  )?)+)", re.MULTILINE)
 _CODE = re.compile(r"`([^`]+)`")
@@ -49,11 +51,9 @@ def terms() -> tuple[Term, ...]:
 @cache
 def symbols() -> tuple[Symbol, ...]:
     """Every parameter of every model, and what the laboratory cannot rule out."""
-    from surae.api import MODELS, OPTIONAL_PARAMETERS
-
     known: dict[str, Symbol] = {}
-    rows = [(p, spec.title) for spec in MODELS.values() for p in spec.parameters]
-    for parameter, model in (*rows, *((p, "") for p in OPTIONAL_PARAMETERS)):
+    rows = [(p, spec.title) for spec in api.MODELS.values() for p in spec.parameters]
+    for parameter, model in (*rows, *((p, "") for p in api.OPTIONAL_PARAMETERS)):
         before = known.get(parameter.name)
         meaning, models = parameter.meaning, (model,) if model else ()
         if before is not None:  # the same letter may stand for another thing in another model
@@ -63,7 +63,7 @@ def symbols() -> tuple[Symbol, ...]:
                 tuple(dict.fromkeys((*before.models, *models))),
             )
         known[parameter.name] = Symbol(parameter.name, meaning, parameter.unit, models)
-    every = tuple(spec.title for spec in MODELS.values())
+    every = tuple(spec.title for spec in api.MODELS.values())
     return tuple(replace(each, models=_shortly(each.models, every)) for each in known.values())
 
 

@@ -18,16 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from surae.api import (
-    Recording,
-    is_mapping,
-    load_each,
-    min_max,
-    open_source,
-    open_table,
-    read,
-    write_hdf5,
-)
+from surae import api
 from surae.errors import InputError
 from surae.units import FloatArray
 
@@ -85,21 +76,19 @@ def inspected(files: Sequence[Upload]) -> dict[str, Any]:
     with _folder(files) as names:
         first = names[files[0]["id"]]
         ids = {name: id_ for id_, name in names.items()}
-        source = open_source(first)
-        if is_mapping(source):
+        source = api.open_source(first)
+        if api.is_mapping(source):
             return _of_mapping(source.data, first, ids)
         return _of_data(list(names.values()), ids)
 
 
 def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
     """Columns of data files with the guesses of `surae.recording.inspection`."""
-    from surae.api import inspect
-
-    inspection = inspect(list(names))
+    inspection = api.inspect(list(names))
     previews: dict[tuple[str, str], Any] = {}
     for name in names:
-        table = open_table(open_source(name))
-        for column, loaded in load_each(table, list(dict.fromkeys(table.names))).items():
+        table = api.open_table(api.open_source(name))
+        for column, loaded in api.load_each(table, list(dict.fromkeys(table.names))).items():
             if not isinstance(loaded, InputError):
                 previews[name, column] = preview(loaded.time, loaded.values)
     taken = {id(channel): role for role, channel in inspection.roles.items()}
@@ -206,7 +195,7 @@ def _zeros(
         """The first sample of a channel that is described so."""
         every = {**mapping, "channels": {**channels, role: {**channels[role], **said}}}
         Path(_MAPPING).write_text(_toml(every, names), encoding="utf-8")
-        return float(read(_MAPPING).channels[role].values[0])
+        return float(api.read(_MAPPING).channels[role].values[0])
 
     for role, entry in told["channels"].items():
         zero = entry.get("zero")
@@ -262,16 +251,16 @@ def imported(
     with _folder(files) as names:
         Path(_MAPPING).write_text(_toml(mapping, names), encoding="utf-8")
         try:
-            recording = read(_MAPPING)
+            recording = api.read(_MAPPING)
         except InputError as error:  # the user sees a form, not our file
             raise InputError(str(error).removeprefix(f"{_MAPPING}: ")) from None
     recording = replace(recording, files=recording.files[1:])
     if output is not None:
-        write_hdf5(output, recording)
+        api.write_hdf5(output, recording)
     return described(recording)
 
 
-def described(recording: Recording) -> dict[str, Any]:
+def described(recording: api.Recording) -> dict[str, Any]:
     """A recording as plain data, with what is questionable about it."""
     channels = list(recording.channels.values())
     return {
@@ -300,13 +289,11 @@ def described(recording: Recording) -> dict[str, Any]:
     }
 
 
-def findings(recording: Recording) -> list[dict[str, Any]]:
+def findings(recording: api.Recording) -> list[dict[str, Any]]:
     """What is questionable about a recording."""
     from dataclasses import asdict
 
-    from surae.api import check
-
-    rows = [asdict(finding) for finding in check(recording).findings]
+    rows = [asdict(finding) for finding in api.check(recording).findings]
     return [
         {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in finding.items()}
         for finding in rows
@@ -369,5 +356,5 @@ def preview(time: FloatArray, values: FloatArray) -> dict[str, Any]:
     good = np.isfinite(time) & np.isfinite(values)
     if not good.any():
         return {"t": [], "v": [], "mean": None}
-    t, v = min_max(time[good], values[good], _PREVIEW - 2)
+    t, v = api.min_max(time[good], values[good], _PREVIEW - 2)
     return {"t": t.tolist(), "v": v.tolist(), "mean": float(values[good].mean())}

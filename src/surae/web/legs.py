@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from surae import api
 from surae.web.database import new_id
 from surae.web.fits import add_fit, fit_summary, versions_of
 from surae.web.http_errors import RefusedError
@@ -21,10 +22,8 @@ def sorted_as(
     bench: "Workbench", recordings: Sequence[str], efforts: Mapping[str, str]
 ) -> list[dict[str, Any]]:
     """What each trial is, and what it is used for, in the words of the report."""
-    from surae.api import session, trial_row
-
     rows = {id_: bench.project.need("recording", id_) for id_ in dict.fromkeys(recordings)}
-    leg = session(
+    leg = api.session(
         [replace(bench.recording(id_), name=row["name"]) for id_, row in rows.items()],
         efforts={rows[id_]["name"]: effort for id_, effort in efforts.items() if id_ in rows},
     )
@@ -34,7 +33,7 @@ def sorted_as(
             "recording": id_, "name": row["name"], "effort": told[row["name"]].effort,
             "told": told[row["name"]].told, "fitted": told[row["name"]].use == "fit",
             **{
-                key: getattr(trial_row(told[row["name"]], None, None, {}, {}), key)
+                key: getattr(api.trial_row(told[row["name"]], None, None, {}, {}), key)
                 for key in ("what", "why", "use", "problem")
             },
         }

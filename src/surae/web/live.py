@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from surae.api import ModelInputs, ModelOptions, Simulator, adapted, check_value, thinned
+from surae import api
 from surae.errors import InputError
 from surae.units import FloatArray
 from surae.web.caches import Cache
@@ -19,13 +19,13 @@ _PARTS = ("tissue_tri", "tissue_tib", "neural_tri", "neural_tib", "inertial", "g
 
 #: Memory for simulators [bytes].
 _KEPT = 300e6
-_simulators: Cache[tuple[ModelInputs, Simulator, threading.Lock]] = Cache(
+_simulators: Cache[tuple[api.ModelInputs, api.Simulator, threading.Lock]] = Cache(
     _KEPT, lambda fewer_inputs: 250.0 * fewer_inputs[0].n
 )
 
 
 def live(
-    inputs: ModelInputs,
+    inputs: api.ModelInputs,
     draft: Draft,
     values: Mapping[str, float],
     *,
@@ -41,20 +41,20 @@ def live(
     given, from `start` to `end` [s], with the torque's `parts` or without; `key` names `inputs`.
     """
     begin = time.perf_counter()
-    spec, options = spec_of(draft), ModelOptions.of(**draft["options"])
+    spec, options = spec_of(draft), api.ModelOptions.of(**draft["options"])
     for name in values:
         if name not in spec.names:
             known = ", ".join(spec.names)
             raise InputError(f"model {spec.name!r} has no parameter {name!r}; it has: {known}")
     chosen = {**values_of(draft, inputs.emg_unit, inputs.fixed), **values}
-    table = adapted(spec.parameters, options, inputs.emg_unit)
+    table = api.adapted(spec.parameters, options, inputs.emg_unit)
     for name, p in table.items():
-        check_value(p, chosen[name], spec)
+        api.check_value(p, chosen[name], spec)
     vector = np.array([chosen[name] for name in spec.names], dtype=float)
 
-    def tie() -> tuple[ModelInputs, Simulator, threading.Lock]:
+    def tie() -> tuple[api.ModelInputs, api.Simulator, threading.Lock]:
         most = _RIGID if spec.parent is None else _COMPLIANT
-        fewer = thinned(inputs, -(-inputs.n // most)) if inputs.n > most else inputs
+        fewer = api.thinned(inputs, -(-inputs.n // most)) if inputs.n > most else inputs
         return fewer, spec.simulator(fewer, options), threading.Lock()
 
     fewer_inputs, simulator, lock = _simulators.get((key, spec.name, spec.names, options), tie)
@@ -114,18 +114,16 @@ def plain(values: FloatArray) -> list[float | None]:
 
 def warm() -> None:
     """Run every model once on a short made-up signal."""
-    from surae.api import MODELS
-
     n = 64
     t = np.arange(n) / 128.0
     zeros = np.zeros(n)
-    inputs = ModelInputs(
+    inputs = api.ModelInputs(
         name="warm", rate_hz=128.0, time=t, angle=0.1 * np.sin(t), velocity=0.1 * np.cos(t),
         acceleration=zeros, emg=np.full((n, 4), 1e-5), emg_unit="V", torque=zeros,
     )  # fmt: skip
-    for spec in MODELS.values():
-        options = ModelOptions()
-        vector = np.array([p.start for p in adapted(spec.parameters, options).values()])
+    for spec in api.MODELS.values():
+        options = api.ModelOptions()
+        vector = np.array([p.start for p in api.adapted(spec.parameters, options).values()])
         simulator = spec.simulator(inputs, options)
         simulator.torque(vector)
         simulator.parts(vector)

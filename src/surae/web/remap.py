@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from surae.api import Channel, Recording
+from surae import api
 from surae.errors import InputError
 from surae.frozen import read_only
 from surae.units import FACTORS, SI, FloatArray, kind
@@ -65,8 +65,8 @@ def _said_unit(source: str, role: str) -> str:
 
 
 def described_anew(
-    recording: Recording, first: Mapping[str, Any], wanted: Mapping[str, Any]
-) -> Recording:
+    recording: api.Recording, first: Mapping[str, Any], wanted: Mapping[str, Any]
+) -> api.Recording:
     """The recording as imported, with another description of the same columns.
 
     `first` is the description that it was imported with, `wanted` the one that it shall have.
@@ -88,7 +88,7 @@ def described_anew(
             new["sign"] * (new["scale"] * raw + new["offset"]) * _factor(role, unit)
         )
         source_text = f"{measured.source.partition(' (')[0]} ({_told(new, unit)})"
-        channels[role] = Channel(
+        channels[role] = api.Channel(
             role, measured.time, read_only(values), "1" if unit == "1" else SI[kind(role)],
             source_text,
         )  # fmt: skip
@@ -115,7 +115,7 @@ def _told(channel: Mapping[str, Any], unit: str) -> str:
     )
 
 
-def imported_columns(recording: Recording, first: Mapping[str, Any]) -> list[dict[str, Any]]:
+def imported_columns(recording: api.Recording, first: Mapping[str, Any]) -> list[dict[str, Any]]:
     """The columns that a recording was imported from, in their files' own numbers."""
     columns = []
     for role, channel in first["channels"].items():

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from surae import api
 from surae.errors import InputError
 from surae.web.schemas import DraftChange, ProtocolSettings
 
@@ -195,10 +196,8 @@ def thing(kind: str, id_: object, created: object, text: object) -> Thing:
             place = ".".join(str(part)[:40] for part in first["loc"][:4])
             raise ValueError(f"{place}: {first['msg']}".removeprefix(": ")) from None
     if kind == "study":
-        from surae.api import parse_study
-
         try:
-            parse_study(content["toml"])
+            api.parse_study(content["toml"])
         except InputError as error:
             raise ValueError(str(error)) from None
     return {**content, "id": id_, "created": created}

@@ -4,8 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
-from surae import names
-from surae.api import ROLES
+from surae import api, names
 
 #: No control characters, nor those that break lines or turn the direction of writing.
 _PRINTED = r"^[^\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]"
@@ -50,7 +49,7 @@ else:
         Literal[known] for known in (names.FOOT_SHARES, names.NORMALISATIONS, names.ACTIVITIES)
     )
     Geometry, TendonStrain, Integrator = (Literal[known] for known in names.CHOICES.values())
-Role = Literal[ROLES]  # type: ignore[valid-type]
+Role = Literal[api.ROLES]  # type: ignore[valid-type]
 
 
 Numbers = Annotated[dict[Name, Number], Field(max_length=60)]
@@ -180,7 +179,7 @@ class MappingGiven(Strict):
     name: Named
     emg: Literal["raw", "envelope"] | None = None
     side: Literal["left", "right"] | None = None
-    channels: Annotated[dict[Role, ChannelGiven], Field(min_length=1, max_length=len(ROLES))]
+    channels: Annotated[dict[Role, ChannelGiven], Field(min_length=1, max_length=len(api.ROLES))]
     fixed: Annotated[dict[Name, Number], Field(max_length=60)] = {}
     prepare: Annotated[dict[Name, bool | Number | Line], Field(max_length=20)] = {}
 

@@ -8,23 +8,19 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from surae import processes
-from surae.api import Recording, read
+from surae import api, processes
 from surae.web import imports
 from surae.web.draft import settings_of, upgraded
 from surae.web.places import file_of, recording_suffix
 
-if TYPE_CHECKING:
-    from surae.api import Fit, FitSettings, ModelInputs, Step
-
 Tell = Callable[[Mapping[str, Any]], None]
 
 
-def read_recording(path: str | Path) -> Recording:
+def read_recording(path: str | Path) -> api.Recording:
     """A recording of the project, as it was read from the user's own files."""
-    recording = read(path)
+    recording = api.read(path)
     return replace(recording, files=recording.files[1:] or recording.files)
 
 
@@ -33,7 +29,7 @@ def _file(task: Mapping[str, Any], folder: str, id_: str, suffix: str) -> Path:
     return file_of(Path(task["root"]), folder, id_, suffix)
 
 
-def _read(task: Mapping[str, Any], ids: Sequence[str], tell: Tell) -> list[Recording]:
+def _read(task: Mapping[str, Any], ids: Sequence[str], tell: Tell) -> list[api.Recording]:
     """Recordings of the project."""
     recordings = []
     for id_ in ids:
@@ -45,7 +41,7 @@ def _read(task: Mapping[str, Any], ids: Sequence[str], tell: Tell) -> list[Recor
 
 def _asked(
     task: Mapping[str, Any], tell: Tell
-) -> "tuple[FitSettings, list[Recording], tuple[ModelInputs, ...]]":
+) -> "tuple[api.FitSettings, list[api.Recording], tuple[api.ModelInputs, ...]]":
     """What the draft of a task asks, its recordings, and what a model reads of them."""
     draft = upgraded(task["draft"])
     settings = settings_of(draft, task["recordings"])
@@ -57,15 +53,12 @@ def _asked(
 
 def _compiling(tell: Tell) -> AbstractContextManager[None]:
     """Tell when the models have to be compiled, which takes some ten seconds, once."""
-    from surae.api import on_compilation
-
-    return on_compilation(lambda: tell({"phase": "compiling"}))
+    return api.on_compilation(lambda: tell({"phase": "compiling"}))
 
 
 def fit(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Fit, as `surae fit` does, and write FIT.json."""
     settings, recordings, inputs = _asked(task, tell)
-    from surae import api
     from surae.web.fit_progress import FitProgress
 
     quality = [api.check(recording, prepared=settings.prepared) for recording in recordings]
@@ -88,13 +81,12 @@ def session(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
             task["recordings"], _read(task, task["recordings"], tell), strict=True
         )
     ]
-    from surae import api
 
     settings = settings_of(upgraded(task["draft"]), ())
     efforts = {task["names"][id_]: effort for id_, effort in task["efforts"].items()}
     leg = api.session(recordings, name=task["name"], efforts=efforts)
 
-    def told(step: "Step") -> None:
+    def told(step: "api.Step") -> None:
         tell({"what": step.what, "done": step.done, "total": step.total})
 
     with _compiling(tell):
@@ -114,7 +106,7 @@ def session(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     }
 
 
-def summary(fitted: "Fit") -> dict[str, Any]:
+def summary(fitted: "api.Fit") -> dict[str, Any]:
     """What lists and tables show of a fit."""
     from math import isfinite
 
@@ -142,8 +134,6 @@ def summary(fitted: "Fit") -> dict[str, Any]:
 
 def profile(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Profile parameters of a fit, and write them."""
-    from surae import api
-
     fitted = api.load(_file(task, "fits", task["fit"], ".json"))
 
     def told(name: str, done: int, total: int) -> None:
@@ -162,7 +152,6 @@ def profile(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
 def compare(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Compare models with rigid and compliant tendons on the same recordings."""
     settings, _, inputs = _asked(task, tell)
-    from surae import api
 
     def told(what: str, done: int, total: int) -> None:
         tell({"what": what, "done": done, "total": total})
@@ -175,8 +164,6 @@ def compare(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
 
 def study(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Run a study, or go on with it."""
-    from surae.api import Store, parse_study, run_study
-
     last = 0.0
 
     def told(done: int, total: int) -> None:
@@ -185,15 +172,13 @@ def study(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
             last = time.monotonic()
             tell({"done": done, "total": total})
 
-    with Store(_file(task, "studies", task["study"], ".db"), write=True) as kept:
-        finished = run_study(parse_study(task["toml"]), kept, progress=told)
+    with api.Store(_file(task, "studies", task["study"], ".db"), write=True) as kept:
+        finished = api.run_study(api.parse_study(task["toml"]), kept, progress=told)
     return {"message": f"{finished.fits} fits, all there", "interrupted": False}
 
 
 def design(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Search a protocol of each duration; what was found when it is stopped is kept."""
-    from surae import api
-
     settings, designs, total = task["settings"], list[dict[str, Any]](), task["evaluations"]
     last, stopped = 0.0, False
     for k, seconds in enumerate(task["durations"]):
@@ -227,7 +212,6 @@ def design(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
 def report(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Write a fit's report, or, in a language, its page for clinicians."""
     del tell
-    from surae import api
 
     fit = api.load(task["fit"])
     if "language" in task:
@@ -240,7 +224,6 @@ def report(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
 def short(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """What a fit's page for clinicians says, to be shown by a page of ours."""
     del tell
-    from surae import api
 
     return asdict(api.clinical_page([api.load(task["fit"])], language=task["language"]))
 
@@ -248,11 +231,10 @@ def short(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
 def warm(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Load what a report needs, which takes longer than the report."""
     del task, tell
-    from surae.api import new_figure, png
     from surae.web.live import warm
 
     warm()
-    return {"bytes": len(png(new_figure(1.0)))}
+    return {"bytes": len(api.png(api.new_figure(1.0)))}
 
 
 def inspect(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
@@ -270,7 +252,6 @@ def load(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
 def describe(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Describe an imported recording anew, from its own file or, for other columns, the uploads."""
     del tell
-    from surae.api import write_hdf5
     from surae.web.remap import described_anew
 
     if task["files"] is not None:
@@ -278,7 +259,7 @@ def describe(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     recording = read_recording(task["path"])
     recording = described_anew(recording, task["first"], task["wanted"])
     if task["output"] is not None:
-        write_hdf5(task["output"], recording)
+        api.write_hdf5(task["output"], recording)
     return {"found": imports.described(recording)}
 
 
@@ -293,10 +274,9 @@ def columns(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
 def demo(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     """Make a recording of the virtual subject, and keep it."""
     del tell
-    from surae.api import example, write_hdf5
 
-    recording = example(trial=task["trial"])
-    write_hdf5(task["output"], recording)
+    recording = api.example(trial=task["trial"])
+    api.write_hdf5(task["output"], recording)
     return {"found": imports.described(recording)}
 
 

@@ -4,9 +4,9 @@ import threading
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from surae.api import Recording
+from surae import api
 from surae.files import PathLike
 from surae.web.caches import Cache
 from surae.web.events import Events
@@ -18,9 +18,6 @@ from surae.web.request_workers import RequestWorkers
 from surae.web.rows import Thing
 from surae.web.sessions import BrowserSession, BrowserSessions
 
-if TYPE_CHECKING:
-    from surae.api import Fit, FitSettings, ModelInputs
-
 #: Memory for curves, for what models read, for fits and for reports [bytes].
 _CURVES, _PREPARED, _FITS, _REPORTS = 400e6, 400e6, 400e6, 40e6
 
@@ -29,7 +26,7 @@ _CURVES, _PREPARED, _FITS, _REPORTS = 400e6, 400e6, 400e6, 40e6
 class Curves:
     """A recording's channels, ready to be shown."""
 
-    recording: Recording
+    recording: api.Recording
     pyramids: Mapping[str, Pyramid]
 
     @property
@@ -60,8 +57,8 @@ class Workbench:
         self.reports: Cache[bytes] = Cache(_REPORTS, len)
         self._closed = False
         self._curves: Cache[Curves] = Cache(_CURVES, lambda kept: kept.bytes)
-        self._prepared: Cache[ModelInputs] = Cache(_PREPARED, lambda kept: 80.0 * kept.n)
-        self._fits: Cache[Fit] = Cache(
+        self._prepared: Cache[api.ModelInputs] = Cache(_PREPARED, lambda kept: 80.0 * kept.n)
+        self._fits: Cache[api.Fit] = Cache(
             _FITS, lambda kept: sum(250.0 * inputs.n for inputs in kept.result.problem.inputs)
         )
 
@@ -98,7 +95,7 @@ class Workbench:
         """Tell all browsers that a list has changed."""
         self.events.tell("project", "changed", {"what": what})
 
-    def recording(self, id_: str) -> Recording:
+    def recording(self, id_: str) -> api.Recording:
         """A recording of the project."""
         return self.curves(id_).recording
 
@@ -117,18 +114,17 @@ class Workbench:
 
         return self._curves.get((id_, row.get("version", 0)), make)
 
-    def prepared(self, id_: str, settings: "FitSettings") -> "ModelInputs":
+    def prepared(self, id_: str, settings: "api.FitSettings") -> "api.ModelInputs":
         """What a model reads of a recording, prepared as a fit asks, EMG in its own unit."""
         version = self.project.need("recording", id_).get("version", 0)
         key = (id_, version, settings.prepared, settings.preparation)
         return self._prepared.get(key, lambda: settings.prepare(self.recording(id_)))
 
-    def fit(self, id_: str) -> "Fit":
+    def fit(self, id_: str) -> "api.Fit":
         """A fit of the project, as it was saved."""
         self.project.need("fit", id_)
 
-        def make() -> "Fit":
-            from surae import api
+        def make() -> "api.Fit":
 
             return api.load(self.project.path("fits", id_, ".json"))
 

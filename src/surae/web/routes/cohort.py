@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Response
 
-from surae.api import ModelSpec, get_model, with_optional
+from surae import api
 from surae.files import csv_row
 from surae.web.fits import model_title
 from surae.web.project import when
@@ -51,9 +51,11 @@ def get_cohort_csv(bench: Bench, model: Model = "muscle", which: Which = "latest
     return Response("".join(lines), media_type="text/csv", headers=headers)
 
 
-def _with_found(model: str, rows: list[dict[str, Any]]) -> ModelSpec:
+def _with_found(model: str, rows: list[dict[str, Any]]) -> api.ModelSpec:
     """The model, with the drives that some fit has estimated."""
-    return with_optional(get_model(model), {name for row in rows for name in row["parameters"]})
+    return api.with_optional(
+        api.get_model(model), {name for row in rows for name in row["parameters"]}
+    )
 
 
 def _rows(bench: Workbench, model: str, which: str) -> list[dict[str, Any]]:

@@ -5,6 +5,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
 
+from surae import api
 from surae.web.fits import fit_summary, submit_comparison
 from surae.web.http_errors import RefusedError
 from surae.web.project import when
@@ -36,10 +37,9 @@ def get_compare(bench: Bench, fits: Annotated[str, Query(max_length=340)]) -> di
 
 
 def _described(name: str) -> dict[str, str]:
-    from surae.api import MODELS, OPTIONAL_PARAMETERS
 
-    known = {p.name: p for p in OPTIONAL_PARAMETERS}
-    known |= {p.name: p for spec in MODELS.values() for p in reversed(spec.parameters)}
+    known = {p.name: p for p in api.OPTIONAL_PARAMETERS}
+    known |= {p.name: p for spec in api.MODELS.values() for p in reversed(spec.parameters)}
     p = known.get(name)
     return {"unit": "" if p is None else p.unit, "meaning": "" if p is None else p.meaning}
 
@@ -60,10 +60,10 @@ def _estimate(fit: Thing, name: str) -> dict[str, Any] | None:
 @router.post("/comparisons", status_code=202)
 def post_comparison(given: ComparisonGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Ask whether the recordings need tendons that give way; the answer is the job."""
-    from surae.api import MODELS
-
     models = given.models or ["muscle", "muscle-tendon"]
-    tendons = {name: any(p.group == "tendon" for p in MODELS[name].parameters) for name in models}
+    tendons = {
+        name: any(p.group == "tendon" for p in api.MODELS[name].parameters) for name in models
+    }
     if len(set(models)) < len(models):
         raise RefusedError(400, "a model is given twice; give it once")
     if len(set(tendons.values())) < 2:

@@ -5,8 +5,7 @@ from typing import Any
 
 from fastapi import APIRouter, Request
 
-from surae import names
-from surae.api import MODELS, OPTIONAL, Parameter, Preparation, normalised
+from surae import api, names
 from surae.errors import InputError
 from surae.processes import one_line
 from surae.web.draft import described, empty_draft, parameter_table, settings_of
@@ -106,9 +105,7 @@ def get_glossary() -> dict[str, str]:
 @router.get("/models")
 def get_models() -> dict[str, Any]:
     """The models, their parameters and options."""
-    from surae.api import ModelOptions
-
-    defaults = ModelOptions().as_dict()
+    defaults = api.ModelOptions().as_dict()
     return {
         "models": [
             {
@@ -117,26 +114,26 @@ def get_models() -> dict[str, Any]:
                 "tendons": any(p.group == "tendon" for p in spec.parameters),
                 "parameters": [_row(p, p.name in spec.free) for p in spec.parameters],
             }
-            for spec in MODELS.values()
+            for spec in api.MODELS.values()
         ],
         "fitted": [
             {"name": names.AUTO, "title": "automatic: what the data support"},
-            *({"name": spec.name, "title": spec.title} for spec in MODELS.values()),
+            *({"name": spec.name, "title": spec.title} for spec in api.MODELS.values()),
         ],
         "nuisances": names.NUISANCES,
         "options": {name: list(names.CHOICES[name]) if name in names.CHOICES else value
                     for name, value in defaults.items()},
-        "drives": {name: list(OPTIONAL[name]) for name in ("emd", "reflex")},
+        "drives": {name: list(api.OPTIONAL[name]) for name in ("emd", "reflex")},
         "losses": names.LOSSES,
         "populations": names.POPULATIONS,
         "normalisations": names.NORMALISATIONS,
         "foot_shares": names.FOOT_SHARES,
-        "preparation": asdict(Preparation()),
+        "preparation": asdict(api.Preparation()),
         "draft": empty_draft(),
     }  # fmt: skip
 
 
-def _row(p: Parameter, free: bool) -> dict[str, Any]:
+def _row(p: api.Parameter, free: bool) -> dict[str, Any]:
     return {
         "name": p.name,
         "unit": p.unit,
@@ -157,7 +154,7 @@ def post_live(given: LiveGiven, bench: Bench, browser: Browser) -> dict[str, Any
     inputs = bench.prepared(id_, settings)
     if settings.normalise is not None:  # the reference is that of all recordings
         _, every = prepared_draft(bench, draft)
-        inputs = normalised(inputs, every[0].emg_reference)
+        inputs = api.normalised(inputs, every[0].emg_reference)
     shown = live(
         inputs, draft, given.values, points=given.points, parts=given.parts, start=given.start,
         end=given.end, key=(id_, settings.prepared, settings.preparation, inputs.emg_reference),

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Query, Response
 from fastapi.responses import FileResponse
 
-from surae.api import extremes
+from surae import api
 from surae.web.fits import (
     fit_detail,
     fit_summary,
@@ -120,20 +120,16 @@ def get_traces(
 @router.get("/fits/{id}/next")
 def get_next(id: PathId, bench: Bench) -> dict[str, Any]:
     """The ready trial that adds most to what is weak, in words and numbers."""
-    from surae.api import measure_next
-
-    return measure_next(bench.fit(id)).to_json()
+    return api.measure_next(bench.fit(id)).to_json()
 
 
 @router.post("/fits/{id}/profile", status_code=202)
 def post_profile(id: PathId, given: ProfileGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Ask for profiles of its parameters; the answer is their job."""
-    from surae.api import check_profiled
-
     fit = bench.project.need("fit", id)
     result = bench.fit(id).result
     for name in given.parameters or result.problem.free:
-        check_profiled(result, name)
+        api.check_profiled(result, name)
     task = {"fit": id, "parameters": given.parameters, "recordings": fit["recordings"]}
     label = f"profiles · {fit['name']}"[:200]
     job = bench.jobs.submit("profile", label, browser, task, id)
@@ -143,15 +139,13 @@ def post_profile(id: PathId, given: ProfileGiven, bench: Bench, browser: Browser
 @router.post("/fits/{id}/validate")
 def post_validate(id: PathId, given: ValidateGiven, bench: Bench) -> dict[str, Any]:
     """Predict other recordings with its parameters."""
-    from surae import api
-
     fitted, predictions = bench.fit(id), []
     for recording in dict.fromkeys(given.recordings):
         name = bench.project.need("recording", recording)["name"]
         inputs = bench.prepared(recording, fitted.settings)
         (prediction,) = api.validate(fitted, [inputs])
         assert inputs.torque is not None  # else it could not be validated
-        shown = extremes([inputs.torque, prediction.torque], _SHOWN)
+        shown = api.extremes([inputs.torque, prediction.torque], _SHOWN)
         predictions.append(
             {
                 "recording": recording,

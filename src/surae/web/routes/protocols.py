@@ -7,15 +7,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Response
 
-from surae.api import (
-    DEVICES,
-    PROFILES,
-    TASKS,
-    allowed_range,
-    named_device,
-    ready_protocols,
-    write_protocol_csv,
-)
+from surae import api
 from surae.web.designer import for_export, preview, side_by_side, trajectory_of
 from surae.web.project import when
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId, Responses, attachment
@@ -36,8 +28,6 @@ _CSV: Responses = {200: {"content": {"text/csv": {}}}}
 @router.get("/choices")
 def get_choices() -> dict[str, Any]:
     """The profiles, tasks and devices."""
-    from surae.api import SIMULATED_MODELS
-
     return {
         "profiles": [
             {
@@ -46,18 +36,19 @@ def get_choices() -> dict[str, Any]:
                 "description": r.description,
                 "designed": True,
             }
-            for r in ready_protocols().values()
+            for r in api.ready_protocols().values()
         ]
         + [
             {"name": choice.name, "duration_s": choice.duration, "description": choice.description}
-            for choice in PROFILES.values()
+            for choice in api.PROFILES.values()
         ],
         "tasks": [
-            {"name": choice.name, "description": choice.description} for choice in TASKS.values()
+            {"name": choice.name, "description": choice.description}
+            for choice in api.TASKS.values()
         ],
-        "devices": [asdict(choice) for choice in DEVICES.values()],
+        "devices": [asdict(choice) for choice in api.DEVICES.values()],
         "populations": ["healthy", "patient"],
-        "models": list(SIMULATED_MODELS),
+        "models": list(api.SIMULATED_MODELS),
     }
 
 
@@ -81,8 +72,8 @@ def post_side_by_side(given: ProtocolPreview, bench: Bench) -> dict[str, Any]:
 @router.post("/design", status_code=202)
 def post_design(given: ProtocolDesign, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Search a protocol of each duration; the answer is the job, which keeps them."""
-    device = None if given.settings.device is None else named_device(given.settings.device)
-    allowed_range(device, given.settings.range)
+    device = None if given.settings.device is None else api.named_device(given.settings.device)
+    api.allowed_range(device, given.settings.range)
     lengths = ", ".join(f"{seconds:g}" for seconds in given.durations)
     task = given.model_dump(mode="json")
     job = bench.jobs.submit("design", f"design of {lengths} s", browser, task, None)
@@ -132,7 +123,7 @@ def _file(settings: ProtocolSettings, name: str, reason: str) -> Response:
     note = f"without limits: {' '.join(reason.split())}" if reason.strip() else ""
     with tempfile.TemporaryDirectory(prefix="surae-protocol-") as folder:
         path = Path(folder) / "protocol.csv"
-        write_protocol_csv(trajectory, path, note=note)
+        api.write_protocol_csv(trajectory, path, note=note)
         data = path.read_bytes()
     return Response(data, media_type="text/csv", headers=attachment(name, ".csv"))
 

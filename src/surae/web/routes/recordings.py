@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from fastapi import APIRouter, Query, Response
 
-from surae.api import ROLES, FitSettings
+from surae import api
 from surae.web.http_errors import RefusedError
 from surae.web.project import when
 from surae.web.pyramid import Pyramid, Window
@@ -244,11 +244,11 @@ def _raw(bench: Workbench, id_: str) -> dict[str, tuple[Pyramid, str]]:
 
 
 def _prepared(bench: Workbench, id_: str) -> dict[str, tuple[Pyramid, str]]:
-    inputs = bench.prepared(id_, FitSettings())
+    inputs = bench.prepared(id_, api.FitSettings())
     signals = {"angle": (inputs.angle, "rad")}
     if inputs.torque is not None:
         signals["torque"] = (inputs.torque, "Nm")
-    for column, role in enumerate(role for role in ROLES if role.startswith("emg_")):
+    for column, role in enumerate(role for role in api.ROLES if role.startswith("emg_")):
         if role.removeprefix("emg_") not in inputs.missing_emg:
             signals[role] = (np.ascontiguousarray(inputs.emg[:, column]), inputs.emg_unit)
     signals |= {

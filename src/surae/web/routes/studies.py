@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Response
 
-from surae.api import Store, Study, export_study, parse_study, study_columns, study_table
+from surae import api
 from surae.errors import SuraeError
 from surae.web.http_errors import RefusedError
 from surae.web.project import when
@@ -34,7 +34,7 @@ def get_studies(bench: Bench) -> dict[str, Any]:
 @router.post("", status_code=201)
 def post_study(given: StudyGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Make one of a STUDY.toml, and start it."""
-    study = parse_study(given.toml)
+    study = api.parse_study(given.toml)
     if study.size > _MOST_FITS:
         raise RefusedError(
             400, f"{study.size:,} fits; at most {_MOST_FITS:,} here, use `surae study run` for more"
@@ -57,7 +57,7 @@ def get_study(id: PathId, bench: Bench) -> dict[str, Any]:
 def start_study(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Start it, or go on with it; the answer is its job."""
     thing = bench.project.need("study", id)
-    return _start(bench, browser, thing, parse_study(thing["toml"]))
+    return _start(bench, browser, thing, api.parse_study(thing["toml"]))
 
 
 @router.delete("/{id}", status_code=204)
@@ -74,12 +74,12 @@ def get_table(
 ) -> dict[str, Any]:
     """The rows that are there."""
     thing = bench.project.need("study", id)
-    names = study_columns(parse_study(thing["toml"]))
+    names = api.study_columns(api.parse_study(thing["toml"]))
     path = bench.project.path("studies", id, ".db")
     if not path.exists():
         return {"columns": names, "rows": [], "total": 0}
-    with Store(path) as kept:
-        rows = [[row[name] for name in names] for row in islice(study_table(kept), limit)]
+    with api.Store(path) as kept:
+        rows = [[row[name] for name in names] for row in islice(api.study_table(kept), limit)]
         total = kept.status().done
     return {"columns": names, "rows": rows, "total": max(total, len(rows))}
 
@@ -90,7 +90,7 @@ def get_csv(id: PathId, bench: Bench) -> Response:
     thing = bench.project.need("study", id)
     with _kept(bench, id) as kept, tempfile.TemporaryDirectory(prefix="surae-study-") as folder:
         path = Path(folder) / "table.csv"
-        export_study(kept, path)
+        api.export_study(kept, path)
         data = path.read_bytes()
     return Response(data, media_type="text/csv", headers=attachment(thing["name"], ".csv"))
 
@@ -100,22 +100,26 @@ def get_figure(
     id: PathId, bench: Bench, x: Annotated[str | None, Query(max_length=40)] = None
 ) -> Response:
     """Standard errors, IPDE and VAF against one factor."""
-    from surae.api import study_curves, study_figure, svg
-
     thing = bench.project.need("study", id)
     with _kept(bench, id) as kept:
-        curves = study_curves(study_table(kept), tuple(parse_study(thing["toml"]).factors), x)
-    return Response(svg(study_figure(curves, f"{thing['name']}:")), media_type="image/svg+xml")
+        curves = api.study_curves(
+            api.study_table(kept), tuple(api.parse_study(thing["toml"]).factors), x
+        )
+    return Response(
+        api.svg(api.study_figure(curves, f"{thing['name']}:")), media_type="image/svg+xml"
+    )
 
 
-def _kept(bench: Workbench, id_: str) -> Store:
+def _kept(bench: Workbench, id_: str) -> api.Store:
     path = bench.project.path("studies", id_, ".db")
     if not path.exists():
         raise RefusedError(409, "nothing is computed yet; start the study first")
-    return Store(path)
+    return api.Store(path)
 
 
-def _start(bench: Workbench, browser: BrowserSession, thing: Thing, study: Study) -> dict[str, Any]:
+def _start(
+    bench: Workbench, browser: BrowserSession, thing: Thing, study: api.Study
+) -> dict[str, Any]:
     if bench.jobs.of(thing["id"]):
         raise RefusedError(409, "this study is at work already")
     task = {"study": thing["id"], "toml": thing["toml"]}
@@ -129,7 +133,7 @@ def _shown(bench: Workbench, thing: Thing) -> dict[str, Any]:
     done, fits, reasons = 0, None, dict[str, int]()
     if path.exists():
         try:
-            with Store(path) as kept:
+            with api.Store(path) as kept:
                 status = kept.status()
             done, fits, reasons = status.done, status.calls, dict(status.reasons)
         except SuraeError:  # it is just being planned
@@ -150,6 +154,6 @@ def _shown(bench: Workbench, thing: Thing) -> dict[str, Any]:
         "state": state,
         "job": jobs[0]["id"] if jobs else None,
         "reasons": reasons,
-        "factors": {k: list(v) for k, v in parse_study(thing["toml"]).factors.items()},
+        "factors": {k: list(v) for k, v in api.parse_study(thing["toml"]).factors.items()},
         "toml": thing["toml"],
     }

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
 
+from surae import api
 from surae.units import FACTORS, kind
 from surae.web.database import new_id
 from surae.web.http_errors import RefusedError, not_found
@@ -136,9 +137,10 @@ def inspect_upload(
 @router.get("/units")
 def get_units() -> dict[str, Any]:
     """The roles that a channel can have, and the units of each."""
-    from surae.api import ROLES
-
-    return {"roles": list(ROLES), "units": {role: list(FACTORS[kind(role)]) for role in ROLES}}
+    return {
+        "roles": list(api.ROLES),
+        "units": {role: list(FACTORS[kind(role)]) for role in api.ROLES},
+    }
 
 
 @router.post("/imports/preview")
