@@ -2,18 +2,16 @@
 
 import json
 import os
-import socket
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-import uvicorn
 
+from answering import Answering
 from surae.live.lsl import SESSION, outlet
 from surae.live.pages import Served, create_app
 from surae.live.recorder import Recorder
@@ -68,17 +66,9 @@ def waited(holds: Callable[[], object], seconds: float = 20.0) -> None:
 @contextmanager
 def serving(served: Served, policy: Policy, subject: str | None) -> Iterator[str]:
     """The pages on a port of this computer, as others beyond it would reach them or not."""
-    listening = socket.create_server(("127.0.0.1", 0))
-    config = uvicorn.Config(create_app(served, policy, subject), log_level="critical")
-    server = uvicorn.Server(config)
-    thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]}, daemon=True)
-    thread.start()
-    while not server.started:
-        time.sleep(0.01)
-    yield f"http://127.0.0.1:{listening.getsockname()[1]}"
-    server.should_exit = True
-    thread.join(20.0)
-    listening.close()
+    answering = Answering(create_app(served, policy, subject), log_level="critical")
+    yield answering.address
+    answering.close()
 
 
 class Sender:
