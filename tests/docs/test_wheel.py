@@ -30,7 +30,7 @@ def test_it_holds_every_file_of_the_package(names):
     }
     held = {name for name in names if not name.split("/")[0].endswith(".dist-info")}
     assert held == files
-    for needed in ("py.typed", "report/templates/report.html.j2", "web/static/icon.svg"):
+    for needed in ("py.typed", "report/templates/page.html.j2", "web/static/icon.svg"):
         assert f"surae/{needed}" in held
 
 

@@ -1,19 +1,23 @@
 from dataclasses import replace
 from datetime import datetime
 
-import numpy as np
 import pytest
 
 from surae.assessment.adequacy import Adequacy, Grade
-from surae.report.content import make_content
+from surae.report import rendering
+from surae.report.budget import budget_section
+from surae.report.content import fit_document
+from surae.report.document import Paragraph, Table
 from surae.report.formatting import estimate, percentage, significant, standard_error
 from surae.report.traces import traces_of
 from surae.report.wording import closeness
 
+from . import said
+
 
 def content_of(case, result=None):
     result = result or case.result
-    return make_content(
+    return fit_document(
         result, case.assessment, traces_of(result), versions={"surae": "1.2.3"},
         created=datetime(2026, 1, 5, 14, 3),
     )  # fmt: skip
@@ -25,122 +29,140 @@ def content(plain):
 
 
 def rows_of(content):
-    return {row.name: row for group in content.groups for row in group.rows}
+    return said.rows(said.section(content, "Parameters"))
+
+
+def summary_of(content):
+    return said.text(said.section(content, "Summary"))
+
+
+def settings_of(content):
+    return said.facts(said.section(content, "Settings and provenance"))
 
 
 def test_the_numbers_are_those_of_the_assessment(plain, content):
     rows = rows_of(content)
     assert list(rows) == list(plain.assessment.parameters)
     for name, p in plain.assessment.parameters.items():
-        row = rows[name]
-        assert (row.value, row.sem, row.interval) == estimate(p.value, p.sem, p.ci95)
-        assert row.sem_robust == standard_error(p.sem_robust)
-        assert (row.verdict, row.note) == (p.verdict, p.note)
-        assert row.bar.value == pytest.approx((p.value - p.lower) / (p.upper - p.lower))
-        assert row.bar.low <= row.bar.value <= row.bar.high
+        row = {head: cell.text for head, cell in rows[name].items()}
+        assert (row["Value"], row["SEM (34)"], row["95 % interval"]) == estimate(
+            p.value, p.sem, p.ci95
+        )
+        assert row["Robust SEM"] == standard_error(p.sem_robust)
+        judged, bar = rows[name]["Verdict"], rows[name]["Between its bounds"].bar
+        assert (judged.badge[0], judged.why) == (f"verdict {p.verdict}", p.note)
+        assert bar.value == pytest.approx((p.value - p.lower) / (p.upper - p.lower))
+        assert bar.low <= bar.value <= bar.high
     r2, rmse = plain.assessment.adequacy.r2, plain.assessment.rmse
-    assert [item.value for item in content.key][:2] == [
+    assert [value for _, value, _ in said.key(content)][:2] == [
         f"{percentage(r2)} %", f"{significant(rmse, 3)} Nm",
     ]  # fmt: skip
-    facts = {fact.label: fact.value for fact in content.recordings[0].facts}
+    facts = said.facts(said.section(content, "Recording:"))
     assert facts["VAF"] == f"{percentage(plain.assessment.recordings[0].vaf)} %"
     assert facts["Samples"] == "1000 at 100 Hz"
-    assert np.array(content.correlation.matrix) == pytest.approx(
-        plain.assessment.covariance.correlation
-    )
-    assert significant(plain.assessment.ipde, 3) in content.correlation.ipde
+    correlations = said.text(said.section(content, "Correlation"))
+    assert significant(plain.assessment.ipde, 3) in correlations
 
 
-def test_the_block_is_passive_against_active(content):
-    assert content.correlation.passive == ("k_tri", "k_tib", "x0_tri", "x0_tib", "tau_rel", "k_rel")
-    assert content.correlation.active == (
-        "g1", "g2", "g3", "g4", "l0_tri", "l0_tib", "f0", "beta",
-    )  # fmt: skip
+def test_the_block_is_passive_against_active(plain, monkeypatch):
+    shown = []
+    monkeypatch.setattr(rendering, "correlation_figure", lambda *given: shown.append(given))
+    budget = budget_section(plain.result, plain.assessment)
+    list(rendering.drawings(budget, traces_of(plain.result), plain.assessment, ()))
+    ((names, matrix, passive, active),) = shown
+    assert names == plain.assessment.covariance.names
+    assert matrix == pytest.approx(plain.assessment.covariance.correlation)
+    assert passive == ["k_tri", "k_tib", "x0_tri", "x0_tib", "tau_rel", "k_rel"]
+    assert active == ["g1", "g2", "g3", "g4", "l0_tri", "l0_tib", "f0", "beta"]
 
 
 def test_every_start_is_listed(plain, content):
-    assert [row.sse for row in content.starts] == [
+    rows = list(said.rows(said.section(content, "Starts")).values())
+    assert [row["Sum of squares [Nm²]"].text for row in rows] == [
         significant(start.sse, 6) for start in plain.result.starts
     ]
-    assert sum(row.agrees for row in content.starts) == plain.result.agreeing
+    assert sum(row["Best minimum"].text == "yes" for row in rows) == plain.result.agreeing
     lowest = min(start.sse for start in plain.result.starts)
     best = [start.sse == lowest for start in plain.result.starts]
-    assert [row.excess == "best" for row in content.starts] == best
+    assert [row["Above the best"].text == "best" for row in rows] == best
 
 
 def test_white_residuals_are_not_called_coloured(content):
-    assert content.caution == ""
-    assert "passes for white noise" in " ".join(content.summary)
+    assert "robust SEM, because" not in said.text(said.section(content, "Parameters"))
+    assert "passes for white noise" in summary_of(content)
 
 
 def test_coloured_residuals_widen_the_intervals_and_say_so(coloured):
     content, whiteness = content_of(coloured), coloured.assessment.whiteness[0]
-    text = " ".join(content.summary)
+    text = summary_of(content)
     assert f"correlate by {significant(whiteness.lag1, 2)}" in text
     assert f"{significant(whiteness.fall_s, 2)} s to fall" in text
     assert "too small by a factor of" in text
-    assert "robust SEM, because the residual is correlated" in content.caution
-    assert "correlated over time" in content.recordings[0].residual_text
-    assert content.interval == "robust"
+    parameters = said.text(said.section(content, "Parameters"))
+    assert "robust SEM, because the residual is correlated" in parameters
+    assert "Student’s t times the robust SEM" in parameters
+    assert "correlated over time" in said.text(said.section(content, "Residual"))
     for name, row in rows_of(content).items():
         p = coloured.assessment.parameters[name]
-        assert row.interval == estimate(p.value, p.sem_robust, p.ci95).interval
-        assert (row.sem, row.sem_robust) == (standard_error(p.sem), standard_error(p.sem_robust))
+        interval = estimate(p.value, p.sem_robust, p.ci95).interval
+        assert row["95 % interval"].text == interval
+        assert row["SEM (34)"].text == standard_error(p.sem)
+        assert row["Robust SEM"].text == standard_error(p.sem_robust)
 
 
 def test_fixed_and_bounded_parameters_say_why(joint):
     content = content_of(joint)
     rows = rows_of(content)
     beta, f0 = rows["beta"], rows["f0"]
-    assert (beta.verdict, beta.value, beta.sem, beta.interval, beta.bounds, beta.bar) == (
-        "fixed", "1", "—", "—", "—", None,
-    )  # fmt: skip
-    assert beta.note == "fixed, not estimated"
-    assert (f0.verdict, f0.value, f0.interval, f0.bar.low) == ("at-bound", "1.5", "—", None)
-    assert "upper bound" in f0.note
-    shown = {setting.label: setting.value for setting in content.settings}
+    heads = ("Value", "SEM (34)", "95 % interval", "Between its bounds")
+    assert [beta[head].text for head in heads] == ["1", "—", "—", "—"]
+    assert beta["Between its bounds"].bar is None
+    assert beta["Verdict"].badge == ("verdict fixed", "fixed")
+    assert beta["Verdict"].why == "fixed, not estimated"
+    assert f0["Verdict"].badge == ("verdict at-bound", "at bound")
+    assert (f0["Value"].text, f0["95 % interval"].text) == ("1.5", "—")
+    assert f0["Between its bounds"].bar.low is None
+    assert "upper bound" in f0["Verdict"].why
+    shown = settings_of(content)
     assert shown["Fixed parameters"] == "beta = 1"
     assert shown["Bounds"] == "f0: 0.3 … 1.5 instead of 0.3 … 15"
-    assert "beta" not in content.correlation.names
-    assert "f0" in content.correlation.note
-    assert len(content.recordings) == len(content.sources) == 2
+    assert "f0" in said.text(said.section(content, "Correlation"))
+    assert sum(b.title.startswith("Recording:") for b in content.blocks) == 2
 
 
 def test_a_parameter_without_influence_says_so(silent):
     content = content_of(silent)
     rows = rows_of(content)
     for name in ("g1", "l0_tib"):
-        assert (rows[name].sem, rows[name].interval) == ("—", "—")
-        assert rows[name].note == silent.assessment.parameters[name].note
-        assert rows[name].note.startswith("no interval: ")
-        assert not rows[name].determined
-    (open_,) = [some for some in content.glance if some.verdict == "undetermined"]
-    assert ("g1", "undetermined") in open_.parameters
-    assert "leaves g1 and l0_tib undetermined" in " ".join(content.summary)
+        assert (rows[name]["SEM (34)"].text, rows[name]["95 % interval"].text) == ("—", "—")
+        assert rows[name]["Verdict"].why == silent.assessment.parameters[name].note
+        assert rows[name]["Verdict"].why.startswith("no interval: ")
+    glance = next(b for b in said.blocks(content) if isinstance(b, Table))
+    by_verdict = {row[0].badge[1]: row[1].pairs for _, group in glance.groups for row in group}
+    assert ("g1", "undetermined") in by_verdict["undetermined"]
+    assert "leaves g1 and l0_tib undetermined" in summary_of(content)
 
 
 def test_a_failed_fit_claims_nothing(plain):
     failed = replace(plain.result, status="failed", message="no minimum reached: fit again")
     content = content_of(plain, failed)
-    assert len(content.summary) == 1
-    assert "not estimates" in content.summary[0]
-    assert "not estimates" in content.caution
-    assert "identified" not in content.summary[0]
-    assert content.key[2].value == "—"
+    status, *texts = (b for b in content.blocks[0].blocks if isinstance(b, Paragraph))
+    assert (status.lead, status.text) == ("Fit failed.", "No minimum reached: fit again.")
+    assert len(texts) == 1
+    assert "not estimates" in texts[0].text
+    assert "not estimates" in said.text(said.section(content, "Parameters"))
+    assert "identified" not in texts[0].text
+    assert said.key(content)[2][1] == "—"
 
 
 def test_a_single_agreeing_start_is_a_warning(plain):
     content = content_of(plain, replace(plain.result, agreeing=1))
-    assert "Only one of 3 starts" in content.summary[-1]
+    assert "Only one of 3 starts" in summary_of(content)
 
 
 def test_the_starts_are_in_the_settings(content, silent):
-    several = {setting.label: setting.value for setting in content.settings}
-    settings = {setting.label: setting.value for setting in content_of(silent).settings}
-    assert (several["Starts"], settings["Starts"]) == (
-        "3, random ones with seed 0",
-        "the default one",
-    )
+    assert settings_of(content)["Starts"] == "3, random ones with seed 0"
+    assert settings_of(content_of(silent))["Starts"] == "the default one"
 
 
 def test_closeness_is_that_of_the_changes_not_of_the_mean(plain):
@@ -149,7 +171,7 @@ def test_closeness_is_that_of_the_changes_not_of_the_mean(plain):
     ]  # fmt: skip
     flat = judged(plain, Grade.INADEQUATE, ("the ankle hardly moves",), r2=-193.0)
     assert flat.assessment.vaf > 99.0
-    assert "poorly: it explains −193.00 %" in content_of(flat).summary[0]
+    assert "poorly: it explains −193.00 %" in summary_of(content_of(flat))
 
 
 def judged(case, grade, reasons, r2):
@@ -157,23 +179,25 @@ def judged(case, grade, reasons, r2):
 
 
 def test_an_adequate_fit_says_so_and_nothing_else(content):
-    assert (content.adequacy.grade, content.adequacy.mark) == ("adequate", "✓")
-    assert content.adequacy.sentence.startswith("Adequate: the model follows")
-    assert "inadequate" not in " ".join(content.summary)
+    words = said.adequacy(content)
+    assert (words.grade, words.mark) == ("adequate", "✓")
+    assert words.sentence.startswith("Adequate: the model follows")
+    assert "inadequate" not in summary_of(content)
 
 
 def test_an_inadequate_fit_opens_with_its_reasons_and_counts_nothing(plain):
     reasons = ("the ankle hardly moves", "f0 lies at a bound")
     case = judged(plain, Grade.INADEQUATE, reasons, r2=12.0)
-    content, text = content_of(case), " ".join(content_of(case).summary)
-    assert content.adequacy.reasons == reasons
-    assert content.adequacy.sentence.startswith("Inadequate: no parameter of this fit counts")
+    words, text = said.adequacy(content_of(case)), summary_of(content_of(case))
+    assert words.reasons == reasons
+    assert words.sentence.startswith("Inadequate: no parameter of this fit counts")
     assert "No parameter is identified, not even with" in text
     assert "parameters are identified" not in text
 
 
 def test_a_doubtful_fit_asks_for_caution_and_withholds_nothing(plain):
     content = content_of(judged(plain, Grade.DOUBTFUL, ("the ankle moves little",), r2=94.0))
-    assert (content.adequacy.mark, content.adequacy.grade) == ("!", "doubtful")
-    assert "no parameter" not in content.adequacy.sentence.lower()
-    assert "parameters are identified" in " ".join(content.summary)
+    words = said.adequacy(content)
+    assert (words.mark, words.grade) == ("!", "doubtful")
+    assert "no parameter" not in words.sentence.lower()
+    assert "parameters are identified" in summary_of(content)

@@ -43,16 +43,22 @@ def test_it_holds_findings_and_predictions(fit, noisy, tmp_path, monkeypatch) ->
 
     monkeypatch.setattr(rendering, "typeset", keep)
     fit.report(tmp_path / "report.pdf", validation=surae.validate(fit, [noisy, noisy]))
-    (section,) = seen["quality"]
-    assert section["summary"] == fit.quality[0].summary
-    assert [row["code"] for row in section["rows"]] == [f.code for f in fit.quality[0].findings]
-    assert "torque-offset" in {row["code"] for row in section["rows"]}
-    assert len(seen["predictions"]["rows"]) == 3  # two, and all together
-    assert seen["adequacy"]["grade"] == str(fit.adequacy.grade)
-    assert seen["adequacy"]["reasons"] == list(fit.adequacy.reasons)
-    assert seen["predictions"]["drawn"] == 2
-    assert seen["budget"]["text"].startswith("The intervals of this fit contain the noise")
-    assert {row["verdict"] for group in seen["groups"] for row in group["rows"]} <= set(Verdict)
+    sections = {block["title"]: block["blocks"] for block in seen["blocks"]}
+    _, section = sections["Recording quality"]
+    assert section["title"].endswith(f": {fit.quality[0].summary}")
+    ((_, rows),) = section["blocks"][0]["groups"]
+    assert [row[0]["text"] for row in rows] == [f.code for f in fit.quality[0].findings]
+    assert "torque-offset" in {row[0]["text"] for row in rows}
+    _, table, *pictures = sections["Predicting other recordings"]
+    assert len(table["groups"][0][1]) == 3  # two, and all together
+    assert len(pictures) == 2
+    assert sections["Summary"][0]["grade"] == str(fit.adequacy.grade)
+    assert sections["Summary"][0]["reasons"] == list(fit.adequacy.reasons)
+    budget = sections["What makes each parameter unsure"][0]["text"]
+    assert budget.startswith("The intervals of this fit contain the noise")
+    *_, table = sections["Parameters"]
+    badges = {row[-1]["badge"][0] for _, rows in table["groups"] for row in rows}
+    assert badges <= {f"verdict {verdict}" for verdict in Verdict}
     assert {"prediction-0.svg", "prediction-1.svg", "torque-0.svg"} <= seen["images"]
 
 

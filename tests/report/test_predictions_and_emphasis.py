@@ -14,18 +14,19 @@ from surae.frozen import read_only
 from surae.model import ModelOptions
 from surae.report.figures import prediction_figure
 from surae.report.rendering import render
-from surae.report.sections import prediction_section
+from surae.report.sections import predictions_section
 from surae.signals import Weighting, weighted
 from undrawn import blank_figures
 
-from .test_content import content_of
+from . import said
+from .test_content import content_of, settings_of, summary_of
 
 CREATED = datetime(2026, 1, 5, 14, 3)
 
 
 def texts(case):
     content = content_of(case)
-    return {setting.label: setting.value for setting in content.settings}, " ".join(content.summary)
+    return settings_of(content), summary_of(content)
 
 
 def judged(result):
@@ -55,7 +56,7 @@ def test_a_loss_is_told_with_what_it_spared(spared, plain):
     assert "With the samples counted as in the fit, the VAF is" in summary
     assert "no stray artefacts" not in summary
     assert "Only the solution with the weights of the outliers was tried" in spared.words
-    facts = {fact.label for fact in content_of(spared).recordings[0].facts}
+    facts = said.facts(said.section(content_of(spared), "Recording:"))
     assert "VAF, weighted as in the fit" in facts
     without, summary = texts(plain)
     assert without["Loss"] == "squares"
@@ -133,10 +134,10 @@ def test_predictions_have_a_section_a_table_and_a_figure_each(plain, page):
 
 
 def test_a_good_prediction_is_not_warned_of(plain, predictions):
-    section = prediction_section(plain.assessment, predictions[:1])
-    assert "carry over only in part" not in section.text
-    assert [row.name for row in section.rows] == ["trial 1"]
-    assert prediction_section(plain.assessment, []) is None
+    (section,) = predictions_section(plain.assessment, predictions[:1])
+    assert "carry over only in part" not in said.text(section)
+    assert list(said.rows(section)) == ["trial 1"]
+    assert predictions_section(plain.assessment, []) == ()
 
 
 def test_the_figure_shows_both_torques_and_their_difference(predictions):

@@ -12,7 +12,8 @@ from surae.report.figures import residual_figure, torque_figure
 from surae.report.provenance import excluded_spans, excluded_text, prior_note, prior_text
 from surae.report.traces import traces_of
 
-from .test_content import content_of, rows_of
+from . import said
+from .test_content import content_of, rows_of, settings_of
 
 
 @pytest.fixture(scope="module")
@@ -29,26 +30,26 @@ def informed(make_trial, make_fitted):
 
 def test_priors_are_in_the_settings_and_at_the_parameters(informed, plain):
     content = content_of(informed)
-    settings = {setting.label: setting.value for setting in content.settings}
+    settings = settings_of(content)
     assert settings["Priors"] == "l0_tri = 0.044 m ± 20 %, k_rel = 0.4, times or divided by 1.65"
     rows = rows_of(content)
-    assert rows["l0_tri"].prior == "with prior 0.044 ± 20 %"
-    assert rows["l0_tib"].prior == ""
+    assert rows["l0_tri"]["Verdict"].why.endswith("with prior 0.044 ± 20 %")
+    assert "prior" not in rows["l0_tib"]["Verdict"].why
     assert "; with prior 0.044 ± 20 %" in informed.words
     assert "the prior, one standard deviation to either side" in informed.words
-    without = {setting.label: setting.value for setting in content_of(plain).settings}
-    assert without["Priors"] == "none"
+    assert settings_of(content_of(plain))["Priors"] == "none"
     assert 'class="prior"' not in plain.words
     assert informed.words.count('class="prior"') == 2
 
 
 def test_the_mark_spans_a_standard_deviation_within_the_bounds(informed):
-    row = rows_of(content_of(informed))["l0_tri"]
+    rows = rows_of(content_of(informed))
+    bar = rows["l0_tri"]["Between its bounds"].bar
     p = informed.assessment.parameters["l0_tri"]
     ends = np.array([0.044 * np.exp(-0.2), 0.044, 0.044 * np.exp(0.2)])
-    assert row.bar.prior == pytest.approx((ends - p.lower) / (p.upper - p.lower))
-    assert "prior from" in row.bar.alt
-    assert rows_of(content_of(informed))["l0_tib"].bar.prior is None
+    assert bar.prior == pytest.approx((ends - p.lower) / (p.upper - p.lower))
+    assert "prior from" in bar.alt
+    assert rows["l0_tib"]["Between its bounds"].bar.prior is None
 
 
 @pytest.mark.parametrize(
@@ -90,9 +91,10 @@ def test_spans_in_words():
 
 def test_what_was_left_out_is_said_twice_and_hatched(informed):
     content = content_of(informed)
+    source = said.section(content, "Settings").blocks[1]
     expected = "51 of 1000 samples, weight 0: 2 … 2.49 s, 3 s"
-    facts = {fact.label: fact.value for fact in content.recordings[0].facts}
-    assert facts["Left out of the fit"] == content.sources[0].excluded == expected
+    for section in (said.section(content, "Recording:"), source):
+        assert said.facts(section)["Left out of the fit"] == expected
     assert informed.words.count(expected) == 2
     traces = traces_of(informed.result)[0]
     white = whiteness(traces.residual[traces.counted], 100.0)
@@ -110,7 +112,7 @@ def test_what_was_left_out_is_in_no_number(informed):
     traces = traces_of(informed.result)[0]
     assert np.abs(traces.residual).max() > 400
     content = content_of(informed)
-    note = content.key[1].note
+    note = said.key(content)[1][2]
     rms = float(np.sqrt(np.mean(traces.measured[traces.counted] ** 2)))
     assert note == f"torque itself {rms:.3g} Nm"
     white = whiteness(traces.residual[traces.counted], 100.0)

@@ -7,8 +7,10 @@ from surae.estimation import fit_problem, make_problem
 from surae.frozen import read_only
 from surae.report.figures import png, tendon_figure
 from surae.report.formatting import significant
-from surae.report.traces import tendon_rows, traces_of
+from surae.report.recordings import tendon_rows, warnings_of
+from surae.report.traces import traces_of
 
+from . import said
 from .test_content import content_of
 
 
@@ -87,33 +89,34 @@ def test_lines_differ_without_colour(traces):
 
 
 def test_the_table_has_the_extremes(traces):
-    tri, tib = tendon_rows(traces)
     state = traces.tendon
-    assert (tri.group, tib.group) == ("Triceps surae", "Tibialis anterior")
+    tri, tib = tendon_rows(traces, state)
+    assert (tri[0], tib[0]) == ("Triceps surae", "Tibialis anterior")
     low, high = (f"{v:.2f}" for v in (
         state.muscle_length[0].min() / traces.optimal[0],
         state.muscle_length[0].max() / traces.optimal[0],
     ))  # fmt: skip
-    assert tri.length == f"{low} … {high}"
-    assert tib.force.endswith(f"… {state.tendon_force[1].max():.0f}")
+    assert tri[1] == f"{low} … {high}"
+    assert tib[4].endswith(f"… {state.tendon_force[1].max():.0f}")
     part = significant(100 * state.tendon_force[0].max() / 2400.0, 2)
-    assert tri.toe == f"2400 N, {part} % of it reached"
+    assert tri[5] == f"2400 N, {part} % of it reached"
     beyond = replace(state, tendon_force=50.0 * state.tendon_force)
-    assert tendon_rows(replace(traces, tendon=beyond))[0].toe == "2400 N, exceeded"
+    assert tendon_rows(traces, beyond)[0][5] == "2400 N, exceeded"
 
 
 def test_the_page_shows_them_with_words_for_the_figure(elastic):
     assert elastic.words.count("<h3>Muscles and tendons</h3>") == 1
-    (section,) = content_of(elastic).recordings
-    assert section.tendon[0].text in section.tendon_alt
-    assert all(row.force in elastic.words for row in section.tendon)
-    assert section.warnings == ()
+    section = said.section(content_of(elastic), "Muscles and tendons")
+    picture = section.blocks[1]
+    for group, row in said.rows(section).items():
+        assert f"{group}: muscle length {row['Muscle length [l0]'].text} l0" in picture.alt
+        assert row["Tendon force [N]"].text in elastic.words
+    assert warnings_of(traces_of(elastic.result)[0]) == ()
 
 
 def test_rigid_tendons_have_no_section(plain):
     assert "Muscles and tendons" not in plain.words
     assert traces_of(plain.result)[0].tendon is None
-    assert content_of(plain).recordings[0].tendon == ()
 
 
 def test_samples_without_a_solution_are_named_and_drawn_up_to_there(elastic):
@@ -125,13 +128,13 @@ def test_samples_without_a_solution_are_named_and_drawn_up_to_there(elastic):
     residual = result.residuals[0].copy()
     residual[400:] = np.nan
     broken = replace(result, problem=problem, residuals=(residual,), status="failed")
-    (section,) = content_of(elastic, broken).recordings
-    assert len(section.warnings) == 2
-    assert section.warnings[0].startswith("Triceps surae: the balance of forces could not be")
-    assert "at sample 401 (4 s)" in section.warnings[0]
     traces = traces_of(broken)[0]
+    first, other = warnings_of(traces)
+    assert first.startswith("Triceps surae: the balance of forces could not be")
+    assert "at sample 401 (4 s)" in first
+    assert other in said.text(said.section(content_of(elastic, broken), "Recording:"))
     assert png(tendon_figure(traces, traces.tendon), dpi=40)
     nothing = np.full((2, 1000), np.nan)
     state = replace(traces.tendon, tendon_force=nothing, elongation=nothing, muscle_length=nothing)
     assert png(tendon_figure(traces, state), dpi=40)
-    assert tendon_rows(replace(traces, tendon=state))[1].elongation == "—"
+    assert tendon_rows(traces, state)[1][3] == "—"

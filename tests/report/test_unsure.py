@@ -12,8 +12,10 @@ from surae.estimation import fit_problem, make_problem, solve
 from surae.estimation.result import OfRecording
 from surae.report.budget import budget_section, what_to_measure, what_would_help
 from surae.report.laboratory import family_section, laboratory_section, trials_section
-from surae.report.parameters import parameter_groups, repeatable, shown_parameters
+from surae.report.parameters import parameters_section, repeatable, shown_parameters
 from surae.report.rendering import render
+
+from . import said
 
 
 @pytest.fixture(scope="module")
@@ -167,12 +169,12 @@ def test_trials_are_told_of_only_where_they_differ(auto):
 
 
 def test_repeatable_stands_beside_identified_and_is_not_it(auto):
-    _, assessment = auto
+    result, assessment = auto
     name = next(n for n, p in assessment.parameters.items() if p.ci95_repeat)
     p = replace(assessment.parameters[name], verdict=Verdict.WEAK, repeatable=True)
     other = with_parameters(assessment, **{name: {"verdict": Verdict.WEAK, "repeatable": True}})
-    rows = {row.name: row for group in parameter_groups(other, {}) for row in group.rows}
-    assert (rows[name].verdict, rows[name].repeatable) == ("weak", "yes")
+    row = said.rows(parameters_section(result, other, next_anchor=""))[name]
+    assert (row["Verdict"].badge[1], row["Repeatable"].text) == ("weak", "yes")
     assert repeatable(replace(p, repeatable=False)) == "no"
     assert repeatable(replace(p, ci95_repeat=None)) == "—"
 

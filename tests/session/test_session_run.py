@@ -243,14 +243,20 @@ def test_the_report_on_paper_says_what_the_page_says(done, tmp_path, run, monkey
     monkeypatch.setattr(rendering, "typeset", keep)
     result.report(tmp_path / "session.pdf")
     page = html.unescape((folder / "report.html").read_text())
-    assert seen["adequacy"]["grade"] == str(result.joint.adequacy.grade)
-    assert [row["name"] for row in seen["trials"]] == [t.name for t in result.session.trials]
-    told = [seen["adequacy"]["sentence"], *seen["adequacy"]["reasons"], *seen["summary"]]
-    told += [row["why"] for row in seen["trials"]] + [seen["page"]["answer"]]
-    told += [text for _, rows in seen["findings"] for row in rows for text in row]
+    sections = {block["title"]: block["blocks"] for block in seen["blocks"]}
+    assert sections["Summary"][0]["grade"] == str(result.joint.adequacy.grade)
+    ((_, rows),) = sections["Trials"][0]["groups"]
+    assert [row[0] for row in rows] == [t.name for t in result.session.trials]
+    assert "In the clinic’s units: all together" in sections
+    content = result.content()
+    told = [content.adequacy.sentence, *content.adequacy.reasons, *content.summary]
+    told += [row.why for row in content.trials]
+    told += [text for _, rows in content.findings for row in rows for text in row]
+    printed = repr(seen["blocks"])
     for text in told:
         assert text in page
-    assert {"torques.svg", "trials.svg", "curve.svg", "common.typ"} <= seen["files"]
+        assert text in printed
+    assert {"torques.svg", "trials.svg", "curve.svg"} <= seen["files"]
     assert page.count('<details class="explore">') == len(result.joined)
     refused = run("session", folder, "--output", tmp_path / "o", "--report", "r.docx")
     assert (refused.code, ".html or .pdf" in refused.err) == (2, True)

@@ -1,5 +1,6 @@
 """What makes each parameter unsure, in shares of its variance, and what would make it known."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from surae.assessment import Assessment, ParameterEstimate, Verdict
@@ -7,6 +8,18 @@ from surae.assessment.adequacy import Grade
 from surae.assessment.parameter import percent
 from surae.assessment.uncertainty.budget import REMEDIES, budgets
 from surae.estimation import FitResult
+from surae.report.document import (
+    Block,
+    Cell,
+    Paragraph,
+    Picture,
+    Points,
+    Row,
+    Section,
+    Table,
+    columns,
+    rows_of,
+)
 
 #: What a source of uncertainty is called, in the order in which it is shown.
 SOURCES = {
@@ -95,6 +108,32 @@ def budget_section(result: FitResult, assessment: Assessment) -> BudgetSection:
             f"share of {first.count(main)} of them is {SOURCES.get(main, main)}."
         ),
     )
+
+
+#: The anchor of what to measure next.
+NEXT = "next"
+
+
+def budget_blocks(budget: BudgetSection) -> Section:
+    """The budget as it is shown: what would help, the chart, and its numbers."""
+    blocks: list[Block] = [Paragraph(budget.text)]
+    if budget.helps:
+        blocks.append(Points("What would help:", budget.helps, NEXT))
+    if budget.rows:
+        caption = (
+            "Shares of the variance; at the right, how well the parameter is known (half of the "
+            "95 % interval)."
+        )
+        blocks.append(Picture("budget", budget.alt, caption, "map"))
+        every = range(2, 2 + len(budget.sources))
+        heads = columns("Parameter", "Known to", *budget.sources, numbers=every, wide=every,
+                        looks={1: "number value"})  # fmt: skip
+        rows: Iterator[Row] = (
+            (Cell(row.name, kind="code"), row.known, *row.texts) for row in budget.rows
+        )
+        title = "Shares of the variance of every parameter by source"
+        blocks.append(Table(title, heads, rows_of(rows), "budget"))
+    return Section("What makes each parameter unsure", tuple(blocks), "budget", "page")
 
 
 def what_would_help(result: FitResult, assessment: Assessment) -> tuple[str, ...]:

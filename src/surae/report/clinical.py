@@ -5,7 +5,7 @@ sentences of clinical.toml, and claims no more than the measures and changes it 
 """
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cache
@@ -24,6 +24,18 @@ from surae.measures.curve import TorqueCurve, torque_curve
 from surae.measures.measure import Measure, Measures
 from surae.measures.norms import Placed, placed, read_norms
 from surae.names import LANGUAGES
+from surae.report.document import (
+    Cell,
+    Paragraph,
+    Picture,
+    Points,
+    Row,
+    Section,
+    Table,
+    columns,
+    paragraphs,
+    rows_of,
+)
 from surae.report.formatting import NO_NUMBER, estimate, significant
 
 if TYPE_CHECKING:
@@ -88,7 +100,7 @@ _MOST_NEXT, _MOST_NAMED = 3, 2
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class ShownRow:
     """One line of the table, as texts."""
 
     name: str
@@ -110,7 +122,7 @@ class ClinicalPage:
     adequacy: str  #: The grade in words.
     reasons: tuple[str, ...]  #: Technical, in English.
     heads: tuple[str, ...]  #: Of the table's columns.
-    rows: tuple[Row, ...]  #: The numbers.
+    rows: tuple[ShownRow, ...]  #: The numbers.
     norms: tuple[str, ...]  #: How the leg lies among groups, with the source of each.
     next: tuple[str, ...]  #: What to measure next.
     made: str  #: When, and of how many recordings.
@@ -209,7 +221,31 @@ def change_page(
 
 def clinical_html(page: ClinicalPage) -> str:
     """The page as one HTML file that asks nothing of the outside."""
-    return template("clinical.html.j2", "surae.report").render(page=page)
+    return template("clinical.html.j2", "surae.report").render(page=page, blocks=blocks_of(page))
+
+
+def blocks_of(page: ClinicalPage) -> tuple[Section, ...]:
+    """What the answer rests on: the curve, the shares, the numbers, groups, and what is next."""
+    words = page.words
+    curve = (
+        Picture("curve", words["curve"], look="curve", width=85),
+        Paragraph(words["curve_note"], "note"),
+    )
+    blocks = [Section(words["curve"], curve)]
+    if "shares" in page.images:
+        shares = Picture("shares", words["shares"], look="shares", width=85)
+        blocks.append(Section(words["shares"], (shares,)))
+    rows: Iterator[Row] = (
+        (row.name, *row.cells, Cell(row.verdict, kind="strong" if row.is_strong else ""))
+        for row in page.rows
+    )
+    table = Table(words["figures"], columns(*page.heads, wide=(0,)), rows_of(rows))
+    note = paragraphs(filter(None, [page.note]), "note")
+    blocks.append(Section(words["figures"], (table, *note)))
+    for title, texts in ((words["norms"], page.norms), (words["next"], page.next)):
+        if texts:
+            blocks.append(Section(title, (Points("", texts),)))
+    return tuple(blocks)
 
 
 def _answer(told: Measures, angle: float, words: Words) -> str:
@@ -275,15 +311,17 @@ def _texts(m: Measure, words: Words) -> tuple[str, str, str]:
     return value, low, high
 
 
-def _measured(m: Measure, adequacy: Adequacy, words: Words) -> Row:
+def _measured(m: Measure, adequacy: Adequacy, words: Words) -> ShownRow:
     value, low, high = _texts(m, words)
     unit = _unit(m.unit)
     interval = NO_NUMBER if low == NO_NUMBER else f"{low} … {high}"
     strong = m.verdict is Verdict.IDENTIFIED and adequacy.grade is not Grade.INADEQUATE
-    return Row(words.measure(m.name), (f"{value}{unit}", interval), words(str(m.verdict)), strong)
+    return ShownRow(
+        words.measure(m.name), (f"{value}{unit}", interval), words(str(m.verdict)), strong
+    )
 
 
-def _differing(d: Difference, words: Words, *, legs: bool) -> Row:
+def _differing(d: Difference, words: Words, *, legs: bool) -> ShownRow:
     unit = _unit(d.unit)
     both = tuple(
         NO_NUMBER if v is None else f"{words.number(significant(v, 3))}{unit}"
@@ -296,7 +334,7 @@ def _differing(d: Difference, words: Words, *, legs: bool) -> Row:
         change = (words.number(text.value), words.number(text.interval))
     strong = d.verdict is ChangeVerdict.CHANGED
     verdict = words("differs" if strong and legs else str(d.verdict))
-    return Row(words.measure(d.name), (*both, *change), verdict, strong)
+    return ShownRow(words.measure(d.name), (*both, *change), verdict, strong)
 
 
 def _beside(p: Placed, words: Words) -> str:

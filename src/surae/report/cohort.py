@@ -1,9 +1,19 @@
 """The page of a cohort: groups, differences and changes in tables, every leg in figures."""
 
+import itertools
+from collections.abc import Iterable
 from datetime import datetime
 
-from surae.files import template
 from surae.measures.cohort import Cohort, Contrast, Member, Pooled, sessions_of
+from surae.report.document import (
+    Document,
+    Paragraph,
+    Picture,
+    Section,
+    Table,
+    columns,
+    rows_of,
+)
 from surae.report.formatting import estimate, significant
 
 #: Measures that are drawn, where the cohort has them.
@@ -21,6 +31,7 @@ def cohort_html(cohort: Cohort, *, created: datetime) -> str:
     """The page as one HTML file that asks nothing of the outside; it has the table's own names."""
     from surae.report.figures import data_url, svg
     from surae.report.figures.cohort import forest_figure, scale_figure, sessions_figure
+    from surae.report.rendering import page_of
 
     figures = []
     for p in cohort.pooled.values():
@@ -36,7 +47,6 @@ def cohort_html(cohort: Cohort, *, created: datetime) -> str:
             for scale in p.scales:
                 drawing = scale_figure(label, scale, _against(cohort, p, scale))
                 figures.append((f"{p.name} and {scale}", drawing, _POINTS))
-    drawn = [(title, data_url(svg(figure)), caption) for title, figure, caption in figures]
     groups = []
     for p in cohort.pooled.values():
         for group, effects in p.groups.items():
@@ -57,17 +67,51 @@ def cohort_html(cohort: Cohort, *, created: datetime) -> str:
         for p in cohort.pooled.values()
         for scale, c in p.scales.items()
     ]
-    return template("cohort.html.j2", "surae.report").render(
-        legs=len({m.leg for m in cohort.members}),
-        missing=[(m.row, m.missing) for m in cohort.members if m.missing],
-        note=cohort.note,
-        rounds=cohort.rounds,
-        groups=groups,
-        contrasts=contrasts,
-        scales=scales,
-        drawn=drawn,
-        created=created.strftime("%Y-%m-%d %H:%M %Z").strip(),
+    tables = (
+        ("No fit", ("Leg", "Why"), [(m.row, m.missing) for m in cohort.members if m.missing]),
+        ("Differences and changes", ("Of", "Between", "Which", "Difference", "95 % interval", "p",
+                                     "Legs", "Unit"), contrasts),
+        ("Clinical scales", ("Of", "Scale", "Legs", "Spearman’s ρ", "p"), scales),
+        ("Groups", ("Of", "Group", "Legs", "Mean", "95 % interval", "Spread", "Unit", "At a bound",
+                    "Left out"), groups),
+    )  # fmt: skip
+    missing, differences, *others = (
+        (Section(title, (Table(title, columns(*heads), rows_of(map(_texts, rows))),)),)
+        if rows
+        else ()
+        for title, heads, rows in tables
     )
+    legs = f"Cohort of {len({m.leg for m in cohort.members})} legs"
+    about = (
+        "Every leg counts as much as its interval allows (random effects, REML; intervals of means "
+        "after Hartung and Knapp). P-values are Holm’s over all rows of their kind."
+    )
+    if cohort.rounds:
+        about += (
+            f" Every leg was fitted again with its population, {cohort.rounds} round(s); means and "
+            "differences are of fits without it."
+        )
+    note = (Paragraph(f"{cohort.note}.", lead="Note:"),) if cohort.note else ()
+    pictures = (Picture(title, title, f"{title}: {caption}.") for title, _, caption in figures)
+    document = Document(
+        kicker="Ankle muscle parameters",
+        heading=legs,
+        under=created.strftime("%Y-%m-%d %H:%M %Z").strip(),
+        title=legs,
+        blocks=(
+            Paragraph(about),
+            *note,
+            *missing,
+            *differences,
+            *pictures,
+            *itertools.chain(*others),
+        ),
+    )
+    return page_of(document, {title: data_url(svg(figure)) for title, figure, _ in figures})
+
+
+def _texts(row: Iterable[object]) -> tuple[str, ...]:
+    return tuple(map(str, row))
 
 
 def _contrast(c: Contrast) -> tuple[str, str, str, int]:

@@ -1,7 +1,6 @@
-"""What a report says, as plain data: strings and numbers, ready for any page."""
+"""What a report of a fit says, section by section."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
@@ -9,34 +8,42 @@ import numpy as np
 from surae.assessment import Assessment, Interval, Prediction, Verdict
 from surae.estimation import FitResult
 from surae.quality import Quality
-from surae.report.budget import BudgetSection, budget_section
-from surae.report.formatting import NO_NUMBER, percentage, significant
-from surae.report.identifiability import IdentifiabilitySection, identifiability_section
+from surae.report.budget import NEXT, budget_blocks, budget_section
+from surae.report.document import (
+    Block,
+    Cell,
+    Document,
+    KeyFigures,
+    Paragraph,
+    Section,
+    Table,
+    columns,
+    paragraphs,
+    rows_of,
+    verdict,
+)
+from surae.report.formatting import NO_NUMBER, estimate, percentage, short, significant
+from surae.report.identifiability import identifiability_section
 from surae.report.laboratory import (
-    FamilySection,
-    LaboratorySection,
-    TrialsSection,
+    family_blocks,
     family_section,
+    laboratory_blocks,
     laboratory_section,
+    trials_blocks,
     trials_section,
 )
-from surae.report.parameters import ParameterGroup, parameter_groups
-from surae.report.provenance import Setting, Source, fit_settings, sources
-from surae.report.recordings import RecordingSection, recording_section
+from surae.report.parameters import parameters_section, shown_parameters
+from surae.report.provenance import provenance_section
+from surae.report.recordings import recording_section
 from surae.report.sections import (
-    CorrelationSection,
-    PredictionSection,
-    QualitySection,
-    SnsemSection,
-    StartRow,
     correlation_section,
-    prediction_section,
-    quality_sections,
+    predictions_section,
+    quality_section,
     snsem_section,
-    start_rows,
+    starts_section,
 )
 from surae.report.traces import Traces
-from surae.report.wording import AdequacyWords, adequacy_words, caution, closeness, summary
+from surae.report.wording import adequacy_words, closeness, summary
 
 _STATUS = {
     "converged": "converged",
@@ -45,71 +52,7 @@ _STATUS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class KeyFigure:
-    """A number to see first, with a few words on how to read it."""
-
-    label: str
-    value: str
-    note: str
-
-
-@dataclass(frozen=True, slots=True)
-class Glance:
-    """The parameters of one verdict, each with its value and unit."""
-
-    verdict: str
-    text: str
-    parameters: tuple[tuple[str, str], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Content:
-    """Everything a report says."""
-
-    title: str  #: Model.
-    names: tuple[str, ...]  #: Recordings.
-    created: str  #: When the report was made.
-    #: `status`, `status_text`, `message`: of the fit: the word, its wording, and what happened.
-    status: str
-    status_text: str
-    message: str
-    adequacy: AdequacyWords  #: Whether the fit is good enough for its numbers to mean something.
-    summary: tuple[str, ...]  #: Plain language, one paragraph an entry.
-    key: tuple[KeyFigure, ...]  #: The few numbers to see first.
-    glance: tuple[Glance, ...]  #: The parameters by verdict.
-    interval: str  #: Which standard errors the intervals are made of, ``"thesis"`` or ``"robust"``.
-    caution: str  #: What to know before reading the parameter table; empty where there is nothing.
-    priors: bool  #: Whether any parameter has one.
-    #: `recordings`, `groups`, `correlation`, `identifiability`, `starts`, `settings`, `sources`,
-    #: `versions`: the sections.
-    recordings: tuple[RecordingSection, ...]
-    groups: tuple[ParameterGroup, ...]
-    correlation: CorrelationSection
-    identifiability: IdentifiabilitySection
-    starts: tuple[StartRow, ...]
-    agreeing: int  #: Starts that reached the best minimum.
-    settings: tuple[Setting, ...]
-    sources: tuple[Source, ...]
-    versions: tuple[Setting, ...]
-    budget: BudgetSection  #: What makes each parameter unsure, and what would help.
-    #: `laboratory`, `family`, `trials`: of a fit with model auto: what is not known of the
-    #: laboratory, which models were weighed, and how trials differ; None where there is nothing to
-    #: say.
-    laboratory: LaboratorySection | None
-    family: FamilySection | None
-    trials: TrialsSection | None
-    #: `predictions`, `snsem`: the sections on other recordings and on simulations; None without
-    #: any.
-    predictions: PredictionSection | None
-    snsem: SnsemSection | None
-    #: Whether the first start was the solution that the weights of outliers came from.
-    weighted_first: bool
-    #: What was found in each recording before the fit; empty where nobody looked.
-    quality: tuple[QualitySection, ...]
-
-
-def make_content(
+def fit_document(
     result: FitResult,
     assessment: Assessment,
     traces: tuple[Traces, ...],
@@ -118,109 +61,119 @@ def make_content(
     created: datetime,
     predictions: Sequence[Prediction] = (),
     quality: Sequence[Quality] = (),
-) -> Content:
+) -> Document:
     """Put a fit and its assessment into words.
 
     `versions` are those of the programs that made the fit; `predictions` are of other recordings;
     `quality` is what was found in each recording before the fit.
     """
-    torque = np.concatenate([trial.measured[trial.counted] for trial in traces])
-    rms = float(np.sqrt(np.mean(torque**2)))
-    groups = parameter_groups(assessment, result.problem.priors)
-    return Content(
-        title=result.problem.spec.title,
-        names=tuple(recording.name for recording in assessment.recordings),
-        created=created.strftime("%Y-%m-%d %H:%M %Z").strip(),
-        status=result.status,
-        status_text=_STATUS.get(result.status, result.status),
-        message=result.message,
-        adequacy=adequacy_words(assessment.adequacy),
-        summary=summary(result, assessment, rms),
-        key=_key(result, assessment, rms),
-        glance=_glance(groups),
-        interval=str(assessment.interval),
-        caution=caution(result, assessment),
-        priors=bool(result.problem.priors),
-        recordings=tuple(
-            recording_section(*each)
-            for each in zip(assessment.recordings, traces, assessment.whiteness, strict=True)
+    names = [recording.name for recording in assessment.recordings]
+    several = f", {len(names)} recordings in one joint fit" if len(names) > 1 else ""
+    budget = budget_section(result, assessment)
+    recordings = (
+        recording_section(number, *each)
+        for number, each in enumerate(
+            zip(assessment.recordings, traces, assessment.whiteness, strict=True)
+        )
+    )
+    return Document(
+        kicker="Ankle muscle parameters",
+        heading=" + ".join(names),
+        under=(
+            f"Fitted with the {result.problem.spec.title}{several}. Report of "
+            f"{created.strftime('%Y-%m-%d %H:%M %Z').strip()}."
         ),
-        groups=groups,
-        correlation=correlation_section(assessment),
-        identifiability=identifiability_section(result, assessment),
-        starts=start_rows(result),
-        agreeing=result.agreeing,
-        settings=fit_settings(result, assessment),
-        sources=sources(result),
-        versions=tuple(Setting(name, version) for name, version in versions.items()),
-        budget=budget_section(result, assessment),
-        laboratory=laboratory_section(result, assessment),
-        family=family_section(result, assessment),
-        trials=trials_section(result, assessment),
-        predictions=prediction_section(assessment, predictions),
-        snsem=snsem_section(assessment),
-        weighted_first=result.outliers is not None,
-        quality=quality_sections(quality, traces),
+        title=f"Ankle muscle parameters: {', '.join(names)}",
+        blocks=(
+            _summary(result, assessment, traces),
+            *quality_section(quality, traces),
+            *recordings,
+            parameters_section(result, assessment, next_anchor=NEXT if budget.helps else ""),
+            budget_blocks(budget),
+            *laboratory_blocks(laboratory_section(result, assessment)),
+            *family_blocks(family_section(result, assessment)),
+            *trials_blocks(trials_section(result, assessment)),
+            correlation_section(assessment),
+            identifiability_section(result, assessment),
+            *snsem_section(assessment),
+            *predictions_section(assessment, predictions),
+            starts_section(result),
+            provenance_section(result, assessment, versions),
+        ),
+        footer=(
+            "Made by surae for research. VAF is the part of the torque’s mean square that the "
+            "model accounts for, equation (31); the mean is not subtracted. Equation numbers are "
+            "those of the thesis Estimating ankle muscle parameters (van de Poll, 2015)."
+        ),
     )
 
 
-def _key(result: FitResult, assessment: Assessment, rms: float) -> tuple[KeyFigure, ...]:
+def _summary(result: FitResult, assessment: Assessment, traces: Sequence[Traces]) -> Section:
+    """What a reader sees first: what the fit is worth, a few numbers, and its parameters."""
+    torque = np.concatenate([trial.measured[trial.counted] for trial in traces])
+    rms = float(np.sqrt(np.mean(torque**2)))
+    message = result.message if result.message.endswith(".") else f"{result.message}."
+    status = Paragraph(
+        f"{message[:1].upper()}{message[1:]}",
+        f"status {result.status}",
+        lead=f"Fit {_STATUS.get(result.status, result.status)}.",
+    )
+    blocks: tuple[Block, ...] = (
+        adequacy_words(assessment.adequacy),
+        status,
+        _key(result, assessment, rms),
+        *paragraphs(summary(result, assessment, rms)),
+        _glance(assessment),
+    )
+    return Section("Summary", blocks, "summary")
+
+
+def _key(result: FitResult, assessment: Assessment, rms: float) -> KeyFigures:
     parameters = assessment.parameters.values()
     free = sum(p.free for p in parameters)
     identified = sum(p.verdict is Verdict.IDENTIFIED for p in parameters)
     failed = result.status == "failed"
     robust = assessment.interval is Interval.ROBUST and not failed
     coloured = not all(whiteness.white for whiteness in assessment.whiteness)
-    return (
-        KeyFigure(
-            "Torque’s changes followed, R²",
-            f"{percentage(assessment.adequacy.r2)} %",
-            "no minimum reached"
-            if failed
-            else f"{closeness(assessment.adequacy.r2)}; with its "
-            f"mean, VAF {percentage(assessment.vaf)} %",
-        ),
-        KeyFigure(
-            "Root mean square error",
-            f"{significant(assessment.rmse, 3)} Nm",
-            f"torque itself {significant(rms, 3)} Nm",
-        ),
-        KeyFigure(
-            "Parameters identified",
-            NO_NUMBER if failed else f"{identified} of {free}",
-            "what is not known of the laboratory allowed for"
-            if result.family is not None
-            else ("correlation of the residual allowed for" if coloured else "robust errors")
-            if robust
-            else "",
-        ),
-        KeyFigure(
+    followed = f"{closeness(assessment.adequacy.r2)}; with its mean, VAF "
+    followed = "no minimum reached" if failed else f"{followed}{percentage(assessment.vaf)} %"
+    allowed = ""
+    if result.family is not None:
+        allowed = "what is not known of the laboratory allowed for"
+    elif robust:
+        allowed = "correlation of the residual allowed for" if coloured else "robust errors"
+    if result.family is not None:
+        repeatable = sum(p.repeatable for p in parameters)
+        last = (
             "Parameters repeatable",
-            NO_NUMBER if failed else f"{sum(p.repeatable for p in parameters)} of {free}",
+            NO_NUMBER if failed else f"{repeatable} of {free}",
             "another trial would give the same",
         )
-        if result.family is not None
-        else KeyFigure(
-            "Starts that agree",
-            f"{result.agreeing} of {len(result.starts)}",
-            "on the best minimum",
-        ),
-    )
+    else:
+        agreeing = f"{result.agreeing} of {len(result.starts)}"
+        last = ("Starts that agree", agreeing, "on the best minimum")
+    r2, rmse = percentage(assessment.adequacy.r2), significant(assessment.rmse, 3)
+    return KeyFigures((
+        ("Torque’s changes followed, R²", f"{r2} %", followed),
+        ("Root mean square error", f"{rmse} Nm", f"torque itself {significant(rms, 3)} Nm"),
+        ("Parameters identified", NO_NUMBER if failed else f"{identified} of {free}", allowed),
+        last,
+    ))  # fmt: skip
 
 
-def _glance(groups: tuple[ParameterGroup, ...]) -> tuple[Glance, ...]:
-    rows = [row for group in groups for row in group.rows]
-    texts = {row.verdict: row.verdict_text for row in rows}
-    return tuple(
-        Glance(
-            verdict,
-            texts[verdict],
-            tuple(
-                (row.name, f"{row.value} {row.unit}".rstrip() if row.determined else "undetermined")
-                for row in rows
-                if row.verdict == verdict
-            ),
-        )
-        for verdict in map(str, Verdict)
-        if verdict in texts
+def _glance(assessment: Assessment) -> Table:
+    """The parameters by verdict, each with its value and unit."""
+    by_verdict: dict[Verdict, list[tuple[str, str]]] = {}
+    for p in shown_parameters(assessment):
+        text = "undetermined"
+        if p.verdict is not Verdict.UNDETERMINED or p.ci95 is not None:
+            value = estimate(p.value, p.trusted_sem, p.ci95).value if p.free else short(p.value)
+            text = value if p.unit == "-" else f"{value} {p.unit}"
+        by_verdict.setdefault(p.verdict, []).append((p.name, text))
+    rows = (
+        (verdict(each), Cell(pairs=tuple(by_verdict[each])))
+        for each in Verdict
+        if each in by_verdict
     )
+    heads = columns("", "", wide=(1,))
+    return Table("Parameters by verdict", heads, rows_of(rows), "glance", titled=True)

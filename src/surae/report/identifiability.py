@@ -1,13 +1,21 @@
 """What the data tell apart, and what to do about the rest, as text."""
 
-from dataclasses import dataclass
-
 from surae.assessment import Assessment, Verdict
 from surae.assessment.assess import described, variance_inflation
 from surae.assessment.identifiability.directions import COLLINEAR, Direction
 from surae.assessment.identifiability.identified import Identified, identifiability
 from surae.assessment.parameter import IDENTIFIED
 from surae.estimation import FitResult
+from surae.report.document import (
+    AnyCell,
+    Cell,
+    Paragraph,
+    Section,
+    Table,
+    columns,
+    rows_of,
+    verdict,
+)
 from surae.report.formatting import NO_NUMBER, significant
 
 #: Directions and collinear sets that are shown at most.
@@ -15,47 +23,23 @@ _DIRECTIONS, _SETS = 6, 6
 #: Relative standard error from which a direction makes its parameters weak: about 1.96 of them are
 #: the half-width of an interval.
 _WEAK = IDENTIFIED / 1.96
+_NOTE = (
+    "Combinations are eigenvectors of the information matrix, each parameter measured in its own "
+    "value; the change is one standard error along them. Influence δ: root mean square change of "
+    "the torque, as a part of the torque’s own, if the parameter changed by its own value and "
+    "followed a straight line. SEM alone: relative standard error if all other parameters were "
+    "known. Widened: by how much the others, estimated too, widen it. All take the residual for "
+    "white noise. Collinearity index: Brun, Reichert and Künsch (2001)."
+)
 
 
-@dataclass(frozen=True, slots=True)
-class DirectionRow:
-    """A weak combination: in words, its relative standard error, and what that means for each."""
-
-    words: str
-    uncertainty: str
-    changes: str
-
-
-@dataclass(frozen=True, slots=True)
-class SensitivityRow:
-    """One parameter: influence, standard error if the others were known, and what widens it."""
-
-    name: str
-    sensitivity: str
-    alone: str
-    collinearity: str
-    verdict: str
-    verdict_text: str
-    advice: str
-
-
-@dataclass(frozen=True, slots=True)
-class IdentifiabilitySection:
-    """What the sensitivities say."""
-
-    #: Condition number and collinearity index in a sentence; why there is nothing else to say.
-    text: str
-    directions: tuple[DirectionRow, ...]  #: The weakest combinations.
-    sets: tuple[str, ...]  #: Collinear sets with their index.
-    rows: tuple[SensitivityRow, ...]  #: Estimated parameters, the most influential first.
-
-
-def identifiability_section(result: FitResult, assessment: Assessment) -> IdentifiabilitySection:
-    """Describe weak combinations and what each parameter needs; verdicts are the assessment's."""
-    inflation = variance_inflation(assessment)
+def identifiability_section(result: FitResult, assessment: Assessment) -> Section:
+    """Weak combinations, and what each parameter needs; verdicts are the assessment's."""
+    title, inflation = "What this torque tells apart", variance_inflation(assessment)
     identified = identifiability(result, variance_inflation=inflation.common)
     if not identified.parameters:
-        return IdentifiabilitySection("The model gives no finite torque here.", (), (), ())
+        why = Paragraph("The model gives no finite torque here.")
+        return Section(title, (why,), "identifiability", "page")
     weak = [
         direction
         for direction in identified.directions
@@ -71,17 +55,35 @@ def identifiability_section(result: FitResult, assessment: Assessment) -> Identi
     condition = "infinite" if identified.condition is None else significant(identified.condition, 2)
     gamma = "infinite" if identified.gamma is None else significant(identified.gamma, 3)
     own = [p for p in identified.parameters.values() if p.name in assessment.parameters]
-    ranked = sorted(own, key=lambda parameter: parameter.rank)
-    return IdentifiabilitySection(
-        text=(
-            f"Condition number of the scaled information matrix: {condition}. Collinearity index "
-            f"of all parameters that are not at a bound: {gamma}; sets from {COLLINEAR:g} on are "
-            "hardly told apart."
-        )
-        + _noise(inflation.common, inflation.reason),
-        directions=tuple(_direction(direction) for direction in shown),
-        sets=tuple(sets),
-        rows=tuple(_row(parameter, assessment) for parameter in ranked),
+    text = (
+        f"Condition number of the scaled information matrix: {condition}. Collinearity index "
+        f"of all parameters that are not at a bound: {gamma}; sets from {COLLINEAR:g} on are "
+        "hardly told apart."
+    )
+    text += _noise(inflation.common, inflation.reason)
+    text += f" Smallest such sets: {'; '.join(sets)}." if sets else ""
+    directions = Table(
+        "Combinations of parameters that are known least",
+        columns("Together", "Known to ±", "A change that this torque cannot tell", numbers=(1,),
+                wide=(0, 2)),
+        rows_of(map(_direction, shown)),
+        "directions",
+        titled=True,
+    )  # fmt: skip
+    sensitivity = Table(
+        "Influence of every estimated parameter, and what to do about those that are not "
+        "identified",
+        columns("Parameter", "Influence δ", "SEM alone", "Widened ×", "Verdict", "What to do",
+                numbers=(1, 2, 3), wide=(5,), looks={5: "why"}),
+        rows_of(_row(p, assessment) for p in sorted(own, key=lambda p: p.rank)),
+        "sensitivity",
+        titled=True,
+    )  # fmt: skip
+    return Section(
+        title,
+        (Paragraph(text), directions, sensitivity, Paragraph(_NOTE, "note")),
+        "identifiability",
+        "page",
     )
 
 
@@ -92,34 +94,30 @@ def _noise(factor: float, reason: str) -> str:
     return f" Standard errors here: {described({'all': factor}, reason)}."
 
 
-def _direction(direction: Direction) -> DirectionRow:
-    scale = 1.0 if direction.uncertainty is None else direction.uncertainty
-    changes = [f"{name} {_signed(scale * part)}" for name, part in direction.changes.items()]
-    return DirectionRow(
-        words=direction.words,
-        uncertainty=NO_NUMBER if direction.uncertainty is None else _percent(direction.uncertainty),
-        changes=NO_NUMBER if direction.uncertainty is None else ", ".join(changes),
+def _direction(direction: Direction) -> tuple[str, str, str]:
+    """A weak combination: in words, its relative standard error, and what that means for each."""
+    if direction.uncertainty is None:
+        return direction.words, NO_NUMBER, NO_NUMBER
+    changes = (
+        f"{name} {'+' if part >= 0 else '−'}{_percent(abs(direction.uncertainty * part))}"
+        for name, part in direction.changes.items()
     )
+    return direction.words, _percent(direction.uncertainty), ", ".join(changes)
 
 
-def _row(parameter: Identified, assessment: Assessment) -> SensitivityRow:
-    verdict = assessment.parameters[parameter.name].verdict
-    return SensitivityRow(
-        name=parameter.name,
-        sensitivity=significant(parameter.sensitivity, 2),
-        alone=NO_NUMBER if parameter.alone is None else _percent(parameter.alone),
-        collinearity=NO_NUMBER
-        if parameter.collinearity is None
-        else significant(parameter.collinearity, 2),
-        verdict=str(verdict),
-        verdict_text=str(verdict).replace("-", " "),
-        advice="" if verdict is Verdict.IDENTIFIED else parameter.advice,
+def _row(parameter: Identified, assessment: Assessment) -> tuple[AnyCell, ...]:
+    """One parameter: influence, standard error if the others were known, and what widens it."""
+    judged = assessment.parameters[parameter.name].verdict
+    collinearity = parameter.collinearity
+    return (
+        Cell(parameter.name, kind="code"),
+        significant(parameter.sensitivity, 2),
+        NO_NUMBER if parameter.alone is None else _percent(parameter.alone),
+        NO_NUMBER if collinearity is None else significant(collinearity, 2),
+        verdict(judged),
+        "" if judged is Verdict.IDENTIFIED else parameter.advice,
     )
 
 
 def _percent(part: float) -> str:
     return f"{significant(100 * part, 2)}\u00a0%"
-
-
-def _signed(part: float) -> str:
-    return f"{'+' if part >= 0 else '−'}{significant(abs(100 * part), 2)}\u00a0%"

@@ -1,5 +1,6 @@
 """What a fit with model auto says beyond the leg: the laboratory, the models, the trials."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from surae.estimation import Candidate, Family, FitResult
 from surae.estimation.each import trial_spread
 from surae.model import get_model
 from surae.model.laboratory import GROUPS, Belief, group_of
+from surae.report.document import Block, Cell, Paragraph, Row, Section, Table, columns, rows_of
 from surae.report.formatting import NO_NUMBER, estimate, significant
 
 #: What a group of imperfections is called, and what it is.
@@ -226,6 +228,63 @@ def trials_section(result: FitResult, assessment: Assessment) -> TrialsSection |
         tuple(recording.name for recording in problem.inputs),
         tuple(rows),
     )
+
+
+def laboratory_blocks(section: LaboratorySection | None) -> tuple[Section, ...]:
+    """The laboratory's imperfections as they are shown."""
+    if section is None:
+        return ()
+    blocks: list[Block] = [Paragraph(section.text)]
+    if section.rows:
+        groups = "; ".join(f"{group}: {meaning}" for group, meaning in section.groups)
+        blocks.append(Paragraph(f"{groups}.", "note"))
+        heads = columns("Imperfection", "Assumed", "Estimate", "95 % interval", "Unit",
+                        "Who says so", numbers=(1, 3), wide=(0, 5),
+                        looks={2: "number value", 4: "unit"})  # fmt: skip
+        rows = (
+            (Cell(row.name, kind="code", meaning=row.meaning), row.prior, row.value, row.interval,
+             row.unit or "–", row.told)
+            for row in section.rows
+        )  # fmt: skip
+        title = "Imperfections: what was assumed and what came out"
+        blocks.append(Table(title, heads, rows_of(rows), "laboratory"))
+    if section.zeros:
+        zeros = ", ".join(f"{name} {zero}" for name, zero in section.zeros)
+        blocks.append(Paragraph(f"Torque zero of each recording: {zeros}."))
+    return (Section("The laboratory’s imperfections", tuple(blocks), "laboratory", "page"),)
+
+
+def family_blocks(section: FamilySection | None) -> tuple[Section, ...]:
+    """The models that were weighed as they are shown."""
+    if section is None:
+        return ()
+    heads = columns("Model", "Imperfections in it", "Probability", numbers=(2,), wide=(1,))
+    others = "Other sets of imperfections, in the intervals by their probability"
+    tables = (
+        Table(caption, heads, rows_of(rows), "family", titled=True)
+        for caption, rows in (
+            ("Models that were weighed", section.models), (others, section.variants)
+        )
+        if rows
+    )  # fmt: skip
+    blocks: tuple[Block, ...] = (Paragraph(section.text), *tables)
+    return (Section("Which model the data support", blocks, "family", "together"),)
+
+
+def trials_blocks(section: TrialsSection | None) -> tuple[Section, ...]:
+    """How trials differ as it is shown."""
+    if section is None:
+        return ()
+    count = len(section.recordings)
+    heads = columns("Parameter", "Unit", "Together", *section.recordings, "Spread",
+                    numbers=range(2, 4 + count))  # fmt: skip
+    rows: Iterator[Row] = (
+        (Cell(row.name, kind="code"), row.unit or "–", row.value, *row.each, row.spread)
+        for row in section.rows
+    )
+    title = "Every parameter by recording, and its spread between trials"
+    table = Table(title, heads, rows_of(rows), "starts", repeated=2 if count > 6 else 0)
+    return (Section("From trial to trial", (Paragraph(section.text), table), "trials", "together"),)
 
 
 def _title(model: str) -> str:

@@ -1,14 +1,25 @@
 """The parameter table: every number as text, and where in its bounds an estimate lies."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
 
-from surae.assessment import Assessment, ParameterEstimate, Verdict
-from surae.estimation import Prior
+from surae.assessment import Assessment, Interval, ParameterEstimate, Verdict
+from surae.estimation import FitResult, Prior
 from surae.model.laboratory import group_of
+from surae.report.document import (
+    AnyCell,
+    Bar,
+    Block,
+    Cell,
+    Column,
+    Paragraph,
+    Section,
+    Table,
+    paragraphs,
+    verdict,
+)
 from surae.report.formatting import NO_NUMBER, estimate, short, standard_error
 from surae.report.provenance import prior_note, prior_span
+from surae.report.wording import caution
 
 #: Titles of the groups of parameters.
 _GROUPS = {
@@ -17,74 +28,60 @@ _GROUPS = {
     "active": "Active: contraction",
     "tendon": "Tendon",
 }
-_VERDICTS = {
-    Verdict.IDENTIFIED: "identified",
-    Verdict.WEAK: "weak",
-    Verdict.UNDETERMINED: "undetermined",
-    Verdict.AT_BOUND: "at bound",
-    Verdict.FIXED: "fixed",
-}
 
 
-@dataclass(frozen=True, slots=True)
-class Bar:
-    """An estimate and its interval between the bounds, as parts from 0 to 1."""
+def parameters_section(result: FitResult, assessment: Assessment, *, next_anchor: str) -> Section:
+    """The table of all parameters, by the part of the torque they act on.
 
-    value: float  #: The estimate.
-    #: `low`, `high`: ends of the interval, cut off at the bounds; None without an interval.
-    low: float | None
-    high: float | None
-    #: `beyond_low`, `beyond_high`: whether the interval was cut off at that end.
-    beyond_low: bool
-    beyond_high: bool
-    #: Lower end, median and upper end of the prior, cut off at the bounds.
-    prior: tuple[float, float, float] | None
-    alt: str  #: The bar in words.
-
-
-@dataclass(frozen=True, slots=True)
-class ParameterRow:
-    """One row of the table."""
-
-    #: `name`, `meaning`, `unit`, `value`, `interval`, `sem`, `sem_robust`, `bounds`, `verdict`,
-    #: `verdict_text`, `note`: the cells; a dash where there is no number.
-    name: str
-    meaning: str
-    unit: str
-    value: str
-    interval: str
-    sem: str
-    sem_robust: str
-    bounds: str
-    verdict: str
-    verdict_text: str
-    note: str
-    #: `repeatable`, `repeat_interval`: whether another trial of the leg would give the same value,
-    #: ``"yes"``, ``"no"`` or a dash, and the 95 % interval of what it would give; empty where that
-    #: is the parameter's own.
-    repeatable: str
-    repeat_interval: str
-    prior: str  #: The prior in words; empty without one.
-    determined: bool  #: False when the torque leaves the value open, which then says nothing.
-    bar: Bar | None  #: None for a parameter that was not estimated.
-
-
-@dataclass(frozen=True, slots=True)
-class ParameterGroup:
-    """The rows that act on one part of the torque."""
-
-    title: str
-    rows: tuple[ParameterRow, ...]
-
-
-def parameter_groups(
-    assessment: Assessment, priors: Mapping[str, Prior]
-) -> tuple[ParameterGroup, ...]:
-    """All parameters of a fit, by the part of the torque they act on."""
-    rows: dict[str, list[ParameterRow]] = {}
+    Weak verdicts lead to `next_anchor`, where it says what to measure.
+    """
+    priors, interval = result.problem.priors, assessment.interval
+    marginal = interval is Interval.MARGINAL
+    groups: dict[str, list[tuple[AnyCell, ...]]] = {}
     for p in shown_parameters(assessment):
-        rows.setdefault(p.group, []).append(_row(p, priors.get(p.name)))
-    return tuple(ParameterGroup(_GROUPS.get(g, g), tuple(some)) for g, some in rows.items())
+        row = _row(p, priors.get(p.name), next_anchor)
+        groups.setdefault(p.group, []).append(row[:3] + row[5:] if marginal else row)
+    if marginal:
+        note = (
+            "The 95 % interval holds what is not known of the laboratory and of the model. "
+            "Repeatable: another trial of this leg would give the same within 10 %; below it, "
+            "where its value would lie (95 %). What all trials of the leg share, such as "
+            "crosstalk, is not in that."
+        )
+    else:
+        sem = "robust SEM" if interval is Interval.ROBUST else "SEM (34)"
+        note = (
+            "SEM (34): standard error of the mean, equation (34), which assumes a white residual. "
+            "Robust SEM: the same for a residual that is correlated as this one is. The 95 % "
+            f"interval is Student’s t times the {sem} on either side; of the laboratory it holds "
+            "nothing. Repeatable: that interval is within 10 % of the value."
+        )
+    note += (
+        " Bar: the estimate (dark mark) and its interval (band) between the bounds; an arrow says "
+        "that the interval goes on beyond the bound."
+    )
+    if priors:
+        note += " Thin line below: the prior, one standard deviation to either side."
+    heads = [
+        Column("Parameter"), Column("Value", "number value"), Column("95 % interval", "number"),
+        Column("SEM (34)", "number value" if interval is Interval.THESIS else "number"),
+        Column("Robust SEM", "number value" if interval is Interval.ROBUST else "number"),
+        Column("Unit", "unit"), Column("Between its bounds", "where"),
+        Column("Repeatable", "repeat"), Column("Verdict", "judgement", wide=True),
+    ]  # fmt: skip
+    table = Table(
+        "Estimates of all parameters with their uncertainty",
+        tuple(heads[:3] + heads[5:] if marginal else heads),
+        tuple((_GROUPS.get(group, group), tuple(rows)) for group, rows in groups.items()),
+        "parameters",
+    )
+    warning = caution(result, assessment)
+    blocks: tuple[Block, ...] = (
+        Paragraph(note, "note"),
+        *paragraphs(filter(None, [warning]), "warning"),
+        table,
+    )
+    return Section("Parameters", blocks, "parameters", "page")
 
 
 def shown_parameters(assessment: Assessment) -> list[ParameterEstimate]:
@@ -98,28 +95,28 @@ def repeatable(p: ParameterEstimate) -> str:
     return NO_NUMBER if p.ci95_repeat is None else "yes" if p.repeatable else "no"
 
 
-def _row(p: ParameterEstimate, prior: Prior | None) -> ParameterRow:
-    written = estimate(p.value, p.trusted_sem, p.ci95) if p.free else None
-    return ParameterRow(
-        name=p.name,
-        meaning=p.meaning,
-        unit="" if p.unit == "-" else p.unit,
-        value=written.value if written else short(p.value),
-        interval=written.interval if written else NO_NUMBER,
-        sem=standard_error(p.sem),
-        sem_robust=standard_error(p.sem_robust),
-        bounds=f"{short(p.lower)} … {short(p.upper)}" if p.free else NO_NUMBER,
-        verdict=str(p.verdict),
-        verdict_text=_VERDICTS[p.verdict],
-        note=p.note,
-        repeatable=repeatable(p),
-        repeat_interval=""
-        if p.ci95_repeat in (None, p.ci95)
-        else estimate(p.value, p.trusted_sem, p.ci95_repeat).interval,
-        prior=prior_note(prior, p.value, p.trusted_sem) if prior else "",
-        determined=p.verdict is not Verdict.UNDETERMINED or p.ci95 is not None,
-        bar=_bar(p, prior) if p.free and math.isfinite(p.value) else None,
+def _row(p: ParameterEstimate, prior: Prior | None, next_anchor: str) -> tuple[AnyCell, ...]:
+    text = estimate(p.value, p.trusted_sem, p.ci95) if p.free else None
+    again = ""
+    if p.ci95_repeat not in (None, p.ci95):
+        again = estimate(p.value, p.trusted_sem, p.ci95_repeat).interval
+    why = "; ".join(
+        filter(None, (p.note, prior_note(prior, p.value, p.trusted_sem) if prior else ""))
     )
+    unsure = p.verdict in (Verdict.WEAK, Verdict.UNDETERMINED)
+    bar = _bar(p, prior) if p.free and math.isfinite(p.value) else None
+    return (
+        Cell(p.name, kind="code", meaning=p.meaning),
+        text.value if text else short(p.value),
+        text.interval if text else NO_NUMBER,
+        standard_error(p.sem),
+        standard_error(p.sem_robust),
+        "–" if p.unit == "-" else p.unit,
+        Cell(NO_NUMBER if bar is None else "", bar=bar,
+             under=f"{short(p.lower)} … {short(p.upper)}" if bar else ""),
+        Cell(repeatable(p), under=again),
+        verdict(p.verdict, why=why, link=next_anchor if unsure else ""),
+    )  # fmt: skip
 
 
 def _bar(p: ParameterEstimate, prior: Prior | None) -> Bar:

@@ -1,6 +1,7 @@
 """How a fit came about: settings, weights, priors, what was left out, files and preparation."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,9 @@ from surae.assessment import Assessment
 from surae.estimation import FitResult, Prior
 from surae.estimation.population import population_of
 from surae.model import adapted
+from surae.report.document import Facts, Section, facts_of
 from surae.report.formatting import percentage, short, significant
+from surae.signals import ModelInputs
 from surae.units import FloatArray
 
 #: Share of samples that count less than half from which they are no stray artefacts; Gaussian noise
@@ -124,17 +127,6 @@ class Setting:
     value: str
 
 
-@dataclass(frozen=True, slots=True)
-class Source:
-    """A recording, its files (name, SHA-256), which samples count, and what was done to it."""
-
-    recording: str
-    files: tuple[tuple[str, str], ...]
-    samples: str
-    excluded: str
-    steps: tuple[str, ...]
-
-
 def _option(value: str | float | tuple[float, ...]) -> str:
     if isinstance(value, tuple):
         return " / ".join(short(level) for level in value)
@@ -161,18 +153,36 @@ def fit_settings(result: FitResult, assessment: Assessment) -> tuple[Setting, ..
     )
 
 
-def sources(result: FitResult) -> tuple[Source, ...]:
-    """The recordings of a fit."""
-    return tuple(
-        Source(
-            recording=recording.name,
-            files=tuple((file.name, file.sha256) for file in recording.files),
-            samples=f"{recording.n} at {short(recording.rate_hz)} Hz",
-            excluded=excluded_text(recording.time, recording.weight),
-            steps=recording.steps,
-        )
-        for recording in result.problem.inputs
+def provenance_section(
+    result: FitResult, assessment: Assessment, versions: Mapping[str, str]
+) -> Section:
+    """How the fit came about: its settings, the files, what was done to them, and the versions."""
+    return Section(
+        "Settings and provenance",
+        (
+            facts_of(
+                ((each.label, each.value) for each in fit_settings(result, assessment)), "settings"
+            ),
+            *map(_source, result.problem.inputs),
+            Section("Versions", (facts_of(versions.items()),)),
+        ),
+        "provenance",
+        "provenance",
     )
+
+
+def _source(recording: ModelInputs) -> Section:
+    """A recording's files, which of its samples count, and what was done to it."""
+    facts: list[tuple[str, tuple[str, ...]]] = [
+        ("Samples", (f"{recording.n} at {short(recording.rate_hz)} Hz",))
+    ]
+    if excluded := excluded_text(recording.time, recording.weight):
+        facts.append(("Left out of the fit", (excluded,)))
+    facts += [("File", (f"{file.name}, SHA-256 {file.sha256}",)) for file in recording.files]
+    if not recording.files:
+        facts.append(("File", ("none: the recording was made in memory",)))
+    facts.append(("Preparation", recording.steps or ("none recorded",)))
+    return Section(recording.name, (Facts(tuple(facts), "settings"),), look="source")
 
 
 def _starts(result: FitResult) -> str:

@@ -1,57 +1,55 @@
 """One recording in words: its facts, and what its figures show."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from surae.assessment import RecordingQuality, Whiteness
+from surae.model import TendonState
 from surae.recording.samples import sample
 from surae.report.cycles import find_cycles
-from surae.report.formatting import chance, percentage, short, signed, significant
-from surae.report.provenance import Setting, excluded_text
-from surae.report.traces import GROUPS, TendonRow, Traces, tendon_rows
+from surae.report.document import (
+    Block,
+    Paragraph,
+    Picture,
+    Section,
+    Signals,
+    Table,
+    columns,
+    facts_of,
+    paragraphs,
+    rows_of,
+)
+from surae.report.formatting import NO_NUMBER, chance, percentage, short, signed, significant
+from surae.report.provenance import excluded_text
+from surae.report.traces import Traces
+from surae.units import FloatArray
 
-
-@dataclass(frozen=True, slots=True)
-class RecordingSection:
-    """One recording: its facts, what is wrong with it, and what its figures show in words."""
-
-    name: str
-    cycles: int
-    left_out: bool
-    facts: tuple[Setting, ...]
-    warnings: tuple[str, ...]
-    torque_alt: str
-    residual_alt: str
-    residual_text: str
-    tendon_alt: str
-    tendon: tuple[TendonRow, ...]
+#: Names of the two muscle groups, in the order of their rows.
+GROUPS = ("Triceps surae", "Tibialis anterior")
 
 
 def recording_section(
-    quality: RecordingQuality, traces: Traces, white: Whiteness
-) -> RecordingSection:
+    number: int, quality: RecordingQuality, traces: Traces, white: Whiteness
+) -> Section:
     """Describe a recording, its fit and the residual."""
     low, high = float(traces.angle.min()), float(traces.angle.max())
     span = f"{signed(low, 2)} … {signed(high, 2)} rad"
     degrees = f"{signed(np.degrees(low), 0)} … {signed(np.degrees(high), 0)}°"
     least, most = float(traces.measured.min()), float(traces.measured.max())
     duration = quality.n / quality.rate_hz
-    facts: tuple[Setting, ...] = (
-        Setting("Centred R²", f"{percentage(quality.r2)} %"),
-        Setting("VAF", f"{percentage(quality.vaf)} %"),
-        Setting("RMSE", f"{significant(quality.rmse, 3)} Nm"),
-        Setting("Mean residual", f"{significant(quality.bias, 2)} Nm"),
-        Setting("Measured torque", f"{signed(least, 1)} … {signed(most, 1)} Nm"),
-        Setting("Angle", f"{span} ({degrees})"),
-        Setting("Duration", f"{short(round(duration, 2))} s"),
-        Setting("Samples", f"{quality.n} at {short(quality.rate_hz)} Hz"),
-    )
+    facts = [
+        ("Centred R²", f"{percentage(quality.r2)} %"),
+        ("VAF", f"{percentage(quality.vaf)} %"),
+        ("RMSE", f"{significant(quality.rmse, 3)} Nm"),
+        ("Mean residual", f"{significant(quality.bias, 2)} Nm"),
+        ("Measured torque", f"{signed(least, 1)} … {signed(most, 1)} Nm"),
+        ("Angle", f"{span} ({degrees})"),
+        ("Duration", f"{short(round(duration, 2))} s"),
+        ("Samples", f"{quality.n} at {short(quality.rate_hz)} Hz"),
+    ]
     if quality.vaf_weighted is not None:
-        facts += (Setting("VAF, weighted as in the fit", f"{percentage(quality.vaf_weighted)} %"),)
+        facts.append(("VAF, weighted as in the fit", f"{percentage(quality.vaf_weighted)} %"))
     if excluded := excluded_text(traces.time, traces.weight):
-        facts += (Setting("Left out of the fit", excluded),)
-    tendon = tendon_rows(traces)
+        facts.append(("Left out of the fit", excluded))
     shares = ", ".join(
         f"{name} {signed(float(part.min()), 1)} to {signed(float(part.max()), 1)} Nm"
         for name, part in (
@@ -74,33 +72,118 @@ def recording_section(
             "residual is correlated over time."
         )
     cycles = find_cycles(traces.angle, traces.rate_hz, traces.counted)
-    return RecordingSection(
-        name=quality.name,
-        cycles=0 if cycles is None else len(cycles.spans),
-        left_out=bool(traces.excluded),
-        facts=facts,
-        warnings=_warnings(traces),
-        torque_alt=(
-            f"Panels against {short(round(duration, 2))} s of time: EMG that was recorded; "
-            f"ankle angle from {span.replace('…', 'to')}; measured and modelled torque, VAF "
-            f"{percentage(quality.vaf)} %; parts of the modelled torque: {shares}."
-        ),
-        residual_alt=(
+    count = 0 if cycles is None else len(cycles.spans)
+    torque_alt = (
+        f"Panels against {short(round(duration, 2))} s of time: EMG that was recorded; "
+        f"ankle angle from {span.replace('…', 'to')}; measured and modelled torque, VAF "
+        f"{percentage(quality.vaf)} %; parts of the modelled torque: {shares}."
+    )
+    over = (
+        f"Beside time, the mean and the standard deviation over {count} cycles, each from one "
+        "largest dorsiflexion to the next. "
+    )
+    residual = (
+        Paragraph(text),
+        Picture(
+            f"residual-{number}",
             f"Residual torque against time, RMS {significant(quality.rmse, 3)} Nm; its "
             f"autocorrelation, {significant(white.lag1, 2)} at the first lag and within the "
-            f"white-noise band after {significant(white.fall_s, 2)} s; its histogram."
+            f"white-noise band after {significant(white.fall_s, 2)} s; its histogram.",
+            "Top: residual over time. Left: its autocorrelation; a white residual stays within the "
+            "band. Right: its histogram.",
+            width=85,
         ),
-        residual_text=text,
-        tendon_alt=(
-            "Muscle length and velocity in optimal lengths, tendon elongation and tendon force "
-            "against time, and force against elongation of the fitted tendon, for both groups. "
-            f"{' '.join(row.text for row in tendon)}"
+    )
+    blocks: list[Block] = [
+        facts_of(facts),
+        *paragraphs(warnings_of(traces), "warning"),
+        Signals(number, torque_alt, " Grey: left out of the fit." if traces.excluded else ""),
+        Picture(
+            f"torque-{number}",
+            torque_alt,
+            f"{over if count else ''}EMG envelopes, ankle angle, measured (wide, pale) and "
+            "modelled (thin, dark) torque, and the parts of the modelled torque: passive tissue, "
+            "neural (active contraction), inertia and gravity of foot and footplate.",
+            "still cycles" if count else "still",
         ),
-        tendon=tendon,
+        Section("Residual: measured minus modelled torque", residual, look="residual"),
+    ]
+    if traces.tendon is not None:
+        blocks.append(_tendons(number, traces, traces.tendon))
+    return Section(
+        f"Recording: {quality.name}", tuple(blocks), f"recording-{number + 1}", "recording"
     )
 
 
-def _warnings(traces: Traces) -> tuple[str, ...]:
+def _tendons(number: int, traces: Traces, state: TendonState) -> Section:
+    """What muscle and tendon of each group do: ranges, and their figure."""
+    rows = tendon_rows(traces, state)
+    text = " ".join(
+        f"{group}: muscle length {length} l0, velocity {velocity} l0/s; tendon elongation "
+        f"{elongation} mm, force {force} N, end of toe {toe}."
+        for group, length, velocity, elongation, force, toe in rows
+    )
+    table = Table(
+        "Ranges of muscle and tendon in this recording",
+        columns("Muscle group", "Muscle length [l0]", "Muscle velocity [l0/s]",
+                "Tendon elongation [mm]", "Tendon force [N]", "End of the toe",
+                numbers=range(1, 5), wide=(5,)),
+        rows_of(rows),
+    )  # fmt: skip
+    picture = Picture(
+        f"tendon-{number}",
+        "Muscle length and velocity in optimal lengths, tendon elongation and tendon force "
+        "against time, and force against elongation of the fitted tendon, for both groups. "
+        f"{text}",
+        "Muscle length and velocity in optimal lengths l0, and what they would be on a rigid "
+        "tendon (wide, pale); elongation and force of the tendon, with the force at which its toe "
+        "ends. Bottom: the tendon’s force against its elongation, equation (18), with the range "
+        "that this recording used (wide, pale).",
+        width=64,
+    )
+    return Section("Muscles and tendons", (table, picture), look="tendons")
+
+
+def tendon_rows(
+    traces: Traces, state: TendonState
+) -> tuple[tuple[str, str, str, str, str, str], ...]:
+    """What each group does, as text.
+
+    Its name, length and velocity of the muscle [l0, l0/s], elongation and force of the tendon [mm,
+    N], and where its toe ends.
+    """
+    return tuple(
+        (
+            name,
+            _range(state.muscle_length[row] / traces.optimal[row], 2),
+            _range(state.muscle_velocity[row] / traces.optimal[row], 1),
+            _range(1e3 * state.elongation[row], 1),
+            _range(state.tendon_force[row], 0),
+            _toe(state.tendon_force[row], state.laws[row].toe_force),
+        )
+        for row, name in enumerate(GROUPS)
+    )
+
+
+def _range(values: FloatArray, decimals: int) -> str:
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return NO_NUMBER
+    return f"{signed(float(known.min()), decimals)} … {signed(float(known.max()), decimals)}"
+
+
+def _toe(force: FloatArray, toe: float) -> str:
+    known = force[np.isfinite(force)]
+    end = f"{significant(toe, 3)} N"
+    if not known.size:
+        return end
+    highest = float(known.max())
+    if highest > toe:
+        return f"{end}, exceeded"
+    return f"{end}, {significant(100 * highest / toe, 2)} % of it reached"
+
+
+def warnings_of(traces: Traces) -> tuple[str, ...]:
     """Warn where the model has no finite number."""
     texts = []
     if traces.tendon is not None:

@@ -1,23 +1,37 @@
 """Reports of fits and sessions: one HTML file that asks nothing of the outside, or a PDF."""
 
-import base64
 import tempfile
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from base64 import b64decode
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from datetime import datetime
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from matplotlib.figure import Figure
+
 from surae.assessment import Assessment, Prediction
 from surae.estimation import FitResult
 from surae.files import PathLike, template, write_atomic
+from surae.report.budget import BudgetSection, budget_section
 from surae.report.clinical import fit_page
-from surae.report.content import make_content
+from surae.report.content import fit_document
+from surae.report.document import Document
 from surae.report.explore import explorer
-from surae.report.figures import data_url, drawings, png, svg
-from surae.report.session import Fitted, session_content, session_drawings
-from surae.report.traces import traces_of
+from surae.report.figures import (
+    correlation_figure,
+    data_url,
+    png,
+    prediction_figure,
+    residual_figure,
+    svg,
+    tendon_figure,
+    torque_figure,
+)
+from surae.report.figures.budget import budget_figure
+from surae.report.session import Fitted, session_content, session_document, session_drawings
+from surae.report.traces import Traces, traces_of
 from surae.report.typeset import check_report, is_pdf, require_typst, typeset
 from surae.trials import Crossed, Trial
 
@@ -28,40 +42,73 @@ _DRAWN = ("correlation", "budget")
 
 
 def render(
-    result: FitResult, assessment: Assessment, predictions: Sequence[Prediction] = (), **what: Any
+    result: FitResult, assessment: Assessment, predictions: Sequence[Prediction] = (), **about: Any
 ) -> str:
     """The page; the arguments are those of `surae.report.write_report`."""
     traces = traces_of(result)
-    content = make_content(result, assessment, traces, predictions=predictions, **what)
-    images = {}
-    for name, figure in drawings(content, traces, assessment, predictions):
+    document = fit_document(result, assessment, traces, predictions=predictions, **about)
+    budget, images = budget_section(result, assessment), {}
+    for name, figure in drawings(budget, traces, assessment, predictions):
         kind, data = ("svg+xml", svg(figure)) if name in _DRAWN else ("png", png(figure, _DPI))
         images[name] = data_url(data, kind)
-    return template("report.html.j2", "surae.report").render(
-        content=content, images=images, explore=explorer(traces)
-    )
+    return page_of(document, images, traces)
 
 
 def render_pdf(
-    result: FitResult, assessment: Assessment, predictions: Sequence[Prediction], **what: Any
+    result: FitResult, assessment: Assessment, predictions: Sequence[Prediction], **about: Any
 ) -> bytes:
     """The report as PDF; the arguments are those of `surae.report.write_report`."""
     require_typst()
     traces = traces_of(result)
-    content = make_content(result, assessment, traces, predictions=predictions, **what)
-    drawn = drawings(content, traces, assessment, predictions)
-    return on_paper("report.typ", asdict(content), {name: svg(figure) for name, figure in drawn})
+    document = fit_document(result, assessment, traces, predictions=predictions, **about)
+    figures = drawings(budget_section(result, assessment), traces, assessment, predictions)
+    return paper_of(document, {name: svg(figure) for name, figure in figures})
 
 
-def on_paper(markup: str, content: dict[str, Any], images: Mapping[str, bytes]) -> bytes:
-    """What a template of ours makes of content, and of images as SVG by their names."""
-    templates = files("surae.report").joinpath("templates")
+def drawings(
+    budget: BudgetSection,
+    traces: Sequence[Traces],
+    assessment: Assessment,
+    predictions: Sequence[Prediction],
+) -> Iterator[tuple[str, Figure]]:
+    """Name and figure, such as ``"torque-0"``; the same on the page and on paper."""
+    for number, (trial, white) in enumerate(zip(traces, assessment.whiteness, strict=True)):
+        yield f"torque-{number}", torque_figure(trial)
+        residual = residual_figure(trial.time, trial.residual, white, trial.excluded)
+        yield f"residual-{number}", residual
+        if trial.tendon is not None:
+            yield f"tendon-{number}", tendon_figure(trial, trial.tendon)
+    for number, prediction in enumerate(predictions):
+        yield f"prediction-{number}", prediction_figure(prediction)
+    if budget.rows:
+        yield "budget", budget_figure(budget)
+    estimated = assessment.covariance
+    if len(estimated.names) > 1:
+        group = {p.name: p.group for p in assessment.parameters.values()}
+        passive, active = (
+            [name for name in estimated.names if group[name] == part]
+            for part in ("passive", "active")
+        )
+        yield (
+            "correlation",
+            correlation_figure(estimated.names, estimated.correlation, passive, active),
+        )
+
+
+def page_of(document: Document, images: Mapping[str, str], traces: Sequence[Traces] = ()) -> str:
+    """A document as a page, its images data URLs; the signals of `traces` can be zoomed into."""
+    return template("page.html.j2", "surae.report").render(
+        document=document, images=images, explore=explorer(traces) if traces else None
+    )
+
+
+def paper_of(document: Document, images: Mapping[str, bytes]) -> bytes:
+    """A document as PDF, its images SVG."""
     with tempfile.TemporaryDirectory(prefix="surae-pdf-") as folder:
-        Path(folder, "common.typ").write_bytes(templates.joinpath("common.typ").read_bytes())
         for name, drawn in images.items():
             Path(folder, f"{name}.svg").write_bytes(drawn)
-        text = templates.joinpath(markup).read_bytes()
-        return typeset(text, Path(folder), content | {"images": list(images)})
+        markup = files("surae.report").joinpath("templates", "paper.typ").read_bytes()
+        return typeset(markup, Path(folder), asdict(document) | {"images": list(images)})
 
 
 def write_session_report(
@@ -99,22 +146,14 @@ def write_session_report(
     )  # fmt: skip
     figures = session_drawings(trials, fits, joint, joint_predictions)
     images = {name: svg(figure) for name, figure in figures.items()}
-    agreed = joint is not None and not content.contradictions
-    page = fit_page(*joint, created=created) if joint is not None and agreed else None
+    page = None
+    if joint is not None and not content.contradictions:
+        page = fit_page(*joint, created=created)
+    document = session_document(content, page)
+    urls = {} if page is None else dict(page.images)
     if is_pdf(path):
-        drawn = {} if page is None else {n: _bytes(url) for n, url in page.images.items()}
-        said = None if page is None else asdict(replace(page, images={}))
-        write_atomic(
-            path, on_paper("session.typ", asdict(content) | {"page": said}, images | drawn)
-        )
+        images |= {name: b64decode(url.partition(",")[2]) for name, url in urls.items()}
+        write_atomic(path, paper_of(document, images))
         return
-    urls = {name: data_url(drawn) for name, drawn in images.items()}
-    explore = None if joint is None else explorer(traces_of(joint[0]))
-    text = template("session.html.j2", "surae.report").render(
-        content=content, images=urls, page=page, explore=explore
-    )
-    write_atomic(path, text)
-
-
-def _bytes(url: str) -> bytes:
-    return base64.b64decode(url.partition(",")[2])
+    urls |= {name: data_url(drawn) for name, drawn in images.items()}
+    write_atomic(path, page_of(document, urls, () if joint is None else traces_of(joint[0])))

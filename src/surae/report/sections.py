@@ -1,13 +1,22 @@
-"""Sections of a report as rows of text: correlations, starts, simulations, predictions, quality."""
+"""Sections of a report: correlations, starts, simulations, predictions, quality."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from surae.assessment import Assessment, Prediction, pooled
 from surae.estimation import FitResult
 from surae.quality import Quality
+from surae.report.document import (
+    Block,
+    Cell,
+    Paragraph,
+    Picture,
+    Section,
+    Table,
+    columns,
+    rows_of,
+)
 from surae.report.formatting import NO_NUMBER, percentage, signed, significant, standard_error
 from surae.report.traces import Traces
 
@@ -17,89 +26,97 @@ _STRONG = 0.9
 _PAIRS = 6
 
 
-@dataclass(frozen=True, slots=True)
-class CorrelationSection:
-    """Correlations of the estimates."""
-
-    #: Parameters of rows and columns; fewer than two when there is nothing to show.
-    names: tuple[str, ...]
-    matrix: tuple[tuple[float, ...], ...]  #: Normalised covariance.
-    #: `passive`, `active`: the rows and columns of the outlined block.
-    passive: tuple[str, ...]
-    active: tuple[str, ...]
-    #: `ipde`, `note`: equation (35), its largest possible value, and which parameters it leaves out
-    #: or why there is none.
-    ipde: str
-    note: str
-    pairs: tuple[str, ...]  #: The strongest pairs in words.
-    alt: str  #: The figure in words.
-
-
-def correlation_section(assessment: Assessment) -> CorrelationSection:
-    """Describe the correlations: the map, the strongest pairs and the IPDE."""
+def correlation_section(assessment: Assessment) -> Section:
+    """The correlations of the estimates: the map, the strongest pairs and the IPDE."""
     names = assessment.covariance.names
     matrix = assessment.covariance.correlation
-    group = {p.name: p.group for p in assessment.parameters.values()}
     k = len(names)
     ranked = sorted(
         ((float(matrix[i, j]), names[i], names[j]) for i in range(k) for j in range(i + 1, k)),
         key=lambda pair: -abs(pair[0]),
     )
     strong = [pair for pair in ranked if abs(pair[0]) >= _STRONG]
-    pairs = tuple(f"{a} – {b}: {signed(r, 3)}" for r, a, b in strong[:_PAIRS])
+    pairs = [f"{a} – {b}: {signed(r, 3)}" for r, a, b in strong[:_PAIRS]]
     if len(strong) > _PAIRS:
-        pairs += (f"and {len(strong) - _PAIRS} more",)
+        pairs.append(f"and {len(strong) - _PAIRS} more")
     ipde = NO_NUMBER
     if assessment.ipde is not None:
         ipde = (
             f"{significant(assessment.ipde, 3)} (0 if independent, at most "
             f"{significant((k * (k - 1) / 2) ** 0.5, 3)} for these {k} parameters)"
         )
-    strongest = f"; strongest {ranked[0][1]} with {ranked[0][2]}" if ranked else ""
-    return CorrelationSection(
-        names=names,
-        matrix=tuple(tuple(row) for row in matrix.tolist()),
-        passive=tuple(name for name in names if group[name] == "passive"),
-        active=tuple(name for name in names if group[name] == "active"),
-        ipde=ipde,
-        note=assessment.ipde_note,
-        pairs=pairs,
-        alt=(
-            f"Heat map of the correlations of {k} estimated parameters{strongest}"
-            f"{f' ({signed(ranked[0][0], 3)})' if ranked else ''}; the block of passive against "
-            "active parameters is outlined."
+    text = f"Inter-parameter dependency, IPDE, equation (35): {ipde}"
+    text += f" – {assessment.ipde_note}." if assessment.ipde_note else "."
+    if pairs:
+        text += (
+            f" Pairs from {_STRONG:g} up: {'; '.join(pairs)}. What such a pair does together is "
+            "known better than what each does alone."
+        )
+    strongest = (
+        f"; strongest {ranked[0][1]} with {ranked[0][2]} ({signed(ranked[0][0], 3)})"
+        if ranked
+        else ""
+    )
+    return Section(
+        "Correlation of the estimates",
+        (
+            Paragraph(text),
+            Picture(
+                "correlation",
+                f"Heat map of the correlations of {k} estimated parameters{strongest}; the block "
+                "of passive against active parameters is outlined.",
+                "Normalised covariance. The darker, the stronger; a dark corner marks a negative "
+                "one. The frame holds passive (rows) against active (columns) parameters.",
+                "map",
+                width=62,
+            ),
         ),
+        "correlation",
+        "page",
     )
 
 
-@dataclass(frozen=True, slots=True)
-class StartRow:
-    """One start: its number, sum of squares [Nm²], excess over the best, and how it ended."""
-
-    number: int
-    sse: str
-    excess: str
-    agrees: bool
-    iterations: int
-    outcome: str
-
-
-def start_rows(result: FitResult) -> tuple[StartRow, ...]:
-    """The starts in the order in which they were made."""
+def starts_section(result: FitResult) -> Section:
+    """The starts in the order in which they were made: how each ended, and which agree."""
     order = sorted(range(len(result.starts)), key=lambda i: _finite(result.starts[i].sse))
     best = result.starts[order[0]].sse
     agreeing = set(order[: result.agreeing])
-    return tuple(
-        StartRow(
-            number=index + 1,
-            sse=significant(start.sse, 6),
-            excess=_excess(start.sse, best),
-            agrees=index in agreeing,
-            iterations=start.iterations,
-            outcome=start.outcome,
+    first = (
+        "the default start"
+        if result.outliers is None
+        else "the solution with the weights of the outliers"
+    )
+    if result.family is not None:
+        text = (
+            "The search looked from both valleys of the relaxation. Below are the solution and the "
+            "other valleys that were met."
+        )
+    elif len(result.starts) > 1:
+        text = (
+            f"{result.agreeing} of {len(result.starts)} starts reach the best minimum. The first "
+            f"is {first}, the others are random within the bounds."
+        )
+    else:
+        text = f"Only {first} was tried: whether its minimum is the best one was not looked into."
+    rows = (
+        (
+            str(index + 1),
+            significant(start.sse, 6),
+            _excess(start.sse, best),
+            "yes" if index in agreeing else "no",
+            str(start.iterations),
+            start.outcome,
         )
         for index, start in enumerate(result.starts)
     )
+    table = Table(
+        "Where each start ended",
+        columns("Start", "Sum of squares [Nm²]", "Above the best", "Best minimum", "Evaluations",
+                "Outcome", numbers=(1, 2, 4), wide=(5,)),
+        rows_of(rows),
+        "starts",
+    )  # fmt: skip
+    return Section("Starts", (Paragraph(text), table), "starts", "together")
 
 
 def _finite(sse: float) -> float:
@@ -116,161 +133,130 @@ def _excess(sse: float, best: float) -> str:
     return f"+{significant(part, 2)} %" if part >= 1e-4 else "< 0.0001 %"
 
 
-@dataclass(frozen=True, slots=True)
-class SnsemRow:
-    """One parameter: SEM of the fit, mean SEM of the simulations, their ratio, and the unit."""
-
-    name: str
-    sem: str
-    simulated: str
-    ratio: str
-    unit: str
-
-
-@dataclass(frozen=True, slots=True)
-class SnsemSection:
-    """The comparison, and what was simulated."""
-
-    about: str
-    rows: tuple[SnsemRow, ...]
-
-
-def snsem_section(assessment: Assessment) -> SnsemSection | None:
-    """The snSEM of every parameter that has one; None without a baseline."""
+def snsem_section(assessment: Assessment) -> tuple[Section, ...]:
+    """The snSEM of every parameter that has one; nothing without a baseline."""
     baseline = assessment.baseline
     if baseline is None:
-        return None
-    rows = []
-    for name, ratio in assessment.snsem.items():
-        p = assessment.parameters[name]
-        rows.append(
-            SnsemRow(
-                name,
-                standard_error(p.sem),
-                standard_error(baseline.sem[name]),
-                NO_NUMBER if ratio is None else significant(ratio, 3),
-                "" if p.unit == "-" else p.unit,
-            )
+        return ()
+    rows = [
+        (
+            Cell(name, kind="code"),
+            standard_error(p.sem),
+            standard_error(baseline.sem[name]),
+            "–" if p.unit == "-" else p.unit,
+            NO_NUMBER if ratio is None else significant(ratio, 3),
         )
-    return SnsemSection(baseline.about, tuple(rows))
+        for name, ratio in assessment.snsem.items()
+        for p in [assessment.parameters[name]]
+    ]
+    text = (
+        "snSEM: the SEM of equation (34) over the mean SEM of simulated trials, in which the "
+        f"parameters were found correctly ({baseline.about}). Below 1, a parameter had more "
+        "influence on this torque than on the simulated one; above 1, less. It says nothing of "
+        "whether the model fits this torque."
+    )
+    table = Table(
+        "Standard errors of the fit and of simulations",
+        columns("Parameter", "SEM (34)", "Simulated SEM", "Unit", "snSEM", numbers=(1, 2),
+                looks={4: "number value"}),
+        rows_of(rows),
+        "starts",
+    )  # fmt: skip
+    title = "Standard errors against simulations"
+    return (Section(title, (Paragraph(text), table), "snsem", "together"),)
 
 
 #: VAF [%] that a prediction may lie below that of the fit before it is worth a word.
 _FALL = 5.0
 
 
-@dataclass(frozen=True, slots=True)
-class PredictionRow:
-    """One predicted recording: its figures as text, and its figure in words."""
-
-    name: str
-    vaf: str
-    rmse: str
-    bias: str
-    alt: str
-
-
-@dataclass(frozen=True, slots=True)
-class PredictionSection:
-    """All predicted recordings, and what they say together; the first `drawn` have a figure."""
-
-    text: str
-    rows: tuple[PredictionRow, ...]
-    drawn: int
-
-
-def prediction_section(
+def predictions_section(
     assessment: Assessment, predictions: Sequence[Prediction]
-) -> PredictionSection | None:
-    """The predictions in words; None where there are none."""
+) -> tuple[Section, ...]:
+    """How other recordings are predicted: a row and a figure each; nothing where there are none."""
     if not predictions:
-        return None
-    rows = [
-        _row(prediction.name, prediction.vaf, prediction.rmse, prediction.bias)
-        for prediction in predictions
-    ]
+        return ()
     together = pooled(predictions)
+    rows = [(p.name, p.vaf, p.rmse, p.bias) for p in predictions]
     if len(predictions) > 1:
-        rows.append(_row("all together", together.vaf, together.rmse, together.bias))
-    fall = assessment.vaf - together.vaf
+        rows.append(("all together", together.vaf, together.rmse, together.bias))
     text = (
         f"With the parameters of this fit, {percentage(together.vaf)} % of the mean square of "
         f"torque that the fit has not seen is accounted for; of its own torque it was "
         f"{percentage(assessment.vaf)} %."
     )
-    if fall > _FALL:
+    if assessment.vaf - together.vaf > _FALL:
         text += (
             " The parameters carry over only in part: they describe the recordings they were "
             "fitted to better than the leg."
         )
-    return PredictionSection(text, tuple(rows), len(predictions))
-
-
-def _row(name: str, vaf: float, rmse: float, bias: float) -> PredictionRow:
-    return PredictionRow(
-        name,
-        percentage(vaf),
-        significant(rmse, 3),
-        significant(bias, 3),
-        f"Measured and predicted torque against time, VAF {percentage(vaf)} %, and their "
-        f"difference, RMS {significant(rmse, 3)} Nm.",
+    table = Table(
+        "How well other recordings are predicted",
+        columns("Recording", "VAF [%]", "RMSE [Nm]", "Bias [Nm]", numbers=(1, 2, 3), wide=(0,)),
+        rows_of(
+            (name, percentage(vaf), significant(rmse, 3), significant(bias, 3))
+            for name, vaf, rmse, bias in rows
+        ),
     )
+    pictures = (
+        Picture(
+            f"prediction-{number}",
+            f"Measured and predicted torque against time, VAF {percentage(p.vaf)} %, and their "
+            f"difference, RMS {significant(p.rmse, 3)} Nm.",
+            f"{p.name}: torque measured (wide, pale) and predicted with the parameters of this fit "
+            "(thin, dark); below, their difference.",
+            width=85,
+        )
+        for number, p in enumerate(predictions)
+    )
+    blocks: tuple[Block, ...] = (Paragraph(text), table, *pictures)
+    return (Section("Predicting other recordings", blocks, "predictions", "page"),)
 
 
-@dataclass(frozen=True, slots=True)
-class FindingRow:
-    """A finding, and where its span lies in the trial: start and width, parts of its length."""
-
-    severity: str
-    code: str
-    channel: str
-    span: str
-    start: float
-    width: float
-    message: str
-    advice: str
-
-
-@dataclass(frozen=True, slots=True)
-class QualitySection:
-    """The findings of one recording, and the checks that could not be made."""
-
-    name: str
-    summary: str
-    rows: tuple[FindingRow, ...]
-    skipped: tuple[tuple[str, str], ...]
-
-
-def quality_sections(
-    quality: Sequence[Quality], traces: Sequence[Traces]
-) -> tuple[QualitySection, ...]:
-    """One section for each recording; none where nobody looked.
+def quality_section(quality: Sequence[Quality], traces: Sequence[Traces]) -> tuple[Section, ...]:
+    """What was found in each recording before the fit; nothing where nobody looked.
 
     Marks are drawn on the span of the recordings' `traces`.
     """
-    return tuple(_section(checked, trace) for checked, trace in zip(quality, traces, strict=False))
+    if not quality:
+        return ()
+    note = Paragraph(
+        "What was found in the recordings before they were fitted. An error makes estimates wrong, "
+        "a warning makes them doubtful. The bar is the trial from its beginning to its end; the "
+        "dark part is what a finding is about.",
+        "note",
+    )
+    each = (_checked(checked, trace) for checked, trace in zip(quality, traces, strict=False))
+    return (Section("Recording quality", (note, *each), "quality", "quality"),)
 
 
-def _section(quality: Quality, trace: Traces) -> QualitySection:
+def _checked(quality: Quality, trace: Traces) -> Section:
+    """The findings of one recording, and the checks that could not be made."""
     ends = [float(trace.time[0]), float(trace.time[-1])]
     ends += [f.start_s for f in quality.findings] + [f.end_s for f in quality.findings]
     first, length = min(ends), max(max(ends) - min(ends), 1e-9)
-    rows = tuple(
-        FindingRow(
-            severity=finding.severity,
-            code=finding.code,
-            channel=finding.channel or "",
-            span=f"{finding.start_s:.4g} to {finding.end_s:.4g} s",
-            start=(finding.start_s - first) / length,
-            width=(finding.end_s - finding.start_s) / length,
-            message=finding.message,
-            advice=finding.advice,
+    rows = [
+        (
+            Cell(
+                finding.code,
+                kind="code",
+                badge=(f"severity {finding.severity}", finding.severity),
+                meaning=finding.channel or "",
+            ),
+            Cell(
+                f"{finding.start_s:.4g} to {finding.end_s:.4g} s",
+                span=((finding.start_s - first) / length,
+                      (finding.end_s - finding.start_s) / length),
+            ),
+            Cell(finding.message, why=finding.advice),
         )
         for finding in quality.findings
-    )
-    return QualitySection(
-        name=quality.recording,
-        summary=quality.summary,
-        rows=rows,
-        skipped=tuple((check.check, check.reason) for check in quality.skipped),
-    )
+    ]  # fmt: skip
+    blocks: list[Table | Paragraph] = []
+    if rows:
+        heads = columns("Finding", "When", "What, and what to do", wide=(2,), looks={1: "when"})
+        blocks.append(Table(f"Findings in {quality.recording}", heads, rows_of(rows), "findings"))
+    if quality.skipped:
+        skipped = "; ".join(f"{check.check} ({check.reason})" for check in quality.skipped)
+        blocks.append(Paragraph(f"Not checked: {skipped}", "note"))
+    return Section(f"{quality.recording}: {quality.summary}", tuple(blocks))

@@ -1,6 +1,6 @@
 """The report of a session: what each trial is, each fit beside all together, who predicts whom."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 
@@ -10,12 +10,28 @@ from matplotlib.figure import Figure
 from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.estimation import FitResult
 from surae.quality import Quality
+from surae.report.clinical import ClinicalPage, blocks_of
+from surae.report.document import (
+    AdequacyWords,
+    Block,
+    Cell,
+    Document,
+    Paragraph,
+    Picture,
+    Row,
+    Section,
+    Signals,
+    Table,
+    columns,
+    paragraphs,
+    rows_of,
+)
 from surae.report.figures.session import holds_figure, trials_figure
 from surae.report.figures.style import WIDTH
 from surae.report.figures.torques import fit_figure
 from surae.report.formatting import NO_NUMBER, estimate, percentage, signed, significant
 from surae.report.parameters import shown_parameters
-from surae.report.wording import AdequacyWords, adequacy_words
+from surae.report.wording import adequacy_words
 from surae.trials import Crossed, Trial, common_errors
 from surae.units import FloatArray
 
@@ -26,15 +42,6 @@ _USES = {
     "reference": "reference of EMG",
     "none": "not used",
 }
-
-
-@dataclass(frozen=True, slots=True)
-class Cell:
-    """A number in a table, what goes with it, and how it is shown."""
-
-    text: str
-    under: str = ""
-    kind: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,6 +163,177 @@ def session_content(
         holds=tuple(_hold(t, joint_predictions.get(t.name)) for t in trials if t.hold),
         findings=tuple(_findings(t.name, quality) for t in trials if t.name in quality),
     )
+
+
+def session_document(content: SessionContent, page: ClinicalPage | None) -> Document:
+    """The report of a session; `page` is what its joint fit says in the clinic's units."""
+    about = f"{content.about}. " if content.about else ""
+    sections = (
+        Section("Summary", tuple(_opening(content)), "summary"),
+        _trials_section(content),
+        Section("Torque: all together", (
+            Picture("torques", "Measured torque of each trial, and as the fit of all together has "
+                    "it.", "Measured torque (wide, pale) and that of the fit of all together "
+                    "(thin, dark), with its R²."),
+            *(Signals(number, f"Signals of {name}, and its torque as the fit of all together has "
+                      "it", summary=f"{name}: its signals, to zoom into")
+              for number, name in enumerate(content.joined)),
+        ), "torques"),
+        _parameters_section(content),
+        _crossed_section(content),
+        _holds_section(content),
+        _clinical_section(page),
+        _findings_section(content),
+    )  # fmt: skip
+    shown = {
+        "torques": content.adequacy is not None,
+        "parameters": bool(content.parameters),
+        "crossed": bool(content.crossed),
+        "holds": bool(content.holds),
+        "clinical": page is not None or bool(content.contradictions),
+    }
+    return Document(
+        kicker="Ankle muscle parameters: a session",
+        heading=content.name,
+        under=f"{about}Report of {content.created}.",
+        title=f"Session: {content.name}",
+        blocks=tuple(section for section in sections if shown.get(section.anchor, True)),
+        footer=(
+            "Every fit is beside this page as FIT.json: fits/TRIAL.json, joint.json; the numbers "
+            "as table.csv. surae fit and surae validate take them further."
+        ),
+    )
+
+
+def _opening(content: SessionContent) -> Iterator[Block]:
+    """What the fit of all together is worth, what is wrong in common, and what was done."""
+    if content.interrupted:
+        yield Paragraph(
+            "The user stopped this run: what follows is of the fits that were complete. The same "
+            "command goes on where it stopped.",
+            "warning",
+        )
+    if content.adequacy is not None:
+        together = f"All together ({len(content.joined)} trials): {content.adequacy.sentence}"
+        yield replace(content.adequacy, sentence=together)
+    elif content.no_joint:
+        yield Paragraph(f"No fit of all together: {content.no_joint}.", "warning")
+    yield from paragraphs((*content.common, *content.contradictions), "warning")
+    yield from paragraphs(content.summary)
+
+
+def _trials_section(content: SessionContent) -> Section:
+    rows = (
+        (
+            row.name,
+            Cell(row.what, meaning=row.why, why=row.problem),
+            row.use,
+            Cell(badge=(f"severity {row.worst}", row.worst)
+                 if row.worst in ("error", "warning") else None, meaning=row.findings),
+            row.alone,
+            row.together,
+        )
+        for row in content.trials
+    )  # fmt: skip
+    heads = columns("Trial", "What it is", "Used for", "Check", "Alone, R² [%]",
+                    "All together, R² [%]", numbers=(4, 5), wide=(1, 3),
+                    looks={0: "column", 1: "what"})  # fmt: skip
+    note = (
+        "R² is of the torque’s changes; a hold has none. A shaded cell is a trial that was in the "
+        "fit: following it proves nothing."
+    )
+    table = Table("What each trial is, and how it is followed", heads, rows_of(rows))
+    return Section("Trials", (table, Paragraph(note, "note")), "trials")
+
+
+def _parameters_section(content: SessionContent) -> Section:
+    joint = content.adequacy is not None
+    rows: Iterator[Row] = (
+        (
+            Cell(row.name, kind="code", meaning=row.meaning),
+            row.unit,
+            *([row.joint] if joint else []),
+            *row.trials,
+            row.spread,
+        )
+        for row in content.parameters
+    )
+    names = (*(["All together"] if joint else []), *content.fitted)
+    heads = columns("Parameter", "Unit", *names, "Spread", numbers=(len(names) + 2,),
+                    looks={1: "unit"} | {k + 2: "number column" for k in range(len(names))},
+                    )  # fmt: skip
+    note = (
+        "Value, and below it the 95 % interval, which holds what is not known of the laboratory "
+        "and of the model; bold is identified and contradicted by no trial. Spread: standard "
+        "deviation between the trials that have an interval, as a part of their mean. What all "
+        "trials of a leg share, such as crosstalk, is not in a spread: trials that agree may be "
+        "wrong alike."
+    )
+    table = Table("Every parameter in every fit", heads, rows_of(rows), "small", repeated=2)
+    picture = Picture(
+        "trials",
+        "Each parameter by trial with its 95 % interval; the band is that of all together.",
+        "Each parameter by trial, with its 95 % interval: dark where it is identified, open where "
+        "there is no interval. Blue: all together. Intervals end at the bounds of the search.",
+    )
+    blocks = (Paragraph(note, "note"), table, picture)
+    return Section("Parameters by trial", blocks, "parameters", "page")
+
+
+def _crossed_section(content: SessionContent) -> Section:
+    note = (
+        "R² [%] with which the parameters of a row’s trial predict the torque of a column’s; below "
+        "it the mean of measured minus predicted torque. The zero of the sensor is that of the "
+        "row’s trial, so a drifted zero shows as bias. Adequate: as well as the fit promises; "
+        "doubtful, inadequate: less, or far less."
+    )
+    heads = columns("Parameters of", *content.crossed_names, looks={0: "column"} | {
+        k + 1: "number column" for k in range(len(content.crossed_names))})  # fmt: skip
+    rows = rows_of((name, *cells) for name, cells in content.crossed)
+    table = Table("Cross-prediction", heads, rows, "small", repeated=1)
+    return Section("Each predicted by the others", (Paragraph(note, "note"), table), "crossed")
+
+
+def _holds_section(content: SessionContent) -> Section:
+    note = (
+        "Nothing moves in them, so none of them tells a parameter; passive ones show the torque of "
+        "relaxed tissue, gravity and the sensor’s zero together at one angle."
+    )
+    heads = columns("Trial", "Effort", "Angle [°]", "Torque [Nm]",
+                    "Predicted by all together [Nm]", numbers=(2, 3, 4))  # fmt: skip
+    table = Table("Torque of trials that hold still", heads, rows_of(content.holds))
+    alt = (
+        "Mean torque of the holds against their angle, with what the fit of all together predicts."
+    )
+    blocks = (Paragraph(note, "note"), table, Picture("holds", alt, width=80))
+    return Section("Trials that hold still", blocks, "holds")
+
+
+def _clinical_section(page: ClinicalPage | None) -> Section:
+    if page is None:
+        text = (
+            "The trials contradict each other, so they do not tell together how stiff or strong "
+            "this leg is. surae measures fits/TRIAL.json tells it of one trial."
+        )
+        warning = (Paragraph(text, "warning"),)
+        return Section("In the clinic’s units", warning, "clinical")
+    answer = (Paragraph(page.question, "question"), Paragraph(page.answer, "answer"))
+    title = "In the clinic’s units: all together"
+    return Section(title, (*answer, *blocks_of(page)), "clinical", "page clinical")
+
+
+def _findings_section(content: SessionContent) -> Section:
+    blocks = tuple(
+        Section(name, (Table(f"Findings in {name}", columns("", "", wide=(1,)), rows_of(
+            (Cell(code, kind="code", badge=(f"severity {severity}", severity)),
+             Cell(message, why=advice))
+            for severity, code, message, advice in rows
+        ), "findings"),))
+        for name, rows in content.findings
+        if rows
+    )  # fmt: skip
+    nothing = (Paragraph("Nothing that speaks against them."),)
+    return Section("What was found in the recordings", blocks or nothing, "checks")
 
 
 def session_drawings(

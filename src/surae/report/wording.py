@@ -1,11 +1,10 @@
 """The plain-language summary and the adequacy: what may be taken from a fit, and what not."""
 
-from dataclasses import dataclass
-
 from surae.assessment import Assessment, Interval, ParameterEstimate, Verdict
 from surae.assessment.adequacy import Adequacy, Grade
 from surae.assessment.parameter import IDENTIFIED
 from surae.estimation import FitResult
+from surae.report.document import AdequacyWords
 from surae.report.formatting import percentage, significant
 from surae.report.provenance import emphasis_text
 
@@ -26,16 +25,6 @@ _WORDS = {
         "(centred R² {r2} %).",
     ),
 }
-
-
-@dataclass(frozen=True, slots=True)
-class AdequacyWords:
-    """The grade of a fit in words: its mark, one sentence, and the reasons for it."""
-
-    grade: str
-    mark: str
-    sentence: str
-    reasons: tuple[str, ...]
 
 
 def adequacy_words(adequacy: Adequacy) -> AdequacyWords:

@@ -1,7 +1,6 @@
 """The figures of a report, each from plain data; importing this imports matplotlib."""
 
 from surae.report.figures.correlation import correlation_figure
-from surae.report.figures.drawings import drawings
 from surae.report.figures.residual import residual_figure
 from surae.report.figures.style import (
     BLUE,
@@ -46,7 +45,6 @@ __all__ = [
     "TorquePanel",
     "correlation_figure",
     "data_url",
-    "drawings",
     "dress",
     "figure_bytes",
     "fit_figure",

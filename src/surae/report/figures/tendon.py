@@ -18,7 +18,8 @@ from surae.report.figures.style import (
     new_figure,
     trace,
 )
-from surae.report.traces import GROUPS, Traces
+from surae.report.recordings import GROUPS
+from surae.report.traces import Traces
 from surae.units import FloatArray
 
 _MILLI = 1e3
