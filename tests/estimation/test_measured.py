@@ -9,6 +9,7 @@ import surae
 TRIALS = {
     "PL_50_01": "dynamometer", "PL_50_02": "repeats", "PL_0_01": "repeats", "PL_100_01": "repeats",
 }  # fmt: skip
+PASSIVE = {"Pas_Sho2Long": "dynamometer"}
 
 
 @pytest.fixture(scope="module")
@@ -16,7 +17,7 @@ def fits(shared, tmp_path_factory):
     told = (shared / "dynamometer" / "PL_50_01.toml").read_text(encoding="utf-8")
     folder = tmp_path_factory.mktemp("trials")
     made = {}
-    for trial, where in TRIALS.items():
+    for trial, where in (TRIALS | PASSIVE).items():
         path = shared / where / f"{trial}.mat"
         mapping = folder / f"{trial}.toml"
         mapping.write_text(told.replace("PL_50_01.mat", str(path)), encoding="utf-8")
@@ -27,7 +28,8 @@ def fits(shared, tmp_path_factory):
 @pytest.mark.slow
 def test_the_optimal_length_of_a_measured_muscle_is_told(fits):
     """Raw EMG of one muscle: noise of it once made an interval of many times the value."""
-    for fit in fits.values():
+    for trial in TRIALS:
+        fit = fits[trial]
         assert fit.adequacy.r2 > 99.5
         p = fit.parameters["l0_tib"]
         assert p.ci95[1] - p.ci95[0] < 0.5 * p.value
@@ -40,3 +42,12 @@ def test_what_is_identified_of_a_measured_leg_does_not_differ_between_its_trials
             p, q = one.parameters[name], other.parameters[name]
             if p.verdict == q.verdict == "identified":
                 assert max(p.ci95[0], q.ci95[0]) <= min(p.ci95[1], q.ci95[1]), name
+
+
+@pytest.mark.slow
+def test_a_muscle_at_rest_has_no_interval_beside_a_bound(fits):
+    """Its optimal length rested at 0.040021 m, with an interval that every active trial denies."""
+    passive, active = fits["Pas_Sho2Long"].parameters["l0_tib"], fits["PL_100_01"]
+    assert passive.verdict == "at-bound"
+    assert passive.ci95 is None
+    assert active.parameters["l0_tib"].ci95[0] > 1.3 * passive.value

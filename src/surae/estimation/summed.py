@@ -22,6 +22,9 @@ from surae.versions import versions
 
 #: Alternatives whose −2 ln p is greater than the best's by more are rejected.
 REJECTED = 12.0
+#: A value so near a bound, in standard deviations and as a part of the bounds' distance, lies at
+#: it: the bound holds it there, or nothing does, and what curves around it tells no interval.
+_BESIDE, _BESIDE_PART = 0.1, 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,12 +90,17 @@ def summed(
     if flat.mode is not chosen.mode:
         quadratic = chosen.target.quadratic(flat.mode)
         chosen = replace(chosen, mode=flat.mode, quadratic=quadratic)
+    at_bounds = _to_bounds(chosen, chosen.mode.z)
+    if not np.array_equal(at_bounds, chosen.mode.z):
+        mode = Mode(at_bounds, float(np.sum(chosen.target.rows(at_bounds)[-1] ** 2)))
+        chosen = replace(chosen, mode=mode, quadratic=chosen.target.quadratic(mode))
     odds = float(np.exp(-0.5 * min(rival.evidence - members[0].evidence, 1e3)))
     weight = 1.0 / (1.0 + odds)
     target, mode = chosen.target, chosen.mode
     problem = target.problem
     noisy = noisy_emg(target, mode, chosen.quadratic)
     z, left = without_emg_bias(target, mode, chosen.quadratic, noisy)
+    z = _to_bounds(chosen, z)
     each = Each(target, mode, z - mode.z, noisy) if len(inputs) > 1 else None
     mode, around = Mode(z, mode.cost), chosen.quadratic
     change = _natural(target, mode)
@@ -167,6 +175,18 @@ def summed(
         versions=versions(),
         family=family,
     )
+
+
+def _to_bounds(member: Member, z: FloatArray) -> FloatArray:
+    """A point of a member with what rests beside a bound moved to it."""
+    target, moved = member.target, z.copy()
+    deviations = np.sqrt(np.diag(member.covariance()))
+    for j, name in enumerate(target.names):
+        low, high = float(target.lower[j]), float(target.upper[j])
+        near = min(_BESIDE * float(deviations[j]), _BESIDE_PART * (high - low))
+        if group_of(name) is None:
+            moved[j] = low if z[j] - low <= near else high if high - z[j] <= near else z[j]
+    return moved
 
 
 def _natural(target: Target, mode: Mode) -> FloatArray:
