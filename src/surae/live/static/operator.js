@@ -1,18 +1,11 @@
 // The operator's page: streams, traces, trials and what to do next.
 
-import { act, at, get, listen, surface } from "./stream.js";
+import { get, post } from "../js/core/api.js";
+import { button, byId, h, num, replace, table } from "../js/core/dom.js";
+import { themeButton } from "../js/core/theme.js";
+import { at, listen, surface } from "./stream.js";
 
-const byId = (id) => document.getElementById(id);
-const h = (tag, props = {}, ...children) => {
-  const element = document.createElement(tag);
-  for (const [name, value] of Object.entries(props)) {
-    if (name === "click") element.addEventListener("click", value);
-    else if (value !== null && value !== false) element.setAttribute(name, value === true ? "" : value);
-  }
-  element.append(...children.flat().filter((child) => child !== null && child !== undefined));
-  return element;
-};
-
+const act = (name, body) => post(`/api/live/${name}`, body);
 const SECONDS = 12;
 const MUSCLES = [["emg_ta", "tibialis"], ["emg_gl", "gastroc. lat."], ["emg_sol", "soleus"], ["emg_gm", "gastroc. med."]];
 const ROWS = [
@@ -157,8 +150,13 @@ function heardFrame(frame) {
 
 function showStreams() {
   const told = { good: ["keep", "good"], silent: ["look", "silent"], lost: ["repeat", "lost"] };
-  byId("streams").replaceChildren(
-    ...state.streams.map((stream) => {
+  const missing = [
+    !state.streams.length && "None yet: start the programs that send streams of LSL.",
+    state.streams.length && !state.roles.length && "Which channel is the angle? Their names do not say it: start again with --mapping MAP.toml.",
+  ].filter(Boolean);
+  replace(
+    byId("streams"),
+    state.streams.map((stream) => {
       const [kind, word] = told[stream.state];
       const rate = stream.measured_hz === null ? "" : `${stream.measured_hz.toFixed(0)} of ${stream.rate_hz.toFixed(0)} Hz`;
       const clock = stream.offset_ms === null ? "" : `, clock ${(Math.round(10 * stream.offset_ms) / 10 + 0).toFixed(1)} ms`;
@@ -170,8 +168,7 @@ function showStreams() {
       return h("li", {}, h("strong", {}, stream.name), h("span", { class: `pill ${kind}` }, word),
         h("span", { class: "muted small" }, `${stream.channels.join(", ")}: ${rate}${clock}${wrong ? `; ${wrong}` : ""}`));
     }),
-    ...(state.streams.length ? [] : [h("li", { class: "muted" }, "None yet: start the programs that send streams of LSL.")]),
-    ...(state.streams.length && !state.roles.length ? [h("li", { class: "muted" }, "Which channel is the angle? Their names do not say it: start again with --mapping MAP.toml.")] : []),
+    missing.map((text) => h("li", { class: "muted" }, text)),
   );
   const box = byId("error");
   if (state.trouble) {
@@ -196,14 +193,15 @@ function showTrials() {
     return h("li", {}, h("strong", {}, `Trial ${trial.trial}`), pill(trial), h("span", { class: "muted small" }, said),
       trial.advice ? h("span", { class: "muted small" }, trial.advice) : null);
   });
-  byId("trials").replaceChildren(...(items.length ? items : [h("li", { class: "muted" }, "None yet.")]));
+  replace(byId("trials"), items.length ? items : h("li", { class: "muted" }, "None yet."));
   byId("repeat").disabled = !state.trials.length || state.running !== null;
 }
 
 function showVerdict(trial) {
   const place = byId("verdict");
   place.className = `verdict ${trial.verdict}`;
-  place.replaceChildren(
+  replace(
+    place,
     h("strong", {}, `${SIGNS[trial.verdict]} Trial ${trial.trial}: ${WORDS[trial.verdict]}`),
     h("span", {}, trial.advice || "Nothing was found against it."),
   );
@@ -214,17 +212,17 @@ function showVerdict(trial) {
 function showSession() {
   const { session } = state;
   const place = byId("session");
-  const failed = session.state === "failed" && session.parameters ? [h("p", { class: "alert" }, `The fit with trials ${session.fitting.join(", ")} failed: ${session.why}. This is the one before.`)] : [];
-  const busy = session.state === "fitting" ? [h("p", { class: "muted" }, `Trials ${session.fitting.join(", ")} are being fitted together; it takes a minute.`)] : [];
+  const failed = session.state === "failed" && session.parameters && h("p", { class: "alert" }, `The fit with trials ${session.fitting.join(", ")} failed: ${session.why}. This is the one before.`);
+  const busy = session.state === "fitting" && h("p", { class: "muted" }, `Trials ${session.fitting.join(", ")} are being fitted together; it takes a minute.`);
   if (!session.parameters) {
     const text = session.state === "failed" ? session.why : "After the first good trial: all trials fitted together, and what to measure next.";
-    place.replaceChildren(...(busy.length ? busy : [h("p", { class: "muted" }, text)]));
+    replace(place, busy || h("p", { class: "muted" }, text));
     return;
   }
-  place.replaceChildren(...failed, ...busy,
+  replace(place, failed, busy,
     h("p", {}, `Trials ${session.trials.join(", ")} together: ${session.grade}, VAF ${session.vaf.toFixed(1)} %. ${session.reasons.join("; ")}`),
-    h("div", { class: "next" }, ...session.next.map((sentence) => h("p", {}, sentence)),
-      session.proposed ? h("button", { type: "button", id: "next", "aria-keyshortcuts": "N", click: next }, `Load ${session.proposed} `, h("kbd", {}, "N")) : null),
+    h("div", { class: "next" }, session.next.map((sentence) => h("p", {}, sentence)),
+      session.proposed && button([`Load ${session.proposed} `, h("kbd", {}, "N")], next, { id: "next", "aria-keyshortcuts": "N" })),
     estimates("Measures", session.measures, session.before),
     estimates("Parameters", session.parameters.filter((p) => p.verdict !== "fixed"), session.before));
 }
@@ -233,15 +231,13 @@ function showSession() {
 function estimates(title, rows, before) {
   const kinds = { identified: "keep", weak: "look" };
   const number = (value) => (value === null || value === undefined ? "–" : value.toPrecision(3));
-  return h("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": title },
-    h("table", {},
-      h("thead", {}, h("tr", {}, ...[title, "Value", "95 % interval", "Before", "Verdict"].map((text) => h("th", { scope: "col" }, text)))),
-      h("tbody", {}, ...rows.map((row) => h("tr", { title: row.meaning ?? null },
-        h("th", { scope: "row" }, row.name.replaceAll("_", " ")),
-        h("td", { class: "num" }, `${number(row.value)} ${row.unit === "1" ? "" : row.unit}`),
-        h("td", { class: "num" }, row.ci95 && row.verdict !== "undetermined" ? `${number(row.ci95[0])} … ${number(row.ci95[1])}` : "none"),
-        h("td", { class: "num" }, number(before[row.name])),
-        h("td", {}, h("span", { class: `pill ${kinds[row.verdict] ?? "repeat"}` }, row.verdict)))))));
+  return table(title, [title, "Value", "95 % interval", "Before", "Verdict"], rows.map((one) => [
+    h("span", { title: one.meaning ?? null }, one.name.replaceAll("_", " ")),
+    num(`${number(one.value)} ${one.unit === "1" ? "" : one.unit}`),
+    num(one.ci95 && one.verdict !== "undetermined" ? `${number(one.ci95[0])} … ${number(one.ci95[1])}` : "none"),
+    num(number(before[one.name])),
+    h("span", { class: `pill ${kinds[one.verdict] ?? "repeat"}` }, one.verdict),
+  ]), { caption: null });
 }
 
 function showAsked() {
@@ -250,7 +246,7 @@ function showAsked() {
     : "Nothing is loaded: a trial records what comes, until it is stopped.";
   byId("moves").textContent = state.moves;
   const running = state.running !== null;
-  byId("start").replaceChildren(running ? "Stop " : "Start ", h("kbd", {}, "Space"));
+  replace(byId("start"), running ? "Stop " : "Start ", h("kbd", {}, "Space"));
   byId("start").className = running ? "danger" : "primary";
   byId("start").disabled = !running && !state.ready;
   byId("mark").disabled = !running;
@@ -334,11 +330,7 @@ byId("sound").addEventListener("click", () => {
   byId("sound").textContent = sound ? "Sound on" : "Sound off";
   byId("sound").setAttribute("aria-pressed", String(sound));
 });
-byId("theme").addEventListener("click", () => {
-  const dark = document.documentElement.dataset.theme === "dark";
-  localStorage.setItem("surae.theme", dark ? "light" : "dark");
-  dispatchEvent(new Event("themechosen"));
-});
+themeButton(byId("theme"));
 byId("protocol").addEventListener("submit", (event) => {
   event.preventDefault();
   tried(async () => {
@@ -357,15 +349,15 @@ addEventListener("keydown", (event) => {
   work();
 });
 
-byId("efforts").replaceChildren(...MUSCLES.map(([, name], i) =>
+replace(byId("efforts"), MUSCLES.map(([, name], i) =>
   h("label", {}, h("span", {}, `${name} `, h("span", { id: `effort-${i}-said` }, "0 %")), h("meter", { id: `effort-${i}`, min: 0, max: 1, value: 0 }))));
-byId("fault-buttons").replaceChildren(...[["electrode-off", "electrode off"], ["hum", "hum"], ["torque-sign", "torque turned"], ["dropout", "dropout"], ["none", "mend all"]]
-  .map(([kind, text]) => h("button", { type: "button", class: "small", click: () => tried(() => act("fault", { kind })) }, text)));
+replace(byId("fault-buttons"), [["electrode-off", "electrode off"], ["hum", "hum"], ["torque-sign", "torque turned"], ["dropout", "dropout"], ["none", "mend all"]]
+  .map(([kind, text]) => button(text, () => tried(() => act("fault", { kind })), { class: "small" })));
 
 tried(async () => {
   await refresh();
   for (const [id, names, first] of [["profile", state.profiles, "multiple-holds"], ["task", state.tasks, "active"]]) {
-    byId(id).replaceChildren(...names.map((name) => h("option", { value: name, selected: name === first }, name)));
+    replace(byId(id), names.map((name) => h("option", { value: name, selected: name === first }, name)));
   }
   listen("/api/live/events", {
     open: () => tried(refresh),

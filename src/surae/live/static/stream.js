@@ -1,24 +1,4 @@
-// Requests, news and drawing that both pages share.
-
-const csrf = document.querySelector('meta[name="csrf-token"]').content;
-
-export async function get(url) {
-  const response = await fetch(url, { credentials: "same-origin" });
-  if (!response.ok) throw new Error((await response.json()).error);
-  return response.json();
-}
-
-export async function act(name, body = {}) {
-  const response = await fetch(`/api/live/${name}`, {
-    method: "POST",
-    credentials: "same-origin",
-    headers: { "X-CSRF-Token": csrf, "Content-Type": "application/json" },
-    body: JSON.stringify(body),
-  });
-  const told = await response.json();
-  if (!response.ok) throw new Error(told.error);
-  return told;
-}
+// News and drawing that both pages share.
 
 /** Listen to the server; `heard` has a function for each event, and `error` for a server that is gone. */
 export function listen(url, heard) {

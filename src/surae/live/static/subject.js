@@ -1,6 +1,7 @@
 // The subject's page: the effort asked for against one's own, and a countdown. No numbers of anybody.
 
-import { at, get, listen, surface } from "./stream.js";
+import { get } from "../js/core/api.js";
+import { at, listen, surface } from "./stream.js";
 
 const AHEAD = 4;
 const BEHIND = 4;

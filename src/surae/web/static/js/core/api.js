@@ -14,7 +14,7 @@ async function answer(url, options) {
     return await fetch(url, { credentials: "same-origin", ...options });
   } catch (error) {
     if (error.name === "AbortError") throw error;
-    throw new Refusal("the server does not answer; is surae serve still running?", 0);
+    throw new Refusal("the server does not answer; is surae still running?", 0);
   }
 }
 

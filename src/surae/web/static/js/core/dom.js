@@ -59,6 +59,43 @@ export function field(label, input, hint = null) {
 export const button = (text, click, props = {}) =>
   h("button", { type: "button", ...props, on: { click } }, text);
 
-/** A table that scrolls within itself can be scrolled with the keyboard, too. */
+/** A box to tick, with what it is of; `change` is called with whether it is ticked. */
+export const tick = (text, checked, change = null, props = {}) =>
+  h("label", { class: "check" }, h("input", { type: "checkbox", checked, ...props, on: change ? { change: (event) => change(event.target.checked) } : {} }), text);
+
+/** What stands where there is nothing yet, and what to do about it. */
+export const empty = (what, text, ...ways) =>
+  h("div", { class: "empty" }, h("p", {}, h("strong", {}, what), ` ${text}`), ways.length > 1 ? h("div", { class: "button-row" }, ways) : ways);
+
+/** What is wide scrolls within itself, with the keyboard, too. */
 export const scroll = (label, ...children) =>
   h("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": label }, children);
+
+export const num = (content) => h("td", { class: "num" }, content);
+
+/** A row of a table: what it is of, then its cells, each a td or what is in one. */
+export const row = (first, ...cells) =>
+  h("tr", {}, h("th", { scope: "row" }, first), cells.map((cell) => (cell instanceof HTMLTableCellElement ? cell : h("td", {}, cell))));
+
+/**
+ * A table.
+ *
+ * @param label what it shows; its caption, too, unless there is another
+ * @param rows the cells of each, as `row` takes them, or rows that are made already
+ * @param options {caption, numbers: the first and last column of numbers}, and attributes
+ */
+export function table(label, heads, rows, { caption = label, numbers: [from, to] = [], ...props } = {}) {
+  return scroll(
+    label,
+    h(
+      "table",
+      props,
+      caption && (caption instanceof Node ? caption : h("caption", {}, caption)),
+      h("thead", {}, h("tr", {}, heads.map((text, i) => h("th", { scope: "col", class: i >= from && i <= to ? "num" : null }, text)))),
+      h("tbody", {}, rows.map((cells) => (Array.isArray(cells) ? row(...cells) : cells))),
+    ),
+  );
+}
+
+/** Names and figures, side by side. */
+export const figures = (entries) => entries.map(([term, text]) => h("div", {}, h("dt", {}, term), h("dd", {}, text)));

@@ -5,6 +5,7 @@ import { byId, h, replace } from "./dom.js";
 import { draftState, history, loadDraft, onDraft } from "./draft.js";
 import { listen, onChanged, onJob } from "./events.js";
 import { alertBox, complain } from "./notice.js";
+import { themeButton } from "./theme.js";
 
 const box = alertBox();
 byId("main").prepend(box);
@@ -32,25 +33,6 @@ function keys(event) {
   if (!step) return;
   event.preventDefault();
   history(step, box);
-}
-
-function themeButton() {
-  const knob = byId("theme");
-  const say = () => {
-    const dark = document.documentElement.dataset.theme === "dark";
-    knob.textContent = dark ? "Light theme" : "Dark theme";
-  };
-  knob.addEventListener("click", () => {
-    const dark = document.documentElement.dataset.theme === "dark";
-    try {
-      localStorage.setItem("surae.theme", dark ? "light" : "dark");
-    } catch {
-      return;
-    }
-    dispatchEvent(new Event("themechosen"));
-  });
-  addEventListener("themechange", say);
-  say();
 }
 
 const running = new Map();
@@ -89,7 +71,7 @@ for (const kind of ["pointerover", "focusin"]) addEventListener(kind, explain);
 byId("undo").addEventListener("click", () => history("undo", box));
 byId("redo").addEventListener("click", () => history("redo", box));
 addEventListener("keydown", keys);
-themeButton();
+themeButton(byId("theme"));
 onDraft(showHistory);
 onJob(note);
 onChanged([], () => readJobs().catch(() => null));

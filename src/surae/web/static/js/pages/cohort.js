@@ -1,7 +1,7 @@
 // All subjects in one table.
 
 import { download, get, query } from "../core/api.js";
-import { byId, h, replace } from "../core/dom.js";
+import { byId, empty, h, replace } from "../core/dom.js";
 import { onChanged } from "../core/events.js";
 import { NONE, estimate, number, unitText, vaf } from "../core/format.js";
 import { attempt } from "../core/notice.js";
@@ -18,7 +18,7 @@ const show = latest(async () => {
   sessionStorage.setItem("surae.cohort", JSON.stringify([byId("model").value, byId("which").value]));
   byId("export").disabled = told.rows.length === 0;
   if (!told.rows.length) {
-    replace(byId("table"), h("div", { class: "empty" }, h("p", {}, h("strong", {}, "No fits of this model yet."), " Fit recordings, and give them a subject on the Project page.")));
+    replace(byId("table"), empty("No fits of this model yet.", "Fit recordings, and give them a subject on the Project page."));
     return;
   }
   const table = sortable(`${told.rows.length} ${told.rows.length === 1 ? "fit" : "fits"}.`, columns(told));

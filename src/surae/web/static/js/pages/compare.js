@@ -1,7 +1,7 @@
 // Fits side by side; the address names them, so that it can be kept.
 
 import { get, query } from "../core/api.js";
-import { byId, h, replace, scroll } from "../core/dom.js";
+import { byId, empty, h, replace, table, tick } from "../core/dom.js";
 import { onChanged } from "../core/events.js";
 import { NONE, estimate, number, unitText, vaf, when } from "../core/format.js";
 import { attempt } from "../core/notice.js";
@@ -25,19 +25,15 @@ async function showChoice() {
   replace(
     byId("choose"),
     fits.length
-      ? h(
-          "ul",
-          { class: "list chosen" },
-          fits.map((fit) =>
-            h(
-              "li",
-              {},
-              h("label", { class: "check" }, h("input", { type: "checkbox", checked: chosen.includes(fit.id), "data-focus": fit.id, on: { change: (event) => choose(fit.id, event.target.checked) } }), fit.name),
-              h("span", { class: "muted small" }, [fit.title, `VAF ${vaf(fit.vaf)}`, when(fit.created)].join(" · ")),
-            ),
+      ? h("ul", { class: "list chosen" }, fits.map((fit) =>
+          h(
+            "li",
+            {},
+            tick(fit.name, chosen.includes(fit.id), (wanted) => choose(fit.id, wanted), { "data-focus": fit.id }),
+            h("span", { class: "muted small" }, [fit.title, `VAF ${vaf(fit.vaf)}`, when(fit.created)].join(" · ")),
           ),
-        )
-      : h("div", { class: "empty" }, h("p", {}, h("strong", {}, "No fits yet."), " Fit a recording first; two fits or more can be compared."), h("a", { class: "button", href: "/fit" }, "Go to Fit")),
+        ))
+      : empty("No fits yet.", "Fit a recording first; two fits or more can be compared.", h("a", { class: "button", href: "/fit" }, "Go to Fit")),
   );
 }
 
@@ -47,42 +43,28 @@ const showTable = latest(async () => {
     return;
   }
   const told = await attempt(box, () => get(`/api/compare${query({ fits: chosen.join(",") })}`));
-  if (told) replace(byId("side"), table(told));
+  if (told) replace(byId("side"), beside(told));
 });
 
-function table({ fits, parameters }) {
-  const shape = (i) => SHAPES[i % SHAPES.length];
-  return scroll(
-    "Fits side by side",
-    h(
-      "table",
-      { class: "comparison" },
-      h("caption", {}, "Estimates with their 95 % intervals."),
-      h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "Parameter"), fits.map((fit, i) => h("th", { scope: "col" }, `${shape(i)} `, h("a", { href: `/fits/${fit.id}` }, fit.name))), h("th", { scope: "col" }, "Together"))),
-      h(
-        "tbody",
-        {},
-        h("tr", {}, h("th", { scope: "row" }, "Model"), fits.map((fit) => h("td", {}, fit.title)), h("td")),
-        h("tr", {}, h("th", { scope: "row" }, "Status"), fits.map((fit) => h("td", {}, status(fit.status))), h("td")),
-        h("tr", {}, h("th", { scope: "row" }, "VAF"), fits.map((fit) => h("td", {}, vaf(fit.vaf))), h("td")),
-        h("tr", {}, h("th", { scope: "row" }, "IPDE"), fits.map((fit) => h("td", {}, number(fit.ipde, 3))), h("td")),
-        parameters.map((p) => row(p)),
-      ),
-    ),
-  );
+function beside({ fits, parameters }) {
+  const heads = fits.map((fit, i) => [`${SHAPES[i % SHAPES.length]} `, h("a", { href: `/fits/${fit.id}` }, fit.name)]);
+  const of = (name, show) => [name, ...fits.map(show), ""];
+  return table("Fits side by side", ["Parameter", ...heads, "Together"], [
+    of("Model", (fit) => fit.title),
+    of("Status", (fit) => status(fit.status)),
+    of("VAF", (fit) => vaf(fit.vaf)),
+    of("IPDE", (fit) => number(fit.ipde, 3)),
+    ...parameters.map(estimates),
+  ], { class: "comparison", caption: "Estimates with their 95 % intervals." });
 }
 
-function row(p) {
-  return h(
-    "tr",
-    {},
-    h("th", { scope: "row" }, meant(p.name), h("span", { class: "muted small" }, unitText(p.unit) && ` [${unitText(p.unit)}]`)),
-    p.estimates.map((one) =>
-      h("td", { class: "est" }, one ? [`${estimate(one.value, one.sem)} ${one.sem ? `± ${number(one.sem, 2)} ` : ""}`, verdict(one.verdict)] : NONE),
-    ),
-    h("td", { class: "range-cell" }, ranges(p.estimates, {}, `${p.name} of ${p.estimates.length} fits`)),
-  );
-}
+const estimates = (p) => [
+  [meant(p.name), h("span", { class: "muted small" }, unitText(p.unit) && ` [${unitText(p.unit)}]`)],
+  ...p.estimates.map((one) =>
+    h("td", { class: "est" }, one ? [`${estimate(one.value, one.sem)} ${one.sem ? `± ${number(one.sem, 2)} ` : ""}`, verdict(one.verdict)] : NONE),
+  ),
+  h("td", { class: "range-cell" }, ranges(p.estimates, {}, `${p.name} of ${p.estimates.length} fits`)),
+];
 
 onChanged(["fits"], () => attempt(box, showChoice));
 attempt(box, async () => {

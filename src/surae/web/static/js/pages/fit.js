@@ -1,7 +1,7 @@
 // The bench: recordings, model, sliders, and the fit as it converges.
 
 import { get, post } from "../core/api.js";
-import { byId, h, replace } from "../core/dom.js";
+import { byId, empty, h, replace, tick } from "../core/dom.js";
 import { change, draft, onDraft } from "../core/draft.js";
 import { onChanged } from "../core/events.js";
 import { number, seconds, vaf } from "../core/format.js";
@@ -62,19 +62,15 @@ function showRecordings() {
   const reasons = leftOut();
   replace(
     byId("recordings"),
-    h(
-      "ul",
-      { class: "list" },
-      recordings.map((one) =>
-        h(
-          "li",
-          {},
-          h("label", { class: "check" }, h("input", { type: "checkbox", checked: chosen.includes(one.id), "data-focus": one.id, on: { change: (event) => choose(one, event.target.checked) } }), one.name),
-          h("a", { href: `/recordings/${one.id}`, class: "small", "aria-label": `Look at ${one.name}` }, "Look"),
-          h("span", { class: "muted small" }, [seconds(one.duration_s), excludedText(one.id), !chosen.includes(one.id) && reasons[one.id]].filter(Boolean).join(" · ")),
-        ),
+    h("ul", { class: "list" }, recordings.map((one) =>
+      h(
+        "li",
+        {},
+        tick(one.name, chosen.includes(one.id), (wanted) => choose(one, wanted), { "data-focus": one.id }),
+        h("a", { href: `/recordings/${one.id}`, class: "small", "aria-label": `Look at ${one.name}` }, "Look"),
+        h("span", { class: "muted small" }, [seconds(one.duration_s), excludedText(one.id), !chosen.includes(one.id) && reasons[one.id]].filter(Boolean).join(" · ")),
       ),
-    ),
+    )),
   );
   const known = chosen.filter((id) => recordings.some((one) => one.id === id));
   shown = known.includes(shown) ? shown : (known[0] ?? null);
@@ -195,16 +191,10 @@ byId("which").addEventListener("change", () => {
   shown = byId("which").value;
   draw();
 });
-byId("centre").addEventListener("click", () => store({ sliders: Object.fromEntries(Object.keys(draft().sliders).map((name) => [name, null])) }, "reset the sliders"));
-byId("defaults").addEventListener("click", () =>
-  store(
-    {
-      parameters: Object.fromEntries(Object.keys(draft().parameters).map((name) => [name, null])),
-      sliders: Object.fromEntries(Object.keys(draft().sliders).map((name) => [name, null])),
-    },
-    "defaults for all parameters",
-  ),
-);
+/** What takes all entries of a part of the draft away. */
+const none = (key) => Object.fromEntries(Object.keys(draft()[key]).map((name) => [name, null]));
+byId("centre").addEventListener("click", () => store({ sliders: none("sliders") }, "reset the sliders"));
+byId("defaults").addEventListener("click", () => store({ parameters: none("parameters"), sliders: none("sliders") }, "defaults for all parameters"));
 byId("adopt").addEventListener("click", () => {
   const now = draft();
   const told = Object.fromEntries(Object.entries(now.sliders).map(([name, value]) => [name, { ...now.parameters[name], value }]));
@@ -216,10 +206,7 @@ async function refresh() {
   byId("bench").hidden = recordings.length === 0;
   byId("empty").hidden = recordings.length > 0;
   if (!recordings.length) {
-    replace(
-      byId("empty"),
-      h("div", { class: "empty" }, h("p", {}, h("strong", {}, "No recordings yet."), " A fit needs one."), h("div", { class: "button-row" }, h("a", { class: "button primary", href: "/import" }, "Import a file"), demoButton(box.page))),
-    );
+    replace(byId("empty"), empty("No recordings yet.", "A fit needs one.", h("a", { class: "button primary", href: "/import" }, "Import a file"), demoButton(box.page)));
   }
   if (draft()) showDraft();
 }

@@ -1,7 +1,7 @@
 // From files to a recording: drop, confirm, import.
 
 import { get, post, query, remove, upload } from "../core/api.js";
-import { button, byId, h, replace, select } from "../core/dom.js";
+import { button, byId, h, replace, select, tick } from "../core/dom.js";
 import { onChanged } from "../core/events.js";
 import { change } from "../core/draft.js";
 import { bytes, seconds } from "../core/format.js";
@@ -64,12 +64,7 @@ function showUploads() {
       h(
         "li",
         {},
-        h(
-          "label",
-          { class: "check" },
-          h("input", { type: "checkbox", checked: included.has(one.id), "data-focus": one.id, on: { change: (event) => include(one.id, event.target.checked) } }),
-          `${one.name} (${bytes(one.bytes)}${inspected.has(one.id) ? `, ${inspected.get(one.id).format}` : ""})`,
-        ),
+        tick(`${one.name} (${bytes(one.bytes)}${inspected.has(one.id) ? `, ${inspected.get(one.id).format}` : ""})`, included.has(one.id), (wanted) => include(one.id, wanted), { "data-focus": one.id }),
         button("Remove", () => discard(one), { class: "small", "aria-label": `Remove ${one.name}` }),
       ),
     ),

@@ -1,7 +1,7 @@
 // The project: what there is, what runs, and who.
 
 import { get, patch, post, remove } from "../core/api.js";
-import { button, byId, h, replace, select } from "../core/dom.js";
+import { button, byId, empty, h, replace, select } from "../core/dom.js";
 import { change } from "../core/draft.js";
 import { onChanged, onJob } from "../core/events.js";
 import { quantity, seconds, vaf, when } from "../core/format.js";
@@ -100,16 +100,9 @@ async function edit(person) {
 }
 
 const nothing = {
-  recordings: () =>
-    h(
-      "div",
-      { class: "empty" },
-      h("p", {}, h("strong", {}, "No recordings yet."), " Import a file with angle, torque and EMG, or look around with a made-up leg."),
-      h("div", { class: "button-row" }, h("a", { class: "button primary", href: "/import" }, "Import a file"), demoButton(boxes.recordings)),
-    ),
-  fits: () => h("div", { class: "empty" }, h("p", {}, h("strong", {}, "No fits yet."), " Open a recording, check it, and choose “Fit this recording”.")),
-  subjects: () =>
-    h("div", { class: "empty" }, h("p", {}, h("strong", {}, "No subjects yet."), " Add one under a code, for example S01; names of people do not belong here.")),
+  recordings: () => empty("No recordings yet.", "Import a file with angle, torque and EMG, or look around with a made-up leg.", h("a", { class: "button primary", href: "/import" }, "Import a file"), demoButton(boxes.recordings)),
+  fits: () => empty("No fits yet.", "Open a recording, check it, and choose “Fit this recording”."),
+  subjects: () => empty("No subjects yet.", "Add one under a code, for example S01; names of people do not belong here."),
 };
 
 const shown = {};

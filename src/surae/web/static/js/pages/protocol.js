@@ -1,7 +1,7 @@
 // The protocol designer: every change is previewed at once.
 
 import { download, get, post, remove } from "../core/api.js";
-import { button, byId, field, h, replace, scroll } from "../core/dom.js";
+import { button, byId, field, figures, h, num, replace, table } from "../core/dom.js";
 import { onChanged } from "../core/events.js";
 import { EMG_SHORT, number, percent, quantity, seconds, when } from "../core/format.js";
 import { attempt, calm, complain, tell } from "../core/notice.js";
@@ -11,7 +11,7 @@ import { frontPlot } from "../plot/front.js";
 import { density } from "../plot/heat.js";
 import { lines } from "../plot/lines.js";
 import { ask } from "../ui/dialog.js";
-import { active, cancel, follow, progressText } from "../ui/jobs.js";
+import { active, jobControls, progressText } from "../ui/jobs.js";
 import { verdict } from "../ui/marks.js";
 import { sortable } from "../ui/table.js";
 
@@ -108,8 +108,8 @@ function show(seen) {
     ["Torque", `${number(prediction.torque_Nm[0], 3)} … ${number(prediction.torque_Nm[1], 3)} Nm`],
     ["Area covered", percent(100 * coverage.share, 2)],
   ];
-  replace(byId("figures"), entries.map(([term, text]) => h("div", {}, h("dt", {}, term), h("dd", {}, text))));
-  replace(byId("prediction"), predicted(prediction.parameters));
+  replace(byId("figures"), figures(entries));
+  replace(byId("prediction"), predicted(Object.entries(prediction.parameters)));
   replace(
     byId("coverage"),
     density({ label: "Length of the triceps [optimal lengths]", edges: coverage.length_edges }, { label: "Velocity [optimal lengths/s]", edges: coverage.velocity_edges }, coverage.time_share, `Share of time over length and velocity; ${percent(100 * coverage.share, 2)} of the area is covered`),
@@ -120,36 +120,21 @@ function show(seen) {
 
 const part = (x) => (x === null ? "—" : percent(100 * x, 2));
 
-function predicted(table) {
-  const parameters = Object.entries(table).map(([name, p]) => ({ name, ...p }));
-  const head = ["Parameter", "Typical value", "Standard error", "95 % within", "Identified in", "Verdict", "Why"];
-  return scroll(
+const predicted = (parameters) =>
+  table(
     "Predicted uncertainty",
-    h(
-      "table",
-      {},
-      h("caption", {}, "Predicted standard errors; the bar ends at 20 %"),
-      h("thead", {}, h("tr", {}, head.map((text, i) => h("th", { scope: "col", class: i > 0 && i < 5 ? "num" : null }, text)))),
-      h(
-        "tbody",
-        {},
-        parameters.map((p) =>
-          h(
-            "tr",
-            {},
-            h("th", { scope: "row" }, p.name),
-            h("td", { class: "num" }, quantity(p.value, p.unit, 3)),
-            h("td", { class: "num" }, p.relative_sem === null ? "—" : [part(p.relative_sem), " ", h("meter", { min: 0, max: 0.2, high: 0.1, low: 0.05, optimum: 0, value: Math.min(p.relative_sem, 0.2), "aria-label": `Relative standard error of ${p.name}` })]),
-            h("td", { class: "num" }, p.relative_half_width === null ? "—" : `±${part(p.relative_half_width)}`),
-            h("td", { class: "num" }, percent(100 * p.identified_share, 2)),
-            h("td", {}, verdict(p.verdict)),
-            h("td", { class: "why" }, p.note ?? ""),
-          ),
-        ),
-      ),
-    ),
+    ["Parameter", "Typical value", "Standard error", "95 % within", "Identified in", "Verdict", "Why"],
+    parameters.map(([name, p]) => [
+      name,
+      num(quantity(p.value, p.unit, 3)),
+      num(p.relative_sem === null ? "—" : [part(p.relative_sem), " ", h("meter", { min: 0, max: 0.2, high: 0.1, low: 0.05, optimum: 0, value: Math.min(p.relative_sem, 0.2), "aria-label": `Relative standard error of ${name}` })]),
+      num(p.relative_half_width === null ? "—" : `±${part(p.relative_half_width)}`),
+      num(percent(100 * p.identified_share, 2)),
+      verdict(p.verdict),
+      h("td", { class: "why" }, p.note ?? ""),
+    ]),
+    { caption: "Predicted standard errors; the bar ends at 20 %", numbers: [1, 4] },
   );
-}
 
 const savedTable = sortable("Protocols of this project", [
   { title: "Name", value: (p) => p.name, show: (p) => p.name },
@@ -177,14 +162,7 @@ async function showSaved() {
 }
 
 byId("compare").addEventListener("click", () =>
-  attempt(
-    box,
-    async () => {
-      const { protocols } = await post("/api/protocols/side-by-side", told());
-      replace(byId("beside"), beside(protocols));
-    },
-    byId("compare"),
-  ),
+  attempt(box, async () => replace(byId("beside"), beside((await post("/api/protocols/side-by-side", told())).protocols)), byId("compare")),
 );
 
 function beside(rows) {
@@ -192,29 +170,24 @@ function beside(rows) {
   return h("div", {}, frontPlot(known), h("p", { class: "muted small" }, "Circles are designed protocols, squares the others; the line joins those that no shorter one beats."), besideTable(rows));
 }
 
-function besideTable(rows) {
-  const head = ["Protocol", "Length", "Largest error", "Geometric mean", "Identified", "Limits"];
-  const cells = (row) =>
-    row.refused
-      ? [h("td", { colspan: 5, class: "why" }, row.refused)]
-      : [
-          h("td", { class: "num" }, seconds(row.seconds)),
-          h("td", { class: "num" }, `${part(row.worst)} (${row.weakest})`),
-          h("td", { class: "num" }, part(row.geometric_mean)),
-          h("td", { class: "num" }, `${row.identified} of ${row.of}`),
-          h("td", { class: row.exceeded.length ? "why exceeded" : "why" }, row.exceeded.length ? row.exceeded.join("; ") : "kept"),
-        ];
-  return scroll(
+const besideTable = (rows) =>
+  table(
     "Protocols side by side",
-    h(
-      "table",
-      {},
-      h("caption", {}, "Standard errors to expect of the same legs, with this device, range and noise"),
-      h("thead", {}, h("tr", {}, head.map((text, i) => h("th", { scope: "col", class: i > 0 && i < 5 ? "num" : null }, text)))),
-      h("tbody", {}, rows.map((row) => h("tr", {}, h("th", { scope: "row" }, row.designed ? `${row.name} (designed)` : row.name), cells(row)))),
-    ),
+    ["Protocol", "Length", "Largest error", "Geometric mean", "Identified", "Limits"],
+    rows.map((row) => [
+      row.designed ? `${row.name} (designed)` : row.name,
+      ...(row.refused
+        ? [h("td", { colspan: 5, class: "why" }, row.refused)]
+        : [
+            num(seconds(row.seconds)),
+            num(`${part(row.worst)} (${row.weakest})`),
+            num(part(row.geometric_mean)),
+            num(`${row.identified} of ${row.of}`),
+            h("td", { class: row.exceeded.length ? "why exceeded" : "why" }, row.exceeded.length ? row.exceeded.join("; ") : "kept"),
+          ]),
+    ]),
+    { caption: "Standard errors to expect of the same legs, with this device, range and noise", numbers: [1, 4] },
   );
-}
 
 const soon = settled(() => byId("settings").checkValidity() && preview(), 250);
 byId("settings").addEventListener("input", soon);
@@ -253,25 +226,14 @@ byId("population").addEventListener("input", () => {
   byId("low").focus();
 });
 
-let searching = null;
-function watch(job) {
-  searching = job.id;
-  byId("search").disabled = true;
-  byId("stop").hidden = false;
-  follow(job.id, {
-    state: (now) => now.state === "queued" && (byId("search-said").textContent = "Waiting for another job …"),
-    progress: (now) => (byId("search-said").textContent = progressText(now, "Plans judged")),
-    end: (now) => {
-      searching = null;
-      byId("search").disabled = false;
-      byId("stop").hidden = true;
-      const how = { cancelled: "Stopped", done: "Done", failed: "Failed" }[now.state] ?? now.state;
-      const where = now.result ? " Kept below under Saved protocols; Compare all protocols shows the front." : " Nothing is kept.";
-      byId("search-said").textContent = `${how}: ${now.message}.${where}`;
-    },
-  });
-}
-byId("stop").addEventListener("click", () => searching && attempt(box, () => cancel(searching), byId("stop")));
+const watch = jobControls({ start: byId("search"), stop: byId("stop"), said: byId("search-said") }, box, {
+  progress: (now) => progressText(now, "Plans judged"),
+  ended: (now) => {
+    const how = { cancelled: "Stopped", done: "Done", failed: "Failed" }[now.state] ?? now.state;
+    const where = now.result ? " Kept below under Saved protocols; Compare all protocols shows the front." : " Nothing is kept.";
+    return `${how}: ${now.message}.${where}`;
+  },
+});
 byId("search").addEventListener("click", () => {
   if (!byId("settings").reportValidity()) return;
   attempt(box, async () => {

@@ -1,7 +1,7 @@
 // One recording: its signals, what the check found, what is left out.
 
 import { get, patch, query } from "../core/api.js";
-import { button, byId, field, h, replace, scroll, select } from "../core/dom.js";
+import { button, byId, field, h, replace, select, table } from "../core/dom.js";
 import { change, draft, onDraft } from "../core/draft.js";
 import { onChanged } from "../core/events.js";
 import { number, rate, roleText, seconds, span, unitText, vaf } from "../core/format.js";
@@ -90,21 +90,11 @@ function showAbout() {
   ].filter(Boolean).join(" · ");
   replace(
     byId("files"),
-    scroll(
+    table(
       "Channels",
-      h(
-        "table",
-        {},
-        h("caption", {}, "Channels as they were imported"),
-        h("thead", {}, h("tr", {}, ["Signal", "Unit", "Samples", "Rate", "Column"].map((t) => h("th", { scope: "col" }, t)))),
-        h(
-          "tbody",
-          {},
-          recording.channels.map((c) =>
-            h("tr", {}, h("th", { scope: "row" }, roleText(c.role)), h("td", {}, unitText(c.unit) || "—"), h("td", {}, c.n.toLocaleString("en")), h("td", {}, rate(c.rate_hz)), h("td", {}, c.source ?? "—")),
-          ),
-        ),
-      ),
+      ["Signal", "Unit", "Samples", "Rate", "Column"],
+      recording.channels.map((c) => [roleText(c.role), unitText(c.unit) || "—", c.n.toLocaleString("en"), rate(c.rate_hz), c.source ?? "—"]),
+      { caption: "Channels as they were imported" },
     ),
     h("ul", { class: "list small muted" }, recording.files.map((file) => h("li", {}, file.name, h("code", { title: `sha256 ${file.sha256}` }, `sha256 ${file.sha256.slice(0, 12)}…`)))),
   );

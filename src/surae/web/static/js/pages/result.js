@@ -1,7 +1,7 @@
 // One fit: what came out, how sure it is, and what else the data say.
 
 import { download, get, patch, query } from "../core/api.js";
-import { byId, field, h, replace } from "../core/dom.js";
+import { byId, field, figures, h, replace } from "../core/dom.js";
 import { change, draftState, loadDraft } from "../core/draft.js";
 import { onChanged } from "../core/events.js";
 import { number, seconds, vaf, when } from "../core/format.js";
@@ -42,10 +42,7 @@ function showHead() {
     ["Starts that agree", `${summary.agreeing} of ${summary.starts}`],
     ["Took", seconds(summary.seconds)],
   ];
-  replace(byId("figures"), entries.map(([term, text]) => h("div", {}, h("dt", {}, term), h("dd", {}, text))));
-  const told = result.problems ?? [];
-  byId("problems").hidden = told.length === 0;
-  byId("problems").textContent = told.join(" ");
+  replace(byId("figures"), figures(entries));
 }
 
 async function overview() {

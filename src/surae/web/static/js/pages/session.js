@@ -1,7 +1,7 @@
 // Sessions: which trials of a leg, what each of them is, and their fits.
 
 import { get, post, remove } from "../core/api.js";
-import { button, byId, h, replace, scroll, select } from "../core/dom.js";
+import { button, byId, empty, h, replace, select, table, tick } from "../core/dom.js";
 import { onChanged } from "../core/events.js";
 import { seconds, when } from "../core/format.js";
 import { attempt, complain, tell } from "../core/notice.js";
@@ -48,7 +48,7 @@ function showRecordings() {
       h(
         "li",
         {},
-        h("label", { class: "check" }, h("input", { type: "checkbox", checked: chosen.has(one.id), "data-focus": one.id, on: { change: (event) => choose(one.id, event.target.checked) } }), one.name),
+        tick(one.name, chosen.has(one.id), (wanted) => choose(one.id, wanted), { "data-focus": one.id }),
         h("span", { class: "muted small" }, [code(one.subject), one.side, seconds(one.duration_s)].filter(Boolean).join(" · ")),
       ),
     )),
@@ -70,22 +70,15 @@ const sort = latest(async () => {
   byId("trials").removeAttribute("aria-busy");
   if (!told) return replace(byId("trials"));
   byId("start").disabled = job !== null || !told.trials.some((one) => one.fitted);
-  return replace(byId("trials"), table(told.trials));
+  return replace(byId("trials"), sorted(told.trials));
 });
 
 const asked = () => ({ recordings: [...chosen], efforts: Object.fromEntries(Object.entries(efforts).filter(([id]) => chosen.has(id))) });
 
-const table = (trials) =>
-  scroll(
-    "What each trial is",
-    h(
-      "table",
-      {},
-      h("caption", {}, "What each trial is, and what it is used for"),
-      h("thead", {}, h("tr", {}, ["Trial", "What it is", "Effort", "Used for"].map((text) => h("th", { scope: "col" }, text)))),
-      h("tbody", {}, trials.map((one) => h("tr", {}, h("th", { scope: "row" }, one.name), h("td", { class: "what" }, one.problem || one.what, h("div", { class: "muted small" }, one.problem ? "" : one.why)), h("td", {}, effort(one)), h("td", {}, one.use)))),
-    ),
-  );
+const sorted = (trials) =>
+  table("What each trial is", ["Trial", "What it is", "Effort", "Used for"], trials.map((one) => [
+    one.name, h("td", { class: "what" }, one.problem || one.what, h("div", { class: "muted small" }, one.problem ? "" : one.why)), effort(one), one.use,
+  ]), { caption: "What each trial is, and what it is used for" });
 
 function effort(one) {
   const options = [["", one.told ? "as its signals say" : `${one.effort}, by its signals`], ["passive", "passive"], ["active", "active"], ["maximal", "maximal"]];
@@ -137,7 +130,7 @@ async function refresh() {
   replace(byId("list"), list.element);
   byId("new").hidden = recordings.length === 0;
   byId("empty").hidden = recordings.length > 0;
-  if (!recordings.length) return replace(byId("empty"), h("div", { class: "empty" }, h("p", {}, h("strong", {}, "No recordings yet."), " A session needs some."), h("div", { class: "button-row" }, h("a", { class: "button primary", href: "/import" }, "Import files"), demoButton(box.page))));
+  if (!recordings.length) return replace(byId("empty"), empty("No recordings yet.", "A session needs some.", h("a", { class: "button primary", href: "/import" }, "Import files"), demoButton(box.page)));
   const known = new Set(recordings.map((one) => one.id));
   chosen = new Set(chosen ? [...chosen].filter((id) => known.has(id)) : leg());
   showRecordings();

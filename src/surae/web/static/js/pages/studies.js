@@ -1,7 +1,7 @@
 // Studies: start one, see how far they are.
 
 import { get, post } from "../core/api.js";
-import { byId, h, replace } from "../core/dom.js";
+import { byId, empty, h, replace } from "../core/dom.js";
 import { onChanged, onJob } from "../core/events.js";
 import { when } from "../core/format.js";
 import { attempt, calm } from "../core/notice.js";
@@ -21,7 +21,7 @@ const table = sortable("Studies", [
 async function refresh() {
   const { studies } = await get("/api/studies");
   table.update(studies);
-  replace(byId("list"), studies.length ? table.element : h("div", { class: "empty" }, h("p", {}, h("strong", {}, "No studies yet."), " Choose below what to vary, and start.")));
+  replace(byId("list"), studies.length ? table.element : empty("No studies yet.", "Choose below what to vary, and start."));
 }
 
 byId("new").addEventListener("submit", async (event) => {

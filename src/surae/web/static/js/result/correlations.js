@@ -1,6 +1,6 @@
 // Which parameters trade off against each other.
 
-import { byId, h, replace, scroll } from "../core/dom.js";
+import { byId, h, num, replace, scroll, table } from "../core/dom.js";
 import { number } from "../core/format.js";
 import { correlations, pairs } from "../plot/heat.js";
 
@@ -20,15 +20,11 @@ export function showCorrelations({ fit }) {
   replace(
     byId("correlation-list"),
     strong.length
-      ? scroll(
+      ? table(
           "Strong correlations",
-          h(
-            "table",
-            {},
-            h("caption", {}, "Pairs whose correlation is 0.8 or more"),
-            h("thead", {}, h("tr", {}, ["Parameter", "With", "Correlation"].map((t, i) => h("th", { scope: "col", class: i === 2 ? "num" : null }, t)))),
-            h("tbody", {}, strong.map((one) => h("tr", {}, h("th", { scope: "row" }, one.a), h("td", {}, one.b), h("td", { class: "num" }, number(one.value, 3))))),
-          ),
+          ["Parameter", "With", "Correlation"],
+          strong.map((one) => [one.a, one.b, num(number(one.value, 3))]),
+          { caption: "Pairs whose correlation is 0.8 or more", numbers: [2, 2] },
         )
       : h("p", {}, "No two parameters are correlated by 0.8 or more: each can be told from the others."),
   );

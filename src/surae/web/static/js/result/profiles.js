@@ -3,42 +3,28 @@
 import { post } from "../core/api.js";
 import { byId, h, replace } from "../core/dom.js";
 import { quantity, unitText } from "../core/format.js";
-import { attempt, complain } from "../core/notice.js";
+import { attempt } from "../core/notice.js";
 import { lines } from "../plot/lines.js";
 import { onTheme } from "../plot/colours.js";
-import { active, cancel, follow, progressText } from "../ui/jobs.js";
+import { active, jobControls, progressText } from "../ui/jobs.js";
 
 /** Rise of the deviance that ends a 95 % interval. */
 const RISE = 3.841;
 
 export function profiles(id, result, reread) {
   const box = byId("profile-error");
-  let job = null;
   const free = Object.entries(result().fit.parameters).filter(([, p]) => p.free);
   replace(byId("profile-name"), h("option", { value: "" }, "all free ones"), free.map(([name]) => h("option", { value: name }, name)));
   byId("profile-name").value = free[0]?.[0] ?? "";
 
-  function watch(found) {
-    job = found;
-    byId("profile-start").disabled = true;
-    byId("profile-stop").hidden = false;
-    follow(found.id, {
-      progress: (told) => {
-        byId("profile-said").textContent = progressText(told, `Profiling ${told.parameter}`);
-      },
-      end: async (ended) => {
-        job = null;
-        byId("profile-start").disabled = false;
-        byId("profile-stop").hidden = true;
-        byId("profile-said").textContent = ended.state === "done" ? "The profile is done." : ended.state === "cancelled" ? "Stopped." : "";
-        if (ended.state === "failed") complain(box, ended.message);
-        await attempt(box, async () => {
-          await reread();
-          draw();
-        });
-      },
-    });
-  }
+  const watch = jobControls({ start: byId("profile-start"), stop: byId("profile-stop"), said: byId("profile-said") }, box, {
+    progress: (told) => progressText(told, `Profiling ${told.parameter}`),
+    ended: ({ state }) => ({ done: "The profile is done.", cancelled: "Stopped." })[state] ?? "",
+    done: () => attempt(box, async () => {
+      await reread();
+      draw();
+    }),
+  });
 
   function draw() {
     const known = Object.entries(result().profiles);
@@ -50,7 +36,6 @@ export function profiles(id, result, reread) {
     const name = byId("profile-name").value;
     attempt(box, async () => watch(await post(`/api/fits/${id}/profile`, { parameters: name ? [name] : null })));
   });
-  byId("profile-stop").addEventListener("click", () => job && attempt(box, () => cancel(job.id)));
   draw();
   attempt(box, async () => {
     const running = (await active("profile")).find((one) => one.fit === id);

@@ -1,7 +1,7 @@
 // A fit in short, as the page for clinicians has it: one sentence, a curve, a few numbers.
 
 import { get, query } from "../core/api.js";
-import { byId, h, replace, scroll } from "../core/dom.js";
+import { byId, h, replace, scroll, table } from "../core/dom.js";
 import { attempt } from "../core/notice.js";
 import { latest } from "../core/pace.js";
 
@@ -26,7 +26,7 @@ const content = (page) => [
   h("p", { class: "muted small" }, page.words.curve_note),
   page.images.shares && figure(page, "shares"),
   h("h3", {}, page.words.figures),
-  scroll(page.words.figures, table(page)),
+  answers(page),
   page.note && h("p", { class: "muted small" }, page.note),
   lines(page.words.norms, page.norms),
   lines(page.words.next, page.next),
@@ -38,10 +38,5 @@ const figure = (page, name) =>
 
 const lines = (heading, texts) => texts.length > 0 && [h("h3", {}, heading), h("ul", {}, texts.map((text) => h("li", {}, text)))];
 
-const table = ({ heads, rows }) =>
-  h(
-    "table",
-    {},
-    h("thead", {}, h("tr", {}, heads.map((text) => h("th", { scope: "col" }, text)))),
-    h("tbody", {}, rows.map((row) => h("tr", {}, h("th", { scope: "row" }, row.name), row.cells.map((text) => h("td", {}, text)), h("td", {}, row.is_strong ? h("strong", {}, row.verdict) : row.verdict)))),
-  );
+const answers = ({ words, heads, rows }) =>
+  table(words.figures, heads, rows.map((row) => [row.name, ...row.cells, row.is_strong ? h("strong", {}, row.verdict) : row.verdict]), { caption: null });

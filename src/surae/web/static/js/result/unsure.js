@@ -1,7 +1,7 @@
 // What makes each parameter unsure, what the laboratory may have wrong, and which models were weighed.
 
 import { get } from "../core/api.js";
-import { button, byId, h, replace, scroll } from "../core/dom.js";
+import { button, byId, h, replace, table } from "../core/dom.js";
 import { meant } from "../ui/marks.js";
 
 export function showUnsure({ budget, laboratory, family, trials }, id) {
@@ -9,16 +9,16 @@ export function showUnsure({ budget, laboratory, family, trials }, id) {
   card("laboratory", laboratory, "The laboratory’s imperfections", () => [
     laboratory.rows.length > 0 && [
       h("p", { class: "muted small" }, `${laboratory.groups.map((pair) => pair.join(": ")).join("; ")}.`),
-      table("Imperfections", ["Imperfection", "Meaning", "Assumed", "Estimate", "95 % interval", "Unit", "Who says so"], laboratory.rows.map((r) => [r.name, r.meaning, r.prior, r.value, r.interval, r.unit || "–", r.told])),
+      texts("Imperfections", ["Imperfection", "Meaning", "Assumed", "Estimate", "95 % interval", "Unit", "Who says so"], laboratory.rows.map((r) => [r.name, r.meaning, r.prior, r.value, r.interval, r.unit || "–", r.told])),
     ],
     laboratory.zeros.length > 0 && h("p", {}, `Torque zero of each recording: ${laboratory.zeros.map((pair) => pair.join(" ")).join(", ")}.`),
   ]);
   card("family", family, "Which model the data support", () => [
-    table("Models that were weighed", ["Model", "Imperfections in it", "Probability"], family.models),
-    family.variants.length > 0 && table("Other sets of imperfections, in the intervals by their probability", ["Model", "Imperfections in it", "Probability"], family.variants),
+    texts("Models that were weighed", ["Model", "Imperfections in it", "Probability"], family.models),
+    family.variants.length > 0 && texts("Other sets of imperfections, in the intervals by their probability", ["Model", "Imperfections in it", "Probability"], family.variants),
   ]);
   card("trials", trials, "From trial to trial", () => [
-    table("Every parameter by recording", ["Parameter", "Unit", "Together", ...trials.recordings, "Spread"], trials.rows.map((r) => [r.name, r.unit || "–", r.value, ...r.each, r.spread])),
+    texts("Every parameter by recording", ["Parameter", "Unit", "Together", ...trials.recordings, "Spread"], trials.rows.map((r) => [r.name, r.unit || "–", r.value, ...r.each, r.spread])),
   ]);
 }
 
@@ -60,16 +60,8 @@ function part(key, share) {
   return element;
 }
 
-const shares = ({ sources, rows }) => table("Shares of the variance behind each 95 % interval", ["Parameter", "Known to", ...sources], rows.map((row) => [row.name, row.known, ...row.texts]));
+const shares = ({ sources, rows }) => texts("Shares of the variance behind each 95 % interval", ["Parameter", "Known to", ...sources], rows.map((row) => [row.name, row.known, ...row.texts]));
 
-const table = (caption, head, rows) =>
-  scroll(
-    caption,
-    h(
-      "table",
-      {},
-      h("caption", {}, caption),
-      h("thead", {}, h("tr", {}, head.map((text) => h("th", { scope: "col" }, text)))),
-      h("tbody", {}, rows.map(([first, ...cells]) => h("tr", {}, h("th", { scope: "row" }, ["Parameter", "Imperfection"].includes(head[0]) ? meant(first) : first), cells.map((text) => h("td", {}, text))))),
-    ),
-  );
+const SYMBOLS = ["Parameter", "Imperfection"];
+const texts = (caption, head, rows) =>
+  table(caption, head, rows.map(([first, ...cells]) => [SYMBOLS.includes(head[0]) ? meant(first) : first, ...cells]));

@@ -1,7 +1,7 @@
 // Do the parameters predict trials they were not fitted to?
 
 import { get, post } from "../core/api.js";
-import { byId, h, replace } from "../core/dom.js";
+import { byId, h, replace, tick } from "../core/dom.js";
 import { number, vaf } from "../core/format.js";
 import { attempt, complain } from "../core/notice.js";
 import { torquePlot } from "../plot/torque.js";
@@ -13,13 +13,9 @@ export function validation(id, { summary }) {
     const ranked = [...recordings].sort((a, b) => Number(summary.recordings.includes(a.id)) - Number(summary.recordings.includes(b.id)));
     replace(
       byId("validate-list"),
-      h(
-        "ul",
-        { class: "list" },
-        ranked.map((one) =>
-          h("li", {}, h("label", { class: "check" }, h("input", { type: "checkbox", value: one.id }), one.name, summary.recordings.includes(one.id) && h("span", { class: "muted small" }, "(fitted to: not a test)"))),
-        ),
-      ),
+      h("ul", { class: "list" }, ranked.map((one) =>
+        h("li", {}, tick([one.name, summary.recordings.includes(one.id) && h("span", { class: "muted small" }, "(fitted to: not a test)")], false, null, { value: one.id })),
+      )),
     );
   });
   byId("validate-form").addEventListener("submit", async (event) => {

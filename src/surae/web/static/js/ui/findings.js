@@ -1,6 +1,6 @@
 // What the check of a recording found, in words.
 
-import { button, h, scroll } from "../core/dom.js";
+import { button, h, table } from "../core/dom.js";
 import { roleText, span } from "../core/format.js";
 import { mark } from "./marks.js";
 
@@ -8,15 +8,11 @@ import { mark } from "./marks.js";
 export function findingsTable(findings, act) {
   if (!findings.length) return h("p", { class: "muted" }, "The check found nothing to object to.");
   const ranked = [...findings].sort((a, b) => order(a) - order(b) || (a.start_s ?? -1) - (b.start_s ?? -1));
-  return scroll(
+  return table(
     "Findings",
-    h(
-      "table",
-      { class: "findings" },
-      h("caption", {}, `${findings.length} ${findings.length === 1 ? "finding" : "findings"} of the check`),
-      h("thead", {}, h("tr", {}, ["Severity", "Signal", "When", "What, and what to do"].map((t) => h("th", { scope: "col" }, t)), act && h("th", { scope: "col" }, h("span", { class: "sr" }, "Actions")))),
-      h("tbody", {}, ranked.map((one) => row(one, act))),
-    ),
+    ["Severity", "Signal", "When", "What, and what to do", ...(act ? [h("span", { class: "sr" }, "Actions")] : [])],
+    ranked.map((one) => row(one, act)),
+    { class: "findings", caption: `${findings.length} ${findings.length === 1 ? "finding" : "findings"} of the check` },
   );
 }
 

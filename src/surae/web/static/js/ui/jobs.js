@@ -1,6 +1,7 @@
 // One job, followed until it ends.
 
 import { get, post } from "../core/api.js";
+import { attempt, complain } from "../core/notice.js";
 
 /** What a job is doing before it counts. */
 export const PHASES = {
@@ -51,7 +52,32 @@ export function follow(id, handlers) {
 }
 
 export const cancel = (id) => post(`/api/jobs/${id}/cancel`);
-export const restart = (id) => post(`/api/jobs/${id}/restart`);
+
+/**
+ * Gives a function that follows a job with these elements: `start` is off and `stop` there while it
+ * is at work, `said` holds what `progress` and `ended` make of its news. Errors go to `box`.
+ */
+export function jobControls({ start, stop, said }, box, { progress, ended: text, done = () => null }) {
+  let job = null;
+  stop.addEventListener("click", () => job && attempt(box, () => cancel(job.id), stop));
+  return function watch(found) {
+    job = found;
+    start.disabled = true;
+    stop.hidden = false;
+    follow(found.id, {
+      state: (now) => now.state === "queued" && (said.textContent = "Waiting for another job …"),
+      progress: (told) => (said.textContent = progress(told)),
+      end: async (now) => {
+        job = null;
+        start.disabled = false;
+        stop.hidden = true;
+        said.textContent = text(now);
+        if (now.state === "failed") complain(box, now.message);
+        await done(now);
+      },
+    });
+  };
+}
 
 /** Jobs that run or wait, of one kind. */
 export async function active(kind) {

@@ -1,6 +1,6 @@
 // Which column is what: one row per role, with unit, sign and a picture of the signal.
 
-import { button, h, scroll, select } from "../core/dom.js";
+import { button, h, select, table } from "../core/dom.js";
 import { EMG, number, roleText, unitText } from "../core/format.js";
 import { sparkline } from "../plot/sparkline.js";
 
@@ -15,23 +15,15 @@ const NEEDED = ["angle", "torque", ...EMG];
  */
 export function mappingTable(mapping, files, { roles, units }, changed) {
   const all = roles.length ? roles : NEEDED;
-  return scroll(
+  return table(
     "Channels, units, signs",
-    h(
-      "table",
-      { class: "mapping" },
-      h("caption", {}, "Angle: dorsiflexion positive. Torque: positive where the triceps pulls. Turn a sign where the file has it the other way. A value is sign · (scale · number + offset), in the unit."),
-      h(
-        "thead",
-        {},
-        h("tr", {}, ["Signal", "Column", "Unit", "Sign", "Scale", "Offset", "Range in the file", "Preview"].map((text) => h("th", { scope: "col" }, text))),
-      ),
-      h("tbody", {}, all.map((role) => row(role, mapping, files, units[role] ?? [], changed))),
-    ),
+    ["Signal", "Column", "Unit", "Sign", "Scale", "Offset", "Range in the file", "Preview"],
+    all.map((role) => cells(role, mapping, files, units[role] ?? [], changed)),
+    { class: "mapping", caption: "Angle: dorsiflexion positive. Torque: positive where the triceps pulls. Turn a sign where the file has it the other way. A value is sign · (scale · number + offset), in the unit." },
   );
 }
 
-function row(role, mapping, files, units, changed) {
+function cells(role, mapping, files, units, changed) {
   const channel = mapping.channels[role] ?? null;
   const column = channel && files.find((f) => f.id === channel.upload)?.columns.find((c) => c.name === channel.column);
   const choose = h(
@@ -88,19 +80,17 @@ function row(role, mapping, files, units, changed) {
       channel[key] = Number.isFinite(input.valueAsNumber) && (key !== "scale" || input.valueAsNumber) ? input.valueAsNumber : key === "scale" ? 1 : 0;
       changed();
     });
-    return h("td", {}, input);
+    return input;
   };
   const range = column ? `${number(column.low, 3)} … ${number(column.high, 3)} ${unitText(told)}` : "—";
-  return h(
-    "tr",
-    {},
-    h("th", { scope: "row" }, roleText(role), NEEDED.includes(role) ? "" : h("span", { class: "muted small" }, " (optional)")),
-    h("td", {}, choose),
-    h("td", {}, unit),
-    h("td", {}, sign),
+  return [
+    [roleText(role), NEEDED.includes(role) ? "" : h("span", { class: "muted small" }, " (optional)")],
+    choose,
+    unit,
+    sign,
     amount("scale", "Scale"),
     amount("offset", "Offset"),
     h("td", { class: "nowrap" }, range),
     h("td", { class: "spark" }, column?.preview ? sparkline(column.preview, `Preview of ${roleText(role)}`, channel.sign) : "—"),
-  );
+  ];
 }

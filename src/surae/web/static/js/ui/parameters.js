@@ -1,6 +1,6 @@
 // The table of parameters: slider, free or fixed, start, bounds, prior.
 
-import { h, scroll } from "../core/dom.js";
+import { h, table } from "../core/dom.js";
 import { number, quantity, unitText } from "../core/format.js";
 
 const STEPS = 1000;
@@ -34,17 +34,8 @@ function scaleOf({ lower, upper, default: usual }) {
  */
 export function parameterTable(on) {
   const head = ["Parameter", "Slider", "Free", "Start or value", "Lower", "Upper", "Prior median", "Prior spread"];
-  const body = h("tbody");
-  const element = scroll(
-    "Parameters",
-    h(
-      "table",
-      { class: "parameters" },
-      h("caption", {}, "The sliders show what the torque would be; the fit begins at the start values. The spread of a prior is that of its logarithm, or of the value where it may be negative."),
-      h("thead", {}, h("tr", {}, head.map((text) => h("th", { scope: "col" }, text)))),
-      body,
-    ),
-  );
+  const element = table("Parameters", head, [], { class: "parameters", caption: "The sliders show what the torque would be; the fit begins at the start values. The spread of a prior is that of its logarithm, or of the value where it may be negative." });
+  const body = element.querySelector("tbody");
   let rows = new Map();
   let locked = false;
   let shape = "";
