@@ -184,8 +184,8 @@ def _laboratory(result: FitResult) -> list[_Reason]:
     if not odd:
         return []
     meanings = {p.name: p.meaning for p in result.problem.spec.parameters}
-    said = ", ".join(f"{meanings[name]} ({name})" for name in odd)
-    return [(False, f"{said}: farther from what is usual than a laboratory is likely to be")]
+    named = ", ".join(f"{meanings[name]} ({name})" for name in odd)
+    return [(False, f"{named}: farther from what is usual than a laboratory is likely to be")]
 
 
 def _agreement(
@@ -250,9 +250,9 @@ def _promised(result: FitResult, recording: ModelInputs) -> float:
         _counted(fitted, e) for fitted, e in zip(problem.inputs, result.residuals, strict=True)
     ]
     own = np.concatenate([e - e.mean() for _, e in pairs])
-    seen = np.concatenate([torque - torque.mean() for torque, _ in pairs])
+    changes = np.concatenate([torque - torque.mean() for torque, _ in pairs])
     measured, _ = _counted(recording, np.zeros(recording.n))
-    grown = max(1.0, float(np.std(measured)) / max(float(np.std(seen)), 1e-12))
+    grown = max(1.0, float(np.std(measured)) / max(float(np.std(changes)), 1e-12))
     known = covariance(result.R, problem.free, result.sse, problem.n, result.bounded)
     columns = [problem.spec.names.index(name) for name in known.names]
     values = problem.spec.vector(result.values, problem.options)

@@ -213,13 +213,13 @@ def _believed(result: FitResult, white: Sequence[Whiteness]) -> tuple[Interval, 
 
 def _without_nuisances(result: FitResult, estimated: Covariance) -> Covariance:
     """The covariance of the leg's parameters, nuisances estimated along."""
-    kept = [j for j, name in enumerate(estimated.names) if not _is_nuisance(result, name)]
-    if len(kept) == len(estimated.names):
+    leg = [j for j, name in enumerate(estimated.names) if not _is_nuisance(result, name)]
+    if len(leg) == len(estimated.names):
         return estimated
-    block = np.ix_(kept, kept)
+    block = np.ix_(leg, leg)
     return replace(
         estimated,
-        names=tuple(estimated.names[j] for j in kept),
+        names=tuple(estimated.names[j] for j in leg),
         matrix=estimated.matrix[block],
         correlation=estimated.correlation[block],
     )

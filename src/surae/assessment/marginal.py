@@ -83,13 +83,13 @@ def _judge(
         return Verdict.IDENTIFIED, f"known to ±{percent(relative)}"
     if relative > 1.0 or not within_bounds:
         return Verdict.UNDETERMINED, "not determined: its interval is as wide as its value"
-    said = f"known only to ±{percent(relative)}"
+    sentence = f"known only to ±{percent(relative)}"
     if repeatable:
-        said += ", though another trial of this leg would give the same"
+        sentence += ", though another trial of this leg would give the same"
     source = max(budget.shares, key=lambda s: budget.shares[s])
     if budget.shares[source] >= _WORTH and source in REMEDIES:
-        said += f": {REMEDIES[source]}"
+        sentence += f": {REMEDIES[source]}"
         left = budget.without.get(source)
         if left is not None and left < 0.8 * budget.sd:
-            said += f", and it is known to ±{percent(relative * left / budget.sd)}"
-    return Verdict.WEAK, said
+            sentence += f", and it is known to ±{percent(relative * left / budget.sd)}"
+    return Verdict.WEAK, sentence

@@ -111,15 +111,17 @@ def autocovariance(
     Samples that do not count may hold anything; sums are NaN where the signal is not finite.
     """
     n = len(residual)
-    kept = np.where(counted, residual, 0.0)
-    largest = float(np.abs(kept).max())
+    counting = np.where(counted, residual, 0.0)
+    largest = float(np.abs(counting).max())
     pairs = np.arange(n, n - lags - 1, -1.0)
     if not counted.all():
         pairs = np.rint(_correlated(counted.astype(float), lags))
     if not math.isfinite(largest):
         return np.full(lags + 1, np.nan), pairs
     with np.errstate(over="ignore", invalid="ignore"):
-        sums = _correlated(kept / (largest or 1.0), lags) * largest * largest  # no square overflows
+        sums = (
+            _correlated(counting / (largest or 1.0), lags) * largest * largest
+        )  # no square overflows
     return (sums if np.isfinite(sums).all() else np.full(lags + 1, np.nan)), pairs
 
 

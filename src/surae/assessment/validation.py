@@ -175,7 +175,7 @@ def leave_one_out(
     """
     if len(inputs) < 2:
         raise InputError("leaving one recording out needs at least two; give more")
-    made = []
+    predictions = []
     for number, held in enumerate(inputs):
         if progress is not None:
             progress(held.name, number, len(inputs))
@@ -183,5 +183,5 @@ def leave_one_out(
         if result.starts[-1].outcome == "interrupted":
             raise KeyboardInterrupt
         (prediction,) = predict_others(result, [held])
-        made.append(LeftOut(prediction, result))
-    return LeaveOneOut(tuple(made), pooled([left.prediction for left in made]))
+        predictions.append(LeftOut(prediction, result))
+    return LeaveOneOut(tuple(predictions), pooled([left.prediction for left in predictions]))

@@ -78,7 +78,7 @@ def contradiction(result: FitResult) -> Contradiction | None:
         base[name] = stiff
         tendons[name] = Belief(float(np.log(stiff)), float(np.exp(tendons[name].mean)) / stiff)
     named = replace(problem, inputs=tuple(sharpened(trial) for trial in problem.inputs))
-    asked = replace(
+    richer = replace(
         named,
         spec=spec,
         free=free,
@@ -90,7 +90,7 @@ def contradiction(result: FitResult) -> Contradiction | None:
         own = Target(named, {}, ())
         there = own.start(result.values)
         noise = counted_alike(own, own.noise_at(there))
-        target = Target(asked, beliefs, noise, tendons)
+        target = Target(richer, beliefs, noise, tendons)
         z, left = target.start(base), own.residuals(there)
         off = {
             j: float(z[j])

@@ -36,19 +36,19 @@ def drives_off(problem: FitProblem) -> FitProblem:
     """
     own = own_columns(problem)
     values = problem.values(held_off(problem, problem.start[own]))
-    given = dict(zip(problem.spec.names, values.tolist(), strict=True))
-    kept = [
+    values_by_name = dict(zip(problem.spec.names, values.tolist(), strict=True))
+    optional = [
         name
         for name in problem.spec.optional
-        if any(name in group and _is_on(group, given) for group in OPTIONAL.values())
+        if any(name in group and _is_on(group, values_by_name) for group in OPTIONAL.values())
     ]
-    spec = with_optional(get_model(problem.spec.name), kept)
+    spec = with_optional(get_model(problem.spec.name), optional)
     free = tuple(problem.free[j] for j in own)
     return replace(
         problem,
         spec=spec,
         free=free,
-        base=np.array([given[name] for name in spec.names]),
+        base=np.array([values_by_name[name] for name in spec.names]),
         lower=problem.lower[own],
         upper=problem.upper[own],
         priors={name: prior for name, prior in problem.priors.items() if name in free},
@@ -117,9 +117,9 @@ def _filters(problem: FitProblem, x: FloatArray) -> list[FloatArray]:
         return [x]
     values = dict(zip(problem.spec.names, problem.values(x).tolist(), strict=True))
     beta = values.get("beta", 1.0)
-    kept = beta / (np.pi * x[cutoff]) - values["emd"]  # of what the filter delayed [s]
+    beyond_delay = beta / (np.pi * x[cutoff]) - values["emd"]  # of what the filter delayed [s]
     faster, fast = x.copy(), x.copy()
-    faster[cutoff] = beta / (np.pi * kept) if kept > 0 else np.inf
+    faster[cutoff] = beta / (np.pi * beyond_delay) if beyond_delay > 0 else np.inf
     fast[cutoff] = _FAST
     if "beta" in problem.free:
         fast[problem.free.index("beta")] = _FAST_DAMPING

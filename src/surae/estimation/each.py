@@ -45,7 +45,7 @@ class Each:
         self._target = target
         #: Each recording by itself, its mode, and what its data say around that.
         self.owns: list[tuple[Target, Mode, Quadratic]] = []
-        found, errors = [], []
+        estimates, errors = [], []
         for number in range(len(target.problem.inputs)):
             alone, there = target.alone(mode.z, number)
             quadratic = alone.quadratic(there)
@@ -58,28 +58,28 @@ class Each:
             at = [j for j, name in enumerate(alone.names) if name in target.names]
             self.names = tuple(alone.names[j] for j in at)
             self._at = [target.names.index(name) for name in self.names]
-            found.append(there.z[at] + shift[self._at])
+            estimates.append(there.z[at] + shift[self._at])
             errors.append(sd[at])
-        self._found, self._errors = np.stack(found), np.stack(errors)
+        self._estimates, self._errors = np.stack(estimates), np.stack(errors)
         self._leg = np.array([group_of(name) is None for name in self.names])
 
     def told(self) -> tuple[OfRecording, ...]:
         """Values of the leg's parameters by each recording, in their units."""
         log = self._target.log[self._at]
         lower, upper = (bound[self._at] for bound in (self._target.lower, self._target.upper))
-        made = []
-        for z, sd in zip(np.clip(self._found, lower, upper), self._errors, strict=True):
+        recordings = []
+        for z, sd in zip(np.clip(self._estimates, lower, upper), self._errors, strict=True):
             values = np.where(log, np.exp(np.where(log, z, 0.0)), z)
             sems = np.where(log, values, 1.0) * sd
             both = zip(self.names, values.tolist(), sems.tolist(), self._leg, strict=True)
-            kept = [(name, value, sem) for name, value, sem, is_leg in both if is_leg]
-            made.append(
+            leg = [(name, value, sem) for name, value, sem, is_leg in both if is_leg]
+            recordings.append(
                 OfRecording(
-                    FrozenDict((name, value) for name, value, _ in kept),
-                    FrozenDict((name, sem) for name, _, sem in kept),
+                    FrozenDict((name, value) for name, value, _ in leg),
+                    FrozenDict((name, sem) for name, _, sem in leg),
                 )
             )
-        return tuple(made)
+        return tuple(recordings)
 
     def shifts(self, mode: Mode, quadratic: Quadratic) -> FloatArray:
         """What differences between trials do to the estimates.
@@ -122,14 +122,14 @@ def trial_spread(recordings: Sequence[OfRecording]) -> dict[str, tuple[float, fl
     return {n: (float(a), float(b)) for n, a, b in zip(names, middle, most, strict=True)}
 
 
-def _weighed(found: FloatArray, errors: FloatArray, leg: npt.NDArray[np.bool_]) -> FloatArray:
+def _weighed(estimates: FloatArray, errors: FloatArray, leg: npt.NDArray[np.bool_]) -> FloatArray:
     """Probability of each τ of each parameter, shape (p, τ), their scale sought among the leg's."""
     precision = 1.0 / (errors[:, :, None] ** 2 + _SPREADS**2)
     total = precision.sum(axis=0)
-    away = found[:, :, None] - (precision * found[:, :, None]).sum(axis=0) / total
+    away = estimates[:, :, None] - (precision * estimates[:, :, None]).sum(axis=0) / total
     ln_l = 0.5 * (np.log(precision).sum(axis=0) - np.log(total) - (precision * away**2).sum(axis=0))
     likely = np.exp(ln_l - ln_l.max(axis=1, keepdims=True))
-    falls = _OF_TWO if len(found) == 2 else _FALLS
+    falls = _OF_TWO if len(estimates) == 2 else _FALLS
     prior = (_SCALES[:, None] + _SPREADS) ** -falls * np.gradient(_SPREADS)
     prior /= prior.sum(axis=1, keepdims=True)
     met = likely @ prior.T

@@ -44,17 +44,17 @@ class Quadratic:
 
     def solved(self, off: Mapping[int, float]) -> tuple[float, FloatArray, FloatArray]:
         """Evidence −2 ln Z, mode (q,) and covariance (q, q) with the parameters `off` held."""
-        kept = np.array([j for j in range(len(self.z)) if j not in off], dtype=int)
+        free = np.array([j for j in range(len(self.z)) if j not in off], dtype=int)
         mode, covariance = self.z.copy(), np.zeros((len(self.z), len(self.z)))
         for j, value in off.items():
             mode[j] = value
         shift = mode - self.z
         gradient = self.gradient + self.information @ shift
         cost = self.cost + float(shift @ (2.0 * self.gradient + self.information @ shift))
-        weight2 = self.weight[kept] ** 2
-        away = self.z[kept] - self.mean[kept]
-        H = self.information[np.ix_(kept, kept)] + np.diag(weight2)
-        g = gradient[kept] + weight2 * away
+        weight2 = self.weight[free] ** 2
+        away = self.z[free] - self.mean[free]
+        H = self.information[np.ix_(free, free)] + np.diag(weight2)
+        g = gradient[free] + weight2 * away
         cost += float(weight2 @ away**2)
         # Columns of very different size: a factor of what is scaled keeps its digits.
         scale = 1.0 / np.sqrt(np.diag(H))
@@ -63,8 +63,8 @@ class Quadratic:
         inverse = np.linalg.inv(factor) * scale
         solved = inverse @ g
         log_det = 2.0 * float(np.log(np.diag(factor) / scale).sum())
-        mode[kept] -= inverse.T @ solved
-        covariance[np.ix_(kept, kept)] = inverse.T @ inverse
+        mode[free] -= inverse.T @ solved
+        covariance[np.ix_(free, free)] = inverse.T @ inverse
         evidence = cost - float(solved @ solved) + log_det - float(np.log(weight2).sum())
         return evidence, mode, covariance
 

@@ -84,7 +84,7 @@ class _Search:
     def __init__(self, problem: FitProblem, progress: SearchProgress | None) -> None:
         inputs = tuple(sharpened(recording) for recording in problem.inputs)
         self._asked, self._progress = replace(problem, inputs=inputs), progress
-        self._given = problem.inputs
+        self._inputs = problem.inputs
         beliefs = laboratory(problem.settings.nuisances, quiet_levels(problem.inputs))
         held = {*problem.settings.fixed, *(n for trial in problem.inputs for n in trial.fixed)}
         missing = {m for trial in problem.inputs for m in trial.missing_emg}
@@ -123,12 +123,12 @@ class _Search:
         if better is not compliant:
             compliant, rigid = better, self._rigid(better)
         self._told(4, mode)
-        return summed(compliant, rigid, Valleys(tuple(self._modes), self._met), self._given, begin)
+        return summed(compliant, rigid, Valleys(tuple(self._modes), self._met), self._inputs, begin)
 
     def stopped(self, begin: float) -> FitResult:
         """What is kept where the user stopped: the rigid model, nothing weighed."""
         plain = fit_problem(
-            replace(self._problem(RIGID, ()), priors={}, inputs=self._given), starts=1
+            replace(self._problem(RIGID, ()), priors={}, inputs=self._inputs), starts=1
         )
         without = ", without priors," if self._asked.priors else ""
         return replace(
@@ -156,15 +156,15 @@ class _Search:
             zip(asked.free, zip(asked.lower.tolist(), asked.upper.tolist(), strict=True),
                 strict=True)
         )  # fmt: skip
-        given = dict(zip(asked.spec.names, asked.base.tolist(), strict=True))
-        given |= {n: w for n, w in _weights(asked).items() if n not in asked.settings.start}
+        values = dict(zip(asked.spec.names, asked.base.tolist(), strict=True))
+        values |= {n: w for n, w in _weights(asked).items() if n not in asked.settings.start}
         free = tuple(n for n in spec.names if n in asked.free or n in nuisances)
         return replace(
             asked,
             spec=spec,
             options=self._options,
             free=free,
-            base=np.array([given.get(name, p.start) for name, p in table.items()]),
+            base=np.array([values.get(name, p.start) for name, p in table.items()]),
             lower=np.array([limits[name][0] for name in free]),
             upper=np.array([limits[name][1] for name in free]),
         )
@@ -253,16 +253,16 @@ class _Search:
         it prefers, that without what only bends curves, and the core are solved and compared.
         """
         scored, names = self._subsets(target, mode), target.names
-        tried: dict[tuple[str, ...], Member] = {}
+        members: dict[tuple[str, ...], Member] = {}
         best = scored[0].groups
         for groups in (best, tuple(g for g in best if g not in _BENDS),
                        tuple(g for g in best if g in _CORE)):  # fmt: skip
             key = tuple(sorted(groups))
-            if key not in tried:
+            if key not in members:
                 own, there = self._reduced(target, mode, groups)
                 subsets_ = sorted(scored, key=lambda s: tuple(sorted(s.groups)) != key)
-                tried[key] = Member(own, there, tuple(subsets_), names, own.quadratic(there))
-        return min(tried.values(), key=lambda member: member.evidence)
+                members[key] = Member(own, there, tuple(subsets_), names, own.quadratic(there))
+        return min(members.values(), key=lambda member: member.evidence)
 
     def _subsets(self, target: Target, mode: Mode) -> tuple[Subset, ...]:
         groups = self._groups(target)
@@ -275,13 +275,13 @@ class _Search:
 
     def _reduced(self, target: Target, mode: Mode, groups: Sequence[str]) -> tuple[Target, Mode]:
         """The target with these groups of nuisances alone, and its mode."""
-        kept = [n for n in target.beliefs if group_of(n) in groups]
-        if len(kept) == len(target.beliefs):
+        present = [n for n in target.beliefs if group_of(n) in groups]
+        if len(present) == len(target.beliefs):
             return target, mode
-        problem = self._problem(target.problem.spec.name, kept)
+        problem = self._problem(target.problem.spec.name, present)
         values = dict(zip(target.problem.spec.names, target.values(mode.z).tolist(), strict=True))
         for name, belief in target.beliefs.items():
-            if name not in kept:
+            if name not in present:
                 values[name] = belief.off
         reduced = self._target(problem, target.noise)
         return reduced, reduced.descend(reduced.start(values), evaluations=25, tolerance=0.03)

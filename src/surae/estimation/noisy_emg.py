@@ -62,10 +62,10 @@ def noisy_emg(target: Target, mode: Mode, quadratic: Quadratic) -> NoisyEmg:
         [np.nan_to_num(e - old) for e, old in zip(noisy.residuals(mode.z), before, strict=True)]
         for noisy in _noisier(target, _DRAWS, 1.0)
     ]
-    made, power = _of_residual(target, mode, quadratic, draws)
-    strength = float(np.sqrt(min(_PLAUSIBLE / max(made, _PLAUSIBLE), 1.0)))
+    part, power = _of_residual(target, mode, quadratic, draws)
+    strength = float(np.sqrt(min(_PLAUSIBLE / max(part, _PLAUSIBLE), 1.0)))
     changes = tuple(tuple(strength * change for change in draw) for draw in draws)
-    return NoisyEmg(changes, strength**2 * power, min(made, 1.0 - _OTHER), strength)
+    return NoisyEmg(changes, strength**2 * power, min(part, 1.0 - _OTHER), strength)
 
 
 def _of_residual(
@@ -83,14 +83,14 @@ def _of_residual(
         changes.append(whitened(np.stack([draw[number] for draw in draws]) * counts, noise))
     pulls = sum(rows[:-1] @ change.T for rows, change in zip(blocks, changes, strict=True))
     taken = (quadratic.solved({})[2] @ pulls).T
-    there = made = 0.0
+    there = by_emg = 0.0
     for rows, change, recording in zip(blocks, changes, target.problem.inputs, strict=True):
         slow = np.fft.rfftfreq(recording.n, 1.0 / recording.rate_hz) < _SLOW_HZ
         left = change - taken @ rows[:-1]
         there += float((np.abs(np.fft.rfft(rows[-1])[slow]) ** 2).sum())
-        made += float((np.abs(np.fft.rfft(left, axis=1)[:, slow]) ** 2).sum()) / len(draws)
+        by_emg += float((np.abs(np.fft.rfft(left, axis=1)[:, slow]) ** 2).sum()) / len(draws)
     power = sum(float((change**2).sum()) for change in changes) / len(draws)
-    return (made / there if there > 0.0 and np.isfinite(made) else 0.0), power
+    return (by_emg / there if there > 0.0 and np.isfinite(by_emg) else 0.0), power
 
 
 def without_emg_bias(

@@ -243,14 +243,14 @@ def _iterated(
 def _outliers(problem: FitProblem, last: _Round, loss: Loss) -> Outliers:
     masks = [recording.counts for recording in problem.inputs]
     errors = np.concatenate([e[mask] for e, mask in zip(last.errors, masks, strict=True)])
-    kept = np.concatenate([w[mask] for w, mask in zip(last.weights, masks, strict=True)])
+    weights = np.concatenate([w[mask] for w, mask in zip(last.weights, masks, strict=True)])
     slope = float(loss.slope(errors / (last.scale * loss.tuning)).mean())
     return Outliers(
         loss=loss.name,
         tuning=loss.tuning,
         scale=last.scale,
         weights=tuple(read_only(w) for w in last.weights),
-        widening=float(kept.mean()) / max(slope, _SLOPE),
+        widening=float(weights.mean()) / max(slope, _SLOPE),
         rounds=last.number,
     )
 

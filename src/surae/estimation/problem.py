@@ -113,8 +113,8 @@ def make_problem(
     for name in free:
         if name in prescribed:
             raise InputError(f"{name} is both free and fixed; choose one")
-    for given in (prescribed, start):
-        for name, value in given.items():
+    for values in (prescribed, start):
+        for name, value in values.items():
             check_value(table[name], value, spec)
 
     base = {**{name: p.start for name, p in table.items()}, **start, **prescribed}
@@ -171,14 +171,14 @@ def _spelled_out(free: Sequence[str], fixed: Collection[str]) -> tuple[str, ...]
 
 
 def _check_within(
-    what: str, given: Mapping[str, float], limits: Mapping[str, tuple[float, float]]
+    kind: str, values: Mapping[str, float], limits: Mapping[str, tuple[float, float]]
 ) -> None:
     """Refuse a value outside its bounds: it is a slip, or the bounds are to be others."""
-    for name, value in given.items():
+    for name, value in values.items():
         low, high = limits[name]
         if not low <= value <= high:
             raise InputError(
-                f"{what} of {name} is {value:g}, outside its bounds {low:g} … {high:g}; give one "
+                f"{kind} of {name} is {value:g}, outside its bounds {low:g} … {high:g}; give one "
                 "between them, or other bounds"
             )
 

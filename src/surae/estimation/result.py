@@ -171,7 +171,7 @@ def with_laboratory(result: FitResult) -> FitResult:
     family, problem = result.family, result.problem
     if family is None:
         return result
-    told = {n: Prior(b.mean, b.sd, straight=True) for n, b in family.beliefs.items()}
+    priors = {n: Prior(b.mean, b.sd, straight=True) for n, b in family.beliefs.items()}
     inputs = problem.inputs
     if family.zeros:
         mean = float(np.mean(family.zeros))
@@ -183,7 +183,7 @@ def with_laboratory(result: FitResult) -> FitResult:
         )
     return replace(
         result,
-        problem=replace(problem, inputs=inputs, priors=FrozenDict({**problem.priors, **told})),
+        problem=replace(problem, inputs=inputs, priors=FrozenDict({**problem.priors, **priors})),
         family=replace(family, zeros=()),
     )
 

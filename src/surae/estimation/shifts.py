@@ -81,7 +81,7 @@ def left_out(
     """
     covariance = quadratic.solved({})[2]
     gram = bent = lever = by_emg = np.zeros((1, 1))
-    seen = groups = np.zeros(1)
+    score = groups = np.zeros(1)
     blocks = zip(target.problem.inputs, target.data_rows(mode.z), target.noise, owns, strict=True)
     for number, (recording, rows, noise, (own, there, around)) in enumerate(blocks):
         counts = 1.0 if recording.weight is None else np.sqrt(recording.weight)
@@ -96,37 +96,37 @@ def left_out(
         gram = gram + features @ features.T
         bent = bent + own_lever.T @ moved
         lever = lever + rows[:-1] @ features.T
-        seen = seen + features @ alone[-1] - moved.T @ gradient
+        score = score + features @ alone[-1] - moved.T @ gradient
         by_emg = by_emg + noise_rows @ features.T - noise_rows @ alone[:-1].T @ moved
     size = np.sqrt(np.maximum(np.diag(gram), 1e-300))
     moved = covariance @ lever / size
-    seen, by_emg = seen / size, by_emg / size
+    score, by_emg = score / size, by_emg / size
     variance, directions = np.linalg.eigh((gram - bent) / np.outer(size, size))
-    kept = variance > _NOTHING * variance[-1]
-    view = np.sqrt(variance[kept])[:, None] * directions[:, kept].T
-    to_view = directions[:, kept].T / np.sqrt(variance[kept])[:, None]
+    varied = variance > _NOTHING * variance[-1]
+    view = np.sqrt(variance[varied])[:, None] * directions[:, varied].T
+    to_view = directions[:, varied].T / np.sqrt(variance[varied])[:, None]
     emg_seen = to_view @ (by_emg.T @ by_emg) @ to_view.T / len(noisy.changes)
     noise_seen = np.eye(len(view)) + emg_seen
-    seen = to_view @ seen
-    logs, gain = _sizes(view, seen, noise_seen, groups)
+    score = to_view @ score
+    logs, gain = _sizes(view, score, noise_seen, groups)
     prior = np.exp(logs)[groups]
     taken = prior[:, None] * view.T @ np.linalg.inv((view * prior) @ view.T + noise_seen)
     known = np.diag(prior) - taken @ (view * prior)
-    shown = taken @ seen
+    shown = taken @ score
     likely = 1.0 / (1.0 + np.exp(min(_AGAINST - gain, 500.0)))
     ways = root(known + np.outer(shown, shown))
     return np.asarray(_HIDDEN * np.sqrt(likely) * ways @ moved.T)
 
 
 def _sizes(
-    view: FloatArray, seen: FloatArray, noise: FloatArray, groups: FloatArray
+    view: FloatArray, score: FloatArray, noise: FloatArray, groups: FloatArray
 ) -> tuple[FloatArray, float]:
     """The most likely ln s² of each group of functions, and what ln L gains by them."""
     from scipy.optimize import minimize
 
     def unlikely(logs: FloatArray) -> float:
         whole = (view * np.exp(logs)[groups]) @ view.T + noise
-        return float(np.linalg.slogdet(whole)[1] + seen @ np.linalg.solve(whole, seen))
+        return float(np.linalg.slogdet(whole)[1] + score @ np.linalg.solve(whole, score))
 
     def believed(logs: FloatArray) -> float:
         # half-Cauchy beforehand, so that a size of which nothing is seen stays finite (Gelman 2006)
@@ -138,7 +138,7 @@ def _sizes(
         for begin in _BEGIN
     ]
     best = min(ends, key=lambda end: end.fun)
-    none = float(np.linalg.slogdet(noise)[1] + seen @ np.linalg.solve(noise, seen))
+    none = float(np.linalg.slogdet(noise)[1] + score @ np.linalg.solve(noise, score))
     return np.asarray(best.x), 0.5 * (none - float(best.fun))
 
 

@@ -165,8 +165,8 @@ def _with_drives(
         )
         for point in points[1:]:
             if best.outcome is not Outcome.INTERRUPTED:
-                tried = minimise(rows, point, problem.lower, problem.upper, move=move, stall=stall)
-                best = _better_of(best, tried)
+                other = minimise(rows, point, problem.lower, problem.upper, move=move, stall=stall)
+                best = _better_of(best, other)
         if len(points) == 1 and best.outcome is not Outcome.INTERRUPTED:
             best = _better_of(best, direct(initial, scan=scan))
         if better is not None:
@@ -182,12 +182,12 @@ def _stopped(problem: FitProblem, rows: Rows, x: FloatArray) -> Minimum:
     return replace(here, outcome=Outcome.INTERRUPTED)
 
 
-def _better_of(best: Minimum, tried: Minimum) -> Minimum:
+def _better_of(best: Minimum, other: Minimum) -> Minimum:
     """The lower of two minima; an interruption of the second is told in any case."""
-    lower = tried.sse < best.sse or not np.isfinite(best.sse)
-    if tried.outcome is Outcome.INTERRUPTED:
-        return replace(tried if lower else best, outcome=tried.outcome)
-    return tried if lower else best
+    lower = other.sse < best.sse or not np.isfinite(best.sse)
+    if other.outcome is Outcome.INTERRUPTED:
+        return replace(other if lower else best, outcome=other.outcome)
+    return other if lower else best
 
 
 def _better(problem: FitProblem, follow: Follow | None) -> Better | None:
@@ -223,8 +223,8 @@ def _first_look(problem: FitProblem, follow: Follow | None = None) -> FromStart 
         for relaxed in _other_relaxations(thin, best.x):
             if best.outcome is Outcome.INTERRUPTED:
                 break
-            tried = minimise(rows, relaxed, thin.lower, thin.upper, move=move, stall=stall)
-            best = _better_of(best, tried)
+            other = minimise(rows, relaxed, thin.lower, thin.upper, move=move, stall=stall)
+            best = _better_of(best, other)
         return best
 
     return minimum
@@ -288,25 +288,25 @@ class Valleys:
     """Minima on thinned data, each with the one that it leads to on all of them."""
 
     def __init__(self) -> None:
-        self._seen: list[tuple[Minimum, Minimum]] = []
+        self._ends: list[tuple[Minimum, Minimum]] = []
 
     @property
     def empty(self) -> bool:
         """Whether no minimum is known yet."""
-        return not self._seen
+        return not self._ends
 
     def add(self, thinned: Minimum, end: Minimum) -> None:
         """Remember that the minimum on thinned data leads to `end`."""
-        self._seen.append((thinned, end))
+        self._ends.append((thinned, end))
 
     def minimum(self, thinned: Minimum) -> Minimum | None:
         """The minimum on all data that a point on thinned data leads to; None if it is new."""
-        ends = (end for seen, end in self._seen if _leads_to(thinned.x, thinned.sse, seen))
+        ends = (end for thin_end, end in self._ends if _leads_to(thinned.x, thinned.sse, thin_end))
         return next(ends, None)
 
     def leads_to_one(self, x: FloatArray, sse: float) -> bool:
         """Whether a point with this sum of squares leads to a known minimum."""
-        return any(_leads_to(x, sse, seen) for seen, _ in self._seen)
+        return any(_leads_to(x, sse, thin_end) for thin_end, _ in self._ends)
 
 
 def _leads_to(x: FloatArray, sse: float, end: Minimum) -> bool:

@@ -86,7 +86,7 @@ def explicit_states(
     eps0, toe = p[EPS0] * strain_length, p[TOE]
     curve = tendon_curve(eps0, toe, p[K_TOE], p[F_MAX])
     step = relaxation_step(p[TAU], p[K_REL], dt)
-    kept, b0, b1 = step[0], step[1], step[2]
+    decay, b0, b1 = step[0], step[1], step[2]
     dc = p[K_REL] / (1.0 + p[K_REL])
 
     start = (lengths[0], lengths[0], 1.0, 1.0 - dc, 0.0, 0.0)
@@ -101,7 +101,7 @@ def explicit_states(
         force = tendon_force(e, curve)[0]
         elastic = elastic_force(x, k, x0)
         if i > 0:
-            z = kept * z + b0 * before + b1 * elastic
+            z = decay * z + b0 * before + b1 * elastic
         before = elastic
         tissue = max(elastic - z, 0.0)
         active = max(alphas[i], 0.0)

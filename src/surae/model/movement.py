@@ -116,16 +116,16 @@ class Movement:
         """The movement at these parameters, with its derivatives by the wanted columns."""
         if self._fixed is not None:
             return self._fixed
-        given = {name: float(values[column]) for name, column in self._at.items()}
+        turns = {name: float(values[column]) for name, column in self._at.items()}
         columns = {name: column for name, column in self._at.items() if column in wanted}
-        return self._moved(given, columns)
+        return self._moved(turns, columns)
 
-    def _moved(self, given: Mapping[str, float], columns: Mapping[str, int]) -> LegMovement:
+    def _moved(self, turns: Mapping[str, float], columns: Mapping[str, int]) -> LegMovement:
         inputs, options = self._inputs, self._options
         velocity, acceleration = inputs.velocity, inputs.acceleration
-        angle = inputs.angle + given.get("angle_zero", 0.0)
-        if _AXIS[0] in given:
-            forward, up = (given[name] for name in _AXIS)
+        angle = inputs.angle + turns.get("angle_zero", 0.0)
+        if _AXIS[0] in turns:
+            forward, up = (turns[name] for name in _AXIS)
             axis = AnkleAxis(angle=angle, forward=forward, up=up)
             joint, slopes = axis.joint, [axis.slope(_TURNING[name]) for name in columns]
         else:

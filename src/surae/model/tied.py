@@ -109,8 +109,8 @@ class TiedModel:
             muscle = leg.muscles[group]
             split.append(muscle.arm * self._forces(p, group, muscle, active))
             if self._excitation.has_reflex:
-                alpha, made = active.alpha[-1], active.drives[1][-1]
-                share = np.divide(made, alpha, out=np.zeros_like(alpha), where=alpha != 0.0)
+                alpha, by_reflex = active.alpha[-1], active.drives[1][-1]
+                share = np.divide(by_reflex, alpha, out=np.zeros_like(alpha), where=alpha != 0.0)
                 reflex.append(share * split[-1][1])
         (tissue_tri, neural_tri), (tissue_tib, neural_tib) = split
         return TorqueParts(

@@ -39,10 +39,10 @@ def refuse_not_raw(channel: Channel, source: Uniform, settings: Preparation) -> 
     lowest, highest = float(channel.values.min()), float(channel.values.max())
     if lowest >= 0.0 and highest > lowest:
         # On a constant offset, which the filter takes away, raw EMG has no negative sample either.
-        said = contradiction(channel.role, look_of(channel.time, channel.values), "raw")
-        if said:
+        sentence = contradiction(channel.role, look_of(channel.time, channel.values), "raw")
+        if sentence:
             trial = source.where.removesuffix(f": {channel.role}")
-            raise InputError(f"{trial}: {said}, or use --prepared if all signals are")
+            raise InputError(f"{trial}: {sentence}, or use --prepared if all signals are")
     cutoff = settings.emg_highpass_hz
     if cutoff is not None and source.axis.rate_hz < RATE_FACTOR * cutoff:
         raise InputError(
@@ -60,9 +60,9 @@ def refuse_negative(channel: Channel, where: str, declared: str) -> None:
     at = int(np.argmin(channel.values))
     lowest, highest = float(channel.values[at]), float(channel.values.max())
     if lowest < -NEGATIVE_FRACTION * max(highest, 0.0):
-        said = contradiction(channel.role, look_of(channel.time, channel.values), declared)
-        if said:
-            raise InputError(f"{where.removesuffix(f': {channel.role}')}: {said}")
+        sentence = contradiction(channel.role, look_of(channel.time, channel.values), declared)
+        if sentence:
+            raise InputError(f"{where.removesuffix(f': {channel.role}')}: {sentence}")
         raise InputError(
             f"{where}: an EMG envelope cannot be negative, but it is {lowest:.3g} at "
             f"{channel.time[at]:.6g} s (maximum {highest:.3g}); fit raw EMG without --prepared"

@@ -126,7 +126,7 @@ def normalised(recording: ModelInputs, reference: EmgReference | None) -> ModelI
         return recording
     _require_volts(recording)
     factors = np.ones(len(MUSCLES))
-    told = []
+    levels = []
     for column, (muscle, value) in enumerate(zip(MUSCLES, reference.values, strict=True)):
         if muscle in recording.missing_emg:
             continue
@@ -136,11 +136,11 @@ def normalised(recording: ModelInputs, reference: EmgReference | None) -> ModelI
                 "from has this muscle; add one, or leave the channel out"
             )
         factors[column] = value
-        told.append(f"{muscle} {value:.4g} V")
+        levels.append(f"{muscle} {value:.4g} V")
     count = f"{reference.count} recording{'s' if reference.count != 1 else ''}"
     step = (
         f"EMG normalised: divided by {_OF[reference.kind]} (of {count}, averaged over "
-        f"{AVERAGED_S:g} s): {', '.join(told)}."
+        f"{AVERAGED_S:g} s): {', '.join(levels)}."
     )
     return replace(
         recording,

@@ -294,11 +294,11 @@ def _resampling_steps(sources: Mapping[str, Uniform], axis: Axis, wanted_hz: flo
 
 def _derivative_step(signals: Mapping[str, FloatArray]) -> str:
     """Say where velocity and acceleration come from."""
-    given = [role for role in ("angular_velocity", "angular_acceleration") if role in signals]
-    if len(given) == 2:
+    measured = [role for role in ("angular_velocity", "angular_acceleration") if role in signals]
+    if len(measured) == 2:
         return "Angular velocity and acceleration are those given."
     how = "from the angle by central differences over 15 samples"
-    if not given:
+    if not measured:
         return f"Angular velocity and acceleration {how}."
-    other = "Angular acceleration" if given == ["angular_velocity"] else "Angular velocity"
-    return f"The {given[0].replace('_', ' ')} is that given. {other} {how}."
+    other = "Angular acceleration" if measured == ["angular_velocity"] else "Angular velocity"
+    return f"The {measured[0].replace('_', ' ')} is that given. {other} {how}."

@@ -90,12 +90,12 @@ def weighted(
     used: set[int] = set()
     all_weighted = []
     for recording, how in zip(inputs, each, strict=True):
-        made, touched = _weighted(recording, how)
+        counted, touched = _weighted(recording, how)
         used |= touched
         missed = set() if shared else set(range(len(how.windows))) - touched
         for number in sorted(missed):
             raise InputError(_outside(how.windows[number], [recording]))
-        all_weighted.append(made)
+        all_weighted.append(counted)
     if isinstance(weighting, Weighting):
         for number, window in enumerate(weighting.windows):
             if number not in used:
@@ -113,8 +113,8 @@ def _weighted(recording: ModelInputs, how: Weighting) -> tuple[ModelInputs, set[
             continue
         touched.add(number)
         weight[within] *= factor
-        told = "left out of the fit" if factor == 0 else f"counts {factor:g} times"
-        steps.append(f"Weights: {_span(start, end)} {told}.")
+        effect = "left out of the fit" if factor == 0 else f"counts {factor:g} times"
+        steps.append(f"Weights: {_span(start, end)} {effect}.")
     if not weight.any():
         raise InputError(f"{recording.where}: the windows leave no sample to count; leave out less")
     if how.peaks > 0:
@@ -128,13 +128,13 @@ def _weighted(recording: ModelInputs, how: Weighting) -> tuple[ModelInputs, set[
         return recording, touched
     counted = weight[weight > 0]
     alike = bool(np.all(counted == counted[0]))
-    made = replace(
+    emphasised = replace(
         recording,
         weight=read_only(weight),
         emphasised=recording.emphasised or not alike,
         steps=(*recording.steps, *steps),
     )
-    return made, touched
+    return emphasised, touched
 
 
 def activity(

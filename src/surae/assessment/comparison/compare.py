@@ -66,8 +66,8 @@ def _correlation_time(residual: FloatArray) -> float:
     even = len(rho) // 2 * 2
     pairs = rho[0:even:2] + rho[1:even:2]
     ends = (pairs <= 0).nonzero()[0]
-    kept = pairs[: ends[0]] if len(ends) else pairs
-    return max(1.0, 2.0 * float(kept.sum()) - 1.0)
+    positive = pairs[: ends[0]] if len(ends) else pairs
+    return max(1.0, 2.0 * float(positive.sum()) - 1.0)
 
 
 #: Models compared unless told otherwise.
@@ -119,7 +119,7 @@ def compare_models(
     """
     begin = time.perf_counter()
     settings = settings or FitSettings(starts=FEW_STARTS)
-    works = [_Work(make_problem(inputs, asked)) for asked in _asked(models, settings)]
+    works = [_Work(make_problem(inputs, each)) for each in _asked(models, settings)]
     parts = folds(inputs)
     missing = _fit_all(works, parts, progress)
     done = [work for work in works if work.result is not None]

@@ -39,7 +39,7 @@ def conclude(scores: Sequence[ModelScore]) -> tuple[TendonEvidence | None, str]:
         return _without_figures(scores)
     compliant = [s.aicc for s in scores if not s.rigid and s.aicc is not None]
     lower = rigid.aicc - best.aicc
-    seen = max(compliant) - rigid.aicc > DECISIVE
+    tells_tendons = max(compliant) - rigid.aicc > DECISIVE
     if best.held_out is None:
         return TendonEvidence.OPEN, (
             f"The data cannot tell: {best.model} has an AICc {_difference(lower)} than the rigid "
@@ -56,7 +56,7 @@ def conclude(scores: Sequence[ModelScore]) -> tuple[TendonEvidence | None, str]:
         return TendonEvidence.OPEN, f"The data cannot tell: {figures}, but {withheld}."
     if lower > DECISIVE and better:
         return TendonEvidence.COMPLIANT, f"Compliance is supported: {figures}."
-    if lower <= EQUAL and not better and seen:
+    if lower <= EQUAL and not better and tells_tendons:
         return TendonEvidence.RIGID, f"A rigid tendon suffices: {figures}."
     why = "that is not enough, or contradictory"
     if lower <= EQUAL and not better:
@@ -93,24 +93,24 @@ def _without_figures(scores: Sequence[ModelScore]) -> tuple[TendonEvidence | Non
 
 def cautions(scores: Sequence[ModelScore], loss: str | None = None) -> tuple[str, ...]:
     """What weakens a conclusion, one sentence each."""
-    said = [f"{s.model}: the fit failed: {s.message}." for s in scores if s.status == "failed"]
-    said += [
+    sentences = [f"{s.model}: the fit failed: {s.message}." for s in scores if s.status == "failed"]
+    sentences += [
         f"{s.model} is held back by the bounds of {', '.join(s.at_bound)}."
         for s in scores
         if s.at_bound and s.status != "failed"
     ]
     vafs = [s.vaf for s in scores if s.vaf is not None]
     if vafs and max(vafs) < _MODERATE:
-        said.append(
+        sentences.append(
             f"Even the best model accounts for only {max(vafs):.1f} % of the torque: what every "
             "model lacks may be mistaken for a tendon, or hide one."
         )
     if loss is not None:
-        said.append(
+        sentences.append(
             "AICc counts outliers as the model with the least noise does; held-out data count "
             "them fully."
         )
-    return tuple(said)
+    return tuple(sentences)
 
 
 def _difference(lower: float) -> str:

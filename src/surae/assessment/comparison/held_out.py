@@ -50,7 +50,7 @@ def folds(inputs: Sequence[ModelInputs]) -> tuple[Fold, ...]:
 
 
 def _blocks(recording: ModelInputs) -> tuple[Fold, ...]:
-    made = []
+    blocks = []
     for number, samples in enumerate(np.array_split(_counted(recording), BLOCKS), start=1):
         if not len(samples):
             raise InputError(
@@ -63,8 +63,10 @@ def _blocks(recording: ModelInputs) -> tuple[Fold, ...]:
         name = (
             f"block {number} of {BLOCKS} ({recording.time[first]:.1f}…{recording.time[last]:.1f} s)"
         )
-        made.append(Fold(name, (replace(recording, weight=read_only(weight)),), recording, samples))
-    return tuple(made)
+        blocks.append(
+            Fold(name, (replace(recording, weight=read_only(weight)),), recording, samples)
+        )
+    return tuple(blocks)
 
 
 def _counted(recording: ModelInputs) -> npt.NDArray[np.intp]:

@@ -106,7 +106,7 @@ def directions(
     [Nm].
     """
     _, s, Vt = np.linalg.svd(R)
-    made = []
+    rows = []
     for value, v in zip(s[::-1], Vt[::-1], strict=True):
         effect = np.abs(v) * length
         greatest = float(effect.max())
@@ -114,7 +114,7 @@ def directions(
         opposed = bool(value <= _CANCELLED * greatest)
         parts = _parts(np.abs(v), effect)
         signed = v if v[parts[0]] >= 0 else -v
-        made.append(
+        rows.append(
             Direction(
                 eigenvalue=0.0 if singular else float(value / sigma) ** 2 if sigma else np.inf,
                 uncertainty=None if singular else sigma / float(value),
@@ -122,7 +122,7 @@ def directions(
                 words=_words([(names[i], float(signed[i])) for i in parts], opposed, singular),
             )
         )
-    return tuple(made)
+    return tuple(rows)
 
 
 def _parts(change: FloatArray, effect: FloatArray) -> list[int]:
@@ -135,10 +135,10 @@ def _parts(change: FloatArray, effect: FloatArray) -> list[int]:
 
 def _words(parts: list[tuple[str, float]], opposed: bool, singular: bool) -> str:
     moved = [f"{name} {'up' if change >= 0 else 'down'}" for name, change in parts]
-    what = moved[0] if len(moved) == 1 else f"{moved[0]} with {listed(moved[1:])}"
+    names = moved[0] if len(moved) == 1 else f"{moved[0]} with {listed(moved[1:])}"
     if singular:
-        return f"{what}: the same torque"
-    return f"{what}: {'nearly the same torque' if opposed else 'changes the torque'}"
+        return f"{names}: the same torque"
+    return f"{names}: {'nearly the same torque' if opposed else 'changes the torque'}"
 
 
 def listed(texts: Sequence[str]) -> str:

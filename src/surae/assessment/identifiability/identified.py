@@ -91,11 +91,11 @@ def identifiability(result: FitResult, *, variance_inflation: float = 1.0) -> Id
     the model gave no finite torque.
     """
     problem = result.problem
-    kept = [j for j, name in enumerate(problem.free) if name not in result.at_bound]
-    names = tuple(problem.free[j] for j in kept)
+    inside = [j for j, name in enumerate(problem.free) if name not in result.at_bound]
+    names = tuple(problem.free[j] for j in inside)
     if not (np.isfinite(result.sse) and np.isfinite(result.R).all()):
         return Identifiability((), (), None, None, (), {}, read_only(np.empty((0, 0))))
-    dof = problem.n - len(kept)
+    dof = problem.n - len(inside)
     sigma = float(np.sqrt(variance_inflation * result.sse / dof))
     sizes = np.maximum(
         np.abs([result.values[name] for name in problem.free]),
@@ -103,11 +103,11 @@ def identifiability(result: FitResult, *, variance_inflation: float = 1.0) -> Id
     )
     scaled = result.R * sizes
     effects = np.linalg.norm(scaled, axis=0)
-    R, length = scaled[:, kept], effects[kept]
-    weakest = directions(names, R, length, sigma) if kept else ()
+    R, length = scaled[:, inside], effects[inside]
+    weakest = directions(names, R, length, sigma) if inside else ()
     unit = unit_columns(R)
-    gamma = index(unit) if kept else np.inf
-    least, most = (weakest[0], weakest[-1]) if kept else (None, None)
+    gamma = index(unit) if inside else np.inf
+    least, most = (weakest[0], weakest[-1]) if inside else (None, None)
     condition = None
     if least is not None and most is not None and least.uncertainty is not None:
         condition = most.eigenvalue / least.eigenvalue
@@ -116,7 +116,7 @@ def identifiability(result: FitResult, *, variance_inflation: float = 1.0) -> Id
     torque = _torque_rms(result)
     parameters = {}
     for j, name in enumerate(problem.free):
-        column = kept.index(j) if j in kept else None
+        column = inside.index(j) if j in inside else None
         parameters[name] = _identified(
             name,
             sensitivity=float(effects[j]) / (torque * problem.n**0.5) if torque else 0.0,
@@ -231,13 +231,17 @@ def _advice(name: str, cause: Cause, partners: Mapping[str, float | None]) -> st
     known = trade_off(name, tuple(partners))
     match cause:
         case Cause.SILENT:
-            said = f"The torque does not depend on {name} here: fix it, or {fewer}."
+            sentence = f"The torque does not depend on {name} here: fix it, or {fewer}."
         case Cause.BOUND:
-            said = f"See whether the bound of {name} is right, or fix it; to learn more: {more}."
+            sentence = (
+                f"See whether the bound of {name} is right, or fix it; to learn more: {more}."
+            )
         case _ if known is not None:
-            said = f"{name} trades off with {listed(others)}, as {known.because}: {known.advice}."
+            sentence = (
+                f"{name} trades off with {listed(others)}, as {known.because}: {known.advice}."
+            )
         case _ if others:
-            said = f"{name} trades off with {listed(others)}: fix one of them, or {fewer}."
+            sentence = f"{name} trades off with {listed(others)}: fix one of them, or {fewer}."
         case _:
-            said = f"{name} has little influence on this torque: {more}."
-    return said
+            sentence = f"{name} has little influence on this torque: {more}."
+    return sentence

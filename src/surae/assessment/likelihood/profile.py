@@ -179,22 +179,22 @@ def prior_noise(result: FitResult) -> float:
 
 def _message(name: str, search: Search) -> str:
     """What a reader has to know of a profile."""
-    said = []
+    sentences = []
     if search.lower is not None:
-        said.append(
+        sentences.append(
             f"met a lower minimum than the fit's, at {name} = {search.lower.value:g} (Δχ² lower by "
             f"{search.lower_by:.2g}): fit again from there, or with more starts"
         )
     for side, (_, why) in zip(("downwards", "upwards"), search.ends, strict=True):
         if why:
-            said.append(f"open {side}: {why}")
+            sentences.append(f"open {side}: {why}")
     inside = search.inside
     if inside[-1] - inside[0] + 1 > len(inside):
-        said.append("Δχ² exceeds the threshold between the ends too: the region has parts")
+        sentences.append("Δχ² exceeds the threshold between the ends too: the region has parts")
     astray = sum(not point.converged for point in search.points)
     if astray:
-        said.append(
+        sentences.append(
             f"{astray} of {len(search.points)} points met the iteration limit: Δχ² there may be "
             "too high"
         )
-    return "; ".join(said) or "both ends found"
+    return "; ".join(sentences) or "both ends found"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from surae.assessment.assess import described
-from surae.assessment.kept import ledger_of
+from surae.assessment.fit_ledger import ledger_of
 from surae.assessment.likelihood.profile import Profile, check_profiled, prior_noise, profile
 from surae.errors import InputError
 from surae.estimation import FitResult
@@ -122,14 +122,14 @@ def profiles(
 
     names_by_key = {f"{name} {inflation[name]!r}": name for name in wanted}
     threads = Engine("threads", cores() if workers is None else workers)
-    kept, about = ledger_of(result, store, _KIND, {})
-    with kept:
+    ledger, about = ledger_of(result, store, _KIND, {})
+    with ledger:
         plan = list(names_by_key.items())
-        there = kept.begin(_KIND, _KIND, about, plan) & set(names_by_key)
+        there = ledger.begin(_KIND, _KIND, about, plan) & set(names_by_key)
         calls = {key: {"name": name} for key, name in plan if key not in there}
         with suppress(KeyboardInterrupt):
-            kept.keep(followed(results(profiled, calls, threads, stop)))
-        done = {name: Profile.of(plain) for name, plain in kept.results()}
+            ledger.keep(followed(results(profiled, calls, threads, stop)))
+        done = {name: Profile.of(plain) for name, plain in ledger.results()}
     return Profiles(
         model=result.problem.spec.name,
         profiles={name: done[name] for name in wanted if name in done},

@@ -69,12 +69,12 @@ class Search:
         self._j = j = problem.free.index(name)
         self._low, self._high = float(problem.lower[j]), float(problem.upper[j])
         self._minima = Conditional(problem, name, noise, stopped)
-        kept = [i for i, parameter in enumerate(problem.free) if parameter not in result.at_bound]
-        dof = problem.n - len(kept)
+        inside = [i for i, parameter in enumerate(problem.free) if parameter not in result.at_bound]
+        dof = problem.n - len(inside)
         self._sigma2 = result.sse / dof
         self.unit = self._sigma2 * variance_inflation
         self.threshold = float(stdtrit(dof, 0.975)) ** 2
-        self.sem = _sem(result.R, j, kept, self.unit)
+        self.sem = _sem(result.R, j, inside, self.unit)
         self.lower: Point | None = None
         self.lower_by = 0.0
         self._aim = float(np.sqrt(self.threshold))
@@ -213,9 +213,9 @@ class Search:
         )
 
 
-def _sem(R: FloatArray, j: int, kept: list[int], variance: float) -> float | None:
+def _sem(R: FloatArray, j: int, inside: list[int], variance: float) -> float | None:
     """Standard error of a parameter, those at a bound taken as known; None where there is none."""
-    if j not in kept:
+    if j not in inside:
         return None
-    information = unexplained(R, j, [i for i in kept if i != j])
+    information = unexplained(R, j, [i for i in inside if i != j])
     return float(np.sqrt(variance / information)) if information > 0 else None

@@ -105,9 +105,9 @@ def run_chains(
             blocking=False,
         )
         trace, whole = _attend(sampler, work, progress, chains * (draws + tune))
-    kept = _kept(trace, whole=whole)
+    complete = _kept(trace, whole=whole)
     statistics = trace.sample_stats
-    part = np.s_[kept[0], : kept[1]]
+    part = np.s_[complete[0], : complete[1]]
     return Chains(
         draws=read_only(trace.posterior["z"].values[part]),
         diverging=int(statistics["diverging"].values[part].sum()),

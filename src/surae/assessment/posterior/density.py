@@ -39,7 +39,7 @@ class Belief:
 
 
 def beliefs(
-    problem: FitProblem, given: Mapping[str, tuple[float, float]] | None = None
+    problem: FitProblem, priors: Mapping[str, tuple[float, float]] | None = None
 ) -> dict[str, Belief]:
     """The prior of every free parameter: given now, else the fit's, else the wide default.
 
@@ -61,7 +61,7 @@ def beliefs(
             beliefs[name] = _told(Prior(known.mean, known.sd, straight=True), "population")
     for name, prior in problem.priors.items():
         beliefs[name] = _told(prior, "fit", signed=table[name].signed)
-    for name, pair in (given or {}).items():
+    for name, pair in (priors or {}).items():
         prior = checked_prior(name, pair, problem.free)
         if table[name].signed:
             raise InputError(f"prior of {name}: it is on a logarithm, and {name} may be negative")

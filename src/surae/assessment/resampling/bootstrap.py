@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from surae.assessment.kept import ledger_of
+from surae.assessment.fit_ledger import ledger_of
 from surae.assessment.likelihood.profile import prior_noise
 from surae.assessment.residual import autocovariance
 from surae.errors import InputError
@@ -171,16 +171,16 @@ def bootstrap(
         return None if minimum is None else minimum.tolist()
 
     settings = {"seed": seed, "block": lengths, "parameters": list(problem.free)}
-    kept, about = ledger_of(result, store, _KIND, settings)
-    with kept:
+    ledger, about = ledger_of(result, store, _KIND, settings)
+    with ledger:
         threads = Engine("threads", cores() if workers is None else workers)
         plan = [(str(number), number) for number in range(replicates)]
-        there = kept.begin(_KIND, _KIND, about, plan)
+        there = ledger.begin(_KIND, _KIND, about, plan)
         calls = {key: {"number": number} for key, number in plan if key not in there}
         resumed = replicates - len(calls)
         with suppress(KeyboardInterrupt):
-            kept.keep(results(replicate, calls, threads), progress)
-        done = dict(kept.results())
+            ledger.keep(results(replicate, calls, threads), progress)
+        done = dict(ledger.results())
     p = len(problem.free)
     table = np.array(
         [np.full(p, np.nan) if done[i] is None else done[i] for i in sorted(done)], dtype=float

@@ -71,7 +71,7 @@ def budgets(family: Family, free: tuple[str, ...]) -> dict[str, Budget]:
             groups.setdefault(source, []).append(j)
     everything = sorted({j for positions in groups.values() for j in positions})
     repeat, deviations = _repeat(family, free), family.deviations()
-    made = {}
+    table = {}
     for j, name in enumerate(free):
         if group_of(name) is not None:
             continue
@@ -90,7 +90,7 @@ def budgets(family: Family, free: tuple[str, ...]) -> dict[str, Budget]:
             continue
         parts |= added
         again = sum(added.get(source, 0.0) for source in ("emg_noise", "trials"))
-        made[name] = Budget(
+        table[name] = Budget(
             sd=float(np.sqrt(total)),
             repeat=float(np.sqrt(2.0 * (max(float(repeat[j]), 0.0) + again))),
             shares=FrozenDict({source: part / total for source, part in parts.items()}),
@@ -102,7 +102,7 @@ def budgets(family: Family, free: tuple[str, ...]) -> dict[str, Budget]:
                 | {s: float(np.sqrt(total - part)) for s, part in added.items()}
             ),
         )
-    return made
+    return table
 
 
 def variance_given(V: FloatArray, j: int, known: list[int]) -> float:
