@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.assessment.posterior.density import Belief, beliefs, make_target
+from surae.assessment.posterior.density import SamplingPrior, beliefs, make_target
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
 from surae.frozen import read_only
@@ -79,7 +79,7 @@ def test_inflated_noise_widens_what_the_data_determine(fitted, target):
 
 
 def test_a_narrow_prior_holds_its_parameter(fitted):
-    known = beliefs(fitted.problem) | {"f0": Belief(3.0, 1e-4, True, "given")}
+    known = beliefs(fitted.problem) | {"f0": SamplingPrior(3.0, 1e-4, True, "given")}
     target = make_target(fitted, known)
     f0 = fitted.problem.free.index("f0")
     assert target.parameters(np.zeros(15))[f0] == pytest.approx(3.0, rel=1e-3)
@@ -124,8 +124,8 @@ def test_every_parameter_has_a_prior_within_the_bounds_of_a_fit(noisy, model, ge
 def test_priors_of_the_fit_and_given_ones_come_first(noisy):
     problem = make_problem([noisy], priors={"f0": (2.5, 0.1), "beta": (1.1, 0.2)})
     found = beliefs(problem, {"f0": (1.8, 0.3)})
-    assert found["f0"] == Belief(1.8, 0.3, True, "given")
-    assert found["beta"] == Belief(1.1, 0.2, True, "fit")
+    assert found["f0"] == SamplingPrior(1.8, 0.3, True, "given")
+    assert found["beta"] == SamplingPrior(1.1, 0.2, True, "fit")
     assert found["m"].origin == "population"
 
 

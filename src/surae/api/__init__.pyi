@@ -41,7 +41,7 @@ from surae.api.validation import leave_one_out as leave_one_out
 from surae.api.validation import validate as validate
 from surae.assessment import Adequacy as Adequacy
 from surae.assessment import Comparison as Comparison
-from surae.assessment import Pooled as Pooled
+from surae.assessment import PooledPrediction as PooledPrediction
 from surae.assessment import Prediction as Prediction
 from surae.assessment.comparison.compare import compare_models as compare_models
 from surae.assessment.likelihood.profile import check_profiled as check_profiled

@@ -12,7 +12,7 @@ from surae.assessment.residual import Whiteness, autocorrelation, rmse, vaf, whi
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width, ipde
 from surae.assessment.uncertainty.robust import RobustCovariance
 from surae.assessment.uncertainty.snsem import Baseline
-from surae.assessment.validation import Pooled, Prediction, pooled, predict
+from surae.assessment.validation import PooledPrediction, Prediction, pooled, predict
 
 __all__ = [
     "Adequacy",
@@ -23,7 +23,7 @@ __all__ = [
     "Grade",
     "Interval",
     "ParameterEstimate",
-    "Pooled",
+    "PooledPrediction",
     "Prediction",
     "RecordingQuality",
     "RobustCovariance",

@@ -60,7 +60,7 @@ class Prediction(Comparable):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pooled(Comparable):
+class PooledPrediction(Comparable):
     """Several predictions as if they were one recording: VAF [%], RMSE and bias [Nm]."""
 
     vaf: float
@@ -68,11 +68,11 @@ class Pooled(Comparable):
     bias: float
 
 
-def pooled(predictions: Sequence[Prediction]) -> Pooled:
+def pooled(predictions: Sequence[Prediction]) -> PooledPrediction:
     """The figures of several predictions together; a longer recording counts more."""
     measured = np.concatenate([prediction.errors[0] for prediction in predictions])
     residual = np.concatenate([prediction.errors[1] for prediction in predictions])
-    return Pooled(vaf(measured, residual), rmse(residual), float(residual.mean()))
+    return PooledPrediction(vaf(measured, residual), rmse(residual), float(residual.mean()))
 
 
 def predict_others(result: FitResult, inputs: Sequence[ModelInputs]) -> tuple[Prediction, ...]:
@@ -156,7 +156,7 @@ class LeaveOneOut:
     """How well recordings of one leg predict each other."""
 
     recordings: tuple[LeftOut, ...]  #: In the order they were given.
-    pooled: Pooled  #: VAF, RMSE and bias over all predictions together.
+    pooled: PooledPrediction  #: VAF, RMSE and bias over all predictions together.
 
     @property
     def predictions(self) -> tuple[Prediction, ...]:

@@ -123,7 +123,7 @@ def _requests(fit: "api.Fit") -> list[str]:
 def show_predictions(
     predictions: "Sequence[api.Prediction]",
     paths: Sequence[str],
-    together: "api.Pooled | None" = None,
+    together: "api.PooledPrediction | None" = None,
 ) -> None:
     """How well recordings are predicted, each under the path it was given by, and all together."""
     named = list(zip(map(shown, paths), predictions, strict=True))
@@ -138,7 +138,7 @@ def show_predictions(
             show_line(f"{name}: {judged.grade}: {why}")
 
 
-def _figures(prediction: "api.Prediction | api.Pooled") -> tuple[str, str, str]:
+def _figures(prediction: "api.Prediction | api.PooledPrediction") -> tuple[str, str, str]:
     return (
         api.percentage(prediction.vaf),
         api.significant(prediction.rmse, 3),

@@ -141,5 +141,5 @@ def _judged(prediction: "api.Prediction") -> dict[str, Any]:
     return {"r2": judged.r2, "grade": str(judged.grade), "reasons": list(judged.reasons)}
 
 
-def _figures(prediction: "api.Prediction | api.Pooled") -> dict[str, Any]:
+def _figures(prediction: "api.Prediction | api.PooledPrediction") -> dict[str, Any]:
     return {"vaf": prediction.vaf, "rmse_Nm": prediction.rmse, "bias_Nm": prediction.bias}

@@ -31,7 +31,7 @@ from surae.estimation.noise import NoiseModel
 from surae.estimation.population import population_priors
 from surae.estimation.problem import FitProblem
 from surae.estimation.result import FitResult
-from surae.estimation.summed import REJECTED, Valleys, summed
+from surae.estimation.summed import REJECTED, WhiteModes, summed
 from surae.model import adapted, get_model, with_optional
 from surae.model.laboratory import COMPLIANT, RIGID, Belief, group_of, laboratory
 from surae.progress import SearchProgress
@@ -123,7 +123,9 @@ class _Search:
         if better is not compliant:
             compliant, rigid = better, self._rigid(better)
         self._told(4, mode)
-        return summed(compliant, rigid, Valleys(tuple(self._modes), self._met), self._inputs, begin)
+        return summed(
+            compliant, rigid, WhiteModes(tuple(self._modes), self._met), self._inputs, begin
+        )
 
     def stopped(self, begin: float) -> FitResult:
         """What is kept where the user stopped: the rigid model, nothing weighed."""

@@ -28,7 +28,7 @@ _BESIDE, _BESIDE_PART = 0.1, 0.01
 
 
 @dataclass(frozen=True, slots=True)
-class Valleys:
+class WhiteModes:
     """The modes that a search met under white noise."""
 
     modes: tuple[Mode, ...]  #: The best first.
@@ -72,7 +72,7 @@ class Valleys:
 def summed(
     compliant: Member,
     rigid: Member,
-    valleys: Valleys,
+    met: WhiteModes,
     inputs: tuple[ModelInputs, ...],
     begin: float,
 ) -> FitResult:
@@ -110,7 +110,7 @@ def summed(
     less = noisy.part * whole @ chosen.quadratic.information @ whole
     models = [chosen.between_subsets(), flat.shifts]
     if target is compliant.target:
-        models.append(valleys.spread(target))
+        models.append(met.spread(target))
     if odds > UNSUPPORTED:
         models.append(rival.away_from(chosen, odds * weight))
     shifts = {
@@ -168,8 +168,8 @@ def summed(
         residuals=residuals,
         sse=sse,
         R=read_only(R),
-        starts=valleys.starts(target, values, sse),
-        agreeing=valleys.agreeing,
+        starts=met.starts(target, values, sse),
+        agreeing=met.agreeing,
         seed=problem.settings.seed,
         seconds=time.perf_counter() - begin,
         versions=versions(),

@@ -26,7 +26,7 @@ _MOST = 100
 
 
 @dataclass(frozen=True, slots=True)
-class Point:
+class ConditionalMinimum:
     """The minimum over the other parameters with one parameter at `value`."""
 
     value: float  #: Of the held parameter.
@@ -60,7 +60,9 @@ class Conditional:
         self._stall = _STALL / problem.n
         self.evaluations = 0
 
-    def at(self, value: float, near: FloatArray, R: FloatArray | None = None) -> Point | None:
+    def at(
+        self, value: float, near: FloatArray, R: FloatArray | None = None
+    ) -> ConditionalMinimum | None:
         """The minimum with the parameter at `value`, from a point nearby.
 
         With the triangular factor R of the Jacobian there the others' change is predicted. None
@@ -81,7 +83,11 @@ class Conditional:
                 best = minimum
             if best is not None and best.outcome is Outcome.CONVERGED:
                 break
-        return None if best is None else Point(value, best.x, best.sse, best.R, _settled(best))
+        return (
+            None
+            if best is None
+            else ConditionalMinimum(value, best.x, best.sse, best.R, _settled(best))
+        )
 
     def sse(self, x: FloatArray) -> float:
         """Sum of squared residuals at a point [Nm²]; infinite where there is no finite torque."""
@@ -89,12 +95,12 @@ class Conditional:
         sse = sum_of_squares(self._rows(x)[-1])
         return sse if np.isfinite(sse) else np.inf
 
-    def free(self, near: FloatArray) -> Point | None:
+    def free(self, near: FloatArray) -> ConditionalMinimum | None:
         """The minimum over all parameters, the held one too, from a point nearby."""
         minimum = self._minimise(near, self._problem.lower, self._problem.upper)
         if minimum is None:
             return None
-        return Point(
+        return ConditionalMinimum(
             float(minimum.x[self._j]), minimum.x, minimum.sse, minimum.R, _settled(minimum)
         )
 

@@ -13,7 +13,7 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
-from surae.assessment.likelihood.search import Search
+from surae.assessment.likelihood.search import ProfileSearch
 from surae.errors import InputError
 from surae.estimation import FitResult, fit_problem
 from surae.estimation.least_squares import Outcome
@@ -101,7 +101,7 @@ def profile(
     result = with_laboratory(result)
     problem = result.problem
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
-    search = Search(
+    search = ProfileSearch(
         result,
         name,
         variance_inflation=variance_inflation,
@@ -177,7 +177,7 @@ def prior_noise(result: FitResult) -> float:
     return float(np.sqrt(plain.sse / (problem.n - len(problem.free))))
 
 
-def _message(name: str, search: Search) -> str:
+def _message(name: str, search: ProfileSearch) -> str:
     """What a reader has to know of a profile."""
     sentences = []
     if search.lower is not None:

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from surae.assessment.identifiability.directions import unexplained
-from surae.assessment.likelihood.conditional import Conditional, Point
+from surae.assessment.likelihood.conditional import Conditional, ConditionalMinimum
 from surae.errors import ComputationError
 from surae.estimation import FitResult
 from surae.units import FloatArray
@@ -30,16 +30,16 @@ _FLAT = 0.1
 _LOWER = 1.0
 
 
-class Search:
+class ProfileSearch:
     """A search for the profile of one parameter; the attributes are what it found.
 
     Attributes
     ----------
-    points : list of Point
+    points : list of ConditionalMinimum
         Ascending in the parameter's value.
     ends : list of tuple of (float or None, str)
         Lower and upper end of the interval, or why there is none.
-    lower : Point or None
+    lower : ConditionalMinimum or None
         A minimum that is lower than the fit's by more than the data's noise.
     lower_by : float
         How much lower it is, as Δχ².
@@ -75,7 +75,7 @@ class Search:
         self.unit = self._sigma2 * variance_inflation
         self.threshold = float(stdtrit(dof, 0.975)) ** 2
         self.sem = _sem(result.R, j, inside, self.unit)
-        self.lower: Point | None = None
+        self.lower: ConditionalMinimum | None = None
         self.lower_by = 0.0
         self._aim = float(np.sqrt(self.threshold))
         self._lowest = np.inf
@@ -90,17 +90,17 @@ class Search:
         """Numbers of the points within the interval."""
         return [i for i, point in enumerate(self.points) if self._z(point) <= self._aim]
 
-    def _z(self, point: Point) -> float:
+    def _z(self, point: ConditionalMinimum) -> float:
         """√Δχ², which grows in proportion to the distance where the model is linear."""
         return float(np.sqrt(max(point.sse - self._lowest, 0.0) / self.unit))
 
-    def _at(self, value: float, near: Point) -> Point | None:
+    def _at(self, value: float, near: ConditionalMinimum) -> ConditionalMinimum | None:
         minimum = self._minima.at(value, near.x, near.R)
         if minimum is not None:
             self._lowest = min(self._lowest, minimum.sse)
         return minimum
 
-    def _walk_out(self) -> tuple[list[Point], int]:
+    def _walk_out(self) -> tuple[list[ConditionalMinimum], int]:
         """Points on both sides of the fit, and how many lie below it."""
         problem = self._result.problem
         x = np.array([self._result.values[parameter] for parameter in problem.free])
@@ -114,14 +114,14 @@ class Search:
         self._spent = {True: len(below) == _MOST, False: len(above) == _MOST}
         return [*below[::-1], centre, *above], len(below)
 
-    def _walk(self, centre: Point, sign: int) -> list[Point]:
+    def _walk(self, centre: ConditionalMinimum, sign: int) -> list[ConditionalMinimum]:
         """Points from the centre outwards, until beyond the threshold or at the bound."""
         bound = self._high if sign > 0 else self._low
         width = self._high - self._low
         rise = self._aim / _STEPS
         step = _FIRST * width if self.sem is None else min(rise * self.sem, width / 8)
         least = _LEAST * step
-        points: list[Point] = []
+        points: list[ConditionalMinimum] = []
         here, retries = centre, 0
         while abs(bound - here.value) > 1e-9 * width and len(points) < _MOST:
             room = abs(bound - here.value)
@@ -169,7 +169,7 @@ class Search:
             best = minimum
         self.lower, self.lower_by = best, (self._fit_sse - best.sse) / self.unit
 
-    def _insert(self, point: Point) -> None:
+    def _insert(self, point: ConditionalMinimum) -> None:
         self._lowest = min(self._lowest, point.sse)
         self.points = sorted([*self.points, point], key=lambda placed: placed.value)
 
@@ -197,7 +197,7 @@ class Search:
                 break
         return value, ""
 
-    def _why_open(self, last: Point, *, below: bool) -> str:
+    def _why_open(self, last: ConditionalMinimum, *, below: bool) -> str:
         side, bound = ("lower", self._low) if below else ("upper", self._high)
         width, rise = self._high - self._low, self._z(last) ** 2
         if abs(last.value - bound) > 1e-6 * width:

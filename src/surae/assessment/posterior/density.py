@@ -25,7 +25,7 @@ from surae.units import FloatArray
 
 
 @dataclass(frozen=True, slots=True)
-class Belief:
+class SamplingPrior:
     """What is known of one parameter beforehand."""
 
     #: `median`, `spread`: median, and standard deviation of the logarithm; of the parameter itself,
@@ -40,10 +40,10 @@ class Belief:
 
 def beliefs(
     problem: FitProblem, priors: Mapping[str, tuple[float, float]] | None = None
-) -> dict[str, Belief]:
+) -> dict[str, SamplingPrior]:
     """The prior of every free parameter: given now, else the fit's, else the wide default.
 
-    `given` holds (median, spread) by parameter.
+    `priors` holds (median, spread) by parameter.
     """
     table = adapted(problem.spec.parameters, problem.options, problem.inputs[0].emg_unit)
     wide = wide_priors(problem.options, problem.inputs[0].emg_unit)
@@ -52,29 +52,29 @@ def beliefs(
         p = table[name]
         if p.signed:
             # Its bounds as two standard deviations to either side.
-            beliefs[name] = Belief((p.lower + p.upper) / 2, (p.upper - p.lower) / 4, False,
+            beliefs[name] = SamplingPrior((p.lower + p.upper) / 2, (p.upper - p.lower) / 4, False,
                                  "population")  # fmt: skip
         elif name in wide:
-            beliefs[name] = Belief(*wide[name], True, "population")
+            beliefs[name] = SamplingPrior(*wide[name], True, "population")
         else:
             known = laboratory()[name]
-            beliefs[name] = _told(Prior(known.mean, known.sd, straight=True), "population")
+            beliefs[name] = _sampled_under(Prior(known.mean, known.sd, straight=True), "population")
     for name, prior in problem.priors.items():
-        beliefs[name] = _told(prior, "fit", signed=table[name].signed)
+        beliefs[name] = _sampled_under(prior, "fit", signed=table[name].signed)
     for name, pair in (priors or {}).items():
         prior = checked_prior(name, pair, problem.free)
         if table[name].signed:
             raise InputError(f"prior of {name}: it is on a logarithm, and {name} may be negative")
-        beliefs[name] = Belief(prior.median, prior.spread, True, "given")
+        beliefs[name] = SamplingPrior(prior.median, prior.spread, True, "given")
     return beliefs
 
 
-def _told(prior: Prior, origin: str, *, signed: bool = False) -> Belief:
-    """A prior as a belief; one on the value itself as a logarithm where it may not be negative."""
+def _sampled_under(prior: Prior, origin: str, *, signed: bool = False) -> SamplingPrior:
+    """A prior to sample under; on a logarithm where the value may not be negative."""
     if not prior.straight or signed or not prior.median > 0.0:
-        return Belief(prior.median, prior.spread, not prior.straight, origin)
+        return SamplingPrior(prior.median, prior.spread, not prior.straight, origin)
     variance = float(np.log1p((prior.spread / prior.median) ** 2))  # of the same mean and deviation
-    return Belief(prior.median * float(np.exp(-0.5 * variance)), variance**0.5, True, origin)
+    return SamplingPrior(prior.median * float(np.exp(-0.5 * variance)), variance**0.5, True, origin)
 
 
 #: Logarithm of a density, and its gradient; minus infinity where the model has no finite torque,
@@ -87,7 +87,7 @@ _FAR, _NEAR = 12.0, 3.0
 
 
 @dataclass(frozen=True, slots=True)
-class Target:
+class SampledTarget:
     """A posterior: what it is of, and where and how wide it is."""
 
     problem: FitProblem  #: The question.
@@ -129,8 +129,8 @@ class Target:
 
 
 def make_target(
-    result: FitResult, priors: Mapping[str, Belief], variance_inflation: float = 1.0
-) -> Target:
+    result: FitResult, priors: Mapping[str, SamplingPrior], variance_inflation: float = 1.0
+) -> SampledTarget:
     """The posterior of a fit's parameters, its mode found from the fit's minimum.
 
     The Laplace approximation takes the curvature as JᵀJ·n/sse plus that of the priors, so it has
@@ -169,7 +169,7 @@ def make_target(
             "the model gives no finite torque where the priors allow: widen those of the "
             f"parameters that lie far from them, of {', '.join(problem.free)}"
         )
-    return Target(
+    return SampledTarget(
         problem=problem,
         log=log,
         centre=read_only(centre),

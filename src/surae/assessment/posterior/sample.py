@@ -20,7 +20,7 @@ from surae.assessment.posterior.chains import (
     run_chains,
     verdict,
 )
-from surae.assessment.posterior.density import Belief, beliefs, make_target
+from surae.assessment.posterior.density import SamplingPrior, beliefs, make_target
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width
 from surae.errors import InputError
 from surae.estimation import FitResult
@@ -52,7 +52,7 @@ class Marginal:
     ci95: tuple[float, float]
     #: The 95 % interval of the covariance, widened as the posterior is; None where there is none.
     from_covariance: tuple[float, float] | None
-    prior: Belief  #: What was known beforehand.
+    prior: SamplingPrior  #: What was known beforehand.
     #: Width of the posterior as a part of its prior's: near 1 the recordings added nothing.
     prior_part: float
     convergence: Convergence  #: Whether its draws can be believed.
@@ -250,7 +250,7 @@ def sample(
 def _marginals(
     result: FitResult,
     values: FloatArray,
-    known: Mapping[str, Belief],
+    known: Mapping[str, SamplingPrior],
     estimated: Covariance,
 ) -> dict[str, Marginal]:
     problem = result.problem
