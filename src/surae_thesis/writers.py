@@ -1,15 +1,29 @@
 """The folder of a reproduction: the page, its PDF, and the verdicts as CSV and Markdown."""
 
 from collections.abc import Sequence
-from dataclasses import asdict
-from importlib.resources import files
 from pathlib import Path
 
 from surae import __version__
-from surae.files import csv_row, read_bytes, template, write_atomic
-from surae.report import has_typst, typeset
+from surae.files import csv_row, read_bytes, write_atomic
+from surae.report import has_typst
+from surae.report.document import (
+    Block,
+    Cell,
+    Document,
+    KeyFigures,
+    Paragraph,
+    Picture,
+    Points,
+    Row,
+    Table,
+    columns,
+    paragraphs,
+    rows_of,
+)
+from surae.report.document import Section as DocumentSection
 from surae_thesis.claims import Finding
-from surae_thesis.section import Cell, Chapters, Context, causes, chapters, counts
+from surae_thesis.section import Cell as Value
+from surae_thesis.section import Chapters, Context, Result, Section, causes, chapters, counts
 
 #: Names of what is written, beside a PDF where there is typst.
 PAGE, PDF, CSV, MARKDOWN = "reproduction.html", "reproduction.pdf", "verdicts.csv", "verdicts.md"
@@ -18,6 +32,7 @@ CLASSES = {
     "holds": "holds", "holds under a reading": "partly", "differs": "differs",
     "holds with the thesis's integrator": "partly", "cannot be checked": "unchecked",
 }  # fmt: skip
+_TITLE = "The thesis’s results, computed again"
 _COLUMNS = (
     "section", "claim", "source", "text", "thesis", "ours", "verdict", "reason", "rule", "figure",
 )  # fmt: skip
@@ -46,54 +61,115 @@ def write(context: Context) -> list[Path]:
     return written
 
 
-def page(context: Context, there: Chapters) -> str:
-    """The page of these sections, its figures embedded; it asks nothing of the outside."""
-    from surae.report.figures import data_url
-
-    images = {
-        drawing.name: data_url(
-            read_bytes(context.folder / "figures" / f"{drawing.name}.png"), "png"
-        )
-        for _, result in there
-        for drawing in result.figures
-    }
-    return template("reproduction.html.j2", "surae_thesis", "surae.report").render(
-        chapters=there,
-        counts=counts(there),
-        causes=_causes(there),
-        images=images,
-        classes=CLASSES,
-        cell=cell_text,
-        seed=context.seed,
-        quick=context.quick,
-        version=__version__,
+def document(context: Context, there: Chapters) -> Document:
+    """The sections as a page or paper shows them."""
+    quick = ", quick: a part of the fits" if context.quick else ""
+    contents = Points(
+        "",
+        tuple(f"{s.title} ({s.source}): {len(result.findings)} claims" for s, result in there),
+        links=tuple(section.name for section, _ in there),
+    )
+    summary: tuple[Block, ...] = (
+        KeyFigures(tuple((verdict, str(n), "") for verdict, n in counts(there).items())),
+        *paragraphs(filter(None, [_causes(there)])),
+        Paragraph(
+            "Each claim has a numeric rule for when it holds, printed with it, and is judged in "
+            "every column: under each reading of what the thesis leaves open, and with its "
+            "integrator, ✓ where it holds. What is random has one seed, which was not chosen for "
+            "its results."
+        ),
+        contents,
+    )
+    return Document(
+        kicker="Reproduction",
+        heading=_TITLE,
+        under=(
+            "Estimating ankle muscle parameters (van de Poll, 2015), every claim beside ours. "
+            f"surae {__version__}, seed {context.seed}{quick}."
+        ),
+        title=_TITLE,
+        blocks=(
+            DocumentSection("Summary", summary, "summary"),
+            *(_chapter(section, result) for section, result in there),
+        ),
+        footer=(
+            "Made by surae for research. SEM: equation (34); IPDE: equation (35) as the root of "
+            "the sum of squares over the upper triangle of the normalised covariance; VAF: "
+            "equation (31)."
+        ),
     )
 
 
+def _chapter(section: Section, result: Result) -> DocumentSection:
+    """A section of the thesis: what we say of it, its claims, figures and tables."""
+    blocks: list[Block] = [Paragraph(f"Thesis: {section.source}", "under")]
+    blocks += [Paragraph("", lead=text) for text in result.insights]
+    blocks += paragraphs(result.notes)
+    if result.findings:
+        heads = columns(
+            "In the thesis", "Claim", "Thesis", *(name or "Ours" for name in result.views),
+            "Verdict", wide=range(1, 3 + len(result.views)),
+            looks={0: "where", 3 + len(result.views): "judged"},
+        )  # fmt: skip
+        rows = [row for f in result.findings for row in _claim_rows(f, result.views)]
+        blocks.append(Table("Claims of the thesis and ours", heads, rows_of(rows), "claims"))
+    for drawing in result.figures:
+        picture = Picture(drawing.name, drawing.alt, drawing.caption, "here", width=100)
+        blocks.append(DocumentSection(drawing.title, (picture,), drawing.name))
+    for table in result.tables:
+        if table.long:
+            blocks.append(Paragraph(f"{table.title}: tables/{table.name}.csv", "note"))
+            continue
+        numbers = [
+            k for k in range(len(table.columns))
+            if k and all(isinstance(row[k], float | int | None) for row in table.rows)
+        ]  # fmt: skip
+        cells = (tuple(map(cell_text, row)) for row in table.rows)
+        shown = Table(table.title, columns(*table.columns, numbers=numbers), rows_of(cells))
+        blocks.append(DocumentSection(table.title, (shown,)))
+    return DocumentSection(section.title, tuple(blocks), section.name, "page")
+
+
+def _claim_rows(finding: Finding, views: Sequence[str]) -> tuple[Row, Row]:
+    """A claim beside ours in every view, and below it when it holds and what explains it."""
+    badge = (f"verdict {CLASSES[finding.verdict]}", finding.said)
+    return (
+        (
+            Cell(finding.source, under=finding.id),
+            finding.statement,
+            finding.number,
+            *(_view(finding, name) for name in views),
+            Cell(badge=badge, link=finding.figure),
+        ),
+        (Cell(meaning=f"Holds when: {finding.rule}", why=finding.reason),),
+    )
+
+
+def page(context: Context, there: Chapters) -> str:
+    """The page of these sections, its figures embedded; it asks nothing of the outside."""
+    from surae.report.figures import data_url
+    from surae.report.rendering import page_of
+
+    images = {name: data_url(data, "png") for name, data in _figures(context, there, "png").items()}
+    return page_of(document(context, there), images)
+
+
 def pdf(context: Context, there: Chapters) -> bytes | None:
-    """The sections as PDF, texts as data, never as markup; None without typst (``surae[pdf]``)."""
+    """The sections as PDF; None without typst (``surae[pdf]``)."""
+    from surae.report.rendering import paper_of
+
     if not has_typst():
         return None
-    content = {
-        "version": __version__,
-        "seed": context.seed,
-        "quick": context.quick,
-        "counts": counts(there),
-        "causes": _causes(there),
-        "chapters": [
-            {"title": section.title, "source": section.source}
-            | asdict(result)
-            | {
-                "tables": [
-                    asdict(table) | {"rows": [[cell_text(cell) for cell in r] for r in table.rows]}
-                    for table in result.tables
-                ]
-            }
-            for section, result in there
-        ],
+    return paper_of(document(context, there), _figures(context, there, "svg"))
+
+
+def _figures(context: Context, there: Chapters, ending: str) -> dict[str, bytes]:
+    """The figures by name, as they were kept."""
+    return {
+        drawing.name: read_bytes(context.folder / "figures" / f"{drawing.name}.{ending}")
+        for _, result in there
+        for drawing in result.figures
     }
-    markup = files("surae_thesis").joinpath("templates", "reproduction.typ").read_bytes()
-    return typeset(markup, context.folder.resolve(), content)
 
 
 def verdicts_csv(there: Chapters) -> str:
@@ -113,7 +189,7 @@ def markdown(there: Chapters) -> str:
     """All findings as Markdown: a table for each section, a column for each view, reasons below."""
     total = ", ".join(f"{number} {verdict}" for verdict, number in counts(there).items())
     lines = [
-        "# The thesis’s results, computed again",
+        f"# {_TITLE}",
         "",
         f"Verdicts: {total}.",
         _causes(there),
@@ -125,11 +201,11 @@ def markdown(there: Chapters) -> str:
         lines += [f"{_plain(note)}\n" for note in result.notes]
         views = result.views
         heads = ["claim", "thesis", *(name or "ours" for name in views), "verdict"]
-        lines += [_row([_plain(head) for head in heads]), "|" + "---|" * len(heads)]
+        lines += [f"| {' | '.join(map(_plain, heads))} |", "|" + "---|" * len(heads)]
         for f in result.findings:
             cells = [f"{f.statement} ({f.source})", f.number]
             cells += [_view(f, name) for name in views]
-            lines.append(_row([*map(_plain, cells), f"**{_plain(f.said)}**"]))
+            lines.append(f"| {' | '.join(map(_plain, cells))} | **{_plain(f.said)}** |")
         told = [f for f in result.findings if f.reason]
         lines += ["", *(f"- *{_plain(f.statement)}* {_plain(f.reason)}" for f in told), ""]
     return "\n".join(lines).rstrip() + "\n"
@@ -155,10 +231,6 @@ def _ours(finding: Finding) -> str:
     return "; ".join(f"{n}: {text}" if n else text for n, (_, text) in finding.ours.items())
 
 
-def _row(cells: Sequence[str]) -> str:
-    return f"| {' | '.join(cells)} |"
-
-
 def _plain(text: str) -> str:
     """Text that is no markup, on one line, in a cell of a table or outside one."""
     for mark in "\\`|<[_*":
@@ -166,7 +238,7 @@ def _plain(text: str) -> str:
     return " ".join(text.split())
 
 
-def cell_text(cell: Cell) -> str:
+def cell_text(cell: Value) -> str:
     """A cell of a table as text: four digits of a number at most."""
     if cell is None:
         return "–"

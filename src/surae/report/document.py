@@ -62,7 +62,8 @@ class Table:
 
     caption: str
     columns: tuple[Column, ...]
-    #: Rows by the title that stands above them; one without a title where there is but one.
+    #: Rows by the title that stands above them, empty where there is but one group; the only cell
+    #: of a row spans all columns.
     groups: tuple[Group, ...]
     look: str = ""  #: Classes of the style sheet.
     titled: bool = False  #: Whether the caption is shown to those who see.
@@ -87,6 +88,7 @@ class Points:
     title: str
     texts: tuple[str, ...]
     anchor: str = ""
+    links: tuple[str, ...] = ()  #: The sections that the texts lead to, where they do.
     kind: str = field(default="points", init=False)
 
 
@@ -120,7 +122,10 @@ class AdequacyWords:
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A figure of the report, by its name; left out where it was not drawn."""
+    """A figure of the report, by its name; left out where it was not drawn.
+
+    `look` has the style sheet's classes; on paper it stays ``here``, or goes where there is room.
+    """
 
     name: str
     alt: str
