@@ -7,6 +7,31 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
+__all__ = [
+    "AdequacyWords",
+    "AnyCell",
+    "Bar",
+    "Block",
+    "Cell",
+    "Column",
+    "Document",
+    "Facts",
+    "Group",
+    "KeyFigures",
+    "Paragraph",
+    "Picture",
+    "Points",
+    "Row",
+    "Section",
+    "Signals",
+    "Table",
+    "columns",
+    "facts_of",
+    "paragraphs",
+    "rows_of",
+    "verdict",
+]
+
 
 @dataclass(frozen=True, slots=True)
 class Bar:

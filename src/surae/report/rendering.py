@@ -35,6 +35,15 @@ from surae.report.traces import Traces, traces_of
 from surae.report.typeset import check_report, is_pdf, require_typst, typeset
 from surae.trials import Crossed, Trial
 
+__all__ = [
+    "drawings",
+    "page_of",
+    "paper_of",
+    "render",
+    "render_pdf",
+    "write_session_report",
+]
+
 #: Resolution of the others [dots per inch].
 _DPI = 150
 #: Figures of few lines and many letters, which stay sharp at any size.
