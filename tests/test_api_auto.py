@@ -14,7 +14,13 @@ def fitted(folder, seed: int):
     """The fit of a virtual subject's file, envelopes clipped at zero, and its true values."""
     subject = virtual_subject(seed)
     motion = generate(
-        Protocol(profile="multiple-holds", chirp_amplitude=0.1, chirp_rate=0.2, rate_hz=125.0)
+        Protocol(
+            profile="multiple-holds",
+            chirp_amplitude=0.1,
+            chirp_rate=0.2,
+            rate_hz=125.0,
+            duration=25.0,
+        )
     )
     trial = virtual_trial(subject, motion)
     columns = {"time_s": trial.time, "angle_rad": trial.angle, "torque_Nm": trial.torque}

@@ -12,6 +12,7 @@ from surae.estimation.noisy_emg import noisy_emg, without_emg_bias
 from surae.frozen import read_only
 from surae.recording import MUSCLES, Recording
 from surae.signals import prepare
+from surae.signals.settings import Preparation
 from surae.studies.disturbances import raw_emg
 from surae.studies.leg import EMG_FULL
 from surae.studies.richer import richer_leg
@@ -20,11 +21,10 @@ SEED = 723  # of none of the legs that this was made on
 
 
 def prepared(leg, emg, kind):
-    return prepare(
-        Recording.from_arrays(
-            leg.inputs.time, leg.inputs.angle, leg.inputs.torque, emg, emg_kind=kind
-        )
+    recording = Recording.from_arrays(
+        leg.inputs.time, leg.inputs.angle, leg.inputs.torque, emg, emg_kind=kind
     )
+    return prepare(recording, Preparation(rate_hz=128.0))
 
 
 def found(inputs):
