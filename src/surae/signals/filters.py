@@ -11,7 +11,8 @@ itself), or mirrored (EMG, which must not change sign).
 """
 
 import math
-from typing import Any, Literal
+from functools import lru_cache
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -70,24 +71,16 @@ def butterworth(
     InputError
         The cut-off is too high for the rate, or the signal is shorter than the filter's memory.
     """
-    from scipy.signal import butter
-
-    ratio = _HALF ** (1.0 / (2 * order))
-    shift = 1.0 / ratio if kind == "lowpass" else ratio
-    corner = _corner(rate_hz, cutoff_hz, shift, where)
-    zpk = butter(order, corner, kind, fs=rate_hz, output="zpk")
-    return _both_ways(zpk, values, rate_hz, cutoff_hz, ends=ends, where=where)
+    one_pass = _butterworth(*_possible(rate_hz, cutoff_hz, where), order, kind)
+    return _both_ways(one_pass, values, rate_hz, cutoff_hz, ends=ends, where=where)
 
 
 def bessel_lowpass(
     values: FloatArray, rate_hz: float, cutoff_hz: float, order: int, *, where: str = "signal"
 ) -> FloatArray:
     """Zero-phase Bessel low-pass: no overshoot at a step. Parameters as of `butterworth`."""
-    from scipy.signal import bessel
-
-    corner = _corner(rate_hz, cutoff_hz, 1.0 / _bessel_ratio(order), where)
-    zpk = bessel(order, corner, "lowpass", fs=rate_hz, norm="mag", output="zpk")
-    return _both_ways(zpk, values, rate_hz, cutoff_hz, ends="odd", where=where)
+    one_pass = _bessel(*_possible(rate_hz, cutoff_hz, where), order)
+    return _both_ways(one_pass, values, rate_hz, cutoff_hz, ends="odd", where=where)
 
 
 def antialias(
@@ -107,14 +100,53 @@ def antialias(
     return butterworth(values, rate_hz, cutoff, ANTIALIAS_ORDER, "lowpass", ends=ends, where=where)
 
 
-def _corner(rate_hz: float, cutoff_hz: float, shift: float, where: str) -> float:
-    """Single-pass corner [Hz]: the cut-off times `shift` on the pre-warped axis."""
+class _Pass(NamedTuple):
+    """One pass of a filter; to design it takes longer than to run it over a trial."""
+
+    sections: FloatArray  #: Second-order sections, shape (k, 6).
+    memory: int  #: Samples until it has forgotten.
+
+
+def _possible(rate_hz: float, cutoff_hz: float, where: str) -> tuple[float, float]:
+    """Rate and cut-off [Hz], unless there is no such filter."""
     if cutoff_hz >= HIGHEST_CUTOFF * rate_hz:
         raise InputError(
             f"{where}: a filter at {cutoff_hz:g} Hz needs a sampling rate above "
             f"{cutoff_hz / HIGHEST_CUTOFF:g} Hz, it is {rate_hz:g} Hz; lower the cut-off in the "
             f"[prepare] settings"
         )
+    return rate_hz, cutoff_hz
+
+
+@lru_cache
+def _butterworth(
+    rate_hz: float, cutoff_hz: float, order: int, kind: Literal["lowpass", "highpass"]
+) -> _Pass:
+    from scipy.signal import butter
+
+    ratio = _HALF ** (1.0 / (2 * order))
+    corner = _corner(rate_hz, cutoff_hz, 1.0 / ratio if kind == "lowpass" else ratio)
+    return _one_pass(butter(order, corner, kind, fs=rate_hz, output="zpk"))
+
+
+@lru_cache
+def _bessel(rate_hz: float, cutoff_hz: float, order: int) -> _Pass:
+    from scipy.signal import bessel
+
+    corner = _corner(rate_hz, cutoff_hz, 1.0 / _bessel_ratio(order))
+    return _one_pass(bessel(order, corner, "lowpass", fs=rate_hz, norm="mag", output="zpk"))
+
+
+def _one_pass(zpk: Any) -> _Pass:
+    from scipy.signal import zpk2sos
+
+    slowest = float(np.max(np.abs(zpk[1])))
+    memory = math.ceil(math.log(_MEMORY) / math.log(slowest)) if slowest > 0.0 else 1
+    return _Pass(zpk2sos(*zpk), memory)
+
+
+def _corner(rate_hz: float, cutoff_hz: float, shift: float) -> float:
+    """Single-pass corner [Hz]: the cut-off times `shift` on the pre-warped axis."""
     return rate_hz / math.pi * math.atan(shift * math.tan(math.pi * cutoff_hz / rate_hz))
 
 
@@ -133,17 +165,22 @@ def _bessel_ratio(order: int) -> float:
 
 
 def _both_ways(
-    zpk: Any, values: FloatArray, rate_hz: float, cutoff_hz: float, *, ends: Ends, where: str
+    one_pass: _Pass,
+    values: FloatArray,
+    rate_hz: float,
+    cutoff_hz: float,
+    *,
+    ends: Ends,
+    where: str,
 ) -> FloatArray:
     """Run the filter forward and backward over the extended signal."""
-    from scipy.signal import sosfiltfilt, zpk2sos
+    from scipy.signal import sosfiltfilt
 
-    slowest = float(np.max(np.abs(zpk[1])))
-    memory = math.ceil(math.log(_MEMORY) / math.log(slowest)) if slowest > 0.0 else 1
+    sections, memory = one_pass
     if len(values) <= memory:
         raise InputError(
             f"{where}: {len(values)} samples ({len(values) / rate_hz:.3g} s) are too few for a "
             f"filter at {cutoff_hz:g} Hz; record at least {(memory + 1) / rate_hz:.3g} s"
         )
-    filtered: FloatArray = sosfiltfilt(zpk2sos(*zpk), values, padtype=ends, padlen=memory)
+    filtered: FloatArray = sosfiltfilt(sections, values, padtype=ends, padlen=memory)
     return filtered
