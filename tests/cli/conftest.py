@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from surae.cli import main
+from surae.cli.progress import COMPILING
 from surae.estimation import fit_problem, make_problem
 from surae.model import MODELS
 from surae.protocol import Protocol, generate
@@ -30,7 +31,7 @@ Run = Callable[..., Done]
 
 @pytest.fixture(scope="session", autouse=True)
 def compiled() -> None:
-    """Compile every model beforehand: only then is stderr what the command itself says."""
+    """Compile every model beforehand, so that no process says that it does."""
     trial = virtual_trial(virtual_subject(1), generate(Protocol(profile="sine", rate_hz=20.0)))
     for model in MODELS:
         fit_problem(make_problem([trial], model), starts=2)
@@ -38,7 +39,10 @@ def compiled() -> None:
 
 @pytest.fixture
 def run(monkeypatch, capsys, tmp_path) -> Run:
-    """Run `surae …` in an empty folder of its own, within this process."""
+    """Run `surae …` in an empty folder of its own, within this process.
+
+    That something is compiled is not told: which test is the first to need it is chance.
+    """
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("COLUMNS", raising=False)
 
@@ -47,7 +51,8 @@ def run(monkeypatch, capsys, tmp_path) -> Run:
         monkeypatch.setattr("sys.argv", ["surae", *map(str, arguments)])
         with pytest.raises(SystemExit) as exit_:
             main()
-        return Done(int(exit_.value.code or 0), *capsys.readouterr())
+        out, err = capsys.readouterr()
+        return Done(int(exit_.value.code or 0), out, err.replace(f"{COMPILING}\n", ""))
 
     return command
 

@@ -14,7 +14,8 @@ from surae.errors import SuraeError
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
-_COMPILING = "Compiling the model, once for this installation: some ten seconds …"
+#: What `compilation_notice` says.
+COMPILING = "Compiling the model, once for this installation: some ten seconds …"
 
 
 class StoppedError(SuraeError):
@@ -82,5 +83,5 @@ def work() -> Iterator[Work]:
 @contextmanager
 def compilation_notice() -> Iterator[None]:
     """Say why the first run is slow, when and only when the model really is compiled."""
-    with api.on_compilation(lambda: click.echo(_COMPILING, err=True)):
+    with api.on_compilation(lambda: click.echo(COMPILING, err=True)):
         yield
