@@ -31,7 +31,7 @@ from surae.planning.design import Design, _along
 from surae.planning.expectation import expected
 from surae.planning.information import information, prior_precision
 from surae.planning.legs import Legs, population_legs
-from surae.planning.limits import held_to_torque
+from surae.planning.plan import held_to_torque
 from surae.planning.torque import within_torque
 from surae.protocol import Device, Protocol, Trajectory, generate, named_device
 from surae.recording import write_csv

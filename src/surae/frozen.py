@@ -131,6 +131,11 @@ def read_only(values: Any) -> FloatArray:
     return array
 
 
+def as_read_only(values: "np.ndarray[Any, Any]") -> FloatArray:
+    """Float64 that cannot be written to: as it is, or a copy where it is not so."""
+    return read_only(values) if values.dtype != np.float64 or values.flags.writeable else values
+
+
 def freeze(values: FloatArray) -> FloatArray:
     """Make a float64 array read-only that nobody else holds, and return it."""
     values.setflags(write=False)

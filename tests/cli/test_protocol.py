@@ -9,7 +9,7 @@ import pytest
 from scipy.io import loadmat
 
 from surae.cli.protocol import DEVICE_NAMES, PROFILE_NAMES, READY_NAMES, TASK_NAMES
-from surae.planning.asked import asked_limits
+from surae.planning.demand import asked_limits
 from surae.planning.ready import ready_protocols
 from surae.protocol import (
     DEVICES,

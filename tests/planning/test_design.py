@@ -9,7 +9,7 @@ import surae
 from surae.errors import InputError
 from surae.planning.genes import REST, SHORTEST, Genes, effort_budget
 from surae.planning.legs import population_legs
-from surae.planning.limits import limits_of
+from surae.planning.plan import limits_of
 from surae.planning.torque import torques, within_torque
 from surae.protocol import (
     DEVICES,

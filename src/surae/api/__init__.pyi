@@ -77,8 +77,8 @@ from surae.model.jit import on_compilation as on_compilation
 from surae.model.laboratory import richest as richest
 from surae.model.parameters import OPTIONAL as OPTIONAL
 from surae.model.parameters import OPTIONAL_PARAMETERS as OPTIONAL_PARAMETERS
-from surae.planning.asked import asked_limits as asked_limits
-from surae.planning.asked import held_to_torque as held_to_torque
+from surae.planning.demand import asked_limits as asked_limits
+from surae.planning.demand import held_to_torque as held_to_torque
 from surae.planning.expectation import Expectation as Expectation
 from surae.planning.plan import Plan as Plan
 from surae.planning.ready import ready_protocols as ready_protocols

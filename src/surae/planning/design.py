@@ -15,8 +15,7 @@ from surae.planning.expectation import Expectation, expected
 from surae.planning.genes import Genes
 from surae.planning.information import SINGULAR, information, prior_precision
 from surae.planning.legs import Legs
-from surae.planning.limits import Limits, highest_hz, limits_of
-from surae.planning.plan import Plan
+from surae.planning.plan import Limits, Plan, highest_hz, limits_of
 from surae.planning.ready import Ready
 from surae.planning.search import SEARCH_RATE, search
 from surae.planning.torque import within_torque

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.errors import InputError
-from surae.planning.limits import Limits
-from surae.planning.plan import Plan, Shake
+from surae.planning.plan import Limits, Plan, Shake
 from surae.protocol import DIRECTIONS, TASKS
 from surae.protocol.effort import GAP, Burst, head_share, task_bursts
 from surae.protocol.profiles import BLEND, Ramp

@@ -14,7 +14,7 @@ from surae.frozen import Comparable, read_only
 from surae.model.laboratory import group_of
 from surae.planning.legs import Legs
 from surae.protocol import Trajectory
-from surae.signals import ModelInputs, thinned
+from surae.signals import ModelInputs, inputs_as_given, thinned
 from surae.units import FloatArray
 
 #: Groups of nuisances that differ from trial to trial.
@@ -38,18 +38,10 @@ class Information(Comparable):
 
 def model_inputs(trajectory: Trajectory, legs: Legs, rate_hz: float = RATE) -> ModelInputs:
     """What a model of these legs reads of a trial, thinned to no less than `rate_hz`."""
-    inputs = ModelInputs(
-        name=trajectory.settings.profile,
-        rate_hz=trajectory.settings.rate_hz,
-        time=trajectory.time,
-        angle=trajectory.angle,
-        velocity=trajectory.velocity,
-        acceleration=trajectory.acceleration,
-        emg=read_only(legs.inputs(trajectory.effort)),
-        emg_unit=legs.emg_unit,
-        torque=None,
-        prepared=True,
-    )
+    inputs = inputs_as_given(
+        trajectory.settings.profile, trajectory.settings.rate_hz, trajectory.time,
+        trajectory.motion, legs.inputs(trajectory.effort), emg_unit=legs.emg_unit,
+    )  # fmt: skip
     factor = max(int(inputs.rate_hz / rate_hz + 1e-9), 1)
     return inputs if factor == 1 else thinned(inputs, factor)
 

@@ -13,7 +13,7 @@ from surae.model import ModelOptions, ModelSpec, get_model, with_optional
 from surae.model.laboratory import AUTO, COMPLIANT, NONE, Belief, laboratory, richest
 from surae.signals import ModelInputs, emg_levels
 from surae.studies.leg import EMG_FULL, EMG_REST
-from surae.studies.populations import POPULATIONS, TENDONS, virtual_subject
+from surae.studies.populations import POPULATIONS, TENDONS, check_population, virtual_subject
 from surae.units import FloatArray
 
 #: Largest deviation of a draw from a fit, as a factor's logarithm; and that of a parameter of
@@ -74,9 +74,8 @@ def population_legs(
     default; a named model has none by default. Legs are of seeds from `first`.
     """
     options = options or ModelOptions()
-    if population is not None and population not in POPULATIONS:
-        known = ", ".join(POPULATIONS)
-        raise InputError(f"unknown population {population!r}; known populations: {known}")
+    if population is not None:
+        check_population(population)
     names = list(POPULATIONS) if population is None else [population]
     spec, beliefs, free = _asked(model, nuisances)
     if not set(POPULATIONS["healthy"]) <= set(spec.names):

@@ -14,16 +14,52 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from surae.errors import InputError
 from surae.frozen import read_only
 from surae.planning.kernels import plan_motion
-from surae.planning.limits import Limits
-from surae.protocol import Device, Given, Trajectory
+from surae.protocol import Device, Given, Trajectory, allowed_range
 from surae.protocol.effort import Burst, burst_effort
 from surae.protocol.profiles import Ramp
 from surae.units import FloatArray
 
 #: The movement is checked against its limits at this rate at least [Hz].
 _FINE_RATE = 256.0
+
+
+#: Rounding must not make a limit exceeded.
+EXACT = 1.0 - 1e-9
+#: Velocity [rad/s], acceleration [rad/s²] and frequency [Hz] that are not exceeded where a device's
+#: own limit is not known.
+UNKNOWN = (1.5, 100.0, 8.0)
+
+
+class Limits(NamedTuple):
+    """What a movement must keep: its range [rad], velocity [rad/s] and acceleration [rad/s²]."""
+
+    low: float
+    high: float
+    velocity: float
+    acceleration: float
+
+
+def limits_of(device: Device | None, range_of_motion: tuple[float, float]) -> Limits:
+    """What a movement over this range must keep on a device."""
+    low, high = allowed_range(device, range_of_motion)
+    if high - low < 0.05:
+        raise InputError(f"range {low:g} … {high:g} rad is too narrow to move in; widen it")
+    velocity, acceleration, _ = UNKNOWN
+    if device is not None:
+        velocity = device.velocity_limit if device.max_velocity is not None else velocity
+        acceleration = min(device.acceleration_limit, 1e6)
+        if device.max_acceleration is None and device.max_torque is None:
+            acceleration = UNKNOWN[1]
+    inside = (1.0 - EXACT) * (high - low)
+    return Limits(low + inside, high - inside, velocity * EXACT, acceleration * EXACT)
+
+
+def highest_hz(device: Device | None) -> float:
+    """Highest frequency of a perturbation [Hz]."""
+    return UNKNOWN[2] if device is None else min(device.frequency_limit, UNKNOWN[2])
 
 
 class Shake(NamedTuple):
@@ -109,7 +145,7 @@ class Plan:
 
     def eased(self, part: float) -> "Plan":
         """The same with all effort times `part`."""
-        return replace(self, bursts=tuple(b._replace(level=part * b.level) for b in self.bursts))
+        return replace(self, bursts=eased(self.bursts, part))
 
     def motion(self, t: FloatArray, limits: Limits) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Angle, velocity and acceleration at increasing times `t`; they keep the limits there."""
@@ -146,6 +182,11 @@ class Plan:
             acceleration=read_only(acceleration),
             effort=read_only(burst_effort(time, self.bursts)),
         )
+
+
+def eased(bursts: Sequence[Burst], part: float) -> tuple[Burst, ...]:
+    """Bursts with all effort times `part`."""
+    return tuple(burst._replace(level=part * burst.level) for burst in bursts)
 
 
 def _rows(items: Sequence[Ramp | Shake], width: int) -> FloatArray:

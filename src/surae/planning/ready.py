@@ -14,7 +14,7 @@ import numpy as np
 from surae.frozen import Comparable, read_only
 from surae.planning.genes import Genes
 from surae.planning.legs import Legs
-from surae.planning.limits import highest_hz, limits_of
+from surae.planning.plan import highest_hz, limits_of
 from surae.planning.torque import within_torque
 from surae.protocol import Device, Trajectory
 from surae.units import FloatArray

@@ -18,8 +18,7 @@ from surae.planning.aim import Aim, make_aim
 from surae.planning.expectation import Expectation, expected_of
 from surae.planning.information import Information, information, prior_precision, shared
 from surae.planning.legs import Legs
-from surae.planning.limits import limits_of
-from surae.planning.plan import Plan
+from surae.planning.plan import Plan, limits_of
 from surae.planning.ready import ready_protocols
 from surae.planning.search import VAGUE
 from surae.planning.torque import within_torque

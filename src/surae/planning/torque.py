@@ -5,19 +5,20 @@ range ends a little earlier, or the device is refused. Each burst of effort is t
 as its own torque asks for.
 """
 
-from dataclasses import replace
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TypeVar
 
 import numpy as np
 
 from surae.errors import InputError
+from surae.frozen import read_only
 from surae.planning.information import model_inputs
 from surae.planning.legs import Legs
-from surae.planning.limits import EXACT, Limits
-from surae.planning.plan import Plan
-from surae.planning.profile import ProfilePlan
-from surae.protocol import Device
-from surae.protocol.effort import GAP
+from surae.planning.plan import EXACT, Limits, Plan, eased
+from surae.protocol import Device, Protocol, Trajectory, generate
+from surae.protocol.effort import GAP, Burst, burst_effort, named_task, task_bursts
 from surae.units import FloatArray
 
 #: Part of the range that is given up without asking, and the steps in which it is looked for.
@@ -25,6 +26,42 @@ _GIVEN_UP, _STEP = 0.12, 0.01
 #: Rate at which torques are looked at [Hz], how long a burst is felt after its end [s], and how
 #: often bursts are lowered until the whole is.
 _RATE, _AFTER, _ROUNDS = 100.0, 0.8, 6
+
+#: One movement with its efforts lowered again and again is adapted to its device once.
+_moved = lru_cache(maxsize=2)(generate)
+#: Samples to each period of a chirp's last and fastest turn, at least.
+_PER_PERIOD = 4.0
+
+
+@dataclass(frozen=True, slots=True)
+class ProfilePlan:
+    """A protocol of the thesis, whose range and efforts can be given up."""
+
+    settings: Protocol  #: What it is.
+    bursts: tuple[Burst, ...]  #: What is asked of the subject.
+
+    @classmethod
+    def of(cls, settings: Protocol) -> "ProfilePlan":
+        """A protocol with all that its task asks for."""
+        end = generate(settings).time[-1]
+        return cls(settings, tuple(task_bursts(named_task(settings.task), float(end))))
+
+    def eased(self, part: float) -> "ProfilePlan":
+        """The same with all effort times `part`."""
+        return replace(self, bursts=eased(self.bursts, part))
+
+    def trajectory(self, limits: Limits, rate_hz: float) -> Trajectory:
+        """The protocol over a range, at a multiple of a rate at which its chirp can be sampled."""
+        settings = self.settings
+        fastest = _PER_PERIOD * settings.chirp_rate * settings.seconds
+        times = max(math.ceil(fastest / rate_hz), 1) if settings.chirp_amplitude > 0.0 else 1
+        made = _moved(replace(settings, range_of_motion=limits[:2], rate_hz=times * rate_hz))
+        return replace(made, effort=self.effort(made.time))
+
+    def effort(self, time: FloatArray) -> FloatArray:
+        """What is asked of the subject at increasing times [s], shape (n, 4)."""
+        return read_only(burst_effort(time, self.bursts))
+
 
 #: What can be held to a torque: a designed protocol, or one of the thesis.
 _Plan = TypeVar("_Plan", Plan, ProfilePlan)

@@ -157,6 +157,11 @@ class Trajectory:
     effort: FloatArray
     adaptation: Adaptation | None = None
 
+    @property
+    def motion(self) -> Motion:
+        """Angle, velocity and acceleration [rad, rad/s, rad/s²]."""
+        return self.angle, self.velocity, self.acceleration
+
 
 def generate(settings: Protocol) -> Trajectory:
     """The trajectory of a protocol; the same settings always give the same one.

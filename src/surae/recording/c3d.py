@@ -22,10 +22,9 @@ from typing import Any
 import numpy as np
 
 from surae.errors import InputError
-from surae.recording.foreign import Parsed, foreign_table, packed
+from surae.recording.foreign import Parsed, foreign_table, optional, packed, printable, untrusted
 from surae.recording.source import Source
 from surae.recording.table import Table
-from surae.recording.untrusted import optional, printable, untrusted
 from surae.units import FloatArray
 
 _BLOCK = 512

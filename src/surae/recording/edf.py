@@ -17,11 +17,10 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.files import read_bytes, shown
-from surae.recording.foreign import Parsed, foreign_table, packed
+from surae.recording.foreign import Parsed, foreign_table, optional, packed, untrusted
 from surae.recording.samples import instants
 from surae.recording.source import Source
 from surae.recording.table import Table
-from surae.recording.untrusted import optional, untrusted
 from surae.units import FloatArray
 
 _EDF, _BDF = b"0       ", b"\xffBIOSEMI"

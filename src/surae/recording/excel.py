@@ -13,11 +13,10 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.recording.delimited import is_time, time_column
-from surae.recording.foreign import Parsed, foreign_table, packed
+from surae.recording.foreign import Parsed, foreign_table, optional, packed, printable, untrusted
 from surae.recording.roles import NAMES
 from surae.recording.source import Source
 from surae.recording.table import Table
-from surae.recording.untrusted import optional, printable, untrusted
 from surae.units import FACTORS, FloatArray, plain, spelled
 
 _MAGIC, _INSIDE = b"PK\x03\x04", b"xl/workbook.xml"

@@ -4,7 +4,12 @@ Such a format's module has, beside `recognises` and `open_table`, a function ``p
 that is called in the child and returns what `packed` makes of its columns.
 """
 
-from collections.abc import Mapping, Sequence
+import importlib
+import struct
+import warnings
+import zlib
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.errors import ComputationError, InputError
-from surae.frozen import read_only
+from surae.frozen import as_read_only
 from surae.processes import guarded
 from surae.recording.samples import instants, sample
 from surae.recording.source import Source
@@ -70,7 +75,7 @@ def foreign_table(source: Source, format_name: str, module: str, **more: Any) ->
             f"{source.shown}: {format_name} that cannot be read: damaged, or too large "
             f"({str(error).partition(';')[0]})"
         ) from None
-    times = [_floats(time) for time in plain["times"]]
+    times = [as_read_only(time) for time in plain["times"]]
     columns = [_unpacked(fields, times) for fields in plain["columns"]]
     by_name = {column.name: column for column in reversed(columns)}
 
@@ -103,9 +108,58 @@ def _loaded(column: Parsed) -> Column:
     time = column.time
     if not isinstance(time, np.ndarray):
         time = instants(*time, len(column.values))
-    return Column(column.name, time, _floats(column.values), column.time_name, sample)
+    return Column(column.name, time, as_read_only(column.values), column.time_name, sample)
 
 
-def _floats(values: npt.NDArray[Any]) -> FloatArray:
-    """Read-only float64, not copied where it came so."""
-    return read_only(values) if values.dtype != np.float64 or values.flags.writeable else values
+_DAMAGE = (
+    ArithmeticError,
+    AssertionError,
+    AttributeError,
+    EOFError,
+    LookupError,
+    NameError,
+    OSError,
+    RecursionError,
+    RuntimeError,
+    SyntaxError,
+    TypeError,
+    ValueError,
+    struct.error,
+    zlib.error,
+)
+
+
+@contextmanager
+def untrusted(shown: str) -> Iterator[None]:
+    """Turn whatever a library raises on a file into one InputError, and silence its warnings."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    except InputError:
+        raise
+    except MemoryError:
+        raise InputError(f"{shown}: the file is damaged, or needs too much memory") from None
+    except _DAMAGE as error:
+        raise InputError(f"{shown}: the file is damaged ({brief(error)})") from None
+
+
+def brief(error: BaseException) -> str:
+    """What a library says of a damaged file, short and in one printable line."""
+    return printable(" ".join(str(error).split())[:120]) or type(error).__name__
+
+
+def printable(text: str) -> str:
+    """A text of a file in one printable line."""
+    return "".join(letter if letter.isprintable() else "?" for letter in text.strip())
+
+
+def optional(module: str, format_name: str, shown: str) -> Any:
+    """A library that only some formats need."""
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        raise InputError(
+            f"{shown}: {format_name} needs the package {module}; install it with: "
+            'pip install "surae[formats]"'
+        ) from None

@@ -1,5 +1,6 @@
 """Tables of pandas and xarray of what surae has; neither is loaded unless it is used."""
 
+import importlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -10,9 +11,9 @@ from surae.errors import InputError
 
 def frame(rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> Any:
     """Rows as a pandas DataFrame, the units of its columns in ``attrs["units"]``."""
-    made = _pandas().DataFrame(list(rows))
-    made.attrs["units"] = dict(units)
-    return made
+    table = _library("pandas", "a DataFrame").DataFrame(list(rows))
+    table.attrs["units"] = dict(units)
+    return table
 
 
 def channels_frame(channels: Mapping[str, Any], about: Mapping[str, str]) -> Any:
@@ -25,12 +26,12 @@ def channels_frame(channels: Mapping[str, Any], about: Mapping[str, str]) -> Any
     for role, name in names.items():
         columns[name] = np.full(len(every), np.nan)
         columns[name][np.searchsorted(every, channels[role].time)] = channels[role].values
-    made = _pandas().DataFrame(columns)
+    table = _library("pandas", "a DataFrame").DataFrame(columns)
     units = {name: channels[role].unit for role, name in names.items()}
-    made.attrs = {
+    table.attrs = {
         **about, **({} if alike else {"times": "own"}), "units": {"time_s": "s", **units},
     }  # fmt: skip
-    return made
+    return table
 
 
 def channels_dataset(channels: Mapping[str, Any], about: Mapping[str, str]) -> Any:
@@ -44,24 +45,14 @@ def channels_dataset(channels: Mapping[str, Any], about: Mapping[str, str]) -> A
             axes.append((name, channel.time))
         variables[role] = (name, channel.values, {"units": channel.unit, "source": channel.source})
     coordinates = {name: (name, time, {"units": "s"}) for name, time in axes}
-    return _xarray().Dataset(variables, coordinates, dict(about))
+    return _library("xarray", "a Dataset").Dataset(variables, coordinates, dict(about))
 
 
-def _pandas() -> Any:
+def _library(name: str, what: str) -> Any:
+    """A library of the extra ``notebook``, loaded only where it is used."""
     try:
-        import pandas
+        return importlib.import_module(name)
     except ImportError:
         raise InputError(
-            "a DataFrame needs pandas: install it with `pip install 'surae[notebook]'`"
+            f"{what} needs {name}: install it with `pip install 'surae[notebook]'`"
         ) from None
-    return pandas
-
-
-def _xarray() -> Any:
-    try:
-        import xarray
-    except ImportError:
-        raise InputError(
-            "a Dataset needs xarray: install it with `pip install 'surae[notebook]'`"
-        ) from None
-    return xarray

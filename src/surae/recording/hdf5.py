@@ -26,12 +26,12 @@ from surae._version import __version__
 from surae.errors import InputError
 from surae.files import PathLike, atomic_file, shown
 from surae.frozen import freeze
+from surae.recording.foreign import brief
 from surae.recording.hdf5file import member, numbers, opened, text_attribute, write_text
 from surae.recording.recording import ROLES, Channel, Recording, SourceFile
 from surae.recording.samples import check_samples, instants, sample
 from surae.recording.source import Source
 from surae.recording.table import Column, Table
-from surae.recording.untrusted import brief
 from surae.recording.writing import column_name
 from surae.units import SI, FloatArray, kind
 

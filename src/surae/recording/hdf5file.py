@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from surae.errors import InputError
+from surae.recording.foreign import untrusted
 from surae.recording.source import Source
-from surae.recording.untrusted import untrusted
 from surae.units import FloatArray
 
 #: Compressed, sparse or never written data may claim any size: what is unpacked is at most this

@@ -20,11 +20,10 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.errors import InputError
-from surae.recording.foreign import Parsed, foreign_table, packed
+from surae.recording.foreign import Parsed, foreign_table, packed, untrusted
 from surae.recording.hdf5file import fixed_text, is_plain, member
 from surae.recording.source import Source
 from surae.recording.table import Table, some
-from surae.recording.untrusted import untrusted
 from surae.units import FACTORS, FloatArray
 
 _MATLAB5 = b"MATLAB 5.0 MAT-file"

@@ -1,6 +1,6 @@
 """Recordings to model inputs: filters, resampling, derivatives."""
 
-from surae.signals.inputs import EmgReference, ModelInputs, check_estimable
+from surae.signals.inputs import EmgReference, ModelInputs, check_estimable, inputs_as_given
 from surae.signals.normalise import (
     emg_levels,
     emg_reference,
@@ -22,6 +22,7 @@ __all__ = [
     "check_estimable",
     "emg_levels",
     "emg_reference",
+    "inputs_as_given",
     "normalise",
     "normalised",
     "prepare",

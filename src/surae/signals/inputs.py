@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from surae.errors import InputError
 from surae.files import shown
-from surae.frozen import Comparable, FrozenDict
+from surae.frozen import Comparable, FrozenDict, as_read_only
 from surae.recording import SourceFile
 from surae.units import FloatArray
 
@@ -123,6 +123,29 @@ class ModelInputs(Comparable):
     def counts(self) -> npt.NDArray[np.bool_]:
         """Which samples count in a fit, shape (n,)."""
         return np.ones(self.n, dtype=bool) if self.weight is None else self.weight > 0
+
+
+def inputs_as_given(
+    name: str,
+    rate_hz: float,
+    time: FloatArray,
+    motion: tuple[FloatArray, FloatArray, FloatArray],
+    emg: FloatArray,
+    *,
+    emg_unit: str = "V",
+    torque: FloatArray | None = None,
+    steps: tuple[str, ...] = (),
+) -> ModelInputs:
+    """Inputs of signals that are used as they are: simulated ones, or a protocol's.
+
+    `motion` is angle, velocity and acceleration [rad, rad/s, rad/s²]; all else is as of
+    `ModelInputs`.
+    """
+    time, emg, angle, velocity, acceleration = map(as_read_only, (time, emg, *motion))
+    return ModelInputs(
+        name, rate_hz, time, angle, velocity, acceleration, emg, emg_unit,
+        None if torque is None else as_read_only(torque), steps=steps, prepared=True,
+    )  # fmt: skip
 
 
 #: An angle [rad] or torque [Nm] that stays within this range never changes.

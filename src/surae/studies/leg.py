@@ -9,7 +9,7 @@ from surae.model import ModelOptions, get_model
 from surae.model.geometry import AnkleAxis, arm_tri, paths
 from surae.protocol import Trajectory
 from surae.recording import MUSCLES
-from surae.signals import ModelInputs
+from surae.signals import ModelInputs, inputs_as_given
 from surae.studies.disturbances import wandering
 from surae.studies.imperfections import Imperfections
 from surae.studies.populations import VirtualSubject, stream
@@ -60,8 +60,7 @@ def simulate_leg(
     `trial` is the trial's seed.
     """
     spec = get_model(model)
-    plate = (trajectory.angle, trajectory.velocity, trajectory.acceleration)
-    ankle, turn = misaligned(plate, imperfections.axis_forward, imperfections.axis_up)
+    ankle, turn = misaligned(trajectory.motion, imperfections.axis_forward, imperfections.axis_up)
     done = effort(subject, trajectory, imperfections, trial)
     if imperfections.reflex_gain > 0.0:
         triceps, _ = paths(angle=ankle[0], velocity=ankle[1], options=options)
@@ -69,19 +68,10 @@ def simulate_leg(
         done = done.copy()
         done[:, _HEADS] += reflex(trajectory.time, stretch, imperfections)[:, None]
     envelopes = EMG_REST + (EMG_FULL - EMG_REST) * done
-    inputs = ModelInputs(
-        name=f"virtual subject {subject.seed} ({subject.population}), "
-        f"{trajectory.settings.profile}, {trajectory.settings.task}",
-        rate_hz=trajectory.settings.rate_hz,
-        time=trajectory.time,
-        angle=read_only(ankle[0]),
-        velocity=read_only(ankle[1]),
-        acceleration=read_only(ankle[2]),
-        emg=read_only(drive(subject, trajectory, envelopes, imperfections, trial)),
-        emg_unit="V",
-        torque=None,
-        prepared=True,
-    )
+    inputs = inputs_as_given(
+        trial_name(subject, trajectory), trajectory.settings.rate_hz, trajectory.time, ankle,
+        drive(subject, trajectory, envelopes, imperfections, trial),
+    )  # fmt: skip
     values = spec.vector(subject.truth(model, options), options)
     torque = spec.simulator(inputs, options).torque(values)
     if imperfections.knee_motion > 0.0:
@@ -90,6 +80,15 @@ def simulate_leg(
             inputs, model, options, values, imperfections.knee_motion * knee
         )
     return Leg(envelopes, torque if turn is None else turn * torque)
+
+
+def trial_name(subject: VirtualSubject, trajectory: Trajectory) -> str:
+    """What a trial of a subject is called."""
+    settings = trajectory.settings
+    return (
+        f"virtual subject {subject.seed} ({subject.population}), {settings.profile}, "
+        f"{settings.task}"
+    )
 
 
 def effort(

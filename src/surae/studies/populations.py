@@ -132,9 +132,7 @@ def virtual_subject(
     InputError
         The population is not known.
     """
-    if population not in POPULATIONS:
-        known = ", ".join(POPULATIONS)
-        raise InputError(f"unknown population {population!r}; known populations: {known}")
+    check_population(population)
     rng = np.random.default_rng([seed, list(POPULATIONS).index(population)])
     parameters = _drawn(POPULATIONS[population], rng)
     subject = VirtualSubject(population, seed, parameters)
@@ -142,6 +140,13 @@ def virtual_subject(
         return subject
     own = _drawn(TENDONS[population], stream(subject, "tendons"))
     return VirtualSubject(population, seed, parameters, own)
+
+
+def check_population(name: str) -> None:
+    """Refuse a population that there is not."""
+    if name not in POPULATIONS:
+        known = ", ".join(POPULATIONS)
+        raise InputError(f"unknown population {name!r}; known populations: {known}")
 
 
 def stream(subject: VirtualSubject, purpose: str, trial: int | None = None) -> np.random.Generator:

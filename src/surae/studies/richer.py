@@ -16,14 +16,13 @@ from typing import Any
 import numpy as np
 
 from surae.files import PathLike
-from surae.frozen import read_only
 from surae.model import ModelOptions, get_model
 from surae.model.contraction import CF
 from surae.model.geometry import paths
 from surae.protocol import Protocol, Trajectory, generate
 from surae.recording import MUSCLES
 from surae.recording.writing import write_csv
-from surae.signals import ModelInputs
+from surae.signals import ModelInputs, inputs_as_given
 from surae.studies.disturbances import raw_emg, wandering
 from surae.studies.leg import EMG_FULL, EMG_REST, misaligned
 from surae.studies.populations import VirtualSubject, stream, virtual_subject
@@ -130,18 +129,15 @@ def richer_leg(
     emg, torque = heard[kept], torque[kept]
     deviation = noise * float(np.abs(torque).mean())
     scatter = (noise if emg_noise is None else emg_noise) * emg.mean(axis=0)
+    moved = (path.angle[kept] + turned, path.velocity[kept], path.acceleration[kept])
     return RicherLeg(
-        inputs=ModelInputs(
-            name=f"richer leg {seed}",
-            rate_hz=rate_hz,
-            time=read_only(time[kept]),
-            angle=read_only(path.angle[kept] + turned),
-            velocity=read_only(path.velocity[kept]),
-            acceleration=read_only(path.acceleration[kept]),
-            emg=read_only(emg + scatter * rng.standard_normal(emg.shape)),
-            emg_unit="V",
-            torque=read_only(torque + deviation * rng.standard_normal(len(torque))),
-            prepared=True,
+        inputs=inputs_as_given(
+            f"richer leg {seed}",
+            rate_hz,
+            time[kept],
+            moved,
+            emg + scatter * rng.standard_normal(emg.shape),
+            torque=torque + deviation * rng.standard_normal(len(torque)),
         ),
         raw=sampled,
         parameters=own,
@@ -203,20 +199,8 @@ def _torque(
     options: ModelOptions,
     axis: FloatArray,
 ) -> FloatArray:
-    plate = (motion.angle, motion.velocity, motion.acceleration)
-    ankle, turn = misaligned(plate, float(axis[0]), float(axis[1]))
+    ankle, turn = misaligned(motion.motion, float(axis[0]), float(axis[1]))
     spec = get_model("muscle-tendon")
-    inputs = ModelInputs(
-        name="richer leg",
-        rate_hz=motion.settings.rate_hz,
-        time=motion.time,
-        angle=read_only(np.array(ankle[0])),
-        velocity=read_only(np.array(ankle[1])),
-        acceleration=read_only(np.array(ankle[2])),
-        emg=read_only(emg),
-        emg_unit="V",
-        torque=None,
-        prepared=True,
-    )
+    inputs = inputs_as_given("richer leg", motion.settings.rate_hz, motion.time, ankle, emg)
     torque = spec.simulator(inputs, options).torque(spec.vector(parameters, options))
     return torque if turn is None else turn * torque

@@ -3,11 +3,10 @@
 import numpy as np
 
 from surae.errors import InputError
-from surae.frozen import read_only
 from surae.model import ModelOptions
 from surae.protocol import Trajectory
 from surae.recording import Recording
-from surae.signals import ModelInputs
+from surae.signals import ModelInputs, inputs_as_given
 from surae.studies.disturbances import (
     EMG_LOWEST_RATE,
     coloured_noise,
@@ -16,7 +15,7 @@ from surae.studies.disturbances import (
     raw_emg,
 )
 from surae.studies.imperfections import Imperfections
-from surae.studies.leg import EMG_FULL, EMG_REST, simulate_leg
+from surae.studies.leg import EMG_FULL, EMG_REST, simulate_leg, trial_name
 from surae.studies.populations import POPULATIONS, VirtualSubject, stream, virtual_subject
 from surae.units import FloatArray
 
@@ -72,21 +71,16 @@ def virtual_trial(
     """
     options = options or ModelOptions()
     leg = simulate_leg(subject, trajectory, model, options, imperfections, seed)
-    emg = mixed_envelopes(leg.envelopes, imperfections.crosstalk)
     rng = np.random.default_rng([subject.seed, seed])
-    return ModelInputs(
-        name=_name(subject, trajectory),
-        rate_hz=trajectory.settings.rate_hz,
-        time=trajectory.time,
-        angle=trajectory.angle,
-        velocity=trajectory.velocity,
-        acceleration=trajectory.acceleration,
-        emg=read_only(_noisy(emg, noise, rng)),
-        emg_unit="V",
-        torque=read_only(
-            _noisy(leg.torque, noise, rng) + _torque_noise(subject, trajectory, imperfections, seed)
-        ),
-        prepared=True,
+    emg = _noisy(mixed_envelopes(leg.envelopes, imperfections.crosstalk), noise, rng)
+    torque = _noisy(leg.torque, noise, rng)
+    return inputs_as_given(
+        trial_name(subject, trajectory),
+        trajectory.settings.rate_hz,
+        trajectory.time,
+        trajectory.motion,
+        emg,
+        torque=torque + _torque_noise(subject, trajectory, imperfections, seed),
         steps=(
             f"Simulated with model {model!r}; white noise of {100 * noise:g} % of each signal's "
             "mean magnitude added to EMG and torque.",
@@ -150,16 +144,8 @@ def virtual_recording(
         trajectory.angle,
         leg.torque + _torque_noise(subject, trajectory, imperfections, seed),
         emg,
-        name=_name(subject, trajectory),
+        name=trial_name(subject, trajectory),
         emg_kind="raw" if raw else "envelope",
-    )
-
-
-def _name(subject: VirtualSubject, trajectory: Trajectory) -> str:
-    settings = trajectory.settings
-    return (
-        f"virtual subject {subject.seed} ({subject.population}), {settings.profile}, "
-        f"{settings.task}"
     )
 
 

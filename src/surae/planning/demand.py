@@ -7,9 +7,8 @@ import numpy as np
 
 from surae.planning.information import model_inputs
 from surae.planning.legs import population_legs
-from surae.planning.limits import Limits
-from surae.planning.profile import ProfilePlan
-from surae.planning.torque import within_torque
+from surae.planning.plan import Limits
+from surae.planning.torque import ProfilePlan, within_torque
 from surae.protocol import Protocol, Trajectory, generate
 
 #: Virtual legs that the torque is looked at of.
