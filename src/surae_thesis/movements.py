@@ -120,7 +120,7 @@ def highest_factor(n: Numbers) -> Ruling:
 
 
 def limits_of_speed(n: Numbers, _: Claim) -> str:
-    """Where the limit lies."""
+    """Say where the limit lies."""
     return (
         f"At 0.2 rad the triceps stays below 8 l0/s up to a factor of about "
         f"{_HIGHEST * _VMAX / n.peaks[AMPLITUDE]:.1f}, and with an l0 of "
@@ -140,7 +140,7 @@ def plane_visited(n: Numbers) -> Ruling:
 
 
 def plane_when_filtered(n: Numbers, _: Claim) -> str:
-    """As the manipulator can follow it."""
+    """Say what part of the plane is visited by what the manipulator can follow."""
     return (
         "As simulated, with the chirp of 0.2 rad and factor 0.5. Filtered for the manipulator it "
         f"visits {100 * n.shares['filtered']:.1f} %."

@@ -156,7 +156,7 @@ class Room:
         return self.trials.folder / "next-target.csv"
 
     def _go_back(self) -> None:
-        """In a rehearsal, the device goes to where the next trial begins."""
+        """Send the device of a rehearsal to where the next trial begins."""
         if self.laboratory is not None and self.trajectory is not None:
             self.laboratory.load(str(self._file.resolve()), max([*self.trials.trials, 0]) + 1)
 

@@ -21,10 +21,10 @@ Statistics 6(2):65-70.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Any
+from typing import Any, TypeVar
 
 from surae._version import __version__
 from surae.assessment.parameter import percent
@@ -40,6 +40,7 @@ SCATTER = 1.2
 LEADING = ("passive_torque", "passive_torque_tri", "passive_stiffness")
 #: Level of all claims together, and the power with which the smallest change would be shown.
 LEVEL, POWER = 0.05, 0.80
+_Key = TypeVar("_Key", str, tuple[str, str])
 #: Degrees of freedom of what is known as well as the normal distribution.
 _MANY = 1e9
 
@@ -161,14 +162,10 @@ def compare_sessions(
         for name in names
     }  # fmt: skip
     weights = _weights([name for name, (draft, _) in drafts.items() if draft.p is not None])
-    ranked = sorted((drafts[name][0].p or 0.0, name) for name in weights)
-    ranked.sort(key=lambda each: each[0] / weights[each[1]])
-    left, adjusted = 1.0, 0.0
     judged = {name: draft for name, (draft, _) in drafts.items()}
-    for p, name in ranked:
-        adjusted = min(1.0, max(adjusted, left * p / weights[name]))
-        left -= weights[name]
-        judged[name] = _judged(*drafts[name], adjusted, LEVEL * weights[name], legs=legs)
+    adjusted = holm({name: drafts[name][0].p or 0.0 for name in weights}, weights)
+    for name, p in adjusted.items():
+        judged[name] = _judged(*drafts[name], p, LEVEL * weights[name], legs=legs)
     said = (
         f"{len(weights)} differences were looked at; p-values are Holm’s, half of the "
         f"{LEVEL:.0%} for torque and stiffness at rest, so that at most {LEVEL:.0%} of "
@@ -180,6 +177,16 @@ def compare_sessions(
     )
     repeated = len(baselines) + 1 if baselines else 0
     return Change(before, after, measures, parameters, said, repeated, legs)
+
+
+def holm(p: Mapping[_Key, float], weights: Mapping[_Key, float]) -> dict[_Key, float]:
+    """Holm's p-values of several claims, which share the level by their weights, 1 in all."""
+    adjusted: dict[_Key, float] = {}
+    left, before = 1.0, 0.0
+    for key in sorted(sorted(p), key=lambda key: p[key] / weights[key]):
+        before = adjusted[key] = min(1.0, max(before, left * p[key] / weights[key]))
+        left -= weights[key]
+    return adjusted
 
 
 def _weights(names: Sequence[str]) -> dict[str, float]:

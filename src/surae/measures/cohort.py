@@ -20,11 +20,11 @@ from surae._version import __version__
 from surae.errors import InputError
 from surae.files import Saved
 from surae.frozen import FrozenDict
-from surae.measures.change import compare_sessions
+from surae.measures.change import compare_sessions, holm
 from surae.measures.quantity import Quantities, Quantity
 from surae.measures.reml import FEWEST, Effects, random_effects
+from surae.measures.spread import NORMAL
 
-_NORMAL = 1.959964
 #: Legs of a group beside whose interval the errors that all fits share are no longer small: 94 %
 #: of 300 differences were true with 20 legs a group, 57 % of 30 with 1,000 (benchmarks/cohort.py).
 _MANY = 100
@@ -56,7 +56,7 @@ class Member:
 
     @property
     def order(self) -> list[tuple[int, str]]:
-        """For sorting by session: its words by letters, its numbers by size."""
+        """What sessions are sorted by: their words by letters, their numbers by size."""
         parts = re.findall(r"\d+|\D+", self.session)
         return [(int(part), "") if part.isdigit() else (-1, part) for part in parts]
 
@@ -211,7 +211,7 @@ def borrowed(cohort: Cohort, refitted: Sequence[Member], rounds: int) -> Cohort:
             quantities = own.get(leg.leg)
             q = None if quantities is None else quantities.by_name.get(name)
             if q is not None and q.value is not None and math.isfinite(q.total):
-                ends = (q.value - _NORMAL * q.total, q.value + _NORMAL * q.total)
+                ends = (q.value - NORMAL * q.total, q.value + NORMAL * q.total)
                 legs.append(replace(leg, shrunken=q.value, ci95=ends))
             else:
                 legs.append(leg)
@@ -321,14 +321,12 @@ def _holm(told: Mapping[str, Pooled]) -> dict[str, Pooled]:
     """Differences, changes and correlations, each kind with Holm's p over all quantities."""
     done = dict(told)
     for kind in ("differences", "changes", "scales"):
-        every = sorted(
-            (c.p, name, key) for name, p in done.items() for key, c in getattr(p, kind).items()
-        )
-        adjusted = 0.0
-        for rank, (p, name, key) in enumerate(every):
-            adjusted = min(1.0, max(adjusted, (len(every) - rank) * p))
+        every = {
+            (name, key): c.p for name, p in told.items() for key, c in getattr(p, kind).items()
+        }
+        for (name, key), p in holm(every, dict.fromkeys(every, 1.0 / max(len(every), 1))).items():
             own = dict(getattr(done[name], kind))
-            own[key] = replace(own[key], p=adjusted)
+            own[key] = replace(own[key], p=p)
             renewed: dict[str, Any] = {kind: FrozenDict(own)}
             done[name] = replace(done[name], **renewed)
     return done

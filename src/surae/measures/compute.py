@@ -13,7 +13,7 @@ from surae.estimation import FitResult
 from surae.frozen import FrozenDict
 from surae.measures.leg import Leg, NotDefinedError, measured_range
 from surae.measures.measure import Measure, Measures
-from surae.measures.spread import Spread, spread_of
+from surae.measures.spread import NORMAL, Spread, spread_of
 from surae.measures.table import DEFINITIONS, Definition
 from surae.model import ModelOptions, get_model, with_optional
 from surae.model.laboratory import group_of
@@ -22,7 +22,6 @@ from surae.units import FloatArray
 #: Angles at which measures are asked unless told otherwise, and those that can be asked [deg].
 ANGLES = (-10.0, 0.0, 10.0)
 _MOST = 60.0
-_NORMAL = 1.959964
 #: Possible legs that are drawn, their seed, and how far their interval may differ from the linear
 #: one, as a part of its half-width, before it takes its place.
 _DRAWS, _SEED, _BENT = 256, 7, 0.25
@@ -272,7 +271,7 @@ def _measure(
     sd, again = deviation(g, spread.total), deviation(g, 2.0 * spread.repeat)
     if result.family is None:
         again = sd  # as of its parameters: a named model does not know what trials share
-    half, method = _NORMAL * sd, "linear"
+    half, method = NORMAL * sd, "linear"
     ci95 = (value - half, value + half)
     if drawn is not None:
         if np.isnan(drawn).mean() > _LACKING:

@@ -9,13 +9,12 @@ from surae.estimation import FitResult
 from surae.frozen import Comparable, read_only
 from surae.measures.compute import Evaluated, Point, deviation, evaluate
 from surae.measures.leg import measured_range
-from surae.measures.spread import Spread, spread_of
+from surae.measures.spread import NORMAL, Spread, spread_of
 from surae.measures.table import DEFINITIONS
 from surae.units import FloatArray
 
 #: Angles of the curve, at most, and the farthest that an ankle is drawn [deg].
 _COUNT, _LOWEST, _HIGHEST = 15, -50.0, 35.0
-_NORMAL = 1.959964
 _LINES = ("passive_torque", "active_torque_max_tri", "active_torque_max_tib")
 
 
@@ -56,7 +55,7 @@ def torque_curve(result: FitResult, assessment: Assessment) -> TorqueCurve:
         told = evaluate(result, spread, wanted)
         value = np.array([np.nan if t.value is None else t.value for t in told])
         sd = np.array([_deviation(t, spread) for t in told])
-        lines.append(Line(*map(read_only, (value, value - _NORMAL * sd, value + _NORMAL * sd))))
+        lines.append(Line(*map(read_only, (value, value - NORMAL * sd, value + NORMAL * sd))))
     return TorqueCurve(read_only(angle), *lines)
 
 

@@ -18,6 +18,8 @@ from surae.frozen import Comparable
 from surae.model.laboratory import EACH_MOUNTING, EACH_TRIAL, group_of
 from surae.units import FloatArray
 
+#: Half of a 95 % interval, in standard deviations.
+NORMAL = 1.959964
 #: Sources of `Family.spread` that another trial does not share.
 _NOT_SHARED = ("emg_noise", "trials")
 

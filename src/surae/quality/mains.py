@@ -4,6 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.quality.finding import Finding, Skipped, muscle_name, quantity
+from surae.quality.numeric import runs
 from surae.quality.trial import Trial
 from surae.recording import MUSCLES, Channel
 from surae.units import FloatArray
@@ -127,7 +128,7 @@ def _off(channel: Channel) -> Finding | None:
         key=lambda amplitude_and_mains: float(amplitude_and_mains[0].sum()),
     )
     alone = 0.5 * hum**2 > _SHARE * np.maximum(power, np.finfo(float).tiny)
-    first, last = _longest(alone)
+    first, last = max(runs(alone), key=lambda run: run[1] - run[0], default=(0, 0))
     inside = np.zeros(count, dtype=bool)
     inside[first:last] = True
     if (last - first) * _PIECE < _SHORTEST or inside.all():
@@ -156,13 +157,3 @@ def _amplitude(pieces: FloatArray, cycles: float) -> FloatArray:
     wave = np.exp(-2j * np.pi * cycles * np.arange(pieces.shape[1]))
     amplitude: FloatArray = 2.0 * np.abs(pieces @ wave) / pieces.shape[1]
     return amplitude
-
-
-def _longest(marked: np.ndarray) -> tuple[int, int]:
-    """The longest run of marked pieces, from and to."""
-    edges = np.flatnonzero(np.diff(np.r_[False, marked, False].astype(int)))
-    runs = edges.reshape(-1, 2)
-    if not len(runs):
-        return 0, 0
-    first, last = runs[int(np.argmax(runs[:, 1] - runs[:, 0]))]
-    return int(first), int(last)

@@ -4,12 +4,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from surae.assessment import Assessment
 from surae.estimation import FitResult, Prior
 from surae.estimation.population import population_of
 from surae.model import adapted
+from surae.quality.numeric import runs
 from surae.report.document import Facts, Section, facts_of
 from surae.report.formatting import percentage, short, significant
 from surae.signals import ModelInputs
@@ -65,9 +64,7 @@ def excluded_spans(weight: FloatArray | None) -> tuple[tuple[int, int], ...]:
     """First and last sample of every stretch of weight zero."""
     if weight is None:
         return ()
-    edges = np.diff(np.concatenate([[0], (weight == 0).astype(int), [0]]))
-    first, past = np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)
-    return tuple(zip(first.tolist(), (past - 1).tolist(), strict=True))
+    return tuple((first, past - 1) for first, past in runs(weight == 0))
 
 
 def excluded_text(time: FloatArray, weight: FloatArray | None) -> str:

@@ -52,7 +52,7 @@ class Size:
 
     @classmethod
     def of(cls, context: Context) -> "Size":
-        """Of the whole cohort, or of fewer fits of fewer subjects that check every claim."""
+        """Make the size of the whole cohort, or of fewer fits that check every claim."""
         return cls(context.seed, 5, 2, 128.0, 1, 2, 1) if context.quick else cls(context.seed)
 
     @property

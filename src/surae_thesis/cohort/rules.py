@@ -300,7 +300,7 @@ def peaks(evidence: Evidence, model: str) -> Ruling:
 
 
 def mass_at_bound(evidence: Evidence) -> Ruling:
-    """In how many recordings the mass ends at its bound."""
+    """Count the recordings in which the mass ends at its bound."""
     active, passive = (
         fmean(fit["parameters"]["m"]["at_bound"] for _, _, fit in evidence.fits.of("1.0", p))
         for p in (ACTIVE_PROTOCOL, PASSIVE_PROTOCOL)

@@ -167,7 +167,7 @@ def select(some: Iterable[Cell], **values: object) -> Cells:
 
 
 def there(some: Iterable[Cell], model: str, **values: object) -> Cells:
-    """As `select`; NotThereError without any."""
+    """Select cells as `select` does; NotThereError where there is none."""
     cells = select(some, model=model, **values)
     if not cells:
         raise NotThereError(f"no such fit of the {model} model is there")

@@ -51,7 +51,7 @@ def best_amplitude(values: FloatArray) -> bool:
 
 
 def again(study: Study, claim: Claim) -> str:
-    """For how many of the other subjects a claim holds."""
+    """Say for how many of the other subjects a claim holds."""
     subjects = sorted({cell.subject for cell in study.others})
     grids = [replace(study, grid=select(study.others, subject=n)) for n in subjects]
     held = sum(claim.ours(grid).holds for grid in grids)

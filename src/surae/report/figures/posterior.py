@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -20,6 +19,8 @@ from surae.report.figures.style import (
     footnote,
     heading,
     new_figure,
+    powers_of_ten,
+    shared_legend,
 )
 from surae.report.formatting import significant
 from surae.units import FloatArray
@@ -67,19 +68,13 @@ def posterior_figure(
     figure = new_figure(sum(heights) + 0.4)
     figure.set_figwidth(WIDTH if columns == _COLUMNS else 0.45 * WIDTH * columns)
     grid = figure.add_gridspec(len(heights), columns, height_ratios=heights)
-    handles: dict[str, Artist] = {}
     for number, marginal in enumerate(posterior.marginals.values()):
         axes = figure.add_subplot(grid[divmod(number, columns)])
         _marginal(axes, marginal, posterior.of(marginal.name), (profiles or {}).get(marginal.name),
                   leftmost=number % columns == 0)  # fmt: skip
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            handles.setdefault(label, handle)
     for column, pair in enumerate(pairs):
         _pair(figure.add_subplot(grid[rows, column]), posterior, *pair)
-    figure.legend(
-        list(handles.values()), list(handles), loc="outside upper right", ncols=len(handles),
-        frameon=False, fontsize=8, labelcolor=INK, handlelength=2.4, columnspacing=1.4,
-    )  # fmt: skip
+    shared_legend(figure, figure.axes[: len(names)], 5, "outside upper right")
     footnote(figure, posterior.noise)
     return figure
 
@@ -126,9 +121,7 @@ def _marginal(
     axes.set_ylim((-0.28 if profile is not None else -0.15) * top, 1.08 * top)
     axes.set_yticks([])
     axes.spines["left"].set_visible(False)
-    axes.locator_params(axis="x", nbins=4)
-    axes.ticklabel_format(axis="x", style="sci", scilimits=(-4, 5), useMathText=True)
-    axes.xaxis.get_offset_text().set_fontsize(8)
+    powers_of_ten(axes, "x", 4)
 
 
 def _prior(marginal: Marginal, x: FloatArray) -> FloatArray:
@@ -170,11 +163,8 @@ def _pair(axes: Axes, posterior: Posterior, i: int, j: int) -> None:
     for values, limit in ((x, axes.set_xlim), (y, axes.set_ylim)):
         low, high = np.quantile(values, [_BEYOND, 1 - _BEYOND]).tolist()
         limit(low - 0.08 * (high - low), high + 0.08 * (high - low))
-    for name in ("x", "y"):
-        axes.locator_params(axis=name, nbins=4)
-        axes.ticklabel_format(axis=name, style="sci", scilimits=(-4, 5), useMathText=True)
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.get_offset_text().set_fontsize(8)
+    powers_of_ten(axes, "x", 4)
+    powers_of_ten(axes, "y", 4)
 
 
 def _ellipse(axes: Axes, posterior: Posterior, pair: Sequence[Marginal]) -> None:

@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -20,6 +19,8 @@ from surae.report.figures.style import (
     footnote,
     heading,
     new_figure,
+    powers_of_ten,
+    shared_legend,
 )
 from surae.report.formatting import significant
 from surae.units import FloatArray
@@ -62,14 +63,7 @@ def profile_figure(profiles: Sequence[Profile], caption: str = "") -> Figure:
         _panel(axes, profile, leftmost=number % columns == 0)
     for axes in panels[len(profiles) :]:
         axes.set_visible(False)
-    handles: dict[str, Artist] = {}
-    for axes in panels[: len(profiles)]:
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            handles.setdefault(label, handle)
-    figure.legend(
-        list(handles.values()), list(handles), loc="outside upper right", ncols=len(handles),
-        frameon=False, fontsize=8, labelcolor=INK, handlelength=3.0, columnspacing=1.6,
-    )  # fmt: skip
+    shared_legend(figure, list(panels[: len(profiles)]), 5, "outside upper right")
     footnote(figure, caption)
     return figure
 
@@ -100,9 +94,7 @@ def _panel(axes: Axes, profile: Profile, *, leftmost: bool) -> None:
             _arrow(axes, float(edge), sign, top)
     axes.set_xlim(left, right)
     axes.set_ylim(0.0, top)
-    axes.locator_params(axis="x", nbins=5)
-    axes.ticklabel_format(axis="x", style="sci", scilimits=(-4, 5), useMathText=True)
-    axes.xaxis.get_offset_text().set_fontsize(8)
+    powers_of_ten(axes, "x", 5)
 
 
 def _limits(profile: Profile) -> tuple[float, float]:

@@ -15,6 +15,7 @@ from surae.report.figures.style import (
     MUTED,
     OCHRE,
     dress,
+    dress_degrees,
     heading,
     legend,
     new_figure,
@@ -75,10 +76,7 @@ def _angle(axes: Axes, trajectory: Trajectory) -> None:
     for end in settings.range_of_motion:
         axes.axhline(end, color=GREY, linewidth=0.9, linestyle=(0, (4, 2)))
     trace(axes, trajectory.time, trajectory.angle, color=INK, linewidth=0.9)
-    degrees = axes.secondary_yaxis("right", functions=(np.degrees, np.radians))
-    degrees.set_ylabel("Angle [°]", fontsize=9, color=INK)
-    degrees.tick_params(labelsize=8, color=MUTED, labelcolor=INK, length=3, width=0.7)
-    degrees.spines["right"].set(color=MUTED, linewidth=0.7)
+    dress_degrees(axes)
 
 
 def _velocity(axes: Axes, trajectory: Trajectory) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any, Literal
 
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -50,6 +51,21 @@ def dress(axes: Axes, ylabel: str, xlabel: str = "", *, grid: bool = True) -> No
     if grid:
         axes.grid(visible=True, color=GRID, linewidth=0.6)
         axes.set_axisbelow(True)
+
+
+def dress_degrees(axes: Axes) -> None:
+    """Give an axis of angles in rad a second one in degrees, at the right."""
+    degrees = axes.secondary_yaxis("right", functions=(np.degrees, np.radians))
+    degrees.set_ylabel("Angle [°]", fontsize=9, color=INK)
+    degrees.tick_params(labelsize=8, color=MUTED, labelcolor=INK, length=3, width=0.7)
+    degrees.spines["right"].set(color=MUTED, linewidth=0.7)
+
+
+def powers_of_ten(axes: Axes, which: Literal["x", "y"], ticks: int) -> None:
+    """So many ticks at most on an axis, of numbers that may be very small or large."""
+    axes.locator_params(axis=which, nbins=ticks)
+    axes.ticklabel_format(axis=which, style="sci", scilimits=(-4, 5), useMathText=True)
+    (axes.xaxis if which == "x" else axes.yaxis).get_offset_text().set_fontsize(8)
 
 
 def heading(axes: Axes, text: str) -> None:
@@ -190,7 +206,9 @@ def shared_legend(
     figure: Figure,
     panels: Sequence[Axes],
     columns: int,
-    where: Literal["outside upper center", "outside lower center"] = "outside upper center",
+    where: Literal[
+        "outside upper center", "outside lower center", "outside upper right"
+    ] = "outside upper center",
     title: str = "",
 ) -> bool:
     """One legend of all panels, under a title; whether there is any line to tell of."""

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from typing import Any, TypeAlias
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -18,6 +17,7 @@ from surae.report.figures.style import (
     RED,
     WIDTH,
     dress,
+    dress_degrees,
     heading,
     legend,
     new_figure,
@@ -147,10 +147,7 @@ def _angle(row: _Row, traces: Traces, cycles: Cycles | None) -> None:
     _dress(row, "Angle [rad]")
     heading(row[0], "Ankle angle, dorsiflexion positive")
     _draw(row, traces, cycles, traces.angle, {"color": INK, "linewidth": 1.1})
-    degrees = row[-1].secondary_yaxis("right", functions=(np.degrees, np.radians))
-    degrees.set_ylabel("Angle [°]", fontsize=9, color=INK)
-    degrees.tick_params(labelsize=8, color=MUTED, labelcolor=INK, length=3, width=0.7)
-    degrees.spines["right"].set(color=MUTED, linewidth=0.7)
+    dress_degrees(row[-1])
 
 
 def _torque(row: _Row, traces: Traces, cycles: Cycles | None) -> None:
