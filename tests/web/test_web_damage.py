@@ -430,13 +430,11 @@ def test_a_full_disk_is_told(serve, monkeypatch) -> None:
 
 def test_a_mistake_of_ours_tells_no_values() -> None:
     child = Child()
-    end = child.call(
-        "surae.web.tasks:do", {"task": {"do": "quality", "path": ["name of a patient"]}}
-    )
+    end = child.call("surae.web.imports:quality", {"path": ["name of a patient"]})
     child.close()
     assert end.how == "failed"
     assert "patient" not in str(end)
-    assert "tasks.py" in end.where
+    assert "imports.py" in end.where
 
 
 @pytest.mark.parametrize("adequacy", [1, [], {}, {"grade": 2}, "doubtful"])

@@ -1,6 +1,7 @@
 """An EMG delay and a stretch reflex: switched on, moved, fitted; and a fit that is followed."""
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -80,9 +81,16 @@ def chirped():
     return virtual_trial(virtual_subject(1), generate(protocol), noise=0.0)
 
 
-def test_a_chirp_is_followed_with_all_its_peaks(chirped) -> None:
-    told = []
-    following = FitProgress([chirped], ["a" * 16], FitSettings(starts=1), told.append)
+@pytest.fixture
+def told(monkeypatch) -> list[dict[str, Any]]:
+    """What the process that makes a fit tells its parent."""
+    messages: list[dict[str, Any]] = []
+    monkeypatch.setattr("surae.web.fit_progress.tell", messages.append)
+    return messages
+
+
+def test_a_chirp_is_followed_with_all_its_peaks(chirped, told) -> None:
+    following = FitProgress([chirped], ["a" * 16], FitSettings(starts=1))
     spec = get_model("muscle")
     following.point(spec, np.array([p.start for p in spec.parameters]), 1.0)
     (trace,) = told[0]["traces"]
@@ -96,9 +104,8 @@ def test_a_chirp_is_followed_with_all_its_peaks(chirped) -> None:
     assert 0.8 < way <= 1.0
 
 
-def test_a_drive_joins_a_fit_that_is_under_way(chirped) -> None:
-    told = []
-    following = FitProgress([chirped], ["a" * 16], FitSettings(starts=1), told.append)
+def test_a_drive_joins_a_fit_that_is_under_way(chirped, told) -> None:
+    following = FitProgress([chirped], ["a" * 16], FitSettings(starts=1))
     plain = get_model("muscle")
     driven = with_optional(plain, ("emd",))
     for spec in (plain, driven):
@@ -110,10 +117,9 @@ def test_a_drive_joins_a_fit_that_is_under_way(chirped) -> None:
     assert told[1]["values"]["emd"] == 0.1
 
 
-def test_many_recordings_share_the_points(chirped) -> None:
-    told = []
+def test_many_recordings_share_the_points(chirped, told) -> None:
     ids = [f"{i:016x}" for i in range(20)]
-    following = FitProgress([chirped] * 20, ids, FitSettings(starts=1), told.append)
+    following = FitProgress([chirped] * 20, ids, FitSettings(starts=1))
     spec = get_model("muscle")
     following.point(spec, np.array([p.start for p in spec.parameters]), 1.0)
     assert all(len(trace["t"]) <= 400 for trace in told[0]["traces"])

@@ -295,7 +295,7 @@ def test_a_connection_that_asks_nothing_is_closed(tmp_path, monkeypatch) -> None
             with client.stream("GET", "/api/events") as events:  # one that waits for news stays
                 time.sleep(1.2)
                 assert client.get("/api/draft").status_code == 200
-                bench.changed("fits")
+                bench.events.changed("fits")
                 assert next(events.iter_lines()) == "event: changed"
     finally:
         bench.events.close()

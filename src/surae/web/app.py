@@ -19,7 +19,6 @@ from surae.processes import FULL, NO_ROOM, one_line, where
 from surae.web.fits import keep_comparison, keep_designs, keep_fit, keep_profile, keep_study
 from surae.web.http_errors import RefusedError
 from surae.web.jobs import Kind
-from surae.web.legs import keep_session
 from surae.web.routes import (
     cohort,
     comparisons,
@@ -27,10 +26,10 @@ from surae.web.routes import (
     draft,
     fits,
     jobs,
-    legs,
     pages,
     protocols,
     recordings,
+    sessions,
     studies,
     uploads,
 )
@@ -45,7 +44,7 @@ def _job_kinds(bench: Workbench) -> dict[str, Kind]:
     return {
         "fit": Kind("fits", lambda job, end: keep_fit(bench, job, end)),
         "profile": Kind("fits", lambda job, end: keep_profile(bench, job, end)),
-        "session": Kind("fits", lambda job, end: keep_session(bench, job, end)),
+        "session": Kind("fits", lambda job, end: sessions.keep_session(bench, job, end)),
         "compare": Kind("fits", lambda job, end: keep_comparison(bench, job, end)),
         "design": Kind("studies", lambda job, end: keep_designs(bench, job, end)),
         "study": Kind("studies", lambda job, end: keep_study(bench, job, end)),
@@ -61,7 +60,7 @@ def create_app(bench: Workbench, policy: Policy) -> ASGIApp:
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         del app
-        bench.start(_job_kinds(bench))
+        bench.jobs.start(_job_kinds(bench))
         try:
             yield
         finally:
@@ -90,8 +89,8 @@ def create_app(bench: Workbench, policy: Policy) -> ASGIApp:
     )
     app.state.workbench, app.state.policy = bench, policy
     for module in (
-        draft, uploads, recordings, descriptions, fits, legs, jobs, comparisons, cohort, protocols,
-        studies, pages,
+        draft, uploads, recordings, descriptions, fits, sessions, jobs, comparisons, cohort,
+        protocols, studies, pages,
     ):  # fmt: skip
         app.include_router(module.router)
     app.mount("/static", _Static(directory=pages.STATIC, check_dir=False), name="static")

@@ -39,6 +39,10 @@ class Events:
             except RuntimeError:  # its loop is closed: the server ends
                 continue
 
+    def changed(self, what: str) -> None:
+        """Tell all browsers that a list has changed."""
+        self.tell("project", "changed", {"what": what})
+
     def close(self) -> None:
         """End all streams."""
         with self._lock:

@@ -1,17 +1,15 @@
 """A fit as it goes on: parameters and torque at every better point, not too often."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
 from surae import api
+from surae.processes import tell
 from surae.units import FloatArray
-from surae.web.pyramid import Pyramid
+from surae.web.curves import Pyramid, plain
 
-#: Tells the server what happens.
-Tell = Callable[[Mapping[str, Any]], None]
 #: News of a fit come at most this often [s].
 _EVERY = 0.1
 #: The torque is shown from signals thinned to this rate [Hz], but not to fewer samples.
@@ -28,13 +26,12 @@ class FitProgress:
         inputs: Sequence[api.ModelInputs],
         ids: Sequence[str],
         settings: api.FitSettings,
-        tell: Tell,
     ) -> None:
         self._inputs = [
             api.thinned(recording, api.thinning_factor(recording, _RATE, _SAMPLES))
             for recording in inputs
         ]
-        self._ids, self._tell = ids, tell
+        self._ids = ids
         self._options = settings.options
         self._starts, self._start, self._iteration = settings.starts, 1, 0
         self._points = min(_POINTS, max(_ALL // len(self._inputs), 100))
@@ -75,15 +72,15 @@ class FitProgress:
             traces.append(
                 {
                     "recording": id_,
-                    "t": _plain(shown.time),
-                    "measured": _plain(shown.values),
-                    "modelled": _plain(
+                    "t": plain(shown.time),
+                    "measured": plain(shown.values),
+                    "modelled": plain(
                         Pyramid(recording.time, torque).window(None, None, self._points).values
                     ),
                 }
             )
         vaf = 100.0 * (1.0 - left / whole) if whole > 0 and np.isfinite(left) else None
-        self._tell(
+        tell(
             {
                 "phase": "fitting",
                 "start": self._start,
@@ -92,13 +89,8 @@ class FitProgress:
                 "model": spec.name,
                 "vaf": vaf,
                 "sse": sse if np.isfinite(sse) else None,
-                "values": dict(zip(spec.names, _plain(values), strict=True)),
+                "values": dict(zip(spec.names, plain(values), strict=True)),
                 "traces": traces,
             }
         )
         self._last = time.monotonic()
-
-
-def _plain(values: FloatArray) -> list[float | None]:
-    """Numbers for JSON, to six digits; None where there is none."""
-    return [float(f"{v:.6g}") if np.isfinite(v) else None for v in values.tolist()]

@@ -10,16 +10,16 @@ import numpy as np
 from surae import api
 from surae.errors import InputError
 from surae.names import AUTO
+from surae.web.curves import plain, within
 from surae.web.draft import settings_of, shown, upgraded
-from surae.web.live import plain
 from surae.web.project import unique_name, when
 from surae.web.rows import Thing
 from surae.web.sessions import BrowserSession
+from surae.web.sliders import PARTS
 
 if TYPE_CHECKING:
     from surae.web.workbench import Workbench
 
-_PARTS = ("tissue_tri", "tissue_tib", "neural_tri", "neural_tib", "inertial", "gravitational")
 #: Of a FIT.json, what pages do not need: it is long.
 _LONG = ("R", "traces", "outliers")
 
@@ -28,17 +28,9 @@ def submit_fit(
     bench: "Workbench", session: BrowserSession, draft: dict[str, Any], name: str | None
 ) -> Thing:
     """Ask for the fit that a draft describes; wrong settings are refused now, not in the job."""
-    recordings = bench.draft_recordings(draft)
-    check_draft(bench, draft)
-    names = ", ".join(recording["name"] for recording in recordings)
-    label = f"{model_title(draft['model'])} · {names}"
-    task = {
-        "draft": draft,
-        "name": name,
-        "recordings": [recording["id"] for recording in recordings],
-        "versions": versions_of(bench, draft),
-    }
-    return bench.jobs.submit("fit", (name or label)[:200], session, task, recordings[0]["id"])
+    task, names = _task(bench, draft, name=name)
+    label = (name or f"{model_title(draft['model'])} · {names}")[:200]
+    return bench.jobs.submit("fit", label, session, task, task["recordings"][0])
 
 
 def submit_comparison(
@@ -49,19 +41,18 @@ def submit_comparison(
     fit: str | None,
 ) -> Thing:
     """Ask whether the draft's recordings need tendons that give way; `fit` is what for."""
+    task, names = _task(bench, draft, models=models, fit=fit)
+    label = f"compare models · {names}"[:200]
+    return bench.jobs.submit("compare", label, session, task, task["recordings"][0])
+
+
+def _task(bench: "Workbench", draft: dict[str, Any], **more: Any) -> tuple[dict[str, Any], str]:
+    """What a worker is given to do with a draft, and the names of its recordings."""
     recordings = bench.draft_recordings(draft)
     check_draft(bench, draft)
-    names = ", ".join(recording["name"] for recording in recordings)
-    task = {
-        "draft": draft,
-        "models": models,
-        "fit": fit,
-        "recordings": [recording["id"] for recording in recordings],
-        "versions": versions_of(bench, draft),
-    }
-    return bench.jobs.submit(
-        "compare", f"compare models · {names}"[:200], session, task, recordings[0]["id"]
-    )
+    ids = [recording["id"] for recording in recordings]
+    task = {**more, "draft": draft, "recordings": ids, "versions": versions_of(bench, draft)}
+    return task, ", ".join(recording["name"] for recording in recordings)
 
 
 def versions_of(bench: "Workbench", draft: Mapping[str, Any]) -> dict[str, int]:
@@ -92,7 +83,7 @@ def keep_fit(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
     task, told = job["task"], end["summary"]
     name = task["name"] or f"{model_title(told['model'])} · {', '.join(told['names'])}"
     id_ = add_fit(bench, job["id"], name, told, task["recordings"], task)
-    bench.changed("fits")
+    bench.events.changed("fits")
     return id_
 
 
@@ -123,7 +114,7 @@ def keep_designs(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str 
             "limits": made["limits"], "duration": None,
         }  # fmt: skip
         id_ = bench.database.add("protocol", {"name": name, "settings": settings})
-    bench.changed("protocols")
+    bench.events.changed("protocols")
     return id_
 
 
@@ -137,7 +128,7 @@ def keep_profile(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
     fit = bench.project.need("fit", id_)
     kept = {**fit.get("profiles", {}), **{name: _profile(row) for name, row in profile.items()}}
     bench.project.change("fit", id_, profiles=kept)
-    bench.changed("fits")
+    bench.events.changed("fits")
     return id_
 
 
@@ -150,14 +141,14 @@ def keep_comparison(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> s
         "models": task["models"],
         "fit": task.get("fit"),
     }
-    bench.changed("comparisons")
+    bench.events.changed("comparisons")
     return bench.project.add("comparison", data, job["id"])
 
 
 def keep_study(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
     """A study keeps itself."""
     del end
-    bench.changed("studies")
+    bench.events.changed("studies")
     return str(job["about"])
 
 
@@ -258,14 +249,11 @@ def fit_traces(
     parts = fitted.parts(number)  # refuses a wrong number
     recording = fitted.result.problem.inputs[number]
     residual = fitted.result.residuals[number]
-    first = 0 if start is None else max(int(np.searchsorted(recording.time, start)) - 1, 0)
-    last = recording.n if end is None else int(np.searchsorted(recording.time, end, "right")) + 1
-    last = min(max(last, first), recording.n)
     measured = np.zeros(recording.n) if recording.torque is None else recording.torque
     modelled = measured - residual
-    inside = slice(first, last)
+    inside = within(recording.time, start, end)
     # Every point is a sample: parts add up to the torque, and no swing of a chirp is lost.
-    shown = first + api.extremes(
+    shown = inside.start + api.extremes(
         [each[inside] for each in (measured, modelled, recording.angle)], points
     )
     return {
@@ -279,7 +267,7 @@ def fit_traces(
         "angle": plain(recording.angle[shown]),
         "emg": [plain(recording.emg[shown, column]) for column in range(recording.emg.shape[1])],
         "emg_unit": recording.emg_unit,
-        "parts": {name: plain(getattr(parts, name)[shown]) for name in _PARTS},
+        "parts": {name: plain(getattr(parts, name)[shown]) for name in PARTS},
         "excluded": _excluded(recording.time, recording.weight),
     }
 

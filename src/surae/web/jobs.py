@@ -14,11 +14,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from surae.errors import SuraeError
-from surae.processes import Child, End, where
+from surae.processes import Child, where
 from surae.web.cleanup import JOBS
 from surae.web.database import new_id
 from surae.web.events import Events
-from surae.web.http_errors import RefusedError, not_found
+from surae.web.http_errors import RefusedError
 from surae.web.project import Project, when
 from surae.web.rows import Thing
 from surae.web.sessions import BrowserSession
@@ -193,13 +193,6 @@ class Jobs:
             "mine": session is not None and job["session"] == session.key,
         }
 
-    def get(self, id_: str) -> Thing:
-        """A job that has to be there."""
-        job = self._project.database.get("job", id_)
-        if job is None:
-            raise not_found("job")
-        return job
-
     def _position(self, job: Thing) -> int | None:
         if job["state"] != "queued":
             return None
@@ -243,14 +236,15 @@ class Jobs:
 
         root = str(self._project.folder)  # which may have been copied since it was asked for
         end = worker.call(
-            "surae.web.tasks:do",
-            {"task": {**job["task"], "do": job["kind"], "id": id_, "root": root}},
+            f"surae.web.tasks:{job['kind']}",
+            {"task": {**job["task"], "id": id_, "root": root}},
             hear=heard,
             unless=lambda: id_ in self._cancelled,
         )
         if self._closed:
             return  # marked as interrupted at the next start
-        _told(end)
+        if end.where:
+            _log.error("internal error in a worker: %s", end.where)
         state, result = _ENDS[end.how], None
         message = self._project.hidden(end.message)
         if end.how == "done":
@@ -300,9 +294,3 @@ class Jobs:
                 "job", job["id"], state="interrupted", ended=time.time(),
                 message="the server ended meanwhile; restart it",
             )  # fmt: skip
-
-
-def _told(end: End) -> None:
-    """Log where a task failed that should not have."""
-    if end.where:
-        _log.error("internal error in a worker: %s", end.where)

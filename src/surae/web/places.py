@@ -22,6 +22,13 @@ FILES = {
     "comparison": ("comparisons", ".json"),
     "study": ("studies", ".db"),
 }
+
+
+def plural(kind: str) -> str:
+    """What browsers call the list of a kind of things."""
+    return FILES[kind][0] if kind in FILES else f"{kind}s"
+
+
 #: What we put beside the folders, and nobody else does.
 _OURS = {DATABASE, *(f"{DATABASE}-{end}" for end in ("wal", "shm", "journal")), f"{DATABASE}.lock"}
 _KEY = re.compile(r"[0-9a-f]{32,64}")

@@ -13,7 +13,7 @@ from surae import api
 from surae.errors import InputError
 from surae.frozen import read_only
 from surae.units import FACTORS, SI, FloatArray, kind
-from surae.web.imports import preview
+from surae.web.imports import Upload, described, imported, preview, read_recording
 from surae.web.rows import Thing
 
 #: What of a recording's row belongs to its description.
@@ -115,8 +115,25 @@ def _told(channel: Mapping[str, Any], unit: str) -> str:
     )
 
 
-def imported_columns(recording: api.Recording, first: Mapping[str, Any]) -> list[dict[str, Any]]:
+def redescribed(
+    path: str,
+    files: Sequence[Upload] | None,
+    first: Mapping[str, Any],
+    wanted: Mapping[str, Any],
+    output: str | None,
+) -> dict[str, Any]:
+    """Describe an imported recording anew, from its own file or, for other columns, the uploads."""
+    if files is not None:
+        return imported(files, wanted, output)
+    recording = described_anew(read_recording(path), first, wanted)
+    if output is not None:
+        api.write_hdf5(output, recording)
+    return described(recording)
+
+
+def imported_columns(path: str, first: Mapping[str, Any]) -> list[dict[str, Any]]:
     """The columns that a recording was imported from, in their files' own numbers."""
+    recording = read_recording(path)
     columns = []
     for role, channel in first["channels"].items():
         plain = {**channel, "sign": 1, "scale": 1.0, "offset": 0.0}

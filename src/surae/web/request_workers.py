@@ -2,7 +2,6 @@
 
 import logging
 import threading
-from collections.abc import Mapping
 from typing import Any
 
 from surae.processes import Child
@@ -35,10 +34,10 @@ class RequestWorkers:
         for worker in self._all:
             worker.close()
 
-    def ask(self, do: str, **task: Any) -> Mapping[str, Any]:
-        """Do a task now and wait for it.
+    def ask(self, function: str, **arguments: Any) -> Any:
+        """Call a function of the workbench's, ``module:name``, now, and wait for what it returns.
 
-        It is refused with the task's own line, where that was refused or failed.
+        It is refused with the function's own line, where that was refused or failed.
         """
         with self._changed:
             if self._waiting >= _WAITING:  # each holds a thread that pages are served by
@@ -52,9 +51,7 @@ class RequestWorkers:
                 raise RefusedError(503, "the server is shutting down")
             worker = self._free.pop()
         try:
-            end = worker.call(
-                "surae.web.tasks:do", {"task": {"do": do, **task}}, seconds=_SECONDS, memory=_MEMORY
-            )
+            end = worker.call(f"surae.web.{function}", arguments, seconds=_SECONDS, memory=_MEMORY)
         finally:
             with self._changed:
                 self._free.append(worker)
@@ -65,5 +62,4 @@ class RequestWorkers:
             if end.where:
                 _log.error("internal error in a worker: %s", end.where)
             raise RefusedError(400 if end.how == "refused" else 422, end.message)
-        value: Mapping[str, Any] = end.value
-        return value
+        return end.value

@@ -23,28 +23,27 @@ _LAST = 253_402_300_799
 _HUGE = re.compile(r"[eE]\+?[0-9]{3}")
 
 _Id = Annotated[str, Field(pattern=r"^[0-9a-f]{16}$")]
-_Number = Annotated[float, Field(allow_inf_nan=False)]
-_Time = Annotated[float, Field(ge=0, le=_LAST, allow_inf_nan=False)]
+_Time = Annotated[float, Field(ge=0, le=_LAST)]
 
 
 class _Row(BaseModel):
     """Nothing is taken for what it is not; what a newer surae adds is left as it is."""
 
-    model_config = ConfigDict(strict=True, extra="allow")
+    model_config = ConfigDict(strict=True, extra="allow", allow_inf_nan=False)
 
 
 class _Subject(_Row):
     code: str
     group: str
     notes: str
-    body_mass: _Number | None
+    body_mass: float | None
 
 
 class _Channel(_Row):
     role: str
     unit: str
     n: int
-    rate_hz: _Number
+    rate_hz: float
     source: str
 
 
@@ -59,9 +58,9 @@ class _Recording(_Row):
     side: str | None
     trial: str
     condition: str
-    duration_s: _Number
+    duration_s: float
     emg: str | None
-    fixed: dict[str, _Number]
+    fixed: dict[str, float]
     channels: list[_Channel]
     files: list[_File]
     mapping: dict[str, Any] | None
@@ -73,10 +72,10 @@ class _Recording(_Row):
 
 
 class _Estimate(_Row):
-    value: _Number | None
-    sem: _Number | None
-    low: _Number | None
-    high: _Number | None
+    value: float | None
+    sem: float | None
+    low: float | None
+    high: float | None
     verdict: str
 
 
@@ -84,9 +83,9 @@ class _Fit(_Row):
     name: str
     model: str
     status: str
-    vaf: _Number | None
-    ipde: _Number | None
-    seconds: _Number
+    vaf: float | None
+    ipde: float | None
+    seconds: float
     recordings: Annotated[list[_Id], Field(min_length=1)]
     names: list[str]
     starts: int

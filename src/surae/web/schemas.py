@@ -1,6 +1,6 @@
 """What requests may hold, checked before anything is done with it."""
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
@@ -21,34 +21,30 @@ Named = Annotated[
 ]
 #: The name of a parameter or of an option.
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,39}$")]
-Number = Annotated[float, Field(allow_inf_nan=False, ge=-1e12, le=1e12)]
-Positive = Annotated[float, Field(allow_inf_nan=False, gt=0, le=1e12)]
-Part = Annotated[float, Field(allow_inf_nan=False, ge=0, le=1)]
-Above = Annotated[float, Field(allow_inf_nan=False, gt=0, le=1e6)]
-Seconds = Annotated[float, Field(allow_inf_nan=False, ge=-1e9, le=1e9)]
-Count = Annotated[float, Field(ge=0, le=1e6, allow_inf_nan=False)]
+Number = Annotated[float, Field(ge=-1e12, le=1e12)]
+Positive = Annotated[float, Field(gt=0, le=1e12)]
+Part = Annotated[float, Field(ge=0, le=1)]
+Above = Annotated[float, Field(gt=0, le=1e6)]
+Seconds = Annotated[float, Field(ge=-1e9, le=1e9)]
+Count = Annotated[float, Field(ge=0, le=1e6)]
 Points = Annotated[int, Field(ge=10, le=2000)]
-if TYPE_CHECKING:
-    Model: TypeAlias = str
-    FittedModel: TypeAlias = str
-    Nuisances: TypeAlias = str
-    Population: TypeAlias = str
-    FootShare: TypeAlias = str
-    Loss: TypeAlias = str
-    Normalisation: TypeAlias = str
-    Activity: TypeAlias = str
-    Geometry: TypeAlias = str
-    TendonStrain: TypeAlias = str
-    Integrator: TypeAlias = str
-else:
-    Model, Population, Loss = (
-        Literal[known] for known in (names.MODELS, names.POPULATIONS, names.LOSSES)
-    )
-    FittedModel, Nuisances = (Literal[known] for known in (names.FITTED, names.NUISANCES))
-    FootShare, Normalisation, Activity = (
-        Literal[known] for known in (names.FOOT_SHARES, names.NORMALISATIONS, names.ACTIVITIES)
-    )
-    Geometry, TendonStrain, Integrator = (Literal[known] for known in names.CHOICES.values())
+Noise = Annotated[float, Field(gt=0, le=100)]
+BodyMass = Annotated[float, Field(ge=5, le=400)]
+Group = Literal["", "healthy", "patient"]
+Notes = Annotated[str, StringConstraints(max_length=4000, pattern=r"^[^\x00]*$")]
+Side = Literal["left", "right"]
+Choice = Annotated[str, StringConstraints(max_length=40)]
+Model = Literal[names.MODELS]  # type: ignore[valid-type]
+FittedModel = Literal[names.FITTED]  # type: ignore[valid-type]
+Nuisances = Literal[names.NUISANCES]  # type: ignore[valid-type]
+Population = Literal[names.POPULATIONS]  # type: ignore[valid-type]
+FootShare = Literal[names.FOOT_SHARES]  # type: ignore[valid-type]
+Loss = Literal[names.LOSSES]  # type: ignore[valid-type]
+Normalisation = Literal[names.NORMALISATIONS]  # type: ignore[valid-type]
+Activity = Literal[names.ACTIVITIES]  # type: ignore[valid-type]
+Geometry = Literal[names.CHOICES["geometry"]]  # type: ignore[valid-type,name-defined]
+TendonStrain = Literal[names.CHOICES["tendon_strain"]]  # type: ignore[valid-type,name-defined]
+Integrator = Literal[names.CHOICES["integrator"]]  # type: ignore[valid-type,name-defined]
 Role = Literal[api.ROLES]  # type: ignore[valid-type]
 
 
@@ -56,9 +52,9 @@ Numbers = Annotated[dict[Name, Number], Field(max_length=60)]
 
 
 class Strict(BaseModel):
-    """No key that is not known, nothing taken for what it is not."""
+    """No key that is not known, no number that is none, nothing taken for what it is not."""
 
-    model_config = ConfigDict(extra="forbid", str_strip_whitespace=False)
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
 class Error(BaseModel):
@@ -74,16 +70,16 @@ class Options(Strict):
     tendon_strain: TendonStrain | None = None
     integrator: Integrator | None = None
     theta_foot: Number | None = None
-    vmax_factor: Annotated[float, Field(gt=0, le=1e3, allow_inf_nan=False)] | None = None
-    x_ref_tri: Annotated[float, Field(gt=0, le=10, allow_inf_nan=False)] | None = None
-    x_ref_tib: Annotated[float, Field(gt=0, le=10, allow_inf_nan=False)] | None = None
+    vmax_factor: Annotated[float, Field(gt=0, le=1e3)] | None = None
+    x_ref_tri: Annotated[float, Field(gt=0, le=10)] | None = None
+    x_ref_tib: Annotated[float, Field(gt=0, le=10)] | None = None
 
 
 class PriorGiven(Strict):
     """A parameter's prior."""
 
     median: Positive
-    spread: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)]
+    spread: Annotated[float, Field(gt=0, le=100)]
 
 
 class ParameterGiven(Strict):
@@ -128,8 +124,8 @@ class DraftChange(Strict):
     bounds: Annotated[dict[Name, tuple[Number, Number]], Field(max_length=60)] | None = None
     priors: Annotated[dict[Name, tuple[Positive, Positive]], Field(max_length=60)] | None = None
     population: Population | None = None
-    body_mass: Annotated[float, Field(ge=5, le=400, allow_inf_nan=False)] | None = None
-    footplate_mass: Annotated[float, Field(ge=0, le=20, allow_inf_nan=False)] | None = None
+    body_mass: BodyMass | None = None
+    footplate_mass: Annotated[float, Field(ge=0, le=20)] | None = None
     foot_share: FootShare | None = None
     weights: WeightingGiven | None = None
     loss: Loss | None = None
@@ -178,9 +174,9 @@ class MappingGiven(Strict):
 
     name: Named
     emg: Literal["raw", "envelope"] | None = None
-    side: Literal["left", "right"] | None = None
+    side: Side | None = None
     channels: Annotated[dict[Role, ChannelGiven], Field(min_length=1, max_length=len(api.ROLES))]
-    fixed: Annotated[dict[Name, Number], Field(max_length=60)] = {}
+    fixed: Numbers = {}
     prepare: Annotated[dict[Name, bool | Number | Line], Field(max_length=20)] = {}
 
 
@@ -204,18 +200,18 @@ class SubjectGiven(Strict):
     """A subject: a code, never a name."""
 
     code: Named
-    group: Literal["", "healthy", "patient"] = ""
-    notes: Annotated[str, StringConstraints(max_length=4000, pattern=r"^[^\x00]*$")] = ""
-    body_mass: Annotated[float, Field(ge=5, le=400, allow_inf_nan=False)] | None = None
+    group: Group = ""
+    notes: Notes = ""
+    body_mass: BodyMass | None = None
 
 
 class SubjectPatch(Strict):
     """What changes of a subject."""
 
     code: Named | None = None
-    group: Literal["", "healthy", "patient"] | None = None
-    notes: Annotated[str, StringConstraints(max_length=4000, pattern=r"^[^\x00]*$")] | None = None
-    body_mass: Annotated[float, Field(ge=5, le=400, allow_inf_nan=False)] | None = None
+    group: Group | None = None
+    notes: Notes | None = None
+    body_mass: BodyMass | None = None
 
 
 class RecordingPatch(Strict):
@@ -223,7 +219,7 @@ class RecordingPatch(Strict):
 
     name: Named | None = None
     subject: Id | None = None
-    side: Literal["left", "right"] | None = None
+    side: Side | None = None
     trial: Line | None = None
     condition: Line | None = None
 
@@ -232,7 +228,7 @@ class LiveGiven(Strict):
     """What to simulate."""
 
     recording: Id | None = None
-    values: Annotated[dict[Name, Number], Field(max_length=60)] = {}
+    values: Numbers = {}
     parts: bool = False
     points: Points = 1000
     start: Seconds | None = None
@@ -290,9 +286,9 @@ class ProtocolPlan(Strict):
     """A protocol that was designed, and the limits of its movement, see `surae.planning.plan`."""
 
     name: Annotated[str, StringConstraints(max_length=120)]
-    seconds: Annotated[float, Field(gt=0, le=600, allow_inf_nan=False)]
-    origin: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
-    blend: Annotated[float, Field(gt=0, le=600, allow_inf_nan=False)]
+    seconds: Annotated[float, Field(gt=0, le=600)]
+    origin: Annotated[float, Field(ge=0, le=1)]
+    blend: Annotated[float, Field(gt=0, le=600)]
     ramps: Annotated[list[tuple[Seconds, Part, Above]], Field(max_length=1000)]
     shakes: Annotated[list[tuple[Seconds, Above, Above, Above, Above]], Field(max_length=1000)]
     bursts: Annotated[list[tuple[Seconds, Above, Part, Literal[0, 1]]], Field(max_length=1000)]
@@ -303,14 +299,14 @@ class ProtocolPlan(Strict):
 class ProtocolSettings(Strict):
     """Settings of a protocol, see `surae.protocol.Protocol`; or, with a plan, a designed one."""
 
-    profile: Annotated[str, StringConstraints(max_length=40)]
-    task: Annotated[str, StringConstraints(max_length=40)] = "part-passive"
-    chirp_amplitude: Annotated[float, Field(ge=0, le=3, allow_inf_nan=False)] = 0.0
-    chirp_rate: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)] = 0.159
+    profile: Choice
+    task: Choice = "part-passive"
+    chirp_amplitude: Annotated[float, Field(ge=0, le=3)] = 0.0
+    chirp_rate: Annotated[float, Field(ge=0, le=100)] = 0.159
     range: tuple[Number, Number] = (-0.9, 0.6)
-    duration: Annotated[float, Field(gt=0, le=600, allow_inf_nan=False)] | None = None
-    rate_hz: Annotated[float, Field(gt=0, le=2000, allow_inf_nan=False)] = 256.0
-    device: Annotated[str, StringConstraints(max_length=40)] | None = None
+    duration: Annotated[float, Field(gt=0, le=600)] | None = None
+    rate_hz: Annotated[float, Field(gt=0, le=2000)] = 256.0
+    device: Choice | None = None
     adapt: bool = True
     plan: ProtocolPlan | None = None
     limits: tuple[Number, Number, Above, Above] | None = None
@@ -321,12 +317,12 @@ class ProtocolDesign(Strict):
 
     settings: ProtocolSettings
     durations: Annotated[
-        list[Annotated[float, Field(ge=5, le=180, allow_inf_nan=False)]],
+        list[Annotated[float, Field(ge=5, le=180)]],
         Field(min_length=1, max_length=6),
     ]
     model: Model = "muscle"
     population: Population = "healthy"
-    noise: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] = 0.5
+    noise: Noise = 0.5
     aim: Annotated[str, StringConstraints(min_length=1, max_length=200)] = "worst"
     effort: Literal["levels", "none"] = "levels"
     evaluations: Annotated[int, Field(ge=1, le=50_000)] = 4000
@@ -338,7 +334,7 @@ class ProtocolPreview(Strict):
     settings: ProtocolSettings
     model: Model = "muscle"
     population: Population = "healthy"
-    noise: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] = 0.5
+    noise: Noise = 0.5
 
 
 class ProtocolGiven(Strict):

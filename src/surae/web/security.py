@@ -10,18 +10,19 @@ import hmac
 import ipaddress
 import re
 import socket
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from typing import Protocol
-from urllib.parse import urlencode
+from urllib.parse import quote, urlencode
 
 from starlette.concurrency import run_in_threadpool
+from starlette.datastructures import Headers, MutableHeaders, QueryParams
+from starlette.responses import HTMLResponse, JSONResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from surae.errors import SuraeError
 from surae.processes import one_line
-from surae.web.asked import Asked, redirect, refuse, respond
 from surae.web.http_errors import RefusedError
 from surae.web.sessions import BrowserSession
 
@@ -40,19 +41,22 @@ _HEADERS = {
     "cross-origin-opener-policy": "same-origin",
     "cross-origin-resource-policy": "same-origin",
     "permissions-policy": "camera=(), geolocation=(), microphone=()",
+    "cache-control": "no-store",
 }
 #: Largest body of a request that uploads no file [bytes].
 _BODY = 2 * 2**20
 #: API routes that need no session: one makes it, the other describes the API.
 _OPEN = ("/api/session", "/api/openapi.json")
+#: What a program is told that has not asked for a session.
+NO_SESSION = "no session: GET /api/session first, and send its cookie"
 _HOST = re.compile(r"(\[(?P<v6>[0-9A-Fa-f:.]+)\]|(?P<name>[0-9A-Za-z._-]+))(:[0-9]{0,5})?")
 _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 #: Those who give a wrong token wait so long [s], one after the other: nobody tries many.
 _GUESS = 0.1
 #: What a link on another site gets first: a page of ours that asks again, with its cookies.
 _AGAIN = (
-    b'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>surae</title>'
-    b'<meta http-equiv="refresh" content="0"></head></html>'
+    '<!doctype html><html lang="en"><head><meta charset="utf-8"><title>surae</title>'
+    '<meta http-equiv="refresh" content="0"></head></html>'
 )
 
 
@@ -91,6 +95,55 @@ def is_loopback(host: str) -> bool:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
         return False
+
+
+class _Incoming:
+    """A request before it reaches the application."""
+
+    def __init__(self, scope: Scope) -> None:
+        self.scope, self.method, self.path = scope, str(scope["method"]), str(scope["path"])
+        self.safe = self.method in ("GET", "HEAD", "OPTIONS")
+        self.query = QueryParams(scope.get("query_string", b""))
+        self._headers = Headers(scope=scope)
+
+    def header(self, name: str) -> str:
+        """A header; empty where it is missing or comes twice."""
+        values = self._headers.getlist(name)
+        return values[0] if len(values) == 1 else ""
+
+    def cookies(self, name: str) -> list[str]:
+        """The values of the cookies of exactly this name.
+
+        Other programs on this computer set cookies too, in forms that no parser of all takes, and
+        even by our own names for a part of our addresses.
+        """
+        parts = (part for line in self._headers.getlist("cookie") for part in line.split(";"))
+        pairs = (part.strip().partition("=") for part in parts)
+        return [value for key, _, value in pairs if key == name and len(value) <= 200][:5]
+
+    @property
+    def length(self) -> int | None:
+        """The announced length of the body."""
+        text = self.header("content-length")
+        return int(text) if text.isdecimal() and len(text) < 20 else None
+
+    @property
+    def same_origin(self) -> bool:
+        """Whether the request comes from a page of ours, or from no page at all."""
+        if "origin" not in self._headers:
+            return True
+        host = self.header("host")
+        return self.header("origin") in {f"{scheme}://{host}" for scheme in ("http", "https")}
+
+    @property
+    def from_elsewhere(self) -> bool:
+        """Whether a browser says that a page of another site asks, or a link on it."""
+        return self.header("sec-fetch-site") not in ("", "same-origin", "none")
+
+    @property
+    def is_page(self) -> bool:
+        """Whether somebody opens a page."""
+        return self.method == "GET" and not self.path.startswith(("/api/", "/static/"))
 
 
 class Browsers(Protocol):
@@ -139,44 +192,54 @@ class Security:
             if scope["type"] == "lifespan":
                 await self._app(scope, receive, send)
             return  # no WebSockets
-        request = Asked(scope)
-        cookies: list[str] = []
+        request, cookies = _Incoming(scope), list[str]()
         guarded = _guarded(send, cookies)
-        limit = _BODY
-        if request.method == "POST" and request.path == "/api/uploads":
-            limit = self._policy.upload_bytes
-        if not self._policy.allows_host(request.header("host")):
-            await refuse(guarded, 400, "this server does not go by that name (Host)")
-        elif request.from_elsewhere and request.is_page:
-            await respond(guarded, 200, _AGAIN, [], b"text/html; charset=utf-8")
-        elif request.from_elsewhere or not request.same_origin:
-            await refuse(guarded, 403, _ELSEWHERE)
-        elif self._token is not None and (
-            not self._knows(request) or (request.is_page and "token" in request.parameters)
-        ):
-            await self._ask_token(request, guarded, cookies, self._token)
-        elif request.length is not None and request.length > limit:
-            await refuse(guarded, 413, _too_large(limit))
+        uploads = request.method == "POST" and request.path == "/api/uploads"
+        limit = self._policy.upload_bytes if uploads else _BODY
+        answer = await self._refusal(request, cookies, limit)
+        if answer is None:
+            await self._pass(scope, receive, guarded, limit)
         else:
-            try:
-                known = await self._session(request, guarded, cookies)
-            except SuraeError as error:  # the project cannot be read or written
-                await refuse(guarded, 503, self._sessions.hidden(one_line(error)))
-                return
-            if known:
-                await self._pass(scope, receive, guarded, limit)
+            await answer(scope, receive, guarded)
 
-    async def _ask_token(self, request: Asked, send: Send, cookies: list[str], token: str) -> None:
+    async def _refusal(
+        self, request: "_Incoming", cookies: list[str], limit: int
+    ) -> Response | None:
+        """What a request is answered instead of being passed on; None where it may pass."""
+        if (foreign := self._foreign(request)) is not None:
+            return foreign
+        if self._token is not None and (
+            not self._knows(request) or (request.is_page and "token" in request.query)
+        ):
+            return await self._ask_token(request, cookies, self._token)
+        if request.length is not None and request.length > limit:
+            return _refused(413, _too_large(limit))
+        try:
+            return await self._session(request, cookies)
+        except SuraeError as error:  # the project cannot be read or written
+            return _refused(503, self._sessions.hidden(one_line(error)))
+
+    def _foreign(self, request: "_Incoming") -> Response | None:
+        """What somebody else's page, or a link on it, is answered."""
+        if not self._policy.allows_host(request.header("host")):
+            return _refused(400, "this server does not go by that name (Host)")
+        if request.from_elsewhere and request.is_page:
+            return HTMLResponse(_AGAIN)
+        if request.from_elsewhere or not request.same_origin:
+            return _refused(403, "the request comes from another site (Origin, Sec-Fetch-Site)")
+        return None
+
+    async def _ask_token(self, request: "_Incoming", cookies: list[str], token: str) -> Response:
         """Take the token out of the address, once; refuse who does not know it."""
-        given = request.parameters
-        if request.safe and (self._matches(given.pop("token", "")) or self._knows(request)):
+        query = dict(request.query)
+        if request.safe and (self._matches(query.pop("token", "")) or self._knows(request)):
             cookies.append(_cookie(self._token_cookie, token))
-            query = urlencode(given)
-            await redirect(send, request.path + (f"?{query}" if query else ""))
-        else:
-            async with self._guessing:
-                await asyncio.sleep(_GUESS)
-            await refuse(send, 403, "this server needs its token; open the address it printed")
+            # One slash only: two would lead to another server.
+            place = quote("/" + request.path.lstrip("/\\"), safe="/")
+            return RedirectResponse(place + (f"?{urlencode(query)}" if query else ""), 303)
+        async with self._guessing:
+            await asyncio.sleep(_GUESS)
+        return _refused(403, "this server needs its token; open the address it printed")
 
     async def _pass(self, scope: Scope, receive: Receive, send: Send, limit: int) -> None:
         """Pass a request on, as long as its body is."""
@@ -193,10 +256,10 @@ class Security:
             if not started:
                 raise
 
-    async def _session(self, request: Asked, send: Send, cookies: list[str]) -> bool:
-        """Find or make the session, and check its CSRF token; False where it is refused."""
+    async def _session(self, request: "_Incoming", cookies: list[str]) -> Response | None:
+        """Find or make the session, and check its CSRF token."""
         if request.path.startswith("/static/"):
-            return True
+            return None
         session = await run_in_threadpool(
             self._sessions.open, request.cookies(self._session_cookie)
         )
@@ -209,19 +272,17 @@ class Security:
             session, cookie = await run_in_threadpool(self._sessions.make)
             cookies.append(_cookie(self._session_cookie, cookie))
         if session is None and api and request.path not in _OPEN:
-            await refuse(send, 403, "no session: GET /api/session first, and send its cookie")
-            return False
+            return _refused(403, NO_SESSION)
         if not request.safe:
-            given = request.header(CSRF_HEADER)
-            if session is None or not hmac.compare_digest(given.encode(), session.csrf.encode()):
-                await refuse(
-                    send, 403, "the header X-CSRF-Token is missing or old; load the page again"
+            token = request.header(CSRF_HEADER)
+            if session is None or not hmac.compare_digest(token.encode(), session.csrf.encode()):
+                return _refused(
+                    403, "the header X-CSRF-Token is missing or old; load the page again"
                 )
-                return False
         request.scope.setdefault("state", {})["session"] = session
-        return True
+        return None
 
-    def _knows(self, request: Asked) -> bool:
+    def _knows(self, request: "_Incoming") -> bool:
         """Whether the request carries the token, as a cookie or a header."""
         bearer = request.header("authorization")
         if bearer.startswith("Bearer ") and self._matches(bearer.removeprefix("Bearer ").strip()):
@@ -256,19 +317,14 @@ def _guarded(send: Send, cookies: list[str]) -> Send:
 
     async def wrapped(message: Message) -> None:
         if message["type"] == "http.response.start":
-            headers: list[tuple[bytes, bytes]] = list(message.get("headers", []))
-            given = {key.lower() for key, _ in headers}
-            headers += _missing(given, _HEADERS.items())
-            headers += _missing(given, [("cache-control", "no-store")])
-            headers += [(b"set-cookie", cookie.encode()) for cookie in cookies]
-            message = {**message, "headers": headers}
+            headers = MutableHeaders(scope=message)
+            for name, value in _HEADERS.items():
+                headers.setdefault(name, value)
+            for cookie in cookies:
+                headers.append("set-cookie", cookie)
         await send(message)
 
     return wrapped
-
-
-def _missing(given: set[bytes], wanted: Iterable[tuple[str, str]]) -> list[tuple[bytes, bytes]]:
-    return [(key.encode(), value.encode()) for key, value in wanted if key.encode() not in given]
 
 
 def _cookie(name: str, value: str) -> str:
@@ -293,7 +349,8 @@ def _is_address(name: str) -> bool:
     return True
 
 
-_ELSEWHERE = "the request comes from another site (Origin, Sec-Fetch-Site)"
+def _refused(status: int, text: str) -> Response:
+    return JSONResponse({"error": text}, status)
 
 
 def _too_large(limit: int) -> str:

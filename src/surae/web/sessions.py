@@ -13,6 +13,7 @@ from surae.errors import SuraeError
 from surae.web.draft import Draft, changed, empty_draft, shown, upgraded
 from surae.web.events import Events
 from surae.web.http_errors import RefusedError
+from surae.web.places import plural
 from surae.web.project import Project
 from surae.web.rows import draft_parts, plain
 
@@ -32,6 +33,17 @@ class BrowserSession:
     key: str
     csrf: str
 
+    @classmethod
+    def new(cls) -> "tuple[BrowserSession, str]":
+        """A new session, and the cookie that opens it, which is kept nowhere here."""
+        cookie = secrets.token_urlsafe(32)
+        return cls(key_of(cookie), secrets.token_urlsafe(32)), cookie
+
+
+def key_of(cookie: str) -> str:
+    """The key of the session that a cookie opens."""
+    return sha256(cookie.encode("utf-8", "surrogateescape")).hexdigest()
+
 
 class BrowserSessions:
     """All sessions of a project."""
@@ -45,7 +57,7 @@ class BrowserSessions:
     def open(self, cookies: Sequence[str]) -> BrowserSession | None:
         """The session of the first cookie that has one; None where none has."""
         for cookie in cookies:
-            key = sha256(cookie.encode("utf-8", "surrogateescape")).hexdigest()
+            key = key_of(cookie)
             row = self._database.row("SELECT csrf, seen FROM session WHERE key = ?", key)
             if row is None or not isinstance(row[0], str):
                 continue
@@ -59,8 +71,7 @@ class BrowserSessions:
 
     def make(self) -> tuple[BrowserSession, str]:
         """A new session, and the cookie that opens it, which is kept nowhere here."""
-        cookie = secrets.token_urlsafe(32)
-        made = BrowserSession(sha256(cookie.encode()).hexdigest(), secrets.token_urlsafe(32))
+        made, cookie = BrowserSession.new()
         self._database.write(
             "INSERT INTO session VALUES (?, ?, ?, 0, ?)",
             made.key, made.csrf, json.dumps(empty_draft()), time.time(),
@@ -207,10 +218,8 @@ class BrowserSessions:
                 "somebody else has deleted it, brought it back or described it meanwhile: it stays "
                 "so, and this step is left out",
             )
-        if kind == "described":
-            self._events.tell("project", "changed", {"what": "recordings"})
-        if kind == "deleted":
-            self._events.tell("project", "changed", {"what": f"{what['kind']}s"})
+        if kind != "draft":
+            self._events.changed("recordings" if kind == "described" else plural(what["kind"]))
         self._tell(session, now + 1)
 
     def _mark(self, session: BrowserSession, kind: str, id_: str, *, deleted: bool) -> bool:

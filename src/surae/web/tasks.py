@@ -1,6 +1,6 @@
-"""What workers do, by name: fits, profiles, comparisons, studies, imports and reports.
+"""What workers do: fits, profiles, comparisons, studies and designs, each by its kind; reports.
 
-Each takes a task of plain data and a function that tells what happens, and returns plain data.
+A job takes its task, which is plain data, tells what happens, and returns plain data.
 """
 
 import time
@@ -10,60 +10,55 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from surae import api, processes
-from surae.web import imports
+from surae import api
+from surae.processes import tell
+from surae.web import imports, sliders
 from surae.web.draft import settings_of, upgraded
 from surae.web.places import file_of, recording_suffix
 
-Tell = Callable[[Mapping[str, Any]], None]
+Task = Mapping[str, Any]
 
 
-def read_recording(path: str | Path) -> api.Recording:
-    """A recording of the project, as it was read from the user's own files."""
-    recording = api.read(path)
-    return replace(recording, files=recording.files[1:] or recording.files)
-
-
-def _file(task: Mapping[str, Any], folder: str, id_: str, suffix: str) -> Path:
+def _file(task: Task, folder: str, id_: str, suffix: str) -> Path:
     """A file of the project that the task belongs to."""
     return file_of(Path(task["root"]), folder, id_, suffix)
 
 
-def _read(task: Mapping[str, Any], ids: Sequence[str], tell: Tell) -> list[api.Recording]:
+def _read(task: Task, ids: Sequence[str]) -> list[api.Recording]:
     """Recordings of the project."""
     recordings = []
     for id_ in ids:
         tell({"phase": "reading"})
         suffix = recording_suffix(task.get("versions", {}).get(id_, 0))
-        recordings.append(read_recording(_file(task, "recordings", id_, suffix)))
+        recordings.append(imports.read_recording(_file(task, "recordings", id_, suffix)))
     return recordings
 
 
 def _asked(
-    task: Mapping[str, Any], tell: Tell
+    task: Task,
 ) -> "tuple[api.FitSettings, list[api.Recording], tuple[api.ModelInputs, ...]]":
     """What the draft of a task asks, its recordings, and what a model reads of them."""
     draft = upgraded(task["draft"])
     settings = settings_of(draft, task["recordings"])
-    recordings = _read(task, task["recordings"], tell)
-    contractions = _read(task, draft["mvc"], tell)
+    recordings = _read(task, task["recordings"])
+    contractions = _read(task, draft["mvc"])
     tell({"phase": "preparing"})
     return settings, recordings, settings.inputs(recordings, contractions)
 
 
-def _compiling(tell: Tell) -> AbstractContextManager[None]:
+def _compiling() -> AbstractContextManager[None]:
     """Tell when the models have to be compiled, which takes some ten seconds, once."""
     return api.on_compilation(lambda: tell({"phase": "compiling"}))
 
 
-def fit(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
+def fit(task: Task) -> dict[str, Any]:
     """Fit, as `surae fit` does, and write FIT.json."""
-    settings, recordings, inputs = _asked(task, tell)
+    settings, recordings, inputs = _asked(task)
     from surae.web.fit_progress import FitProgress
 
     quality = [api.check(recording, prepared=settings.prepared) for recording in recordings]
-    news = FitProgress(inputs, task["recordings"], settings, tell)
-    with _compiling(tell):
+    news = FitProgress(inputs, task["recordings"], settings)
+    with _compiling():
         fitted = api.fit_inputs(inputs, settings, quality, progress=news.start, follow=news.point)
     fitted.save(_file(task, "fits", task["id"], ".json"))
     return {
@@ -73,13 +68,11 @@ def fit(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     }
 
 
-def session(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
+def session(task: Task) -> dict[str, Any]:
     """Fit trials each and all together as `surae session` does, and write fits and report."""
     recordings = [
         replace(recording, name=task["names"][id_])
-        for id_, recording in zip(
-            task["recordings"], _read(task, task["recordings"], tell), strict=True
-        )
+        for id_, recording in zip(task["recordings"], _read(task, task["recordings"]), strict=True)
     ]
 
     settings = settings_of(upgraded(task["draft"]), ())
@@ -89,7 +82,7 @@ def session(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     def told(step: "api.Step") -> None:
         tell({"what": step.what, "done": step.done, "total": step.total})
 
-    with _compiling(tell):
+    with _compiling():
         result = leg.run(None, settings, told=told)
     fits = {**result.fits, **({} if result.joint is None else {"joint": result.joint})}
     for name, fitted in fits.items():
@@ -132,14 +125,14 @@ def summary(fitted: "api.Fit") -> dict[str, Any]:
     }
 
 
-def profile(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
+def profile(task: Task) -> dict[str, Any]:
     """Profile parameters of a fit, and write them."""
     fitted = api.load(_file(task, "fits", task["fit"], ".json"))
 
     def told(name: str, done: int, total: int) -> None:
         tell({"parameter": name, "done": done, "total": total})
 
-    with _compiling(tell):
+    with _compiling():
         profiles = api.profile(fitted, task["parameters"], workers=1, progress=told)
     profiles.save(_file(task, "fits", task["id"], ".profiles.json"))
     missing = ", ".join(profiles.missing)
@@ -149,163 +142,83 @@ def profile(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
     }
 
 
-def compare(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
+def compare(task: Task) -> dict[str, Any]:
     """Compare models with rigid and compliant tendons on the same recordings."""
-    settings, _, inputs = _asked(task, tell)
+    settings, _, inputs = _asked(task)
 
     def told(what: str, done: int, total: int) -> None:
         tell({"what": what, "done": done, "total": total})
 
-    with _compiling(tell):
+    with _compiling():
         comparison = api.compare_models(inputs, task["models"], settings, told)
     comparison.save(_file(task, "comparisons", task["id"], ".json"))
     return {"message": comparison.conclusion, "interrupted": bool(comparison.missing)}
 
 
-def study(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
-    """Run a study, or go on with it."""
+def _counting(before: int = 0, total: int | None = None) -> Callable[..., None]:
+    """Tells how many parts are done, not too often; after `before` others, of so many in all."""
     last = 0.0
 
-    def told(done: int, total: int) -> None:
+    def count(done: int, of: int, *_: object) -> None:
         nonlocal last
-        if time.monotonic() - last > 0.2 or done == total:
+        if time.monotonic() - last > 0.2 or done == of:
             last = time.monotonic()
-            tell({"done": done, "total": total})
+            tell({"done": before + done, "total": total or of})
 
-    with api.Store(_file(task, "studies", task["study"], ".db"), write=True) as kept:
-        finished = api.run_study(api.parse_study(task["toml"]), kept, progress=told)
+    return count
+
+
+def study(task: Task) -> dict[str, Any]:
+    """Run a study, or go on with it."""
+    with api.Store(_file(task, "studies", task["study"], ".db"), write=True) as store:
+        finished = api.run_study(api.parse_study(task["toml"]), store, progress=_counting())
     return {"message": f"{finished.fits} fits, all there", "interrupted": False}
 
 
-def design(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
-    """Search a protocol of each duration; what was found when it is stopped is kept."""
-    settings, designs, total = task["settings"], list[dict[str, Any]](), task["evaluations"]
-    last, stopped = 0.0, False
+def design(task: Task) -> dict[str, Any]:
+    """Search a protocol of each duration; the best until it is stopped is kept."""
+    settings, designs, each = task["settings"], list[dict[str, Any]](), task["evaluations"]
     for k, seconds in enumerate(task["durations"]):
-
-        def told(done: int, of: int, best: float, k: int = k) -> None:
-            nonlocal last
-            del of, best
-            if time.monotonic() - last > 0.2:
-                last = time.monotonic()
-                tell({"done": k * total + done, "total": total * len(task["durations"])})
-
-        with _compiling(tell):
+        with _compiling():
             made = api.design(
                 seconds, device=settings["device"], range=tuple(settings["range"]),
-                rate_hz=settings["rate_hz"], evaluations=total, progress=told,
+                rate_hz=settings["rate_hz"], evaluations=each,
+                progress=_counting(k * each, each * len(task["durations"])),
                 **{key: task[key] for key in ("model", "population", "noise", "aim", "effort")},
             )  # fmt: skip
         designs.append({"name": f"designed {seconds:g} s {task['aim']}", **made.to_json()})
-        stopped = made.stopped
-        if stopped:
+        if made.stopped:
             break
     expectation = designs[-1]["expectation"]
     worst = "unknown" if expectation["worst"] is None else f"{100 * expectation['worst']:.2g} %"
     return {
         "message": f"largest error {worst} ({expectation['weakest']})",
-        "interrupted": stopped,
+        "interrupted": made.stopped,
         "designs": designs,
     }
 
 
-def report(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
+def report(fit: str, output: str, language: str | None = None) -> None:
     """Write a fit's report, or, in a language, its page for clinicians."""
-    del tell
-
-    fit = api.load(task["fit"])
-    if "language" in task:
-        api.write_clinical_page(task["output"], [fit], language=task["language"])
+    if language is None:
+        api.load(fit).report(output)
     else:
-        fit.report(task["output"])
-    return {}
+        api.write_clinical_page(output, [api.load(fit)], language=language)
 
 
-def short(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
+def short(fit: str, language: str) -> dict[str, Any]:
     """What a fit's page for clinicians says, to be shown by a page of ours."""
-    del tell
-
-    return asdict(api.clinical_page([api.load(task["fit"])], language=task["language"]))
+    return asdict(api.clinical_page([api.load(fit)], language=language))
 
 
-def warm(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
+def warm() -> None:
     """Load what a report needs, which takes longer than the report."""
-    del task, tell
-    from surae.web.live import warm
-
-    warm()
-    return {"bytes": len(api.png(api.new_figure(1.0)))}
+    sliders.warm()
+    api.png(api.new_figure(1.0))
 
 
-def inspect(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
-    """Say what is in uploaded files, and guess what each column is."""
-    del tell
-    return {"found": imports.inspected(task["files"])}
-
-
-def load(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
-    """Read what a mapping describes; keep it as a recording where ``output`` is given."""
-    del tell
-    return {"found": imports.imported(task["files"], task["mapping"], task.get("output"))}
-
-
-def describe(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
-    """Describe an imported recording anew, from its own file or, for other columns, the uploads."""
-    del tell
-    from surae.web.remap import described_anew
-
-    if task["files"] is not None:
-        return {"found": imports.imported(task["files"], task["wanted"], task["output"])}
-    recording = read_recording(task["path"])
-    recording = described_anew(recording, task["first"], task["wanted"])
-    if task["output"] is not None:
-        api.write_hdf5(task["output"], recording)
-    return {"found": imports.described(recording)}
-
-
-def columns(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
-    """The columns that an imported recording was made of, in their files' own numbers."""
-    del tell
-    from surae.web.remap import imported_columns
-
-    return {"columns": imported_columns(read_recording(task["path"]), task["first"])}
-
-
-def demo(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
+def demo(trial: int, output: str) -> dict[str, Any]:
     """Make a recording of the virtual subject, and keep it."""
-    del tell
-
-    recording = api.example(trial=task["trial"])
-    api.write_hdf5(task["output"], recording)
-    return {"found": imports.described(recording)}
-
-
-def quality(task: Mapping[str, Any], tell: Tell) -> dict[str, Any]:
-    """Judge the quality of a recording."""
-    del tell
-    return {"findings": imports.findings(read_recording(task["path"]))}
-
-
-#: Everything a worker can do.
-TASKS: dict[str, Callable[[Mapping[str, Any], Tell], dict[str, Any]]] = {
-    "fit": fit,
-    "profile": profile,
-    "session": session,
-    "compare": compare,
-    "design": design,
-    "study": study,
-    "report": report,
-    "short": short,
-    "warm": warm,
-    "inspect": inspect,
-    "load": load,
-    "describe": describe,
-    "columns": columns,
-    "demo": demo,
-    "quality": quality,
-}
-
-
-def do(task: Mapping[str, Any]) -> dict[str, Any]:
-    """Do the task that ``do`` names; what the server calls."""
-    return TASKS[task["do"]](task, processes.tell)
+    recording = api.example(trial=trial)
+    api.write_hdf5(output, recording)
+    return imports.described(recording)

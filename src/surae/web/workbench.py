@@ -3,37 +3,24 @@
 import threading
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import Any
 
 from surae import api
 from surae.files import PathLike
 from surae.web.caches import Cache
+from surae.web.curves import Curves, Pyramid
 from surae.web.events import Events
 from surae.web.http_errors import RefusedError
-from surae.web.jobs import Jobs, Kind
+from surae.web.imports import read_recording
+from surae.web.jobs import Jobs
+from surae.web.places import plural
 from surae.web.project import Project
-from surae.web.pyramid import Pyramid
 from surae.web.request_workers import RequestWorkers
 from surae.web.rows import Thing
 from surae.web.sessions import BrowserSession, BrowserSessions
 
 #: Memory for curves, for what models read, for fits and for reports [bytes].
 _CURVES, _PREPARED, _FITS, _REPORTS = 400e6, 400e6, 400e6, 40e6
-
-
-@dataclass(frozen=True, slots=True)
-class Curves:
-    """A recording's channels, ready to be shown."""
-
-    recording: api.Recording
-    pyramids: Mapping[str, Pyramid]
-
-    @property
-    def bytes(self) -> float:
-        """Memory that they take."""
-        times = {id(kept.time): kept.time.nbytes for kept in self.pyramids.values()}
-        return float(sum(times.values()) + sum(kept.bytes for kept in self.pyramids.values()))
 
 
 class Workbench:
@@ -62,20 +49,16 @@ class Workbench:
             _FITS, lambda kept: sum(250.0 * inputs.n for inputs in kept.result.problem.inputs)
         )
 
-    def start(self, kinds: Mapping[str, Kind]) -> None:
-        """Begin to work."""
-        self.jobs.start(kinds)
-
     def warm(self) -> None:
         """Load what sliders and reports need, before somebody waits for it."""
         threading.Thread(target=self._load, name="warm", daemon=True).start()
 
     def _load(self) -> None:
         with suppress(Exception):
-            from surae.web.live import warm
+            from surae.web.sliders import warm
 
             warm()
-            self.workers.ask("warm")
+            self.workers.ask("tasks:warm")
 
     def stop(self) -> None:
         """End streams, jobs and what requests wait for."""
@@ -91,10 +74,6 @@ class Workbench:
         self.stop()
         self.project.close()
 
-    def changed(self, what: str) -> None:
-        """Tell all browsers that a list has changed."""
-        self.events.tell("project", "changed", {"what": what})
-
     def recording(self, id_: str) -> api.Recording:
         """A recording of the project."""
         return self.curves(id_).recording
@@ -104,8 +83,6 @@ class Workbench:
         row = self.project.need("recording", id_)
 
         def make() -> Curves:
-            from surae.web.tasks import read_recording
-
             recording = read_recording(self.project.recording_path(row))
             pyramids = {
                 role: Pyramid(kept.time, kept.values) for role, kept in recording.channels.items()
@@ -136,11 +113,7 @@ class Workbench:
         if self.jobs.of(id_):
             raise RefusedError(409, f"a job is at work on this {kind}; cancel it first")
         self.sessions.delete(session, kind, id_, label)
-        self.changed(f"{kind}s" if kind != "study" else "studies")
-
-    def draft(self, session: BrowserSession, given: Mapping[str, Any] | None) -> dict[str, Any]:
-        """The draft that a request means: its own, or the session's."""
-        return dict(given) if given is not None else self.sessions.draft(session)
+        self.events.changed(plural(kind))
 
     def draft_recordings(self, draft: Mapping[str, Any]) -> list[Thing]:
         """The recordings of a draft."""

@@ -2,15 +2,20 @@
 
 import json
 import re
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated, Any
 
-from fastapi import Depends, Header, Path, Request
+from fastapi import APIRouter, Depends, Header, Request, Response
+from fastapi import Path as InPath
 
 from surae.files import sha256
 from surae.web.draft import changed, empty_draft
 from surae.web.http_errors import RefusedError
 from surae.web.rows import Thing
 from surae.web.schemas import DraftChange, Error
+from surae.web.security import NO_SESSION
 from surae.web.sessions import BrowserSession
 from surae.web.workbench import Workbench
 
@@ -30,7 +35,7 @@ def session(request: Request) -> BrowserSession:
     """The browser's session, which `surae.web.security` has found."""
     state: BrowserSession | None = getattr(request.state, "session", None)
     if state is None:
-        raise RefusedError(403, "no session: GET /api/session first, and send its cookie")
+        raise RefusedError(403, NO_SESSION)
     return state
 
 
@@ -64,7 +69,7 @@ _TWICE = re.compile(r"(?<![A-Za-z0-9_-])([A-Za-z][A-Za-z0-9_-]*)-\1(?=-|$)")
 
 Bench = Annotated[Workbench, Depends(workbench)]
 Browser = Annotated[BrowserSession, Depends(session)]
-PathId = Annotated[str, Path(pattern=r"^[0-9a-f]{16}$")]
+PathId = Annotated[str, InPath(pattern=r"^[0-9a-f]{16}$")]
 
 
 def attachment(name: str, suffix: str) -> dict[str, str]:
@@ -72,6 +77,26 @@ def attachment(name: str, suffix: str) -> dict[str, str]:
     slug = "-".join(re.findall(r"[A-Za-z0-9_]+", name[:200]))
     slug = _TWICE.sub(r"\1", slug)[:80].strip("-")
     return {"content-disposition": f'attachment; filename="{slug or "surae"}{suffix}"'}
+
+
+def made_file(name: str, write: Callable[[Path], object]) -> bytes:
+    """What is written to a file of that name, which is nowhere afterwards."""
+    with TemporaryDirectory(prefix="surae-") as folder:
+        path = Path(folder) / name
+        write(path)
+        return path.read_bytes()
+
+
+def offer_deletion(router: APIRouter, path: str, kind: str) -> None:
+    """Have things of a kind deleted by their address; undo brings them back."""
+
+    def delete(id: PathId, bench: Bench, browser: Browser) -> Response:
+        """Delete it; undo brings it back."""
+        name = bench.project.need(kind, id)["name"]
+        bench.delete(browser, kind, id, f"delete {kind} {name}"[:120])
+        return Response(status_code=204)
+
+    router.delete(path, status_code=204, name=f"delete_{kind}")(delete)
 
 
 def chosen_draft(

@@ -7,7 +7,7 @@ from fastapi import APIRouter
 from surae.errors import InputError
 from surae.files import sha256_of
 from surae.web.http_errors import RefusedError
-from surae.web.imports import file_name
+from surae.web.imports import file_name, row_of
 from surae.web.places import recording_suffix, uploads_of
 from surae.web.remap import FIELDS, first_mapping, like, needs_files, present_mapping, proposals
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId
@@ -26,11 +26,11 @@ def get_description(id: PathId, bench: Bench) -> dict[str, Any]:
     first = first_mapping(row)
     files = _uploaded(bench, first)
     if files is not None:
-        seen = bench.workers.ask("inspect", files=files)["found"]["columns"]
+        seen = bench.workers.ask("imports:inspected", files=files)["columns"]
         columns = [column for column in seen if column["usable"]]
     else:
         path = str(bench.project.path("recordings", id, ".h5"))
-        columns = bench.workers.ask("columns", path=path, first=first)["columns"]
+        columns = bench.workers.ask("remap:imported_columns", path=path, first=first)
     uploads = dict.fromkeys(column["upload"] for column in columns)
     names = {file["id"]: file["name"] for file in files or []}
     return {
@@ -80,13 +80,8 @@ def post_description(given: DescriptionGiven, bench: Bench, browser: Browser) ->
             paths.append(path)
             result = _made(bench, row, wanted, str(path))
             made[row["id"]] = {
-                "version": number, "version_sha256": sha256_of(path), "mapping": wanted,
-                "emg": result["emg"], "fixed": result["fixed"], "duration_s": result["duration_s"],
-                "findings": result["findings"],
-                "channels": [
-                    {key: channel[key] for key in ("role", "unit", "n", "rate_hz", "source")}
-                    for channel in result["channels"]
-                ],
+                **row_of(result), "version": number, "version_sha256": sha256_of(path),
+                "mapping": wanted,
             }  # fmt: skip
         others = f" and {len(rows) - 1} more" if len(rows) > 1 else ""
         firsts = {row["id"]: first_mapping(row) for row in rows}
@@ -97,7 +92,7 @@ def post_description(given: DescriptionGiven, bench: Bench, browser: Browser) ->
         for path in paths:
             path.unlink(missing_ok=True)
         raise
-    bench.changed("recordings")
+    bench.events.changed("recordings")
     return {
         "recordings": [
             shown_recording(bench, bench.project.need("recording", row["id"])) for row in rows
@@ -114,8 +109,9 @@ def _made(
     path = str(bench.project.path("recordings", row["id"], ".h5"))
     try:
         result: dict[str, Any] = bench.workers.ask(
-            "describe", path=path, files=files, first=first, wanted=wanted, output=output
-        )["found"]
+            "remap:redescribed",
+            path=path, files=files, first=first, wanted=wanted, output=output,
+        )  # fmt: skip
     except InputError as error:
         raise RefusedError(400, f"{row['name']}: {error}") from None
     return result

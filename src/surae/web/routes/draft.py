@@ -11,9 +11,9 @@ from surae.processes import one_line
 from surae.web.draft import described, empty_draft, parameter_table, settings_of
 from surae.web.fits import check_draft, prepared_draft
 from surae.web.http_errors import RefusedError
-from surae.web.live import live
 from surae.web.routes.common import ERRORS, Bench, Browser
 from surae.web.schemas import DraftPatch, LiveGiven
+from surae.web.sliders import live
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["session"])
 

@@ -1,14 +1,13 @@
 """Fits: asked for, understood, tried on other recordings, reported."""
 
 import json
-import tempfile
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Response
 from fastapi.responses import FileResponse
 
 from surae import api
+from surae.web.curves import plain
 from surae.web.fits import (
     fit_detail,
     fit_summary,
@@ -16,7 +15,6 @@ from surae.web.fits import (
     submit_fit,
 )
 from surae.web.http_errors import RefusedError
-from surae.web.live import plain
 from surae.web.routes.common import (
     ERRORS,
     Bench,
@@ -25,6 +23,8 @@ from surae.web.routes.common import (
     Responses,
     attachment,
     chosen_draft,
+    made_file,
+    offer_deletion,
 )
 from surae.web.routes.recordings import Instant
 from surae.web.schemas import (
@@ -81,16 +81,11 @@ def get_fit(id: PathId, bench: Bench) -> dict[str, Any]:
 def patch_fit(id: PathId, given: NameGiven, bench: Bench) -> dict[str, Any]:
     """Give it another name."""
     changed = bench.project.change("fit", id, name=given.name)
-    bench.changed("fits")
+    bench.events.changed("fits")
     return fit_summary(bench, changed)
 
 
-@router.delete("/fits/{id}", status_code=204)
-def delete_fit(id: PathId, bench: Bench, browser: Browser) -> Response:
-    """Delete it; undo brings it back."""
-    row = bench.project.need("fit", id)
-    bench.delete(browser, "fit", id, f"delete fit {row['name']}"[:120])
-    return Response(status_code=204)
+offer_deletion(router, "/fits/{id}", "fit")
 
 
 @router.get("/fits/{id}/fit.json", response_class=FileResponse)
@@ -180,7 +175,7 @@ def get_short(id: PathId, bench: Bench, language: Language = "en") -> Response:
     fit = bench.project.path("fits", id, ".json")
 
     def make() -> bytes:
-        page = bench.workers.ask("short", fit=str(fit), language=language)
+        page = bench.workers.ask("tasks:short", fit=str(fit), language=language)
         return json.dumps(page).encode()
 
     page = bench.reports.get((id, f"short-{language}"), make)  # a fit never changes
@@ -207,11 +202,12 @@ def _report(
     name, fit = bench.project.need("fit", id_)["name"], bench.project.path("fits", id_, ".json")
 
     def make() -> bytes:
-        with tempfile.TemporaryDirectory(prefix="surae-report-") as folder:
-            output = Path(folder) / f"report.{kind}"
-            asked = {} if language is None else {"language": language}
-            bench.workers.ask("report", fit=str(fit), output=str(output), **asked)
-            return output.read_bytes()
+        return made_file(
+            f"report.{kind}",
+            lambda path: bench.workers.ask(
+                "tasks:report", fit=str(fit), output=str(path), language=language
+            ),
+        )
 
     return name, bench.reports.get((id_, kind + (language or "")), make)  # a fit never changes
 

@@ -25,7 +25,7 @@ def get_jobs(bench: Bench, browser: Browser, active: bool = False) -> dict[str, 
 @router.get("/jobs/{id}")
 def get_job(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Tell how one job stands."""
-    return bench.jobs.shown(bench.jobs.get(id), browser)
+    return bench.jobs.shown(bench.project.need("job", id), browser)
 
 
 @router.post("/jobs/{id}/cancel")
@@ -45,11 +45,11 @@ async def job_events(id: PathId, bench: Bench, browser: Browser) -> StreamingRes
     """What happens to it, as server-sent events; how it stands comes first."""
     from starlette.concurrency import run_in_threadpool
 
-    await run_in_threadpool(bench.jobs.get, id)
+    await run_in_threadpool(bench.project.need, "job", id)
     bench.events.refuse_more(browser.key)
 
     def first() -> list[tuple[str, Any]]:
-        job = bench.jobs.shown(bench.jobs.get(id), browser)
+        job = bench.jobs.shown(bench.project.need("job", id), browser)
         told: list[tuple[str, Any]] = [("state", job)]
         if job["progress"] is not None:
             told.append(("progress", job["progress"]))

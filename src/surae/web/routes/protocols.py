@@ -1,21 +1,32 @@
-"""The protocol designer."""
+"""The protocol designer: a motion before anybody is measured, its limits, what it will tell."""
 
-import tempfile
+import time
+from collections.abc import Mapping
 from dataclasses import asdict
-from pathlib import Path
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Response
 
 from surae import api
-from surae.web.designer import for_export, preview, side_by_side, trajectory_of
+from surae.errors import InputError
+from surae.web.curves import plain
 from surae.web.project import when
-from surae.web.routes.common import ERRORS, Bench, Browser, PathId, Responses, attachment
+from surae.web.routes.common import (
+    ERRORS,
+    Bench,
+    Browser,
+    PathId,
+    Responses,
+    attachment,
+    made_file,
+    offer_deletion,
+)
 from surae.web.rows import Thing
 from surae.web.schemas import (
     ProtocolDesign,
     ProtocolFile,
     ProtocolGiven,
+    ProtocolPlan,
     ProtocolPreview,
     ProtocolSettings,
 )
@@ -97,16 +108,11 @@ def post_protocol(given: ProtocolGiven, bench: Bench) -> dict[str, Any]:
     """Keep a protocol."""
     trajectory_of(given.settings)
     id_ = bench.database.add("protocol", given.model_dump(mode="json"))
-    bench.changed("protocols")
+    bench.events.changed("protocols")
     return _shown(bench.project.need("protocol", id_))
 
 
-@router.delete("/{id}", status_code=204)
-def delete_protocol(id: PathId, bench: Bench, browser: Browser) -> Response:
-    """Delete it; undo brings it back."""
-    thing = bench.project.need("protocol", id)
-    bench.delete(browser, "protocol", id, f"delete protocol {thing['name']}"[:120])
-    return Response(status_code=204)
+offer_deletion(router, "/{id}", "protocol")
 
 
 @router.get("/{id}/protocol.csv", response_class=Response, responses=_CSV)
@@ -121,10 +127,9 @@ def get_csv(
 def _file(settings: ProtocolSettings, name: str, reason: str) -> Response:
     trajectory = for_export(settings, reason)
     note = f"without limits: {' '.join(reason.split())}" if reason.strip() else ""
-    with tempfile.TemporaryDirectory(prefix="surae-protocol-") as folder:
-        path = Path(folder) / "protocol.csv"
-        api.write_protocol_csv(trajectory, path, note=note)
-        data = path.read_bytes()
+    data = made_file(
+        "protocol.csv", lambda path: api.write_protocol_csv(trajectory, path, note=note)
+    )
     return Response(data, media_type="text/csv", headers=attachment(name, ".csv"))
 
 
@@ -135,3 +140,151 @@ def _shown(thing: Thing) -> dict[str, Any]:
         "settings": thing["settings"],
         "created": when(thing["created"]),
     }
+
+
+_POINTS = 2000
+#: More samples than this, ten minutes at 2 kHz, are a slip of the keyboard.
+_MOST_SAMPLES = 1_200_000
+#: Samples of the torque that the prediction is made of; more tell it nothing else.
+_PREDICTED = 60_000
+#: Legs that a preview is an average over.
+_LEGS = 6
+
+
+def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:
+    """The trajectory of some settings: a designed protocol, or a profile of the thesis."""
+    device = None if settings.device is None else api.named_device(settings.device)
+    if settings.plan is not None:
+        limits = settings.limits or (*settings.range, 1e6, 1e6)
+        api.allowed_range(device, limits[:2])
+        if settings.plan.seconds * settings.rate_hz > _MOST_SAMPLES:
+            raise InputError("too many samples; use a lower rate")
+        return api.Plan.sampled(_plain(settings.plan), limits, settings.rate_hz, device)
+    if settings.profile in api.ready_protocols():
+        return api.ready_trajectory(settings.profile, device, settings.range, settings.rate_hz)
+    made = api.Protocol(
+        profile=settings.profile,
+        task=settings.task,
+        chirp_amplitude=settings.chirp_amplitude,
+        chirp_rate=settings.chirp_rate,
+        range_of_motion=settings.range,
+        duration=settings.duration,
+        rate_hz=settings.rate_hz,
+        device=device,
+        adapt=settings.adapt,
+    )
+    if made.seconds * max(made.rate_hz, 2000.0) > _MOST_SAMPLES:
+        raise InputError(
+            f"{made.seconds:g} s at {made.rate_hz:g} Hz are too many samples; use a shorter "
+            "duration or a lower rate"
+        )
+    return api.generate(made)
+
+
+def for_export(settings: ProtocolSettings, reason: str) -> api.Trajectory:
+    """The trajectory, if it may be written: within a device's limits, or for a reason."""
+    trajectory = trajectory_of(settings)
+    exceeded = [limit for limit in limits(settings, trajectory) if limit["exceeded"]]
+    if exceeded and not reason.strip():
+        told = "; ".join(limit["text"] for limit in exceeded)
+        raise InputError(f"{told}; nothing is exported without a reason: type it, or change this")
+    return trajectory
+
+
+def limits(settings: ProtocolSettings, trajectory: api.Trajectory) -> list[dict[str, Any]]:
+    """Every limit of the device, whether it is exceeded by those it is for, and by how much."""
+    if trajectory.settings.device is None:
+        return [{"text": "No device: no limit is kept", "exceeded": True}]
+    model, population = "muscle", None
+    if settings.plan is not None:
+        model, population = settings.plan.model, settings.plan.population
+    elif settings.profile in api.ready_protocols():
+        model = api.ready_protocols()[settings.profile].model
+    asked = api.asked_limits(trajectory, model, population)
+    return [{"text": limit.text, "exceeded": limit.exceeded} for limit in asked]
+
+
+def _plain(plan: ProtocolPlan) -> dict[str, Any]:
+    """The plan, without whom it is for."""
+    return plan.model_dump(exclude={"model", "population"})
+
+
+def preview(
+    settings: ProtocolSettings, model: str, population: str, noise: float
+) -> dict[str, Any]:
+    """The motion, the effort, the limits, the coverage, and the standard errors to expect."""
+    begin = time.perf_counter()
+    trajectory = trajectory_of(settings)
+    if len(trajectory.time) > _PREDICTED:
+        raise InputError(
+            f"{len(trajectory.time)} samples at {settings.rate_hz:g} Hz are too many to predict "
+            "from; use a rate of 125 Hz: it tells as much"
+        )
+    path, adaptation = api.triceps_path(trajectory), trajectory.adaptation
+    told = api.expect(trajectory, model, population=population, noise=noise, legs=_LEGS)
+    shown = api.extremes([trajectory.angle, trajectory.velocity], _POINTS)
+    step = max(-(-len(trajectory.time) // _POINTS), 1)
+    return {
+        "t": plain(trajectory.time[shown]),
+        "angle": plain(trajectory.angle[shown]),
+        "velocity": plain(trajectory.velocity[shown]),
+        "effort": [plain(trajectory.effort[shown, i]) for i in range(4)],
+        "seconds": float(trajectory.time[-1]),
+        "samples": len(trajectory.time),
+        "limits": limits(settings, trajectory),
+        "adaptation": None if adaptation is None else list(adaptation.steps),
+        "coverage": {
+            "share": path.coverage.share,
+            "outside": path.coverage.outside,
+            "length_edges": plain(path.coverage.length_edges),
+            "velocity_edges": plain(path.coverage.velocity_edges),
+            "time_share": [plain(row) for row in path.coverage.time_share],
+        },
+        "path": {"length": plain(path.length[::step]), "velocity": plain(path.velocity[::step])},
+        "prediction": told.to_json() | {"identified": told.identified},
+        "milliseconds": round(1e3 * (time.perf_counter() - begin), 3),
+    }
+
+
+def side_by_side(
+    settings: ProtocolSettings,
+    model: str,
+    population: str,
+    noise: float,
+    kept: Mapping[str, ProtocolSettings],
+) -> list[dict[str, Any]]:
+    """Every protocol: of the thesis, those that come designed, and those that are kept.
+
+    The legs and the noise are the same; those that are kept move over their own range.
+    """
+    rows = []
+    short = [name for name, profile in api.PROFILES.items() if profile.duration < 20.0]
+    fresh = {"rate_hz": 128.0, "duration": None, "plan": None, "limits": None}
+    compared = {
+        name: settings.model_copy(
+            update={**fresh, "profile": name, **({"task": "passive"} if name in short else {})}
+        )
+        for name in (*api.ready_protocols(), *api.PROFILES)
+    } | {name: given.model_copy(update={"rate_hz": 128.0}) for name, given in kept.items()}
+    for name, asked in compared.items():
+        designed = name in api.ready_protocols() or asked.plan is not None
+        row: dict[str, Any] = {"name": name, "designed": designed}
+        try:
+            trajectory = trajectory_of(asked)
+            told = api.expect(trajectory, model, population=population, noise=noise, legs=_LEGS)
+        except InputError as refusal:
+            rows.append(row | {"refused": str(refusal)})
+            continue
+        rows.append(
+            row
+            | {
+                "seconds": told.seconds,
+                "worst": told.worst,
+                "weakest": told.weakest,
+                "geometric_mean": told.geometric_mean,
+                "identified": told.identified,
+                "of": len(told.parameters),
+                "exceeded": [x["text"] for x in limits(asked, trajectory) if x["exceeded"]],
+            }
+        )
+    return rows

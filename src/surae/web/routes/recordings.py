@@ -9,9 +9,9 @@ import numpy as np
 from fastapi import APIRouter, Query, Response
 
 from surae import api
+from surae.web.curves import Pyramid, Window
 from surae.web.http_errors import RefusedError
 from surae.web.project import when
-from surae.web.pyramid import Pyramid, Window
 from surae.web.remap import proposals
 from surae.web.routes.common import (
     ERRORS,
@@ -19,6 +19,7 @@ from surae.web.routes.common import (
     Browser,
     PathId,
     Seen,
+    offer_deletion,
     refuse_unseen,
     revision,
 )
@@ -61,7 +62,7 @@ def post_subject(given: SubjectGiven, bench: Bench) -> dict[str, Any]:
     with bench.database.transaction():
         _refuse_code(bench, given.code, None)
         id_ = bench.database.add("subject", given.model_dump())
-    bench.changed("subjects")
+    bench.events.changed("subjects")
     return _subject(bench.project.need("subject", id_), 0, 0)
 
 
@@ -77,7 +78,7 @@ def patch_subject(
         if "code" in changes:
             _refuse_code(bench, changes["code"], id)
         subject = bench.project.change("subject", id, **changes)
-    bench.changed("subjects")
+    bench.events.changed("subjects")
     count = sum(recording["subject"] == id for recording in bench.database.all("recording"))
     return _subject(subject, count, 0)
 
@@ -153,16 +154,11 @@ def patch_recording(
         refuse_unseen(bench.project.need("recording", id), seen)
         _refuse_name(bench, changes.get("name"), id)
         recording = bench.project.change("recording", id, **changes)
-    bench.changed("recordings")
+    bench.events.changed("recordings")
     return shown_recording(bench, recording)
 
 
-@router.delete("/recordings/{id}", status_code=204)
-def delete_recording(id: PathId, bench: Bench, browser: Browser) -> Response:
-    """Delete it; undo brings it back."""
-    recording = bench.project.need("recording", id)
-    bench.delete(browser, "recording", id, f"delete recording {recording['name']}"[:120])
-    return Response(status_code=204)
+offer_deletion(router, "/recordings/{id}", "recording")
 
 
 def shown_recording(bench: Workbench, recording: Thing) -> dict[str, Any]:
@@ -191,7 +187,7 @@ def get_quality(id: PathId, bench: Bench) -> dict[str, Any]:
     recording = bench.project.need("recording", id)
     if recording.get("findings") is None:
         path = str(bench.project.recording_path(recording))
-        findings = bench.workers.ask("quality", path=path)["findings"]
+        findings = bench.workers.ask("imports:quality", path=path)
         recording = bench.project.change("recording", id, findings=findings)
     return {"findings": proposals(recording["findings"], recording)}
 

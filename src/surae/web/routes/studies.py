@@ -1,8 +1,6 @@
 """Studies: thousands of fits of virtual trials, started, watched, opened."""
 
-import tempfile
 from itertools import islice
-from pathlib import Path
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Response
@@ -11,7 +9,16 @@ from surae import api
 from surae.errors import SuraeError
 from surae.web.http_errors import RefusedError
 from surae.web.project import when
-from surae.web.routes.common import ERRORS, Bench, Browser, PathId, Responses, attachment
+from surae.web.routes.common import (
+    ERRORS,
+    Bench,
+    Browser,
+    PathId,
+    Responses,
+    attachment,
+    made_file,
+    offer_deletion,
+)
 from surae.web.rows import Thing
 from surae.web.schemas import StudyGiven
 from surae.web.sessions import BrowserSession
@@ -43,7 +50,7 @@ def post_study(given: StudyGiven, bench: Bench, browser: Browser) -> dict[str, A
     id_ = bench.database.add("study", data)
     if given.start:
         _start(bench, browser, bench.project.need("study", id_), study)
-    bench.changed("studies")
+    bench.events.changed("studies")
     return _shown(bench, bench.project.need("study", id_))
 
 
@@ -60,12 +67,7 @@ def start_study(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
     return _start(bench, browser, thing, api.parse_study(thing["toml"]))
 
 
-@router.delete("/{id}", status_code=204)
-def delete_study(id: PathId, bench: Bench, browser: Browser) -> Response:
-    """Delete it; undo brings it back."""
-    thing = bench.project.need("study", id)
-    bench.delete(browser, "study", id, f"delete study {thing['name']}"[:120])
-    return Response(status_code=204)
+offer_deletion(router, "/{id}", "study")
 
 
 @router.get("/{id}/table")
@@ -88,10 +90,8 @@ def get_table(
 def get_csv(id: PathId, bench: Bench) -> Response:
     """The table, as `surae study export` writes it."""
     thing = bench.project.need("study", id)
-    with _kept(bench, id) as kept, tempfile.TemporaryDirectory(prefix="surae-study-") as folder:
-        path = Path(folder) / "table.csv"
-        api.export_study(kept, path)
-        data = path.read_bytes()
+    with _kept(bench, id) as kept:
+        data = made_file("table.csv", lambda path: api.export_study(kept, path))
     return Response(data, media_type="text/csv", headers=attachment(thing["name"], ".csv"))
 
 

@@ -11,7 +11,7 @@ from surae import api
 from surae.units import FACTORS, kind
 from surae.web.database import new_id
 from surae.web.http_errors import RefusedError, not_found
-from surae.web.imports import file_name
+from surae.web.imports import file_name, row_of
 from surae.web.project import unique_name, when
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId
 from surae.web.routes.recordings import shown_recording
@@ -125,12 +125,11 @@ def inspect_upload(
     upload = _upload(bench, browser, id)
     others = [] if also is None else [_upload(bench, browser, other) for other in also.split(",")]
     files = _files(bench, browser, [upload, *others])
-    result = bench.workers.ask("inspect", files=files)["found"]
+    result = bench.workers.ask("imports:inspected", files=files)
     if not result["columns"]:  # a mapping: what it names may be among all uploads
         rest = [u for u in _uploads(bench, browser) if u["id"] != upload["id"]]
-        result = bench.workers.ask("inspect", files=_files(bench, browser, [upload, *rest]))[
-            "found"
-        ]
+        files = _files(bench, browser, [upload, *rest])
+        result = bench.workers.ask("imports:inspected", files=files)
     return {"id": upload["id"], "name": upload["name"], **result}
 
 
@@ -173,10 +172,10 @@ def post_demo(bench: Bench, browser: Browser) -> dict[str, Any]:
         for recording in bench.database.all("recording")
     )
     path = str(bench.project.path("recordings", id_, ".h5"))
-    result = bench.workers.ask("demo", trial=trial, output=path)["found"]
+    result = bench.workers.ask("tasks:demo", trial=trial, output=path)
     with bench.database.transaction():
         subject = _virtual(bench) or bench.database.add("subject", _VIRTUAL_SUBJECT)
-    bench.changed("subjects")
+    bench.events.changed("subjects")
     return _added(bench, id_, result, subject, f"T{trial}", "", None)
 
 
@@ -214,24 +213,17 @@ def _added(
 ) -> dict[str, Any]:
     """Add a recording, whose file is there, to the project."""
     data = {
+        **row_of(result),
         "name": unique_name(bench.database.all("recording"), result["name"], 120),
         "subject": subject,
         "side": result["side"],
         "trial": trial,
         "condition": condition,
-        "duration_s": result["duration_s"],
-        "emg": result["emg"],
-        "fixed": result["fixed"],
-        "channels": [
-            {key: channel[key] for key in ("role", "unit", "n", "rate_hz", "source")}
-            for channel in result["channels"]
-        ],
         "files": result["files"],
         "mapping": mapping,
-        "findings": result["findings"],
     }
     bench.project.add("recording", data, id_)
-    bench.changed("recordings")
+    bench.events.changed("recordings")
     return shown_recording(bench, bench.project.need("recording", id_))
 
 
@@ -242,9 +234,9 @@ def _imported(
     wanted = dict.fromkeys(upload["upload"] for upload in mapping["channels"].values())
     uploads = [_upload(bench, browser, id_) for id_ in wanted]
     files = _files(bench, browser, uploads)
-    result: dict[str, Any] = bench.workers.ask("load", files=files, mapping=mapping, output=output)[
-        "found"
-    ]
+    result: dict[str, Any] = bench.workers.ask(
+        "imports:imported", files=files, mapping=mapping, output=output
+    )
     return result
 
 

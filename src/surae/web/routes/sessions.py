@@ -1,25 +1,108 @@
-"""Sessions of the workbench: trials of one leg, fitted each and together by `Session.run`."""
+"""Sessions: the trials of one leg, sorted, fitted each and together, predicted by each other."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from fastapi import APIRouter
+from fastapi.responses import FileResponse
 
 from surae import api
 from surae.web.database import new_id
-from surae.web.fits import add_fit, fit_summary, versions_of
+from surae.web.fits import add_fit, check_draft, fit_summary, versions_of
 from surae.web.http_errors import RefusedError
 from surae.web.project import unique_name, when
+from surae.web.routes.common import (
+    ERRORS,
+    Bench,
+    Browser,
+    PathId,
+    attachment,
+    chosen_draft,
+    offer_deletion,
+)
 from surae.web.rows import Thing
+from surae.web.schemas import NameGiven, SessionGiven, TrialsGiven
 from surae.web.sessions import BrowserSession
+from surae.web.workbench import Workbench
 
-if TYPE_CHECKING:
-    from surae.web.workbench import Workbench
+router = APIRouter(prefix="/api/sessions", responses=ERRORS, tags=["sessions"])
+
+_TYPES = {".html": "text/html", ".pdf": "application/pdf"}
+
+
+@router.post("/trials")
+def post_trials(given: TrialsGiven, bench: Bench) -> dict[str, Any]:
+    """What each trial is and is used for, as its signals and the others tell."""
+    return {"trials": sorted_as(bench, given.recordings, given.efforts)}
+
+
+@router.post("", status_code=202)
+def post_session(given: SessionGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Ask for the fits of a session; the answer is their job."""
+    draft = chosen_draft(bench, browser, given.draft)
+    moving = [
+        each["recording"]
+        for each in sorted_as(bench, given.recordings, given.efforts)
+        if each["fitted"]
+    ]
+    if not moving:
+        raise RefusedError(400, "none of these trials moves: nothing can be fitted")
+    check_draft(bench, {**draft, "recordings": moving[:1], "mvc": [], "normalise": None})
+    job = submit_session(bench, browser, draft, given.recordings, given.efforts, given.name)
+    return bench.jobs.shown(job, browser)
+
+
+@router.get("")
+def get_sessions(bench: Bench) -> dict[str, Any]:
+    """Sessions, the newest first."""
+    every = reversed(bench.database.all("session"))
+    return {"sessions": [session_summary(bench, each) for each in every]}
+
+
+@router.get("/{id}")
+def get_session(id: PathId, bench: Bench) -> dict[str, Any]:
+    """What the report of one says, and its fits."""
+    return session_detail(bench, bench.project.need("session", id))
+
+
+@router.patch("/{id}")
+def patch_session(id: PathId, given: NameGiven, bench: Bench) -> dict[str, Any]:
+    """Give it another name."""
+    changed = bench.project.change("session", id, name=given.name)
+    bench.events.changed("sessions")
+    return session_summary(bench, changed)
+
+
+offer_deletion(router, "/{id}", "session")
+
+
+@router.get("/{id}/report.html", response_class=FileResponse)
+def get_page(id: PathId, bench: Bench) -> FileResponse:
+    """Its report: one file to keep."""
+    return _report(bench, id, ".html")
+
+
+@router.get("/{id}/report.pdf", response_class=FileResponse)
+def get_paper(id: PathId, bench: Bench) -> FileResponse:
+    """Its report for paper."""
+    return _report(bench, id, ".pdf")
+
+
+def _report(bench: Bench, id_: str, suffix: str) -> FileResponse:
+    row = bench.project.need("session", id_)
+    path = bench.project.path("sessions", id_, suffix)
+    if not path.is_file():
+        raise RefusedError(404, "this file of the session is missing; fit the session again")
+    headers = attachment(row["name"], suffix)
+    return FileResponse(path, media_type=_TYPES[suffix], headers=headers)
+
 
 _TOGETHER = "all together"
 
 
 def sorted_as(
-    bench: "Workbench", recordings: Sequence[str], efforts: Mapping[str, str]
+    bench: Workbench, recordings: Sequence[str], efforts: Mapping[str, str]
 ) -> list[dict[str, Any]]:
     """What each trial is, and what it is used for, in the words of the report."""
     rows = {id_: bench.project.need("recording", id_) for id_ in dict.fromkeys(recordings)}
@@ -42,7 +125,7 @@ def sorted_as(
 
 
 def submit_session(
-    bench: "Workbench",
+    bench: Workbench,
     browser: BrowserSession,
     draft: dict[str, Any],
     recordings: Sequence[str],
@@ -75,13 +158,13 @@ def submit_session(
     return bench.jobs.submit("session", called, browser, task, chosen[0])
 
 
-def _usual_name(bench: "Workbench", rows: Sequence[Thing]) -> str:
+def _usual_name(bench: Workbench, rows: Sequence[Thing]) -> str:
     subject = bench.database.get("subject", rows[0]["subject"]) if rows[0]["subject"] else None
     parts = ["session", None if subject is None else subject["code"], rows[0]["side"]]
     return " ".join(filter(None, parts))
 
 
-def keep_session(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
+def keep_session(bench: Workbench, job: Thing, end: Mapping[str, Any]) -> str:
     """Add a session to the project, and its fits as fits like any other."""
     task, ids = job["task"], {}
     by_name = {name: id_ for id_, name in task["names"].items()}
@@ -99,11 +182,11 @@ def keep_session(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
     }
     id_ = bench.project.add("session", data, job["id"])
     for what in ("fits", "sessions"):
-        bench.changed(what)
+        bench.events.changed(what)
     return id_
 
 
-def session_summary(bench: "Workbench", session: Thing) -> dict[str, Any]:
+def session_summary(bench: Workbench, session: Thing) -> dict[str, Any]:
     """A session in lists."""
     first = bench.database.get("recording", session["recordings"][0], deleted=True)
     adequacy = session["content"].get("adequacy")
@@ -119,7 +202,7 @@ def session_summary(bench: "Workbench", session: Thing) -> dict[str, Any]:
     }
 
 
-def session_detail(bench: "Workbench", session: Thing) -> dict[str, Any]:
+def session_detail(bench: Workbench, session: Thing) -> dict[str, Any]:
     """What the report says, and the fits that are still there."""
     fits = {name: bench.database.get("fit", id_) for name, id_ in session["fits"].items()}
     return {

@@ -11,11 +11,12 @@ from surae import api
 from surae.errors import InputError
 from surae.units import FloatArray
 from surae.web.caches import Cache
+from surae.web.curves import plain, within
 from surae.web.draft import Draft, spec_of, values_of
 
 #: Longest signals that a slider simulates at their full rate; longer ones are thinned.
 _RIGID, _COMPLIANT = 400_000, 12_000
-_PARTS = ("tissue_tri", "tissue_tib", "neural_tri", "neural_tib", "inertial", "gravitational")
+PARTS = ("tissue_tri", "tissue_tib", "neural_tri", "neural_tib", "inertial", "gravitational")
 
 #: Memory for simulators [bytes].
 _KEPT = 300e6
@@ -64,7 +65,9 @@ def live(
             torque = split.total
         else:
             torque = simulator.torque(vector)
-    shown = _shown(fewer_inputs.time, points, start, end)
+    part = within(fewer_inputs.time, start, end)
+    step = max(-(-(part.stop - part.start) // points), 1)
+    shown = slice(part.start, part.stop, step)
     vaf = rmse = None
     measured = fewer_inputs.torque
     if measured is not None:
@@ -78,7 +81,7 @@ def live(
         "t": plain(fewer_inputs.time[shown]),
         "modelled": plain(torque[shown]),
         "measured": None if measured is None else plain(measured[shown]),
-        "parts": {name: plain(getattr(split, name)[shown]) for name in _PARTS} if parts else None,
+        "parts": {name: plain(getattr(split, name)[shown]) for name in PARTS} if parts else None,
         "vaf": vaf,
         "rmse": rmse,
         "milliseconds": round(1e3 * (time.perf_counter() - begin), 3),
@@ -89,27 +92,11 @@ def _recording(key: object) -> str:
     return str(key[0]) if isinstance(key, tuple) else str(key)
 
 
-def _shown(times: FloatArray, points: int, start: float | None, end: float | None) -> slice:
-    """Which samples are shown: equally spaced ones within the window."""
-    first = 0 if start is None else max(int(np.searchsorted(times, start)) - 1, 0)
-    last = len(times) if end is None else int(np.searchsorted(times, end, "right")) + 1
-    last = min(max(last, first), len(times))
-    return slice(first, last, max(-(-(last - first) // points), 1))
-
-
 def _counted(times: FloatArray, spans: list[list[float]]) -> Any:
     counted = np.ones(len(times), dtype=bool)
     for begin, end in spans:
         counted &= ~((times >= begin) & (times <= end))
     return counted if counted.any() else np.ones(len(times), dtype=bool)
-
-
-def plain(values: FloatArray) -> list[float | None]:
-    """Numbers for JSON, in single precision, as a screen needs them; None where there is none."""
-    rounded = values.astype(np.float32)
-    if np.isfinite(rounded).all():
-        return [float(f"{v:.7g}") for v in rounded.tolist()]
-    return [float(f"{v:.7g}") if np.isfinite(v) else None for v in rounded.tolist()]
 
 
 def warm() -> None:

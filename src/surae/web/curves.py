@@ -1,14 +1,16 @@
 """Curves of millions of samples in windows of a few thousand points, without losing a peak.
 
-Level 0 is the signal; each level above holds the least and greatest of `_FACTOR` cells below. A
-window is cut from the coarsest level that still has enough cells, so that its cost depends on the
-points that are shown and not on the samples behind them.
+Level 0 of a pyramid is the signal; each level above holds the least and greatest of `_FACTOR` cells
+below. A window is cut from the coarsest level that still has enough cells, so that its cost depends
+on the points that are shown and not on the samples behind them.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from surae import api
 from surae.units import FloatArray
 
 _FACTOR = 16
@@ -61,10 +63,9 @@ class Pyramid:
         One sample before and one after the part are included, so that the curve goes on to the
         edges of a plot.
         """
-        n = len(self.time)
-        first = 0 if start is None else max(int(np.searchsorted(self.time, start)) - 1, 0)
-        last = n if end is None else min(int(np.searchsorted(self.time, end, "right")) + 1, n)
-        count = max(last - first, 0)
+        part = within(self.time, start, end)
+        first, last = part.start, part.stop
+        count = last - first
         if count <= points:
             return Window(count, self.time[first:last], self.values[first:last])
         cells = max(points // 2, 1)
@@ -86,3 +87,35 @@ class Pyramid:
         values[0::2] = np.where(rising, lows, highs)
         values[1::2] = np.where(rising, highs, lows)
         return Window(count, time, values)
+
+
+@dataclass(frozen=True, slots=True)
+class Curves:
+    """A recording's channels, ready to be shown."""
+
+    recording: api.Recording
+    pyramids: Mapping[str, Pyramid]
+
+    @property
+    def bytes(self) -> float:
+        """Memory that they take."""
+        times = {id(curve.time): curve.time.nbytes for curve in self.pyramids.values()}
+        return float(sum(times.values()) + sum(curve.bytes for curve in self.pyramids.values()))
+
+
+def within(times: FloatArray, start: float | None, end: float | None) -> slice:
+    """The samples from `start` to `end` [s] with one before and one after; all where both are None.
+
+    With these the curve goes on to the edges of a plot.
+    """
+    first = 0 if start is None else max(int(np.searchsorted(times, start)) - 1, 0)
+    last = len(times) if end is None else int(np.searchsorted(times, end, "right")) + 1
+    return slice(first, max(min(last, len(times)), first))
+
+
+def plain(values: FloatArray, digits: int = 7) -> list[float | None]:
+    """Numbers for JSON, in single precision, as a screen needs them; None where there is none."""
+    return [
+        float(f"{value:.{digits}g}") if np.isfinite(value) else None
+        for value in values.astype(np.float32).tolist()
+    ]
