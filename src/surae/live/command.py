@@ -70,32 +70,17 @@ def command(
     if rehearse:  # two rehearsals on one computer must not hear each other
         os.environ.setdefault(SESSION, f"rehearsal-{os.getpid()}")
     lsl(network and not rehearse)
-    if not unattended:
-        from surae.live.serving import serve
+    if unattended:
+        from surae.live.unattended import unattended as run_unattended
 
-        serve(
-            output,
-            mapping=mapping,
-            network=network,
-            watch=watch,
-            leg=seed if rehearse else None,
-            device=device,
-            span=range,
-            host=host,
-            port=port,
-            token=token,
-            open_browser=open_,
-        )
+        run_unattended(
+            output, trials=trials, seconds=seconds, faults=faults, mapping=mapping, leg=seed,
+            joint=False, device=device, span=range,
+        )  # fmt: skip
         return
-    from surae.live.unattended import unattended as run_unattended
+    from surae.live.pages import serve
 
-    run_unattended(
-        output,
-        trials=trials,
-        seconds=seconds,
-        faults=faults,
-        seed=seed,
-        mapping=mapping,
-        device=device,
-        span=range,
-    )
+    serve(
+        output, mapping=mapping, network=network, watch=watch, leg=seed if rehearse else None,
+        device=device, span=range, host=host, port=port, token=token, open_browser=open_,
+    )  # fmt: skip

@@ -5,12 +5,11 @@ import secrets
 import threading
 from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import suppress
-from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
+import click
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
@@ -22,14 +21,15 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 from surae._version import __version__
 from surae.errors import InputError, SuraeError
-from surae.files import PathLike
-from surae.live.room import Room, known
+from surae.files import PathLike, template
+from surae.live.room import Room, RoomOptions, known
 from surae.live.showing import Showing, roles_of
 from surae.processes import one_line
 from surae.protocol import Trajectory
 from surae.web.events import Events
 from surae.web.security import Policy, Security
-from surae.web.sessions import BrowserSession
+from surae.web.server import run, token_for
+from surae.web.sessions import BrowserSession, key_of
 
 _HERE = Path(__file__).parent
 _SUBJECT = ("/subject", "/api/subject")
@@ -52,13 +52,12 @@ class Browsers:
 
     def open(self, cookies: Sequence[str]) -> BrowserSession | None:
         """The session of the first cookie that has one."""
-        keys = (sha256(cookie.encode("utf-8", "replace")).hexdigest() for cookie in cookies)
-        return next((self._known[key] for key in keys if key in self._known), None)
+        sessions = (self._known.get(key_of(cookie)) for cookie in cookies)
+        return next((session for session in sessions if session is not None), None)
 
     def make(self) -> tuple[BrowserSession, str]:
         """A new session, and its cookie."""
-        cookie = secrets.token_urlsafe(32)
-        session = BrowserSession(sha256(cookie.encode()).hexdigest(), secrets.token_urlsafe(32))
+        session, cookie = BrowserSession.new()
         self._known[session.key] = session
         return session, cookie
 
@@ -82,34 +81,14 @@ class Served:
 
     Parameters
     ----------
-    folder, and all others
+    folder, **room
         As of `Room`.
     """
 
-    def __init__(
-        self,
-        folder: PathLike,
-        *,
-        mapping: PathLike | None = None,
-        network: bool = False,
-        watch: PathLike | None = None,
-        leg: int | None = None,
-        device: str = "achilles",
-        span: tuple[float, float] | None = None,
-    ) -> None:
+    def __init__(self, folder: PathLike, **room: Unpack[RoomOptions]) -> None:
         self.events = Events()
         self.showing = Showing(self._frame)
-        self.room = Room(
-            folder,
-            mapping=mapping,
-            show=self.showing.show,
-            tell=self._tell,
-            network=network,
-            watch=watch,
-            leg=leg,
-            device=device,
-            span=span,
-        )
+        self.room = Room(folder, show=self.showing.show, tell=self._tell, **room)
         self._ended = threading.Event()
 
     def warm(self) -> None:
@@ -189,16 +168,10 @@ def create_app(served: Served, policy: Policy, subject: str | None) -> ASGIApp:
     `policy` says who may operate; `subject` is the token of the subject's page, which opens nothing
     else; None where nobody needs one.
     """
-    environment = Environment(
-        loader=PackageLoader("surae.live", "html"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-    )
 
     def page(name: str) -> Any:
         async def shown(request: Request) -> Response:
-            text = environment.get_template(f"{name}.html.j2").render(
+            text = template(f"{name}.html.j2", "surae.live").render(
                 csrf=request.state.session.csrf, version=__version__
             )
             return Response(text, media_type="text/html")
@@ -326,3 +299,33 @@ async def _missing(request: Request, error: Exception) -> Response:  # noqa: ARG
 
 async def _gone(request: Request, error: Exception) -> Response:  # noqa: ARG001
     return Response(status_code=400)
+
+
+def serve(
+    folder: PathLike,
+    *,
+    host: str,
+    port: int,
+    token: str | None,
+    open_browser: bool,
+    **room: Unpack[RoomOptions],
+) -> None:
+    """Record, show and judge until the user stops it.
+
+    `host`, `port`, `token` and `open_browser` are as of `surae.web.server.run`, all else as of
+    `surae.live.room.Room`.
+    """
+    token = token_for(host, token)
+    subject = None if token is None else secrets.token_urlsafe(12)
+
+    def made() -> tuple[Served, ASGIApp]:
+        served = Served(folder, **room)
+        for sentence in served.room.trials.broken:
+            click.echo(f"surae: {sentence}", err=True)
+        return served, create_app(served, Policy.of(host, token), subject)
+
+    def more(root: str) -> None:
+        mark = "" if subject is None else f"?token={subject}"
+        click.echo(f"the subject's page: {root}subject{mark}")
+
+    run(made, "live", host=host, port=port, token=token, open_browser=open_browser, more=more)

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from surae.live.heard import Stream
 from surae.live.lsl import lsl
+from surae.live.stream import Stream
 from surae.live.xdf import XdfLog
 from surae.processes import where
 from surae.units import FloatArray

@@ -1,11 +1,10 @@
 """The room of a measurement: what is asked for, what is recorded, and, in a rehearsal, the leg."""
 
 import threading
-from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -15,9 +14,9 @@ from surae.files import PathLike, shown
 from surae.frozen import read_only
 from surae.live import rehearsal
 from surae.live.laboratory import Laboratory
-from surae.live.recorder import Show
+from surae.live.recorder import Show, Tell
 from surae.live.target import Target
-from surae.live.trials import Trials, silent
+from surae.live.trials import Trials, TrialsOptions, silent
 from surae.protocol import (
     DEVICES,
     PROFILES,
@@ -46,7 +45,14 @@ _UNFINISHED = (".tmp", ".part", ".partial", ".crdownload")
 #: The simulated laboratory is waited for so long [s]: the first time, all is compiled.
 _PATIENCE = 180.0
 
-Tell = Callable[[str, Mapping[str, Any]], None]
+
+class RoomOptions(TrialsOptions, total=False):
+    """What a room may be made with beside the folder of its trials, see `Room`."""
+
+    watch: PathLike | None
+    leg: int | None
+    device: str
+    span: tuple[float, float] | None
 
 
 class Room:
@@ -76,15 +82,13 @@ class Room:
         self,
         folder: PathLike,
         *,
-        mapping: PathLike | None = None,
         show: Show = silent,
         tell: Tell = silent,
-        network: bool = False,
         leg: int | None = None,
-        joint: bool = True,
         watch: PathLike | None = None,
         device: str = "achilles",
         span: tuple[float, float] | None = None,
+        **trials: Unpack[TrialsOptions],
     ) -> None:
         limits = as_device(device)
         assert limits is not None
@@ -95,12 +99,10 @@ class Room:
         try:
             self.trials = Trials(
                 folder,
-                mapping=mapping,
+                **trials,
                 show=show,
                 tell=tell,
-                network=network,
                 but=(rehearsal.CONTROL,),
-                joint=joint,
                 limits={"device": place, "span": span},
             )
         except BaseException:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from surae.live.heard import Stream
+from surae.live.stream import Stream
 from surae.recording import MUSCLES
 from surae.units import FACTORS, SI, FloatArray, kind, plain
 

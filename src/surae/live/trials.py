@@ -9,16 +9,16 @@ named in the JSON at once, and judged at the next start where there is no verdic
 import json
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 from surae.errors import InputError, SuraeError
 from surae.files import PathLike, write_atomic, write_json
-from surae.live.heard import Stream
-from surae.live.recorder import Recorder, Show
+from surae.live.recorder import Recorder, Show, Tell
+from surae.live.stream import Stream
 from surae.live.target import KIND
 from surae.live.xdf import mended
 from surae.processes import Child
@@ -32,11 +32,17 @@ _EARLIER = 8
 #: Samples of a trial that ended on a full disk are waited for so long [s].
 _ROOM = 65.0
 
-Tell = Callable[[str, Mapping[str, Any]], None]
-
 
 def silent(*what: object) -> None:
     """Show and tell nobody."""
+
+
+class TrialsOptions(TypedDict, total=False):
+    """What trials may be made with beside their folder, see `Trials`."""
+
+    mapping: PathLike | None
+    network: bool
+    joint: bool
 
 
 class Trials:

@@ -2,13 +2,14 @@
 
 import json
 import time
+from typing import Unpack
 
 import click
 
 from surae.errors import ComputationError, InputError
 from surae.files import PathLike
 from surae.live.rehearsal import FAULTS
-from surae.live.room import Room
+from surae.live.room import Room, RoomOptions
 
 #: Streams are waited for so long [s]: the first time, all is compiled.
 _PATIENCE = 180.0
@@ -20,18 +21,15 @@ def unattended(
     trials: int,
     seconds: float,
     faults: tuple[str, ...] = (),
-    seed: int = 1,
-    mapping: PathLike | None = None,
-    device: str = "achilles",
-    span: tuple[float, float] | None = None,
+    **options: Unpack[RoomOptions],
 ) -> None:
     """Make some trials of a virtual leg in real time, and print what is said of each.
 
     `trials` of `seconds` each are kept in `folder`; `faults` are ``kind@seconds`` for all trials,
-    or ``kind@seconds@trial``; `seed` says whose leg it is; all else is as of `Room`.
+    or ``kind@seconds@trial``; all else is as of `Room`, with somebody's `leg`.
     """
     planned = [_fault(text) for text in faults]
-    room = Room(folder, mapping=mapping, leg=seed, joint=False, device=device, span=span)
+    room = Room(folder, **options)
     laboratory = room.laboratory
     assert laboratory is not None
     for sentence in room.trials.broken:

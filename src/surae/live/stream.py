@@ -1,4 +1,4 @@
-"""A stream as it is heard: what it says of itself, and how it does."""
+"""A stream that is recorded: what it says of itself, and how it does."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 
 @dataclass(slots=True)
 class Stream:
-    """A stream as it is heard; one and the same through losses."""
+    """A stream that is recorded; one and the same through losses."""
 
     number: int  #: Its number in the file.
     #: `name`, `kind`, `host`: as it says of itself.
