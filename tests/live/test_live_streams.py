@@ -11,9 +11,9 @@ from streaming import Quick, Sender, waited
 from benchmark_files import load
 from surae import fit, read
 from surae.errors import InputError
-from surae.live.stream import Stream
 from surae.live.recorder import Recorder
 from surae.live.showing import Showing
+from surae.live.stream import Stream
 from surae.live.target import Target
 from surae.live.trials import Trials, silent
 from surae.recording import MUSCLES

@@ -11,9 +11,9 @@ import pytest
 from streaming import Quick, waited
 
 from surae.errors import InputError
-from surae.live.stream import Stream
 from surae.live.judge import verdict
 from surae.live.room import Room, _files
+from surae.live.stream import Stream
 from surae.live.trials import Trials, mapping_of
 from surae.processes import End
 from surae.protocol import Protocol, generate
