@@ -24,6 +24,10 @@ from surae.protocol import (
 
 #: Legs by which the torque of a ready protocol is held to a device's.
 _CHECKED = 40
+#: More samples than this, ten minutes at 2 kHz, are a slip of the keyboard.
+_MOST_SAMPLES = 1_200_000
+#: The motion is shaped at this rate at least [Hz], whatever rate is asked for.
+_SHAPED_HZ = 2000.0
 
 
 def expect(
@@ -91,6 +95,28 @@ def as_trajectory(protocol: str | PathLike | Trajectory) -> Trajectory:
         passive = PROFILES[protocol].duration <= 11.0
         return generate(Protocol(profile=protocol, task="passive" if passive else "part-passive"))
     return read_protocol(protocol)
+
+
+def protocol_trajectory(settings: Protocol) -> Trajectory:
+    """The movement and the effort of a protocol, unless it is longer than anybody can mean.
+
+    Parameters
+    ----------
+    settings : Protocol
+        What is asked.
+
+    Raises
+    ------
+    InputError
+        It has too many samples, or the device cannot follow it.
+    """
+    longest = _MOST_SAMPLES / max(settings.rate_hz, _SHAPED_HZ)
+    if settings.seconds > longest:
+        raise InputError(
+            f"{settings.seconds:g} s at {settings.rate_hz:g} Hz are too many samples; use at most "
+            f"{longest:g} s at that rate"
+        )
+    return generate(settings)
 
 
 def ready_trajectory(

@@ -157,36 +157,9 @@ def fit(
     InputError
         Something given is unknown, contradictory or unusable.
     """
-    settings = FitSettings.of(
-        model,
-        fixed=fixed,
-        free=free,
-        start=start,
-        bounds=bounds,
-        priors=priors,
-        population=population,
-        weights=weights,
-        loss=loss,
-        body_mass=body_mass,
-        footplate_mass=footplate_mass,
-        foot_share=foot_share,
-        prepared=prepared,
-        preparation=preparation,
-        normalise=normalise,
-        nuisances=nuisances,
-        starts=starts,
-        seed=seed,
-        geometry=geometry,
-        tendon_strain=tendon_strain,
-        integrator=integrator,
-        theta_foot=theta_foot,
-        vmax_factor=vmax_factor,
-        x_ref_tri=x_ref_tri,
-        x_ref_tib=x_ref_tib,
-        emg_ref=None if emg_ref is None else tuple(emg_ref),
-        options=options,
-        **unknown,
-    )
+    every = locals()
+    asked = {name: every[name] for name in _ASKED} | unknown
+    settings = FitSettings.of(model, **asked)
     given = [read_in(recording) for recording in several(recordings)]
     inputs = inputs_for(settings, given, [read_in(recording) for recording in several(mvc)])
     if quality is None:

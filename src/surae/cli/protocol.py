@@ -21,10 +21,6 @@ PROFILE_NAMES = "ramp-and-hold, sine, multiple-holds, multi-sine, multi-sine-hol
 READY_NAMES = "compliant-35, everything-35, passive-20, relaxed-35 or tendon-60"
 TASK_NAMES = "part-passive|active|passive"
 DEVICE_NAMES = "achilles"
-#: More samples than this, ten minutes at 2 kHz, are a slip of the keyboard.
-_MOST_SAMPLES = 1_200_000
-#: The motion is shaped at this rate at least [Hz], whatever rate is asked for.
-_SHAPED_HZ = 2000.0
 
 
 def chirp_rise_options(function: Command) -> Command:
@@ -141,13 +137,7 @@ def command(
             device=limits,
             adapt=not no_adapt,
         )
-        longest = _MOST_SAMPLES / max(rate_hz, _SHAPED_HZ)
-        if settings.seconds > longest:
-            raise InputError(
-                f"{settings.seconds:g} s at {rate_hz:g} Hz are too many samples; use at most "
-                f"{longest:g} s at that rate"
-            )
-        trajectory = api.generate(settings)
+        trajectory = api.protocol_trajectory(settings)
         given_up: tuple[str, ...] = (
             () if despite is None else ("Nothing is given up for its torque.",)
         )

@@ -149,34 +149,26 @@ def parameter_table(
     rows, told_of = [], shown(draft)["parameters"]
     for name, p in table.items():
         told = told_of.get(name, {})
-        default = described(p, name in spec.free)
+        default = _defaults(p, name in spec.free)
         if name in prescribed:
             default |= {"free": False, "value": prescribed[name]}
-        given = {
-            key: told[key]
-            for key in ("free", "value", "lower", "upper")
-            if told.get(key) is not None
-        }
-        rows.append(
-            {
-                "name": name,
-                "unit": p.unit,
-                "meaning": p.meaning,
-                "group": p.group,
-                **default,
-                **given,
-                "prior": told.get("prior") or priors.get(name),
-                "default": default,
-                "slider": now[name],
-                "prescribed": prescribed.get(name),
-                "optional": name in spec.optional,
-            }
-        )
+        own = {key: told[key] for key in default if told.get(key) is not None}
+        rows.append({
+            **described(p, name in spec.free), **default, **own,
+            "prior": told.get("prior") or priors.get(name), "default": default,
+            "slider": now[name], "prescribed": prescribed.get(name),
+            "optional": name in spec.optional,
+        })  # fmt: skip
     return rows
 
 
 def described(p: api.Parameter, free: bool) -> dict[str, Any]:
-    """The defaults of one parameter."""
+    """What a parameter is, and its defaults."""
+    about = {key: getattr(p, key) for key in ("name", "unit", "meaning", "group")}
+    return {**about, **_defaults(p, free)}
+
+
+def _defaults(p: api.Parameter, free: bool) -> dict[str, Any]:
     return {"free": free, "value": p.start, "lower": p.lower, "upper": p.upper}
 
 

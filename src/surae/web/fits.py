@@ -135,12 +135,8 @@ def keep_profile(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
 def keep_comparison(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
     """Add a finished comparison to the project."""
     task = job["task"]
-    data = {
-        "conclusion": end["message"],
-        "recordings": task["recordings"],
-        "models": task["models"],
-        "fit": task.get("fit"),
-    }
+    about = {key: task.get(key) for key in ("recordings", "models", "fit")}
+    data = {**about, "conclusion": end["message"]}
     bench.events.changed("comparisons")
     return bench.project.add("comparison", data, job["id"])
 
@@ -205,9 +201,8 @@ def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
         raise InputError("the file of this fit is missing or damaged; fit again") from None
     comparisons = [
         {
-            "id": comparison["id"],
+            **{key: comparison[key] for key in ("id", "conclusion")},
             "created": when(comparison["created"]),
-            "conclusion": comparison["conclusion"],
         }
         for comparison in bench.database.all("comparison")
         if comparison.get("fit") == fit["id"]

@@ -12,7 +12,7 @@ import tempfile
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -94,21 +94,19 @@ def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
     taken = {id(channel): role for role, channel in inspection.roles.items()}
     columns = [
         {
+            **{
+                key: getattr(channel, key)
+                for key in ("rate_hz", "n", "low", "high", "usable", "remark")
+            },
             "upload": ids[channel.file],
             "name": channel.column,
             "unit": channel.known_unit or channel.unit,
-            "rate_hz": channel.rate_hz,
-            "n": channel.n,
             "role": taken.get(id(channel)),
             "could_be": [] if channel.guess is None else list(channel.guess.roles),
             "rule": None if channel.guess is None else channel.guess.rule,
             "sign": 1,
-            "low": channel.low,
-            "high": channel.high,
             "mean": previews.get((channel.file, channel.column), {}).get("mean"),
             "preview": previews.get((channel.file, channel.column), {"t": [], "v": []}),
-            "usable": channel.usable,
-            "remark": channel.remark,
         }
         for channel in inspection.channels
     ]
@@ -266,11 +264,8 @@ def described(recording: api.Recording) -> dict[str, Any]:
     return {
         "channels": [
             {
-                "role": channel.role,
-                "unit": channel.unit,
+                **{key: getattr(channel, key) for key in ("role", "unit", "rate_hz", "source")},
                 "n": len(channel.time),
-                "rate_hz": channel.rate_hz,
-                "source": channel.source,
                 "low": float(channel.values.min()),
                 "high": float(channel.values.max()),
                 "mean": float(channel.values.mean()),
@@ -280,9 +275,7 @@ def described(recording: api.Recording) -> dict[str, Any]:
         ],
         "duration_s": max(float(channel.time[-1]) for channel in channels)
         - min(float(channel.time[0]) for channel in channels),
-        "name": recording.name,
-        "emg": recording.emg,
-        "side": recording.side,
+        **{key: getattr(recording, key) for key in ("name", "emg", "side")},
         "fixed": dict(recording.fixed),
         "files": [{"name": channel.path, "sha256": channel.sha256} for channel in recording.files],
         "findings": findings(recording),
@@ -313,8 +306,6 @@ def quality(path: str) -> list[dict[str, Any]]:
 
 def findings(recording: api.Recording) -> list[dict[str, Any]]:
     """What is questionable about a recording."""
-    from dataclasses import asdict
-
     rows = [asdict(finding) for finding in api.check(recording).findings]
     return [
         {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in finding.items()}

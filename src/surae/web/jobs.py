@@ -176,20 +176,15 @@ class Jobs:
         started, ended = job["started"], job["ended"]
         until = ended or (time.time() if state == "running" else None)
         return {
-            "id": job["id"],
-            "kind": job["kind"],
+            **{key: job[key] for key in ("id", "kind", "label", "state", "message", "result")},
             "fit": job["task"].get("fit"),
             "recordings": job["task"].get("recordings", []),
-            "label": job["label"],
-            "state": state,
             "position": self._position(job),
             "created": when(job["created"]),
             "started": when(started),
             "ended": when(ended),
             "seconds": None if started is None or until is None else round(until - started, 3),
-            "message": job["message"],
             "progress": progress if state == "running" else None,
-            "result": job["result"],
             "mine": session is not None and job["session"] == session.key,
         }
 

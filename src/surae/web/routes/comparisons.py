@@ -49,12 +49,7 @@ def _estimate(fit: Thing, name: str) -> dict[str, Any] | None:
     if answer is None:
         return None
     ci95 = None if answer["low"] is None else [answer["low"], answer["high"]]
-    return {
-        "value": answer["value"],
-        "sem": answer["sem"],
-        "ci95": ci95,
-        "verdict": answer["verdict"],
-    }
+    return {**{key: answer[key] for key in ("value", "sem", "verdict")}, "ci95": ci95}
 
 
 @router.post("/comparisons", status_code=202)
@@ -81,8 +76,8 @@ def get_comparisons(bench: Bench) -> dict[str, Any]:
     return {
         "comparisons": [
             {
-                "id": comparison["id"], "created": when(comparison["created"]),
-                "conclusion": comparison["conclusion"], "recordings": comparison["recordings"],
+                **{key: comparison[key] for key in ("id", "conclusion", "recordings")},
+                "created": when(comparison["created"]),
             }
             for comparison in reversed(bench.database.all("comparison"))
         ]

@@ -112,7 +112,7 @@ def get_models() -> dict[str, Any]:
                 "name": spec.name,
                 "title": spec.title,
                 "tendons": any(p.group == "tendon" for p in spec.parameters),
-                "parameters": [_row(p, p.name in spec.free) for p in spec.parameters],
+                "parameters": [described(p, p.name in spec.free) for p in spec.parameters],
             }
             for spec in api.MODELS.values()
         ],
@@ -131,16 +131,6 @@ def get_models() -> dict[str, Any]:
         "preparation": asdict(api.Preparation()),
         "draft": empty_draft(),
     }  # fmt: skip
-
-
-def _row(p: api.Parameter, free: bool) -> dict[str, Any]:
-    return {
-        "name": p.name,
-        "unit": p.unit,
-        "meaning": p.meaning,
-        "group": p.group,
-        **described(p, free),
-    }
 
 
 @router.post("/live")

@@ -33,6 +33,12 @@ from surae.web.schemas import (
 
 router = APIRouter(prefix="/api/protocols", responses=ERRORS, tags=["protocols"])
 
+#: Points of a drawn curve.
+_POINTS = 2000
+#: Samples of the torque that the prediction is made of; more tell it nothing else.
+_PREDICTED = 60_000
+#: Legs that a preview is an average over.
+_LEGS = 6
 _CSV: Responses = {200: {"content": {"text/csv": {}}}}
 
 
@@ -134,21 +140,8 @@ def _file(settings: ProtocolSettings, name: str, reason: str) -> Response:
 
 
 def _shown(thing: Thing) -> dict[str, Any]:
-    return {
-        "id": thing["id"],
-        "name": thing["name"],
-        "settings": thing["settings"],
-        "created": when(thing["created"]),
-    }
-
-
-_POINTS = 2000
-#: More samples than this, ten minutes at 2 kHz, are a slip of the keyboard.
-_MOST_SAMPLES = 1_200_000
-#: Samples of the torque that the prediction is made of; more tell it nothing else.
-_PREDICTED = 60_000
-#: Legs that a preview is an average over.
-_LEGS = 6
+    about = {key: thing[key] for key in ("id", "name", "settings")}
+    return {**about, "created": when(thing["created"])}
 
 
 def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:
@@ -157,8 +150,6 @@ def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:
     if settings.plan is not None:
         limits = settings.limits or (*settings.range, 1e6, 1e6)
         api.allowed_range(device, limits[:2])
-        if settings.plan.seconds * settings.rate_hz > _MOST_SAMPLES:
-            raise InputError("too many samples; use a lower rate")
         return api.Plan.sampled(_plain(settings.plan), limits, settings.rate_hz, device)
     if settings.profile in api.ready_protocols():
         return api.ready_trajectory(settings.profile, device, settings.range, settings.rate_hz)
@@ -173,12 +164,7 @@ def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:
         device=device,
         adapt=settings.adapt,
     )
-    if made.seconds * max(made.rate_hz, 2000.0) > _MOST_SAMPLES:
-        raise InputError(
-            f"{made.seconds:g} s at {made.rate_hz:g} Hz are too many samples; use a shorter "
-            "duration or a lower rate"
-        )
-    return api.generate(made)
+    return api.protocol_trajectory(made)
 
 
 def for_export(settings: ProtocolSettings, reason: str) -> api.Trajectory:

@@ -173,13 +173,8 @@ def keep_session(bench: Workbench, job: Thing, end: Mapping[str, Any]) -> str:
         recordings = [by_name[each] for each in (end["joined"] if joint else [name])]
         label = f"{task['name']} · {_TOGETHER if joint else name}"
         ids[name] = add_fit(bench, task["fits"][name], label, told, recordings, task)
-    data = {
-        "name": task["name"],
-        "recordings": task["recordings"],
-        "fits": ids,
-        "content": end["content"],
-        "settings": task["draft"],
-    }
+    about = {"fits": ids, "content": end["content"], "settings": task["draft"]}
+    data = {"name": task["name"], "recordings": task["recordings"], **about}
     id_ = bench.project.add("session", data, job["id"])
     for what in ("fits", "sessions"):
         bench.events.changed(what)
@@ -190,15 +185,14 @@ def session_summary(bench: Workbench, session: Thing) -> dict[str, Any]:
     """A session in lists."""
     first = bench.database.get("recording", session["recordings"][0], deleted=True)
     adequacy = session["content"].get("adequacy")
+    leg = {key: None if first is None else first[key] for key in ("subject", "side")}
     return {
-        "id": session["id"],
-        "name": session["name"],
+        **{key: session[key] for key in ("id", "name")},
+        **leg,
         "created": when(session["created"]),
         "trials": len(session["recordings"]),
         "fits": len([name for name in session["fits"] if name != "joint"]),
         "grade": None if adequacy is None else adequacy["grade"],
-        "subject": None if first is None else first["subject"],
-        "side": None if first is None else first["side"],
     }
 
 

@@ -145,15 +145,12 @@ def _shown(bench: Workbench, thing: Thing) -> dict[str, Any]:
     else:
         state = "done" if done >= fits else "stopped"
     return {
-        "id": thing["id"],
-        "name": thing["name"],
+        **{key: thing[key] for key in ("id", "name", "rows", "toml")},
         "created": when(thing["created"]),
-        "rows": thing["rows"],
         "fits": fits,
         "done": done,
         "state": state,
         "job": jobs[0]["id"] if jobs else None,
         "reasons": reasons,
         "factors": {k: list(v) for k, v in api.parse_study(thing["toml"]).factors.items()},
-        "toml": thing["toml"],
     }

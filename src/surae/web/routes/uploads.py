@@ -260,10 +260,5 @@ def _files(bench: Workbench, browser: BrowserSession, uploads: list[Thing]) -> l
 
 
 def _shown(upload: Thing) -> dict[str, Any]:
-    return {
-        "id": upload["id"],
-        "name": upload["name"],
-        "bytes": upload["bytes"],
-        "sha256": upload["sha256"],
-        "created": when(upload["created"]),
-    }
+    about = {key: upload[key] for key in ("id", "name", "bytes", "sha256")}
+    return {**about, "created": when(upload["created"])}

@@ -49,3 +49,13 @@ export async function attempt(box, work, busy = null) {
     }
   }
 }
+
+/** Do something when an element is chosen, which is busy meanwhile; errors go to `box`. */
+export const onClick = (id, box, work) => byId(id).addEventListener("click", () => attempt(box, work, byId(id)));
+
+/** What a page is about: its heading, the window's title, and what is said below. */
+export function headline(name, about) {
+  document.title = document.title.replace(/^[^·]*/, `${name} `);
+  byId("name").textContent = name;
+  byId("about").textContent = about.filter(Boolean).join(" · ");
+}

@@ -4,7 +4,7 @@ import { download, get, query } from "../core/api.js";
 import { byId, empty, h, replace } from "../core/dom.js";
 import { onChanged } from "../core/events.js";
 import { NONE, estimate, number, unitText, vaf } from "../core/format.js";
-import { attempt } from "../core/notice.js";
+import { attempt, onClick } from "../core/notice.js";
 import { latest } from "../core/pace.js";
 import { status, verdict } from "../ui/marks.js";
 import { sortable } from "../ui/table.js";
@@ -57,7 +57,7 @@ function cell(one) {
 
 byId("model").addEventListener("change", show);
 byId("which").addEventListener("change", show);
-byId("export").addEventListener("click", () => attempt(box, () => download(`/api/cohort.csv${asked()}`, "cohort.csv"), byId("export")));
+onClick("export", box, () => download(`/api/cohort.csv${asked()}`, "cohort.csv"));
 onChanged(["fits", "subjects", "recordings"], show);
 
 attempt(box, async () => {

@@ -1,17 +1,17 @@
 // The project: what there is, what runs, and who.
 
-import { get, patch, post, remove } from "../core/api.js";
+import { get, patch, post } from "../core/api.js";
 import { button, byId, empty, h, replace, select } from "../core/dom.js";
 import { change } from "../core/draft.js";
 import { onChanged, onJob } from "../core/events.js";
 import { quantity, seconds, vaf, when } from "../core/format.js";
-import { attempt, complain, tell } from "../core/notice.js";
+import { attempt, complain } from "../core/notice.js";
 import { latest } from "../core/pace.js";
 import { demoButton } from "../ui/demo.js";
 import { cancel, ended } from "../ui/jobs.js";
 import { mark, older, status } from "../ui/marks.js";
 import { editSubject } from "../ui/subjects.js";
-import { sortable } from "../ui/table.js";
+import { deleteButton, sortable } from "../ui/table.js";
 
 const boxes = Object.fromEntries(["recordings", "fits", "subjects", "running"].map((k) => [k, byId(`${k}-error`)]));
 let people = [];
@@ -33,17 +33,7 @@ async function useForFit(recording) {
   });
 }
 
-const drop = (kind, thing, label) =>
-  button(
-    "Delete",
-    () =>
-      attempt(boxes[kind], async () => {
-        await remove(`/api/${kind}/${thing.id}`);
-        tell(`Deleted ${label}. Undo brings it back.`);
-        await refresh();
-      }),
-    { class: "small danger", "aria-label": `Delete ${label}` },
-  );
+const drop = (kind, thing, label) => deleteButton(`/api/${kind}/${thing.id}`, label, boxes[kind], () => refresh());
 
 const recordingsTable = sortable("All recordings of the project", [
   { title: "Recording", value: (r) => r.name, show: (r) => h("a", { href: `/recordings/${r.id}` }, r.name) },

@@ -1,10 +1,10 @@
 // The protocol designer: every change is previewed at once.
 
-import { download, get, post, remove } from "../core/api.js";
+import { download, get, post } from "../core/api.js";
 import { button, byId, field, figures, h, num, replace, table } from "../core/dom.js";
 import { onChanged } from "../core/events.js";
 import { EMG_SHORT, number, percent, quantity, seconds, when } from "../core/format.js";
-import { attempt, calm, complain, tell } from "../core/notice.js";
+import { attempt, calm, complain, onClick } from "../core/notice.js";
 import { latest, settled } from "../core/pace.js";
 import { onTheme } from "../plot/colours.js";
 import { frontPlot } from "../plot/front.js";
@@ -13,7 +13,7 @@ import { lines } from "../plot/lines.js";
 import { ask } from "../ui/dialog.js";
 import { active, jobControls, progressText } from "../ui/jobs.js";
 import { verdict } from "../ui/marks.js";
-import { sortable } from "../ui/table.js";
+import { deleteButton, sortable } from "../ui/table.js";
 
 const KEPT = "surae.protocol.2";
 const NUMBERS = ["chirp_amplitude", "chirp_rate", "rate_hz"];
@@ -150,7 +150,7 @@ const savedTable = sortable("Protocols of this project", [
         { class: "button-row" },
         button("Open", () => { fill({ settings: p.settings }); preview(); }, { class: "small", "aria-label": `Open ${p.name}` }),
         button("CSV", () => attempt(box, () => download(`/api/protocols/${p.id}/protocol.csv?reason=${encodeURIComponent(byId("reason").value)}`, "protocol.csv")), { class: "small", "aria-label": `CSV of ${p.name}` }),
-        button("Delete", () => attempt(box, async () => { await remove(`/api/protocols/${p.id}`); tell(`Deleted ${p.name}. Undo brings it back.`); await showSaved(); }), { class: "small danger", "aria-label": `Delete ${p.name}` }),
+        deleteButton(`/api/protocols/${p.id}`, p.name, box, () => showSaved()),
       ),
   },
 ]);
@@ -161,9 +161,7 @@ async function showSaved() {
   replace(byId("saved"), protocols.length ? savedTable.element : h("p", { class: "muted" }, "None yet. Save keeps a design under a name."));
 }
 
-byId("compare").addEventListener("click", () =>
-  attempt(box, async () => replace(byId("beside"), beside((await post("/api/protocols/side-by-side", told())).protocols)), byId("compare")),
-);
+onClick("compare", box, async () => replace(byId("beside"), beside((await post("/api/protocols/side-by-side", told())).protocols)));
 
 function beside(rows) {
   const known = rows.filter((row) => !row.refused);

@@ -5,7 +5,7 @@ import { button, byId, field, h, replace, select, table } from "../core/dom.js";
 import { change, draft, onDraft } from "../core/draft.js";
 import { onChanged } from "../core/events.js";
 import { number, rate, roleText, seconds, span, unitText, vaf } from "../core/format.js";
-import { attempt, calm, complain } from "../core/notice.js";
+import { attempt, calm, complain, headline, onClick } from "../core/notice.js";
 import { signalPlots } from "../plot/signals.js";
 import { describe, mend } from "../ui/describe.js";
 import { ask } from "../ui/dialog.js";
@@ -79,15 +79,13 @@ function showFindings() {
 }
 
 function showAbout() {
-  document.title = document.title.replace(/^[^·]*/, `${recording.name} `);
-  byId("name").textContent = recording.name;
-  byId("about").textContent = [
+  headline(recording.name, [
     seconds(recording.duration_s),
     recording.side && `${recording.side} side`,
     recording.trial,
     recording.condition,
     `EMG ${recording.emg}`,
-  ].filter(Boolean).join(" · ");
+  ]);
   replace(
     byId("files"),
     table(
@@ -156,12 +154,10 @@ byId("exclude").addEventListener("submit", (event) => {
   event.preventDefault();
   exclude(Number(byId("from").value), Number(byId("to").value));
 });
-byId("use").addEventListener("click", () =>
-  attempt(byId("error"), async () => {
-    await change({ recordings: [id] }, `fit ${recording.name}`);
-    location.href = "/fit";
-  }, byId("use")),
-);
+onClick("use", byId("error"), async () => {
+  await change({ recordings: [id] }, `fit ${recording.name}`);
+  location.href = "/fit";
+});
 byId("describe").addEventListener("click", () => {
   byId("describe").hidden = true;
   attempt(byId("description-error"), () => describe(id, byId("description"), byId("description-error"), () => (byId("describe").hidden = false)), byId("describe"));

@@ -5,7 +5,7 @@ import { byId, field, figures, h, replace } from "../core/dom.js";
 import { change, draftState, loadDraft } from "../core/draft.js";
 import { onChanged } from "../core/events.js";
 import { number, seconds, vaf, when } from "../core/format.js";
-import { attempt } from "../core/notice.js";
+import { attempt, headline, onClick } from "../core/notice.js";
 import { torquePlot } from "../plot/torque.js";
 import { showComparisons } from "../result/comparisons.js";
 import { showCorrelations } from "../result/correlations.js";
@@ -25,10 +25,8 @@ let result = null;
 
 function showHead() {
   const { summary, fit } = result;
-  document.title = document.title.replace(/^[^·]*/, `${summary.name} `);
-  byId("name").textContent = summary.name;
   const what = `${summary.title} · ${summary.names.join(", ")}`;
-  byId("about").textContent = [summary.name === what ? "" : what, when(summary.created)].filter(Boolean).join(" · ");
+  headline(summary.name, [summary.name === what ? "" : what, when(summary.created)]);
   const { grade, mark, sentence, reasons } = result.adequacy;
   byId("adequacy").className = `adequacy ${grade}`;
   byId("adequacy").hidden = false;
@@ -75,9 +73,7 @@ function file(knob, url, name) {
 file("report-html", `/api/fits/${id}/report.html`, "report.html");
 file("report-pdf", `/api/fits/${id}/report.pdf`, "report.pdf");
 byId("language").addEventListener("change", () => showShort(id));
-byId("clinical-html").addEventListener("click", () =>
-  attempt(byId("short-error"), () => download(`/api/fits/${id}/clinical.html${query({ language: byId("language").value })}`, "page.html"), byId("clinical-html")),
-);
+onClick("clinical-html", byId("short-error"), () => download(`/api/fits/${id}/clinical.html${query({ language: byId("language").value })}`, "page.html"));
 file("save-json", `/api/fits/${id}/fit.json`, "fit.json");
 
 byId("rename").addEventListener("click", async () => {
@@ -89,22 +85,20 @@ byId("rename").addEventListener("click", async () => {
   });
 });
 
-byId("resume").addEventListener("click", () =>
-  attempt(byId("error"), async () => {
-    const values = Object.fromEntries(
-      Object.entries(result.fit.parameters).filter(([, p]) => p.value !== null).map(([name, p]) => [name, p.value]),
-    );
-    const { parameters, exclusions, sliders, ...asked } = result.settings;
-    // Entries that this browser has and the fit had not are taken away.
-    const now = draftState()?.draft ?? (await loadDraft()).draft;
-    const only = (key, wanted) => ({ ...Object.fromEntries(Object.keys(now[key]).map((name) => [name, null])), ...wanted });
-    await change(
-      { ...asked, exclusions: only("exclusions", exclusions), sliders: only("sliders", values) },
-      `settings of ${result.summary.name}`,
-    );
-    location.href = "/fit";
-  }, byId("resume")),
-);
+onClick("resume", byId("error"), async () => {
+  const values = Object.fromEntries(
+    Object.entries(result.fit.parameters).filter(([, p]) => p.value !== null).map(([name, p]) => [name, p.value]),
+  );
+  const { parameters, exclusions, sliders, ...asked } = result.settings;
+  // Entries that this browser has and the fit had not are taken away.
+  const now = draftState()?.draft ?? (await loadDraft()).draft;
+  const only = (key, wanted) => ({ ...Object.fromEntries(Object.keys(now[key]).map((name) => [name, null])), ...wanted });
+  await change(
+    { ...asked, exclusions: only("exclusions", exclusions), sliders: only("sliders", values) },
+    `settings of ${result.summary.name}`,
+  );
+  location.href = "/fit";
+});
 
 byId("report-show").addEventListener("click", () =>
   replace(byId("report-place"), h("iframe", { class: "report-frame", title: "Report of the fit", src: `/api/fits/${id}/report.html?inline=true` })),

@@ -1,14 +1,14 @@
 // Sessions: which trials of a leg, what each of them is, and their fits.
 
-import { get, post, remove } from "../core/api.js";
-import { button, byId, empty, h, replace, select, table, tick } from "../core/dom.js";
+import { get, post } from "../core/api.js";
+import { byId, empty, h, replace, select, table, tick } from "../core/dom.js";
 import { onChanged } from "../core/events.js";
 import { seconds, when } from "../core/format.js";
-import { attempt, complain, tell } from "../core/notice.js";
+import { attempt, complain } from "../core/notice.js";
 import { latest } from "../core/pace.js";
 import { demoButton } from "../ui/demo.js";
 import { active, cancel, follow, progressText } from "../ui/jobs.js";
-import { sortable } from "../ui/table.js";
+import { deleteButton, sortable } from "../ui/table.js";
 
 const box = { page: byId("error"), fit: byId("new-error") };
 let recordings = [];
@@ -24,15 +24,8 @@ const list = sortable("All sessions of the project", [
   { title: "Fitted", numeric: true, value: (s) => s.fits, show: (s) => String(s.fits) },
   { title: "All together", value: (s) => s.grade, show: (s) => s.grade ?? "no fit" },
   { title: "Made", value: (s) => s.created, show: (s) => when(s.created) },
-  { title: "", show: (s) => button("Delete", () => drop(s), { class: "small danger", "aria-label": `Delete ${s.name}` }) },
+  { title: "", show: (s) => deleteButton(`/api/sessions/${s.id}`, s.name, box.page, () => refresh(), ", and none of its fits") },
 ]);
-
-const drop = (session) =>
-  attempt(box.page, async () => {
-    await remove(`/api/sessions/${session.id}`);
-    tell(`Deleted ${session.name}, and none of its fits. Undo brings it back.`);
-    await refresh();
-  });
 
 /** What belongs together at first: the recordings of the newest one's leg. */
 function leg() {

@@ -3,7 +3,7 @@
 import { download, get } from "../core/api.js";
 import { byId, h, num, replace, table } from "../core/dom.js";
 import { when } from "../core/format.js";
-import { attempt } from "../core/notice.js";
+import { attempt, headline, onClick } from "../core/notice.js";
 import { mark, meant } from "../ui/marks.js";
 
 const id = byId("session").dataset.id;
@@ -15,9 +15,7 @@ const cell = ({ text, under, kind }) => h("td", { class: `num told ${kind}` }, t
 const results = (label, numbers, heads, rows) => table(label, heads, rows, { caption: h("caption", { class: "sr" }, label), numbers: [numbers, heads.length] });
 
 function show({ summary, content, fits, paper }) {
-  document.title = document.title.replace(/^[^·]*/, `${summary.name} `);
-  byId("name").textContent = summary.name;
-  byId("about").textContent = [content.about, when(summary.created)].filter(Boolean).join(" · ");
+  headline(summary.name, [content.about, when(summary.created)]);
   byId("report-pdf").hidden = !paper;
   byId("joint").hidden = !fits.joint;
   if (fits.joint) byId("joint").href = `/fits/${fits.joint.id}`;
@@ -50,6 +48,6 @@ function part(name, count, make) {
 }
 
 for (const kind of ["html", "pdf"]) {
-  byId(`report-${kind}`).addEventListener("click", () => attempt(byId("error"), () => download(`/api/sessions/${id}/report.${kind}`, `session.${kind}`), byId(`report-${kind}`)));
+  onClick(`report-${kind}`, byId("error"), () => download(`/api/sessions/${id}/report.${kind}`, `session.${kind}`));
 }
 attempt(byId("error"), async () => show(await get(`/api/sessions/${id}`)));

@@ -4,7 +4,7 @@ import { download, get, post, query, remove } from "../core/api.js";
 import { byId, h, replace } from "../core/dom.js";
 import { onChanged, onJob } from "../core/events.js";
 import { when } from "../core/format.js";
-import { attempt, complain } from "../core/notice.js";
+import { attempt, complain, headline, onClick } from "../core/notice.js";
 import { latest, settled } from "../core/pace.js";
 import { ask } from "../ui/dialog.js";
 import { cancel } from "../ui/jobs.js";
@@ -17,9 +17,7 @@ let study = null;
 const running = () => study.state === "running" || study.state === "queued";
 
 function showHead() {
-  document.title = document.title.replace(/^[^·]*/, `${study.name} `);
-  byId("name").textContent = study.name;
-  byId("about").textContent = [study.fits === null ? "" : `${study.fits} fits`, `made ${when(study.created)}`].filter(Boolean).join(" · ");
+  headline(study.name, [study.fits === null ? "" : `${study.fits} fits`, `made ${when(study.created)}`]);
   byId("progress").max = study.fits || 1;
   byId("progress").value = study.done;
   byId("said").textContent = study.fits === null ? study.state : `${study.state}: ${study.done} of ${study.fits} fits`;
@@ -86,9 +84,9 @@ async function showFigure() {
 }
 
 byId("factor").addEventListener("change", () => attempt(byId("figure-error"), showFigure));
-byId("start").addEventListener("click", () => attempt(box, async () => { await post(`/api/studies/${id}/start`); await refresh(); }, byId("start")));
-byId("stop").addEventListener("click", () => study.job && attempt(box, () => cancel(study.job), byId("stop")));
-byId("export").addEventListener("click", () => attempt(box, () => download(`/api/studies/${id}/table.csv`, "study.csv"), byId("export")));
+onClick("start", box, async () => { await post(`/api/studies/${id}/start`); await refresh(); });
+onClick("stop", box, () => study.job && cancel(study.job));
+onClick("export", box, () => download(`/api/studies/${id}/table.csv`, "study.csv"));
 byId("delete").addEventListener("click", async () => {
   if (!(await ask(`Delete ${study.name}?`, h("p", {}, `Its ${study.done} fits are lost.`), { confirm: "Delete", danger: true }))) return;
   const gone = await attempt(box, async () => { await remove(`/api/studies/${id}`); return true; });

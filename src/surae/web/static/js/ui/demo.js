@@ -7,14 +7,7 @@ import { attempt } from "../core/notice.js";
 /** A button that makes such a recording and shows it. */
 export function demoButton(box) {
   const knob = button("Try it with the virtual subject", () =>
-    attempt(
-      box,
-      async () => {
-        const recording = await post("/api/demo");
-        location.href = `/recordings/${recording.id}`;
-      },
-      knob,
-    ),
+    attempt(box, async () => (location.href = `/recordings/${(await post("/api/demo")).id}`), knob),
   );
   return knob;
 }

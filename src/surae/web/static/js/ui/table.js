@@ -1,6 +1,8 @@
 // A table that sorts by any column.
 
-import { h, replace, scroll } from "../core/dom.js";
+import { remove } from "../core/api.js";
+import { button, h, replace, scroll } from "../core/dom.js";
+import { attempt, tell } from "../core/notice.js";
 
 /**
  * A sortable table.
@@ -65,3 +67,16 @@ export function sortable(caption, columns) {
     },
   };
 }
+
+/** A button that deletes a thing; `done` is called then. */
+export const deleteButton = (url, name, box, done, more = "") =>
+  button(
+    "Delete",
+    () =>
+      attempt(box, async () => {
+        await remove(url);
+        tell(`Deleted ${name}${more}. Undo brings it back.`);
+        await done();
+      }),
+    { class: "small danger", "aria-label": `Delete ${name}` },
+  );
