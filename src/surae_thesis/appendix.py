@@ -12,7 +12,7 @@ from surae_thesis.claims import Claim, Ruling, judge_all
 from surae_thesis.section import Context, Drawing, Result, Table
 from surae_thesis.springs import (
     TRUTH,
-    Fitted,
+    FittedSpring,
     exponential,
     fit_linear,
     fit_offset,
@@ -56,10 +56,10 @@ def run(context: Context) -> Result:
 class Numbers:
     """The fits that the claims look at."""
 
-    linear: Fitted
-    offset: Fitted
-    unfiltered: Fitted
-    alike: Fitted
+    linear: FittedSpring
+    offset: FittedSpring
+    unfiltered: FittedSpring
+    alike: FittedSpring
 
 
 def linear(n: Numbers, small: float) -> Ruling:
@@ -103,7 +103,7 @@ def alike(n: Numbers) -> Ruling:
     return Ruling(n.alike.inseparable == (("k", "b", "m"),), f"inseparable: {groups}")
 
 
-def _drawing(name: str, title: str, fit: Fitted) -> Drawing:
+def _drawing(name: str, title: str, fit: FittedSpring) -> Drawing:
     pairs = fit.pairs()
     (first, second), worst = max(pairs.items(), key=lambda item: abs(item[1]))
     return Drawing(
@@ -135,7 +135,7 @@ def _matrix() -> Figure:
     return figure
 
 
-def _table(linear: Fitted, offset: Fitted) -> Table:
+def _table(linear: FittedSpring, offset: FittedSpring) -> Table:
     rows = [
         (title, name, TRUTH[name], float(f"{fit.values[name]:.6g}"), float(f"{fit.sem[name]:.3g}"))
         for title, fit in (("linear", linear), ("non-linear", offset))

@@ -20,7 +20,7 @@ from surae.protocol import (
 from surae.recording import MUSCLES
 from surae.report.figures import BLUE, GREY, INK, OCHRE, RED
 from surae_thesis.claims import Claim, Ruling, judge_all
-from surae_thesis.plots import Line, Panel, draw
+from surae_thesis.plots import Panel, PlotLine, draw
 from surae_thesis.section import Context, Drawing, Result, Table
 
 #: The five basic profiles of the simulation study (2.5.1) after the one in use before it (2.1).
@@ -217,13 +217,14 @@ def drawings() -> tuple[Drawing, ...]:
         Drawing("figure-7", "Figure 7: the added chirp",
             "A·sin(s·t²) with A = 0.2 rad and s = 0.3: the frequency at time t is s·t/π.",
             "An oscillation of constant amplitude whose frequency rises from 0 to 2.9 Hz in 30 s.",
-            draw([Panel("Angle [rad]", [Line(time, added)], "Time [s]",
+            draw([Panel("Angle [rad]", [PlotLine(time, added)], "Time [s]",
                         "Chirp of 0.2 rad and factor 0.3", {"xlim": (0.0, 30.0)})], 2.6)),
         Drawing("figure-8", "Figure 8: multiple holds with a chirp of 0.2 rad",
             "The sum of Figures 6B and 7, the holds mapped on a narrower range so that the sum "
             "just reaches full plantarflexion (−1) and full dorsiflexion (1).",
             "Holds at several positions with an oscillation of rising frequency upon them.",
-            draw([Panel("Part of the range\nof motion [-]", [Line(eighth.time, part)], "Time [s]",
+            draw([Panel("Part of the range\nof motion [-]", [PlotLine(eighth.time, part)],
+                        "Time [s]",
                         "Multiple holds with the chirp of Figure 7",
                         {"xlim": (0.0, eighth.time[-1])})], 2.9)),
         Drawing("figure-9", "Figure 9: the two EMG tasks",
@@ -245,7 +246,7 @@ def _position(motion: Trajectory, title: str, *, last: bool = True) -> Panel:
     """Angle from full plantarflexion, as the thesis draws it."""
     low, high = motion.settings.range_of_motion
     at = {"ylim": (-0.06, high - low + 0.06), "yticks": [0.0, 0.5, 1.0, 1.5]}
-    lines = [Line(motion.time, motion.angle - low)]
+    lines = [PlotLine(motion.time, motion.angle - low)]
     return Panel("Ankle angle\n[rad]", lines, "Time [s]" if last else "", title, at)
 
 
@@ -255,7 +256,8 @@ def _map(name: str, title: str, motion: Trajectory) -> Drawing:
     cloud = {"color": BLUE, "marker": ".", "markersize": 2.6, "markeredgewidth": 0,
              "linestyle": "none", "rasterized": True}  # fmt: skip
     panel = Panel(
-        "Velocity [l0/s]", [Line(path.length, path.velocity, "", cloud)], "Muscle length [L/l0]",
+        "Velocity [l0/s]", [PlotLine(path.length, path.velocity, "", cloud)],
+        "Muscle length [L/l0]",
         f"Triceps surae, l0 = {1e3 * path.l0:g} mm: {share} plane visited",
         {"xlim": (0.3, 1.2), "ylim": (-_SHOWN, _SHOWN)}, (0.0,),
     )  # fmt: skip
@@ -270,7 +272,7 @@ def _map(name: str, title: str, motion: Trajectory) -> Drawing:
 def _efforts(task: str, title: str, xlabel: str) -> Panel:
     motion = basic("multiple-holds", task)
     lines = [
-        Line(motion.time, _FULL * motion.effort[:, MUSCLES.index(muscle)], label,
+        PlotLine(motion.time, _FULL * motion.effort[:, MUSCLES.index(muscle)], label,
              {"color": colour, "linestyle": dashes})
         for muscle, (colour, dashes, label) in _LOOKS.items()
     ]  # fmt: skip
@@ -284,10 +286,10 @@ def _adapted(name: str, profile: str, title: str) -> Drawing:
     velocity = Panel(
         "Velocity\n[rad/s]",
         [
-            Line(before.time, before.velocity, "before", {"color": GREY, "linewidth": 0.7}),
-            Line(after.time, after.velocity, "after", {"linewidth": 0.9}),
-            Line(ends, np.full(2, 1.5), "1.5 rad/s", limit),
-            Line(ends, np.full(2, -1.5), "", limit),
+            PlotLine(before.time, before.velocity, "before", {"color": GREY, "linewidth": 0.7}),
+            PlotLine(after.time, after.velocity, "after", {"linewidth": 0.9}),
+            PlotLine(ends, np.full(2, 1.5), "1.5 rad/s", limit),
+            PlotLine(ends, np.full(2, -1.5), "", limit),
         ],
         "Time [s]", "", {"xlim": ends, "ylim": (-10.0, 10.0)}, legend=3,
     )  # fmt: skip

@@ -25,7 +25,7 @@ Look = Mapping[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class PlotLine:
     """Numbers against others, both of shape (n,), with a look; without a marker it is a trace."""
 
     x: Any
@@ -53,7 +53,7 @@ class Panel:
     """
 
     ylabel: str
-    lines: Sequence[Line] = ()
+    lines: Sequence[PlotLine] = ()
     xlabel: str = ""
     title: str = ""
     at: Look = field(default_factory=dict)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from surae import InputError, __version__
 from surae.files import csv_row, read_bytes, require_writable, shown, write_atomic, write_json
-from surae_thesis.claims import CAUSES, VERDICTS, Finding
+from surae_thesis.claims import CAUSES, VERDICTS, JudgedClaim
 
 if TYPE_CHECKING:  # matplotlib is imported by what draws
     from matplotlib.figure import Figure
@@ -145,7 +145,7 @@ class Result:
 
     insights: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
-    findings: tuple[Finding, ...]
+    findings: tuple[JudgedClaim, ...]
     figures: tuple[Drawing, ...] = ()
     tables: tuple[Table, ...] = ()
 
@@ -303,7 +303,7 @@ def _result(
         insights=tuple(insights),
         notes=tuple(notes),
         findings=tuple(
-            Finding(**f | {"ours": {view: (bool(a), str(b)) for view, (a, b) in f["ours"].items()}})
+            JudgedClaim(**f | {"ours": {v: (bool(a), str(b)) for v, (a, b) in f["ours"].items()}})
             for f in findings
         ),
         figures=tuple(Drawing(**drawing) for drawing in figures),

@@ -22,7 +22,7 @@ _NOISE = 0.05
 
 
 @dataclass(frozen=True, slots=True)
-class Fitted:
+class FittedSpring:
     """Estimates, standard errors where there are any, and their normalised covariance.
 
     Inseparable parameters trade off without changing the force.
@@ -72,23 +72,23 @@ def offset_force(motion: Motion, p: FloatArray) -> tuple[FloatArray, FloatArray]
     return force, np.stack([x, v - u, a, np.full_like(x, -b)])
 
 
-def fit_linear(motion: Motion, seed: int) -> Fitted:
+def fit_linear(motion: Motion, seed: int) -> FittedSpring:
     """The linear model fitted to its own noisy force."""
     return _fit(linear_force, motion, ("k", "b", "m"), seed)
 
 
-def fit_offset(motion: Motion, seed: int) -> Fitted:
+def fit_offset(motion: Motion, seed: int) -> FittedSpring:
     """The non-linear model fitted to its own noisy force."""
     return _fit(offset_force, motion, ("k", "b", "m", "u"), seed)
 
 
-def exponential() -> Fitted:
+def exponential() -> FittedSpring:
     """The linear model fitted along x = exp(t), which equals its derivatives (A.3)."""
     x = np.exp(np.linspace(0.0, 2.0, 512))
     return _fit(linear_force, (x, x, x), ("k", "b", "m"), 0)
 
 
-def _fit(force: Force, motion: Motion, names: tuple[str, ...], seed: int) -> Fitted:
+def _fit(force: Force, motion: Motion, names: tuple[str, ...], seed: int) -> FittedSpring:
     truth = np.array([TRUTH[name] for name in names])
     clean = force(motion, truth)[0]
     noise = np.random.default_rng(seed).standard_normal(len(clean))
@@ -103,7 +103,7 @@ def _fit(force: Force, motion: Motion, names: tuple[str, ...], seed: int) -> Fit
     end = minimise(rows, start, np.full(p, -1e6), np.full(p, 1e6))
     cov = covariance(end.R, names, end.sse, len(measured))
     errors = dict(zip(cov.names, np.sqrt(np.diag(cov.matrix)).tolist(), strict=True))
-    return Fitted(
+    return FittedSpring(
         names, dict(zip(names, end.x.tolist(), strict=True)), errors, cov.correlation,
         cov.directions,
     )  # fmt: skip

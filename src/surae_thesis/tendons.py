@@ -18,7 +18,7 @@ from surae.units import FloatArray
 from surae_thesis.claims import Claim, Ruling, judge_all
 from surae_thesis.cohort.members import make_cohort
 from surae_thesis.cohort.trials import cohort_inputs
-from surae_thesis.plots import Line, Panel, draw
+from surae_thesis.plots import Panel, PlotLine, draw
 from surae_thesis.section import Context, Drawing, Result, Table
 
 MODEL = "muscle-tendon"
@@ -276,11 +276,11 @@ def drawings() -> tuple[Drawing, ...]:
     dot: dict[str, Any] = {"marker": "o", "linestyle": "none", "markersize": 5}
     dashed: dict[str, Any] = {"linewidth": 1.2, "linestyle": (0, (4, 2))}
     without = [
-        Line(1e3 * elongation, laws[0].force(elongation), f"slack length {1e3 * SLACK_TRI:g} mm",
-             {"color": GREY, "linewidth": 4.0}),
-        Line(1e3 * elongation, printed_force(half + elongation, half), f"{1e3 * half:g} mm",
+        PlotLine(1e3 * elongation, laws[0].force(elongation),
+             f"slack length {1e3 * SLACK_TRI:g} mm", {"color": GREY, "linewidth": 4.0}),
+        PlotLine(1e3 * elongation, printed_force(half + elongation, half), f"{1e3 * half:g} mm",
              dashed),
-        Line([1e3 * laws[0].toe_elongation], [laws[0].toe_force], "end of the toe",
+        PlotLine([1e3 * laws[0].toe_elongation], [laws[0].toe_force], "end of the toe",
              dot | {"color": RED}),
     ]  # fmt: skip
     both = []
@@ -291,12 +291,12 @@ def drawings() -> tuple[Drawing, ...]:
     ):  # fmt: skip
         length = np.concatenate([[0.0], slack + np.linspace(0.0, 0.04, 400)])
         toe = slack + law.toe_elongation
-        both += [Line(length, law.force(length - slack), label, look),
-                 Line([toe], [law.toe_force], "", dot | {"color": look["color"]})]  # fmt: skip
+        both += [PlotLine(length, law.force(length - slack), label, look),
+                 PlotLine([toe], [law.toe_force], "", dot | {"color": look["color"]})]  # fmt: skip
     inputs = trial(FINE)
     speeds = [
         Panel("Muscle speed\n[m/s]",
-              [Line(inputs.time, states(inputs, scheme).muscle_velocity[0], "",
+              [PlotLine(inputs.time, states(inputs, scheme).muscle_velocity[0], "",
                     {"color": colour, "linewidth": 0.7})], xlabel, f"{said} at {FINE:g} Hz",
               {"xlim": (0.0, inputs.time[-1])})
         for scheme, said, colour, xlabel in (

@@ -8,20 +8,20 @@ from surae.files import csv_row, read_bytes, write_atomic
 from surae.report import has_typst
 from surae.report.document import (
     Block,
-    Cell,
     Document,
     KeyFigures,
-    Paragraph,
-    Picture,
-    Points,
-    Row,
-    Table,
+    ListBlock,
+    PictureBlock,
+    SectionBlock,
+    TableBlock,
+    TableCell,
+    TableRow,
+    TextBlock,
     columns,
     paragraphs,
     rows_of,
 )
-from surae.report.document import Section as DocumentSection
-from surae_thesis.claims import Finding
+from surae_thesis.claims import JudgedClaim
 from surae_thesis.section import Cell as Value
 from surae_thesis.section import Chapters, Context, Result, Section, causes, chapters, counts
 
@@ -64,7 +64,7 @@ def write(context: Context) -> list[Path]:
 def document(context: Context, there: Chapters) -> Document:
     """The sections as a page or paper shows them."""
     quick = ", quick: a part of the fits" if context.quick else ""
-    contents = Points(
+    contents = ListBlock(
         "",
         tuple(f"{s.title} ({s.source}): {len(result.findings)} claims" for s, result in there),
         links=tuple(section.name for section, _ in there),
@@ -72,7 +72,7 @@ def document(context: Context, there: Chapters) -> Document:
     summary: tuple[Block, ...] = (
         KeyFigures(tuple((verdict, str(n), "") for verdict, n in counts(there).items())),
         *paragraphs(filter(None, [_causes(there)])),
-        Paragraph(
+        TextBlock(
             "Each claim has a numeric rule for when it holds, printed with it, and is judged in "
             "every column: under each reading of what the thesis leaves open, and with its "
             "integrator, ✓ where it holds. What is random has one seed, which was not chosen for "
@@ -89,7 +89,7 @@ def document(context: Context, there: Chapters) -> Document:
         ),
         title=_TITLE,
         blocks=(
-            DocumentSection("Summary", summary, "summary"),
+            SectionBlock("Summary", summary, "summary"),
             *(_chapter(section, result) for section, result in there),
         ),
         footer=(
@@ -100,10 +100,10 @@ def document(context: Context, there: Chapters) -> Document:
     )
 
 
-def _chapter(section: Section, result: Result) -> DocumentSection:
+def _chapter(section: Section, result: Result) -> SectionBlock:
     """A section of the thesis: what we say of it, its claims, figures and tables."""
-    blocks: list[Block] = [Paragraph(f"Thesis: {section.source}", "under")]
-    blocks += [Paragraph("", lead=text) for text in result.insights]
+    blocks: list[Block] = [TextBlock(f"Thesis: {section.source}", "under")]
+    blocks += [TextBlock("", lead=text) for text in result.insights]
     blocks += paragraphs(result.notes)
     if result.findings:
         heads = columns(
@@ -112,36 +112,36 @@ def _chapter(section: Section, result: Result) -> DocumentSection:
             looks={0: "where", 3 + len(result.views): "judged"},
         )  # fmt: skip
         rows = [row for f in result.findings for row in _claim_rows(f, result.views)]
-        blocks.append(Table("Claims of the thesis and ours", heads, rows_of(rows), "claims"))
+        blocks.append(TableBlock("Claims of the thesis and ours", heads, rows_of(rows), "claims"))
     for drawing in result.figures:
-        picture = Picture(drawing.name, drawing.alt, drawing.caption, "here", width=100)
-        blocks.append(DocumentSection(drawing.title, (picture,), drawing.name))
+        picture = PictureBlock(drawing.name, drawing.alt, drawing.caption, "here", width=100)
+        blocks.append(SectionBlock(drawing.title, (picture,), drawing.name))
     for table in result.tables:
         if table.long:
-            blocks.append(Paragraph(f"{table.title}: tables/{table.name}.csv", "note"))
+            blocks.append(TextBlock(f"{table.title}: tables/{table.name}.csv", "note"))
             continue
         numbers = [
             k for k in range(len(table.columns))
             if k and all(isinstance(row[k], float | int | None) for row in table.rows)
         ]  # fmt: skip
         cells = (tuple(map(cell_text, row)) for row in table.rows)
-        shown = Table(table.title, columns(*table.columns, numbers=numbers), rows_of(cells))
-        blocks.append(DocumentSection(table.title, (shown,)))
-    return DocumentSection(section.title, tuple(blocks), section.name, "page")
+        shown = TableBlock(table.title, columns(*table.columns, numbers=numbers), rows_of(cells))
+        blocks.append(SectionBlock(table.title, (shown,)))
+    return SectionBlock(section.title, tuple(blocks), section.name, "page")
 
 
-def _claim_rows(finding: Finding, views: Sequence[str]) -> tuple[Row, Row]:
+def _claim_rows(finding: JudgedClaim, views: Sequence[str]) -> tuple[TableRow, TableRow]:
     """A claim beside ours in every view, and below it when it holds and what explains it."""
     badge = (f"verdict {CLASSES[finding.verdict]}", finding.said)
     return (
         (
-            Cell(finding.source, under=finding.id),
+            TableCell(finding.source, under=finding.id),
             finding.statement,
             finding.number,
             *(_view(finding, name) for name in views),
-            Cell(badge=badge, link=finding.figure),
+            TableCell(badge=badge, link=finding.figure),
         ),
-        (Cell(meaning=f"Holds when: {finding.rule}", why=finding.reason),),
+        (TableCell(meaning=f"Holds when: {finding.rule}", why=finding.reason),),
     )
 
 
@@ -218,7 +218,7 @@ def _causes(there: Chapters) -> str:
     return f"Of those that differ, {told}." if told else ""
 
 
-def _view(finding: Finding, name: str) -> str:
+def _view(finding: JudgedClaim, name: str) -> str:
     """Our number in one view, marked where the claim holds there."""
     if name not in finding.ours:
         return "–"
@@ -226,7 +226,7 @@ def _view(finding: Finding, name: str) -> str:
     return f"✓ {text}" if holds else text
 
 
-def _ours(finding: Finding) -> str:
+def _ours(finding: JudgedClaim) -> str:
     """All our numbers in a line."""
     return "; ".join(f"{n}: {text}" if n else text for n, (_, text) in finding.ours.items())
 

@@ -12,7 +12,7 @@ import surae
 from surae.assessment import Adequacy, Grade
 from surae.errors import InputError
 from surae.frozen import FrozenDict
-from surae.measures.cohort import Member, borrowed, pool
+from surae.measures.cohort import CohortMember, borrowed, pool
 from surae.measures.members import populations, read_table
 from surae.measures.quantity import Quantities, Quantity
 from surae.measures.reml import random_effects
@@ -21,13 +21,15 @@ from surae.report.cohort import cohort_html
 from surae.studies import virtual_subject, virtual_trial
 
 
-def leg(name: str, value: float, sd: float, group: str = "", session: str = "", **how) -> Member:
+def leg(
+    name: str, value: float, sd: float, group: str = "", session: str = "", **how
+) -> CohortMember:
     """A leg of which one parameter is known."""
     scales = FrozenDict(how.pop("scales", {}))
     q = Quantity("k_tri", "1/m", "…", "parameter", value, sd, sd, 0.0, bounds=(20.0, 600.0), **how)
     fine = Adequacy(Grade.ADEQUATE, (), 99.0)
     own = Quantities("muscle", FrozenDict(), fine, (name,), FrozenDict({"k_tri": q}))
-    return Member(name, "", group, session, scales, own)
+    return CohortMember(name, "", group, session, scales, own)
 
 
 def test_mean_and_spread_are_found_again_and_their_interval_holds() -> None:

@@ -11,7 +11,7 @@ import surae
 from surae.assessment import Grade, Verdict
 from surae.errors import InputError
 from surae.measures.change import compare_sessions
-from surae.measures.curve import Line, TorqueCurve
+from surae.measures.curve import CurveLine, TorqueCurve
 from surae.measures.norms import Placed, read_norms
 from surae.measures.quantity import quantities
 from surae.names import LANGUAGES
@@ -60,8 +60,8 @@ def test_an_inadequate_fit_gives_no_answer_and_no_known_number(fit) -> None:
 def test_a_band_without_an_end_leaves_its_curve_readable() -> None:
     angle = np.linspace(-0.3, 0.3, 20)
     torque = 10.0 * angle
-    vast = Line(torque=torque, low=torque - 1e7, high=torque + 1e7)
-    near = Line(torque=torque, low=torque - 1.0, high=torque + 1.0)
+    vast = CurveLine(torque=torque, low=torque - 1e7, high=torque + 1e7)
+    near = CurveLine(torque=torque, low=torque - 1.0, high=torque + 1.0)
     names = {name: name for name in ("angle", "torque", "relaxed", "calf", "tibialis")}
     curve = TorqueCurve(angle=angle, passive=vast, active_tri=near, active_tib=near)
     rest, active = curve_figure([("leg", curve)], [], names).axes
@@ -72,7 +72,7 @@ def test_a_band_without_an_end_leaves_its_curve_readable() -> None:
 def test_a_group_is_drawn_beside_the_same_measure_of_the_leg() -> None:
     # What groups resisted in a slow stretch is no point of the relaxed line.
     angle = np.linspace(-0.3, 0.3, 20)
-    line = Line(torque=angle, low=angle - 1.0, high=angle + 1.0)
+    line = CurveLine(torque=angle, low=angle - 1.0, high=angle + 1.0)
     names = {n: n for n in ("angle", "torque", "relaxed", "slow", "calf", "tibialis")}
     curve = TorqueCurve(angle=angle, passive=line, active_tri=line, active_tib=line)
     slow = [n for n in read_norms() if n.measure == "slow_torque@10deg"]

@@ -7,12 +7,12 @@ from surae.assessment.adequacy import Adequacy, Grade
 from surae.report import rendering
 from surae.report.budget import budget_section
 from surae.report.content import fit_document
-from surae.report.document import Paragraph, Table
+from surae.report.document import TableBlock, TextBlock
 from surae.report.formatting import estimate, percentage, significant, standard_error
 from surae.report.traces import traces_of
 from surae.report.wording import closeness
 
-from . import said
+from . import parts
 
 
 def content_of(case, result=None):
@@ -29,15 +29,15 @@ def content(plain):
 
 
 def rows_of(content):
-    return said.rows(said.section(content, "Parameters"))
+    return parts.rows(parts.section(content, "Parameters"))
 
 
 def summary_of(content):
-    return said.text(said.section(content, "Summary"))
+    return parts.text(parts.section(content, "Summary"))
 
 
 def settings_of(content):
-    return said.facts(said.section(content, "Settings and provenance"))
+    return parts.facts(parts.section(content, "Settings and provenance"))
 
 
 def test_the_numbers_are_those_of_the_assessment(plain, content):
@@ -54,13 +54,13 @@ def test_the_numbers_are_those_of_the_assessment(plain, content):
         assert bar.value == pytest.approx((p.value - p.lower) / (p.upper - p.lower))
         assert bar.low <= bar.value <= bar.high
     r2, rmse = plain.assessment.adequacy.r2, plain.assessment.rmse
-    assert [value for _, value, _ in said.key(content)][:2] == [
+    assert [value for _, value, _ in parts.key(content)][:2] == [
         f"{percentage(r2)} %", f"{significant(rmse, 3)} Nm",
     ]  # fmt: skip
-    facts = said.facts(said.section(content, "Recording:"))
+    facts = parts.facts(parts.section(content, "Recording:"))
     assert facts["VAF"] == f"{percentage(plain.assessment.recordings[0].vaf)} %"
     assert facts["Samples"] == "1000 at 100 Hz"
-    correlations = said.text(said.section(content, "Correlation"))
+    correlations = parts.text(parts.section(content, "Correlation"))
     assert significant(plain.assessment.ipde, 3) in correlations
 
 
@@ -77,7 +77,7 @@ def test_the_block_is_passive_against_active(plain, monkeypatch):
 
 
 def test_every_start_is_listed(plain, content):
-    rows = list(said.rows(said.section(content, "Starts")).values())
+    rows = list(parts.rows(parts.section(content, "Starts")).values())
     assert [row["Sum of squares [Nm²]"].text for row in rows] == [
         significant(start.sse, 6) for start in plain.result.starts
     ]
@@ -88,7 +88,7 @@ def test_every_start_is_listed(plain, content):
 
 
 def test_white_residuals_are_not_called_coloured(content):
-    assert "robust SEM, because" not in said.text(said.section(content, "Parameters"))
+    assert "robust SEM, because" not in parts.text(parts.section(content, "Parameters"))
     assert "passes for white noise" in summary_of(content)
 
 
@@ -98,10 +98,10 @@ def test_coloured_residuals_widen_the_intervals_and_say_so(coloured):
     assert f"correlate by {significant(whiteness.lag1, 2)}" in text
     assert f"{significant(whiteness.fall_s, 2)} s to fall" in text
     assert "too small by a factor of" in text
-    parameters = said.text(said.section(content, "Parameters"))
+    parameters = parts.text(parts.section(content, "Parameters"))
     assert "robust SEM, because the residual is correlated" in parameters
     assert "Student’s t times the robust SEM" in parameters
-    assert "correlated over time" in said.text(said.section(content, "Residual"))
+    assert "correlated over time" in parts.text(parts.section(content, "Residual"))
     for name, row in rows_of(content).items():
         p = coloured.assessment.parameters[name]
         interval = estimate(p.value, p.sem_robust, p.ci95).interval
@@ -126,7 +126,7 @@ def test_fixed_and_bounded_parameters_say_why(joint):
     shown = settings_of(content)
     assert shown["Fixed parameters"] == "beta = 1"
     assert shown["Bounds"] == "f0: 0.3 … 1.5 instead of 0.3 … 15"
-    assert "f0" in said.text(said.section(content, "Correlation"))
+    assert "f0" in parts.text(parts.section(content, "Correlation"))
     assert sum(b.title.startswith("Recording:") for b in content.blocks) == 2
 
 
@@ -137,7 +137,7 @@ def test_a_parameter_without_influence_says_so(silent):
         assert (rows[name]["SEM (34)"].text, rows[name]["95 % interval"].text) == ("—", "—")
         assert rows[name]["Verdict"].why == silent.assessment.parameters[name].note
         assert rows[name]["Verdict"].why.startswith("no interval: ")
-    glance = next(b for b in said.blocks(content) if isinstance(b, Table))
+    glance = next(b for b in parts.blocks(content) if isinstance(b, TableBlock))
     by_verdict = {row[0].badge[1]: row[1].pairs for _, group in glance.groups for row in group}
     assert ("g1", "undetermined") in by_verdict["undetermined"]
     assert "leaves g1 and l0_tib undetermined" in summary_of(content)
@@ -146,13 +146,13 @@ def test_a_parameter_without_influence_says_so(silent):
 def test_a_failed_fit_claims_nothing(plain):
     failed = replace(plain.result, status="failed", message="no minimum reached: fit again")
     content = content_of(plain, failed)
-    status, *texts = (b for b in content.blocks[0].blocks if isinstance(b, Paragraph))
+    status, *texts = (b for b in content.blocks[0].blocks if isinstance(b, TextBlock))
     assert (status.lead, status.text) == ("Fit failed.", "No minimum reached: fit again.")
     assert len(texts) == 1
     assert "not estimates" in texts[0].text
-    assert "not estimates" in said.text(said.section(content, "Parameters"))
+    assert "not estimates" in parts.text(parts.section(content, "Parameters"))
     assert "identified" not in texts[0].text
-    assert said.key(content)[2][1] == "—"
+    assert parts.key(content)[2][1] == "—"
 
 
 def test_a_single_agreeing_start_is_a_warning(plain):
@@ -179,7 +179,7 @@ def judged(case, grade, reasons, r2):
 
 
 def test_an_adequate_fit_says_so_and_nothing_else(content):
-    words = said.adequacy(content)
+    words = parts.adequacy(content)
     assert (words.grade, words.mark) == ("adequate", "✓")
     assert words.sentence.startswith("Adequate: the model follows")
     assert "inadequate" not in summary_of(content)
@@ -188,7 +188,7 @@ def test_an_adequate_fit_says_so_and_nothing_else(content):
 def test_an_inadequate_fit_opens_with_its_reasons_and_counts_nothing(plain):
     reasons = ("the ankle hardly moves", "f0 lies at a bound")
     case = judged(plain, Grade.INADEQUATE, reasons, r2=12.0)
-    words, text = said.adequacy(content_of(case)), summary_of(content_of(case))
+    words, text = parts.adequacy(content_of(case)), summary_of(content_of(case))
     assert words.reasons == reasons
     assert words.sentence.startswith("Inadequate: no parameter of this fit counts")
     assert "No parameter is identified, not even with" in text
@@ -197,7 +197,7 @@ def test_an_inadequate_fit_opens_with_its_reasons_and_counts_nothing(plain):
 
 def test_a_doubtful_fit_asks_for_caution_and_withholds_nothing(plain):
     content = content_of(judged(plain, Grade.DOUBTFUL, ("the ankle moves little",), r2=94.0))
-    words = said.adequacy(content)
+    words = parts.adequacy(content)
     assert (words.mark, words.grade) == ("!", "doubtful")
     assert "no parameter" not in words.sentence.lower()
     assert "parameters are identified" in summary_of(content)

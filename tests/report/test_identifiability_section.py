@@ -12,7 +12,7 @@ from surae.report.identifiability import identifiability_section
 from surae.report.rendering import render
 from surae.studies import virtual_subject, virtual_trial
 
-from . import said
+from . import parts
 
 
 @pytest.fixture(scope="module")
@@ -35,22 +35,22 @@ def test_the_report_shows_the_trade_off_of_the_tibialis_tendon(toe):
 
 def test_the_rows_are_the_figures(toe):
     identified, section = identifiability(toe), identifiability_section(toe, assess(toe))
-    assert list(said.rows(section, 1)) == sorted(
+    assert list(parts.rows(section, 1)) == sorted(
         toe.problem.free, key=lambda name: identified.parameters[name].rank
     )
-    directions = list(said.rows(section).values())
+    directions = list(parts.rows(section).values())
     assert len(directions) == 6
     known = f"{100 * identified.directions[0].uncertainty:.2g}\u00a0%"
     assert directions[0]["Known to ±"].text == known
     change = directions[0]["A change that this torque cannot tell"].text
     assert change.startswith("pt_tib +")
     assert "dlt_tib −" in change
-    assert "Smallest such sets: " in said.text(section)
+    assert "Smallest such sets: " in parts.text(section)
 
 
 def test_advice_only_where_something_is_to_be_done(plain):
     section = identifiability_section(plain.result, plain.assessment)
-    for row in said.rows(section, 1).values():
+    for row in parts.rows(section, 1).values():
         identified = row["Verdict"].badge[1] == "identified"
         assert (row["What to do"].text == "") == identified, row
     assert "What this torque tells apart" in plain.words
@@ -59,7 +59,7 @@ def test_advice_only_where_something_is_to_be_done(plain):
 
 def test_a_silent_muscle(silent):
     section = identifiability_section(silent.result, silent.assessment)
-    rows = said.rows(section, 1)
+    rows = parts.rows(section, 1)
     assert (rows["g1"]["Influence δ"].text, rows["g1"]["SEM alone"].text) == ("0", "—")
     for name in ("g1", "l0_tib"):
         assert f"does not depend on {name}" in rows[name]["What to do"].text

@@ -18,7 +18,7 @@ from surae.report.sections import predictions_section
 from surae.signals import Weighting, weighted
 from undrawn import blank_figures
 
-from . import said
+from . import parts
 from .test_content import content_of, settings_of, summary_of
 
 CREATED = datetime(2026, 1, 5, 14, 3)
@@ -56,7 +56,7 @@ def test_a_loss_is_told_with_what_it_spared(spared, plain):
     assert "With the samples counted as in the fit, the VAF is" in summary
     assert "no stray artefacts" not in summary
     assert "Only the solution with the weights of the outliers was tried" in spared.words
-    facts = said.facts(said.section(content_of(spared), "Recording:"))
+    facts = parts.facts(parts.section(content_of(spared), "Recording:"))
     assert "VAF, weighted as in the fit" in facts
     without, summary = texts(plain)
     assert without["Loss"] == "squares"
@@ -135,8 +135,8 @@ def test_predictions_have_a_section_a_table_and_a_figure_each(plain, page):
 
 def test_a_good_prediction_is_not_warned_of(plain, predictions):
     (section,) = predictions_section(plain.assessment, predictions[:1])
-    assert "carry over only in part" not in said.text(section)
-    assert list(said.rows(section)) == ["trial 1"]
+    assert "carry over only in part" not in parts.text(section)
+    assert list(parts.rows(section)) == ["trial 1"]
     assert predictions_section(plain.assessment, []) == ()
 
 

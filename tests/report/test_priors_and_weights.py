@@ -12,7 +12,7 @@ from surae.report.figures import residual_figure, torque_figure
 from surae.report.provenance import excluded_spans, excluded_text, prior_note, prior_text
 from surae.report.traces import traces_of
 
-from . import said
+from . import parts
 from .test_content import content_of, rows_of, settings_of
 
 
@@ -91,10 +91,10 @@ def test_spans_in_words():
 
 def test_what_was_left_out_is_said_twice_and_hatched(informed):
     content = content_of(informed)
-    source = said.section(content, "Settings").blocks[1]
+    source = parts.section(content, "Settings").blocks[1]
     expected = "51 of 1000 samples, weight 0: 2 … 2.49 s, 3 s"
-    for section in (said.section(content, "Recording:"), source):
-        assert said.facts(section)["Left out of the fit"] == expected
+    for section in (parts.section(content, "Recording:"), source):
+        assert parts.facts(section)["Left out of the fit"] == expected
     assert informed.words.count(expected) == 2
     traces = traces_of(informed.result)[0]
     white = whiteness(traces.residual[traces.counted], 100.0)
@@ -112,7 +112,7 @@ def test_what_was_left_out_is_in_no_number(informed):
     traces = traces_of(informed.result)[0]
     assert np.abs(traces.residual).max() > 400
     content = content_of(informed)
-    note = said.key(content)[1][2]
+    note = parts.key(content)[1][2]
     rms = float(np.sqrt(np.mean(traces.measured[traces.counted] ** 2)))
     assert note == f"torque itself {rms:.3g} Nm"
     white = whiteness(traces.residual[traces.counted], 100.0)

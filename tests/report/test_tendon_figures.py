@@ -10,7 +10,7 @@ from surae.report.formatting import significant
 from surae.report.recordings import tendon_rows, warnings_of
 from surae.report.traces import traces_of
 
-from . import said
+from . import parts
 from .test_content import content_of
 
 
@@ -106,9 +106,9 @@ def test_the_table_has_the_extremes(traces):
 
 def test_the_page_shows_them_with_words_for_the_figure(elastic):
     assert elastic.words.count("<h3>Muscles and tendons</h3>") == 1
-    section = said.section(content_of(elastic), "Muscles and tendons")
+    section = parts.section(content_of(elastic), "Muscles and tendons")
     picture = section.blocks[1]
-    for group, row in said.rows(section).items():
+    for group, row in parts.rows(section).items():
         assert f"{group}: muscle length {row['Muscle length [l0]'].text} l0" in picture.alt
         assert row["Tendon force [N]"].text in elastic.words
     assert warnings_of(traces_of(elastic.result)[0]) == ()
@@ -132,7 +132,7 @@ def test_samples_without_a_solution_are_named_and_drawn_up_to_there(elastic):
     first, other = warnings_of(traces)
     assert first.startswith("Triceps surae: the balance of forces could not be")
     assert "at sample 401 (4 s)" in first
-    assert other in said.text(said.section(content_of(elastic, broken), "Recording:"))
+    assert other in parts.text(parts.section(content_of(elastic, broken), "Recording:"))
     assert png(tendon_figure(traces, traces.tendon), dpi=40)
     nothing = np.full((2, 1000), np.nan)
     state = replace(traces.tendon, tendon_force=nothing, elongation=nothing, muscle_length=nothing)

@@ -15,7 +15,7 @@ from surae.report.laboratory import family_section, laboratory_section, trials_s
 from surae.report.parameters import parameters_section, repeatable, shown_parameters
 from surae.report.rendering import render
 
-from . import said
+from . import parts
 
 
 @pytest.fixture(scope="module")
@@ -173,7 +173,7 @@ def test_repeatable_stands_beside_identified_and_is_not_it(auto):
     name = next(n for n, p in assessment.parameters.items() if p.ci95_repeat)
     p = replace(assessment.parameters[name], verdict=Verdict.WEAK, repeatable=True)
     other = with_parameters(assessment, **{name: {"verdict": Verdict.WEAK, "repeatable": True}})
-    row = said.rows(parameters_section(result, other, next_anchor=""))[name]
+    row = parts.rows(parameters_section(result, other, next_anchor=""))[name]
     assert (row["Verdict"].badge[1], row["Repeatable"].text) == ("weak", "yes")
     assert repeatable(replace(p, repeatable=False)) == "no"
     assert repeatable(replace(p, ci95_repeat=None)) == "—"

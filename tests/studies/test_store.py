@@ -14,10 +14,12 @@ import pytest
 from surae.errors import ComputationError, InputError
 from surae.studies.store import Store, export_study, study_columns, study_table
 from surae.studies.study import parse_study
-from surae.studies.tasks import Estimate, TaskOutcome
+from surae.studies.tasks import TaskEstimate, TaskOutcome
 
 TEXT = 'name = "a"\nprotocol = "sine"\nnoise = [0.01, 0.05]\nsubjects = 2\n'
-DONE = TaskOutcome("converged", "all well", 99.9, 3.1, (Estimate("m", 0.1 + 0.2, 1e-17, 2.0),), 0.5)
+DONE = TaskOutcome(
+    "converged", "all well", 99.9, 3.1, (TaskEstimate("m", 0.1 + 0.2, 1e-17, 2.0),), 0.5
+)
 LOST = TaskOutcome("failed", "its worker died")
 
 
@@ -316,7 +318,11 @@ def test_the_table_has_its_columns_in_order(path) -> None:
 
 
 def test_missing_numbers_are_empty_cells(path, tmp_path) -> None:
-    fill(path, outcome=replace(DONE, ipde=None, estimates=(Estimate("m", 0.3, None, 2.0),)), most=1)
+    fill(
+        path,
+        outcome=replace(DONE, ipde=None, estimates=(TaskEstimate("m", 0.3, None, 2.0),)),
+        most=1,
+    )
     fill(path, outcome=LOST, most=1)
     with Store(path) as store:
         assert export_study(store, tmp_path / "t.csv")[0] == 2

@@ -11,7 +11,7 @@ from surae_thesis.claims import INTEGRATOR, judge, judge_all, read_claims
 from surae_thesis.cohort import beyond, drawings, plan, subjects
 from surae_thesis.cohort.boxes import Box, BoxPanel, snsem_figure, vaf_figure
 from surae_thesis.cohort.drawings import spectra_figure, spectrum
-from surae_thesis.cohort.joint import Estimate, Way
+from surae_thesis.cohort.joint import JointEstimate, Way
 from surae_thesis.cohort.members import COMPLETED, make_cohort
 from surae_thesis.cohort.results import Fits, Point, clearly_lower, paired
 from surae_thesis.cohort.rules import (
@@ -230,7 +230,9 @@ def test_every_figure_and_table_of_made_up_fits_is_there():
 
 def way(name, error=0.05, sem=0.01, vaf=98.0, first=1.0):
     names = (*beyond.SHARED, "dlt_tri", "pt_tri")
-    estimates = tuple(Estimate(n, 1.0 + error, 1.0, sem, error < sem, error < 0.5) for n in names)
+    estimates = tuple(
+        JointEstimate(n, 1.0 + error, 1.0, sem, error < sem, error < 0.5) for n in names
+    )
     held = dict.fromkeys((HOLDS, PASSIVE), (("S01", vaf),))
     return Way(name, estimates, held, first, (vaf,))
 

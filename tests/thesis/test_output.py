@@ -7,7 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from surae.errors import InputError
-from surae_thesis.claims import Claim, Finding, NotThereError, Ruling, judge
+from surae_thesis.claims import Claim, JudgedClaim, NotThereError, Ruling, judge
 from surae_thesis.section import (
     SECTIONS,
     Context,
@@ -28,7 +28,7 @@ from surae_thesis.writers import cell_text, markdown, verdicts_csv, write
 NASTY = "<script>alert(1)</script> | #panic() *b* $x$ [a](b) `c` \\"
 
 
-def finding_of(name: str, *views: bool | None, ours: str = NASTY) -> Finding:
+def finding_of(name: str, *views: bool | None, ours: str = NASTY) -> JudgedClaim:
     """What becomes of a claim that holds in some views; None is one that is not there."""
 
     def rule(holds: bool | None) -> Ruling:

@@ -16,7 +16,7 @@ from surae_thesis.simulation.cells import (
     PROFILES,
     SIGNED,
     TASKS,
-    Cell,
+    GridCell,
     Study,
     TorqueSize,
     along_factor,
@@ -84,7 +84,7 @@ def grid(sem=thesis_sem, ipde=thesis_ipde, vaf=thesis_vaf, off=thesis_off, subje
             "factor": factor if amplitude else None, "subject": subject,
         }  # fmt: skip
         made.append(
-            Cell(
+            GridCell(
                 **place, repeat=1, vaf=vaf(place), ipde=ipde(place),
                 sem={name: sem(place, name) for name in NAMES},
                 off={name: off(place) if name == "g1" else 0.0 for name in NAMES},
@@ -162,7 +162,7 @@ def test_each_claim_differs_where_the_grid_does(name, spoilt) -> None:
 def noisy(vaf=0.0, sem=0.0, ipde=0.0, profile="multiple-holds"):
     """Five repeats, the last of which is off by so much."""
     return [
-        Cell(
+        GridCell(
             model="muscle", profile=profile, task="part-passive", amplitude=0.1, factor=factor,
             subject=1, repeat=repeat, vaf=99.9 + vaf * (repeat == 5),
             ipde=2.6 + ipde * (repeat == 5), sem={"k_tri": 1.0 + sem * (repeat == 5)},

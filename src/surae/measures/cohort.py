@@ -31,7 +31,7 @@ _MANY = 100
 
 
 @dataclass(frozen=True, slots=True)
-class Member:
+class CohortMember:
     """One row of a cohort."""
 
     #: `subject`, `side`, `group`, `session`: whose leg it is, and when it was measured; sessions
@@ -116,7 +116,7 @@ class Pooled:
 class Cohort(Saved):
     """A cohort: its members, and everything they have over all of them."""
 
-    members: tuple[Member, ...]
+    members: tuple[CohortMember, ...]
     pooled: FrozenDict[str, Pooled]
     rounds: int = 0
 
@@ -171,7 +171,7 @@ def _plain(c: Contrast) -> dict[str, Any]:
     return {"difference": c.difference, "ci95": list(c.ci95), "p": c.p, "n": c.k}
 
 
-def pool(members: Sequence[Member]) -> Cohort:
+def pool(members: Sequence[CohortMember]) -> Cohort:
     """Everything that a cohort tells."""
     sessions = sessions_of(members)
     first = [each[0] for each in sessions.values()]
@@ -184,9 +184,9 @@ def pool(members: Sequence[Member]) -> Cohort:
     return Cohort(tuple(members), FrozenDict(_holm(told)))
 
 
-def sessions_of(members: Sequence[Member]) -> dict[str, list[Member]]:
+def sessions_of(members: Sequence[CohortMember]) -> dict[str, list[CohortMember]]:
     """The sessions of each leg, in order."""
-    sessions: dict[str, list[Member]] = {}
+    sessions: dict[str, list[CohortMember]] = {}
     for member in sorted(members, key=lambda m: m.order):
         before = sessions.setdefault(member.leg, [])
         if any(m.session == member.session for m in before):
@@ -197,7 +197,7 @@ def sessions_of(members: Sequence[Member]) -> dict[str, list[Member]]:
     return sessions
 
 
-def borrowed(cohort: Cohort, refitted: Sequence[Member], rounds: int) -> Cohort:
+def borrowed(cohort: Cohort, refitted: Sequence[CohortMember], rounds: int) -> Cohort:
     """The cohort with each leg's value of a fit that knew its population.
 
     Means, spreads and differences stay those of fits that did not: what a leg borrows from the
@@ -220,10 +220,10 @@ def borrowed(cohort: Cohort, refitted: Sequence[Member], rounds: int) -> Cohort:
 
 
 def _pooled(
-    name: str, first: Sequence[Member], changes: Mapping[str, list[tuple[float, float]]]
+    name: str, first: Sequence[CohortMember], changes: Mapping[str, list[tuple[float, float]]]
 ) -> Pooled:
     left_out: Counter[str] = Counter()
-    usable: list[tuple[Member, Quantity, float, float]] = []
+    usable: list[tuple[CohortMember, Quantity, float, float]] = []
     at_bound, known = 0, None
     for member in first:
         q = None if member.quantities is None else member.quantities.by_name.get(name)
@@ -257,7 +257,7 @@ def _pooled(
     )  # fmt: skip
 
 
-def _among(member: Member, value: float, variance: float, effects: Effects | None) -> Among:
+def _among(member: CohortMember, value: float, variance: float, effects: Effects | None) -> Among:
     sd = math.sqrt(variance)
     drawn, own = (value, sd) if effects is None else effects.shrunken(value, variance)
     return Among(
@@ -287,7 +287,7 @@ def _change(pairs: Sequence[tuple[float, float]]) -> Contrast:
 
 
 def _changes(
-    sessions: Mapping[str, Sequence[Member]],
+    sessions: Mapping[str, Sequence[CohortMember]],
 ) -> dict[str, dict[str, list[tuple[float, float]]]]:
     """Differences of last and first session and their variances, by quantity and group."""
     told: dict[str, dict[str, list[tuple[float, float]]]] = {}
@@ -304,7 +304,7 @@ def _changes(
     return told
 
 
-def _scales(usable: Sequence[tuple[Member, float]]) -> FrozenDict[str, Correlation]:
+def _scales(usable: Sequence[tuple[CohortMember, float]]) -> FrozenDict[str, Correlation]:
     from scipy.stats import spearmanr
 
     told = {}

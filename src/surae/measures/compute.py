@@ -40,7 +40,7 @@ _OUTSIDE = ("zero", "crosstalk", "axis", "drift", "rest", "shape")
 
 
 @dataclass(frozen=True, slots=True)
-class Point:
+class MeasurePoint:
     """A measure at a point it is asked at."""
 
     definition: Definition
@@ -64,13 +64,13 @@ class Point:
 class Evaluated:
     """A measure of one fit, as far as comparisons need it."""
 
-    point: Point  #: Which.
+    point: MeasurePoint  #: Which.
     value: float | None  #: None where there is none, for the reason `missing`.
     gradient: FloatArray  #: By the searched coordinates of `Spread`, shape (p,).
     missing: str = ""  #: Why it has no value or no interval; empty where it has both.
 
 
-def points(angles: Sequence[float] = ANGLES) -> tuple[Point, ...]:
+def points(angles: Sequence[float] = ANGLES) -> tuple[MeasurePoint, ...]:
     """All measures at the points they are asked at."""
     for angle in angles:
         number = isinstance(angle, int | float | np.number) and not isinstance(angle, bool)
@@ -78,7 +78,7 @@ def points(angles: Sequence[float] = ANGLES) -> tuple[Point, ...]:
             raise InputError(f"angle {angle!r}: give degrees from −{_MOST:g} to {_MOST:g}")
     asked = tuple(dict.fromkeys(float(angle) for angle in angles))
     return tuple(
-        Point(definition, at)
+        MeasurePoint(definition, at)
         for definition in DEFINITIONS
         for at in (asked if definition.at == "deg" else definition.points)
     )
@@ -166,7 +166,9 @@ def leg_of(result: FitResult) -> Leg:
     return Leg(problem.spec, problem.options, result.values, problem.inputs)
 
 
-def evaluate(result: FitResult, spread: Spread, wanted: Sequence[Point]) -> tuple[Evaluated, ...]:
+def evaluate(
+    result: FitResult, spread: Spread, wanted: Sequence[MeasurePoint]
+) -> tuple[Evaluated, ...]:
     """Values of measures and their derivatives by everything that was estimated."""
     leg = leg_of(result)
     values: dict[str, float] = {}
@@ -221,7 +223,9 @@ def _step(spread: Spread, j: int) -> float:
     return _STEP * float(max(abs(spread.values[j]), reach))
 
 
-def _drawn(result: FitResult, spread: Spread, wanted: Sequence[Point]) -> dict[str, FloatArray]:
+def _drawn(
+    result: FitResult, spread: Spread, wanted: Sequence[MeasurePoint]
+) -> dict[str, FloatArray]:
     """Every measure that is not made of the recordings, of possible legs; NaN where it has none."""
     inner = [point for point in wanted if not point.definition.of_recordings]
     if spread.lost == spread.names or not np.isfinite(spread.total).all():

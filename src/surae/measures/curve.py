@@ -7,7 +7,7 @@ import numpy as np
 from surae.assessment import Assessment
 from surae.estimation import FitResult
 from surae.frozen import Comparable, read_only
-from surae.measures.compute import Evaluated, Point, deviation, evaluate
+from surae.measures.compute import Evaluated, MeasurePoint, deviation, evaluate
 from surae.measures.leg import measured_range
 from surae.measures.spread import NORMAL, Spread, spread_of
 from surae.measures.table import DEFINITIONS
@@ -19,7 +19,7 @@ _LINES = ("passive_torque", "active_torque_max_tri", "active_torque_max_tib")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Line(Comparable):
+class CurveLine(Comparable):
     """One line of the curve: torque [Nm] and its 95 % band at the angles, arrays of shape (n,).
 
     Without a band, NaN, where the recordings do not tell what the torque rests on.
@@ -37,9 +37,9 @@ class TorqueCurve(Comparable):
     angle: FloatArray  #: [deg], dorsiflexion positive, shape (n,).
     #: `passive`, `active_tri`, `active_tib`: the relaxed ankle; and what calf and tibialis add at
     #: the session's largest activity.
-    passive: Line
-    active_tri: Line
-    active_tib: Line
+    passive: CurveLine
+    active_tri: CurveLine
+    active_tib: CurveLine
 
 
 def torque_curve(result: FitResult, assessment: Assessment) -> TorqueCurve:
@@ -51,11 +51,11 @@ def torque_curve(result: FitResult, assessment: Assessment) -> TorqueCurve:
     known = {definition.name: definition for definition in DEFINITIONS}
     lines = []
     for name in _LINES:
-        wanted = [Point(known[name], float(at)) for at in angle]
+        wanted = [MeasurePoint(known[name], float(at)) for at in angle]
         told = evaluate(result, spread, wanted)
         value = np.array([np.nan if t.value is None else t.value for t in told])
         sd = np.array([_deviation(t, spread) for t in told])
-        lines.append(Line(*map(read_only, (value, value - NORMAL * sd, value + NORMAL * sd))))
+        lines.append(CurveLine(*map(read_only, (value, value - NORMAL * sd, value + NORMAL * sd))))
     return TorqueCurve(read_only(angle), *lines)
 
 

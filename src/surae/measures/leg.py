@@ -39,7 +39,7 @@ class NotDefinedError(Exception):
     """A measure that a leg does not have, with the reason as a sentence."""
 
 
-class Hold(NamedTuple):
+class MuscleHold(NamedTuple):
     """A muscle group that holds still at an angle."""
 
     force: float  #: On its tendon [N].
@@ -73,7 +73,7 @@ class Leg:
     options: ModelOptions
     values: Mapping[str, float]  #: Every parameter of the model.
     inputs: tuple[ModelInputs, ...] = ()  #: Recordings; empty where only the leg itself is asked.
-    _holds: dict[tuple[str, float, float], Hold] = field(default_factory=dict, compare=False)
+    _holds: dict[tuple[str, float, float], MuscleHold] = field(default_factory=dict, compare=False)
     _muscles: dict[str, "_Muscle"] = field(default_factory=dict, compare=False)
     _ties: dict[int, Simulator] = field(default_factory=dict, compare=False)
 
@@ -148,14 +148,14 @@ class Leg:
             )
         return self._muscles[group]
 
-    def hold(self, group: str, degrees: float, alpha: float = 0.0) -> Hold:
+    def hold(self, group: str, degrees: float, alpha: float = 0.0) -> MuscleHold:
         """A muscle group at an angle with an active state α [N], tissue fully relaxed."""
         key = (group, degrees, alpha)
         if key not in self._holds:
             self._holds[key] = self._held(*key)
         return self._holds[key]
 
-    def _held(self, group: str, degrees: float, alpha: float) -> Hold:
+    def _held(self, group: str, degrees: float, alpha: float) -> MuscleHold:
         path, k, x0, l0, relaxed, shift, curve = muscle = self._muscle(group)
         angle = degrees * _DEGREE
         x, slope = _length(path, angle), path.slope + path.bend * angle
@@ -164,7 +164,7 @@ class Leg:
             elastic, (lift, lift_slope) = muscle.elastic(x), _force_length(x, l0)
             own, force = alpha * lift_slope, relaxed * elastic + shift + alpha * lift
             slow, quick = relaxed * k * elastic + own, k * elastic + own
-            return Hold(force, slow, quick, x, 1.0, arm, slope, path.arm_slope)
+            return MuscleHold(force, slow, quick, x, 1.0, arm, slope, path.arm_slope)
         step = (x, x, _STILL, relaxed, 0.0, alpha)
         solved, e, here = solve(0.0, (k, x0, l0, self.options.vmax_factor * l0), curve, step)
         if not solved:
@@ -172,7 +172,7 @@ class Leg:
         force, stiff, elastic = here[2], here[3], muscle.elastic(x - e)
         own = alpha * _force_length(x - e, l0)[1]
         slow, quick = relaxed * k * elastic + own, k * elastic + own
-        return Hold(
+        return MuscleHold(
             force, _series(stiff, slow), _series(stiff, quick), x - e, stiff / (stiff + slow), arm,
             slope, path.arm_slope,
         )  # fmt: skip

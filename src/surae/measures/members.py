@@ -23,7 +23,7 @@ from surae.errors import InputError, SuraeError
 from surae.estimation import make_problem, solve
 from surae.files import PathLike, read_bytes, shown
 from surae.frozen import FrozenDict
-from surae.measures.cohort import Member, sessions_of
+from surae.measures.cohort import CohortMember, sessions_of
 from surae.measures.quantity import Quantities, Quantity, quantities
 from surae.measures.reml import FEWEST, random_effects
 from surae.progress import Progress
@@ -37,10 +37,10 @@ _ROUNDS, _RESTS = 3, 0.1
 #: Least spread of a prior, and legs from which a group is a population of its own.
 _NARROWEST, _POPULATION = 0.02, 5
 
-Priors = dict[str, tuple[float, float]]
+PriorTable = dict[str, tuple[float, float]]
 
 
-def read_table(path: PathLike) -> list[tuple[Path, Member]]:
+def read_table(path: PathLike) -> list[tuple[Path, CohortMember]]:
     """The rows of a COHORT.csv with the paths of their fits, which are not read yet.
 
     Columns ``fit`` and ``subject``, further ``side``, ``group`` and ``session``; every other one is
@@ -81,7 +81,7 @@ def read_table(path: PathLike) -> list[tuple[Path, Member]]:
         subject, side, group, session = ((row.get(name) or "").strip() for name in _LABELS)
         if not (row["fit"] or "").strip() or not subject:
             raise InputError(f"{shown(path)}, row {line}: fit or subject is empty")
-        member = Member(subject, side, group, session, FrozenDict(scales), None)
+        member = CohortMember(subject, side, group, session, FrozenDict(scales), None)
         members.append((folder / row["fit"].strip(), member))
     if not members:
         raise InputError(f"{shown(path)}: no rows")
@@ -98,12 +98,12 @@ def _number(text: str) -> float | None:
 
 
 def measured(
-    rows: Sequence[tuple[Path, Member]],
+    rows: Sequence[tuple[Path, CohortMember]],
     angles: Sequence[float],
     engine: Engine,
-    priors: Mapping[str, Priors] | None = None,
+    priors: Mapping[str, PriorTable] | None = None,
     told: Progress | None = None,
-) -> list[Member]:
+) -> list[CohortMember]:
     """The rows with what their fits bring; with priors by group, of fits made anew with them."""
     calls = {
         str(i): {
@@ -167,17 +167,17 @@ def quantities_of(
     return {**data, "adequacy": adequacy, "options": dict(brought.options), "by_name": rows}
 
 
-def populations(members: Sequence[Member]) -> dict[str, Priors]:
+def populations(members: Sequence[CohortMember]) -> dict[str, PriorTable]:
     """Median and spread of every positive parameter of the leg, by group; of all under ``""``.
 
     Of a leg with several sessions the first counts: it is no leg more.
     """
     first = [each[0] for each in sessions_of(members).values()]
-    groups: dict[str, list[Member]] = {"": first}
+    groups: dict[str, list[CohortMember]] = {"": first}
     for member in first:
         if member.group:  # else all are its group
             groups.setdefault(member.group, []).append(member)
-    told: dict[str, Priors] = {}
+    told: dict[str, PriorTable] = {}
     for group, own in groups.items():
         if group and len(own) < _POPULATION:
             continue
@@ -198,12 +198,12 @@ def populations(members: Sequence[Member]) -> dict[str, Priors]:
 
 
 def refitted(
-    rows: Sequence[tuple[Path, Member]],
-    members: Sequence[Member],
+    rows: Sequence[tuple[Path, CohortMember]],
+    members: Sequence[CohortMember],
     angles: Sequence[float],
     engine: Engine,
     told: Progress | None = None,
-) -> tuple[list[Member], int]:
+) -> tuple[list[CohortMember], int]:
     """Every leg fitted again with its population, until that rests; and the rounds it took."""
     known, latest = populations(members), list(members)
     for number in range(1, _ROUNDS + 1):
@@ -220,9 +220,11 @@ def refitted(
     return latest, _ROUNDS
 
 
-def _renewed(known: Mapping[str, Priors], members: Sequence[Member]) -> dict[str, Priors]:
+def _renewed(
+    known: Mapping[str, PriorTable], members: Sequence[CohortMember]
+) -> dict[str, PriorTable]:
     """The population of fits that knew one: the step of expectation and maximisation."""
-    told: dict[str, Priors] = {}
+    told: dict[str, PriorTable] = {}
     first = [each[0] for each in sessions_of(members).values()]
     for group, priors in known.items():
         told[group] = {}

@@ -73,7 +73,7 @@ class Adaptation:
 
 
 @dataclass(frozen=True, slots=True)
-class Fitted:
+class AdaptedMotion:
     """A motion that a device can follow."""
 
     motion: Motion  #: Three arrays of shape (n,).
@@ -99,7 +99,7 @@ def fit_device(
     rate_hz: float,
     highest_hz: float,
     range_of_motion: tuple[float, float],
-) -> Fitted:
+) -> AdaptedMotion:
     """The motion filtered until the device can follow it, still over the whole range if it can.
 
     The motion spans `range_of_motion`, the angles of full plantarflexion and full dorsiflexion
@@ -109,17 +109,17 @@ def fit_device(
     and shrunk about mid-range until the limits hold.
     """
     if _excess(device, motion) <= 1.0 and highest_hz <= device.frequency_limit:
-        return Fitted(motion)
+        return AdaptedMotion(motion)
 
     spectrum = spectrum_of(motion[0])
 
-    def filtered(cutoff_hz: float) -> Fitted:
+    def filtered(cutoff_hz: float) -> AdaptedMotion:
         low, high = range_of_motion
         angle, velocity, acceleration = low_pass(spectrum, cutoff_hz, rate_hz)
         lowest = float(angle.min())
         gain = (high - low) / (float(angle.max()) - lowest)
         stretched = (low + gain * (angle - lowest), gain * velocity, gain * acceleration)
-        return Fitted(stretched, cutoff_hz, gain)
+        return AdaptedMotion(stretched, cutoff_hz, gain)
 
     too_high = min(_HIGHEST_CUTOFF, device.frequency_limit)
     best = filtered(too_high)
@@ -183,8 +183,8 @@ def _excess(device: Device, motion: Motion) -> float:
     return max(velocity / device.velocity_limit, acceleration / device.acceleration_limit)
 
 
-def _shrunk(fitted: Fitted, times: float, middle: float) -> Fitted:
+def _shrunk(fitted: AdaptedMotion, times: float, middle: float) -> AdaptedMotion:
     """The motion made `times` smaller about the angle `middle` [rad]."""
     angle, velocity, acceleration = fitted.motion
     motion = (middle + (angle - middle) / times, velocity / times, acceleration / times)
-    return Fitted(motion, fitted.cutoff_hz, fitted.gain / times)
+    return AdaptedMotion(motion, fitted.cutoff_hz, fitted.gain / times)

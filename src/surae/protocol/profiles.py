@@ -73,7 +73,7 @@ def ramps_and_holds(t: FloatArray, ramps: tuple[Ramp, ...], origin: float = 0.0)
     return position
 
 
-Position = Callable[[FloatArray], FloatArray]
+PositionFunction = Callable[[FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,17 +94,17 @@ class Profile:
 
     name: str
     duration: float
-    position: Position
+    position: PositionFunction
     description: str
 
 
 @cache
-def _extremes(raw: Position, duration: float) -> tuple[float, float]:
+def _extremes(raw: PositionFunction, duration: float) -> tuple[float, float]:
     values = raw(np.linspace(0.0, duration, int(duration * 4000) + 1))
     return float(values.min()), float(values.max())
 
 
-def _spanning(raw: Position, t: FloatArray, duration: float) -> FloatArray:
+def _spanning(raw: PositionFunction, t: FloatArray, duration: float) -> FloatArray:
     """`raw` mapped so that its extremes over [0, duration] are 0 and 1."""
     lowest, highest = _extremes(raw, duration)
     return (raw(t) - lowest) / (highest - lowest)

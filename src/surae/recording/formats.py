@@ -21,7 +21,7 @@ from surae.recording.source import Source
 from surae.recording.table import Table
 
 
-class Format(Protocol):
+class FormatModule(Protocol):
     """What a format's module offers."""
 
     def recognises(self, source: Source) -> bool:
@@ -34,7 +34,7 @@ class Format(Protocol):
 
 
 #: In the order in which they are asked; CSV takes what no other claims.
-FORMATS: tuple[Format, ...] = (
+FORMATS: tuple[FormatModule, ...] = (
     hdf5,
     matlab,
     poly5,

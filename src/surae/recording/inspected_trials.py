@@ -19,7 +19,7 @@ _SAME_RATE = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
-class Difference:
+class TrialDifference:
     """What is otherwise in one trial than in the others."""
 
     trial: str  #: Its name.
@@ -51,7 +51,7 @@ class InspectedTrials:
     typical: Inspection
     trials: tuple[str, ...]
     files: Mapping[str, str]
-    differences: tuple[Difference, ...]
+    differences: tuple[TrialDifference, ...]
     directions: tuple[str, ...]
     folder: str = "session"
 
@@ -172,32 +172,34 @@ def _layout(trial: Inspection) -> tuple[tuple[str, str, str | None], ...]:
     return tuple((role, c.column, c.known_unit) for role, c in trial.roles.items())
 
 
-def _differences(name: str, trial: Inspection, typical: Inspection, like: str) -> list[Difference]:
-    told: list[Difference] = []
+def _differences(
+    name: str, trial: Inspection, typical: Inspection, like: str
+) -> list[TrialDifference]:
+    told: list[TrialDifference] = []
     key = quoted(name)
     columns = {channel.column for channel in trial.channels if channel.usable}
     for role, channel in typical.roles.items():
         own = next((c for c in trial.channels if c.column == channel.column and c.usable), None)
         if own is None and (own := trial.roles.get(role)) is not None:
             text = f"{role} is column {own.column!r}, not {channel.column!r}"
-            told.append(Difference(name, text, f"{key}.{role}.column = {quoted(own.column)}"))
+            told.append(TrialDifference(name, text, f"{key}.{role}.column = {quoted(own.column)}"))
         if own is None:
             text = f"no column {channel.column!r}"
             line = f"{key}.{role} = false"
             if role == "angle":  # which no trial can do without
                 text, line = f"{text}: it has {some(columns)}", ""
-            told.append(Difference(name, text, line))
+            told.append(TrialDifference(name, text, line))
             continue
         unit = own.known_unit
         if unit is not None and channel.known_unit is not None and unit != channel.known_unit:
             text = f"{role} is in {unit}, that of {like} in {channel.known_unit}"
-            told.append(Difference(name, text, f"{key}.{role}.unit = {quoted(unit)}"))
+            told.append(TrialDifference(name, text, f"{key}.{role}.unit = {quoted(unit)}"))
         if not _same_rate(own.rate_hz, channel.rate_hz):
             rates = [f"{r:.6g} Hz" if r else "no rate" for r in (own.rate_hz, channel.rate_hz)]
-            told.append(Difference(name, f"{role} has {rates[0]}, that of {like} {rates[1]}"))
+            told.append(TrialDifference(name, f"{role} has {rates[0]}, that of {like} {rates[1]}"))
     if None not in (trial.emg, typical.emg) and trial.emg != typical.emg:
         text = f"EMG looks {trial.emg}, that of {like} {typical.emg}"
-        told.append(Difference(name, text, f"{key}.emg = {quoted(str(trial.emg))}"))
+        told.append(TrialDifference(name, text, f"{key}.emg = {quoted(str(trial.emg))}"))
     return told
 
 

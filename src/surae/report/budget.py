@@ -10,13 +10,13 @@ from surae.assessment.uncertainty.budget import REMEDIES, budgets
 from surae.estimation import FitResult
 from surae.report.document import (
     Block,
-    Cell,
-    Paragraph,
-    Picture,
-    Points,
-    Row,
-    Section,
-    Table,
+    ListBlock,
+    PictureBlock,
+    SectionBlock,
+    TableBlock,
+    TableCell,
+    TableRow,
+    TextBlock,
     columns,
     rows_of,
 )
@@ -114,26 +114,26 @@ def budget_section(result: FitResult, assessment: Assessment) -> BudgetSection:
 NEXT = "next"
 
 
-def budget_blocks(budget: BudgetSection) -> Section:
+def budget_blocks(budget: BudgetSection) -> SectionBlock:
     """The budget as it is shown: what would help, the chart, and its numbers."""
-    blocks: list[Block] = [Paragraph(budget.text)]
+    blocks: list[Block] = [TextBlock(budget.text)]
     if budget.helps:
-        blocks.append(Points("What would help:", budget.helps, NEXT))
+        blocks.append(ListBlock("What would help:", budget.helps, NEXT))
     if budget.rows:
         caption = (
             "Shares of the variance; at the right, how well the parameter is known (half of the "
             "95 % interval)."
         )
-        blocks.append(Picture("budget", budget.alt, caption, "map"))
+        blocks.append(PictureBlock("budget", budget.alt, caption, "map"))
         every = range(2, 2 + len(budget.sources))
         heads = columns("Parameter", "Known to", *budget.sources, numbers=every, wide=every,
                         looks={1: "number value"})  # fmt: skip
-        rows: Iterator[Row] = (
-            (Cell(row.name, kind="code"), row.known, *row.texts) for row in budget.rows
+        rows: Iterator[TableRow] = (
+            (TableCell(row.name, kind="code"), row.known, *row.texts) for row in budget.rows
         )
         title = "Shares of the variance of every parameter by source"
-        blocks.append(Table(title, heads, rows_of(rows), "budget"))
-    return Section("What makes each parameter unsure", tuple(blocks), "budget", "page")
+        blocks.append(TableBlock(title, heads, rows_of(rows), "budget"))
+    return SectionBlock("What makes each parameter unsure", tuple(blocks), "budget", "page")
 
 
 def what_would_help(result: FitResult, assessment: Assessment) -> tuple[str, ...]:

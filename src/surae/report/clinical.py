@@ -25,13 +25,13 @@ from surae.measures.measure import Measure, Measures
 from surae.measures.norms import Placed, placed, read_norms
 from surae.names import LANGUAGES
 from surae.report.document import (
-    Cell,
-    Paragraph,
-    Picture,
-    Points,
-    Row,
-    Section,
-    Table,
+    ListBlock,
+    PictureBlock,
+    SectionBlock,
+    TableBlock,
+    TableCell,
+    TableRow,
+    TextBlock,
     columns,
     paragraphs,
     rows_of,
@@ -224,27 +224,27 @@ def clinical_html(page: ClinicalPage) -> str:
     return template("clinical.html.j2", "surae.report").render(page=page, blocks=blocks_of(page))
 
 
-def blocks_of(page: ClinicalPage) -> tuple[Section, ...]:
+def blocks_of(page: ClinicalPage) -> tuple[SectionBlock, ...]:
     """What the answer rests on: the curve, the shares, the numbers, groups, and what is next."""
     words = page.words
     curve = (
-        Picture("curve", words["curve"], look="curve", width=85),
-        Paragraph(words["curve_note"], "note"),
+        PictureBlock("curve", words["curve"], look="curve", width=85),
+        TextBlock(words["curve_note"], "note"),
     )
-    blocks = [Section(words["curve"], curve)]
+    blocks = [SectionBlock(words["curve"], curve)]
     if "shares" in page.images:
-        shares = Picture("shares", words["shares"], look="shares", width=85)
-        blocks.append(Section(words["shares"], (shares,)))
-    rows: Iterator[Row] = (
-        (row.name, *row.cells, Cell(row.verdict, kind="strong" if row.is_strong else ""))
+        shares = PictureBlock("shares", words["shares"], look="shares", width=85)
+        blocks.append(SectionBlock(words["shares"], (shares,)))
+    rows: Iterator[TableRow] = (
+        (row.name, *row.cells, TableCell(row.verdict, kind="strong" if row.is_strong else ""))
         for row in page.rows
     )
-    table = Table(words["figures"], columns(*page.heads, wide=(0,)), rows_of(rows))
+    table = TableBlock(words["figures"], columns(*page.heads, wide=(0,)), rows_of(rows))
     note = paragraphs(filter(None, [page.note]), "note")
-    blocks.append(Section(words["figures"], (table, *note)))
+    blocks.append(SectionBlock(words["figures"], (table, *note)))
     for title, texts in ((words["norms"], page.norms), (words["next"], page.next)):
         if texts:
-            blocks.append(Section(title, (Points("", texts),)))
+            blocks.append(SectionBlock(title, (ListBlock("", texts),)))
     return tuple(blocks)
 
 

@@ -4,13 +4,13 @@ import itertools
 from collections.abc import Iterable
 from datetime import datetime
 
-from surae.measures.cohort import Cohort, Contrast, Member, Pooled, sessions_of
+from surae.measures.cohort import Cohort, CohortMember, Contrast, Pooled, sessions_of
 from surae.report.document import (
     Document,
-    Paragraph,
-    Picture,
-    Section,
-    Table,
+    PictureBlock,
+    SectionBlock,
+    TableBlock,
+    TextBlock,
     columns,
     rows_of,
 )
@@ -76,7 +76,7 @@ def cohort_html(cohort: Cohort, *, created: datetime) -> str:
                     "Left out"), groups),
     )  # fmt: skip
     missing, differences, *others = (
-        (Section(title, (Table(title, columns(*heads), rows_of(map(_texts, rows))),)),)
+        (SectionBlock(title, (TableBlock(title, columns(*heads), rows_of(map(_texts, rows))),)),)
         if rows
         else ()
         for title, heads, rows in tables
@@ -91,15 +91,15 @@ def cohort_html(cohort: Cohort, *, created: datetime) -> str:
             f" Every leg was fitted again with its population, {cohort.rounds} round(s); means and "
             "differences are of fits without it."
         )
-    note = (Paragraph(f"{cohort.note}.", lead="Note:"),) if cohort.note else ()
-    pictures = (Picture(title, title, f"{title}: {caption}.") for title, _, caption in figures)
+    note = (TextBlock(f"{cohort.note}.", lead="Note:"),) if cohort.note else ()
+    pictures = (PictureBlock(title, title, f"{title}: {caption}.") for title, _, caption in figures)
     document = Document(
         kicker="Ankle muscle parameters",
         heading=legs,
         under=created.strftime("%Y-%m-%d %H:%M %Z").strip(),
         title=legs,
         blocks=(
-            Paragraph(about),
+            TextBlock(about),
             *note,
             *missing,
             *differences,
@@ -119,7 +119,7 @@ def _contrast(c: Contrast) -> tuple[str, str, str, int]:
     return text.value, text.interval, f"{c.p:.2g}", c.k
 
 
-def _value(member: Member, name: str) -> float | None:
+def _value(member: CohortMember, name: str) -> float | None:
     q = None if member.quantities is None else member.quantities.by_name.get(name)
     if q is None or q.at_bound or (q.missing and not q.is_comparable_between_legs):
         return None

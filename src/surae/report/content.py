@@ -11,12 +11,12 @@ from surae.quality import Quality
 from surae.report.budget import NEXT, budget_blocks, budget_section
 from surae.report.document import (
     Block,
-    Cell,
     Document,
     KeyFigures,
-    Paragraph,
-    Section,
-    Table,
+    SectionBlock,
+    TableBlock,
+    TableCell,
+    TextBlock,
     columns,
     paragraphs,
     rows_of,
@@ -108,12 +108,12 @@ def fit_document(
     )
 
 
-def _summary(result: FitResult, assessment: Assessment, traces: Sequence[Traces]) -> Section:
+def _summary(result: FitResult, assessment: Assessment, traces: Sequence[Traces]) -> SectionBlock:
     """What a reader sees first: what the fit is worth, a few numbers, and its parameters."""
     torque = np.concatenate([trial.measured[trial.counted] for trial in traces])
     rms = float(np.sqrt(np.mean(torque**2)))
     message = result.message if result.message.endswith(".") else f"{result.message}."
-    status = Paragraph(
+    status = TextBlock(
         f"{message[:1].upper()}{message[1:]}",
         f"status {result.status}",
         lead=f"Fit {_STATUS.get(result.status, result.status)}.",
@@ -125,7 +125,7 @@ def _summary(result: FitResult, assessment: Assessment, traces: Sequence[Traces]
         *paragraphs(summary(result, assessment, rms)),
         _glance(assessment),
     )
-    return Section("Summary", blocks, "summary")
+    return SectionBlock("Summary", blocks, "summary")
 
 
 def _key(result: FitResult, assessment: Assessment, rms: float) -> KeyFigures:
@@ -161,7 +161,7 @@ def _key(result: FitResult, assessment: Assessment, rms: float) -> KeyFigures:
     ))  # fmt: skip
 
 
-def _glance(assessment: Assessment) -> Table:
+def _glance(assessment: Assessment) -> TableBlock:
     """The parameters by verdict, each with its value and unit."""
     by_verdict: dict[Verdict, list[tuple[str, str]]] = {}
     for p in shown_parameters(assessment):
@@ -171,9 +171,9 @@ def _glance(assessment: Assessment) -> Table:
             text = value if p.unit == "-" else f"{value} {p.unit}"
         by_verdict.setdefault(p.verdict, []).append((p.name, text))
     rows = (
-        (verdict(each), Cell(pairs=tuple(by_verdict[each])))
+        (verdict(each), TableCell(pairs=tuple(by_verdict[each])))
         for each in Verdict
         if each in by_verdict
     )
     heads = columns("", "", wide=(1,))
-    return Table("Parameters by verdict", heads, rows_of(rows), "glance", titled=True)
+    return TableBlock("Parameters by verdict", heads, rows_of(rows), "glance", titled=True)

@@ -10,21 +10,21 @@ from typing import TypeAlias
 __all__ = [
     "AdequacyWords",
     "AnyCell",
-    "Bar",
     "Block",
-    "Cell",
-    "Column",
     "Document",
-    "Facts",
+    "FactsBlock",
     "Group",
+    "IntervalBar",
     "KeyFigures",
-    "Paragraph",
-    "Picture",
-    "Points",
-    "Row",
-    "Section",
-    "Signals",
-    "Table",
+    "ListBlock",
+    "PictureBlock",
+    "SectionBlock",
+    "SignalsBlock",
+    "TableBlock",
+    "TableCell",
+    "TableColumn",
+    "TableRow",
+    "TextBlock",
     "columns",
     "facts_of",
     "paragraphs",
@@ -34,7 +34,7 @@ __all__ = [
 
 
 @dataclass(frozen=True, slots=True)
-class Bar:
+class IntervalBar:
     """An estimate and its interval between the bounds, as parts from 0 to 1."""
 
     value: float  #: The estimate.
@@ -50,7 +50,7 @@ class Bar:
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
+class TableCell:
     """A cell of a table: its text and what stands with it; empty where there is nothing."""
 
     text: str = ""
@@ -61,13 +61,13 @@ class Cell:
     link: str = ""  #: The section that the badge leads to.
     why: str = ""  #: Words behind the text.
     meaning: str = ""  #: What a name stands for.
-    bar: Bar | None = None  #: An interval, drawn before all else.
+    bar: IntervalBar | None = None  #: An interval, drawn before all else.
     span: tuple[float, float] | None = None  #: Begin and width of a stretch of the trial, parts.
     pairs: tuple[tuple[str, str], ...] = ()  #: Names, each with its value.
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class TableColumn:
     """The heading of a column, and how its cells are shown."""
 
     head: str
@@ -75,18 +75,18 @@ class Column:
     wide: bool = False  #: Whether it takes what others leave, on paper.
 
 
-AnyCell: TypeAlias = str | Cell
-Row: TypeAlias = Sequence[AnyCell]
+AnyCell: TypeAlias = str | TableCell
+TableRow: TypeAlias = Sequence[AnyCell]
 #: Rows of a table under their title.
-Group: TypeAlias = tuple[str, tuple[Row, ...]]
+Group: TypeAlias = tuple[str, tuple[TableRow, ...]]
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class TableBlock:
     """A table; the first cell of each row is its heading."""
 
     caption: str
-    columns: tuple[Column, ...]
+    columns: tuple[TableColumn, ...]
     #: Rows by the title that stands above them, empty where there is but one group; the only cell
     #: of a row spans all columns.
     groups: tuple[Group, ...]
@@ -97,7 +97,7 @@ class Table:
 
 
 @dataclass(frozen=True, slots=True)
-class Paragraph:
+class TextBlock:
     """Text: plain, a ``note``, a ``warning``, an ``answer`` or a ``question``."""
 
     text: str
@@ -107,7 +107,7 @@ class Paragraph:
 
 
 @dataclass(frozen=True, slots=True)
-class Points:
+class ListBlock:
     """A list of sentences under a title, which links may lead to by `anchor`."""
 
     title: str
@@ -118,7 +118,7 @@ class Points:
 
 
 @dataclass(frozen=True, slots=True)
-class Facts:
+class FactsBlock:
     """Labels and what they say: side by side, or as ``settings`` below each other."""
 
     facts: tuple[tuple[str, tuple[str, ...]], ...]  #: Label, and one text or several.
@@ -146,7 +146,7 @@ class AdequacyWords:
 
 
 @dataclass(frozen=True, slots=True)
-class Picture:
+class PictureBlock:
     """A figure of the report, by its name; left out where it was not drawn.
 
     `look` has the style sheet's classes; on paper it stays ``here``, or goes where there is room.
@@ -161,7 +161,7 @@ class Picture:
 
 
 @dataclass(frozen=True, slots=True)
-class Signals:
+class SignalsBlock:
     """The signals of the recording of this number, to zoom into; on paper there is nothing."""
 
     number: int
@@ -172,7 +172,7 @@ class Signals:
 
 
 @dataclass(frozen=True, slots=True)
-class Section:
+class SectionBlock:
     """Blocks under a heading; `look` has the style sheet's classes, ``page`` begins a new one."""
 
     title: str
@@ -183,7 +183,15 @@ class Section:
 
 
 Block: TypeAlias = (
-    Table | Paragraph | Points | Facts | KeyFigures | AdequacyWords | Picture | Signals | Section
+    TableBlock
+    | TextBlock
+    | ListBlock
+    | FactsBlock
+    | KeyFigures
+    | AdequacyWords
+    | PictureBlock
+    | SignalsBlock
+    | SectionBlock
 )
 
 
@@ -204,29 +212,29 @@ def columns(
     numbers: Collection[int] = (),
     wide: Collection[int] = (),
     looks: Mapping[int, str] | None = None,
-) -> tuple[Column, ...]:
+) -> tuple[TableColumn, ...]:
     """Columns of these headings; by place, which hold numbers, are wide, or have other looks."""
     return tuple(
-        Column(head, (looks or {}).get(k, "number" if k in numbers else ""), k in wide)
+        TableColumn(head, (looks or {}).get(k, "number" if k in numbers else ""), k in wide)
         for k, head in enumerate(heads)
     )
 
 
-def rows_of(rows: Iterable[Row]) -> tuple[Group]:
+def rows_of(rows: Iterable[TableRow]) -> tuple[Group]:
     """The rows of a table that is not grouped."""
     return (("", tuple(map(tuple, rows))),)
 
 
-def facts_of(facts: Iterable[tuple[str, str]], look: str = "facts") -> Facts:
+def facts_of(facts: Iterable[tuple[str, str]], look: str = "facts") -> FactsBlock:
     """Facts of one text each."""
-    return Facts(tuple((label, (text,)) for label, text in facts), look)
+    return FactsBlock(tuple((label, (text,)) for label, text in facts), look)
 
 
-def paragraphs(texts: Iterable[str], look: str = "") -> tuple[Paragraph, ...]:
+def paragraphs(texts: Iterable[str], look: str = "") -> tuple[TextBlock, ...]:
     """A paragraph of each text."""
-    return tuple(Paragraph(text, look) for text in texts)
+    return tuple(TextBlock(text, look) for text in texts)
 
 
-def verdict(name: str, *, why: str = "", link: str = "") -> Cell:
+def verdict(name: str, *, why: str = "", link: str = "") -> TableCell:
     """A verdict as a badge, with the reason behind it."""
-    return Cell(badge=(f"verdict {name}", name.replace("-", " ")), why=why, link=link)
+    return TableCell(badge=(f"verdict {name}", name.replace("-", " ")), why=why, link=link)

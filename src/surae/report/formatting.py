@@ -10,7 +10,7 @@ _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MOST = 9
 
 
-class Estimate(NamedTuple):
+class EstimateText(NamedTuple):
     """An estimate, its standard error and its 95 % interval as text, without unit."""
 
     value: str
@@ -18,13 +18,13 @@ class Estimate(NamedTuple):
     interval: str
 
 
-def estimate(value: float, sem: float | None, ci95: tuple[float, float] | None) -> Estimate:
+def estimate(value: float, sem: float | None, ci95: tuple[float, float] | None) -> EstimateText:
     """An estimate written to the second digit of its standard error, the interval alike.
 
     A standard error far beyond the value leaves it two digits of its own: it isn't nought.
     """
     if sem is None or ci95 is None or not math.isfinite(sem) or sem <= 0:
-        return Estimate(_rounded(value), NO_NUMBER, NO_NUMBER)
+        return EstimateText(_rounded(value), NO_NUMBER, NO_NUMBER)
     first = _order(float(f"{sem:.1e}"))
     largest = _order(value or max(map(abs, ci95)))
     shift = _shift(largest)
@@ -36,7 +36,7 @@ def estimate(value: float, sem: float | None, ci95: tuple[float, float] | None) 
 
     low, high = (digits(number, first) for number in ci95)
     interval = f"{low} … {high}"
-    return Estimate(
+    return EstimateText(
         digits(value, min(first, largest) if value else first) + _power(shift),
         standard_error(sem),
         f"({interval}){_power(shift)}" if shift else interval,

@@ -8,10 +8,10 @@ from surae.assessment.parameter import IDENTIFIED
 from surae.estimation import FitResult
 from surae.report.document import (
     AnyCell,
-    Cell,
-    Paragraph,
-    Section,
-    Table,
+    SectionBlock,
+    TableBlock,
+    TableCell,
+    TextBlock,
     columns,
     rows_of,
     verdict,
@@ -33,13 +33,13 @@ _NOTE = (
 )
 
 
-def identifiability_section(result: FitResult, assessment: Assessment) -> Section:
+def identifiability_section(result: FitResult, assessment: Assessment) -> SectionBlock:
     """Weak combinations, and what each parameter needs; verdicts are the assessment's."""
     title, inflation = "What this torque tells apart", variance_inflation(assessment)
     identified = identifiability(result, variance_inflation=inflation.common)
     if not identified.parameters:
-        why = Paragraph("The model gives no finite torque here.")
-        return Section(title, (why,), "identifiability", "page")
+        why = TextBlock("The model gives no finite torque here.")
+        return SectionBlock(title, (why,), "identifiability", "page")
     weak = [
         direction
         for direction in identified.directions
@@ -62,7 +62,7 @@ def identifiability_section(result: FitResult, assessment: Assessment) -> Sectio
     )
     text += _noise(inflation.common, inflation.reason)
     text += f" Smallest such sets: {'; '.join(sets)}." if sets else ""
-    directions = Table(
+    directions = TableBlock(
         "Combinations of parameters that are known least",
         columns("Together", "Known to ±", "A change that this torque cannot tell", numbers=(1,),
                 wide=(0, 2)),
@@ -70,7 +70,7 @@ def identifiability_section(result: FitResult, assessment: Assessment) -> Sectio
         "directions",
         titled=True,
     )  # fmt: skip
-    sensitivity = Table(
+    sensitivity = TableBlock(
         "Influence of every estimated parameter, and what to do about those that are not "
         "identified",
         columns("Parameter", "Influence δ", "SEM alone", "Widened ×", "Verdict", "What to do",
@@ -79,9 +79,9 @@ def identifiability_section(result: FitResult, assessment: Assessment) -> Sectio
         "sensitivity",
         titled=True,
     )  # fmt: skip
-    return Section(
+    return SectionBlock(
         title,
-        (Paragraph(text), directions, sensitivity, Paragraph(_NOTE, "note")),
+        (TextBlock(text), directions, sensitivity, TextBlock(_NOTE, "note")),
         "identifiability",
         "page",
     )
@@ -110,7 +110,7 @@ def _row(parameter: Identified, assessment: Assessment) -> tuple[AnyCell, ...]:
     judged = assessment.parameters[parameter.name].verdict
     collinearity = parameter.collinearity
     return (
-        Cell(parameter.name, kind="code"),
+        TableCell(parameter.name, kind="code"),
         significant(parameter.sensitivity, 2),
         NO_NUMBER if parameter.alone is None else _percent(parameter.alone),
         NO_NUMBER if collinearity is None else significant(collinearity, 2),

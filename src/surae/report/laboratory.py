@@ -11,7 +11,16 @@ from surae.estimation import Candidate, Family, FitResult
 from surae.estimation.each import trial_spread
 from surae.model import get_model
 from surae.model.laboratory import GROUPS, Belief, group_of
-from surae.report.document import Block, Cell, Paragraph, Row, Section, Table, columns, rows_of
+from surae.report.document import (
+    Block,
+    SectionBlock,
+    TableBlock,
+    TableCell,
+    TableRow,
+    TextBlock,
+    columns,
+    rows_of,
+)
 from surae.report.formatting import NO_NUMBER, estimate, significant
 
 #: What a group of imperfections is called, and what it is.
@@ -230,61 +239,63 @@ def trials_section(result: FitResult, assessment: Assessment) -> TrialsSection |
     )
 
 
-def laboratory_blocks(section: LaboratorySection | None) -> tuple[Section, ...]:
+def laboratory_blocks(section: LaboratorySection | None) -> tuple[SectionBlock, ...]:
     """The laboratory's imperfections as they are shown."""
     if section is None:
         return ()
-    blocks: list[Block] = [Paragraph(section.text)]
+    blocks: list[Block] = [TextBlock(section.text)]
     if section.rows:
         groups = "; ".join(f"{group}: {meaning}" for group, meaning in section.groups)
-        blocks.append(Paragraph(f"{groups}.", "note"))
+        blocks.append(TextBlock(f"{groups}.", "note"))
         heads = columns("Imperfection", "Assumed", "Estimate", "95 % interval", "Unit",
                         "Who says so", numbers=(1, 3), wide=(0, 5),
                         looks={2: "number value", 4: "unit"})  # fmt: skip
         rows = (
-            (Cell(row.name, kind="code", meaning=row.meaning), row.prior, row.value, row.interval,
-             row.unit or "–", row.told)
+            (TableCell(row.name, kind="code", meaning=row.meaning), row.prior, row.value,
+             row.interval, row.unit or "–", row.told)
             for row in section.rows
         )  # fmt: skip
         title = "Imperfections: what was assumed and what came out"
-        blocks.append(Table(title, heads, rows_of(rows), "laboratory"))
+        blocks.append(TableBlock(title, heads, rows_of(rows), "laboratory"))
     if section.zeros:
         zeros = ", ".join(f"{name} {zero}" for name, zero in section.zeros)
-        blocks.append(Paragraph(f"Torque zero of each recording: {zeros}."))
-    return (Section("The laboratory’s imperfections", tuple(blocks), "laboratory", "page"),)
+        blocks.append(TextBlock(f"Torque zero of each recording: {zeros}."))
+    return (SectionBlock("The laboratory’s imperfections", tuple(blocks), "laboratory", "page"),)
 
 
-def family_blocks(section: FamilySection | None) -> tuple[Section, ...]:
+def family_blocks(section: FamilySection | None) -> tuple[SectionBlock, ...]:
     """The models that were weighed as they are shown."""
     if section is None:
         return ()
     heads = columns("Model", "Imperfections in it", "Probability", numbers=(2,), wide=(1,))
     others = "Other sets of imperfections, in the intervals by their probability"
     tables = (
-        Table(caption, heads, rows_of(rows), "family", titled=True)
+        TableBlock(caption, heads, rows_of(rows), "family", titled=True)
         for caption, rows in (
             ("Models that were weighed", section.models), (others, section.variants)
         )
         if rows
     )  # fmt: skip
-    blocks: tuple[Block, ...] = (Paragraph(section.text), *tables)
-    return (Section("Which model the data support", blocks, "family", "together"),)
+    blocks: tuple[Block, ...] = (TextBlock(section.text), *tables)
+    return (SectionBlock("Which model the data support", blocks, "family", "together"),)
 
 
-def trials_blocks(section: TrialsSection | None) -> tuple[Section, ...]:
+def trials_blocks(section: TrialsSection | None) -> tuple[SectionBlock, ...]:
     """How trials differ as it is shown."""
     if section is None:
         return ()
     count = len(section.recordings)
     heads = columns("Parameter", "Unit", "Together", *section.recordings, "Spread",
                     numbers=range(2, 4 + count))  # fmt: skip
-    rows: Iterator[Row] = (
-        (Cell(row.name, kind="code"), row.unit or "–", row.value, *row.each, row.spread)
+    rows: Iterator[TableRow] = (
+        (TableCell(row.name, kind="code"), row.unit or "–", row.value, *row.each, row.spread)
         for row in section.rows
     )
     title = "Every parameter by recording, and its spread between trials"
-    table = Table(title, heads, rows_of(rows), "starts", repeated=2 if count > 6 else 0)
-    return (Section("From trial to trial", (Paragraph(section.text), table), "trials", "together"),)
+    table = TableBlock(title, heads, rows_of(rows), "starts", repeated=2 if count > 6 else 0)
+    return (
+        SectionBlock("From trial to trial", (TextBlock(section.text), table), "trials", "together"),
+    )
 
 
 def _title(model: str) -> str:

@@ -7,13 +7,13 @@ from surae.estimation import FitResult, Prior
 from surae.model.laboratory import group_of
 from surae.report.document import (
     AnyCell,
-    Bar,
     Block,
-    Cell,
-    Column,
-    Paragraph,
-    Section,
-    Table,
+    IntervalBar,
+    SectionBlock,
+    TableBlock,
+    TableCell,
+    TableColumn,
+    TextBlock,
     paragraphs,
     verdict,
 )
@@ -30,7 +30,9 @@ _GROUPS = {
 }
 
 
-def parameters_section(result: FitResult, assessment: Assessment, *, next_anchor: str) -> Section:
+def parameters_section(
+    result: FitResult, assessment: Assessment, *, next_anchor: str
+) -> SectionBlock:
     """The table of all parameters, by the part of the torque they act on.
 
     Weak verdicts lead to `next_anchor`, where it says what to measure.
@@ -63,13 +65,14 @@ def parameters_section(result: FitResult, assessment: Assessment, *, next_anchor
     if priors:
         note += " Thin line below: the prior, one standard deviation to either side."
     heads = [
-        Column("Parameter"), Column("Value", "number value"), Column("95 % interval", "number"),
-        Column("SEM (34)", "number value" if interval is Interval.THESIS else "number"),
-        Column("Robust SEM", "number value" if interval is Interval.ROBUST else "number"),
-        Column("Unit", "unit"), Column("Between its bounds", "where"),
-        Column("Repeatable", "repeat"), Column("Verdict", "judgement", wide=True),
+        TableColumn("Parameter"), TableColumn("Value", "number value"),
+        TableColumn("95 % interval", "number"),
+        TableColumn("SEM (34)", "number value" if interval is Interval.THESIS else "number"),
+        TableColumn("Robust SEM", "number value" if interval is Interval.ROBUST else "number"),
+        TableColumn("Unit", "unit"), TableColumn("Between its bounds", "where"),
+        TableColumn("Repeatable", "repeat"), TableColumn("Verdict", "judgement", wide=True),
     ]  # fmt: skip
-    table = Table(
+    table = TableBlock(
         "Estimates of all parameters with their uncertainty",
         tuple(heads[:3] + heads[5:] if marginal else heads),
         tuple((_GROUPS.get(group, group), tuple(rows)) for group, rows in groups.items()),
@@ -77,11 +80,11 @@ def parameters_section(result: FitResult, assessment: Assessment, *, next_anchor
     )
     warning = caution(result, assessment)
     blocks: tuple[Block, ...] = (
-        Paragraph(note, "note"),
+        TextBlock(note, "note"),
         *paragraphs(filter(None, [warning]), "warning"),
         table,
     )
-    return Section("Parameters", blocks, "parameters", "page")
+    return SectionBlock("Parameters", blocks, "parameters", "page")
 
 
 def shown_parameters(assessment: Assessment) -> list[ParameterEstimate]:
@@ -106,20 +109,20 @@ def _row(p: ParameterEstimate, prior: Prior | None, next_anchor: str) -> tuple[A
     unsure = p.verdict in (Verdict.WEAK, Verdict.UNDETERMINED)
     bar = _bar(p, prior) if p.free and math.isfinite(p.value) else None
     return (
-        Cell(p.name, kind="code", meaning=p.meaning),
+        TableCell(p.name, kind="code", meaning=p.meaning),
         text.value if text else short(p.value),
         text.interval if text else NO_NUMBER,
         standard_error(p.sem),
         standard_error(p.sem_robust),
         "–" if p.unit == "-" else p.unit,
-        Cell(NO_NUMBER if bar is None else "", bar=bar,
+        TableCell(NO_NUMBER if bar is None else "", bar=bar,
              under=f"{short(p.lower)} … {short(p.upper)}" if bar else ""),
-        Cell(repeatable(p), under=again),
+        TableCell(repeatable(p), under=again),
         verdict(p.verdict, why=why, link=next_anchor if unsure else ""),
     )  # fmt: skip
 
 
-def _bar(p: ParameterEstimate, prior: Prior | None) -> Bar:
+def _bar(p: ParameterEstimate, prior: Prior | None) -> IntervalBar:
     def place(value: float) -> float:
         return min(max((value - p.lower) / (p.upper - p.lower), 0.0), 1.0)
 
@@ -131,9 +134,9 @@ def _bar(p: ParameterEstimate, prior: Prior | None) -> Bar:
         known = low, median, high
         alt += f", prior from {100 * low:.0f} to {100 * high:.0f} %"
     if p.ci95 is None:
-        return Bar(value, None, None, False, False, known, f"{alt}, no interval")
+        return IntervalBar(value, None, None, False, False, known, f"{alt}, no interval")
     low, high = p.ci95
-    return Bar(
+    return IntervalBar(
         value,
         place(low),
         place(high),

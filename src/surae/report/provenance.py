@@ -9,7 +9,7 @@ from surae.estimation import FitResult, Prior
 from surae.estimation.population import population_of
 from surae.model import adapted
 from surae.quality.numeric import runs
-from surae.report.document import Facts, Section, facts_of
+from surae.report.document import FactsBlock, SectionBlock, facts_of
 from surae.report.formatting import percentage, short, significant
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -152,23 +152,23 @@ def fit_settings(result: FitResult, assessment: Assessment) -> tuple[Setting, ..
 
 def provenance_section(
     result: FitResult, assessment: Assessment, versions: Mapping[str, str]
-) -> Section:
+) -> SectionBlock:
     """How the fit came about: its settings, the files, what was done to them, and the versions."""
-    return Section(
+    return SectionBlock(
         "Settings and provenance",
         (
             facts_of(
                 ((each.label, each.value) for each in fit_settings(result, assessment)), "settings"
             ),
             *map(_source, result.problem.inputs),
-            Section("Versions", (facts_of(versions.items()),)),
+            SectionBlock("Versions", (facts_of(versions.items()),)),
         ),
         "provenance",
         "provenance",
     )
 
 
-def _source(recording: ModelInputs) -> Section:
+def _source(recording: ModelInputs) -> SectionBlock:
     """A recording's files, which of its samples count, and what was done to it."""
     facts: list[tuple[str, tuple[str, ...]]] = [
         ("Samples", (f"{recording.n} at {short(recording.rate_hz)} Hz",))
@@ -179,7 +179,7 @@ def _source(recording: ModelInputs) -> Section:
     if not recording.files:
         facts.append(("File", ("none: the recording was made in memory",)))
     facts.append(("Preparation", recording.steps or ("none recorded",)))
-    return Section(recording.name, (Facts(tuple(facts), "settings"),), look="source")
+    return SectionBlock(recording.name, (FactsBlock(tuple(facts), "settings"),), look="source")
 
 
 def _starts(result: FitResult) -> str:

@@ -8,11 +8,11 @@ from surae.recording.samples import sample
 from surae.report.cycles import find_cycles
 from surae.report.document import (
     Block,
-    Paragraph,
-    Picture,
-    Section,
-    Signals,
-    Table,
+    PictureBlock,
+    SectionBlock,
+    SignalsBlock,
+    TableBlock,
+    TextBlock,
     columns,
     facts_of,
     paragraphs,
@@ -29,7 +29,7 @@ GROUPS = ("Triceps surae", "Tibialis anterior")
 
 def recording_section(
     number: int, quality: RecordingQuality, traces: Traces, white: Whiteness
-) -> Section:
+) -> SectionBlock:
     """Describe a recording, its fit and the residual."""
     low, high = float(traces.angle.min()), float(traces.angle.max())
     span = f"{signed(low, 2)} … {signed(high, 2)} rad"
@@ -83,8 +83,8 @@ def recording_section(
         "largest dorsiflexion to the next. "
     )
     residual = (
-        Paragraph(text),
-        Picture(
+        TextBlock(text),
+        PictureBlock(
             f"residual-{number}",
             f"Residual torque against time, RMS {significant(quality.rmse, 3)} Nm; its "
             f"autocorrelation, {significant(white.lag1, 2)} at the first lag and within the "
@@ -97,8 +97,8 @@ def recording_section(
     blocks: list[Block] = [
         facts_of(facts),
         *paragraphs(warnings_of(traces), "warning"),
-        Signals(number, torque_alt, " Grey: left out of the fit." if traces.excluded else ""),
-        Picture(
+        SignalsBlock(number, torque_alt, " Grey: left out of the fit." if traces.excluded else ""),
+        PictureBlock(
             f"torque-{number}",
             torque_alt,
             f"{over if count else ''}EMG envelopes, ankle angle, measured (wide, pale) and "
@@ -106,16 +106,16 @@ def recording_section(
             "neural (active contraction), inertia and gravity of foot and footplate.",
             "still cycles" if count else "still",
         ),
-        Section("Residual: measured minus modelled torque", residual, look="residual"),
+        SectionBlock("Residual: measured minus modelled torque", residual, look="residual"),
     ]
     if traces.tendon is not None:
         blocks.append(_tendons(number, traces, traces.tendon))
-    return Section(
+    return SectionBlock(
         f"Recording: {quality.name}", tuple(blocks), f"recording-{number + 1}", "recording"
     )
 
 
-def _tendons(number: int, traces: Traces, state: TendonState) -> Section:
+def _tendons(number: int, traces: Traces, state: TendonState) -> SectionBlock:
     """What muscle and tendon of each group do: ranges, and their figure."""
     rows = tendon_rows(traces, state)
     text = " ".join(
@@ -123,14 +123,14 @@ def _tendons(number: int, traces: Traces, state: TendonState) -> Section:
         f"{elongation} mm, force {force} N, end of toe {toe}."
         for group, length, velocity, elongation, force, toe in rows
     )
-    table = Table(
+    table = TableBlock(
         "Ranges of muscle and tendon in this recording",
         columns("Muscle group", "Muscle length [l0]", "Muscle velocity [l0/s]",
                 "Tendon elongation [mm]", "Tendon force [N]", "End of the toe",
                 numbers=range(1, 5), wide=(5,)),
         rows_of(rows),
     )  # fmt: skip
-    picture = Picture(
+    picture = PictureBlock(
         f"tendon-{number}",
         "Muscle length and velocity in optimal lengths, tendon elongation and tendon force "
         "against time, and force against elongation of the fitted tendon, for both groups. "
@@ -141,7 +141,7 @@ def _tendons(number: int, traces: Traces, state: TendonState) -> Section:
         "that this recording used (wide, pale).",
         width=64,
     )
-    return Section("Muscles and tendons", (table, picture), look="tendons")
+    return SectionBlock("Muscles and tendons", (table, picture), look="tendons")
 
 
 def tendon_rows(

@@ -30,7 +30,7 @@ from surae.report.figures import (
     torque_figure,
 )
 from surae.report.figures.budget import budget_figure
-from surae.report.session import Fitted, session_content, session_document, session_drawings
+from surae.report.session import AssessedFit, session_content, session_document, session_drawings
 from surae.report.traces import Traces, traces_of
 from surae.report.typeset import check_report, is_pdf, require_typst, typeset
 from surae.trials import Crossed, Trial
@@ -125,8 +125,8 @@ def write_session_report(
     name: str,
     about: Mapping[str, str | None],
     trials: Sequence[Trial],
-    fits: Mapping[str, Fitted],
-    joint: Fitted | None,
+    fits: Mapping[str, AssessedFit],
+    joint: AssessedFit | None,
     *,
     joint_predictions: Mapping[str, Crossed],
     created: datetime,

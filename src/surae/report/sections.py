@@ -9,11 +9,11 @@ from surae.estimation import FitResult
 from surae.quality import Quality
 from surae.report.document import (
     Block,
-    Cell,
-    Paragraph,
-    Picture,
-    Section,
-    Table,
+    PictureBlock,
+    SectionBlock,
+    TableBlock,
+    TableCell,
+    TextBlock,
     columns,
     rows_of,
 )
@@ -26,7 +26,7 @@ _STRONG = 0.9
 _PAIRS = 6
 
 
-def correlation_section(assessment: Assessment) -> Section:
+def correlation_section(assessment: Assessment) -> SectionBlock:
     """The correlations of the estimates: the map, the strongest pairs and the IPDE."""
     names = assessment.covariance.names
     matrix = assessment.covariance.correlation
@@ -57,11 +57,11 @@ def correlation_section(assessment: Assessment) -> Section:
         if ranked
         else ""
     )
-    return Section(
+    return SectionBlock(
         "Correlation of the estimates",
         (
-            Paragraph(text),
-            Picture(
+            TextBlock(text),
+            PictureBlock(
                 "correlation",
                 f"Heat map of the correlations of {k} estimated parameters{strongest}; the block "
                 "of passive against active parameters is outlined.",
@@ -76,7 +76,7 @@ def correlation_section(assessment: Assessment) -> Section:
     )
 
 
-def starts_section(result: FitResult) -> Section:
+def starts_section(result: FitResult) -> SectionBlock:
     """The starts in the order in which they were made: how each ended, and which agree."""
     order = sorted(range(len(result.starts)), key=lambda i: _finite(result.starts[i].sse))
     best = result.starts[order[0]].sse
@@ -109,14 +109,14 @@ def starts_section(result: FitResult) -> Section:
         )
         for index, start in enumerate(result.starts)
     )
-    table = Table(
+    table = TableBlock(
         "Where each start ended",
         columns("Start", "Sum of squares [Nm²]", "Above the best", "Best minimum", "Evaluations",
                 "Outcome", numbers=(1, 2, 4), wide=(5,)),
         rows_of(rows),
         "starts",
     )  # fmt: skip
-    return Section("Starts", (Paragraph(text), table), "starts", "together")
+    return SectionBlock("Starts", (TextBlock(text), table), "starts", "together")
 
 
 def _finite(sse: float) -> float:
@@ -133,14 +133,14 @@ def _excess(sse: float, best: float) -> str:
     return f"+{significant(part, 2)} %" if part >= 1e-4 else "< 0.0001 %"
 
 
-def snsem_section(assessment: Assessment) -> tuple[Section, ...]:
+def snsem_section(assessment: Assessment) -> tuple[SectionBlock, ...]:
     """The snSEM of every parameter that has one; nothing without a baseline."""
     baseline = assessment.baseline
     if baseline is None:
         return ()
     rows = [
         (
-            Cell(name, kind="code"),
+            TableCell(name, kind="code"),
             standard_error(p.sem),
             standard_error(baseline.sem[name]),
             "–" if p.unit == "-" else p.unit,
@@ -155,7 +155,7 @@ def snsem_section(assessment: Assessment) -> tuple[Section, ...]:
         "influence on this torque than on the simulated one; above 1, less. It says nothing of "
         "whether the model fits this torque."
     )
-    table = Table(
+    table = TableBlock(
         "Standard errors of the fit and of simulations",
         columns("Parameter", "SEM (34)", "Simulated SEM", "Unit", "snSEM", numbers=(1, 2),
                 looks={4: "number value"}),
@@ -163,7 +163,7 @@ def snsem_section(assessment: Assessment) -> tuple[Section, ...]:
         "starts",
     )  # fmt: skip
     title = "Standard errors against simulations"
-    return (Section(title, (Paragraph(text), table), "snsem", "together"),)
+    return (SectionBlock(title, (TextBlock(text), table), "snsem", "together"),)
 
 
 #: VAF [%] that a prediction may lie below that of the fit before it is worth a word.
@@ -172,7 +172,7 @@ _FALL = 5.0
 
 def predictions_section(
     assessment: Assessment, predictions: Sequence[Prediction]
-) -> tuple[Section, ...]:
+) -> tuple[SectionBlock, ...]:
     """How other recordings are predicted: a row and a figure each; nothing where there are none."""
     if not predictions:
         return ()
@@ -190,7 +190,7 @@ def predictions_section(
             " The parameters carry over only in part: they describe the recordings they were "
             "fitted to better than the leg."
         )
-    table = Table(
+    table = TableBlock(
         "How well other recordings are predicted",
         columns("Recording", "VAF [%]", "RMSE [Nm]", "Bias [Nm]", numbers=(1, 2, 3), wide=(0,)),
         rows_of(
@@ -199,7 +199,7 @@ def predictions_section(
         ),
     )
     pictures = (
-        Picture(
+        PictureBlock(
             f"prediction-{number}",
             f"Measured and predicted torque against time, VAF {percentage(p.vaf)} %, and their "
             f"difference, RMS {significant(p.rmse, 3)} Nm.",
@@ -209,54 +209,58 @@ def predictions_section(
         )
         for number, p in enumerate(predictions)
     )
-    blocks: tuple[Block, ...] = (Paragraph(text), table, *pictures)
-    return (Section("Predicting other recordings", blocks, "predictions", "page"),)
+    blocks: tuple[Block, ...] = (TextBlock(text), table, *pictures)
+    return (SectionBlock("Predicting other recordings", blocks, "predictions", "page"),)
 
 
-def quality_section(quality: Sequence[Quality], traces: Sequence[Traces]) -> tuple[Section, ...]:
+def quality_section(
+    quality: Sequence[Quality], traces: Sequence[Traces]
+) -> tuple[SectionBlock, ...]:
     """What was found in each recording before the fit; nothing where nobody looked.
 
     Marks are drawn on the span of the recordings' `traces`.
     """
     if not quality:
         return ()
-    note = Paragraph(
+    note = TextBlock(
         "What was found in the recordings before they were fitted. An error makes estimates wrong, "
         "a warning makes them doubtful. The bar is the trial from its beginning to its end; the "
         "dark part is what a finding is about.",
         "note",
     )
     each = (_checked(checked, trace) for checked, trace in zip(quality, traces, strict=False))
-    return (Section("Recording quality", (note, *each), "quality", "quality"),)
+    return (SectionBlock("Recording quality", (note, *each), "quality", "quality"),)
 
 
-def _checked(quality: Quality, trace: Traces) -> Section:
+def _checked(quality: Quality, trace: Traces) -> SectionBlock:
     """The findings of one recording, and the checks that could not be made."""
     ends = [float(trace.time[0]), float(trace.time[-1])]
     ends += [f.start_s for f in quality.findings] + [f.end_s for f in quality.findings]
     first, length = min(ends), max(max(ends) - min(ends), 1e-9)
     rows = [
         (
-            Cell(
+            TableCell(
                 finding.code,
                 kind="code",
                 badge=(f"severity {finding.severity}", finding.severity),
                 meaning=finding.channel or "",
             ),
-            Cell(
+            TableCell(
                 f"{finding.start_s:.4g} to {finding.end_s:.4g} s",
                 span=((finding.start_s - first) / length,
                       (finding.end_s - finding.start_s) / length),
             ),
-            Cell(finding.message, why=finding.advice),
+            TableCell(finding.message, why=finding.advice),
         )
         for finding in quality.findings
     ]  # fmt: skip
-    blocks: list[Table | Paragraph] = []
+    blocks: list[TableBlock | TextBlock] = []
     if rows:
         heads = columns("Finding", "When", "What, and what to do", wide=(2,), looks={1: "when"})
-        blocks.append(Table(f"Findings in {quality.recording}", heads, rows_of(rows), "findings"))
+        blocks.append(
+            TableBlock(f"Findings in {quality.recording}", heads, rows_of(rows), "findings")
+        )
     if quality.skipped:
         skipped = "; ".join(f"{check.check} ({check.reason})" for check in quality.skipped)
-        blocks.append(Paragraph(f"Not checked: {skipped}", "note"))
-    return Section(f"{quality.recording}: {quality.summary}", tuple(blocks))
+        blocks.append(TextBlock(f"Not checked: {skipped}", "note"))
+    return SectionBlock(f"{quality.recording}: {quality.summary}", tuple(blocks))

@@ -14,14 +14,14 @@ from surae.report.clinical import ClinicalPage, blocks_of
 from surae.report.document import (
     AdequacyWords,
     Block,
-    Cell,
     Document,
-    Paragraph,
-    Picture,
-    Row,
-    Section,
-    Signals,
-    Table,
+    PictureBlock,
+    SectionBlock,
+    SignalsBlock,
+    TableBlock,
+    TableCell,
+    TableRow,
+    TextBlock,
     columns,
     paragraphs,
     rows_of,
@@ -35,7 +35,7 @@ from surae.report.wording import adequacy_words
 from surae.trials import Crossed, Trial, common_errors
 from surae.units import FloatArray
 
-Fitted = tuple[FitResult, Assessment]
+AssessedFit = tuple[FitResult, Assessment]
 _USES = {
     "fit": "fitted",
     "hold": "angle and torque of a hold",
@@ -54,8 +54,8 @@ class TrialRow:
     use: str
     findings: str
     worst: str
-    alone: Cell
-    together: Cell
+    alone: TableCell
+    together: TableCell
     problem: str
 
 
@@ -66,8 +66,8 @@ class ParameterRow:
     name: str
     meaning: str
     unit: str
-    joint: Cell
-    trials: tuple[Cell, ...]
+    joint: TableCell
+    trials: tuple[TableCell, ...]
     spread: str
 
 
@@ -88,7 +88,7 @@ class SessionContent:
     trials: tuple[TrialRow, ...]
     fitted: tuple[str, ...]
     parameters: tuple[ParameterRow, ...]
-    crossed: tuple[tuple[str, tuple[Cell, ...]], ...]
+    crossed: tuple[tuple[str, tuple[TableCell, ...]], ...]
     crossed_names: tuple[str, ...]
     holds: tuple[tuple[str, str, str, str, str], ...]
     findings: tuple[tuple[str, tuple[tuple[str, str, str, str], ...]], ...]
@@ -98,8 +98,8 @@ def session_content(
     name: str,
     about: Mapping[str, str | None],
     trials: Sequence[Trial],
-    fits: Mapping[str, Fitted],
-    joint: Fitted | None,
+    fits: Mapping[str, AssessedFit],
+    joint: AssessedFit | None,
     *,
     joined: Sequence[str],
     failed: Mapping[str, str],
@@ -169,16 +169,9 @@ def session_document(content: SessionContent, page: ClinicalPage | None) -> Docu
     """The report of a session; `page` is what its joint fit says in the clinic's units."""
     about = f"{content.about}. " if content.about else ""
     sections = (
-        Section("Summary", tuple(_opening(content)), "summary"),
+        SectionBlock("Summary", tuple(_opening(content)), "summary"),
         _trials_section(content),
-        Section("Torque: all together", (
-            Picture("torques", "Measured torque of each trial, and as the fit of all together has "
-                    "it.", "Measured torque (wide, pale) and that of the fit of all together "
-                    "(thin, dark), with its R²."),
-            *(Signals(number, f"Signals of {name}, and its torque as the fit of all together has "
-                      "it", summary=f"{name}: its signals, to zoom into")
-              for number, name in enumerate(content.joined)),
-        ), "torques"),
+        _torques_section(content),
         _parameters_section(content),
         _crossed_section(content),
         _holds_section(content),
@@ -208,7 +201,7 @@ def session_document(content: SessionContent, page: ClinicalPage | None) -> Docu
 def _opening(content: SessionContent) -> Iterator[Block]:
     """What the fit of all together is worth, what is wrong in common, and what was done."""
     if content.interrupted:
-        yield Paragraph(
+        yield TextBlock(
             "The user stopped this run: what follows is of the fits that were complete. The same "
             "command goes on where it stopped.",
             "warning",
@@ -217,18 +210,18 @@ def _opening(content: SessionContent) -> Iterator[Block]:
         together = f"All together ({len(content.joined)} trials): {content.adequacy.sentence}"
         yield replace(content.adequacy, sentence=together)
     elif content.no_joint:
-        yield Paragraph(f"No fit of all together: {content.no_joint}.", "warning")
+        yield TextBlock(f"No fit of all together: {content.no_joint}.", "warning")
     yield from paragraphs((*content.common, *content.contradictions), "warning")
     yield from paragraphs(content.summary)
 
 
-def _trials_section(content: SessionContent) -> Section:
+def _trials_section(content: SessionContent) -> SectionBlock:
     rows = (
         (
             row.name,
-            Cell(row.what, meaning=row.why, why=row.problem),
+            TableCell(row.what, meaning=row.why, why=row.problem),
             row.use,
-            Cell(badge=(f"severity {row.worst}", row.worst)
+            TableCell(badge=(f"severity {row.worst}", row.worst)
                  if row.worst in ("error", "warning") else None, meaning=row.findings),
             row.alone,
             row.together,
@@ -242,15 +235,33 @@ def _trials_section(content: SessionContent) -> Section:
         "R² is of the torque’s changes; a hold has none. A shaded cell is a trial that was in the "
         "fit: following it proves nothing."
     )
-    table = Table("What each trial is, and how it is followed", heads, rows_of(rows))
-    return Section("Trials", (table, Paragraph(note, "note")), "trials")
+    table = TableBlock("What each trial is, and how it is followed", heads, rows_of(rows))
+    return SectionBlock("Trials", (table, TextBlock(note, "note")), "trials")
 
 
-def _parameters_section(content: SessionContent) -> Section:
+def _torques_section(content: SessionContent) -> SectionBlock:
+    picture = PictureBlock(
+        "torques",
+        "Measured torque of each trial, and as the fit of all together has it.",
+        "Measured torque (wide, pale) and that of the fit of all together (thin, dark), with its "
+        "R².",
+    )
+    signals = (
+        SignalsBlock(
+            number,
+            f"Signals of {name}, and its torque as the fit of all together has it",
+            summary=f"{name}: its signals, to zoom into",
+        )
+        for number, name in enumerate(content.joined)
+    )
+    return SectionBlock("Torque: all together", (picture, *signals), "torques")
+
+
+def _parameters_section(content: SessionContent) -> SectionBlock:
     joint = content.adequacy is not None
-    rows: Iterator[Row] = (
+    rows: Iterator[TableRow] = (
         (
-            Cell(row.name, kind="code", meaning=row.meaning),
+            TableCell(row.name, kind="code", meaning=row.meaning),
             row.unit,
             *([row.joint] if joint else []),
             *row.trials,
@@ -269,18 +280,18 @@ def _parameters_section(content: SessionContent) -> Section:
         "trials of a leg share, such as crosstalk, is not in a spread: trials that agree may be "
         "wrong alike."
     )
-    table = Table("Every parameter in every fit", heads, rows_of(rows), "small", repeated=2)
-    picture = Picture(
+    table = TableBlock("Every parameter in every fit", heads, rows_of(rows), "small", repeated=2)
+    picture = PictureBlock(
         "trials",
         "Each parameter by trial with its 95 % interval; the band is that of all together.",
         "Each parameter by trial, with its 95 % interval: dark where it is identified, open where "
         "there is no interval. Blue: all together. Intervals end at the bounds of the search.",
     )
-    blocks = (Paragraph(note, "note"), table, picture)
-    return Section("Parameters by trial", blocks, "parameters", "page")
+    blocks = (TextBlock(note, "note"), table, picture)
+    return SectionBlock("Parameters by trial", blocks, "parameters", "page")
 
 
-def _crossed_section(content: SessionContent) -> Section:
+def _crossed_section(content: SessionContent) -> SectionBlock:
     note = (
         "R² [%] with which the parameters of a row’s trial predict the torque of a column’s; below "
         "it the mean of measured minus predicted torque. The zero of the sensor is that of the "
@@ -290,56 +301,56 @@ def _crossed_section(content: SessionContent) -> Section:
     heads = columns("Parameters of", *content.crossed_names, looks={0: "column"} | {
         k + 1: "number column" for k in range(len(content.crossed_names))})  # fmt: skip
     rows = rows_of((name, *cells) for name, cells in content.crossed)
-    table = Table("Cross-prediction", heads, rows, "small", repeated=1)
-    return Section("Each predicted by the others", (Paragraph(note, "note"), table), "crossed")
+    table = TableBlock("Cross-prediction", heads, rows, "small", repeated=1)
+    return SectionBlock("Each predicted by the others", (TextBlock(note, "note"), table), "crossed")
 
 
-def _holds_section(content: SessionContent) -> Section:
+def _holds_section(content: SessionContent) -> SectionBlock:
     note = (
         "Nothing moves in them, so none of them tells a parameter; passive ones show the torque of "
         "relaxed tissue, gravity and the sensor’s zero together at one angle."
     )
     heads = columns("Trial", "Effort", "Angle [°]", "Torque [Nm]",
                     "Predicted by all together [Nm]", numbers=(2, 3, 4))  # fmt: skip
-    table = Table("Torque of trials that hold still", heads, rows_of(content.holds))
+    table = TableBlock("Torque of trials that hold still", heads, rows_of(content.holds))
     alt = (
         "Mean torque of the holds against their angle, with what the fit of all together predicts."
     )
-    blocks = (Paragraph(note, "note"), table, Picture("holds", alt, width=80))
-    return Section("Trials that hold still", blocks, "holds")
+    blocks = (TextBlock(note, "note"), table, PictureBlock("holds", alt, width=80))
+    return SectionBlock("Trials that hold still", blocks, "holds")
 
 
-def _clinical_section(page: ClinicalPage | None) -> Section:
+def _clinical_section(page: ClinicalPage | None) -> SectionBlock:
     if page is None:
         text = (
             "The trials contradict each other, so they do not tell together how stiff or strong "
             "this leg is. surae measures fits/TRIAL.json tells it of one trial."
         )
-        warning = (Paragraph(text, "warning"),)
-        return Section("In the clinic’s units", warning, "clinical")
-    answer = (Paragraph(page.question, "question"), Paragraph(page.answer, "answer"))
+        warning = (TextBlock(text, "warning"),)
+        return SectionBlock("In the clinic’s units", warning, "clinical")
+    answer = (TextBlock(page.question, "question"), TextBlock(page.answer, "answer"))
     title = "In the clinic’s units: all together"
-    return Section(title, (*answer, *blocks_of(page)), "clinical", "page clinical")
+    return SectionBlock(title, (*answer, *blocks_of(page)), "clinical", "page clinical")
 
 
-def _findings_section(content: SessionContent) -> Section:
+def _findings_section(content: SessionContent) -> SectionBlock:
     blocks = tuple(
-        Section(name, (Table(f"Findings in {name}", columns("", "", wide=(1,)), rows_of(
-            (Cell(code, kind="code", badge=(f"severity {severity}", severity)),
-             Cell(message, why=advice))
+        SectionBlock(name, (TableBlock(f"Findings in {name}", columns("", "", wide=(1,)), rows_of(
+            (TableCell(code, kind="code", badge=(f"severity {severity}", severity)),
+             TableCell(message, why=advice))
             for severity, code, message, advice in rows
         ), "findings"),))
         for name, rows in content.findings
         if rows
     )  # fmt: skip
-    nothing = (Paragraph("Nothing that speaks against them."),)
-    return Section("What was found in the recordings", blocks or nothing, "checks")
+    nothing = (TextBlock("Nothing that speaks against them."),)
+    return SectionBlock("What was found in the recordings", blocks or nothing, "checks")
 
 
 def session_drawings(
     trials: Sequence[Trial],
-    fits: Mapping[str, Fitted],
-    joint: Fitted | None,
+    fits: Mapping[str, AssessedFit],
+    joint: AssessedFit | None,
     joint_predictions: Mapping[str, Crossed],
 ) -> dict[str, Figure]:
     """The figures of the report by name; arguments as of `session_content`."""
@@ -357,7 +368,7 @@ def session_drawings(
 
 
 def _summary(
-    trials: Sequence[Trial], fits: Mapping[str, Fitted], joined: Sequence[str]
+    trials: Sequence[Trial], fits: Mapping[str, AssessedFit], joined: Sequence[str]
 ) -> tuple[str, ...]:
     """What there was and what was done with it, in sentences."""
     held = [t for t in trials if t.use == "hold"]
@@ -402,29 +413,29 @@ def trial_row(
         use=_USES[trial.use],
         findings=NO_NUMBER if checked is None else checked.summary,
         worst="" if checked is None else checked.worst or "",
-        alone=Cell(NO_NUMBER)
+        alone=TableCell(NO_NUMBER)
         if alone is None
-        else Cell(percentage(alone.adequacy.r2), grade, grade),
+        else TableCell(percentage(alone.adequacy.r2), grade, grade),
         together=_cell(joint),
         problem=trial.problem or failed.get(trial.name, ""),
     )
 
 
-def _cell(crossed: Crossed | None) -> Cell:
+def _cell(crossed: Crossed | None) -> TableCell:
     """How a trial is followed: R², or where its torque hardly changes nothing but the bias."""
     if crossed is None or crossed.rmse is None:
-        return Cell(NO_NUMBER, "" if crossed is None else crossed.reason)
+        return TableCell(NO_NUMBER, "" if crossed is None else crossed.reason)
     bias = NO_NUMBER if crossed.bias is None else signed(crossed.bias, 1)
     text = NO_NUMBER if crossed.r2 is None else percentage(crossed.r2)
     under = ", ".join(filter(None, (crossed.grade, f"bias {bias} Nm")))
-    return Cell(text, under, "own" if crossed.fitted else crossed.grade)
+    return TableCell(text, under, "own" if crossed.fitted else crossed.grade)
 
 
 def _crossings(
     predictions: Mapping[str, Mapping[str, Crossed]],
     joint: Mapping[str, Crossed],
     trials: Sequence[Trial],
-) -> tuple[tuple[str, tuple[Cell, ...]], ...]:
+) -> tuple[tuple[str, tuple[TableCell, ...]], ...]:
     names = [trial.name for trial in trials if trial.moves and not trial.problem]
     rows = [
         (n, tuple(_cell(row.get(predicted)) for predicted in names))
@@ -499,15 +510,15 @@ def contradictions(
     return contradicted
 
 
-def _estimate(p: ParameterEstimate | None) -> Cell:
+def _estimate(p: ParameterEstimate | None) -> TableCell:
     if p is None:
-        return Cell(NO_NUMBER)
+        return TableCell(NO_NUMBER)
     text = estimate(p.value, p.trusted_sem, p.ci95)
     under = text.interval if p.ci95 is not None else str(p.verdict)
-    return Cell(text.value, under, str(p.verdict))
+    return TableCell(text.value, under, str(p.verdict))
 
 
-def _disputed(p: ParameterEstimate | None) -> Cell:
+def _disputed(p: ParameterEstimate | None) -> TableCell:
     cell = _estimate(p)
     return replace(cell, kind="disputed" if cell.kind == Verdict.IDENTIFIED else cell.kind)
 
@@ -535,7 +546,7 @@ def _hold(trial: Trial, crossed: Crossed | None) -> tuple[str, str, str, str, st
 
 
 def _passive(
-    trials: Sequence[Trial], fits: Mapping[str, Fitted]
+    trials: Sequence[Trial], fits: Mapping[str, AssessedFit]
 ) -> list[tuple[FloatArray, FloatArray]]:
     """Angle and torque of passive trials that move."""
     names = [trial.name for trial in trials if trial.effort == "passive" and trial.name in fits]

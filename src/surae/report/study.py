@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.errors import InputError
-from surae.studies.store import Cell
+from surae.studies.store import StudyValue
 from surae.studies.study import Value
 from surae.units import FloatArray
 
-Row = Mapping[str, Cell]
+StudyRow = Mapping[str, StudyValue]
 #: What numbers but measures nothing: never chosen as an axis by itself.
 _LABELS = ("subject", "repeat", "seed")
 #: Goodness that has curves of its own, and between which numbers it lies.
@@ -55,7 +55,9 @@ class StudyCurves:
         return not any(isinstance(value, str) for value in self.values)
 
 
-def study_curves(rows: Iterable[Row], factors: Sequence[str], x: str | None = None) -> StudyCurves:
+def study_curves(
+    rows: Iterable[StudyRow], factors: Sequence[str], x: str | None = None
+) -> StudyCurves:
     """Means of a study's table against one factor.
 
     Parameters
@@ -122,7 +124,7 @@ def _factor(varying: Mapping[str, tuple[Value, ...]], asked: str | None) -> str:
     return asked
 
 
-def _ordered(cells: Iterable[Cell]) -> tuple[Value, ...]:
+def _ordered(cells: Iterable[StudyValue]) -> tuple[Value, ...]:
     """The values there are: numbers by size, texts as they come."""
     cells_given = [cell for cell in dict.fromkeys(cells) if cell is not None]
     if any(isinstance(cell, str) for cell in cells_given):
@@ -131,7 +133,7 @@ def _ordered(cells: Iterable[Cell]) -> tuple[Value, ...]:
 
 
 def _model_curves(
-    model: str, rows: Sequence[Row], x: str, values: tuple[Value, ...]
+    model: str, rows: Sequence[StudyRow], x: str, values: tuple[Value, ...]
 ) -> ModelCurves:
     """The curves of one model's rows."""
     protocols = _ordered(row["protocol"] for row in rows)
@@ -157,7 +159,7 @@ def _model_curves(
     return ModelCurves(model, tuple(sem), goodness["ipde"], goodness["vaf"])
 
 
-def _relative(rows: Iterable[Row], x: str, column: str) -> list[tuple[Cell, Cell]]:
+def _relative(rows: Iterable[StudyRow], x: str, column: str) -> list[tuple[StudyValue, StudyValue]]:
     """A column over its mean, by the factor; nothing where it has no number."""
     pairs = [(row[x], number) for row in rows if (number := _number(row[column])) is not None]
     mean = float(np.mean([number for _, number in pairs])) if pairs else 0.0
@@ -166,11 +168,11 @@ def _relative(rows: Iterable[Row], x: str, column: str) -> list[tuple[Cell, Cell
 
 def _curve(
     label: str,
-    pairs: Iterable[tuple[Cell, Cell]],
+    pairs: Iterable[tuple[StudyValue, StudyValue]],
     values: tuple[Value, ...],
     within: tuple[float, float],
 ) -> Curve:
-    by_value: dict[Cell, list[float]] = {value: [] for value in values}
+    by_value: dict[StudyValue, list[float]] = {value: [] for value in values}
     for value, cell in pairs:
         if (number := _number(cell)) is not None:
             by_value[value].append(number)
@@ -182,6 +184,6 @@ def _curve(
     return Curve(label, mean, low, high)
 
 
-def _number(cell: Cell) -> float | None:
+def _number(cell: StudyValue) -> float | None:
     """A cell's finite number, if it has one."""
     return float(cell) if isinstance(cell, int | float) and math.isfinite(cell) else None

@@ -2,7 +2,7 @@
 
 from surae.runner.calls import kept_calls
 from surae.runner.engines import AGAIN, KINDS, Batch, Died, Engine, Work, cores, in_threads, results
-from surae.runner.ledger import Ledger, Running, Status
+from surae.runner.ledger import Ledger, LedgerStatus, Running
 
 __all__ = [
     "AGAIN",
@@ -11,8 +11,8 @@ __all__ = [
     "Died",
     "Engine",
     "Ledger",
+    "LedgerStatus",
     "Running",
-    "Status",
     "Work",
     "cores",
     "in_threads",

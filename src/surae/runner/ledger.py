@@ -37,7 +37,7 @@ class Running:
 
 
 @dataclass(frozen=True, slots=True)
-class Status:
+class LedgerStatus:
     """How far a plan is."""
 
     name: str  #: What it is of.
@@ -237,7 +237,7 @@ class Ledger:
                 except (ValueError, TypeError, LookupError, RecursionError):
                     continue  # damaged: the next run, or `repair`, computes it again
 
-    def status(self) -> Status:
+    def status(self) -> LedgerStatus:
         """How far the plan is."""
         held = self.about()
         if held is None:
@@ -257,7 +257,7 @@ class Ledger:
                 running = Running(run[2], run[3], added, time.time() - run[0])
             elif run:
                 last = run[1] or "stopped without a word: killed, or the system went down"
-        return Status(held[1], rows, calls, done, dict(reasons), running, last)
+        return LedgerStatus(held[1], rows, calls, done, dict(reasons), running, last)
 
     def backup(self, copy: PathLike) -> None:
         """Copy the file as it is at one moment, also while a run writes to it.

@@ -39,7 +39,7 @@ Motion = tuple[FloatArray, FloatArray, FloatArray]
 
 
 @dataclass(frozen=True, slots=True)
-class Leg:
+class NoiselessTrial:
     """A trial without the noise of its sensors."""
 
     envelopes: FloatArray  #: EMG envelopes of the muscles, not of the electrodes [V], shape (n, 4).
@@ -53,7 +53,7 @@ def simulate_leg(
     options: ModelOptions,
     imperfections: Imperfections,
     trial: int,
-) -> Leg:
+) -> NoiselessTrial:
     """Effort, reflex, motion of ankle and knee, and the torque that the model makes of them.
 
     `model` and `options` stand for the truth; of the imperfections the sensors' are not used here;
@@ -79,7 +79,7 @@ def simulate_leg(
         torque = torque + knee_torque(
             inputs, model, options, values, imperfections.knee_motion * knee
         )
-    return Leg(envelopes, torque if turn is None else turn * torque)
+    return NoiselessTrial(envelopes, torque if turn is None else turn * torque)
 
 
 def trial_name(subject: VirtualSubject, trajectory: Trajectory) -> str:

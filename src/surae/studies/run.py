@@ -9,7 +9,7 @@ from surae.progress import Progress
 from surae.runner import Batch, Engine, results
 from surae.studies.store import Store
 from surae.studies.study import Study, Value, parse_study
-from surae.studies.tasks import Task, run_task
+from surae.studies.tasks import FitTask, run_task
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +94,7 @@ def study_rows(
         return list(study_table(kept))
 
 
-def _computed(tasks: Mapping[str, Task], engine: Engine) -> Generator[Batch]:
+def _computed(tasks: Mapping[str, FitTask], engine: Engine) -> Generator[Batch]:
     """The outcomes of tasks as they come, and first one of each model where none is compiled yet.
 
     The compiler works once then, and where its notice is seen, not in every worker.

@@ -11,7 +11,7 @@ from surae.model import MODELS
 from surae.processes import Plain
 from surae.runner import Died, Ledger
 from surae.studies.study import Study, Value, parse_study
-from surae.studies.tasks import Task, TaskOutcome, planned
+from surae.studies.tasks import FitTask, TaskOutcome, planned
 
 
 class Store(Ledger):
@@ -19,7 +19,7 @@ class Store(Ledger):
 
     _NOTHING = "no study yet; start it with `surae study run`"
 
-    def plan(self, study: Study) -> dict[str, Task]:
+    def plan(self, study: Study) -> dict[str, FitTask]:
         """Begin a run: keep the study's plan; its tasks without outcome, by key, in its order.
 
         Raises
@@ -27,8 +27,8 @@ class Store(Ledger):
         InputError
             The store holds another study.
         """
-        tasks: dict[str, Task] = {}
-        keys: dict[Task, str] = {}
+        tasks: dict[str, FitTask] = {}
+        keys: dict[FitTask, str] = {}
 
         def rows() -> Iterator[tuple[str, Plain]]:
             for combination, task in planned(study):
@@ -74,7 +74,7 @@ class Store(Ledger):
 
 
 #: A cell: None where there is no number.
-Cell = Value | None
+StudyValue = Value | None
 
 
 def study_columns(study: Study) -> list[str]:
@@ -86,12 +86,12 @@ def study_columns(study: Study) -> list[str]:
     return [*study.factors, "status", "vaf", "ipde", *parameters, "seconds"]
 
 
-def study_table(store: Store) -> Iterator[dict[str, Cell]]:
+def study_table(store: Store) -> Iterator[dict[str, StudyValue]]:
     """The rows whose fit is there, in the order of the plan, by column."""
     study = parse_study(store.text())
     names = study_columns(study)
     for factors, outcome in store.rows():
-        row: dict[str, Cell] = dict.fromkeys(names)
+        row: dict[str, StudyValue] = dict.fromkeys(names)
         row |= factors | {"status": outcome.status, "vaf": outcome.vaf, "ipde": outcome.ipde}
         for estimate in outcome.estimates:
             name = estimate.name

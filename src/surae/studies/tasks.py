@@ -50,7 +50,7 @@ _SUBJECTS = 1_000_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Task:
+class FitTask:
     """One fit, by everything that its numbers depend on."""
 
     #: `protocol`, `task`, `chirp_amplitude`, `rate_hz`: the motion and the effort; see
@@ -77,7 +77,7 @@ class Task:
 
 
 @dataclass(frozen=True, slots=True)
-class Estimate:
+class TaskEstimate:
     """One estimated parameter: value, standard error (None where there is none) and truth."""
 
     name: str
@@ -96,7 +96,9 @@ class TaskOutcome:
     #: `vaf`, `ipde`: as of an assessment; None where there is none.
     vaf: float | None = None
     ipde: float | None = None
-    estimates: tuple[Estimate, ...] = ()  #: The estimated parameters; none where there was no fit.
+    estimates: tuple[
+        TaskEstimate, ...
+    ] = ()  #: The estimated parameters; none where there was no fit.
     seconds: float = 0.0  #: Time that it took.
 
     def plain(self) -> dict[str, Any]:
@@ -106,10 +108,10 @@ class TaskOutcome:
     @classmethod
     def of(cls, plain: Mapping[str, Any]) -> Self:
         """The outcome that `plain` made plain data of."""
-        return cls(**{**plain, "estimates": tuple(Estimate(**e) for e in plain["estimates"])})
+        return cls(**{**plain, "estimates": tuple(TaskEstimate(**e) for e in plain["estimates"])})
 
 
-def planned(study: Study) -> Iterator[tuple[dict[str, Value], Task]]:
+def planned(study: Study) -> Iterator[tuple[dict[str, Value], FitTask]]:
     """Every combination of a study's factors with its task, in the order of the table.
 
     Combinations that differ in nothing that matters share a task.
@@ -118,20 +120,20 @@ def planned(study: Study) -> Iterator[tuple[dict[str, Value], Task]]:
         yield combination, _task(combination)
 
 
-def _task(combination: dict[str, Any]) -> Task:
+def _task(combination: dict[str, Any]) -> FitTask:
     options = tuple((name, combination[name]) for name in OPTIONS if name in combination)
     rest = {name: value for name, value in combination.items() if name not in OPTIONS}
     rest["chirp_rate"] = None if rest["chirp_amplitude"] == 0.0 else rise(combination)
     rest.pop("chirp_factor", None)
     if rest["noise"] == 0.0:
         rest["repeat"] = 1
-    return Task(**rest, options=options)
+    return FitTask(**rest, options=options)
 
 
 def outcome_of(key: str, settings: Mapping[str, Any]) -> dict[str, Any]:
     """Run the task of some settings, as `run_task` does, wherever it may be; the outcome, plain."""
     options = tuple((name, value) for name, value in settings["options"])
-    task = Task(**{**settings, "options": options})
+    task = FitTask(**{**settings, "options": options})
     if task.key != key:
         raise ComputationError(
             "a worker has another surae, or other libraries, than the run: install the same "
@@ -140,7 +142,7 @@ def outcome_of(key: str, settings: Mapping[str, Any]) -> dict[str, Any]:
     return run_task(task).plain()
 
 
-def run_task(task: Task) -> TaskOutcome:
+def run_task(task: FitTask) -> TaskOutcome:
     """Simulate the task's trial, fit it and judge the fit.
 
     The same task gives the same bits anywhere, but for `seconds`. Whatever goes wrong is an
@@ -156,7 +158,7 @@ def run_task(task: Task) -> TaskOutcome:
     return replace(outcome, seconds=time.perf_counter() - begin)
 
 
-def _fit(task: Task) -> TaskOutcome:
+def _fit(task: FitTask) -> TaskOutcome:
     from surae.assessment import assess
     from surae.estimation import FitSettings, make_problem, solve
     from surae.model import ModelOptions, get_model
@@ -187,7 +189,7 @@ def _fit(task: Task) -> TaskOutcome:
         _finite(assessment.vaf),
         _finite(assessment.ipde),
         tuple(
-            Estimate(name, _finite(p.value), _finite(p.sem), truth[name])
+            TaskEstimate(name, _finite(p.value), _finite(p.sem), truth[name])
             for name, p in assessment.parameters.items()
             if p.free
         ),
@@ -199,7 +201,7 @@ def _finite(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else float(value)
 
 
-def _trajectory(task: Task) -> Trajectory:
+def _trajectory(task: FitTask) -> Trajectory:
     """The motion, shared by all tasks that have it, with the task's own effort."""
     settings = motion(asdict(task))
     still = _motion(replace(settings, task="passive"))

@@ -83,7 +83,7 @@ class Claim:
     cause: str = ""
 
 
-def judge_all(section: str, views: Mapping[str, Any], *modules: str) -> "tuple[Finding, ...]":
+def judge_all(section: str, views: Mapping[str, Any], *modules: str) -> "tuple[JudgedClaim, ...]":
     """Judge every claim of a section; see `read_claims` and `judge`."""
     return tuple(judge(claim, views) for claim in read_claims(section, *modules))
 
@@ -119,7 +119,7 @@ def _claim(row: dict[str, Any], rules: Mapping[str, Any], groups: Mapping[str, l
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
+class JudgedClaim:
     """What became of a claim, as plain data; what is not named here is the claim's.
 
     Attributes
@@ -149,7 +149,7 @@ class Finding:
             raise ValueError(self.verdict)
 
 
-def judge(claim: Claim, views: Mapping[str, Any]) -> Finding:
+def judge(claim: Claim, views: Mapping[str, Any]) -> JudgedClaim:
     """What a claim's rule says of its views of the numbers, in one verdict.
 
     It *holds* when it does so in every view but that of the thesis's integrator; *holds under* the
@@ -192,7 +192,7 @@ def judge(claim: Claim, views: Mapping[str, Any]) -> Finding:
             reason = f"{claim.explain(next(iter(views.values())), claim)} {reason}"
         except NotThereError as error:
             reason = str(error)
-    return Finding(
+    return JudgedClaim(
         id=claim.id, source=claim.source, statement=claim.statement, number=claim.number,
         rule=claim.rule, verdict=verdict, said=said, ours=rulings, reason=reason.strip(),
         figure=claim.figure,

@@ -29,7 +29,7 @@ from surae_thesis.cohort.members import (
 from surae_thesis.cohort.results import Fits, Point
 from surae_thesis.cohort.rules import ACTIVE, PASSIVE, PROTOCOLS, thesis_means
 from surae_thesis.cohort.trials import RECORDED_HZ, cohort_inputs, cohort_recording
-from surae_thesis.plots import Line, Panel, draw
+from surae_thesis.plots import Panel, PlotLine, draw
 from surae_thesis.section import Drawing
 
 #: Models and protocols of the figures, by their numbers: parts of the torque, standard errors.
@@ -177,11 +177,11 @@ def trace_drawings(fits: Fits) -> Iterator[Drawing]:
         if figure == 19:
             passive = cohort_inputs(who, PASSIVE_PROTOCOL, 1, rate_hz=fits.size.rate_hz)
             prediction = fit.predict(passive)
-            measured = Line(prediction.time, prediction.measured, "measured",
+            measured = PlotLine(prediction.time, prediction.measured, "measured",
                             {"color": GREY, "linewidth": 3.0})  # fmt: skip
-            predicted = Line(prediction.time, prediction.torque, "predicted", {"color": BLUE})
+            predicted = PlotLine(prediction.time, prediction.torque, "predicted", {"color": BLUE})
             panels = [
-                Panel("Angle [rad]", [Line(prediction.time, passive.angle)], "",
+                Panel("Angle [rad]", [PlotLine(prediction.time, passive.angle)], "",
                       "Ankle angle, dorsiflexion positive"),
                 Panel("Torque [Nm]", [measured, predicted], "Time [s]", "Torque, triceps positive",
                       legend=2),
@@ -243,7 +243,7 @@ def spectra_figure(spectra: Sequence[tuple[FloatArray, FloatArray]]) -> Figure:
         lines = []
         for number, ((frequency, power), look) in enumerate(zip(spectra, _LOOKS, strict=False), 1):
             shown = (frequency <= highest) & (frequency > 0.0)
-            lines.append(Line(frequency[shown], power[shown], f"repetition {number}", look))
+            lines.append(PlotLine(frequency[shown], power[shown], f"repetition {number}", look))
         panels.append(
             Panel("Power density [dB re 1 Nm²/Hz]", lines, "Frequency [Hz]", title,
                   {"xlim": (0.0, highest)})

@@ -24,7 +24,7 @@ SINGLE = {"1.0 alone": "1.0", "2.0 alone": "2.0", "2.1 alone": "2.1"}
 
 
 @dataclass(frozen=True, slots=True)
-class Estimate:
+class JointEstimate:
     """One parameter of one subject beside the truth, with its standard error, equation (34).
 
     `white` and `trusted` say whether the truth lies in the 95 % interval of that equation, and in
@@ -54,7 +54,7 @@ class Way:
     """
 
     name: str
-    estimates: tuple[Estimate, ...]
+    estimates: tuple[JointEstimate, ...]
     held_out: Mapping[str, tuple[tuple[str, float], ...]]
     first_start: float
     vaf: tuple[float, ...]
@@ -112,7 +112,7 @@ def _way(name: str, by_subject: Mapping[str, Fit], last: int) -> Way:
     )
 
 
-def _estimates(fit: Fit) -> Iterator[Estimate]:
+def _estimates(fit: Fit) -> Iterator[JointEstimate]:
     for name, p in fit["parameters"].items():
         if p["free"] and p["true"] is not None and p["value"] is not None:
             white = trusted = None
@@ -120,4 +120,4 @@ def _estimates(fit: Fit) -> Iterator[Estimate]:
                 white = abs(p["value"] - p["true"]) <= half_width(p["sem"], fit["n"])
             if p["ci95"] is not None:
                 trusted = p["ci95"][0] <= p["true"] <= p["ci95"][1]
-            yield Estimate(name, p["value"], p["true"], p["sem"], white, trusted)
+            yield JointEstimate(name, p["value"], p["true"], p["sem"], white, trusted)

@@ -45,7 +45,7 @@ class TorqueSize:
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
+class GridCell:
     """One fit of a study that gave estimates.
 
     Amplitude [rad] and factor are the chirp's, None without one; subject and repeat the numbers of
@@ -81,7 +81,7 @@ class Cell:
         return 100.0 * (1.0 - (NOISE * self.torque.magnitude / self.torque.rms) ** 2)
 
 
-Cells = tuple[Cell, ...]
+Cells = tuple[GridCell, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,13 +105,13 @@ class Study:
 
 def cells(rows: Iterable[Row]) -> Cells:
     """The distinct fits of a study's table; failed ones are left out."""
-    distinct: dict[tuple[object, ...], Cell] = {}
+    distinct: dict[tuple[object, ...], GridCell] = {}
     for row in rows:
         if row["status"] == "failed" or row["vaf"] is None:
             continue
         names = [key.removesuffix("_true") for key in row if key.endswith("_true")]
         names = [name for name in names if row[name] is not None]
-        cell = Cell(
+        cell = GridCell(
             model=row["model"],
             profile=row["protocol"],
             task=row["task"],
@@ -138,7 +138,7 @@ def level(torque: TorqueSize, reading: str, equal: float) -> float:
     return {MAGNITUDE: NOISE * torque.magnitude, SIGNED: NOISE * torque.mean, EQUAL: equal}[reading]
 
 
-def under(cell: Cell, reading: str, equal: float) -> Cell:
+def under(cell: GridCell, reading: str, equal: float) -> GridCell:
     """What a fitted cell would be with the torque's noise of another reading.
 
     The sum of squares loses the noise that was added and takes the other; VAF follows, and a
@@ -159,14 +159,14 @@ def under(cell: Cell, reading: str, equal: float) -> Cell:
     )
 
 
-def select(some: Iterable[Cell], **values: object) -> Cells:
+def select(some: Iterable[GridCell], **values: object) -> Cells:
     """The cells with these values of their attributes."""
     return tuple(
         cell for cell in some if all(getattr(cell, key) == value for key, value in values.items())
     )
 
 
-def there(some: Iterable[Cell], model: str, **values: object) -> Cells:
+def there(some: Iterable[GridCell], model: str, **values: object) -> Cells:
     """Select cells as `select` does; NotThereError where there is none."""
     cells = select(some, model=model, **values)
     if not cells:
@@ -198,7 +198,7 @@ def along_profile(some: Cells, model: str, names: Sequence[str] = PROFILES) -> C
 
 def cell_at(
     some: Cells, model: str, profile: str, amplitude: float, task: str = "part-passive"
-) -> Cell:
+) -> GridCell:
     """The cell at factor 0.5 and this amplitude; of several subjects the first.
 
     Raises
@@ -213,7 +213,7 @@ def cell_at(
     return here[0]
 
 
-def normalised(some: Sequence[Cell]) -> dict[str, FloatArray]:
+def normalised(some: Sequence[GridCell]) -> dict[str, FloatArray]:
     """SEM of every parameter over its mean over these cells, shape (n,); NaN where there is none.
 
     The thesis's measure (Figures 11 to 14), by which parameters of different units compare.
@@ -232,7 +232,7 @@ def mean(values: FloatArray) -> float:
     return float(there.mean()) if there.size else np.nan
 
 
-def scores(some: Sequence[Cell]) -> FloatArray:
+def scores(some: Sequence[GridCell]) -> FloatArray:
     """Mean over the parameters of `normalised`, shape (n,): below 1 is better than the others."""
     values = np.array(list(normalised(some).values()))
     there = ~np.isnan(values)

@@ -18,7 +18,7 @@ from surae.report.figures import (
     new_figure,
 )
 from surae.studies import POPULATIONS
-from surae_thesis.plots import Line, Panel, draw
+from surae_thesis.plots import Panel, PlotLine, draw
 from surae_thesis.section import Drawing
 from surae_thesis.simulation.cells import (
     AMPLITUDES,
@@ -28,8 +28,8 @@ from surae_thesis.simulation.cells import (
     MAGNITUDE,
     MODELS,
     PROFILES,
-    Cell,
     Cells,
+    GridCell,
     Study,
     along_amplitude,
     along_factor,
@@ -107,10 +107,10 @@ def _by_amplitude(grid: Cells, model: str) -> Panel:
     return _curves(along_amplitude(grid, model), AMPLITUDES, _AMPLITUDE)
 
 
-def _curves(some: Sequence[Cell], at: Sequence[float], xlabel: str) -> Panel:
+def _curves(some: Sequence[GridCell], at: Sequence[float], xlabel: str) -> Panel:
     """Normalised SEM of each parameter against a number."""
     curves = normalised(some)
-    lines = [Line(at, curves[n], n, line(k)) for k, n in enumerate(_NAMES) if n in curves]
+    lines = [PlotLine(at, curves[n], n, line(k)) for k, n in enumerate(_NAMES) if n in curves]
     return Panel(_SEM, lines, xlabel, f"{some[0].model} model", _scale(curves.values()), (1.0,))
 
 
@@ -130,13 +130,13 @@ def _profiles(grid: Cells, model: str, name: str, title: str) -> Drawing:
     place = np.arange(float(len(names)))
     shown = [parameter for parameter in _NAMES if parameter in curves]
     lines = [
-        Line(place + 0.045 * (number - 0.5 * (len(shown) - 1)), curves[parameter], parameter,
+        PlotLine(place + 0.045 * (number - 0.5 * (len(shown) - 1)), curves[parameter], parameter,
              line(_NAMES.index(parameter)) | {"linestyle": "none"})
         for number, parameter in enumerate(shown)
     ]  # fmt: skip
     mean = np.nanmean(np.array(list(curves.values())), axis=0)
     dash = {"marker": "_", "markersize": 60, "markeredgewidth": 1.4, "linestyle": "none"}
-    lines.append(Line(place, mean, "", dash))
+    lines.append(PlotLine(place, mean, "", dash))
     at = {"xticks": range(len(names)), "xticklabels": names} | _scale(curves.values())
     less = "" if model == "muscle" else " Without the multi-sine, as in the thesis."
     return Drawing(
@@ -151,12 +151,12 @@ def _profiles(grid: Cells, model: str, name: str, title: str) -> Drawing:
 def _ipde(grid: Cells, model: str) -> Panel:
     thesis = {"marker": "D", "color": GREY, "markersize": 9, "linestyle": "none", "zorder": 1}
     values = _IPDE[model]
-    lines = [Line([CHOSEN_FACTOR] * len(values), values, "", thesis)]
+    lines = [PlotLine([CHOSEN_FACTOR] * len(values), values, "", thesis)]
     for number, profile in enumerate(PROFILES):
         some = [cell for cell in along_factor(grid, model, profile) if cell.ipde is not None]
         look = line(number) | {"marker": "os^Dv"[number]}
         x, y = [cell.factor for cell in some], [cell.ipde for cell in some]
-        lines.append(Line(x, y, profile, look))
+        lines.append(PlotLine(x, y, profile, look))
     return Panel("IPDE [-]", lines, _FACTOR, f"{model} model")
 
 
@@ -191,7 +191,7 @@ def _errors(grid: Cells) -> Figure:
         look = {"marker": marker, "color": colour, "markerfacecolor": "none", "markersize": 3.6,
                 "markeredgewidth": 0.7, "linestyle": "none"}  # fmt: skip
         off, vaf = [100 * cell.worst[1] for cell in some], [cell.vaf for cell in some]
-        lines.append(Line(off, vaf, model, look))
+        lines.append(PlotLine(off, vaf, model, look))
     label = "largest error of a parameter [% of its true value]"
     panel = Panel("VAF [%]", lines, label, "", {"xscale": "log"}, (GOOD_VAF,),
                   (100 * GOOD_ESTIMATE,))  # fmt: skip
@@ -205,7 +205,7 @@ def _explicit(grid: Cells, explicit: Mapping[int, Cells]) -> Figure:
     several["implicit, 125 Hz"] = implicit
     looks = (("s", OCHRE, "none"), ("^", RED, "none"), ("o", BLUE, BLUE))
     lines = [
-        Line([cell.amplitude + 0.008 * (number - 1) for cell in cells],
+        PlotLine([cell.amplitude + 0.008 * (number - 1) for cell in cells],
              [100.0 - cell.vaf for cell in cells], label,
              {"marker": marker, "color": colour, "markersize": 5, "linestyle": "none",
               "markerfacecolor": inside})

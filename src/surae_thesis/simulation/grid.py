@@ -34,8 +34,8 @@ from surae_thesis.simulation.cells import (
     REPEATS,
     STRAIN,
     TASKS,
-    Cell,
     Cells,
+    GridCell,
     Study,
     TorqueSize,
     cells,
@@ -136,7 +136,7 @@ def _equal_level(grid: Cells) -> float:
 
 def _with_torques(context: Context, name: str, some: Cells, population: str) -> Cells:
     """Cells with the size of their torque without noise, simulated again."""
-    groups: dict[str, list[Cell]] = {}
+    groups: dict[str, list[GridCell]] = {}
     for cell in some:
         label = f"{cell.model} {cell.profile} {cell.task} {cell.subject}"
         groups.setdefault(label, []).append(cell)
@@ -201,10 +201,10 @@ def _noise_cells(context: Context, equal: float) -> dict[str, Cells]:
         for profile, factor, reading in places
     }  # fmt: skip
     made = context.calls("simulation-noise", noise_fits, jobs)
-    some: dict[str, list[Cell]] = {reading: [] for reading in READINGS}
+    some: dict[str, list[GridCell]] = {reading: [] for reading in READINGS}
     for (profile, factor, reading), fits in zip(places, made.values(), strict=True):
         some[reading] += [
-            Cell(
+            GridCell(
                 "muscle", profile, "part-passive", NOISE_AMPLITUDE, factor, 1, number, fit["vaf"],
                 fit["ipde"], fit["sem"], fit["off"], {},
             )

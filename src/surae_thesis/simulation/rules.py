@@ -17,7 +17,7 @@ from surae_thesis.simulation.cells import (
     MODELS,
     PROFILES,
     RELAXATION,
-    Cell,
+    GridCell,
     Study,
     along_amplitude,
     along_factor,
@@ -106,7 +106,7 @@ def floor_by_subject(study: Study, _: Claim) -> str:
     )
 
 
-def _wrong(cells: Iterable[Cell]) -> int:
+def _wrong(cells: Iterable[GridCell]) -> int:
     """How many cells have a parameter that is more than 10 % off."""
     return sum(cell.worst[1] > GOOD_ESTIMATE for cell in cells)
 
@@ -146,7 +146,7 @@ def failing_by_noise(study: Study, claim: Claim) -> str:
 
 
 #: What is looked at of a cell, by name.
-_VALUES: Mapping[str, Callable[[Cell], float | None]] = {
+_VALUES: Mapping[str, Callable[[GridCell], float | None]] = {
     "vaf": lambda cell: cell.vaf,
     "ipde": lambda cell: cell.ipde,
     "k_tri": lambda cell: cell.sem.get("k_tri"),
@@ -189,10 +189,10 @@ def spread_of_all(study: Study, claim: Claim) -> str:
 # Task
 
 
-def _pairs(study: Study) -> list[tuple[Cell, Cell]]:
+def _pairs(study: Study) -> list[tuple[GridCell, GridCell]]:
     """Cells that differ in the task alone: part-passive, active."""
 
-    def place(cell: Cell) -> tuple[object, ...]:
+    def place(cell: GridCell) -> tuple[object, ...]:
         return cell.model, cell.profile, cell.amplitude, cell.factor
 
     passive = {place(cell): cell for cell in select(study.grid, task="part-passive")}
@@ -203,7 +203,7 @@ def _pairs(study: Study) -> list[tuple[Cell, Cell]]:
     return pairs
 
 
-def _ratios(study: Study, key: Callable[[Cell, str], str]) -> dict[str, float]:
+def _ratios(study: Study, key: Callable[[GridCell, str], str]) -> dict[str, float]:
     """Geometric mean of SEM part-passive over active, by what `key` says of cell and parameter."""
     logs: dict[str, list[float]] = {}
     for passive, active in _pairs(study):

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from surae.measures.curve import Line, TorqueCurve
+from surae.measures.curve import CurveLine, TorqueCurve
 from surae.measures.norms import Placed
 from surae.report.figures.style import BLUE, GREY, INK, MUTED, dress, new_figure
 from surae.units import FloatArray
@@ -111,7 +111,7 @@ def shares_figure(shares: Sequence[tuple[str, Sequence[tuple[str, float]]]]) -> 
     return figure
 
 
-def _band(axes: Axes, angle: FloatArray, line: Line, look: int, label: str) -> None:
+def _band(axes: Axes, angle: FloatArray, line: CurveLine, look: int, label: str) -> None:
     if not np.isfinite(line.torque).any():
         return
     colour, dash = _LOOKS[look]
