@@ -1,6 +1,6 @@
 """How much of what is called identified is true, on legs richer than every model of a fit.
 
-Virtual legs of `surae.studies.richer`, each written as a CSV file and fitted as anybody would,
+Virtual legs of `tests/richer_legs.py`, each written as a CSV file and fitted as anybody would,
 through the ordinary filters. Run it as
 
     .venv/bin/python benchmarks/trust.py --legs 60 --set a
@@ -16,6 +16,7 @@ relaxation and strength are not the same in all trials.
 """
 
 import argparse
+import sys
 import tempfile
 import time
 import warnings
@@ -26,7 +27,9 @@ import numpy as np
 
 import surae
 from surae.recording import MUSCLES
-from surae.studies.richer import RicherLeg, richer_leg
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+from richer_legs import RicherLeg, richer_leg
 
 #: Weights of the EMG, which are other numbers with other electrodes.
 WEIGHTS = ("g1", "g2", "g3", "g4")

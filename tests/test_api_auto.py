@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import surae
+from richer_legs import richer_leg
 from surae.protocol import Protocol, generate
 from surae.recording import MUSCLES
 from surae.studies import virtual_subject, virtual_trial
-from surae.studies.richer import richer_leg
 
 
 def fitted(folder, seed: int):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import surae
+from richer_legs import richer_leg
 from surae.assessment import Verdict, assess
 from surae.estimation import make_problem, solve
 from surae.estimation.contradiction import contradiction
@@ -13,7 +14,6 @@ from surae.protocol import Protocol, generate
 from surae.recording import MUSCLES, read
 from surae.signals import prepare
 from surae.studies import virtual_subject, virtual_trial
-from surae.studies.richer import richer_leg
 from surae.studies.virtual import virtual_recording
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from richer_legs import richer_leg
 from surae.assessment import Verdict, assess
 from surae.assessment.adequacy import judge_adequacy
 from surae.assessment.posterior.density import beliefs
@@ -22,7 +23,6 @@ from surae.protocol import Protocol, generate
 from surae.recording import Recording, read
 from surae.signals import prepare
 from surae.studies import virtual_subject, virtual_trial
-from surae.studies.richer import richer_leg
 
 #: Of the legs of which less is claimed than half the samples tell [Hz].
 THIN = 64.0

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from richer_legs import richer_leg
 from surae.assessment import Verdict, assess
 from surae.estimation import make_problem, solve
 from surae.estimation.mode import Mode, Target
@@ -15,7 +16,6 @@ from surae.signals import prepare
 from surae.signals.settings import Preparation
 from surae.studies.disturbances import raw_emg
 from surae.studies.leg import EMG_FULL
-from surae.studies.richer import richer_leg
 
 SEED = 723  # of none of the legs that this was made on
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import surae
+from richer_legs import richer_leg
 from surae.recording import MUSCLES
-from surae.studies.richer import richer_leg
 
 
 @pytest.fixture(scope="session")
