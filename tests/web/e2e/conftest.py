@@ -218,7 +218,9 @@ def desk(window: Desk) -> Iterator[Desk]:
 @pytest.fixture(scope="package")
 def trial() -> Any:
     """A short trial of a virtual subject, with the thesis's noise."""
-    protocol = Protocol(profile="multiple-holds", chirp_amplitude=0.1, chirp_rate=0.2, rate_hz=64.0)
+    protocol = Protocol(
+        profile="multiple-holds", chirp_amplitude=0.1, chirp_rate=0.2, rate_hz=64.0, duration=20.0
+    )
     return virtual_trial(virtual_subject(1), generate(protocol))
 
 
