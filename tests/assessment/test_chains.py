@@ -29,8 +29,8 @@ def draw(make=gaussian, **settings):
 
 
 def test_a_gaussian_has_its_moments(sampler):
-    found = draw(draws=3000)
-    assert found.draws.shape == (4, 3000, 3)
+    found = draw(draws=1500)
+    assert found.draws.shape == (4, 1500, 3)
     assert found.whole
     assert found.diverging == 0
     flat = found.draws.reshape(-1, 3)
@@ -89,12 +89,12 @@ def test_progress_is_told_and_ctrl_c_keeps_what_is_drawn(sampler):
         if done > 0.6 * total:  # on a busy machine one chain may end before the other begins
             raise KeyboardInterrupt
 
-    found = draw(draws=20_000, tune=10, chains=2, cores=2, progress=stop)
+    found = draw(draws=8_000, tune=10, chains=2, cores=2, progress=stop)
     assert not found.whole
-    assert [total for _, total in told] == [2 * 20_010] * len(told)
+    assert [total for _, total in told] == [2 * 8_010] * len(told)
     chains, draws, _ = found.draws.shape
     assert chains == 2
-    assert 10 <= draws < 20_000
+    assert 10 <= draws < 8_000
     assert np.isfinite(found.draws).all()
 
 

@@ -13,6 +13,7 @@ import surae
 from surae.api import session_run
 from surae.errors import InputError
 from surae.report import rendering
+from undrawn import blank_figures
 
 QUICK = {"model": "muscle", "prepared": True, "starts": 1}
 
@@ -20,7 +21,8 @@ QUICK = {"model": "muscle", "prepared": True, "starts": 1}
 @pytest.fixture(scope="module")
 def done(leg, tmp_path_factory):
     folder = tmp_path_factory.mktemp("out")
-    return folder, surae.session(leg).run(folder, **QUICK)
+    with blank_figures():
+        return folder, surae.session(leg).run(folder, **QUICK)
 
 
 def test_each_and_all_are_fitted_and_predicted(done):
@@ -191,8 +193,9 @@ def test_the_command(leg, tmp_path, run):
     assert "could not be read: broken" in done.err
     assert "[6/6] all together" in done.err
     assert "joint" in done.out
-    again = run("session", leg, "--output", tmp_path / "out", "--model", "muscle", "--prepared",
-                "--starts", 1)  # fmt: skip
+    with blank_figures():
+        again = run("session", leg, "--output", tmp_path / "out", "--model", "muscle",
+                    "--prepared", "--starts", 1)  # fmt: skip
     assert again.err.count("(kept)") == 4
     assert run("session", leg, "--output", tmp_path / "o", "--mvc", "x.csv").code == 2
 
@@ -241,7 +244,8 @@ def test_the_report_on_paper_says_what_the_page_says(done, tmp_path, run, monkey
     result.report(tmp_path / "whole.pdf")
     assert (tmp_path / "whole.pdf").read_bytes().startswith(b"%PDF-")
     monkeypatch.setattr(rendering, "typeset", keep)
-    result.report(tmp_path / "session.pdf")
+    with blank_figures():
+        result.report(tmp_path / "session.pdf")
     page = html.unescape((folder / "report.html").read_text())
     sections = {block["title"]: block["blocks"] for block in seen["blocks"]}
     assert sections["Summary"][0]["grade"] == str(result.joint.adequacy.grade)
