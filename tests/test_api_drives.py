@@ -118,6 +118,7 @@ def _legend(axes):
     return legend.get_texts() if legend is not None else []
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_report_names_them(fitted, tmp_path):
     fitted.report(tmp_path / "report.html")
     text = (tmp_path / "report.html").read_text(encoding="utf-8")

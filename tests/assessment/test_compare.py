@@ -24,8 +24,9 @@ def compare_models(inputs, models=COMPARED, progress=None, **asked):
     return comparing.compare_models(inputs, models, settings, progress)
 
 
-def trial(model: str, seed: int = 1, profile: str = "multiple-holds", noise_seed: int = 0):
-    settings = Protocol(profile=profile, chirp_amplitude=0.2, chirp_rate=0.5, rate_hz=64.0)
+def trial(model: str, seed: int = 1, profile: str = "multiple-holds", noise_seed: int = 0,
+          rate_hz: float = 64.0):  # fmt: skip
+    settings = Protocol(profile=profile, chirp_amplitude=0.2, chirp_rate=0.5, rate_hz=rate_hz)
     return virtual_trial(
         virtual_subject(seed), generate(settings), model=model, options=OPTIONS, seed=noise_seed
     )
@@ -135,7 +136,7 @@ def test_saved_and_read_again(compliant, tmp_path) -> None:
 
 
 def test_the_same_seed_gives_the_same() -> None:
-    one = trial("muscle")
+    one = trial("muscle", rate_hz=40.0)
 
     def again():
         found = compare_models(
@@ -148,7 +149,7 @@ def test_the_same_seed_gives_the_same() -> None:
 
 def test_fixed_parameters_are_fixed_where_a_model_has_them() -> None:
     found = compare_models(
-        [trial("muscle-tendon")],
+        [trial("muscle-tendon", rate_hz=40.0)],
         ["muscle", "muscle-tendon-strain"],
         fixed={"beta": 1.0, "dlt_tib": 0.035},
         options=OPTIONS,
@@ -184,7 +185,8 @@ def stopping_after(fits: int):
 
 def test_stopped_between_the_folds() -> None:
     found = compare_models(
-        [trial("muscle-tendon")], ["muscle", "muscle-tendon"], options=OPTIONS, starts=1,
+        [trial("muscle-tendon", rate_hz=40.0)],
+        ["muscle", "muscle-tendon"], options=OPTIONS, starts=1,
         progress=stopping_after(7),
     )  # fmt: skip
     assert found.finding is None
@@ -201,7 +203,9 @@ def test_stopped_between_the_folds() -> None:
 
 
 def test_stopped_within_the_fits_to_all_data() -> None:
-    found = compare_models([trial("muscle")], options=OPTIONS, starts=1, progress=stopping_after(1))
+    found = compare_models(
+        [trial("muscle", rate_hz=40.0)], options=OPTIONS, starts=1, progress=stopping_after(1)
+    )
     assert list(found.scores) == ["muscle"]
     assert found.missing[:3] == COMPARED[1:]
     assert found.changes == ()
@@ -225,7 +229,7 @@ def test_stopped_within_a_fit(monkeypatch) -> None:
         return replace(found, status="failed", starts=(*found.starts[:-1], last))
 
     monkeypatch.setattr("surae.assessment.comparison.compare.solve", stopped)
-    found = compare_models([trial("muscle")], ["muscle", "muscle-tendon"], starts=1)
+    found = compare_models([trial("muscle", rate_hz=40.0)], ["muscle", "muscle-tendon"], starts=1)
     assert len(calls) == 3
     assert len(found.missing) == 8
 
@@ -237,7 +241,10 @@ def test_a_prediction_that_overflows(monkeypatch) -> None:
 
     monkeypatch.setattr("surae.assessment.comparison.compare.prediction_error", far)
     found = compare_models(
-        [trial("muscle-tendon")], ["muscle", "muscle-tendon"], options=OPTIONS, starts=1
+        [trial("muscle-tendon", rate_hz=40.0)],
+        ["muscle", "muscle-tendon"],
+        options=OPTIONS,
+        starts=1,
     )
     assert found.finding is TendonEvidence.OPEN
     assert "could not be predicted (a prediction overflows" in found.conclusion
@@ -247,7 +254,7 @@ def test_a_prediction_that_overflows(monkeypatch) -> None:
 def test_every_fit_is_announced() -> None:
     told: list[tuple[str, int, int]] = []
     compare_models(
-        [trial("muscle")], ["muscle", "muscle-tendon"], options=OPTIONS, starts=1,
+        [trial("muscle", rate_hz=40.0)], ["muscle", "muscle-tendon"], options=OPTIONS, starts=1,
         progress=lambda *what: told.append(what),
     )  # fmt: skip
     assert [done for _, done, _ in told] == list(range(10))

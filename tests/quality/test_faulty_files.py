@@ -80,6 +80,7 @@ def _without_angle(folder):
     return folder / "no.csv"
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_findings_go_into_the_fit_and_come_back(tmp_path, noisy) -> None:
     wrong = recording_of(noisy)
     table = csv_columns(wrong) | {"torque_Nm": wrong.channels["torque"].values + 15.0}
@@ -97,6 +98,7 @@ def test_findings_go_into_the_fit_and_come_back(tmp_path, noisy) -> None:
     assert fit.quality[0].findings[0].message in page
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_fit_without_findings_says_so_in_its_report(tmp_path, noisy) -> None:
     fit = surae.fit(noisy, "muscle", starts=1)
     assert fit.quality[0].findings == ()

@@ -26,6 +26,7 @@ def toe():
     return fit_problem(problem, starts=1)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_report_shows_the_trade_off_of_the_tibialis_tendon(toe):
     page = render(toe, assess(toe), versions={}, created=datetime(2026, 1, 5))
     assert "pt_tib up with dlt_tib down and l0_tib up: nearly the same torque" in page

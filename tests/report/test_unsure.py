@@ -206,6 +206,7 @@ def test_a_fit_without_imperfections_says_that_it_was_asked_for(make_trial):
     assert section.rows == ()
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_one_start_of_a_named_model_is_still_warned_of(make_trial):
     result = fit_problem(make_problem([make_trial()]), starts=1)
     page = render(result, assess(result), versions={}, created=datetime(2026, 1, 5, 14, 3))
