@@ -142,11 +142,11 @@ async def _system_error(request: Request, error: Exception) -> Response:
 
 async def _invalid(request: Request, error: Exception) -> Response:
     """What is malformed, where; of the request itself nothing is repeated."""
-    told = []
+    problems = []
     for problem in error.errors()[:3] if isinstance(error, RequestValidationError) else []:
         place = ".".join(str(part) for part in problem["loc"][:6] if part != "body")
-        told.append(f"{place[:120]}: {problem['msg']}" if place else str(problem["msg"]))
-    text = one_line("; ".join(told)) or "the request is malformed"
+        problems.append(f"{place[:120]}: {problem['msg']}" if place else str(problem["msg"]))
+    text = one_line("; ".join(problems)) or "the request is malformed"
     if request.url.path.startswith("/api/") or request.method != "GET":
         return _answer(request, 422, text.encode("ascii", "replace").decode())
     return _answer(request, 404, "there is no such page")

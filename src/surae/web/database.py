@@ -73,7 +73,7 @@ class Database:
         self._name, self._still_ours = shown(path), still_ours
         self._writing, self._reading = threading.RLock(), threading.Lock()
         self._writer = threading.local()
-        with told(self._name):
+        with sqlite_errors(self._name):
             self._file = connected(path)
             try:
                 self._prepare()
@@ -101,7 +101,7 @@ class Database:
     @contextmanager
     def transaction(self) -> Iterator[None]:
         """All of what is written within, or nothing; others wait."""
-        with self._writing, told(self._name):
+        with self._writing, sqlite_errors(self._name):
             if self._file.in_transaction:
                 yield
                 return
@@ -116,7 +116,7 @@ class Database:
     def rows(self, query: str, *values: object) -> list[tuple[Any, ...]]:
         """All rows of a query; within a transaction, as it sees them."""
         inside = getattr(self._writer, "here", False)
-        with self._writing if inside else self._reading, told(self._name):
+        with self._writing if inside else self._reading, sqlite_errors(self._name):
             file = self._file if inside else self._reader
             return file.execute(query, values).fetchall()
 
@@ -243,7 +243,7 @@ _ADVICE = "; recordings and fits beside it are whole: `surae project repair`, or
 
 
 @contextmanager
-def told(name: str) -> Iterator[None]:
+def sqlite_errors(name: str) -> Iterator[None]:
     """SQLite's errors in words, `name` being the file's."""
     try:
         yield

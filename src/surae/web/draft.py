@@ -23,45 +23,45 @@ def empty_draft() -> Draft:
 
 def changed(draft: Draft, change: Mapping[str, Any]) -> Draft:
     """The draft with a change, itself left as it is."""
-    made = dict(draft)
+    after = dict(draft)
     for key, value in change.items():
         if key in _MERGED and isinstance(value, Mapping):
             entries = {**draft[key], **value}
-            made[key] = {name: entry for name, entry in entries.items() if entry is not None}
+            after[key] = {name: entry for name, entry in entries.items() if entry is not None}
         elif key == "options":
-            made[key] = {**api.FitSettings().options.as_dict(), **value}
+            after[key] = {**api.FitSettings().options.as_dict(), **value}
         elif key != "parameters":
-            made[key] = value
-    for name, told in change.get("parameters", {}).items():
-        _take_row(made, name, told)
-    return {**made, **_settings(made).as_dict()}
+            after[key] = value
+    for name, row in change.get("parameters", {}).items():
+        _take_row(after, name, row)
+    return {**after, **_settings(after).as_dict()}
 
 
-def _take_row(draft: Draft, name: str, told: Mapping[str, Any] | None) -> None:
+def _take_row(draft: Draft, name: str, row: Mapping[str, Any] | None) -> None:
     """Put into a draft what a row of the parameter table says; None: the defaults."""
     for key in ("fixed", "start", "bounds", "priors"):
         draft[key] = {other: value for other, value in draft[key].items() if other != name}
     draft["free"] = [other for other in draft["free"] if other != name]
-    if told is None:
+    if row is None:
         return
     spec = api.with_optional(api.get_model(api.richest(draft["model"])), {name})
     default = api.adapted(spec.parameters, _settings(draft).options).get(name)
-    usual, value = name in spec.free, told.get("value")
-    if not told.get("free", usual):
+    usual, value = name in spec.free, row.get("value")
+    if not row.get("free", usual):
         if value is not None or default is not None:
             draft["fixed"][name] = default.start if value is None and default else value
         return
-    if not usual and told.get("free"):
+    if not usual and row.get("free"):
         draft["free"].append(name)
     if value is not None:
         draft["start"][name] = value
-    low, high = told.get("lower"), told.get("upper")
+    low, high = row.get("lower"), row.get("upper")
     if default is not None and (low is not None or high is not None):
         draft["bounds"][name] = [
             default.lower if low is None else low, default.upper if high is None else high
         ]  # fmt: skip
-    if told.get("prior") is not None:
-        draft["priors"][name] = [told["prior"]["median"], told["prior"]["spread"]]
+    if row.get("prior") is not None:
+        draft["priors"][name] = [row["prior"]["median"], row["prior"]["spread"]]
 
 
 def shown(draft: Draft) -> Draft:
@@ -132,8 +132,8 @@ def values_of(draft: Draft, emg_unit: str, prescribed: Mapping[str, float]) -> d
     table = api.adapted(spec.parameters, _settings(draft).options, emg_unit)
     values = {name: float(p.start) for name, p in table.items()}
     values |= {name: float(value) for name, value in prescribed.items() if name in table}
-    for told in (draft["start"], draft["fixed"]):
-        values |= {name: float(value) for name, value in told.items() if name in table}
+    for entries in (draft["start"], draft["fixed"]):
+        values |= {name: float(value) for name, value in entries.items() if name in table}
     values |= {name: float(v) for name, v in draft["sliders"].items() if name in table}
     return values
 

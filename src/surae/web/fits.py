@@ -80,21 +80,21 @@ def prepared_draft(
 
 def keep_fit(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
     """Add a finished fit to the project."""
-    task, told = job["task"], end["summary"]
-    name = task["name"] or f"{model_title(told['model'])} · {', '.join(told['names'])}"
-    id_ = add_fit(bench, job["id"], name, told, task["recordings"], task)
+    task, summary = job["task"], end["summary"]
+    name = task["name"] or f"{model_title(summary['model'])} · {', '.join(summary['names'])}"
+    id_ = add_fit(bench, job["id"], name, summary, task["recordings"], task)
     bench.events.changed("fits")
     return id_
 
 
 def add_fit(
-    bench: "Workbench", id_: str, name: str, told: Mapping[str, Any], recordings: list[str],
+    bench: "Workbench", id_: str, name: str, summary: Mapping[str, Any], recordings: list[str],
     task: Mapping[str, Any],
 ) -> str:  # fmt: skip
-    """Add a fit whose file is there; `told` is its summary, `task` what made it."""
+    """Add a fit whose file is there; `summary` is what lists show of it, `task` what made it."""
     versions, used = task.get("versions", {}), {*recordings, *task["draft"]["mvc"]}
     data = {
-        **told,
+        **summary,
         "name": unique_name(bench.database.all("fit"), name),
         "recordings": recordings,
         "versions": {key: versions[key] for key in versions if key in used},
@@ -106,12 +106,12 @@ def add_fit(
 def keep_designs(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str | None:
     """Keep the protocols that were designed; the id of the last."""
     id_ = None
-    for made in end["designs"]:
-        name = unique_name(bench.database.all("protocol"), made["name"], 120)
+    for design in end["designs"]:
+        name = unique_name(bench.database.all("protocol"), design["name"], 120)
         settings = {
             **job["task"]["settings"], "profile": "designed",
-            "plan": {**made["plan"], **{key: job["task"][key] for key in ("model", "population")}},
-            "limits": made["limits"], "duration": None,
+            "plan": design["plan"] | {key: job["task"][key] for key in ("model", "population")},
+            "limits": design["limits"], "duration": None,
         }  # fmt: skip
         id_ = bench.database.add("protocol", {"name": name, "settings": settings})
     bench.events.changed("protocols")
@@ -122,12 +122,12 @@ def keep_profile(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
     """Add finished profiles to those of their fit."""
     del end
     id_ = str(job["about"])
-    made = bench.project.path("fits", job["id"], ".profiles.json")
-    profile = json.loads(made.read_text(encoding="utf-8"))["profiles"]
-    made.unlink(missing_ok=True)
+    path = bench.project.path("fits", job["id"], ".profiles.json")
+    profile = json.loads(path.read_text(encoding="utf-8"))["profiles"]
+    path.unlink(missing_ok=True)
     fit = bench.project.need("fit", id_)
-    kept = {**fit.get("profiles", {}), **{name: _profile(row) for name, row in profile.items()}}
-    bench.project.change("fit", id_, profiles=kept)
+    profiles = {**fit.get("profiles", {}), **{name: _profile(row) for name, row in profile.items()}}
+    bench.project.change("fit", id_, profiles=profiles)
     bench.events.changed("fits")
     return id_
 
@@ -214,7 +214,7 @@ def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
     steps = [trace["steps"] for trace in whole.get("traces", [])]
     return {
         "summary": fit_summary(bench, fit),
-        **_told(bench.fit(fit["id"])),
+        **_report_sections(bench.fit(fit["id"])),
         "fit": {key: value for key, value in whole.items() if key not in _LONG},
         "steps": steps,
         "settings": shown(upgraded(fit["settings"])),
@@ -223,7 +223,7 @@ def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
     }
 
 
-def _told(fit: "api.Fit") -> dict[str, Any]:
+def _report_sections(fit: "api.Fit") -> dict[str, Any]:
     """What the report says of the whole fit, of what makes it unsure, and of what was searched."""
     result, assessment = fit.result, fit.assessment
     sections: dict[str, Any] = {
@@ -233,8 +233,8 @@ def _told(fit: "api.Fit") -> dict[str, Any]:
         "family": api.family_section(result, assessment),
         "trials": api.trials_section(result, assessment),
     }
-    told = {name: None if each is None else asdict(each) for name, each in sections.items()}
-    return told | {"made": [asdict(each) for each in api.fit_settings(result, assessment)]}
+    texts = {name: None if each is None else asdict(each) for name, each in sections.items()}
+    return texts | {"made": [asdict(each) for each in api.fit_settings(result, assessment)]}
 
 
 def fit_traces(

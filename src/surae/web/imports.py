@@ -38,13 +38,13 @@ Upload = Mapping[str, str]
 def file_name(name: str, number: int = 0) -> str:
     """A user's file name without folders or anything that means something to a system."""
     base = name.replace("\\", "/").rsplit("/", 1)[-1]
-    kept = "".join(c if c.isalnum() or c in " ._-()+" else "_" for c in base).strip(" .")
-    while len(kept.encode()) > _LONGEST:  # systems count bytes; the end says what it is
-        kept = kept[1:]
-    kept = kept.lstrip(" .") or "file"
-    if kept == _MAPPING or _RESERVED.match(kept):
-        kept = f"given-{kept}"
-    return f"{number}-{kept}" if number else kept
+    plain = "".join(c if c.isalnum() or c in " ._-()+" else "_" for c in base).strip(" .")
+    while len(plain.encode()) > _LONGEST:  # systems count bytes; the end says what it is
+        plain = plain[1:]
+    plain = plain.lstrip(" .") or "file"
+    if plain == _MAPPING or _RESERVED.match(plain):
+        plain = f"given-{plain}"
+    return f"{number}-{plain}" if number else plain
 
 
 @contextmanager
@@ -145,11 +145,11 @@ def _of_data(names: Sequence[str], ids: Mapping[str, str]) -> dict[str, Any]:
 def _of_mapping(data: bytes, name: str, ids: Mapping[str, str]) -> dict[str, Any]:
     """A mapping that was uploaded, its files found among the uploads."""
     try:
-        told = tomllib.loads(data.decode())
+        table = tomllib.loads(data.decode())
     except (ValueError, RecursionError) as error:
         raise InputError(f"{name}: not valid TOML: {error}") from None
-    entries = told.get("channels")
-    _refuse_what_no_form_shows(told, name)
+    entries = table.get("channels")
+    _refuse_what_no_form_shows(table, name)
     channels, missing = {}, []
     for role, entry in (entries if isinstance(entries, dict) else {}).items():
         file = entry.get("file") if isinstance(entry, dict) else None
@@ -166,36 +166,38 @@ def _of_mapping(data: bytes, name: str, ids: Mapping[str, str]) -> dict[str, Any
         }
     lacking = ", ".join(dict.fromkeys(missing))
     mapping = {
-        "name": _said(told.get("name"), None) or Path(name).stem,
-        "emg": _said(told.get("emg"), "raw"),
-        "side": _said(told.get("side"), None),
+        "name": _said(table.get("name"), None) or Path(name).stem,
+        "emg": _said(table.get("emg"), "raw"),
+        "side": _said(table.get("side"), None),
         "channels": channels,
-        "fixed": _plain(told.get("fixed")),
-        "prepare": _plain(told.get("prepare")),
+        "fixed": _plain(table.get("fixed")),
+        "prepare": _plain(table.get("prepare")),
     }
-    found = [] if missing else _zeros(told, name, mapping, {id_: file for file, id_ in ids.items()})
+    notes = (
+        [] if missing else _zeros(table, name, mapping, {id_: file for file, id_ in ids.items()})
+    )
     return {
         "format": "TOML mapping",
         "columns": [],
         "mapping": mapping,
-        "notes": [f"upload the files it names too: {lacking}"] if missing else found,
+        "notes": [f"upload the files it names too: {lacking}"] if missing else notes,
         "ready": bool(channels) and not missing,
     }
 
 
 def _zeros(
-    told: Mapping[str, Any], name: str, mapping: Mapping[str, Any], names: Mapping[str, str]
+    table: Mapping[str, Any], name: str, mapping: Mapping[str, Any], names: Mapping[str, str]
 ) -> list[str]:
     """Put the offset that each `zero` means into the form's mapping; a sentence on each."""
     channels, notes = mapping["channels"], []
 
-    def first(role: str, **said: Any) -> float:
+    def first(role: str, **changes: Any) -> float:
         """The first sample of a channel that is described so."""
-        every = {**mapping, "channels": {**channels, role: {**channels[role], **said}}}
+        every = {**mapping, "channels": {**channels, role: {**channels[role], **changes}}}
         Path(_MAPPING).write_text(_toml(every, names), encoding="utf-8")
         return float(api.read(_MAPPING).channels[role].values[0])
 
-    for role, entry in told["channels"].items():
+    for role, entry in table["channels"].items():
         zero = entry.get("zero")
         if zero is None:
             continue
@@ -210,9 +212,9 @@ def _zeros(
     return notes
 
 
-def _refuse_what_no_form_shows(told: Mapping[str, Any], name: str) -> None:
+def _refuse_what_no_form_shows(table: Mapping[str, Any], name: str) -> None:
     """Refuse what would be lost: the form describes one recording."""
-    if "trials" in told:
+    if "trials" in table:
         raise InputError(
             f"{name}: [trials] says what differs in trials, which this form cannot keep: drop the "
             "trials alone and change what differs on each recording's page; `surae session` and "

@@ -264,11 +264,11 @@ class Jobs:
         self._events.tell(f"job:{id_}", "end", self._owned(job))
 
     def _tell(self, job: Thing) -> None:
-        told = self._owned(job)
-        self._events.tell(f"job:{job['id']}", "state", told)
-        if told["progress"] is not None:
-            told = {**told, "progress": {**told["progress"], "traces": []}}
-        self._events.tell("project", "job", told)
+        message = self._owned(job)
+        self._events.tell(f"job:{job['id']}", "state", message)
+        if message["progress"] is not None:
+            message = {**message, "progress": {**message["progress"], "traces": []}}
+        self._events.tell("project", "job", message)
 
     def _owned(self, job: Thing) -> dict[str, Any]:
         """A job with the session that owns it, for `seen_by`."""
@@ -279,8 +279,8 @@ class Jobs:
         """What a browser hears of a job: whether it is its own, not whose."""
         if not isinstance(data, dict) or "owner" not in data:
             return data
-        told = {key: value for key, value in data.items() if key != "owner"}
-        return {**told, "mine": session is not None and data["owner"] == session.key}
+        seen = {key: value for key, value in data.items() if key != "owner"}
+        return {**seen, "mine": session is not None and data["owner"] == session.key}
 
     def _mark_interrupted(self) -> None:
         """Jobs that the last server left unfinished."""

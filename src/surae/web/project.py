@@ -146,21 +146,21 @@ class Project:
         """
         today = int(time.time() // _DAY)
         with self.database.transaction():
-            kept: dict[str, Any] = {}
+            saved: dict[str, Any] = {}
             for id_, text in self.database.rows("SELECT id, data FROM thing WHERE kind='project'"):
                 own = str(id_)
                 if not ID.fullmatch(own):
                     raise InputError("its own id is none; `surae project repair` gives it one")
                 with suppress(ValueError):
-                    kept = dict(plain(text))
+                    saved = dict(plain(text))
                 break
             else:
                 own = self.database.add("project", {}, new_id())
-            used = kept.get("used")
+            used = saved.get("used")
             if not isinstance(used, list) or not all(type(day) is int for day in used):
                 used = []
             sane = not used or 0 <= today - used[-1] <= _AHEAD
-            count = kept["days"] if type(kept.get("days")) is int else len(used)
+            count = saved["days"] if type(saved.get("days")) is int else len(used)
             if not used or today > used[-1]:
                 used, count = [*used, today][-_REMEMBERED:], count + 1
                 self.database.update("project", own, {"used": used, "days": count})
@@ -185,23 +185,23 @@ class Project:
 
     def need(self, kind: str, id_: str) -> Thing:
         """A thing that has to be there."""
-        thing = self.database.get(kind, id_)
-        if thing is None:
+        row = self.database.get(kind, id_)
+        if row is None:
             raise not_found(kind)
-        return thing
+        return row
 
     def change(self, kind: str, id_: str, **changes: Any) -> Thing:
         """Change some of a thing that has to be there."""
         self.need(kind, id_)
-        thing = self.database.update(kind, id_, changes)
-        if thing is None:
+        row = self.database.update(kind, id_, changes)
+        if row is None:
             raise not_found(kind)
-        return thing
+        return row
 
 
-def unique_name(things: Iterable[Mapping[str, Any]], name: str, longest: int = 200) -> str:
+def unique_name(rows: Iterable[Mapping[str, Any]], name: str, longest: int = 200) -> str:
     """The name, with a number where one of the things has it."""
-    taken = {thing["name"] for thing in things}
+    taken = {row["name"] for row in rows}
     fresh, number = name[:longest], 2
     while fresh in taken:
         end = f" ({number})"

@@ -38,13 +38,14 @@ def first_mapping(row: Thing) -> dict[str, Any]:
     if first is None:
         first = {"name": row["name"], "emg": row["emg"], "side": row["side"], "channels": {},
                  "fixed": row["fixed"], "prepare": {}}  # fmt: skip
-    said = {channel["role"]: channel for channel in row["channels"]}
+    channels_now = {channel["role"]: channel for channel in row["channels"]}
     plain = {"upload": row["id"], "sign": 1, "scale": 1.0, "offset": 0.0}
     channels = first["channels"] or {
-        role: {**plain, "column": role, "unit": channel["unit"]} for role, channel in said.items()
+        role: {**plain, "column": role, "unit": channel["unit"]}
+        for role, channel in channels_now.items()
     }
     units = {
-        role: channel["unit"] or _said_unit(said[role]["source"], role)
+        role: channel["unit"] or _said_unit(channels_now[role]["source"], role)
         for role, channel in channels.items()
     }
     return {
@@ -60,8 +61,8 @@ def present_mapping(row: Thing) -> dict[str, Any]:
 
 def _said_unit(source: str, role: str) -> str:
     """The unit that a channel's file gave by itself."""
-    told = _UNIT.search(source)
-    return told[1] if told and told[1] in FACTORS[kind(role)] else SI[kind(role)]
+    match = _UNIT.search(source)
+    return match[1] if match and match[1] in FACTORS[kind(role)] else SI[kind(role)]
 
 
 def described_anew(

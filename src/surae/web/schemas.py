@@ -75,28 +75,28 @@ class Options(Strict):
     x_ref_tib: Annotated[float, Field(gt=0, le=10)] | None = None
 
 
-class PriorGiven(Strict):
+class PriorEntry(Strict):
     """A parameter's prior."""
 
     median: Positive
     spread: Annotated[float, Field(gt=0, le=100)]
 
 
-class ParameterGiven(Strict):
+class ParameterRow(Strict):
     """What differs from a parameter's defaults."""
 
     free: bool | None = None
     value: Number | None = None
     lower: Number | None = None
     upper: Number | None = None
-    prior: PriorGiven | None = None
+    prior: PriorEntry | None = None
 
 
 Span = tuple[Seconds, Seconds]
 Spans = Annotated[list[Span], Field(max_length=500)]
 
 
-class WeightingGiven(Strict):
+class WeightingTable(Strict):
     """What samples count, see `surae.Weighting`."""
 
     windows: Annotated[list[tuple[Seconds | None, Seconds | None, Count]], Field(max_length=500)]
@@ -115,7 +115,7 @@ class DraftChange(Strict):
     mvc: Annotated[list[Id], Field(max_length=50)] | None = None
     exclusions: Annotated[dict[Id, Spans | None], Field(max_length=50)] | None = None
     sliders: Annotated[dict[Name, Number | None], Field(max_length=60)] | None = None
-    parameters: Annotated[dict[Name, ParameterGiven | None], Field(max_length=60)] | None = None
+    parameters: Annotated[dict[Name, ParameterRow | None], Field(max_length=60)] | None = None
     model: FittedModel | None = None
     options: Options | None = None
     fixed: Numbers | None = None
@@ -127,7 +127,7 @@ class DraftChange(Strict):
     body_mass: BodyMass | None = None
     footplate_mass: Annotated[float, Field(ge=0, le=20)] | None = None
     foot_share: FootShare | None = None
-    weights: WeightingGiven | None = None
+    weights: WeightingTable | None = None
     loss: Loss | None = None
     normalise: Normalisation | None = None
     prepared: bool | None = None
@@ -158,7 +158,7 @@ class DraftPatch(Strict):
     merge: bool = False
 
 
-class ChannelGiven(Strict):
+class ChannelEntry(Strict):
     """The origin of a channel, and what is done to it."""
 
     upload: Id
@@ -169,34 +169,34 @@ class ChannelGiven(Strict):
     offset: Number = 0.0
 
 
-class MappingGiven(Strict):
+class MappingTable(Strict):
     """Which column of which upload is which signal."""
 
     name: Named
     emg: Literal["raw", "envelope"] | None = None
     side: Side | None = None
-    channels: Annotated[dict[Role, ChannelGiven], Field(min_length=1, max_length=len(api.ROLES))]
+    channels: Annotated[dict[Role, ChannelEntry], Field(min_length=1, max_length=len(api.ROLES))]
     fixed: Numbers = {}
     prepare: Annotated[dict[Name, bool | Number | Line], Field(max_length=20)] = {}
 
 
-class ImportGiven(Strict):
+class ImportRequest(Strict):
     """A recording to import."""
 
-    mapping: MappingGiven
+    mapping: MappingTable
     subject: Id | None = None
     trial: Line | None = None
     condition: Line | None = None
 
 
-class DescriptionGiven(Strict):
+class DescriptionRequest(Strict):
     """Another description of recordings: of the first as it is, of others in the same way."""
 
     recordings: Annotated[list[Id], Field(min_length=1, max_length=64)]
-    mapping: MappingGiven
+    mapping: MappingTable
 
 
-class SubjectGiven(Strict):
+class SubjectRequest(Strict):
     """A subject: a code, never a name."""
 
     code: Named
@@ -224,7 +224,7 @@ class RecordingPatch(Strict):
     condition: Line | None = None
 
 
-class LiveGiven(Strict):
+class LiveRequest(Strict):
     """What to simulate."""
 
     recording: Id | None = None
@@ -235,28 +235,28 @@ class LiveGiven(Strict):
     end: Seconds | None = None
 
 
-class FitGiven(Strict):
+class FitRequest(Strict):
     """A fit to make: of a draft, or of the session's own."""
 
     name: Named | None = None
     draft: DraftChange | None = None
 
 
-class TrialsGiven(Strict):
+class TrialsRequest(Strict):
     """Trials of one leg, and the efforts that their signals do not tell."""
 
     recordings: Annotated[list[Id], Field(min_length=1, max_length=64)]
     efforts: Annotated[dict[Id, Literal["passive", "active", "maximal"]], Field(max_length=64)] = {}
 
 
-class SessionGiven(TrialsGiven):
+class SessionRequest(TrialsRequest):
     """A session to fit: each trial, and all together; as the session's draft asks, or one given."""
 
     name: Named | None = None
     draft: DraftChange | None = None
 
 
-class ComparisonGiven(Strict):
+class ComparisonRequest(Strict):
     """Models to compare on a draft's recordings."""
 
     draft: DraftChange | None = None
@@ -264,19 +264,19 @@ class ComparisonGiven(Strict):
     fit: Id | None = None
 
 
-class NameGiven(Strict):
+class NameRequest(Strict):
     """A new name."""
 
     name: Named
 
 
-class ProfileGiven(Strict):
+class ProfileRequest(Strict):
     """Parameters to profile; all by default."""
 
     parameters: Annotated[list[Name], Field(min_length=1, max_length=60)] | None = None
 
 
-class ValidateGiven(Strict):
+class ValidateRequest(Strict):
     """Recordings to predict."""
 
     recordings: Annotated[list[Id], Field(min_length=1, max_length=50)]
@@ -337,7 +337,7 @@ class ProtocolPreview(Strict):
     noise: Noise = 0.5
 
 
-class ProtocolGiven(Strict):
+class ProtocolRequest(Strict):
     """A protocol to keep."""
 
     name: Named
@@ -351,7 +351,7 @@ class ProtocolFile(Strict):
     reason: Annotated[str, StringConstraints(max_length=300)] = ""
 
 
-class StudyGiven(Strict):
+class StudyRequest(Strict):
     """A study to make."""
 
     toml: Annotated[str, StringConstraints(min_length=1, max_length=100_000, pattern=r"^[^\x00]*$")]

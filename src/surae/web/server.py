@@ -59,11 +59,11 @@ def serve(
     """Serve a project until the user stops it."""
     token = token_for(host, token)
 
-    def made() -> tuple[Served, ASGIApp]:
+    def open_bench() -> tuple[Served, ASGIApp]:
         bench = Workbench(project, workers)
         return bench, create_app(bench, Policy.of(host, token, upload_bytes))
 
-    run(made, "workbench", host=host, port=port, token=token, open_browser=open_browser)
+    run(open_bench, "workbench", host=host, port=port, token=token, open_browser=open_browser)
 
 
 def token_for(host: str, token: str | None) -> str | None:
@@ -72,7 +72,7 @@ def token_for(host: str, token: str | None) -> str | None:
 
 
 def run(
-    made: Callable[[], tuple[Served, ASGIApp]],
+    make: Callable[[], tuple[Served, ASGIApp]],
     name: str,
     *,
     host: str,
@@ -83,12 +83,12 @@ def run(
 ) -> None:
     """Serve an application until the user stops it.
 
-    `made` makes what is served and its application, once the address is ours; `name` is what it is
+    `make` makes what is served and its application, once the address is ours; `name` is what it is
     called; `more` is called with the address, without token, once it answers.
     """
     listening = _listen(host, port)
     try:
-        served, app = made()
+        served, app = make()
     except BaseException:
         listening.close()
         raise
@@ -208,22 +208,22 @@ def _listen(host: str, port: int) -> socket.socket:
     try:
         addresses = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
         family, kind, protocol, _, place = addresses[0]
-        made = socket.socket(family, kind, protocol)
+        listening = socket.socket(family, kind, protocol)
         if os.name == "posix":  # elsewhere it would share the port with another server
-            made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            made.bind(place)
-            made.listen(128)
+            listening.bind(place)
+            listening.listen(128)
         except OSError:
-            made.close()
+            listening.close()
             raise
-        made.set_inheritable(False)
+        listening.set_inheritable(False)
     except (OSError, UnicodeError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(
             f"cannot listen on {host} port {port}: {reason.lower()}; give another --port or --host"
         ) from None
-    return made
+    return listening
 
 
 def _address(host: str, port: int, token: str | None) -> str:

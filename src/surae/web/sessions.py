@@ -71,12 +71,12 @@ class BrowserSessions:
 
     def make(self) -> tuple[BrowserSession, str]:
         """A new session, and the cookie that opens it, which is kept nowhere here."""
-        made, cookie = BrowserSession.new()
+        session, cookie = BrowserSession.new()
         self._database.write(
             "INSERT INTO session VALUES (?, ?, ?, 0, ?)",
-            made.key, made.csrf, json.dumps(empty_draft()), time.time(),
+            session.key, session.csrf, json.dumps(empty_draft()), time.time(),
         )  # fmt: skip
-        return made, cookie
+        return session, cookie
 
     def draft(self, session: BrowserSession) -> Draft:
         """What the session is working on."""
@@ -112,27 +112,27 @@ class BrowserSessions:
                 raise RefusedError(
                     409, "another tab has changed this work meanwhile; load it again and repeat"
                 )
-            made = changed(draft, change)
-            keys = [key for key in made if made[key] != draft.get(key)]
+            after_change = changed(draft, change)
+            keys = [key for key in after_change if after_change[key] != draft.get(key)]
             if not keys:
                 return
             before = {key: draft[key] for key in keys}
-            after = {key: made[key] for key in keys}
+            after = {key: after_change[key] for key in keys}
             last = self._next(session, done=1)
             if merge and last is not None and last[1] == label and last[2] == "draft":
                 before |= plain(last[3])
-                after = {key: made[key] for key in before}
+                after = {key: after_change[key] for key in before}
                 self._database.write("DELETE FROM step WHERE id = ?", last[0])
             self._record(session, label, "draft", before, after)
-            self._write(session, made, now + 1)
+            self._write(session, after_change, now + 1)
         self._tell(session, now + 1)
 
     def delete(self, session: BrowserSession, kind: str, id_: str, label: str) -> None:
         """Delete a thing, so that undo brings it back."""
         with self._database.transaction():
             self._mark(session, kind, id_, deleted=True)
-            told = {"kind": kind, "id": id_}
-            self._record(session, label, "deleted", told, told)
+            reference = {"kind": kind, "id": id_}
+            self._record(session, label, "deleted", reference, reference)
             draft, now = self._read(session)
             if kind == "recording" and id_ in draft["recordings"]:
                 draft["recordings"] = [
@@ -224,8 +224,8 @@ class BrowserSessions:
 
     def _mark(self, session: BrowserSession, kind: str, id_: str, *, deleted: bool) -> bool:
         """Delete a thing again, or bring it back if this session deleted it; whether it did."""
-        thing = self._database.get(kind, id_, deleted=True)
-        if thing is None or (not deleted and thing.get("deleted_by", session.key) != session.key):
+        row = self._database.get(kind, id_, deleted=True)
+        if row is None or (not deleted and row.get("deleted_by", session.key) != session.key):
             return False
         marked = self._database.mark(kind, id_, deleted=deleted)
         if marked and deleted:
@@ -279,11 +279,11 @@ class BrowserSessions:
         row = self._database.row("SELECT draft, revision FROM session WHERE key = ?", session.key)
         if row is None:
             raise RefusedError(403, "this session has ended; load the page again")
-        kept: Any = None
+        saved: Any = None
         with suppress(ValueError):
-            kept = plain(row[0])
+            saved = plain(row[0])
         revision = row[1] if isinstance(row[1], int) and 0 <= row[1] < 2**53 else 0
-        return {**empty_draft(), **draft_parts(upgraded(kept))}, revision
+        return {**empty_draft(), **draft_parts(upgraded(saved))}, revision
 
     def _write(self, session: BrowserSession, draft: Draft, revision: int) -> None:
         self._database.write(

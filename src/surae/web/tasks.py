@@ -79,11 +79,11 @@ def session(task: Task) -> dict[str, Any]:
     efforts = {task["names"][id_]: effort for id_, effort in task["efforts"].items()}
     leg = api.session(recordings, name=task["name"], efforts=efforts)
 
-    def told(step: "api.Step") -> None:
+    def progress(step: "api.Step") -> None:
         tell({"what": step.what, "done": step.done, "total": step.total})
 
     with _compiling():
-        result = leg.run(None, settings, told=told)
+        result = leg.run(None, settings, told=progress)
     fits = {**result.fits, **({} if result.joint is None else {"joint": result.joint})}
     for name, fitted in fits.items():
         fitted.save(_file(task, "fits", task["fits"][name], ".json"))
@@ -129,11 +129,11 @@ def profile(task: Task) -> dict[str, Any]:
     """Profile parameters of a fit, and write them."""
     fitted = api.load(_file(task, "fits", task["fit"], ".json"))
 
-    def told(name: str, done: int, total: int) -> None:
+    def progress(name: str, done: int, total: int) -> None:
         tell({"parameter": name, "done": done, "total": total})
 
     with _compiling():
-        profiles = api.profile(fitted, task["parameters"], workers=1, progress=told)
+        profiles = api.profile(fitted, task["parameters"], workers=1, progress=progress)
     profiles.save(_file(task, "fits", task["id"], ".profiles.json"))
     missing = ", ".join(profiles.missing)
     return {
@@ -146,11 +146,11 @@ def compare(task: Task) -> dict[str, Any]:
     """Compare models with rigid and compliant tendons on the same recordings."""
     settings, _, inputs = _asked(task)
 
-    def told(what: str, done: int, total: int) -> None:
+    def progress(what: str, done: int, total: int) -> None:
         tell({"what": what, "done": done, "total": total})
 
     with _compiling():
-        comparison = api.compare_models(inputs, task["models"], settings, told)
+        comparison = api.compare_models(inputs, task["models"], settings, progress)
     comparison.save(_file(task, "comparisons", task["id"], ".json"))
     return {"message": comparison.conclusion, "interrupted": bool(comparison.missing)}
 
@@ -180,20 +180,20 @@ def design(task: Task) -> dict[str, Any]:
     settings, designs, each = task["settings"], list[dict[str, Any]](), task["evaluations"]
     for k, seconds in enumerate(task["durations"]):
         with _compiling():
-            made = api.design(
+            designed = api.design(
                 seconds, device=settings["device"], range=tuple(settings["range"]),
                 rate_hz=settings["rate_hz"], evaluations=each,
                 progress=_counting(k * each, each * len(task["durations"])),
                 **{key: task[key] for key in ("model", "population", "noise", "aim", "effort")},
             )  # fmt: skip
-        designs.append({"name": f"designed {seconds:g} s {task['aim']}", **made.to_json()})
-        if made.stopped:
+        designs.append({"name": f"designed {seconds:g} s {task['aim']}", **designed.to_json()})
+        if designed.stopped:
             break
     expectation = designs[-1]["expectation"]
     worst = "unknown" if expectation["worst"] is None else f"{100 * expectation['worst']:.2g} %"
     return {
         "message": f"largest error {worst} ({expectation['weakest']})",
-        "interrupted": made.stopped,
+        "interrupted": designed.stopped,
         "designs": designs,
     }
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from surae.database import lock, make_tables
 from surae.errors import ComputationError, InputError, SuraeError
 from surae.files import PathLike, sha256_of, shown, write_json
-from surae.web.database import FORMAT, connected, recognised, told
+from surae.web.database import FORMAT, connected, recognised, sqlite_errors
 from surae.web.places import (
     DATABASE,
     FILES,
@@ -50,7 +50,7 @@ def check(folder: PathLike) -> Checked:
     root = _project(folder)
     file = None
     try:
-        with told(DATABASE):
+        with sqlite_errors(DATABASE):
             file = connected(root / DATABASE, "ro")
             recognised(file, DATABASE)
         return _checked(root, file)
@@ -78,7 +78,7 @@ def backup(folder: PathLike, to: PathLike) -> Checked:
     part = target.with_name(f".{target.name}-{os.urandom(4).hex()}.part")
     try:
         part.mkdir(mode=0o700, parents=True)
-        with told(DATABASE), closing(connected(root / DATABASE, "ro")) as source:
+        with sqlite_errors(DATABASE), closing(connected(root / DATABASE, "ro")) as source:
             recognised(source, DATABASE)
             with closing(sqlite3.connect(part / DATABASE)) as copy:
                 source.backup(copy)
@@ -118,8 +118,8 @@ def repair(folder: PathLike) -> tuple[str, ...]:
             move_to_trash(root, root / name)
             done.append(f"{name} belongs to nothing: in the trash")
         for kind in FILES:
-            for kept in project.database.all(kind):
-                done += _sealed(project, kind, kept)
+            for row in project.database.all(kind):
+                done += _sealed(project, kind, row)
     finally:
         project.close()
     return tuple(done)
@@ -138,7 +138,7 @@ def _checked(root: Path, file: sqlite3.Connection) -> Checked:
     """What a check sees of a database that can be read."""
     problems, unsealed, known = list[str](), list[str](), set[Path]()
     things = whole = 0
-    with told(DATABASE):
+    with sqlite_errors(DATABASE):
         rows = file.execute("SELECT kind, id, created, data, deleted FROM thing").fetchall()
     for kind, id_, created, text, deleted in rows:
         things += 1
@@ -148,8 +148,8 @@ def _checked(root: Path, file: sqlite3.Connection) -> Checked:
         if kind not in KINDS:
             continue
         try:
-            kept = thing(str(kind), id_, created, text)
-            paths = list(_paths(root, str(kind), kept))
+            row = thing(str(kind), id_, created, text)
+            paths = list(_paths(root, str(kind), row))
         except (ValueError, SuraeError) as error:
             problems.append(f"{name} is damaged: {error}")
             continue
@@ -176,15 +176,15 @@ def _checked(root: Path, file: sqlite3.Connection) -> Checked:
     return Checked(things, whole, tuple(problems), tuple(orphans), tuple(unsealed))
 
 
-def _paths(root: Path, kind: str, kept: Thing) -> Iterator[tuple[Path, str | None]]:
+def _paths(root: Path, kind: str, row: Thing) -> Iterator[tuple[Path, str | None]]:
     """The files of a thing, and the checksum that was kept of each."""
     if kind in FILES:
-        yield file_of(root, FILES[kind][0], kept["id"], FILES[kind][1]), kept.get("sha256")
-        if kept.get("version"):
-            suffix = recording_suffix(kept["version"])
-            yield file_of(root, "recordings", kept["id"], suffix), kept["version_sha256"]
+        yield file_of(root, FILES[kind][0], row["id"], FILES[kind][1]), row.get("sha256")
+        if row.get("version"):
+            suffix = recording_suffix(row["version"])
+            yield file_of(root, "recordings", row["id"], suffix), row["version_sha256"]
     elif kind == "upload":
-        yield uploads_of(root, kept["session"]) / kept["id"], kept["sha256"]
+        yield uploads_of(root, row["session"]) / row["id"], row["sha256"]
 
 
 def _copy(source: Path, target: Path) -> None:
@@ -207,10 +207,10 @@ def _copy(source: Path, target: Path) -> None:
 @contextmanager
 def _alone(root: Path) -> Iterator[None]:
     """Have a project's lock, so that no server uses it meanwhile."""
-    held = lock(root / DATABASE)
-    if held is None:
+    own_lock = lock(root / DATABASE)
+    if own_lock is None:
         raise InputError(f"{shown(root)} is in use by `surae serve`; stop it first")
-    with closing(held):
+    with closing(own_lock):
         yield
 
 
@@ -276,14 +276,14 @@ def _rows_into(
     return count
 
 
-def _sealed(project: Project, kind: str, kept: Thing) -> Iterator[str]:
+def _sealed(project: Project, kind: str, row: Thing) -> Iterator[str]:
     """Keep a checksum that is missing; set aside a thing whose file is."""
     folder, suffix = FILES[kind]
-    path = project.path(folder, kept["id"], suffix)
+    path = project.path(folder, row["id"], suffix)
     if kind == "study":
         return
     if not path.is_file():
-        project.discard(kind, kept["id"])
-        yield f"{kind} {kept['id']}: its file is missing; its entry is in the trash"
-    elif "sha256" not in kept:
-        project.change(kind, kept["id"], sha256=sha256_of(path))
+        project.discard(kind, row["id"])
+        yield f"{kind} {row['id']}: its file is missing; its entry is in the trash"
+    elif "sha256" not in row:
+        project.change(kind, row["id"], sha256=sha256_of(path))

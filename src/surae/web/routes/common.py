@@ -45,20 +45,20 @@ Seen = Annotated[str | None, Header(alias="If-Match", max_length=80)]
 _LABELS = ("code", "group", "notes", "body_mass", "name", "subject", "side", "trial", "condition")
 
 
-def revision(thing: Thing) -> str:
+def revision(row: Thing) -> str:
     """Names what people wrote on a thing, so that nobody overwrites what he has not seen."""
-    labels = {key: thing[key] for key in _LABELS if key in thing}
+    labels = {key: row[key] for key in _LABELS if key in row}
     return sha256(json.dumps(labels, sort_keys=True).encode())[:16]
 
 
-def refuse_unseen(thing: Thing, seen: str | None) -> None:
+def refuse_unseen(row: Thing, seen: str | None) -> None:
     """Refuse to overwrite what another browser has changed since `seen`.
 
     The message says what stands there now.
     """
-    if seen is None or seen.strip('"') == revision(thing):
+    if seen is None or seen.strip('"') == revision(row):
         return
-    now = ", ".join(f"{k} {thing[k]!r}"[:80] for k in _LABELS if thing.get(k) not in (None, ""))
+    now = ", ".join(f"{k} {row[k]!r}"[:80] for k in _LABELS if row.get(k) not in (None, ""))
     raise RefusedError(
         409, f"somebody else has changed this meanwhile; it is now {now}: look, then change it"
     )
@@ -100,9 +100,9 @@ def offer_deletion(router: APIRouter, path: str, kind: str) -> None:
 
 
 def chosen_draft(
-    bench: Workbench, browser: BrowserSession, given: DraftChange | None
+    bench: Workbench, browser: BrowserSession, body: DraftChange | None
 ) -> dict[str, Any]:
     """The settings that came with a request, else those of the session."""
-    if given is None:
+    if body is None:
         return bench.sessions.draft(browser)
-    return changed(empty_draft(), given.plain())
+    return changed(empty_draft(), body.plain())

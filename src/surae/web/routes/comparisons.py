@@ -11,7 +11,7 @@ from surae.web.http_errors import RefusedError
 from surae.web.project import when
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId, chosen_draft
 from surae.web.rows import Thing
-from surae.web.schemas import ComparisonGiven
+from surae.web.schemas import ComparisonRequest
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["comparisons"])
 
@@ -53,9 +53,9 @@ def _estimate(fit: Thing, name: str) -> dict[str, Any] | None:
 
 
 @router.post("/comparisons", status_code=202)
-def post_comparison(given: ComparisonGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
+def post_comparison(body: ComparisonRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Ask whether the recordings need tendons that give way; the answer is the job."""
-    models = given.models or ["muscle", "muscle-tendon"]
+    models = body.models or ["muscle", "muscle-tendon"]
     tendons = {
         name: any(p.group == "tendon" for p in api.MODELS[name].parameters) for name in models
     }
@@ -63,10 +63,10 @@ def post_comparison(given: ComparisonGiven, bench: Bench, browser: Browser) -> d
         raise RefusedError(400, "a model is given twice; give it once")
     if len(set(tendons.values())) < 2:
         raise RefusedError(400, "compare at least one model without tendons and one with")
-    draft = chosen_draft(bench, browser, given.draft)
-    if given.fit is not None:
-        bench.project.need("fit", given.fit)
-    job = submit_comparison(bench, browser, draft, list(models), given.fit)
+    draft = chosen_draft(bench, browser, body.draft)
+    if body.fit is not None:
+        bench.project.need("fit", body.fit)
+    job = submit_comparison(bench, browser, draft, list(models), body.fit)
     return bench.jobs.shown(job, browser)
 
 

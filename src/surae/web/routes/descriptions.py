@@ -13,7 +13,7 @@ from surae.web.remap import FIELDS, first_mapping, like, needs_files, present_ma
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId
 from surae.web.routes.recordings import shown_recording
 from surae.web.rows import Thing
-from surae.web.schemas import DescriptionGiven
+from surae.web.schemas import DescriptionRequest
 from surae.web.workbench import Workbench
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["recordings"])
@@ -54,39 +54,39 @@ def get_description(id: PathId, bench: Bench) -> dict[str, Any]:
 
 
 @router.post("/descriptions/preview")
-def preview_description(given: DescriptionGiven, bench: Bench) -> dict[str, Any]:
+def preview_description(body: DescriptionRequest, bench: Bench) -> dict[str, Any]:
     """What a description makes of the first recording: its ranges, and what the check finds."""
-    row = bench.project.need("recording", given.recordings[0])
-    wanted = given.mapping.model_dump(mode="json")
+    row = bench.project.need("recording", body.recordings[0])
+    wanted = body.mapping.model_dump(mode="json")
     result = _made(bench, row, wanted, None)
     shown = {**row, "mapping": wanted, "version": row.get("version", 0) + 1}
     return {**result, "findings": proposals(result["findings"], shown)}
 
 
 @router.post("/descriptions")
-def post_description(given: DescriptionGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
+def post_description(body: DescriptionRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Describe recordings anew, all or none; one step that can be undone."""
-    rows = [bench.project.need("recording", id_) for id_ in dict.fromkeys(given.recordings)]
-    told = given.mapping.model_dump(mode="json")
-    made: dict[str, dict[str, Any]] = {}
+    rows = [bench.project.need("recording", id_) for id_ in dict.fromkeys(body.recordings)]
+    wanted_first = body.mapping.model_dump(mode="json")
+    described: dict[str, dict[str, Any]] = {}
     before = {row["id"]: {key: row.get(key) for key in FIELDS} for row in rows}
     paths = []
     try:
         for row in rows:
             own = row is rows[0]
-            wanted = told if own else like(told, present_mapping(row), row["name"])
+            wanted = wanted_first if own else like(wanted_first, present_mapping(row), row["name"])
             number = bench.sessions.next_version(row["id"])
             path = bench.project.path("recordings", row["id"], recording_suffix(number))
             paths.append(path)
             result = _made(bench, row, wanted, str(path))
-            made[row["id"]] = {
+            described[row["id"]] = {
                 **row_of(result), "version": number, "version_sha256": sha256_of(path),
                 "mapping": wanted,
             }  # fmt: skip
         others = f" and {len(rows) - 1} more" if len(rows) > 1 else ""
         firsts = {row["id"]: first_mapping(row) for row in rows}
         bench.sessions.describe(
-            browser, before, made, firsts, f"describe {rows[0]['name']}{others}"[:120]
+            browser, before, described, firsts, f"describe {rows[0]['name']}{others}"[:120]
         )
     except BaseException:
         for path in paths:

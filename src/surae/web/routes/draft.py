@@ -12,7 +12,7 @@ from surae.web.draft import described, empty_draft, parameter_table, settings_of
 from surae.web.fits import check_draft, prepared_draft
 from surae.web.http_errors import RefusedError
 from surae.web.routes.common import ERRORS, Bench, Browser
-from surae.web.schemas import DraftPatch, LiveGiven
+from surae.web.schemas import DraftPatch, LiveRequest
 from surae.web.sliders import live
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["session"])
@@ -42,9 +42,9 @@ def get_draft(bench: Bench, browser: Browser) -> dict[str, Any]:
 
 
 @router.patch("/draft")
-def patch_draft(given: DraftPatch, bench: Bench, browser: Browser) -> dict[str, Any]:
+def patch_draft(body: DraftPatch, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Change some of it, as one step that can be undone."""
-    change = given.change.plain()
+    change = body.change.plain()
     for id_ in (*change.get("recordings", ()), *change.get("exclusions", ())):
         if change.get("exclusions", {}).get(id_, True) is not None:
             bench.project.need("recording", id_)
@@ -54,7 +54,7 @@ def patch_draft(given: DraftPatch, bench: Bench, browser: Browser) -> dict[str, 
                 raise RefusedError(
                     400, f"window {start:g} … {end:g} s: its end must follow its start"
                 )
-    bench.sessions.change(browser, change, given.label, revision=given.revision, merge=given.merge)
+    bench.sessions.change(browser, change, body.label, revision=body.revision, merge=body.merge)
     return bench.sessions.state(browser)
 
 
@@ -134,10 +134,10 @@ def get_models() -> dict[str, Any]:
 
 
 @router.post("/live")
-def post_live(given: LiveGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
+def post_live(body: LiveRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """The torque that the draft's model gives with these values."""
     draft = bench.sessions.draft(browser)
-    id_ = given.recording or next(iter(draft["recordings"]), None)
+    id_ = body.recording or next(iter(draft["recordings"]), None)
     if id_ is None:
         raise RefusedError(400, "no recording is chosen; choose one")
     settings = settings_of(draft, ())
@@ -146,7 +146,7 @@ def post_live(given: LiveGiven, bench: Bench, browser: Browser) -> dict[str, Any
         _, every = prepared_draft(bench, draft)
         inputs = api.normalised(inputs, every[0].emg_reference)
     shown = live(
-        inputs, draft, given.values, points=given.points, parts=given.parts, start=given.start,
-        end=given.end, key=(id_, settings.prepared, settings.preparation, inputs.emg_reference),
+        inputs, draft, body.values, points=body.points, parts=body.parts, start=body.start,
+        end=body.end, key=(id_, settings.prepared, settings.preparation, inputs.emg_reference),
     )  # fmt: skip
     return {"recording": id_, **shown}

@@ -28,11 +28,11 @@ from surae.web.routes.common import (
 )
 from surae.web.routes.recordings import Instant
 from surae.web.schemas import (
-    FitGiven,
-    NameGiven,
+    FitRequest,
+    NameRequest,
     Points,
-    ProfileGiven,
-    ValidateGiven,
+    ProfileRequest,
+    ValidateRequest,
 )
 from surae.web.workbench import Workbench
 
@@ -47,9 +47,9 @@ _PDF: Responses = {200: {"content": {"application/pdf": {}}}}
 
 
 @router.post("/fits", status_code=202)
-def post_fit(given: FitGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
+def post_fit(body: FitRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Ask for a fit; the answer is its job."""
-    job = submit_fit(bench, browser, chosen_draft(bench, browser, given.draft), given.name)
+    job = submit_fit(bench, browser, chosen_draft(bench, browser, body.draft), body.name)
     return bench.jobs.shown(job, browser)
 
 
@@ -78,9 +78,9 @@ def get_fit(id: PathId, bench: Bench) -> dict[str, Any]:
 
 
 @router.patch("/fits/{id}")
-def patch_fit(id: PathId, given: NameGiven, bench: Bench) -> dict[str, Any]:
+def patch_fit(id: PathId, body: NameRequest, bench: Bench) -> dict[str, Any]:
     """Give it another name."""
-    changed = bench.project.change("fit", id, name=given.name)
+    changed = bench.project.change("fit", id, name=body.name)
     bench.events.changed("fits")
     return fit_summary(bench, changed)
 
@@ -119,23 +119,25 @@ def get_next(id: PathId, bench: Bench) -> dict[str, Any]:
 
 
 @router.post("/fits/{id}/profile", status_code=202)
-def post_profile(id: PathId, given: ProfileGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
+def post_profile(
+    id: PathId, body: ProfileRequest, bench: Bench, browser: Browser
+) -> dict[str, Any]:
     """Ask for profiles of its parameters; the answer is their job."""
     fit = bench.project.need("fit", id)
     result = bench.fit(id).result
-    for name in given.parameters or result.problem.free:
+    for name in body.parameters or result.problem.free:
         api.check_profiled(result, name)
-    task = {"fit": id, "parameters": given.parameters, "recordings": fit["recordings"]}
+    task = {"fit": id, "parameters": body.parameters, "recordings": fit["recordings"]}
     label = f"profiles · {fit['name']}"[:200]
     job = bench.jobs.submit("profile", label, browser, task, id)
     return bench.jobs.shown(job, browser)
 
 
 @router.post("/fits/{id}/validate")
-def post_validate(id: PathId, given: ValidateGiven, bench: Bench) -> dict[str, Any]:
+def post_validate(id: PathId, body: ValidateRequest, bench: Bench) -> dict[str, Any]:
     """Predict other recordings with its parameters."""
     fitted, predictions = bench.fit(id), []
-    for recording in dict.fromkeys(given.recordings):
+    for recording in dict.fromkeys(body.recordings):
         name = bench.project.need("recording", recording)["name"]
         inputs = bench.prepared(recording, fitted.settings)
         (prediction,) = api.validate(fitted, [inputs])

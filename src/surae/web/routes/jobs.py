@@ -50,12 +50,12 @@ async def job_events(id: PathId, bench: Bench, browser: Browser) -> StreamingRes
 
     def first() -> list[tuple[str, Any]]:
         job = bench.jobs.shown(bench.project.need("job", id), browser)
-        told: list[tuple[str, Any]] = [("state", job)]
+        messages: list[tuple[str, Any]] = [("state", job)]
         if job["progress"] is not None:
-            told.append(("progress", job["progress"]))
+            messages.append(("progress", job["progress"]))
         if job["state"] not in ACTIVE:
-            told.append(("end", job))
-        return told
+            messages.append(("end", job))
+        return messages
 
     return _events(
         bench.events.stream(

@@ -25,9 +25,9 @@ from surae.web.rows import Thing
 from surae.web.schemas import (
     ProtocolDesign,
     ProtocolFile,
-    ProtocolGiven,
     ProtocolPlan,
     ProtocolPreview,
+    ProtocolRequest,
     ProtocolSettings,
 )
 
@@ -70,50 +70,49 @@ def get_choices() -> dict[str, Any]:
 
 
 @router.post("/preview")
-def post_preview(given: ProtocolPreview) -> dict[str, Any]:
+def post_preview(body: ProtocolPreview) -> dict[str, Any]:
     """The motion, its limits, what it covers, and what it will tell of virtual legs."""
-    return preview(given.settings, given.model, given.population, given.noise)
+    return preview(body.settings, body.model, body.population, body.noise)
 
 
 @router.post("/side-by-side")
-def post_side_by_side(given: ProtocolPreview, bench: Bench) -> dict[str, Any]:
+def post_side_by_side(body: ProtocolPreview, bench: Bench) -> dict[str, Any]:
     """What every protocol, of the thesis and designed, will tell of the same legs."""
-    kept = {
-        thing["name"]: ProtocolSettings(**thing["settings"])
-        for thing in bench.database.all("protocol")
+    saved = {
+        row["name"]: ProtocolSettings(**row["settings"]) for row in bench.database.all("protocol")
     }
-    rows = side_by_side(given.settings, given.model, given.population, given.noise, kept)
+    rows = side_by_side(body.settings, body.model, body.population, body.noise, saved)
     return {"protocols": rows}
 
 
 @router.post("/design", status_code=202)
-def post_design(given: ProtocolDesign, bench: Bench, browser: Browser) -> dict[str, Any]:
+def post_design(body: ProtocolDesign, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Search a protocol of each duration; the answer is the job, which keeps them."""
-    device = None if given.settings.device is None else api.named_device(given.settings.device)
-    api.allowed_range(device, given.settings.range)
-    lengths = ", ".join(f"{seconds:g}" for seconds in given.durations)
-    task = given.model_dump(mode="json")
+    device = None if body.settings.device is None else api.named_device(body.settings.device)
+    api.allowed_range(device, body.settings.range)
+    lengths = ", ".join(f"{seconds:g}" for seconds in body.durations)
+    task = body.model_dump(mode="json")
     job = bench.jobs.submit("design", f"design of {lengths} s", browser, task, None)
     return bench.jobs.shown(job, browser)
 
 
 @router.post("/csv", response_class=Response, responses=_CSV)
-def post_csv(given: ProtocolFile) -> Response:
+def post_csv(body: ProtocolFile) -> Response:
     """The protocol as the file for a device, within its limits or for a reason."""
-    return _file(given.settings, given.settings.profile, given.reason)
+    return _file(body.settings, body.settings.profile, body.reason)
 
 
 @router.get("")
 def get_protocols(bench: Bench) -> dict[str, Any]:
     """List the protocols that are kept."""
-    return {"protocols": [_shown(thing) for thing in bench.database.all("protocol")]}
+    return {"protocols": [_shown(row) for row in bench.database.all("protocol")]}
 
 
 @router.post("", status_code=201)
-def post_protocol(given: ProtocolGiven, bench: Bench) -> dict[str, Any]:
+def post_protocol(body: ProtocolRequest, bench: Bench) -> dict[str, Any]:
     """Keep a protocol."""
-    trajectory_of(given.settings)
-    id_ = bench.database.add("protocol", given.model_dump(mode="json"))
+    trajectory_of(body.settings)
+    id_ = bench.database.add("protocol", body.model_dump(mode="json"))
     bench.events.changed("protocols")
     return _shown(bench.project.need("protocol", id_))
 
@@ -126,8 +125,8 @@ def get_csv(
     id: PathId, bench: Bench, reason: Annotated[str, Query(max_length=300)] = ""
 ) -> Response:
     """It as the file for a device, as `surae protocol` writes it, in limits or for a reason."""
-    thing = bench.project.need("protocol", id)
-    return _file(ProtocolSettings(**thing["settings"]), thing["name"], reason)
+    row = bench.project.need("protocol", id)
+    return _file(ProtocolSettings(**row["settings"]), row["name"], reason)
 
 
 def _file(settings: ProtocolSettings, name: str, reason: str) -> Response:
@@ -139,9 +138,9 @@ def _file(settings: ProtocolSettings, name: str, reason: str) -> Response:
     return Response(data, media_type="text/csv", headers=attachment(name, ".csv"))
 
 
-def _shown(thing: Thing) -> dict[str, Any]:
-    about = {key: thing[key] for key in ("id", "name", "settings")}
-    return {**about, "created": when(thing["created"])}
+def _shown(row: Thing) -> dict[str, Any]:
+    about = {key: row[key] for key in ("id", "name", "settings")}
+    return {**about, "created": when(row["created"])}
 
 
 def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:
@@ -153,7 +152,7 @@ def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:
         return api.Plan.sampled(_plain(settings.plan), limits, settings.rate_hz, device)
     if settings.profile in api.ready_protocols():
         return api.ready_trajectory(settings.profile, device, settings.range, settings.rate_hz)
-    made = api.Protocol(
+    protocol = api.Protocol(
         profile=settings.profile,
         task=settings.task,
         chirp_amplitude=settings.chirp_amplitude,
@@ -164,7 +163,7 @@ def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:
         device=device,
         adapt=settings.adapt,
     )
-    return api.protocol_trajectory(made)
+    return api.protocol_trajectory(protocol)
 
 
 def for_export(settings: ProtocolSettings, reason: str) -> api.Trajectory:
@@ -172,8 +171,10 @@ def for_export(settings: ProtocolSettings, reason: str) -> api.Trajectory:
     trajectory = trajectory_of(settings)
     exceeded = [limit for limit in limits(settings, trajectory) if limit["exceeded"]]
     if exceeded and not reason.strip():
-        told = "; ".join(limit["text"] for limit in exceeded)
-        raise InputError(f"{told}; nothing is exported without a reason: type it, or change this")
+        limits_exceeded = "; ".join(limit["text"] for limit in exceeded)
+        raise InputError(
+            f"{limits_exceeded}; nothing is exported without a reason: type it, or change this"
+        )
     return trajectory
 
 
@@ -207,7 +208,7 @@ def preview(
             "from; use a rate of 125 Hz: it tells as much"
         )
     path, adaptation = api.triceps_path(trajectory), trajectory.adaptation
-    told = api.expect(trajectory, model, population=population, noise=noise, legs=_LEGS)
+    expectation = api.expect(trajectory, model, population=population, noise=noise, legs=_LEGS)
     shown = api.extremes([trajectory.angle, trajectory.velocity], _POINTS)
     step = max(-(-len(trajectory.time) // _POINTS), 1)
     return {
@@ -227,7 +228,7 @@ def preview(
             "time_share": [plain(row) for row in path.coverage.time_share],
         },
         "path": {"length": plain(path.length[::step]), "velocity": plain(path.velocity[::step])},
-        "prediction": told.to_json() | {"identified": told.identified},
+        "prediction": expectation.to_json() | {"identified": expectation.identified},
         "milliseconds": round(1e3 * (time.perf_counter() - begin), 3),
     }
 
@@ -237,7 +238,7 @@ def side_by_side(
     model: str,
     population: str,
     noise: float,
-    kept: Mapping[str, ProtocolSettings],
+    saved: Mapping[str, ProtocolSettings],
 ) -> list[dict[str, Any]]:
     """Every protocol: of the thesis, those that come designed, and those that are kept.
 
@@ -251,25 +252,27 @@ def side_by_side(
             update={**fresh, "profile": name, **({"task": "passive"} if name in short else {})}
         )
         for name in (*api.ready_protocols(), *api.PROFILES)
-    } | {name: given.model_copy(update={"rate_hz": 128.0}) for name, given in kept.items()}
+    } | {name: own.model_copy(update={"rate_hz": 128.0}) for name, own in saved.items()}
     for name, asked in compared.items():
         designed = name in api.ready_protocols() or asked.plan is not None
         row: dict[str, Any] = {"name": name, "designed": designed}
         try:
             trajectory = trajectory_of(asked)
-            told = api.expect(trajectory, model, population=population, noise=noise, legs=_LEGS)
+            expectation = api.expect(
+                trajectory, model, population=population, noise=noise, legs=_LEGS
+            )
         except InputError as refusal:
             rows.append(row | {"refused": str(refusal)})
             continue
         rows.append(
             row
             | {
-                "seconds": told.seconds,
-                "worst": told.worst,
-                "weakest": told.weakest,
-                "geometric_mean": told.geometric_mean,
-                "identified": told.identified,
-                "of": len(told.parameters),
+                "seconds": expectation.seconds,
+                "worst": expectation.worst,
+                "weakest": expectation.weakest,
+                "geometric_mean": expectation.geometric_mean,
+                "identified": expectation.identified,
+                "of": len(expectation.parameters),
                 "exceeded": [x["text"] for x in limits(asked, trajectory) if x["exceeded"]],
             }
         )

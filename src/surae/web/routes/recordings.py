@@ -24,7 +24,7 @@ from surae.web.routes.common import (
     revision,
 )
 from surae.web.rows import Thing
-from surae.web.schemas import Points, RecordingPatch, SubjectGiven, SubjectPatch
+from surae.web.schemas import Points, RecordingPatch, SubjectPatch, SubjectRequest
 from surae.web.workbench import Workbench
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["recordings"])
@@ -57,21 +57,21 @@ def get_subjects(bench: Bench) -> dict[str, Any]:
 
 
 @router.post("/subjects", status_code=201)
-def post_subject(given: SubjectGiven, bench: Bench) -> dict[str, Any]:
+def post_subject(body: SubjectRequest, bench: Bench) -> dict[str, Any]:
     """Add a subject, under a code that no other has."""
     with bench.database.transaction():
-        _refuse_code(bench, given.code, None)
-        id_ = bench.database.add("subject", given.model_dump())
+        _refuse_code(bench, body.code, None)
+        id_ = bench.database.add("subject", body.model_dump())
     bench.events.changed("subjects")
     return _subject(bench.project.need("subject", id_), 0, 0)
 
 
 @router.patch("/subjects/{id}")
 def patch_subject(
-    id: PathId, given: SubjectPatch, bench: Bench, seen: Seen = None
+    id: PathId, body: SubjectPatch, bench: Bench, seen: Seen = None
 ) -> dict[str, Any]:
     """Change one, unless another browser has since its `revision` was seen."""
-    changes = given.model_dump(exclude_unset=True)
+    changes = body.model_dump(exclude_unset=True)
     changes = {k: v for k, v in changes.items() if v is not None or k == "body_mass"}
     with bench.database.transaction():
         refuse_unseen(bench.project.need("subject", id), seen)
@@ -139,10 +139,10 @@ def get_recording(id: PathId, bench: Bench) -> dict[str, Any]:
 
 @router.patch("/recordings/{id}")
 def patch_recording(
-    id: PathId, given: RecordingPatch, bench: Bench, seen: Seen = None
+    id: PathId, body: RecordingPatch, bench: Bench, seen: Seen = None
 ) -> dict[str, Any]:
     """Change its labels, unless another browser has meanwhile; what was measured stays."""
-    changes = given.model_dump(exclude_unset=True)
+    changes = body.model_dump(exclude_unset=True)
     if changes.get("subject") is not None:
         bench.project.need("subject", changes["subject"])
     for key in ("trial", "condition"):

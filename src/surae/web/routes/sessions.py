@@ -22,7 +22,7 @@ from surae.web.routes.common import (
     offer_deletion,
 )
 from surae.web.rows import Thing
-from surae.web.schemas import NameGiven, SessionGiven, TrialsGiven
+from surae.web.schemas import NameRequest, SessionRequest, TrialsRequest
 from surae.web.sessions import BrowserSession
 from surae.web.workbench import Workbench
 
@@ -32,24 +32,24 @@ _TYPES = {".html": "text/html", ".pdf": "application/pdf"}
 
 
 @router.post("/trials")
-def post_trials(given: TrialsGiven, bench: Bench) -> dict[str, Any]:
+def post_trials(body: TrialsRequest, bench: Bench) -> dict[str, Any]:
     """What each trial is and is used for, as its signals and the others tell."""
-    return {"trials": sorted_as(bench, given.recordings, given.efforts)}
+    return {"trials": sorted_as(bench, body.recordings, body.efforts)}
 
 
 @router.post("", status_code=202)
-def post_session(given: SessionGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
+def post_session(body: SessionRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Ask for the fits of a session; the answer is their job."""
-    draft = chosen_draft(bench, browser, given.draft)
+    draft = chosen_draft(bench, browser, body.draft)
     moving = [
         each["recording"]
-        for each in sorted_as(bench, given.recordings, given.efforts)
+        for each in sorted_as(bench, body.recordings, body.efforts)
         if each["fitted"]
     ]
     if not moving:
         raise RefusedError(400, "none of these trials moves: nothing can be fitted")
     check_draft(bench, {**draft, "recordings": moving[:1], "mvc": [], "normalise": None})
-    job = submit_session(bench, browser, draft, given.recordings, given.efforts, given.name)
+    job = submit_session(bench, browser, draft, body.recordings, body.efforts, body.name)
     return bench.jobs.shown(job, browser)
 
 
@@ -67,9 +67,9 @@ def get_session(id: PathId, bench: Bench) -> dict[str, Any]:
 
 
 @router.patch("/{id}")
-def patch_session(id: PathId, given: NameGiven, bench: Bench) -> dict[str, Any]:
+def patch_session(id: PathId, body: NameRequest, bench: Bench) -> dict[str, Any]:
     """Give it another name."""
-    changed = bench.project.change("session", id, name=given.name)
+    changed = bench.project.change("session", id, name=body.name)
     bench.events.changed("sessions")
     return session_summary(bench, changed)
 
@@ -110,13 +110,13 @@ def sorted_as(
         [replace(bench.recording(id_), name=row["name"]) for id_, row in rows.items()],
         efforts={rows[id_]["name"]: effort for id_, effort in efforts.items() if id_ in rows},
     )
-    told = {trial.name: trial for trial in leg.trials}
+    trials = {trial.name: trial for trial in leg.trials}
     return [
         {
-            "recording": id_, "name": row["name"], "effort": told[row["name"]].effort,
-            "told": told[row["name"]].told, "fitted": told[row["name"]].use == "fit",
+            "recording": id_, "name": row["name"], "effort": trials[row["name"]].effort,
+            "told": trials[row["name"]].told, "fitted": trials[row["name"]].use == "fit",
             **{
-                key: getattr(api.trial_row(told[row["name"]], None, None, {}, {}), key)
+                key: getattr(api.trial_row(trials[row["name"]], None, None, {}, {}), key)
                 for key in ("what", "why", "use", "problem")
             },
         }
@@ -168,11 +168,11 @@ def keep_session(bench: Workbench, job: Thing, end: Mapping[str, Any]) -> str:
     """Add a session to the project, and its fits as fits like any other."""
     task, ids = job["task"], {}
     by_name = {name: id_ for id_, name in task["names"].items()}
-    for name, told in end["summaries"].items():
+    for name, summary in end["summaries"].items():
         joint = name == "joint"
         recordings = [by_name[each] for each in (end["joined"] if joint else [name])]
         label = f"{task['name']} · {_TOGETHER if joint else name}"
-        ids[name] = add_fit(bench, task["fits"][name], label, told, recordings, task)
+        ids[name] = add_fit(bench, task["fits"][name], label, summary, recordings, task)
     about = {"fits": ids, "content": end["content"], "settings": task["draft"]}
     data = {"name": task["name"], "recordings": task["recordings"], **about}
     id_ = bench.project.add("session", data, job["id"])

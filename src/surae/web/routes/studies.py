@@ -20,7 +20,7 @@ from surae.web.routes.common import (
     offer_deletion,
 )
 from surae.web.rows import Thing
-from surae.web.schemas import StudyGiven
+from surae.web.schemas import StudyRequest
 from surae.web.sessions import BrowserSession
 from surae.web.workbench import Workbench
 
@@ -35,20 +35,20 @@ _MOST_FITS = 100_000
 @router.get("")
 def get_studies(bench: Bench) -> dict[str, Any]:
     """List all studies."""
-    return {"studies": [_shown(bench, thing) for thing in bench.database.all("study")]}
+    return {"studies": [_shown(bench, row) for row in bench.database.all("study")]}
 
 
 @router.post("", status_code=201)
-def post_study(given: StudyGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
+def post_study(body: StudyRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Make one of a STUDY.toml, and start it."""
-    study = api.parse_study(given.toml)
+    study = api.parse_study(body.toml)
     if study.size > _MOST_FITS:
         raise RefusedError(
             400, f"{study.size:,} fits; at most {_MOST_FITS:,} here, use `surae study run` for more"
         )
-    data = {"name": study.name[:200], "toml": given.toml, "rows": study.size}
+    data = {"name": study.name[:200], "toml": body.toml, "rows": study.size}
     id_ = bench.database.add("study", data)
-    if given.start:
+    if body.start:
         _start(bench, browser, bench.project.need("study", id_), study)
     bench.events.changed("studies")
     return _shown(bench, bench.project.need("study", id_))
@@ -63,8 +63,8 @@ def get_study(id: PathId, bench: Bench) -> dict[str, Any]:
 @router.post("/{id}/start", status_code=202)
 def start_study(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Start it, or go on with it; the answer is its job."""
-    thing = bench.project.need("study", id)
-    return _start(bench, browser, thing, api.parse_study(thing["toml"]))
+    row = bench.project.need("study", id)
+    return _start(bench, browser, row, api.parse_study(row["toml"]))
 
 
 offer_deletion(router, "/{id}", "study")
@@ -75,24 +75,24 @@ def get_table(
     id: PathId, bench: Bench, limit: Annotated[int, Query(ge=1, le=5000)] = 500
 ) -> dict[str, Any]:
     """The rows that are there."""
-    thing = bench.project.need("study", id)
-    names = api.study_columns(api.parse_study(thing["toml"]))
+    row = bench.project.need("study", id)
+    names = api.study_columns(api.parse_study(row["toml"]))
     path = bench.project.path("studies", id, ".db")
     if not path.exists():
         return {"columns": names, "rows": [], "total": 0}
-    with api.Store(path) as kept:
-        rows = [[row[name] for name in names] for row in islice(api.study_table(kept), limit)]
-        total = kept.status().done
+    with api.Store(path) as store:
+        rows = [[row[name] for name in names] for row in islice(api.study_table(store), limit)]
+        total = store.status().done
     return {"columns": names, "rows": rows, "total": max(total, len(rows))}
 
 
 @router.get("/{id}/table.csv", response_class=Response, responses=_CSV)
 def get_csv(id: PathId, bench: Bench) -> Response:
     """The table, as `surae study export` writes it."""
-    thing = bench.project.need("study", id)
-    with _kept(bench, id) as kept:
-        data = made_file("table.csv", lambda path: api.export_study(kept, path))
-    return Response(data, media_type="text/csv", headers=attachment(thing["name"], ".csv"))
+    row = bench.project.need("study", id)
+    with _store(bench, id) as store:
+        data = made_file("table.csv", lambda path: api.export_study(store, path))
+    return Response(data, media_type="text/csv", headers=attachment(row["name"], ".csv"))
 
 
 @router.get("/{id}/figure.svg", response_class=Response, responses=_SVG)
@@ -100,17 +100,17 @@ def get_figure(
     id: PathId, bench: Bench, x: Annotated[str | None, Query(max_length=40)] = None
 ) -> Response:
     """Standard errors, IPDE and VAF against one factor."""
-    thing = bench.project.need("study", id)
-    with _kept(bench, id) as kept:
+    row = bench.project.need("study", id)
+    with _store(bench, id) as store:
         curves = api.study_curves(
-            api.study_table(kept), tuple(api.parse_study(thing["toml"]).factors), x
+            api.study_table(store), tuple(api.parse_study(row["toml"]).factors), x
         )
     return Response(
-        api.svg(api.study_figure(curves, f"{thing['name']}:")), media_type="image/svg+xml"
+        api.svg(api.study_figure(curves, f"{row['name']}:")), media_type="image/svg+xml"
     )
 
 
-def _kept(bench: Workbench, id_: str) -> api.Store:
+def _store(bench: Workbench, id_: str) -> api.Store:
     path = bench.project.path("studies", id_, ".db")
     if not path.exists():
         raise RefusedError(409, "nothing is computed yet; start the study first")
@@ -118,23 +118,23 @@ def _kept(bench: Workbench, id_: str) -> api.Store:
 
 
 def _start(
-    bench: Workbench, browser: BrowserSession, thing: Thing, study: api.Study
+    bench: Workbench, browser: BrowserSession, row: Thing, study: api.Study
 ) -> dict[str, Any]:
-    if bench.jobs.of(thing["id"]):
+    if bench.jobs.of(row["id"]):
         raise RefusedError(409, "this study is at work already")
-    task = {"study": thing["id"], "toml": thing["toml"]}
-    job = bench.jobs.submit("study", f"study {study.name}"[:200], browser, task, thing["id"])
+    task = {"study": row["id"], "toml": row["toml"]}
+    job = bench.jobs.submit("study", f"study {study.name}"[:200], browser, task, row["id"])
     return bench.jobs.shown(job, browser)
 
 
-def _shown(bench: Workbench, thing: Thing) -> dict[str, Any]:
-    jobs = bench.jobs.of(thing["id"])
-    path = bench.project.path("studies", thing["id"], ".db")
+def _shown(bench: Workbench, row: Thing) -> dict[str, Any]:
+    jobs = bench.jobs.of(row["id"])
+    path = bench.project.path("studies", row["id"], ".db")
     done, fits, reasons = 0, None, dict[str, int]()
     if path.exists():
         try:
-            with api.Store(path) as kept:
-                status = kept.status()
+            with api.Store(path) as store:
+                status = store.status()
             done, fits, reasons = status.done, status.calls, dict(status.reasons)
         except SuraeError:  # it is just being planned
             done = 0
@@ -145,12 +145,12 @@ def _shown(bench: Workbench, thing: Thing) -> dict[str, Any]:
     else:
         state = "done" if done >= fits else "stopped"
     return {
-        **{key: thing[key] for key in ("id", "name", "rows", "toml")},
-        "created": when(thing["created"]),
+        **{key: row[key] for key in ("id", "name", "rows", "toml")},
+        "created": when(row["created"]),
         "fits": fits,
         "done": done,
         "state": state,
         "job": jobs[0]["id"] if jobs else None,
         "reasons": reasons,
-        "factors": {k: list(v) for k, v in api.parse_study(thing["toml"]).factors.items()},
+        "factors": {k: list(v) for k, v in api.parse_study(row["toml"]).factors.items()},
     }

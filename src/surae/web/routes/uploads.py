@@ -16,7 +16,7 @@ from surae.web.project import unique_name, when
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId
 from surae.web.routes.recordings import shown_recording
 from surae.web.rows import Thing
-from surae.web.schemas import ImportGiven
+from surae.web.schemas import ImportRequest
 from surae.web.sessions import BrowserSession
 from surae.web.workbench import Workbench
 
@@ -143,22 +143,22 @@ def get_units() -> dict[str, Any]:
 
 
 @router.post("/imports/preview")
-def preview_import(given: ImportGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
+def preview_import(body: ImportRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """What a mapping makes of the files."""
-    result = _imported(given, bench, browser, None)
-    return {**result, "twin": _twin(bench, result["files"], given.mapping.model_dump(mode="json"))}
+    result = _imported(body, bench, browser, None)
+    return {**result, "twin": _twin(bench, result["files"], body.mapping.model_dump(mode="json"))}
 
 
 @router.post("/imports", status_code=201)
-def post_import(given: ImportGiven, bench: Bench, browser: Browser) -> dict[str, Any]:
+def post_import(body: ImportRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Keep what a mapping makes of the files as a recording."""
-    if given.subject is not None:
-        bench.project.need("subject", given.subject)
+    if body.subject is not None:
+        bench.project.need("subject", body.subject)
     id_ = new_id()
-    result = _imported(given, bench, browser, str(bench.project.path("recordings", id_, ".h5")))
+    result = _imported(body, bench, browser, str(bench.project.path("recordings", id_, ".h5")))
     return _added(
-        bench, id_, result, given.subject, given.trial or "", given.condition or "",
-        given.mapping.model_dump(mode="json"),
+        bench, id_, result, body.subject, body.trial or "", body.condition or "",
+        body.mapping.model_dump(mode="json"),
     )  # fmt: skip
 
 
@@ -228,9 +228,9 @@ def _added(
 
 
 def _imported(
-    given: ImportGiven, bench: Workbench, browser: BrowserSession, output: str | None
+    body: ImportRequest, bench: Workbench, browser: BrowserSession, output: str | None
 ) -> dict[str, Any]:
-    mapping = given.mapping.model_dump(mode="json")
+    mapping = body.mapping.model_dump(mode="json")
     wanted = dict.fromkeys(upload["upload"] for upload in mapping["channels"].values())
     uploads = [_upload(bench, browser, id_) for id_ in wanted]
     files = _files(bench, browser, uploads)
