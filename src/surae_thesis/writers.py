@@ -206,16 +206,20 @@ def markdown(there: Chapters) -> str:
             cells = [f"{f.statement} ({f.source})", f.number]
             cells += [_view(f, name) for name in views]
             lines.append(f"| {' | '.join(map(_plain, cells))} | **{_plain(f.said)}** |")
-        told = [f for f in result.findings if f.reason]
-        lines += ["", *(f"- *{_plain(f.statement)}* {_plain(f.reason)}" for f in told), ""]
+        explained = [f for f in result.findings if f.reason]
+        lines += ["", *(f"- *{_plain(f.statement)}* {_plain(f.reason)}" for f in explained), ""]
     return "\n".join(lines).rstrip() + "\n"
 
 
 def _causes(there: Chapters) -> str:
     """What a second look at the claims that differ found, in a sentence; empty where none does."""
-    told = ", ".join(f"{number} by {cause}" for cause, number in causes(there).items() if number)
-    told = told.replace("by not published", "because what decides it is not published")
-    return f"Of those that differ, {told}." if told else ""
+    causes_text = ", ".join(
+        f"{number} by {cause}" for cause, number in causes(there).items() if number
+    )
+    causes_text = causes_text.replace(
+        "by not published", "because what decides it is not published"
+    )
+    return f"Of those that differ, {causes_text}." if causes_text else ""
 
 
 def _view(finding: JudgedClaim, name: str) -> str:

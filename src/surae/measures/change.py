@@ -166,7 +166,7 @@ def compare_sessions(
     adjusted = holm({name: drafts[name][0].p or 0.0 for name in weights}, weights)
     for name, p in adjusted.items():
         judged[name] = _judged(*drafts[name], p, LEVEL * weights[name], legs=legs)
-    said = (
+    multiplicity = (
         f"{len(weights)} differences were looked at; p-values are Holm’s, half of the "
         f"{LEVEL:.0%} for torque and stiffness at rest, so that at most {LEVEL:.0%} of "
         "comparisons without any change claim one. Each interval is for itself."
@@ -176,7 +176,7 @@ def compare_sessions(
         for kind in ("measure", "parameter")
     )
     repeated = len(baselines) + 1 if baselines else 0
-    return Change(before, after, measures, parameters, said, repeated, legs)
+    return Change(before, after, measures, parameters, multiplicity, repeated, legs)
 
 
 def holm(p: Mapping[_Key, float], weights: Mapping[_Key, float]) -> dict[_Key, float]:
@@ -237,11 +237,11 @@ def _difference(
 
 def _obstacle(before: Quantities, after: Quantities, a: Quantity | None, b: Quantity | None) -> str:
     """Why two values cannot be compared; empty where they can."""
-    for side, what in ((a, "before"), (b, "after")):
+    for side, when in ((a, "before"), (b, "after")):
         if side is None:
-            return f"it was not estimated {what}"
+            return f"it was not estimated {when}"
         if side.missing:
-            return side.missing if a and b and a.missing == b.missing else f"{what}, {side.missing}"
+            return side.missing if a and b and a.missing == b.missing else f"{when}, {side.missing}"
     assert a is not None
     assert b is not None
     if before.options != after.options:

@@ -180,8 +180,8 @@ def pool(members: Sequence[CohortMember]) -> Cohort:
         raise InputError("cohort: no row has a fit")
     names = dict.fromkeys(name for q in known for name in q.by_name)
     changes = _changes(sessions)
-    told = {name: _pooled(name, first, changes.get(name, {})) for name in names}
-    return Cohort(tuple(members), FrozenDict(_holm(told)))
+    pooled = {name: _pooled(name, first, changes.get(name, {})) for name in names}
+    return Cohort(tuple(members), FrozenDict(_holm(pooled)))
 
 
 def sessions_of(members: Sequence[CohortMember]) -> dict[str, list[CohortMember]]:
@@ -204,7 +204,7 @@ def borrowed(cohort: Cohort, refitted: Sequence[CohortMember], rounds: int) -> C
     others says nothing of them.
     """
     own = {leg: each[0].quantities for leg, each in sessions_of(refitted).items()}
-    told = {}
+    pooled = {}
     for name, p in cohort.pooled.items():
         legs = []
         for leg in p.legs:
@@ -215,8 +215,8 @@ def borrowed(cohort: Cohort, refitted: Sequence[CohortMember], rounds: int) -> C
                 legs.append(replace(leg, shrunken=q.value, ci95=ends))
             else:
                 legs.append(leg)
-        told[name] = replace(p, legs=tuple(legs))
-    return replace(cohort, pooled=FrozenDict(told), rounds=rounds)
+        pooled[name] = replace(p, legs=tuple(legs))
+    return replace(cohort, pooled=FrozenDict(pooled), rounds=rounds)
 
 
 def _pooled(
@@ -290,7 +290,7 @@ def _changes(
     sessions: Mapping[str, Sequence[CohortMember]],
 ) -> dict[str, dict[str, list[tuple[float, float]]]]:
     """Differences of last and first session and their variances, by quantity and group."""
-    told: dict[str, dict[str, list[tuple[float, float]]]] = {}
+    by_quantity: dict[str, dict[str, list[tuple[float, float]]]] = {}
     for each in sessions.values():
         before, after = each[0].quantities, each[-1].quantities
         if len(each) < 2 or before is None or after is None:
@@ -299,22 +299,22 @@ def _changes(
         for d in (*compared.measures.values(), *compared.parameters.values()):
             if d.difference is not None and d.ci95 is not None:
                 sd = (d.ci95[1] - d.ci95[0]) / 3.92
-                groups = told.setdefault(d.name, {})
+                groups = by_quantity.setdefault(d.name, {})
                 groups.setdefault(each[0].group, []).append((d.difference, sd**2))
-    return told
+    return by_quantity
 
 
 def _scales(usable: Sequence[tuple[CohortMember, float]]) -> FrozenDict[str, Correlation]:
     from scipy.stats import spearmanr
 
-    told = {}
+    correlations = {}
     for scale in sorted({s for m, _ in usable for s in m.scales}):
         pairs = [(m.scales[scale], y) for m, y in usable if scale in m.scales]
         values, marks = np.array([y for _, y in pairs]), np.array([s for s, _ in pairs])
         if len(pairs) >= 4 and np.ptp(values) > 0 and np.ptp(marks) > 0:
             rho, p = spearmanr(marks, values)
-            told[scale] = Correlation(float(rho), float(p), len(pairs))
-    return FrozenDict(told)
+            correlations[scale] = Correlation(float(rho), float(p), len(pairs))
+    return FrozenDict(correlations)
 
 
 def _holm(told: Mapping[str, Pooled]) -> dict[str, Pooled]:

@@ -76,11 +76,11 @@ def points(angles: Sequence[float] = ANGLES) -> tuple[MeasurePoint, ...]:
         number = isinstance(angle, int | float | np.number) and not isinstance(angle, bool)
         if not (number and abs(float(angle)) <= _MOST):
             raise InputError(f"angle {angle!r}: give degrees from −{_MOST:g} to {_MOST:g}")
-    asked = tuple(dict.fromkeys(float(angle) for angle in angles))
+    distinct = tuple(dict.fromkeys(float(angle) for angle in angles))
     return tuple(
         MeasurePoint(definition, at)
         for definition in DEFINITIONS
-        for at in (asked if definition.at == "deg" else definition.points)
+        for at in (distinct if definition.at == "deg" else definition.points)
     )
 
 
@@ -117,7 +117,7 @@ def measures_of_values(
     spec = with_optional(get_model(model), values)
     vector = spec.vector(values, options)
     leg = Leg(spec, options, dict(zip(spec.names, vector.tolist(), strict=True)))
-    told = {}
+    values_by_name = {}
     for point in points(angles):
         if point.definition.of_recordings:
             continue
@@ -126,8 +126,8 @@ def measures_of_values(
         except NotDefinedError:
             continue
         if math.isfinite(value):
-            told[point.name] = value
-    return told
+            values_by_name[point.name] = value
+    return values_by_name
 
 
 def measures(
@@ -144,8 +144,8 @@ def measures(
         An angle is out of reach of an ankle.
     """
     judged = judged_measures(result, assessment, spread_of(result, assessment), angles)
-    made = FrozenDict((measure.name, measure) for _, measure in judged)
-    return Measures(result.problem.spec.name, assessment.adequacy, made)
+    by_name = FrozenDict((measure.name, measure) for _, measure in judged)
+    return Measures(result.problem.spec.name, assessment.adequacy, by_name)
 
 
 def judged_measures(
@@ -328,11 +328,11 @@ def extrapolated(evaluated: Evaluated, result: FitResult) -> str:
     """What of a measure was not measured, as a sentence; empty where all was."""
     definition, at = evaluated.point.definition, evaluated.point.at
     if definition.at == "deg" or definition.is_angle:
-        asked = at if definition.at == "deg" or evaluated.value is None else evaluated.value
+        degrees = at if definition.at == "deg" or evaluated.value is None else evaluated.value
         low, high = measured_range(result)
-        if low - _BEYOND <= asked <= high + _BEYOND:
+        if low - _BEYOND <= degrees <= high + _BEYOND:
             return ""
-        return f"{asked:.3g}° was not measured ({low:.3g}° to {high:.3g}°)".replace("-", "−")
+        return f"{degrees:.3g}° was not measured ({low:.3g}° to {high:.3g}°)".replace("-", "−")
     if definition.at == "s":
         longest = max(float(i.time[-1] - i.time[0]) for i in result.problem.inputs)
         return "" if at <= longest else f"the recordings last {longest:.2g} s only"

@@ -52,9 +52,9 @@ def torque_curve(result: FitResult, assessment: Assessment) -> TorqueCurve:
     lines = []
     for name in _LINES:
         wanted = [MeasurePoint(known[name], float(at)) for at in angle]
-        told = evaluate(result, spread, wanted)
-        value = np.array([np.nan if t.value is None else t.value for t in told])
-        sd = np.array([_deviation(t, spread) for t in told])
+        evaluated = evaluate(result, spread, wanted)
+        value = np.array([np.nan if t.value is None else t.value for t in evaluated])
+        sd = np.array([_deviation(t, spread) for t in evaluated])
         lines.append(CurveLine(*map(read_only, (value, value - NORMAL * sd, value + NORMAL * sd))))
     return TorqueCurve(read_only(angle), *lines)
 

@@ -177,7 +177,7 @@ def populations(members: Sequence[CohortMember]) -> dict[str, PriorTable]:
     for member in first:
         if member.group:  # else all are its group
             groups.setdefault(member.group, []).append(member)
-    told: dict[str, PriorTable] = {}
+    priors: dict[str, PriorTable] = {}
     for group, own in groups.items():
         if group and len(own) < _POPULATION:
             continue
@@ -187,14 +187,14 @@ def populations(members: Sequence[CohortMember]) -> dict[str, PriorTable]:
                 usable = q.kind == "parameter" and not q.missing and q.value and q.value > 0.0
                 if usable and q.value and q.total > 0.0:
                     values.setdefault(q.name, []).append((q.value, q.total))
-        told[group] = {}
+        priors[group] = {}
         for name, pairs in values.items():
             if len(pairs) >= FEWEST:
                 y, sd = np.array(pairs).T
                 effects = random_effects(np.log(y), (sd / y) ** 2)
                 spread = math.sqrt(effects.tau2 + effects.se**2)
-                told[group][name] = (math.exp(effects.mean), max(spread, _NARROWEST))
-    return told
+                priors[group][name] = (math.exp(effects.mean), max(spread, _NARROWEST))
+    return priors
 
 
 def refitted(
@@ -224,10 +224,10 @@ def _renewed(
     known: Mapping[str, PriorTable], members: Sequence[CohortMember]
 ) -> dict[str, PriorTable]:
     """The population of fits that knew one: the step of expectation and maximisation."""
-    told: dict[str, PriorTable] = {}
+    renewed: dict[str, PriorTable] = {}
     first = [each[0] for each in sessions_of(members).values()]
     for group, priors in known.items():
-        told[group] = {}
+        renewed[group] = {}
         own = [m.quantities for m in first if m.quantities and (not group or m.group == group)]
         for name, before in priors.items():
             pairs = [
@@ -237,12 +237,12 @@ def _renewed(
                 and not q.missing and q.value and q.value > 0.0 and math.isfinite(q.total)
             ]  # fmt: skip
             if len(pairs) < FEWEST:
-                told[group][name] = before
+                renewed[group][name] = before
                 continue
             y, v = np.array(pairs).T
             spread = math.sqrt(float(np.var(y) + v.mean()))
-            told[group][name] = (math.exp(float(y.mean())), max(spread, _NARROWEST))
-    return told
+            renewed[group][name] = (math.exp(float(y.mean())), max(spread, _NARROWEST))
+    return renewed
 
 
 def _read(data: Mapping[str, Any]) -> Quantities:

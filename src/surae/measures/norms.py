@@ -108,7 +108,7 @@ def placed(measures: Measures, norms: Sequence[Norm]) -> tuple[Placed, ...]:
         return ()
     from scipy.special import stdtr
 
-    told = []
+    among = []
     for norm in norms:
         m = measures.get(norm.measure)
         usable = m is not None and m.verdict is Verdict.IDENTIFIED and m.unit == norm.unit
@@ -117,5 +117,5 @@ def placed(measures: Measures, norms: Sequence[Norm]) -> tuple[Placed, ...]:
         own = (m.ci95[1] - m.ci95[0]) / (2.0 * NORMAL)
         scale = math.sqrt(norm.sd**2 * (1.0 + 1.0 / norm.n) + own**2)
         below = float(stdtr(norm.n - 1, (m.value - norm.mean) / scale))
-        told.append(Placed(norm, m.value, below))
-    return tuple(told)
+        among.append(Placed(norm, m.value, below))
+    return tuple(among)

@@ -64,7 +64,7 @@ def quantities(
         if assessment.adequacy.grade is Grade.INADEQUATE
         else ""
     )
-    made: dict[str, Quantity] = {}
+    by_name: dict[str, Quantity] = {}
     for evaluated, m in judged_measures(result, assessment, spread, angles):
         g, why = evaluated.gradient, inadequate
         alone = evaluated.point.definition.alone
@@ -82,7 +82,7 @@ def quantities(
             total, session, model = (max(bent, 1.0) * sd for sd in (total, session, model))
             why = why or alone or extrapolated(evaluated, result)
         between = bool(alone) and alone != ELECTRODES and why == alone
-        made[m.name] = Quantity(
+        by_name[m.name] = Quantity(
             m.name, m.unit, m.meaning, "measure", m.value, total, session, model, why,
             is_comparable_between_legs=between,
         )  # fmt: skip
@@ -102,7 +102,7 @@ def quantities(
             np.nan if p.ci95 is None else float(scale[j] * np.sqrt(max(V[j, j], 0.0)))
             for V in (spread.total, spread.session, spread.model)
         )
-        made[name] = Quantity(
+        by_name[name] = Quantity(
             name, p.unit, p.meaning, "parameter", p.value, total, session, model, why, p.at_bound,
             (p.lower, p.upper),
         )  # fmt: skip
@@ -112,5 +112,5 @@ def quantities(
         FrozenDict(options),
         assessment.adequacy,
         tuple(recording.name for recording in problem.inputs),
-        FrozenDict(made),
+        FrozenDict(by_name),
     )

@@ -48,7 +48,7 @@ def asked_limits(
         simulator = legs.spec.simulator(inputs, legs.options)
         felt = np.array([simulator.torque(values) for values in legs.values])
         torque = np.abs(felt).max(axis=0)
-    asked = [
+    demands = [
         ("velocity", np.abs(trajectory.velocity), device.max_velocity, "rad/s"),
         ("acceleration", np.abs(trajectory.acceleration), device.max_acceleration, "rad/s²"),
         ("torque of virtual legs", torque, device.max_torque, "Nm"),
@@ -56,19 +56,19 @@ def asked_limits(
     if device.range_of_motion is not None:
         for end, sign in zip(device.range_of_motion, (-1.0, 1.0), strict=True):
             reached = sign * trajectory.angle
-            asked.append(("plantarflexion" if sign < 0 else "dorsiflexion", reached,
+            demands.append(("plantarflexion" if sign < 0 else "dorsiflexion", reached,
                           sign * end, "rad"))  # fmt: skip
-    made = []
-    for what, values, limit, unit in asked:
+    limits = []
+    for name, values, limit, unit in demands:
         if limit is None:
             continue
         value = float(values.max())
         exceeded = value > limit * (1.0 + 1e-9)
         when = trajectory.time[-1] * int(values.argmax()) / max(len(values) - 1, 1)
         relation = f" at {when:.1f} s, beyond" if exceeded else ", within"
-        text = f"{what} {value:.3g} {unit}{relation} the {limit:.3g} {unit} of {device.name}"
-        made.append(AskedLimit(text, value, limit, exceeded))
-    return tuple(made)
+        text = f"{name} {value:.3g} {unit}{relation} the {limit:.3g} {unit} of {device.name}"
+        limits.append(AskedLimit(text, value, limit, exceeded))
+    return tuple(limits)
 
 
 def held_to_torque(settings: Protocol) -> tuple[Trajectory, tuple[str, ...]]:
@@ -89,12 +89,12 @@ def held_to_torque(settings: Protocol) -> tuple[Trajectory, tuple[str, ...]]:
     InputError
         Even relaxed legs ask for more; the message says what to give up.
     """
-    made = generate(settings)
-    if not any(limit.exceeded for limit in asked_limits(made)):
-        return made, ()
+    trajectory = generate(settings)
+    if not any(limit.exceeded for limit in asked_limits(trajectory)):
+        return trajectory, ()
     whole = ProfilePlan.of(settings)
     legs = population_legs("muscle", None, _LEGS)
     limits = Limits(*settings.range_of_motion, math.inf, math.inf)
-    plan, held, notes = within_torque(whole, limits, legs, settings.device)
-    made = generate(replace(settings, range_of_motion=held[:2]))
-    return replace(made, effort=plan.effort(made.time)), notes
+    plan, limits_held, notes = within_torque(whole, limits, legs, settings.device)
+    trajectory = generate(replace(settings, range_of_motion=limits_held[:2]))
+    return replace(trajectory, effort=plan.effort(trajectory.time)), notes

@@ -139,16 +139,18 @@ def _aimed(
     """What is expected of parameters and measures that were aimed at by name."""
     if aim in (WORST, MEAN):
         return {}
-    asked, told = make_aim(aim, legs), information(trajectory, legs, noise)
-    precision = told.matrices + (prior_precision(told.names, legs) if known is None else known)
+    wanted, known_of = make_aim(aim, legs), information(trajectory, legs, noise)
+    precision = known_of.matrices + (
+        prior_precision(known_of.names, legs) if known is None else known
+    )
     variance = np.array([
         _along(matrix, slopes, values)
-        for matrix, slopes, values in zip(precision, asked.slopes, legs.estimated, strict=True)
+        for matrix, slopes, values in zip(precision, wanted.slopes, legs.estimated, strict=True)
     ])  # fmt: skip
     rms = np.sqrt(variance.mean(axis=0))
     return {
         name: float(value) if np.isfinite(value) else None
-        for name, value in zip(asked.wanted, rms, strict=True)
+        for name, value in zip(wanted.wanted, rms, strict=True)
     }
 
 

@@ -151,9 +151,9 @@ def expected(
     the order of `Information.names`; by default the priors of the nuisances.
     """
     with one_blas_thread():
-        told = information(trajectory, legs, noise)
+        trial = information(trajectory, legs, noise)
     return expected_of(
-        told, legs, prior_precision(told.names, legs) if known is None else known,
+        trial, legs, prior_precision(trial.names, legs) if known is None else known,
         protocol=trajectory.settings.profile, seconds=float(trajectory.time[-1]), noise=noise,
         rate_hz=trajectory.settings.rate_hz,
     )  # fmt: skip
@@ -245,7 +245,7 @@ def _shares(known: Covariance, own: tuple[str, ...]) -> dict[str, dict[str, floa
         if name not in own and (group := group_of(name)) is not None:
             sources.setdefault(SOURCES[group], []).append(j)
     everything = sorted(j for at in sources.values() for j in at)
-    made = {}
+    shares = {}
     for name in own:
         if name not in names:
             continue
@@ -254,5 +254,5 @@ def _shares(known: Covariance, own: tuple[str, ...]) -> dict[str, dict[str, floa
         parts = {"noise": variance_given(V, j, everything)}
         parts |= {s: max(marginal - variance_given(V, j, at), 0.0) for s, at in sources.items()}
         total = sum(parts.values())
-        made[name] = {s: part / total for s, part in parts.items()} if total > 0.0 else {}
-    return made
+        shares[name] = {s: part / total for s, part in parts.items()} if total > 0.0 else {}
+    return shares

@@ -34,8 +34,8 @@ def effort_budget(seconds: float) -> tuple[float, float]:
 
     As much, for each second, as the thesis's task *part-passive* asks for in 35 s.
     """
-    asked = _spent(tuple(task_bursts(TASKS["part-passive"], 35.0)))
-    return asked[0] * seconds / 35.0, asked[1] * seconds / 35.0
+    spent = _spent(tuple(task_bursts(TASKS["part-passive"], 35.0)))
+    return spent[0] * seconds / 35.0, spent[1] * seconds / 35.0
 
 
 def _spent(bursts: tuple[Burst, ...]) -> tuple[float, float]:
@@ -118,12 +118,12 @@ class Genes:
         sizes = [2, *(3 * [ramps])] + ([1, *(3 * [bursts])] if bursts else []) + 5 * [shakes]
         if len(sizes) != len(old):
             return self.start()
-        made = [np.resize(block, size) for block, size in zip(old, sizes, strict=True)]
+        blocks_here = [np.resize(block, size) for block, size in zip(old, sizes, strict=True)]
         times = shakes / len(old[-5])
         if times > 1.0:  # each repetition of the perturbations has its own part of the trial
             turn = np.arange(shakes) // len(old[-5])
-            made[-5] = _unsquash(np.minimum((_squash(made[-5]) + turn) / times, 1.0))
-        return np.concatenate(made)
+            blocks_here[-5] = _unsquash(np.minimum((_squash(blocks_here[-5]) + turn) / times, 1.0))
+        return np.concatenate(blocks_here)
 
     def plan(self, genes: FloatArray) -> Plan:
         """The plan of a vector of `size` numbers."""
@@ -177,12 +177,12 @@ class Genes:
         moving = distance / speed
         waits = np.exp(np.clip(np.append(first, holds), -6.0, 6.0))
         waits *= max(free - float(moving.sum()), 0.0) / float(waits.sum())
-        at, made = REST, []
+        at, ramps = REST, []
         for k in range(len(to)):
             at += float(waits[k])
-            made.append(Ramp(at, float(to[k]), float(speed[k])))
+            ramps.append(Ramp(at, float(to[k]), float(speed[k])))
             at += float(moving[k]) + self.blend
-        return tuple(made)
+        return tuple(ramps)
 
     def _bursts(
         self, first: float, gaps: FloatArray, lengths: FloatArray, levels: FloatArray
@@ -196,14 +196,14 @@ class Genes:
             length = SHORTEST + (length - SHORTEST) * max(room, 0.0) / extra
         waits = np.exp(np.clip(np.append(first, gaps), -6.0, 6.0))
         waits *= max(free - float(length.sum()), 0.0) / (float(waits.sum()) + 1.0)
-        level, at, made = _squash(levels), REST, []
+        level, at, bursts = _squash(levels), REST, []
         for k in range(count):
             at += float(waits[k])
-            made.append(Burst(at, float(length[k]), float(level[k]), k % 2))
+            bursts.append(Burst(at, float(length[k]), float(level[k]), k % 2))
             at += float(length[k]) + 2.0 * GAP
-        spent, allowed = _spent(tuple(made)), effort_budget(self.seconds)
+        spent, allowed = _spent(tuple(bursts)), effort_budget(self.seconds)
         part = [min(1.0, a / s) if s > 0.0 else 1.0 for s, a in zip(spent, allowed, strict=True)]
-        return tuple(b._replace(level=b.level * part[b.direction]) for b in made)
+        return tuple(b._replace(level=b.level * part[b.direction]) for b in bursts)
 
     def _shakes(
         self, places: FloatArray, lengths: FloatArray, sizes: FloatArray, lows: FloatArray,

@@ -72,16 +72,16 @@ def shared(told: Information, legs: Legs) -> Information:
     """The same, with the trial's own nuisances eliminated: what can be added to other trials."""
     own = {n for n in told.names if n in legs.beliefs and group_of(n) in EACH_TRIAL}
     each = [j for j, name in enumerate(told.names) if name in own]
-    kept = [j for j, name in enumerate(told.names) if name not in own]
+    common = [j for j, name in enumerate(told.names) if name not in own]
     if not each:
         return told
     within = told.matrices[:, each][:, :, each] + np.diag(
         [legs.beliefs[told.names[j]].sd ** -2.0 for j in each]
     )
-    cross = told.matrices[:, each][:, :, kept]
-    left = told.matrices[:, kept][:, :, kept]
-    left = left - np.swapaxes(cross, 1, 2) @ np.linalg.solve(within, cross)
-    return Information(tuple(told.names[j] for j in kept), read_only(left), told.torque)
+    cross = told.matrices[:, each][:, :, common]
+    remaining = told.matrices[:, common][:, :, common]
+    remaining = remaining - np.swapaxes(cross, 1, 2) @ np.linalg.solve(within, cross)
+    return Information(tuple(told.names[j] for j in common), read_only(remaining), told.torque)
 
 
 def estimated(names: Sequence[str], precision: FloatArray) -> Covariance | None:

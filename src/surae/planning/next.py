@@ -75,10 +75,10 @@ def known_from(result: FitResult, assessment: Assessment, legs: Legs) -> FloatAr
     else:
         believed = assessment.robust if assessment.robust is not None else assessment.covariance
         names, matrix = believed.names, believed.matrix
-    kept = [j for j, name in enumerate(names) if name in free and name not in own]
-    if kept:
-        at = [free.index(names[j]) for j in kept]
-        block = matrix[np.ix_(kept, kept)]
+    shared_at = [j for j, name in enumerate(names) if name in free and name not in own]
+    if shared_at:
+        at = [free.index(names[j]) for j in shared_at]
+        block = matrix[np.ix_(shared_at, shared_at)]
         scale = np.sqrt(np.diag(block))
         inverse = np.linalg.pinv(block / np.outer(scale, scale), hermitian=True)
         known[np.ix_(at, at)] += inverse / np.outer(scale, scale)
@@ -159,8 +159,8 @@ def measure_next_of(
     if not better:
         return _nothing("No ready trial adds to what is weak: " + ", ".join(weak) + ".")
     changes = ", ".join(f"{n} from {_text(before[n])} to {_text(halves[0][n])}" for n in better[:3])
-    what = ready.description.rstrip(".")
-    sentences = [f"Measure {ready.name} next ({ready.seconds:g} s: {what}): {changes}."]
+    description = ready.description.rstrip(".")
+    sentences = [f"Measure {ready.name} next ({ready.seconds:g} s: {description}): {changes}."]
     reached = {n: k for n, k in many.items() if k is not None}
     for times in sorted(set(reached.values())):
         which = ", ".join(n for n, k in reached.items() if k == times)
@@ -168,9 +168,9 @@ def measure_next_of(
             f"Measured {'once' if times == 1 else f'{times} times'}, it is expected to identify "
             f"{which} (95 % within {percent(IDENTIFIED)})."
         )
-    left = [n for n in weak if n not in reached]
-    if left:
-        sentences.append(f"{', '.join(left)} would stay weak after {MOST} such trials.")
+    weak_still = [n for n in weak if n not in reached]
+    if weak_still:
+        sentences.append(f"{', '.join(weak_still)} would stay weak after {MOST} such trials.")
     return NextTrial(
         ready.name,
         tuple(sentences),
@@ -188,10 +188,10 @@ def _half_widths(
     Infinite where what is known trades off against something else.
     """
     at = [legs.free.index(name) for name in names]
-    told = estimated(names, known[np.ix_(at, at)] + (0.0 if adds is None else adds))
+    estimate = estimated(names, known[np.ix_(at, at)] + (0.0 if adds is None else adds))
     parts = dict.fromkeys(names, np.inf)
-    if told is not None:
-        for name, variance in zip(told.names, np.diag(told.matrix), strict=True):
+    if estimate is not None:
+        for name, variance in zip(estimate.names, np.diag(estimate.matrix), strict=True):
             value = abs(float(legs.values[0, legs.spec.names.index(name)]))
             if value > 0.0:
                 parts[name] = half_width(1.0, 1e9) * float(variance) ** 0.5 / value

@@ -65,13 +65,13 @@ class Ready(Comparable):
 @cache
 def ready_protocols() -> dict[str, Ready]:
     """The protocols that come with surae, by name."""
-    made = {}
+    by_name = {}
     for path in sorted(_FILES.glob("*.json")):
         data = json.loads(path.read_text(encoding="utf-8"))
-        made[path.stem] = Ready(
+        by_name[path.stem] = Ready(
             name=path.stem, **{**data, "genes": read_only(np.array(data["genes"]))}
         )
-    return made
+    return by_name
 
 
 def start_for(seconds: float, model: str, aim: str, effort: bool) -> Ready | None:

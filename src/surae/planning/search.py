@@ -59,8 +59,8 @@ class _Judge:
             if name in legs.beliefs:
                 scale[:, j] = legs.beliefs[name].sd
         self._scale = np.where(scale > 0.0, scale, 1.0)
-        given = np.eye(len(columns)) * VAGUE**-2.0
-        whole = np.repeat(given[None], len(scale), axis=0)
+        vague = np.eye(len(columns)) * VAGUE**-2.0
+        whole = np.repeat(vague[None], len(scale), axis=0)
         if known is not None:
             whole = whole + known * self._scale[:, :, None] * self._scale[:, None, :]
         self._known = whole
@@ -86,12 +86,15 @@ class _Judge:
     def _judged(self, x: FloatArray) -> float:
         plan = self._genes.plan(x)
         trial = plan.trajectory(self._genes.limits, SEARCH_RATE, fine_hz=SEARCH_RATE)
-        told = information(trial, self._legs, self._noise, SEARCH_RATE)
-        matrices = told.matrices * self._scale[:, :, None] * self._scale[:, None, :] + self._known
+        trial_information = information(trial, self._legs, self._noise, SEARCH_RATE)
+        matrices = (
+            trial_information.matrices * self._scale[:, :, None] * self._scale[:, None, :]
+            + self._known
+        )
         if not np.isfinite(matrices).all():
             return _NOTHING
         covariance = np.linalg.inv(matrices) * self._scale[:, :, None] * self._scale[:, None, :]
-        beyond = max(float(np.abs(told.torque).max()) / self._torque - 1.0, 0.0)
+        beyond = max(float(np.abs(trial_information.torque).max()) / self._torque - 1.0, 0.0)
         return self._aim.cost(covariance) + _BEYOND * beyond**2
 
 
@@ -131,8 +134,8 @@ def search(
                 population_size=_POPULATION,
             )  # fmt: skip
             while True:
-                asked = [strategy.ask() for _ in range(_POPULATION)]
-                strategy.tell([(x, judge(x)) for x in asked])
+                candidates = [strategy.ask() for _ in range(_POPULATION)]
+                strategy.tell([(x, judge(x)) for x in candidates])
         except _SpentError:
             pass
         except KeyboardInterrupt:

@@ -83,7 +83,7 @@ def possible_trials(
     The subject's range is in rad; the torque of no leg may exceed the device's. `effort`: whether
     the subject can be asked for any.
     """
-    made, refusals = [], []
+    possible, refusals = [], []
     for ready in ready_protocols().values():
         if ready.effort and not effort:
             continue
@@ -93,8 +93,8 @@ def possible_trials(
             refusals.append(refusal)
             continue
         kind = "active" if ready.effort else "passive"
-        made.append(PlannedTrial(ready.name, kind, ready.seconds, trajectory))
-    if not made:
+        possible.append(PlannedTrial(ready.name, kind, ready.seconds, trajectory))
+    if not possible:
         raise refusals[0]
     limits = limits_of(device, range_of_motion)
     pushes = [Burst(1.0 + 3.0 * k, 2.5, 1.0, k % 2) for k in range(6)] if effort else []
@@ -107,8 +107,8 @@ def possible_trials(
         still = Plan(name, seconds, 0.5, 1.0, (), (), tuple(bursts))
         plan, within, _ = within_torque(still, limits, legs, device)
         trajectory = plan.trajectory(within, rate_hz, device=device)
-        made.append(PlannedTrial(name, kind, seconds, trajectory))
-    return tuple(made)
+        possible.append(PlannedTrial(name, kind, seconds, trajectory))
+    return tuple(possible)
 
 
 def plan_session(
@@ -130,9 +130,9 @@ def plan_session(
     """
     known = prior_precision(legs.free, legs) if known is None else known
     with one_blas_thread():
-        told = [shared(information(t.trajectory, legs, noise), legs) for t in trials]
-        at = [legs.free.index(name) for name in told[0].names]
-        matrices = np.array([trial.matrices for trial in told])
+        of_trials = [shared(information(t.trajectory, legs, noise), legs) for t in trials]
+        at = [legs.free.index(name) for name in of_trials[0].names]
+        matrices = np.array([trial.matrices for trial in of_trials])
         sums = _Sums(
             matrices, known[np.ix_(at, at)], legs.estimated[:, at],
             _part(make_aim(aim, legs), at), [t.seconds + pause for t in trials],
@@ -148,22 +148,22 @@ def plan_session(
 
         def whole(numbers: FloatArray) -> Expectation:
             total = np.tensordot(numbers, matrices, 1)
-            low = min([t.torque[:, 0].min() for t, n in zip(told, numbers, strict=True) if n])
-            high = max([t.torque[:, 1].max() for t, n in zip(told, numbers, strict=True) if n])
+            low = min([t.torque[:, 0].min() for t, n in zip(of_trials, numbers, strict=True) if n])
+            high = max([t.torque[:, 1].max() for t, n in zip(of_trials, numbers, strict=True) if n])
             torque = np.tile([low, high], (len(legs.values), 1))
             rate_hz = trials[0].trajectory.settings.rate_hz
             length = sum(n * t.seconds for n, t in zip(numbers, trials, strict=True))
             return expected_of(
-                Information(told[0].names, total, read_only(torque)), legs, sums.known,
+                Information(of_trials[0].names, total, read_only(torque)), legs, sums.known,
                 protocol="session", seconds=float(length), noise=noise, rate_hz=rate_hz,
             )  # fmt: skip
 
         order = sorted(everything, key=lambda k: (KINDS.index(trials[k].kind), trials[k].name))
-        made, worst, sofar = [], [], np.zeros(len(trials))
+        planned, worst, sofar = [], [], np.zeros(len(trials))
         for k in order:
             for _ in range(int(counts[k])):
                 sofar[k] += 1
-                made.append(trials[k])
+                planned.append(trials[k])
                 worst.append(whole(sofar).worst)
         without: dict[str, float | None] = {}
         for kind in dict.fromkeys(t.kind for t in trials):
@@ -171,9 +171,9 @@ def plan_session(
                 others = sums.best([k for k in everything if trials[k].kind != kind])
                 without[kind] = whole(others).worst if others.any() else None
         final = whole(counts)
-    length = sum(t.seconds for t in made) + pause * (len(made) - 1)
+    length = sum(t.seconds for t in planned) + pause * (len(planned) - 1)
     return SessionPlan(
-        tuple(made), length, final, tuple(worst), FrozenDict(without),
+        tuple(planned), length, final, tuple(worst), FrozenDict(without),
         _sentences(trials, counts, length, final, without),
     )  # fmt: skip
 
@@ -245,7 +245,7 @@ def _sentences(
         f"{int(n)} × {t.name} ({t.seconds:g} s)"
         for n, t in zip(counts, trials, strict=True) if n > 0
     )  # fmt: skip
-    told = [
+    sentences = [
         f"{seconds / 60.0:.1f} minutes: {listed}.",
         f"Largest standard error {_percent(final.worst)} ({final.weakest}), geometric mean "
         f"{_percent(final.geometric_mean)}; identified: {final.identified} of "
@@ -253,17 +253,17 @@ def _sentences(
     ]
     for kind, worst in without.items():
         pays = worst is None or final.worst is None or worst > 1.02 * final.worst
-        told.append(
+        sentences.append(
             f"Without {kind} trials the largest error would be {_percent(worst)}: they are "
             f"{'' if pays else 'hardly '}worth their minutes."
         )
     spared = [k for k in dict.fromkeys(t.kind for t in trials) if k not in without]
     if spared:
-        told.append(
+        sentences.append(
             f"Not worth their minutes for this: {', '.join(spared)} trials (what they do for the "
             "EMG's zero and scale is not counted)."
         )
-    return tuple(told)
+    return tuple(sentences)
 
 
 def _percent(part: float | None) -> str:

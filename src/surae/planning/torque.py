@@ -55,8 +55,8 @@ class ProfilePlan:
         settings = self.settings
         fastest = _PER_PERIOD * settings.chirp_rate * settings.seconds
         times = max(math.ceil(fastest / rate_hz), 1) if settings.chirp_amplitude > 0.0 else 1
-        made = _moved(replace(settings, range_of_motion=limits[:2], rate_hz=times * rate_hz))
-        return replace(made, effort=self.effort(made.time))
+        moved = _moved(replace(settings, range_of_motion=limits[:2], rate_hz=times * rate_hz))
+        return replace(moved, effort=self.effort(moved.time))
 
     def effort(self, time: FloatArray) -> FloatArray:
         """What is asked of the subject at increasing times [s], shape (n, 4)."""
@@ -87,26 +87,26 @@ def within_torque(
     if device is None or device.max_torque is None:
         return plan, limits, ()
     limit, notes = device.max_torque * EXACT, []
-    held = _narrowed(plan, limits, legs, device, limit)
-    if held != limits:
+    narrowed = _narrowed(plan, limits, legs, device, limit)
+    if narrowed != limits:
         notes.append(
-            f"The range ends at {held.low:.2f} and {held.high:.2f} rad instead of {limits.low:.2f} "
-            f"and {limits.high:.2f}: stiff legs would ask more than the {device.max_torque:g} Nm "
-            f"of {device.name}, even relaxed."
+            f"The range ends at {narrowed.low:.2f} and {narrowed.high:.2f} rad instead of "
+            f"{limits.low:.2f} and {limits.high:.2f}: stiff legs would ask more than the "
+            f"{device.max_torque:g} Nm of {device.name}, even relaxed."
         )
-    eased = _eased(plan, held, legs, limit)
+    eased = _eased(plan, narrowed, legs, limit)
     if eased != plan:
         before, after = (sum(b.level * b.length for b in p.bursts) for p in (plan, eased))
         notes.append(
             f"Efforts are lowered by {100 * (1 - after / before):.2g} % in all, to keep within the "
             f"{device.max_torque:g} Nm of {device.name}."
         )
-    most = float(np.nanmax(np.abs(torques(eased, held, legs))))
+    most = float(np.nanmax(np.abs(torques(eased, narrowed, legs))))
     notes.append(
         f"None of {len(legs.values)} virtual legs asks more than {most:.3g} of {device.name}'s "
         f"{device.max_torque:g} Nm."
     )
-    return eased, held, tuple(notes)
+    return eased, narrowed, tuple(notes)
 
 
 def _narrowed(
@@ -121,19 +121,19 @@ def _narrowed(
     lower = upper = 0.0
     least = most = 0.0
     while lower + upper <= 0.7:
-        asked = torques(relaxed, narrower(lower, upper), legs)
-        least, most = (least, most) if most else (float(asked.min()), float(asked.max()))
-        if max(float(asked.max()), -float(asked.min())) <= limit:
+        torque = torques(relaxed, narrower(lower, upper), legs)
+        least, most = (least, most) if most else (float(torque.min()), float(torque.max()))
+        if max(float(torque.max()), -float(torque.min())) <= limit:
             break
-        lower += _STEP if -float(asked.min()) > limit else 0.0
-        upper += _STEP if float(asked.max()) > limit else 0.0
+        lower += _STEP if -float(torque.min()) > limit else 0.0
+        upper += _STEP if float(torque.max()) > limit else 0.0
     if lower + upper <= _GIVEN_UP:
         return narrower(lower, upper) if lower + upper > 0.0 else limits
     advice = "choose a stronger device"
     if lower + upper <= 0.7:
-        kept = narrower(lower, upper)
+        inner = narrower(lower, upper)
         advice = (
-            f"give up the ends of the range (--range {kept.low:.2f}:{kept.high:.2f}), or {advice}"
+            f"give up the ends of the range (--range {inner.low:.2f}:{inner.high:.2f}), or {advice}"
         )
     raise InputError(
         f"{device.name} has {device.max_torque:g} Nm, but moving these legs over {limits.low:.2f} "

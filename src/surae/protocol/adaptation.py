@@ -53,9 +53,9 @@ class Adaptation:
     def steps(self) -> tuple[str, ...]:
         """One plain sentence per change; empty when nothing had to change."""
         steps = []
-        asked, used = self.chirp_amplitude
-        if used < asked:
-            steps.append(f"Chirp lowered from {asked:.3g} to {used:.3g} rad for {self.device}.")
+        wanted, used = self.chirp_amplitude
+        if used < wanted:
+            steps.append(f"Chirp lowered from {wanted:.3g} to {used:.3g} rad for {self.device}.")
         if self.cutoff_hz is not None:
             before, after = self.peak_velocity
             steps.append(

@@ -104,23 +104,23 @@ def read_device(path: PathLike) -> Device:
     """
     where = shown(path)
     try:
-        told = tomllib.loads(read_bytes(path).decode("utf-8"))
+        toml = tomllib.loads(read_bytes(path).decode("utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{where}: not a TOML file ({error})") from None
-    unknown = [key for key in told if key not in _KEYS and key not in _OTHERS]
+    unknown = [key for key in toml if key not in _KEYS and key not in _OTHERS]
     if unknown:
         known = ", ".join((*_OTHERS, *_KEYS))
         raise InputError(f"{where}: {unknown[0]} is not known of a device; use: {known}")
-    name, sources = told.get("name"), told.get("sources", [])
+    name, sources = toml.get("name"), toml.get("sources", [])
     if not isinstance(name, str) or not name:
         raise InputError(f'{where}: give the device a name, e.g. name = "my robot"')
     if not isinstance(sources, list) or not all(isinstance(text, str) for text in sources):
         raise InputError(f"{where}: sources must be a list of texts")
-    amplitudes = told.get("chirp_amplitudes_rad", {})
+    amplitudes = toml.get("chirp_amplitudes_rad", {})
     if not isinstance(amplitudes, dict):
         raise InputError(f"{where}: chirp_amplitudes_rad must be a table of profile = rad")
-    limits = {field: _number(where, key, told[key]) for key, field in _KEYS.items() if key in told}
-    span = told.get("range_rad")
+    limits = {field: _number(where, key, toml[key]) for key, field in _KEYS.items() if key in toml}
+    span = toml.get("range_rad")
     if span is not None:
         if not isinstance(span, list) or len(span) != 2:
             raise InputError(f"{where}: range_rad must be [low, high]")

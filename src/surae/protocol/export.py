@@ -47,9 +47,9 @@ def write_protocol(
             "say why it may be written without limits"
         )
     notes = [f"without limits: {reason}" if reason else "", " ".join(note.split())]
-    told = "; ".join(each for each in notes if each)
+    header = "; ".join(each for each in notes if each)
     write = write_protocol_mat if str(path).lower().endswith(".mat") else write_protocol_csv
-    write(trajectory, path, note=told)
+    write(trajectory, path, note=header)
 
 
 def write_protocol_target(trajectory: Trajectory, path: PathLike) -> None:

@@ -258,14 +258,14 @@ def _profile(name: str, seconds: float, grid: _Grid) -> Motion:
 
 def _adapted(settings: Protocol, device: Device, fine: _Grid) -> tuple[Motion, Adaptation]:
     """The motion that the device can follow, or InputError if it may not be adapted."""
-    asked = _motion(settings, fine, _base_range(settings, fine))
+    wanted = _motion(settings, fine, _base_range(settings, fine))
     amplitude = device.chirp_amplitude(settings.profile, settings.chirp_amplitude)
     end_hz = settings.chirp_rate * settings.seconds if amplitude > 0.0 else 0.0
     if not settings.adapt:
-        _refuse(settings, device, asked, end_hz)
+        _refuse(settings, device, wanted, end_hz)
         amplitude = settings.chirp_amplitude
     used = replace(settings, chirp_amplitude=amplitude)
-    motion = asked if used == settings else _motion(used, fine, _base_range(used, fine))
+    motion = wanted if used == settings else _motion(used, fine, _base_range(used, fine))
     fitted = fit_device(
         device,
         motion,
@@ -273,7 +273,7 @@ def _adapted(settings: Protocol, device: Device, fine: _Grid) -> tuple[Motion, A
         highest_hz=end_hz,
         range_of_motion=settings.range_of_motion,
     )
-    before, after = peaks(asked), peaks(fitted.motion)
+    before, after = peaks(wanted), peaks(fitted.motion)
     low, high = settings.range_of_motion
     return fitted.motion, Adaptation(
         device=device.name,

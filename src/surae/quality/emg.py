@@ -45,7 +45,7 @@ def kind(trial: Trial) -> tuple[Finding, ...]:
     for role, sentence in emg_contradictions(trial.recording).items():
         if role.removeprefix("emg_") in trial.slow:
             channel = trial.recording.channels[role]
-            said, _, advice = sentence.partition(": ")
+            statement, _, advice = sentence.partition(": ")
             if declared == "raw":
                 advice += "; a fit refuses it else, unless all signals are prepared (--prepared)"
             return (
@@ -58,7 +58,7 @@ def kind(trial: Trial) -> tuple[Finding, ...]:
                     trial.end,
                     float(channel.values.min()),
                     channel.unit,
-                    f"{said}.",
+                    f"{statement}.",
                     f"{advice[:1].upper()}{advice[1:]}.",
                 ),
             )
@@ -72,20 +72,20 @@ def missing(trial: Trial) -> tuple[Finding, ...]:
         role, weight = f"emg_{muscle}", weight_of(muscle)
         if role in trial.recording.channels:
             continue
-        held = weight in trial.recording.fixed
+        is_fixed = weight in trial.recording.fixed
         findings.append(
             Finding(
                 "emg-missing",
-                "info" if held else "warning",
+                "info" if is_fixed else "warning",
                 role,
                 trial.start,
                 trial.end,
                 None,
                 "",
                 f"There is no EMG of the {muscle_name(muscle)}"
-                + (f"; its weight {weight} is fixed." if held else "."),
+                + (f"; its weight {weight} is fixed." if is_fixed else "."),
                 "Read the weights of the other muscles with care: they take over what it does."
-                if held
+                if is_fixed
                 else f"Add the channel, or fix its weight with --fixed {weight}=0.",
             )
         )

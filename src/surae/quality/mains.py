@@ -83,8 +83,8 @@ def line(
     # transform of awkward length.
     carrier = _carrier(n, rate, mains) if carrier is None else carrier
     block = max(1, int(rate / (4.0 * _AROUND)))
-    kept = n // block * block
-    mixed = (values * carrier)[:kept].reshape(-1, block).sum(axis=1)
+    whole = n // block * block
+    mixed = (values * carrier)[:whole].reshape(-1, block).sum(axis=1)
     power = np.abs(np.fft.fft(mixed)) ** 2
     frequency = np.fft.fftfreq(len(mixed), block / rate)
     near, around = np.abs(frequency) <= _NEAR, (np.abs(frequency) <= _AROUND)

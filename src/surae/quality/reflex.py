@@ -83,8 +83,8 @@ def _resting(trial: Trial) -> BoolArray:
     assert slow is not None
     if trial.effort is not None:
         heads = [MUSCLES.index(m) for m in trial.triceps]
-        asked = trial.effort[:, heads].max(axis=1)
-        near = smooth((asked > 0.0).astype(np.float64), round(0.3 * trial.rate_hz))
+        target = trial.effort[:, heads].max(axis=1)
+        near = smooth((target > 0.0).astype(np.float64), round(0.3 * trial.rate_hz))
         resting: BoolArray = near == 0.0
         if float(resting.sum()) > 4.0 * trial.rate_hz:
             return resting
@@ -137,11 +137,11 @@ def _onsets(trial: Trial, stretch: FloatArray) -> list[int]:
     fast = stretch > STRETCH
     starts = np.flatnonzero(np.diff(fast.astype(np.int8)) > 0) + 1
     apart = round(0.25 * trial.rate_hz)
-    kept: list[int] = []
+    onsets: list[int] = []
     for start in starts.tolist():
-        if not kept or start - kept[-1] >= apart:
-            kept.append(start)
-    return kept
+        if not onsets or start - onsets[-1] >= apart:
+            onsets.append(start)
+    return onsets
 
 
 def _peaks(trial: Trial, stretch: FloatArray) -> list[int]:

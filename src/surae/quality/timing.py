@@ -102,8 +102,8 @@ def _jitter(time: np.ndarray, gaps: np.ndarray) -> float:
             continue
         index = np.arange(len(piece)) - (len(piece) - 1) / 2
         slope = float(index @ piece / (index @ index))
-        left = piece - piece.mean() - slope * index
-        total += float((left**2).sum())
+        residual = piece - piece.mean() - slope * index
+        total += float((residual**2).sum())
         count += len(piece)
     return float(np.sqrt(total / count)) if count else 0.0
 

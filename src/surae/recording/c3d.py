@@ -184,21 +184,21 @@ def _layout(data: bytes, parameters: _Parameters, shown: str) -> tuple[_Layout, 
     first = (exact or layouts)[0]
     doubts = []
     if not exact and len({each[:2] for each in shapes}) > 1:
-        said = " or ".join(f"{p} points and {c} channels" for p, c in {e[:2] for e in shapes})
-        raise InputError(f"{shown}: the file contradicts itself: {said}; its size fits neither")
+        claims = " or ".join(f"{p} points and {c} channels" for p, c in {e[:2] for e in shapes})
+        raise InputError(f"{shown}: the file contradicts itself: {claims}; its size fits neither")
     if points not in (None, first.points) or (first.per_frame and channels != first.channels):
         doubts.append(
             f"the parameters say {points} points and {channels} channels, header and size of the "
             f"file {first.points} and {first.channels}, which is believed"
         )
-    held = (len(data) - begin) // first.bytes_per_frame
+    complete = (len(data) - begin) // first.bytes_per_frame
     if not announced or (first.frames >= _UNCOUNTED - 1 and not exact):
-        first = replace(first, frames=held)
-    if held < 1:
+        first = replace(first, frames=complete)
+    if complete < 1:
         raise InputError(f"{shown}: the file is cut short: it holds no frame")
-    if held < first.frames:
-        doubts.append(f"the file is cut short: it holds {held} of its {first.frames} frames")
-        first = replace(first, frames=held)
+    if complete < first.frames:
+        doubts.append(f"the file is cut short: it holds {complete} of its {first.frames} frames")
+        first = replace(first, frames=complete)
     elif announced and first.frames != announced[0]:
         doubts.append(f"{announced[0]} frames are announced, but the file holds {first.frames}")
     if first.first_frame > 1:

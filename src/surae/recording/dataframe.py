@@ -36,8 +36,8 @@ def of_frame(table: DataFrame) -> Recording:
     ``attrs["units"]``; the time is a column or the index, in numbers or as time stamps. Where
     ``attrs["times"]`` is ``"own"``, a row without a number of a column is no sample of it.
     """
-    told = table.attrs.get("units")
-    units: Mapping[Any, Any] = {} if told is None else told
+    stated = table.attrs.get("units")
+    units: Mapping[Any, Any] = {} if stated is None else stated
     if not isinstance(units, Mapping):
         raise InputError(f'{_WHERE}: attrs["units"] is no table of units by column')
     data: dict[str, Any] = {}
@@ -70,8 +70,8 @@ def of_frame(table: DataFrame) -> Recording:
 
     notes = {key: str(table.attrs[key]) for key in ("name", "emg") if table.attrs.get(key)}
     names = tuple(name for name in renamed if name not in TIMES)
-    made = Table(_WHERE, "DataFrame", names, time_name, load, notes=notes)
-    return recording_of_table(made, notes.get("name", _WHERE))
+    columns_table = Table(_WHERE, "DataFrame", names, time_name, load, notes=notes)
+    return recording_of_table(columns_table, notes.get("name", _WHERE))
 
 
 def _our_name(name: str, unit: Any) -> str | None:

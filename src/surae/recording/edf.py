@@ -107,12 +107,12 @@ class _File:
         self._record = self._width * sum(self._samples)
         if min(self._samples) < 1:
             raise InputError(f"{shown}: a signal without samples")
-        records, held = int(data[236:244]), (len(data) - self._size) // self._record
+        records, complete = int(data[236:244]), (len(data) - self._size) // self._record
         # -1: still being recorded when it was copied, or never closed.
-        self.records = held if records == -1 else records
-        if held < self.records:
+        self.records = complete if records == -1 else records
+        if complete < self.records:
             raise InputError(
-                f"{shown}: the file is cut short: it holds {held} of its {records} records"
+                f"{shown}: the file is cut short: it holds {complete} of its {records} records"
             )
         if self.records < 1:
             raise InputError(f"{shown}: it holds no samples")
@@ -170,12 +170,12 @@ def _beside(path: str) -> tuple[float, bool]:
     if not path.casefold().endswith(_BIDS) or not beside.is_file():
         return 0.0, False
     try:
-        told = json.loads(read_bytes(beside))
+        sidecar = json.loads(read_bytes(beside))
     except (ValueError, RecursionError):
-        told = None
-    if not isinstance(told, dict):
+        sidecar = None
+    if not isinstance(sidecar, dict):
         raise InputError(f"{shown(beside)}: no JSON object, which BIDS keeps beside its data")
-    start, filters = told.get("StartTime"), told.get("SoftwareFilters")
+    start, filters = sidecar.get("StartTime"), sidecar.get("SoftwareFilters")
     if not isinstance(start, int | float) or isinstance(start, bool) or not math.isfinite(start):
         start = 0.0
     return float(start), isinstance(filters, dict) and "envelope" in filters

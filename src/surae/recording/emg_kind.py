@@ -58,8 +58,8 @@ def emg_contradictions(recording: Recording) -> dict[str, str]:
         for role, channel in recording.channels.items()
         if role.startswith("emg_")
     }
-    said = {role: contradiction(role, look, recording.emg) for role, look in looks.items()}
-    return {role: sentence for role, sentence in said.items() if sentence}
+    sentences = {role: contradiction(role, look, recording.emg) for role, look in looks.items()}
+    return {role: sentence for role, sentence in sentences.items() if sentence}
 
 
 def contradiction(name: str, look: Look, declared: str) -> str:

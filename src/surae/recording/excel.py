@@ -114,8 +114,8 @@ def _numbers(body: Sequence[_Row], index: int, first: int) -> tuple[FloatArray, 
     for number, row in enumerate(body):
         cell = row[index] if index < len(row) else None
         if isinstance(cell, bool) or not isinstance(cell, int | float):
-            what = "the cell is blank" if cell is None else f"{_text(cell)!r:.40} is not a number"
-            return values, f"row {first + number}: {what}"
+            fault = "the cell is blank" if cell is None else f"{_text(cell)!r:.40} is not a number"
+            return values, f"row {first + number}: {fault}"
         values[number] = cell
     return values, ""
 

@@ -175,32 +175,36 @@ def _layout(trial: Inspection) -> tuple[tuple[str, str, str | None], ...]:
 def _differences(
     name: str, trial: Inspection, typical: Inspection, like: str
 ) -> list[TrialDifference]:
-    told: list[TrialDifference] = []
+    differences: list[TrialDifference] = []
     key = quoted(name)
     columns = {channel.column for channel in trial.channels if channel.usable}
     for role, channel in typical.roles.items():
         own = next((c for c in trial.channels if c.column == channel.column and c.usable), None)
         if own is None and (own := trial.roles.get(role)) is not None:
             text = f"{role} is column {own.column!r}, not {channel.column!r}"
-            told.append(TrialDifference(name, text, f"{key}.{role}.column = {quoted(own.column)}"))
+            differences.append(
+                TrialDifference(name, text, f"{key}.{role}.column = {quoted(own.column)}")
+            )
         if own is None:
             text = f"no column {channel.column!r}"
             line = f"{key}.{role} = false"
             if role == "angle":  # which no trial can do without
                 text, line = f"{text}: it has {some(columns)}", ""
-            told.append(TrialDifference(name, text, line))
+            differences.append(TrialDifference(name, text, line))
             continue
         unit = own.known_unit
         if unit is not None and channel.known_unit is not None and unit != channel.known_unit:
             text = f"{role} is in {unit}, that of {like} in {channel.known_unit}"
-            told.append(TrialDifference(name, text, f"{key}.{role}.unit = {quoted(unit)}"))
+            differences.append(TrialDifference(name, text, f"{key}.{role}.unit = {quoted(unit)}"))
         if not _same_rate(own.rate_hz, channel.rate_hz):
             rates = [f"{r:.6g} Hz" if r else "no rate" for r in (own.rate_hz, channel.rate_hz)]
-            told.append(TrialDifference(name, f"{role} has {rates[0]}, that of {like} {rates[1]}"))
+            differences.append(
+                TrialDifference(name, f"{role} has {rates[0]}, that of {like} {rates[1]}")
+            )
     if None not in (trial.emg, typical.emg) and trial.emg != typical.emg:
         text = f"EMG looks {trial.emg}, that of {like} {typical.emg}"
-        told.append(TrialDifference(name, text, f"{key}.emg = {quoted(str(trial.emg))}"))
-    return told
+        differences.append(TrialDifference(name, text, f"{key}.emg = {quoted(str(trial.emg))}"))
+    return differences
 
 
 def _same_rate(first: float | None, other: float | None) -> bool:

@@ -75,9 +75,9 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
             channels.append(channel)
     channels = _of_their_joint(channels, raw)
     leg, rule = _side(channels, side)
-    assigned, left = _assigned(channels, leg)
-    missing = tuple(r for r in ROLES[:6] if r not in assigned and r not in left)
-    emg, emg_rule = _emg(assigned, left, notes)
+    assigned, open_roles = _assigned(channels, leg)
+    missing = tuple(r for r in ROLES[:6] if r not in assigned and r not in open_roles)
+    emg, emg_rule = _emg(assigned, open_roles, notes)
     direction = ""
     if {"angle", "torque"} <= assigned.keys():
         angle, torque = assigned["angle"], assigned["torque"]
@@ -86,7 +86,7 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
         channels=tuple(channels),
         formats=FrozenDict(formats),
         roles=FrozenDict(assigned),
-        open=FrozenDict(left),
+        open=FrozenDict(open_roles),
         missing=missing,
         side=leg,
         side_rule=rule,
@@ -169,7 +169,7 @@ def _of_their_joint(
     replaces them.
     """
     joint = joint_of_muscles([channel.column for channel in channels])
-    told = []
+    judged = []
     for channel in channels:
         guess, other = channel.guess, other_joint(channel.column)
         own = f"of the {other}, not the ankle" if other else ""
@@ -177,15 +177,15 @@ def _of_their_joint(
             own = "a moment about an axis of a force plate or load cell, not the ankle's"
         if guess is None and own:
             remark = "; ".join(filter(None, (own, channel.remark)))
-            told.append(replace(channel, remark=remark))
+            judged.append(replace(channel, remark=remark))
         elif joint and guess and guess.role and guess.confidence == "likely":
             rule = f"{guess.rule}, and the muscles are of the {joint}: is it the ankle's?"
-            told.append(replace(channel, guess=replace(guess, confidence="possible", rule=rule)))
+            judged.append(replace(channel, guess=replace(guess, confidence="possible", rule=rule)))
         else:
-            told.append(channel)
+            judged.append(channel)
         if id(channel) in raw:
-            raw[id(told[-1])] = raw[id(channel)]
-    return told
+            raw[id(judged[-1])] = raw[id(channel)]
+    return judged
 
 
 def _plain_candidates(channels: Sequence[InspectedChannel], role: str) -> list[InspectedChannel]:
@@ -219,20 +219,20 @@ def _assigned(
 ) -> tuple[dict[str, InspectedChannel], dict[str, tuple[InspectedChannel, ...]]]:
     """The channel of each role, and the roles that are left open with what could be them."""
     assigned: dict[str, InspectedChannel] = {}
-    left: dict[str, tuple[InspectedChannel, ...]] = {}
+    open_roles: dict[str, tuple[InspectedChannel, ...]] = {}
 
     def fits(channel: InspectedChannel) -> bool:
-        said = None if channel.guess is None else channel.guess.side
-        return leg is None or said in (None, leg)
+        own_side = None if channel.guess is None else channel.guess.side
+        return leg is None or own_side in (None, leg)
 
     for role in ROLES:
         candidates = [c for c in _plain_candidates(channels, role) if fits(c)]
         if len(candidates) == 1:
             assigned[role] = candidates[0]
         elif candidates:
-            left[role] = tuple(candidates)
+            open_roles[role] = tuple(candidates)
     for role in ROLES:
-        if role in assigned or role in left:
+        if role in assigned or role in open_roles:
             continue
         vague = tuple(
             c
@@ -240,8 +240,8 @@ def _assigned(
             if c.usable and c.guess is not None and role in c.guess.roles and fits(c)
         )
         if vague:
-            left[role] = vague
-    return assigned, left
+            open_roles[role] = vague
+    return assigned, open_roles
 
 
 def _emg(
@@ -264,11 +264,11 @@ def _emg(
     alike: dict[str, list[tuple[str, str]]] = {}
     for role, look in looks.items():
         alike.setdefault(_NUMBER.sub("", look.rule), []).append((role, look.rule))
-    told = (
+    rules = (
         f"{first[0]}{f' and {len(others)} more' if others else ''}: {first[1]}"
         for first, *others in alike.values()
     )
-    return None, "; ".join(told)
+    return None, "; ".join(rules)
 
 
 def _advice(inspection: Inspection) -> list[str]:

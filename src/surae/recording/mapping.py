@@ -79,20 +79,20 @@ class Description:
         toml = parsed(source)
         _roles(toml, source.shown)
         refuse_unknown(toml, _TOP, source.shown)
-        made = cls(source, toml)
-        for file in made.named:
+        description = cls(source, toml)
+        for file in description.named:
             if TRIAL in file and (Path(file).is_absolute() or ".." in Path(file).parts):
                 raise InputError(
                     f"{source.shown}: file {file!r} leads out of the folder of the trials; write "
                     "it from there"
                 )
-        for trial in made.trials:
+        for trial in description.trials:
             where = f"{source.shown}: trials.{trial}"
             refuse_unknown(
                 table_in(toml["trials"], trial, f"{source.shown}: trials"), _TRIAL, where
             )
-            made.said(trial)
-        return made
+            description.said(trial)
+        return description
 
     @property
     def name(self) -> str | None:

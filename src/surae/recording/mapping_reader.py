@@ -231,21 +231,21 @@ class Reader:
     def _zero(self, entry: ChannelEntry, column: Column, unit: str) -> tuple[float, str]:
         """The offset that takes a quiet trial or stretch to zero, and what to say of it."""
         where, zero = f"{entry.where}: zero", entry.zero
-        quiet, told = column, "itself"
+        quiet, origin = column, "itself"
         if isinstance(zero, str):
             path = self.folder / _named(zero, self.trial)
             if not path.exists():
                 path = Path(self.source.path).parent / _named(zero, self.trial)
             quiet = self._table(path, entry).load([entry.column])[entry.column]
-            told = shown(path.name)
+            origin = shown(path.name)
         time, values = quiet.time, quiet.values
         if isinstance(zero, tuple):
             start, end = zero
-            told = f"{start:g} to {end:g} s"
+            origin = f"{start:g} to {end:g} s"
             inside = (time >= start) & (time <= end)
             time, values = time[inside], values[inside]
         if len(values) < 2 or not np.isfinite(values).all():
-            raise InputError(f"{where}: {told} holds no finite samples of {entry.column!r}")
+            raise InputError(f"{where}: {origin} holds no finite samples of {entry.column!r}")
         if entry.role in _REST:
             parts = min(max(round(float(time[-1] - time[0]) / _PART), 2), len(values))
             means = [float(part.mean()) for part in np.array_split(values, parts)]
@@ -253,12 +253,12 @@ class Reader:
             range_ = float(np.ptp(column.values[np.isfinite(column.values)]))
             if change > _QUIET * range_ and factor * change > _REST[entry.role]:
                 raise InputError(
-                    f"{where}: {entry.column!r} is not quiet in {told}: it changes by "
+                    f"{where}: {entry.column!r} is not quiet in {origin}: it changes by "
                     f"{abs(entry.scale) * change:.3g} {unit}; name a trial or a stretch in which "
                     "nothing happens"
                 )
         mean = entry.scale * float(values.mean())
-        return -mean, f"zero {mean:.4g} ± {abs(entry.scale) * float(values.std()):.2g} of {told}"
+        return -mean, f"zero {mean:.4g} ± {abs(entry.scale) * float(values.std()):.2g} of {origin}"
 
 
 def _named(file: str, trial: str | None) -> str:

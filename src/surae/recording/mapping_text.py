@@ -63,7 +63,7 @@ def mapping_text(
     InputError
         A file's name cannot be written as text.
     """
-    roles, left = inspection.roles, inspection.open
+    roles, open_roles = inspection.roles, inspection.open
     lines = [
         "# Which channel is which signal, as `surae inspect` found it by the channels' names.",
         "# Lines that say check are yours to confirm. Then: "
@@ -86,9 +86,9 @@ def mapping_text(
     for role in ROLES:
         if role in roles:
             lines += ["", *_entry(role, roles[role], inspection, folder, files)]
-        elif role in left:
+        elif role in open_roles:
             lines += ["", f"# {role} is open: choose one, and take the # away from its lines."]
-            for channel in left[role]:
+            for channel in open_roles[role]:
                 lines += _commented(_entry(role, channel, inspection, folder, files))
         elif role in ("angle", "torque"):
             lines += ["", f"# {role} is missing: add [channels.{role}] with file, column, unit."]
@@ -166,7 +166,9 @@ def _unit_lines(role: str, channel: InspectedChannel, inspection: Inspection) ->
                     f"makes weights g comparable{too}"
                 )
         return lines
-    said = "the file states none" if channel.unit is None else f"the file says {channel.unit!r}"
+    statement = (
+        "the file states none" if channel.unit is None else f"the file says {channel.unit!r}"
+    )
     if channel.unit is None and sort == "torque" and inspection.formats[channel.file] == "OpenSim":
         return ['unit = "Nm"  # check: the file states none; moments of OpenSim are in Nm']
     if sort == "emg" and channel.unit in ("%", "%MVC", "%mvc"):
@@ -181,7 +183,7 @@ def _unit_lines(role: str, channel: InspectedChannel, inspection: Inspection) ->
         channel.unit
     ) and sort != "emg" else []  # fmt: skip
     first = next(iter(FACTORS[sort]))
-    return [f"# unit = {quoted(first)}  # state it: {known} ({_line(said)})", *scale]
+    return [f"# unit = {quoted(first)}  # state it: {known} ({_line(statement)})", *scale]
 
 
 def _within(high: float | None) -> bool:
@@ -204,8 +206,8 @@ def _unused(inspection: Inspection) -> list[str]:
         return []
     lines = ["# Not used:"]
     for channel in rest[:100]:
-        told = ", ".join(_line(text) for text in (channel.unit, channel.remark) if text)
-        lines.append(f"#   {_line(channel.column)}{f' ({told})' if told else ''}")
+        remarks = ", ".join(_line(text) for text in (channel.unit, channel.remark) if text)
+        lines.append(f"#   {_line(channel.column)}{f' ({remarks})' if remarks else ''}")
     return [*lines, f"#   and {len(rest) - 100} more"] if len(rest) > 100 else lines
 
 

@@ -201,8 +201,8 @@ def _signals(variables: Mapping[str, Any], prefix: str, shown: str, depth: int) 
             for label, vector in _vectors(full, value):
                 at = next((key for key, time in seconds.items() if len(time) == len(vector)), None)
                 if at is not None:
-                    said = "" if "_" in at else f"{prefix}{at} is taken as seconds"
-                    yield Parsed(label, vector, seconds[at], remark=said, time_name=prefix + at)
+                    remark = "" if "_" in at else f"{prefix}{at} is taken as seconds"
+                    yield Parsed(label, vector, seconds[at], remark=remark, time_name=prefix + at)
                 elif rate is not None and len(vector) > 1:
                     yield Parsed(label, vector, (0.0, rate))
 

@@ -105,11 +105,11 @@ def _opened(source: Source) -> tuple[_Layout, list[_Signal], str]:
             f"{where}: blocks of {size} bytes don't hold {per_block} samples of {words} words; "
             "the file is damaged"
         )
-    held = (len(data) - first) // (_BLOCK_HEADER + size)
+    complete = (len(data) - first) // (_BLOCK_HEADER + size)
     n, remark = blocks * per_block, ""
-    if held < blocks:
+    if complete < blocks:
         raise InputError(
-            f"{where}: the file is cut short: it holds {held} of its {blocks} blocks of samples"
+            f"{where}: the file is cut short: it holds {complete} of its {blocks} blocks of samples"
         )
     if n - per_block < count < n:
         n = count

@@ -228,7 +228,7 @@ class Recording:
         if emg_kind not in ("raw", "envelope"):
             raise InputError(f"{name}: emg_kind is {emg_kind!r}; use one of: raw, envelope")
         axis = _floats(time, name, "time")
-        given = {
+        arrays = {
             "angle": angle,
             "torque": torque,
             "angular_velocity": velocity,
@@ -236,7 +236,7 @@ class Recording:
         }
         signals = {
             role: _floats(values, name, role)
-            for role, values in given.items()
+            for role, values in arrays.items()
             if values is not None
         }
         if emg is not None:

@@ -187,12 +187,12 @@ def guess_role(name: str, unit: str | None = None) -> Guess | None:
         return Guess((role,), "stated", f"{role} in {stated}: a name of surae's own format")
     words = words_of(name)
     side = next((_SIDES[word] for word in words if word in _SIDES), None)
-    said = set(words)
+    vocabulary = set(words)
     suggested = unit_kind(unit)
-    match = _quantity(said, words) or _muscle(said, words)
+    match = _quantity(vocabulary, words) or _muscle(vocabulary, words)
     if match is not None:
         return _of_unit(*match, side, unit, _COORDINATE.fullmatch(name))
-    known = said & (_OTHER_JOINTS | _OTHER_SENSORS | _OTHER_MUSCLES | _PLATE)
+    known = vocabulary & (_OTHER_JOINTS | _OTHER_SENSORS | _OTHER_MUSCLES | _PLATE)
     if suggested not in ("torque", "angle") or known:
         return None
     rule = f"only its unit, {unit}, is one of {suggested}"
@@ -223,17 +223,17 @@ def _of_unit(
 
 def other_joint(name: str) -> str | None:
     """The joint, other than the ankle, whose angle, torque or velocity a name says; else None."""
-    said = set(words_of(name))
-    if said & _ANKLE or not said & (_ANGLE | _TORQUE | _VELOCITY):
+    vocabulary = set(words_of(name))
+    if vocabulary & _ANKLE or not vocabulary & (_ANGLE | _TORQUE | _VELOCITY):
         return None
     return next((joint for joint in words_of(name) if joint in _OTHER_JOINTS), None)
 
 
 def is_plate_moment(name: str, unit: str | None = None) -> bool:
     """Whether a channel is a moment of a force plate or load cell, by its name and unit."""
-    said = set(words_of(name))
-    return bool(said & _PLATE) and bool(
-        said & (_TORQUE | {"mx", "my", "mz"}) or unit_kind(unit) == "torque"
+    vocabulary = set(words_of(name))
+    return bool(vocabulary & _PLATE) and bool(
+        vocabulary & (_TORQUE | {"mx", "my", "mz"}) or unit_kind(unit) == "torque"
     )
 
 

@@ -39,8 +39,8 @@ def write_report(
         Typst cannot set the PDF.
     """
     check_report(path)
-    what: dict[str, Any] = {"versions": versions, "created": created, "quality": quality}
+    about: dict[str, Any] = {"versions": versions, "created": created, "quality": quality}
     from surae.report.rendering import render, render_pdf  # matplotlib, only when one is made
 
-    made = (render_pdf if is_pdf(path) else render)(result, assessment, predictions, **what)
-    write_atomic(path, made)
+    report = (render_pdf if is_pdf(path) else render)(result, assessment, predictions, **about)
+    write_atomic(path, report)

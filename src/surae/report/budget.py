@@ -151,8 +151,8 @@ def what_would_help(result: FitResult, assessment: Assessment) -> tuple[str, ...
         if p is None or p.ci95 is None or p.verdict not in (Verdict.WEAK, Verdict.UNDETERMINED):
             continue
         before = _relative(p)
-        for source, left in budget.without.items():
-            part = left / budget.sd
+        for source, without in budget.without.items():
+            part = without / budget.sd
             if source not in REMEDIES or budget.shares.get(source, 0.0) < _WORTH:
                 continue
             if part < _SHRINKS and part * before <= 1.0:

@@ -141,24 +141,24 @@ def fit_page(
     `angle` [deg]; `norms` are a laboratory's own, in place of those of cited papers.
     """
     words = Words(language)
-    told = measures(result, assessment, [angle])
-    beside = placed(told, read_norms(norms))
-    shown = [m for name in _SHOWN for m in told.values() if m.name.partition("@")[0] == name]
+    of_fit = measures(result, assessment, [angle])
+    beside = placed(of_fit, read_norms(norms))
+    shown = [m for name in _SHOWN for m in of_fit.values() if m.name.partition("@")[0] == name]
     return ClinicalPage(
         language=language,
         title=words("title"),
         question=words("question"),
-        answer=_answer(told, angle, words),
-        grade=str(told.adequacy.grade),
-        adequacy=words(str(told.adequacy.grade)),
-        reasons=told.adequacy.reasons,
+        answer=_answer(of_fit, angle, words),
+        grade=str(of_fit.adequacy.grade),
+        adequacy=words(str(of_fit.adequacy.grade)),
+        reasons=of_fit.adequacy.reasons,
         heads=("", words("value"), words("interval"), words("judgement")),
-        rows=tuple(_measured(m, told.adequacy, words) for m in shown if m.value is not None),
+        rows=tuple(_measured(m, of_fit.adequacy, words) for m in shown if m.value is not None),
         norms=tuple(_beside(p, words) for p in beside),
-        next=_next(assessment, words) or _nothing(told, shown, words),
+        next=_next(assessment, words) or _nothing(of_fit, shown, words),
         made=_made(words, created, len(result.problem.inputs)),
         note="",
-        images=_figures([("", torque_curve(result, assessment), told)], beside, words),
+        images=_figures([("", torque_curve(result, assessment), of_fit)], beside, words),
         words=_labels(words),
     )
 
@@ -192,10 +192,10 @@ def change_page(
 ) -> ClinicalPage:
     """The page of two sessions or legs; parameters as of `fit_page`, `sides` the fits of both."""
     words = Words(language)
-    told = [measures(*side, [angle]) for side in sides]
+    of_sides = [measures(*side, [angle]) for side in sides]
     curves = [torque_curve(*side) for side in sides]
     names = tuple(words(n) for n in (("first", "second") if change.legs else ("before", "after")))
-    worst = max((side.adequacy for side in told), key=lambda a: list(Grade).index(a.grade))
+    worst = max((side.adequacy for side in of_sides), key=lambda a: list(Grade).index(a.grade))
     count = sum(len(side[0].problem.inputs) for side in sides)
     looked_at = sum(
         d.p is not None for d in (*change.measures.values(), *change.parameters.values())
@@ -214,7 +214,7 @@ def change_page(
         next=_next(sides[1][1], words),
         made=_made(words, created, count),
         note=words("many", count=str(looked_at)),
-        images=_figures(list(zip(names, curves, told, strict=True)), (), words),
+        images=_figures(list(zip(names, curves, of_sides, strict=True)), (), words),
         words=_labels(words),
     )
 
@@ -254,14 +254,14 @@ def _answer(told: Measures, angle: float, words: Words) -> str:
     inadequate = told.adequacy.grade is Grade.INADEQUATE
     if inadequate or torque.ci95 is None or stiffness.ci95 is None:
         return words("answer_none")
-    given = {"angle": words.angle(angle)}
+    numbers = {"angle": words.angle(angle)}
     for name, m in (("torque", torque), ("stiffness", stiffness)):
         value, low, high = _texts(m, words)
-        given |= {name: value, f"{name}_low": low, f"{name}_high": high}
+        numbers |= {name: value, f"{name}_low": low, f"{name}_high": high}
     if {torque.verdict, stiffness.verdict} == {Verdict.IDENTIFIED}:
-        return words("answer", **given)
+        return words("answer", **numbers)
     if torque.verdict in (Verdict.IDENTIFIED, Verdict.WEAK):
-        return words("answer_weak", **given)
+        return words("answer_weak", **numbers)
     return words("answer_none")
 
 
@@ -391,9 +391,9 @@ def _figures(
     from surae.report.figures.clinical import shares_figure
 
     shares = [
-        (name, [(words(part), told[part].value or 0.0) for part in _SHARES])
-        for name, _, told in sessions
-        if all(told[part].value is not None for part in _SHARES)
+        (name, [(words(part), of_session[part].value or 0.0) for part in _SHARES])
+        for name, _, of_session in sessions
+        if all(of_session[part].value is not None for part in _SHARES)
     ]
     figures = {"curve": _curve([(name, curve) for name, curve, _ in sessions], beside, words)}
     if shares:

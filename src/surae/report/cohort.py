@@ -51,10 +51,10 @@ def cohort_html(cohort: Cohort, *, created: datetime) -> str:
     for p in cohort.pooled.values():
         for group, effects in p.groups.items():
             text = estimate(effects.mean, effects.se, effects.ci95)
-            left = "; ".join(f"{count}: {why}" for why, count in p.left_out.items())
+            left_out = "; ".join(f"{count}: {why}" for why, count in p.left_out.items())
             groups.append((
                 p.name, group or "all", effects.k, text.value, text.interval,
-                significant(effects.tau2**0.5, 2), p.unit, p.at_bound or "", left,
+                significant(effects.tau2**0.5, 2), p.unit, p.at_bound or "", left_out,
             ))  # fmt: skip
     contrasts = [
         (p.name, kind, key or "all", *_contrast(c), p.unit)
@@ -128,12 +128,12 @@ def _value(member: CohortMember, name: str) -> float | None:
 
 def _over_sessions(cohort: Cohort, name: str) -> list[tuple[str, list[tuple[str, float]]]]:
     """Group and values of the legs that were measured more than once, by session."""
-    told = []
+    over_sessions = []
     for each in sessions_of(cohort.members).values():
         own = [(m.session, value) for m in each if (value := _value(m, name)) is not None]
         if len(own) > 1:
-            told.append((each[0].group, own))
-    return told
+            over_sessions.append((each[0].group, own))
+    return over_sessions
 
 
 def _against(cohort: Cohort, pooled: Pooled, scale: str) -> list[tuple[str, float, float]]:

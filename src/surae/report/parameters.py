@@ -89,8 +89,12 @@ def parameters_section(
 
 def shown_parameters(assessment: Assessment) -> list[ParameterEstimate]:
     """The leg's parameters, without imperfections of the laboratory that have nothing to act on."""
-    held = bool(assessment.nuisances)
-    return [p for p in assessment.parameters.values() if p.free or not (held and group_of(p.name))]
+    has_laboratory = bool(assessment.nuisances)
+    return [
+        p
+        for p in assessment.parameters.values()
+        if p.free or not (has_laboratory and group_of(p.name))
+    ]
 
 
 def repeatable(p: ParameterEstimate) -> str:

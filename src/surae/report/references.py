@@ -37,8 +37,8 @@ class Reference:
         """The reference as one line for readers."""
         names = re.sub("[{}]", "", self.fields["author"]).replace(" and ", "; ")
         year = f" ({self.fields['year']})" if "year" in self.fields else ""
-        said = ("author", "title", "year", "doi")
-        places = ", ".join(text for name, text in self.fields.items() if name not in said)
+        in_front = ("author", "title", "year", "doi")
+        places = ", ".join(text for name, text in self.fields.items() if name not in in_front)
         doi = f" doi:{self.doi}" if self.doi else ""
         return f"{names}{year}. {self.title}. {places}.{doi}"
 

@@ -361,9 +361,9 @@ def session_drawings(
     alone = {trial: assessment for trial, (_, assessment) in fits.items()}
     if alone and _estimated([*([] if joint is None else [joint[1]]), *alone.values()]):
         figures["trials"] = session_figure(alone, None if joint is None else joint[1], width=WIDTH)
-    held = [t for t in trials if t.hold is not None]
-    if held:
-        figures["holds"] = holds_figure(held, joint_predictions, _passive(trials, fits))
+    holds = [t for t in trials if t.hold is not None]
+    if holds:
+        figures["holds"] = holds_figure(holds, joint_predictions, _passive(trials, fits))
     return figures
 
 
@@ -371,16 +371,16 @@ def _summary(
     trials: Sequence[Trial], fits: Mapping[str, AssessedFit], joined: Sequence[str]
 ) -> tuple[str, ...]:
     """What there was and what was done with it, in sentences."""
-    held = [t for t in trials if t.use == "hold"]
-    passive = sum(t.effort == "passive" for t in held)
+    holds = [t for t in trials if t.use == "hold"]
+    passive = sum(t.effort == "passive" for t in holds)
     unread = sum(bool(t.problem) for t in trials)
     lines = [
         f"{len(trials)} trials were given. {len(fits)} of them moved and were fitted each"
         + (f", {len(joined)} of these together." if joined else ".")
     ]
-    if held:
+    if holds:
         lines.append(
-            f"{len(held)} hold still ({passive} passive): a hold says nothing of stiffness, "
+            f"{len(holds)} hold still ({passive} passive): a hold says nothing of stiffness, "
             "lengths and relaxation and is not fitted; its torque at one angle is compared with "
             "what the fits predict."
         )

@@ -129,9 +129,9 @@ def extremes(signals: Sequence[FloatArray], points: int = POINTS) -> IndexArray:
     if n <= points:
         return np.arange(n)
     edges = np.linspace(0, n, max(points // (2 * len(signals)), 1) + 1).astype(int)
-    kept = [0, n - 1]
+    shown = [0, n - 1]
     for begin, end in pairwise(edges.tolist()):
         for values in signals:
             stretch = values[begin:end]
-            kept += [begin + int(stretch.argmin()), begin + int(stretch.argmax())]
-    return np.unique(kept)
+            shown += [begin + int(stretch.argmin()), begin + int(stretch.argmax())]
+    return np.unique(shown)

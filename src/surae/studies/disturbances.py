@@ -24,10 +24,10 @@ def coloured_noise(
     """
     from scipy.signal import lfilter
 
-    kept = math.exp(-1.0 / (rate_hz * time)) if time > 0.0 else 0.0
+    memory = math.exp(-1.0 / (rate_hz * time)) if time > 0.0 else 0.0
     drive = rng.standard_normal(n)
-    drive[1:] *= math.sqrt(1.0 - kept**2)
-    noise: FloatArray = deviation * lfilter([1.0], [1.0, -kept], drive)
+    drive[1:] *= math.sqrt(1.0 - memory**2)
+    noise: FloatArray = deviation * lfilter([1.0], [1.0, -memory], drive)
     return noise
 
 

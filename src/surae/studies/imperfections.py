@@ -96,7 +96,7 @@ class Imperfections:
     @property
     def steps(self) -> tuple[str, ...]:
         """One plain sentence for each disturbance that is on."""
-        said = {
+        sentences = {
             "effort_variation": f"Effort varies by {100 * self.effort_variation:g} %.",
             "unmeasured": f"Muscles without electrodes: {100 * self.unmeasured:g} % of the "
             "activity of the others, following it roughly.",
@@ -110,7 +110,7 @@ class Imperfections:
             "torque_noise": f"Torque noise of {self.torque_noise:g} Nm, correlated over "
             f"{self.torque_noise_time:g} s.",
         }
-        return tuple(text for name, text in said.items() if getattr(self, name) != 0.0)
+        return tuple(text for name, text in sentences.items() if getattr(self, name) != 0.0)
 
 
 def realistic_imperfections(subject: VirtualSubject) -> Imperfections:

@@ -89,9 +89,9 @@ def study_rows(
     from surae.studies.store import study_table
 
     study = parse_study(text)
-    with Store(store, write=True) as kept:
-        run_study(study, kept, engine=Engine("processes", workers), progress=progress)
-        return list(study_table(kept))
+    with Store(store, write=True) as file:
+        run_study(study, file, engine=Engine("processes", workers), progress=progress)
+        return list(study_table(file))
 
 
 def _computed(tasks: Mapping[str, FitTask], engine: Engine) -> Generator[Batch]:

@@ -55,10 +55,10 @@ class Store(Ledger):
         InputError
             The store holds nothing yet.
         """
-        held = self.about()
-        if held is None:
+        about = self.about()
+        if about is None:
             raise InputError(f"{self._name} holds {self._NOTHING}")
-        return held[2]
+        return about[2]
 
     def rows(self) -> Iterator[tuple[dict[str, Value], TaskOutcome]]:
         """The rows of the table whose outcome is there, in its order."""

@@ -166,21 +166,21 @@ def parse_study(text: str) -> Study:
         As of `read_study`.
     """
     try:
-        given = tomllib.loads(text)
+        settings = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # also of thousands of digits or brackets
         raise InputError(f"not TOML: {error}") from None
-    factors_of_file = _factors(given)
+    factors_of_file = _factors(settings)
     known = ("name", *FACTORS, *(name for name, _ in INSTEAD.values()), *OPTIONS)
-    for key in given:
+    for key in settings:
         if key not in known:
             raise InputError(f"unknown setting {key!r}; known settings: {', '.join(known)}")
-    name = given.get("name", "study")
+    name = settings.get("name", "study")
     if not isinstance(name, str) or not name.strip() or not name.isprintable():
         raise InputError(f"name is {name!r}; give a text of one line")
     factors: dict[str, tuple[Value, ...]] = {}
     for key, factor in factors_of_file.items():
-        if key in given:
-            factors[_COUNTED.get(key, key)] = _values(key, given[key], factor)
+        if key in settings:
+            factors[_COUNTED.get(key, key)] = _values(key, settings[key], factor)
         elif factor.default:
             factors[_COUNTED.get(key, key)] = factor.default
         elif key not in OPTIONS:

@@ -205,8 +205,8 @@ def _trajectory(task: FitTask) -> Trajectory:
     """The motion, shared by all tasks that have it, with the task's own effort."""
     settings = motion(asdict(task))
     still = _motion(replace(settings, task="passive"))
-    asked = effort(still.time, TASKS[settings.task])
-    return replace(still, settings=settings, effort=read_only(asked))
+    target = effort(still.time, TASKS[settings.task])
+    return replace(still, settings=settings, effort=read_only(target))
 
 
 @lru_cache(_MOTIONS)

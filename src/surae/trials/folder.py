@@ -47,8 +47,8 @@ def index_of(folder: PathLike) -> dict[str, Any] | None:
 
 def results_in(folder: PathLike) -> frozenset[str]:
     """The fits that runs have put into a folder, by its index."""
-    told = (index_of(folder) or {}).get("results", ())
-    names = told if isinstance(told, list) else ()
+    index = (index_of(folder) or {}).get("results", ())
+    names = index if isinstance(index, list) else ()
     return frozenset(name for name in names if isinstance(name, str) and _FIT.fullmatch(name))
 
 

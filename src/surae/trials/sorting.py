@@ -120,11 +120,11 @@ def sorted_trials(
         if trial.name not in seen:
             sorted_.append(trial)
             continue
-        told = given.get(trial.name) or reading.said.effort
-        effort, why = (told, "as described") if told else _effort(trial, levels, moving)
+        stated = given.get(trial.name) or reading.said.effort
+        effort, why = (stated, "as described") if stated else _effort(trial, levels, moving)
         use = "fit" if trial.moves else "reference" if effort == "maximal" else "hold"
         why = f"{trial.why}; {why}"
-        sorted_.append(replace(trial, effort=effort, use=use, why=why, told=told is not None))
+        sorted_.append(replace(trial, effort=effort, use=use, why=why, told=stated is not None))
     return tuple(sorted_)
 
 

@@ -47,8 +47,8 @@ class TrialSet:
                  if (value := getattr(self, key))]  # fmt: skip
         lines[0] += f" ({', '.join(about)})" if about else ""
         for trial in self.trials:
-            said = trial.problem or f"{trial.effort}, {trial.why}"
-            lines.append(f"  {trial.name}: {trial.use}: {said}")
+            described = trial.problem or f"{trial.effort}, {trial.why}"
+            lines.append(f"  {trial.name}: {trial.use}: {described}")
         return "\n".join(lines)
 
     @property

@@ -102,17 +102,17 @@ def read_claims(section: str, *modules: str) -> tuple[Claim, ...]:
 
 
 def _claim(row: dict[str, Any], rules: Mapping[str, Any], groups: Mapping[str, list[str]]) -> Claim:
-    given = row.pop("given", {})
-    texts = {key: value.format(**{**row, **given}) for key, value in row.items()}
+    arguments_of_rule = row.pop("given", {})
+    texts = {key: value.format(**{**row, **arguments_of_rule}) for key, value in row.items()}
     calls = [call.split() for call in texts["explain"].split(";")] if "explain" in texts else []
 
     def explained(view: Any, claim: Claim) -> str:
         return " ".join(rules[name](view, claim, *arguments) for name, *arguments in calls)
 
     return Claim(
-        ours=partial(rules[texts["ours"]], **given),
+        ours=partial(rules[texts["ours"]], **arguments_of_rule),
         explain=explained if calls else None,
-        given=given,
+        given=arguments_of_rule,
         views=tuple(groups[texts["views"]]) if "views" in texts else (),
         **{key: text for key, text in texts.items() if key in _TEXTS},
     )
@@ -174,15 +174,15 @@ def judge(claim: Claim, views: Mapping[str, Any]) -> JudgedClaim:
         else:
             rulings[name] = bool(ruling.holds), ruling.ours
     readings = [name for name in views if name != INTEGRATOR]
-    held = [name for name in readings if name in rulings and rulings[name][0]]
+    holding = [name for name in readings if name in rulings and rulings[name][0]]
     reason = claim.why
     if not any(name in rulings for name in readings):
         verdict = said = "cannot be checked"
         reason = missing
-    elif held == readings:
+    elif holding == readings:
         verdict = said = "holds"
-    elif held:
-        verdict, said = "holds under a reading", f"holds under {' and '.join(held)}"
+    elif holding:
+        verdict, said = "holds under a reading", f"holds under {' and '.join(holding)}"
     elif rulings.get(INTEGRATOR, (False, ""))[0]:
         verdict = said = "holds with the thesis's integrator"
     else:

@@ -223,13 +223,13 @@ def _ways_table(ways: Mapping[str, Way]) -> Table:
     for name, way in ways.items():
         errors = way.errors(SHARED)
         white, trusted = way.covered("white"), way.covered("trusted")
-        held = [
+        held_out = [
             float(np.median([v for _, v in way.held_out[p]])) if p in way.held_out else None
             for p in (ACTIVE_PROTOCOL, PASSIVE_PROTOCOL)
         ]
         rows.append(
             (name, round(float(np.median(way.vaf)), 2),
-             *(None if value is None else round(value, 2) for value in held),
+             *(None if value is None else round(value, 2) for value in held_out),
              round(100 * float(np.median(errors)), 1),
              round(100 * float(np.mean(errors <= RIGHT)), 1),
              round(100 * white[0], 1) if white[1] else None,
@@ -266,14 +266,14 @@ def _parameters_table(ways: Mapping[str, Way]) -> Table:
 
 def _notes(fits: Fits, ways: Mapping[str, Way]) -> tuple[str, ...]:
     last = fits.size.repetitions
-    held = ways[BEST].held_out[ACTIVE_PROTOCOL]
+    held_out = ways[BEST].held_out[ACTIVE_PROTOCOL]
     thesis = dict(ways[RIGID].held_out.get(ACTIVE_PROTOCOL, ()))
-    gain = [value - thesis[subject] for subject, value in held if subject in thesis]
+    gain = [value - thesis[subject] for subject, value in held_out if subject in thesis]
     taken = "repetition 1" if last == 2 else f"repetitions 1 to {last - 1}"
-    said = f" ({np.median(gain):+.2f} points in the median against 1.0 alone)" if gain else ""
+    gained = f" ({np.median(gain):+.2f} points in the median against 1.0 alone)" if gain else ""
     return (
         f"Joint fits take {taken} of all protocols that a subject completed, "
-        f"with shared parameters, and predict repetition {last}{said}. Freed are, in turn, none, "
+        f"with shared parameters, and predict repetition {last}{gained}. Freed are, in turn, none, "
         "the triceps' ε0, and ε0 of both muscles with the triceps' toe force. The thesis's way is "
         "one recording, repetition 1 of the multiple holds.",
         "Truth exists for what the fitted model shares with the generating leg. EMG weights are "

@@ -111,11 +111,11 @@ def vaf_drawings(fits: Fits) -> Iterator[Drawing]:
          "VAF of repetitions predicted with a free tendon parameter, models 2.1 and 2.2",
          [BoxPanel("Multiple holds", boxes("validation", fits.predicted, *tendons), 50.0)]),
     ]  # fmt: skip
-    for number, title, what, panels in rows:
+    for number, title, caption, panels in rows:
         ylabel = "VAF [%]" if number in (17, 23, 32) else "Validation VAF [%]"
         yield Drawing(
-            f"figure-{number}", f"Figure {number}: {title}", f"{what}. {_BOXES}",
-            f"Box plots. {what}.", vaf_figure(panels, noted(fits), ylabel),
+            f"figure-{number}", f"Figure {number}: {title}", f"{caption}. {_BOXES}",
+            f"Box plots. {caption}.", vaf_figure(panels, noted(fits), ylabel),
         )  # fmt: skip
 
 
@@ -150,12 +150,12 @@ def snsem_drawings(fits: Fits) -> Iterator[Drawing]:
     for number, (model, protocol) in _SNSEM.items():
         ratios = fits.snsem(model, protocol)
         fitted = sum(1 for _ in fits.of(model, protocol))
-        what = f"snSEM of model {model}, {PROTOCOLS[protocol]}"
+        caption = f"snSEM of model {model}, {PROTOCOLS[protocol]}"
         yield Drawing(
-            f"figure-{number}", f"Figure {number}: {what}",
+            f"figure-{number}", f"Figure {number}: {caption}",
             "Standard error, equation (34), of every recording over the mean of "
             f"{fits.size.baseline} simulated subjects at the same rate. Logarithmic, unlike the "
-            "thesis's axis.", f"Box plots of the {what}.",
+            "thesis's axis.", f"Box plots of the {caption}.",
             snsem_figure(ratios, {n: fitted - len(several) for n, several in ratios.items()}),
         )  # fmt: skip
 
@@ -167,11 +167,12 @@ def trace_drawings(fits: Fits) -> Iterator[Drawing]:
         if protocol not in who.completed:
             continue
         fit = work.fitted(**plan.fit_settings(fits.size, number, [(protocol, 1)], model))
-        what = f"model {model}, {PROTOCOLS[protocol]}"
+        fitted = f"model {model}, {PROTOCOLS[protocol]}"
         yield Drawing(
-            f"figure-{figure}", f"Figure {figure}: torque of {what}",
-            f"Subject {who.id}, repetition 1, {what}: EMG, angle, torque and its parts. VAF "
-            f"{fit.vaf:.2f} %.", f"EMG, angle, measured and modelled torque and its parts; {what}.",
+            f"figure-{figure}", f"Figure {figure}: torque of {fitted}",
+            f"Subject {who.id}, repetition 1, {fitted}: EMG, angle, torque and its parts. VAF "
+            f"{fit.vaf:.2f} %.",
+            f"EMG, angle, measured and modelled torque and its parts; {fitted}.",
             torque_figure(traces_of(fit.result)[0]),
         )  # fmt: skip
         if figure == 19:

@@ -65,7 +65,7 @@ class Way:
 
     def covered(self, kind: str) -> tuple[float, int]:
         """Share of ``"white"`` or ``"trusted"`` intervals that hold the truth, and their number."""
-        known = [held for e in self.estimates if (held := getattr(e, kind)) is not None]
+        known = [holds for e in self.estimates if (holds := getattr(e, kind)) is not None]
         return (float(np.mean(known)) if known else float("nan")), len(known)
 
 
@@ -98,15 +98,15 @@ def ways(context: Context, fits: Fits) -> dict[str, Way]:
 
 
 def _way(name: str, by_subject: Mapping[str, Fit], last: int) -> Way:
-    held: dict[str, list[tuple[str, float]]] = {}
+    held_out: dict[str, list[tuple[str, float]]] = {}
     for subject, fit in by_subject.items():
         for prediction in fit["predicted"]:
             if prediction["repetition"] == last and prediction["vaf"] is not None:
-                held.setdefault(prediction["protocol"], []).append((subject, prediction["vaf"]))
+                held_out.setdefault(prediction["protocol"], []).append((subject, prediction["vaf"]))
     return Way(
         name,
         tuple(estimate for fit in by_subject.values() for estimate in _estimates(fit)),
-        {protocol: tuple(several) for protocol, several in held.items()},
+        {protocol: tuple(several) for protocol, several in held_out.items()},
         float(np.mean([fit["first_start"] for fit in by_subject.values()])),
         tuple(fit["vaf"] for fit in by_subject.values() if fit["vaf"] is not None),
     )

@@ -70,16 +70,16 @@ def gains(evidence: Evidence, model: str, protocol: str) -> dict[str, float]:
 
 def costs(evidence: Evidence, claim: Claim, model: str, protocol: str) -> str:
     """What keeps the VAF of this cohort from 100 %, by refits without one imperfection."""
-    changes, left = gains(evidence, model, protocol), ""
+    changes, beginning = gains(evidence, model, protocol), ""
     if "mean" in claim.given:
         kind, *which = (claim.given[key] for key in ("kind", "model", "protocol"))
         ours, thesis = _mean(_points(evidence.fits, kind, *which)), claim.given["mean"]
-        left = (
+        beginning = (
             f"The thesis's mean leaves {_rest(thesis):.1f} % of the torque's root mean square, "
             f"ours {_rest(ours):.1f} %. "
         )
     if not changes:
-        return left.strip()
+        return beginning.strip()
     every = changes.pop("all", 0.0)
     named = sorted(((g, n) for n, g in changes.items() if abs(g) >= _NAMED), reverse=True)
     several = "; ".join(f"{REMOVABLE[name]} {gain:+.2f}" for gain, name in named)
@@ -88,7 +88,7 @@ def costs(evidence: Evidence, claim: Claim, model: str, protocol: str) -> str:
         for label in evidence.spared
     )
     return (
-        f"{left}Refits of the {PROTOCOLS[protocol]} of {subjects} subjects, spared one "
+        f"{beginning}Refits of the {PROTOCOLS[protocol]} of {subjects} subjects, spared one "
         "imperfection at a time, change the mean VAF by (points): "
         f"{several or 'less than 0.05 each'}; spared all, {every:+.2f}."
     )
@@ -351,14 +351,14 @@ def block(evidence: Evidence) -> Ruling:
 
 def lengths(evidence: Evidence, pairs: list[list[str]]) -> Ruling:
     """The correlation of pairs of parameters."""
-    told: dict[str, list[float]] = {}
+    by_pair: dict[str, list[float]] = {}
     for names, matrix in _correlations(evidence):
         for a, b in pairs:
             if a in names and b in names:
-                told.setdefault(f"{a}–{b}", []).append(matrix[names.index(a), names.index(b)])
-    if not told:
+                by_pair.setdefault(f"{a}–{b}", []).append(matrix[names.index(a), names.index(b)])
+    if not by_pair:
         raise NotThereError("No fit has both parameters off their bounds.")
-    middle = {pair: median(several) for pair, several in told.items()}
+    middle = {pair: median(several) for pair, several in by_pair.items()}
     text = ", ".join(f"{pair} {value:.2f}" for pair, value in middle.items())
     return Ruling(max(middle.values()) > 0.5, text)
 

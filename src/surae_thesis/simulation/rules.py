@@ -54,8 +54,8 @@ def again(study: Study, claim: Claim) -> str:
     """Say for how many of the other subjects a claim holds."""
     subjects = sorted({cell.subject for cell in study.others})
     grids = [replace(study, grid=select(study.others, subject=n)) for n in subjects]
-    held = sum(claim.ours(grid).holds for grid in grids)
-    return f"It holds for {held} of {len(subjects)} virtual subjects."
+    count = sum(claim.ours(grid).holds for grid in grids)
+    return f"It holds for {count} of {len(subjects)} virtual subjects."
 
 
 # VAF and noise

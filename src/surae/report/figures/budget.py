@@ -25,7 +25,7 @@ def budget_figure(section: BudgetSection) -> Figure:
     figure = new_figure(1.1 + 0.2 * -(-len(section.sources) // 3) + 0.24 * len(names))
     axes = figure.add_subplot()
     dress(axes, "", "Share of the variance [%]", grid=False)
-    left = np.zeros(len(names))
+    begins = np.zeros(len(names))
     patches = []
     order = list(SOURCES)
     for number, (key, source) in enumerate(zip(section.keys, section.sources, strict=True)):
@@ -36,9 +36,9 @@ def budget_figure(section: BudgetSection) -> Figure:
             "edgecolor": INK,
             "linewidth": 0.5,
         }
-        axes.barh(names, shares[:, number], left=left, height=0.72, **look)
+        axes.barh(names, shares[:, number], left=begins, height=0.72, **look)
         patches.append(Patch(label=source, **look))
-        left += shares[:, number]
+        begins += shares[:, number]
     axes.set_xlim(0.0, 100.0)
     axes.invert_yaxis()
     axes.tick_params(axis="y", length=0)

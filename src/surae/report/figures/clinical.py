@@ -84,19 +84,19 @@ def shares_figure(shares: Sequence[tuple[str, Sequence[tuple[str, float]]]]) -> 
     figure = new_figure(0.42 + 0.26 * len(shares), width=7.2)
     axes = figure.subplots()
     for row, (_, parts) in enumerate(shares):
-        left = 0.0
+        begin = 0.0
         for (part, value), (colour, hatch) in zip(parts, _FILLS, strict=False):
             axes.barh(
-                row, value, left=left, height=0.7, color=colour, hatch=hatch, edgecolor=INK,
+                row, value, left=begin, height=0.7, color=colour, hatch=hatch, edgecolor=INK,
                 linewidth=0.6, label=f"{part}" if row == 0 else "_",
             )  # fmt: skip
             if value > 6.0:
                 axes.text(
-                    left + 0.5 * value, row, f"{value:.0f} %", ha="center", va="center",
+                    begin + 0.5 * value, row, f"{value:.0f} %", ha="center", va="center",
                     fontsize=8, color=INK, bbox={"facecolor": "white", "edgecolor": "none",
                                                  "pad": 1.2},
                 )  # fmt: skip
-            left += value
+            begin += value
     axes.set_xlim(0.0, 100.0)
     axes.set_yticks(range(len(shares)), [name for name, _ in shares], fontsize=8)
     axes.invert_yaxis()

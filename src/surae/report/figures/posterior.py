@@ -95,8 +95,8 @@ def _marginal(
     closed = [end for end in profile or () if end is not None]
     shared = [low, high, *closed, *(marginal.from_covariance or ())]
     room = 0.5 * (high - low)
-    left, right = max(min(shared), low - room), min(max(shared), high + room)
-    axes.set_xlim(left - 0.03 * (right - left), right + 0.03 * (right - left))
+    lowest, highest = max(min(shared), low - room), min(max(shared), high + room)
+    axes.set_xlim(lowest - 0.03 * (highest - lowest), highest + 0.03 * (highest - lowest))
     density, _, _ = axes.hist(
         draws, bins=_BARS, range=(low, high), density=True, color=GREY, alpha=0.75, linewidth=0,
         label="posterior",

@@ -73,14 +73,14 @@ def _panel(axes: Axes, profile: Profile, *, leftmost: bool) -> None:
     heading(axes, profile.name)
     axes.set_title(_interval(profile), loc="right", fontsize=8, color=MUTED)
     top = _TOP * profile.threshold
-    left, right = _limits(profile)
+    lowest, highest = _limits(profile)
     ends = zip(profile.interval, profile.values[[0, -1]], strict=True)
     low, high = (edge if end is None else end for end, edge in ends)
     axes.axvspan(low, high, color=GREY, alpha=0.22, linewidth=0, label="95 % interval")
     axes.axhline(profile.threshold, color=OCHRE, linewidth=1.3, linestyle=(0, (1, 1.4)),
                  label=f"threshold {profile.threshold:.2f}")  # fmt: skip
     if profile.sem is not None:
-        grid = np.linspace(left, right, _POINTS)
+        grid = np.linspace(lowest, highest, _POINTS)
         axes.plot(grid, ((grid - profile.value) / profile.sem) ** 2, color=GREY, linewidth=2.8,
                   linestyle=(0, (3, 1.2)), label="covariance")  # fmt: skip
     axes.plot(*_curve(profile), color=BLUE, linewidth=1.2, zorder=3)
@@ -92,7 +92,7 @@ def _panel(axes: Axes, profile: Profile, *, leftmost: bool) -> None:
     for end, edge, sign in zip(profile.interval, profile.values[[0, -1]], (-1, 1), strict=True):
         if end is None:
             _arrow(axes, float(edge), sign, top)
-    axes.set_xlim(left, right)
+    axes.set_xlim(lowest, highest)
     axes.set_ylim(0.0, top)
     powers_of_ten(axes, "x", 5)
 
@@ -101,12 +101,12 @@ def _limits(profile: Profile) -> tuple[float, float]:
     """Ends of the axis: the profile, and the covariance's interval as far as there is room."""
     low, high = float(profile.values[0]), float(profile.values[-1])
     room = _ROOM * (high - low)
-    left, right = low, high
+    lowest, highest = low, high
     if profile.from_covariance is not None:
-        left = max(min(low, profile.from_covariance[0]), low - room)
-        right = min(max(high, profile.from_covariance[1]), high + room)
-    margin = 0.03 * (right - left)
-    return left - margin, right + margin
+        lowest = max(min(low, profile.from_covariance[0]), low - room)
+        highest = min(max(high, profile.from_covariance[1]), high + room)
+    margin = 0.03 * (highest - lowest)
+    return lowest - margin, highest + margin
 
 
 def _curve(profile: Profile) -> tuple[FloatArray, FloatArray]:
