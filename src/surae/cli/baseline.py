@@ -45,7 +45,7 @@ def command(
     device: str | None,
     output: str,
     options: dict[str, Any],
-    **asked: Any,
+    **settings: Any,
 ) -> None:
     """Simulate the standard errors with which `surae fit --baseline` compares those of a fit.
 
@@ -55,7 +55,7 @@ def command(
     check_outputs({"--output": output}, [])
 
     api.get_model(model)
-    motion = {key: asked.pop(key) for key in ("task", "chirp_amplitude", "rate_hz")}
+    motion = {key: settings.pop(key) for key in ("task", "chirp_amplitude", "rate_hz")}
     protocol = api.Protocol(
         profile=name,
         chirp_rate=chirp_rise(chirp_rate, chirp_factor),
@@ -65,7 +65,7 @@ def command(
 
     with work() as progress, compilation_notice():
         baseline = api.make_baseline(
-            protocol, model, **asked, options=api.ModelOptions.of(**options),
+            protocol, model, **settings, options=api.ModelOptions.of(**options),
             progress=partial(progress.parts, "fits"),
         )  # fmt: skip
     api.save_baseline(output, baseline)

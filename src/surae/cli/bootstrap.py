@@ -22,7 +22,7 @@ from surae.files import shown
               help="Length of the blocks.  [default: from the residual]")  # fmt: skip
 @workers_option("Fits")
 @click.option("--output", metavar="B.json", help="Write the intervals; makes it resumable.")
-def command(fitted: str, output: str | None, **asked: Any) -> None:
+def command(fitted: str, output: str | None, **settings: Any) -> None:
     """Find intervals by fitting again and again with blocks of the residual as the noise.
 
     With --output B.json, every replicate is added to B.json.replicates as it is done: the same
@@ -34,7 +34,7 @@ def command(fitted: str, output: str | None, **asked: Any) -> None:
     fit = api.load(fitted)
     with work() as progress, compilation_notice():
         drawn = api.bootstrap(
-            fit, **asked, store=store, progress=partial(progress.parts, "bootstrap")
+            fit, **settings, store=store, progress=partial(progress.parts, "bootstrap")
         )
 
     if output is not None:
@@ -49,8 +49,8 @@ def command(fitted: str, output: str | None, **asked: Any) -> None:
     )
     show_files({"bootstrap": output})
     if drawn.missing:
-        kept = f"; the same command goes on from {shown(str(store))}" if store else ""
-        raise StoppedError(f"stopped, {drawn.missing} replicates missing{kept}")
+        resumes = f"; the same command goes on from {shown(str(store))}" if store else ""
+        raise StoppedError(f"stopped, {drawn.missing} replicates missing{resumes}")
 
 
 def _table(drawn: "api.Bootstrap") -> Columns:

@@ -46,27 +46,27 @@ def command(
 
     api.check_clinical_page(report)
     with compilation_notice():
-        told = api.change(before, after, baselines=baselines, angles=angles or None, legs=legs)
+        change = api.change(before, after, baselines=baselines, angles=angles or None, legs=legs)
 
     if output is not None:
-        told.save(output)
-    show_verdicts(*_table(told), numbers=_NUMBERS)
-    for reason, names in _reasons(told).items():
+        change.save(output)
+    show_verdicts(*_table(change), numbers=_NUMBERS)
+    for reason, names in _reasons(change).items():
         show_line(f"{reason}: {', '.join(names)}")
-    show_line(told.multiplicity)
-    if told.baselines:
-        show_line(f"the spread between sessions is that of {told.baselines} baselines")
+    show_line(change.multiplicity)
+    if change.baselines:
+        show_line(f"the spread between sessions is that of {change.baselines} baselines")
     if report is not None:
         angle = angles[0] if len(angles) == 1 else 10.0
         sides = [api.fit_of(before), api.fit_of(after)]
-        api.write_clinical_page(report, sides, language=language, angle=angle, told=told)
+        api.write_clinical_page(report, sides, language=language, angle=angle, told=change)
     show_files({"change": output, "report": report})
 
 
-def _table(told: "api.Change") -> Columns:
+def _table(change: "api.Change") -> Columns:
     """What can be compared; what cannot stands below, by reason."""
     rows: list[tuple[str, ...]] = []
-    for d in (*told.measures.values(), *told.parameters.values()):
+    for d in (*change.measures.values(), *change.parameters.values()):
         if d.difference is None or d.ci95 is None or d.smallest is None:
             continue
         values = [
@@ -80,10 +80,10 @@ def _table(told: "api.Change") -> Columns:
     return ("of", *_NUMBERS, "unit", "verdict"), rows
 
 
-def _reasons(told: "api.Change") -> dict[str, list[str]]:
+def _reasons(change: "api.Change") -> dict[str, list[str]]:
     """What cannot be compared, by reason."""
     reasons: dict[str, list[str]] = {}
-    for d in (*told.measures.values(), *told.parameters.values()):
+    for d in (*change.measures.values(), *change.parameters.values()):
         if d.verdict == "not comparable" and (d.before is not None or d.after is not None):
             reasons.setdefault(d.note, []).append(d.name)
     return reasons

@@ -37,13 +37,13 @@ def command(
     """
     check_recordings(recordings)
 
-    asked = None if commanded is None else api.commanded_file(commanded)
+    protocol = None if commanded is None else api.commanded_file(commanded)
     qualities = []
     with work() as progress:
         for path in recordings:
             progress.describe(f"reading and checking {path}")
             recording = path if mapping is None else api.read(path, mapping=mapping)
-            qualities.append(api.check(recording, commanded=asked, prepared=prepared))
+            qualities.append(api.check(recording, commanded=protocol, prepared=prepared))
     if as_json:
         click.echo(json.dumps(_plain(recordings, qualities), ensure_ascii=False, indent=2))
     else:

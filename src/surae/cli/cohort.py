@@ -43,24 +43,24 @@ def command(
 
     api.check_clinical_page(report)
     with work() as progress, compilation_notice():
-        made = api.cohort(
+        cohort = api.cohort(
             table, refit=refit, angles=[angle], engine=engine,
             progress=partial(progress.parts, "legs"),
         )  # fmt: skip
 
     if output is not None:
-        made.save(output)
-    show_verdicts(*_table(made), numbers=("legs", "mean", "95 % interval", "spread"))
-    for line in _notes(made):
+        cohort.save(output)
+    show_verdicts(*_table(cohort), numbers=("legs", "mean", "95 % interval", "spread"))
+    for line in _notes(cohort):
         show_line(line)
     if report is not None:
-        api.write_cohort_page(report, made)
+        api.write_cohort_page(report, cohort)
     show_files({"cohort": output, "report": report})
 
 
-def _table(made: "api.Cohort") -> Columns:
+def _table(cohort: "api.Cohort") -> Columns:
     rows: list[tuple[str, ...]] = []
-    for p in made.pooled.values():
+    for p in cohort.pooled.values():
         for group, effects in p.groups.items():
             text = api.estimate(effects.mean, effects.se, effects.ci95)
             spread = api.significant(effects.tau2**0.5, 2)
@@ -71,10 +71,10 @@ def _table(made: "api.Cohort") -> Columns:
     return heads, rows
 
 
-def _notes(made: "api.Cohort") -> list[str]:
+def _notes(cohort: "api.Cohort") -> list[str]:
     """Differences and changes that are shown, and who is not in them."""
     notes = []
-    for p in made.pooled.values():
+    for p in cohort.pooled.values():
         for kind, contrasts in (("differs", p.differences), ("changed", p.changes)):
             notes += [
                 f"{p.name} {kind}, {key or 'all'}: {c.difference:.3g} {p.unit} "
@@ -82,11 +82,11 @@ def _notes(made: "api.Cohort") -> list[str]:
                 for key, c in contrasts.items()
                 if c.p < 0.05
             ]
-    notes += [made.note] if made.note else []
-    notes += [f"{m.row}: no fit ({m.missing})" for m in made.members if m.missing]
-    bound = [f"{p.name} {p.at_bound}" for p in made.pooled.values() if p.at_bound]
+    notes += [cohort.note] if cohort.note else []
+    notes += [f"{m.row}: no fit ({m.missing})" for m in cohort.members if m.missing]
+    bound = [f"{p.name} {p.at_bound}" for p in cohort.pooled.values() if p.at_bound]
     if bound:
         notes.append(f"at a bound, so that they may lie anywhere between: {', '.join(bound)}")
-    if made.rounds:
-        notes.append(f"every leg was fitted again with its population, {made.rounds} rounds")
+    if cohort.rounds:
+        notes.append(f"every leg was fitted again with its population, {cohort.rounds} rounds")
     return notes

@@ -28,7 +28,7 @@ def command(
     recordings: tuple[str, ...],
     models: str | None,
     prepared: bool,
-    asked: dict[str, Any],
+    options: dict[str, Any],
     mvc: tuple[str, ...],
     output: str | None,
 ) -> None:
@@ -42,7 +42,7 @@ def command(
     chosen = everything if models is None else [name.strip() for name in models.split(",")]
     if not all(chosen):
         raise InputError(f"--models {models}: write names with commas, e.g. muscle,muscle-tendon")
-    settings = request(names.AUTO, {"starts": _FEW_STARTS, "prepared": prepared} | asked)
+    settings = request(names.AUTO, {"starts": _FEW_STARTS, "prepared": prepared} | options)
     check_recordings(recordings)
 
     with work() as progress:

@@ -95,7 +95,7 @@ def _prepared(recording: "api.Recording") -> "api.Recording":
         for role, signal in values.items()
         if signal is not None
     }
-    made = api.Recording(
+    prepared = api.Recording(
         name=recording.name, channels=channels, emg="envelope", fixed=recording.fixed
     )
-    return replace(made, side=recording.side, device=recording.device, files=recording.files)
+    return replace(prepared, side=recording.side, device=recording.device, files=recording.files)

@@ -68,7 +68,7 @@ def command(
     target: str | None,
     figure: str | None,
     options: dict[str, Any],
-    **asked: Any,
+    **settings: Any,
 ) -> None:
     """Find the movement and effort that tell most of a leg, within a device's limits.
 
@@ -99,43 +99,43 @@ def command(
     }
     if minutes is not None:
         single = {"--duration": duration, "--target": target, "--figure": figure,
-                  "--evaluations": asked.pop("evaluations")}  # fmt: skip
-        given = [option for option, value in single.items() if value is not None]
-        if given:
-            raise InputError(f"{given[0]} is of a single trial; leave it out, or --session")
-        asked.pop("seed")
+                  "--evaluations": settings.pop("evaluations")}  # fmt: skip
+        refused = [option for option, value in single.items() if value is not None]
+        if refused:
+            raise InputError(f"{refused[0]} is of a single trial; leave it out, or --session")
+        settings.pop("seed")
         _plan(minutes, 30.0 if pause is None else pause, output, without_limits,
-              **who, **asked, **options)  # fmt: skip
+              **who, **settings, **options)  # fmt: skip
         return
 
     with work() as progress, compilation_notice():
-        made = api.design(
-            35.0 if duration is None else duration, **who, **asked, **options,
+        design = api.design(
+            35.0 if duration is None else duration, **who, **settings, **options,
             progress=lambda done, total, _: progress.parts("plans judged", done, total),
         )  # fmt: skip
-    made.write(output, without_limits=without_limits)
+    design.write(output, without_limits=without_limits)
     if target is not None:
-        api.write_protocol_target(made.trajectory, target)
+        api.write_protocol_target(design.trajectory, target)
     if figure is not None:
-        api.write_figure(figure, api.protocol_figure(made.trajectory))
-    show_expectation(made.expectation)
-    for note in made.notes:
+        api.write_figure(figure, api.protocol_figure(design.trajectory))
+    show_expectation(design.expectation)
+    for note in design.notes:
         show_line(note)
-    if made.aimed:
-        told = ", ".join(f"{name} {part(sem)}" for name, sem in made.aimed.items())
-        show_line(f"standard error of what was aimed at: {told}")
-    show_line(f"{made.curve[-1][0]:,} plans to the best; {made.seconds:.0f} s")
+    if design.aimed:
+        aims = ", ".join(f"{name} {part(sem)}" for name, sem in design.aimed.items())
+        show_line(f"standard error of what was aimed at: {aims}")
+    show_line(f"{design.curve[-1][0]:,} plans to the best; {design.seconds:.0f} s")
     show_files({"protocol": output, "target": target, "figure": figure})
-    if made.stopped:
+    if design.stopped:
         raise StoppedError("stopped by the user; the best so far is kept")
 
 
 def _plan(
-    minutes: float, pause: float, output: str, without_limits: str | None, **asked: Any
+    minutes: float, pause: float, output: str, without_limits: str | None, **settings: Any
 ) -> None:
     """Plan a session, and write its trials into a folder."""
     with compilation_notice():
-        plan = api.design_session(minutes, pause=pause, **asked)
+        plan = api.design_session(minutes, pause=pause, **settings)
     folder = Path(output)
     folder.mkdir(parents=True, exist_ok=True)
     for k, trial in enumerate(plan.trials, 1):

@@ -37,8 +37,8 @@ def command() -> int:
         show_line(f"extra {name}: {_extra(name, packages)}")
 
     folder = api.cache_folder()
-    held = [path.stat().st_size for path in folder.rglob("*") if path.is_file()]
-    show_line(f"compiled kernels: {folder}, {len(held)} files, {sum(held) / 1e6:.1f} MB")
+    sizes = [path.stat().st_size for path in folder.rglob("*") if path.is_file()]
+    show_line(f"compiled kernels: {folder}, {len(sizes)} files, {sum(sizes) / 1e6:.1f} MB")
     return _self_test()
 
 

@@ -24,7 +24,7 @@ _MOST = 100_000
 @SEED
 @workers_option("Fits")
 @click.option("--output", metavar="BIAS.json", help="Write the biases.")
-def command(fitted: str, output: str | None, **asked: Any) -> None:
+def command(fitted: str, output: str | None, **settings: Any) -> None:
     """Find how far noise of the EMG has shifted each parameter, which no interval shows.
 
     Ever more noise is added to the EMG, and what that does to the estimates is followed back to an
@@ -34,7 +34,7 @@ def command(fitted: str, output: str | None, **asked: Any) -> None:
 
     fit = api.load(fitted)
     with work() as progress, compilation_notice():
-        bias = api.emg_bias(fit, **asked, progress=partial(progress.parts, "pairs of EMG noise"))
+        bias = api.emg_bias(fit, **settings, progress=partial(progress.parts, "pairs of EMG noise"))
 
     if output is not None:
         bias.save(output)

@@ -37,7 +37,7 @@ def command(
     fitted: str | None,
     output: str | None,
     options: dict[str, Any],
-    **asked: Any,
+    **settings: Any,
 ) -> None:
     """Tell what a protocol will tell of each parameter, before anybody is measured.
 
@@ -48,7 +48,7 @@ def command(
 
     fit = None if fitted is None else api.load(fitted)
     with compilation_notice():
-        expectation = api.expect(protocol, fit=fit, **asked, **options)
+        expectation = api.expect(protocol, fit=fit, **settings, **options)
     if output is not None:
         write_json(output, expectation.to_json())
 

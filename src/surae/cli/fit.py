@@ -40,7 +40,7 @@ def command(
     model: str,
     mapping: str | None,
     prepared: bool,
-    asked: dict[str, Any],
+    options: dict[str, Any],
     mvc: tuple[str, ...],
     baseline: str | None,
     strict: bool,
@@ -55,7 +55,7 @@ def command(
     --mapping one of the files that this TOML describes.
     Ctrl-C stops the search: the best fit so far is shown and written.
     """
-    settings = request(model, asked | {"prepared": prepared})
+    settings = request(model, options | {"prepared": prepared})
     check_recordings(recordings)
 
     api.check_report(report)

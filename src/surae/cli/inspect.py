@@ -36,8 +36,8 @@ def command(
 
     paths = [
         str(path)
-        for given in files
-        for path in (api.data_files(given) if Path(given).is_dir() else [given])
+        for shown_files in files
+        for path in (api.data_files(shown_files) if Path(shown_files).is_dir() else [shown_files])
     ]
     if not paths:
         raise InputError(f"{shown(files[0])}: no data file is there")
@@ -61,11 +61,11 @@ def command(
         show_line(json.dumps(inspected.to_json(), indent=1, allow_nan=False, ensure_ascii=False))
         return
     to = "MAP.toml" if output is None else shown(output)
-    given = f"{shown(files[0])}{' …' if len(files) > 1 else ''}"
+    shown_files = f"{shown(files[0])}{' …' if len(files) > 1 else ''}"
     if isinstance(inspected, api.InspectedTrials):
         _show(inspected.typical)
         _show_trials(inspected)
-        then = f"surae session {given} --mapping {to} --output OUT"
+        then = f"surae session {shown_files} --mapping {to} --output OUT"
     else:
         _show(inspected)
         then = f"surae fit {to}"
@@ -78,10 +78,10 @@ def command(
 def _show_trials(inspected: "api.InspectedTrials") -> None:
     """Show of how many trials that was one, and where the others differ."""
     show_line(f"- {len(inspected.trials)} trials of this layout: {', '.join(inspected.trials)}")
-    told: dict[str, list[str]] = {}
+    trials_by_text: dict[str, list[str]] = {}
     for difference in inspected.differences:
-        told.setdefault(difference.text, []).append(difference.trial)
-    for text, trials in told.items():
+        trials_by_text.setdefault(difference.text, []).append(difference.trial)
+    for text, trials in trials_by_text.items():
         show_line(f"- {', '.join(trials)}: {text}")
     for text in inspected.directions:
         show_line(f"- {text}")

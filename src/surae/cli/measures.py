@@ -43,16 +43,16 @@ def command(
 
     fit = api.fit_of(fitted)
     with compilation_notice():
-        told = fit.measures(angles) if angles else fit.measures()
+        measures = fit.measures(angles) if angles else fit.measures()
 
     if output is not None:
-        told.save(output)
-    show_adequacy(told.adequacy)
-    show_verdicts(*_table(told), numbers=("value", "95 % interval"))
-    for measure in told.values():
+        measures.save(output)
+    show_adequacy(measures.adequacy)
+    show_verdicts(*_table(measures), numbers=("value", "95 % interval"))
+    for measure in measures.values():
         if measure.value is None:
             show_line(f"{measure.name}: {measure.note}")
-    for place in api.placed(told, beside):
+    for place in api.placed(measures, beside):
         norm = place.norm
         show_line(
             f"{norm.measure}: {place.text} of {norm.group} (n = {norm.n}, "
@@ -66,10 +66,10 @@ def command(
     show_files({"measures": output, "report": report, "figure": figure})
 
 
-def _table(told: "api.Measures") -> Columns:
+def _table(measures: "api.Measures") -> Columns:
     heads = ("measure", "value", "95 % interval", "unit", "note", "verdict")
     rows: list[tuple[str, ...]] = []
-    for m in told.values():
+    for m in measures.values():
         if m.value is None:
             continue
         sem = None if m.ci95 is None else (m.ci95[1] - m.ci95[0]) / 3.92

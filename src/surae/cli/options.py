@@ -175,12 +175,12 @@ class Picture(OptionType):
 
 def table(_: click.Context, param: click.Parameter, entries: Any) -> dict[str, Any]:
     """Entries as a mapping; a name that comes twice is a slip."""
-    made: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for name, value in entries:
-        if name in made:
+        if name in values:
             raise InputError(f"{param.opts[-1]} {name} is given twice; give it once")
-        made[name] = value
-    return made
+        values[name] = value
+    return values
 
 
 def entries(option: str, form: str, example: str, help: str, metavar: str) -> Callable[[F], F]:
@@ -290,6 +290,29 @@ FITTED_MODEL = click.option(
 )  # fmt: skip
 PREPARED = click.option("--prepared", is_flag=True,
                         help="Use the signals as they are, without filters.")  # fmt: skip
+
+
+def server_options(port: int) -> Callable[[F], F]:
+    """Where a server listens and who may ask: `host`, `port`, `token`, `open_`."""
+    options = (
+        click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS",
+                     help="Address to listen on; any but this computer's own needs a token."),
+        click.option("--port", type=Whole(0, 65535), default=port, show_default=True, metavar="N",
+                     help="0: any free one."),
+        click.option("--token", metavar="T", envvar="SURAE_TOKEN",
+                     help="What a browser must know; in the list of processes others see it, in "
+                     "the environment, as SURAE_TOKEN, not.  [default: made where needed]"),
+        click.option("--open/--no-open", "open_", default=True, help="Show it in the browser."),
+    )  # fmt: skip
+
+    def decorate(function: F) -> F:
+        for option in reversed(options):
+            function = option(function)
+        return function
+
+    return decorate
+
+
 DASK = click.option("--dask", metavar="ADDRESS",
                     help="Scheduler of a Dask cluster to run on instead.")  # fmt: skip
 
@@ -314,56 +337,56 @@ INFLATION = click.option("--variance-inflation", type=Number(above=0.0), metavar
                          "correlation asks for]")  # fmt: skip
 
 
-def _collected(options: tuple[Any, ...], into: str) -> Callable[[F], F]:
-    """Add options; those given arrive together, by name, as the keyword `into`."""
+def _collected(options: tuple[Any, ...]) -> Callable[[F], F]:
+    """Add options; those that are used arrive together, by name, as the keyword `options`."""
 
     def decorate(function: F) -> F:
-        def command(**given: Any) -> Any:
-            asked = {name: given.pop(name) for name in own}
-            told = {
-                n: v
-                for n, v in asked.items()
-                if v is not None and v is not False and v not in ((), {})
-            }
-            return function(**given, **{into: told})
+        def command(**values: Any) -> Any:
+            own = {param.name: values.pop(param.name) for param in added}
+            used = {n: v for n, v in own.items() if v not in (None, (), {}) and v is not False}
+            return function(**values, options=used)
 
         command.__doc__ = function.__doc__
         known = list(getattr(function, "__click_params__", []))
         for option in reversed(options):
             option(command)
-        made: list[click.Parameter] = vars(command)["__click_params__"]
-        own = [str(param.name) for param in made]
-        vars(command)["__click_params__"] = [*known, *made]
+        added: list[click.Parameter] = vars(command)["__click_params__"]
+        vars(command)["__click_params__"] = [*known, *added]
         return command  # type: ignore[return-value]
 
     return decorate
 
 
-def model_options(function: F) -> F:
-    """Add the switches of the models; those given arrive as the mapping `options`."""
-    return _collected(_MODEL, "options")(function)
+#: Adds the switches of the models.
+model_options = _collected(_MODEL)
 
 
 def request_options(function: F) -> F:
-    """Add what a fit may be asked; those given arrive as the mapping `asked`, for `request`."""
-    return _collected(_REQUEST, "asked")(_MVC(function))
+    """Add what a fit may be asked, which `request` reads, and its --mvc."""
+    return _collected(_REQUEST)(_MVC(function))
 
 
-def request(model: "str | api.FitSettings", asked: dict[str, Any]) -> "api.FitSettings":
+def request(model: "str | api.FitSettings", options: dict[str, Any]) -> "api.FitSettings":
     """What a command was asked, as `surae.fit` takes it.
 
-    `model` may be what the options are put in place of; `asked` is what `request_options`
+    `model` may be what the options are put in place of; `options` is what `request_options`
     collected.
     """
-    given = dict(asked)
-    windows = (*given.pop("exclude", ()), *given.pop("weight", ()))
-    peaks, kind = given.pop("weight_peaks", None), given.pop("peaks_of", None)
+    keywords = dict(options)
+    windows = (*keywords.pop("exclude", ()), *keywords.pop("weight", ()))
+    peaks, kind = keywords.pop("weight_peaks", None), keywords.pop("peaks_of", None)
     if kind is not None and peaks is None:
         raise InputError("--peaks-of has no effect without --weight-peaks; give one")
     if windows or peaks is not None:
-        given["weights"] = api.Weighting(windows, peaks or 0.0, kind or "torque")
-    if given.pop("robust", False) and given.setdefault("loss", "huber") != "huber":
-        raise InputError(f"--robust means --loss huber, not {given['loss']}; give one of them")
-    given["bounds"], given["population"] = given.pop("bound", {}), given.pop("priors", None)
-    given["priors"], given["preparation"] = given.pop("prior", {}), given.pop("filter", {})
-    return api.FitSettings.of(model, **given)
+        keywords["weights"] = api.Weighting(windows, peaks or 0.0, kind or "torque")
+    if keywords.pop("robust", False) and keywords.setdefault("loss", "huber") != "huber":
+        raise InputError(f"--robust means --loss huber, not {keywords['loss']}; give one of them")
+    keywords["bounds"], keywords["population"] = (
+        keywords.pop("bound", {}),
+        keywords.pop("priors", None),
+    )
+    keywords["priors"], keywords["preparation"] = (
+        keywords.pop("prior", {}),
+        keywords.pop("filter", {}),
+    )
+    return api.FitSettings.of(model, **keywords)

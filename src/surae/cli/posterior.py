@@ -45,7 +45,7 @@ def command(
     Priors take the place of the fit's bounds; POSTERIOR.json says which. Needs the extra bayes:
     pip install "surae[bayes]". Ctrl-C keeps what is drawn.
     """
-    given = {name: value for name, value in numbers.items() if value is not None}
+    settings = {name: value for name, value in numbers.items() if value is not None}
     read = [fitted] if profiled is None else [fitted, profiled]
     check_outputs({"--output": output, "--figure": figure}, read)
 
@@ -60,7 +60,7 @@ def command(
 
         tell(0, 1)
         drawn = api.posterior(
-            fit, priors=prior, variance_inflation=variance_inflation, progress=tell, **given
+            fit, priors=prior, variance_inflation=variance_inflation, progress=tell, **settings
         )
 
     compared = api.agreements(drawn, intervals)

@@ -19,7 +19,7 @@ from surae.cli.screen import Columns, ends_text, show_files, show_line, show_tab
 @click.option("--output", metavar="PROFILE.json", help="Write the profiles; makes it resumable.")
 @click.option("--figure", type=Picture(), metavar="PROFILE.svg|pdf|png", help="Draw them.")
 def command(
-    fitted: str, names: tuple[str, ...], output: str | None, figure: str | None, **asked: Any
+    fitted: str, names: tuple[str, ...], output: str | None, figure: str | None, **settings: Any
 ) -> None:
     """Find how far each parameter can move before the fit gets worse.
 
@@ -35,7 +35,7 @@ def command(
     with work() as progress, compilation_notice():
         progress.describe("profiles")
         profiles = api.profile(
-            fit, names or None, **asked, store=store,
+            fit, names or None, **settings, store=store,
             progress=lambda name, done, total: progress.describe(
                 f"profiles: {done} of {total} done, {name} last"
             ),

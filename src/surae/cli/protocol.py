@@ -110,12 +110,12 @@ def command(
     limits = api.as_device(limiting)
     angles = api.allowed_range(limits, range)
     if name in api.ready_protocols():
-        given = {
+        chosen = {
             "--task": task, "--chirp-amplitude": chirp_amplitude, "--chirp-rate": chirp_rate,
             "--chirp-factor": chirp_factor, "--duration": duration, "--no-adapt": no_adapt or None,
             "--despite": despite,
         }  # fmt: skip
-        fixed = [option for option, value in given.items() if value is not None]
+        fixed = [option for option, value in chosen.items() if value is not None]
         if fixed:
             raise InputError(
                 f"{fixed[0]}: {name} was designed as a whole; leave {', '.join(fixed)} out, or "
@@ -147,8 +147,8 @@ def command(
         table = _table(settings, trajectory, api.triceps_path(trajectory), given_up)
         model = "muscle"
     with compilation_notice():
-        asked = api.asked_limits(trajectory, model)
-    beyond = "; ".join(limit.text for limit in asked if limit.exceeded)
+        limits_checked = api.asked_limits(trajectory, model)
+    beyond = "; ".join(limit.text for limit in limits_checked if limit.exceeded)
     if beyond and despite is None:
         raise InputError(
             f"{name}: {beyond}; leave --no-adapt out, which gives up effort and range as far as "
@@ -160,7 +160,7 @@ def command(
     api.write_protocol(trajectory, output, without_limits=without_limits, note=note)
     if figure is not None:
         api.write_figure(figure, api.protocol_figure(trajectory))
-    for line in (*table, *(limit.text for limit in asked)):
+    for line in (*table, *(limit.text for limit in limits_checked)):
         show_line(line)
     show_files({"protocol": output, "figure": figure})
 

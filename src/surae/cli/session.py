@@ -35,7 +35,7 @@ def command(
     mapping: str | None,
     model: str,
     prepared: bool,
-    asked: dict[str, Any],
+    options: dict[str, Any],
     mvc: tuple[str, ...],
     output: str,
     report: str | None,
@@ -55,7 +55,7 @@ def command(
             "--mvc: the maximal contractions of a session are among its trials: name them so, or "
             'write effort = "maximal" in the mapping\'s [trials]'
         )
-    settings = request(model, asked | {"prepared": prepared})
+    settings = request(model, options | {"prepared": prepared})
     for option, path in (("--report", report), ("--figure", figure)):
         if path is not None and Path(path).resolve().parent != Path(output).resolve():
             check_outputs({option: path}, recordings)  # OUT/ is not there yet

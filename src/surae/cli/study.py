@@ -45,32 +45,32 @@ def run_command(
     chosen = engine_of(dask, workers, engine)
     check_outputs({"--store": store}, [study])
 
-    asked = api.read_study(study)
+    plan = api.read_study(study)
 
-    with api.Store(store, write=True) as kept:
+    with api.Store(store, write=True) as opened:
         try:
             with work() as progress, compilation_notice():
-                progress.describe(f"planning {asked.size:,} fits")
+                progress.describe(f"planning {plan.size:,} fits")
                 done = api.run_study(
-                    asked,
-                    kept,
+                    plan,
+                    opened,
                     engine=chosen,
                     progress=partial(progress.parts, "fits"),
                     retry=retry,
                 )
         except KeyboardInterrupt:
             try:
-                now = kept.status()
+                now = opened.status()
             except InputError:  # it was still planning
                 raise KeyboardInterrupt from None
             raise StoppedError(
                 f"stopped by the user; {now.done:,} of {now.calls:,} fits are kept: run the same "
                 "command to go on"
             ) from None
-        reasons = kept.status().reasons
+        reasons = opened.status().reasons
     rate = f", {done.computed / done.seconds:.1f} a second" if done.computed else ""
     show_line(
-        f"{asked.name}: {_counted(done.fits, done.rows)}, all there; "
+        f"{plan.name}: {_counted(done.fits, done.rows)}, all there; "
         f"{done.computed:,} computed now in {done.seconds:.1f} s{rate}"
     )
     _show_reasons(reasons)
@@ -81,8 +81,8 @@ def run_command(
 @click.argument("store", metavar="S.db")
 def status_command(store: str) -> None:
     """Tell how far a study is, also while it runs."""
-    with api.Store(store) as kept:
-        now = kept.status()
+    with api.Store(store) as opened:
+        now = opened.status()
     part = f" ({100 * now.done / now.calls:.0f} %)" if now.calls else ""
     show_line(f"{now.name}: {now.done:,} of {_counted(now.calls, now.rows)} done{part}")
     if now.running is not None:
@@ -115,10 +115,10 @@ def export_command(store: str, output: str, figure: str | None, x: str | None) -
     read = [store, f"{store}-wal", f"{store}-shm", f"{store}.lock"]
     check_outputs({"--output": output, "--figure": figure}, read)
 
-    with api.Store(store) as kept:
-        drawn = _drawn(kept, figure, x) if figure is not None else b""
-        rows, hash_ = api.export_study(kept, output)
-        all_rows = kept.status().rows
+    with api.Store(store) as opened:
+        drawn = _drawn(opened, figure, x) if figure is not None else b""
+        rows, hash_ = api.export_study(opened, output)
+        all_rows = opened.status().rows
     if figure is not None:
         write_atomic(figure, drawn)
     show_line(f"table: {shown(output)}, {rows:,} rows; without its seconds it has the hash {hash_}")
@@ -137,8 +137,8 @@ def export_command(store: str, output: str, figure: str | None, x: str | None) -
 @click.argument("copy", metavar="COPY.db")
 def backup_command(store: str, copy: str) -> None:
     """Copy a study's store as it is at one moment, also while a run writes to it."""
-    with api.Store(store) as kept:
-        kept.backup(copy)
+    with api.Store(store) as opened:
+        opened.backup(copy)
     show_line(f"copy: {shown(copy)}")
 
 
@@ -146,8 +146,8 @@ def backup_command(store: str, copy: str) -> None:
 @click.argument("store", metavar="S.db")
 def check_command(store: str) -> int:
     """Look for damage in a study's store; changes nothing."""
-    with api.Store(store) as kept:
-        damage = kept.damage()
+    with api.Store(store) as opened:
+        damage = opened.damage()
     for line in damage[:_MOST_LINES]:
         show_line(line)
     if len(damage) > _MOST_LINES:
@@ -163,8 +163,8 @@ def repair_command(store: str) -> None:
 
     What could not be read is computed by the next `surae study run`.
     """
-    with api.Store(store) as kept:
-        whole = not kept.damage()
+    with api.Store(store) as opened:
+        whole = not opened.damage()
     if whole:
         show_line("nothing is wrong")
         return
@@ -172,10 +172,10 @@ def repair_command(store: str) -> None:
     show_line(f"{shown(store)}: {saved:,} fits saved; the damaged file is {shown(aside.name)}")
 
 
-def _drawn(kept: "api.Store", figure: str, x: str | None) -> bytes:
+def _drawn(opened: "api.Store", figure: str, x: str | None) -> bytes:
     """The figure of what is there."""
-    study = api.parse_study(kept.text())
-    curves = api.study_curves(api.study_table(kept), tuple(study.factors), x)
+    study = api.parse_study(opened.text())
+    curves = api.study_curves(api.study_table(opened), tuple(study.factors), x)
 
     return api.figure_bytes(figure, api.study_figure(curves, f"{study.name}:"))
 

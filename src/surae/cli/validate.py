@@ -36,7 +36,7 @@ def command(
     output: str | None,
     report: str | None,
     model: str | None,
-    asked: dict[str, Any],
+    options: dict[str, Any],
     mvc: tuple[str, ...],
     figure: str | None,
     width: float,
@@ -50,13 +50,13 @@ def command(
     if leave_one_out:
         if report is not None:
             raise InputError("--report shows one fit, and --leave-one-out makes several; give one")
-        settings = request(model or "muscle", asked | {"prepared": bool(prepared)})
+        settings = request(model or "muscle", options | {"prepared": bool(prepared)})
         _leave_one_out((fitted, *recordings), settings, mvc, output, figure, width)
         return
-    for name, value in {**asked, "model": model, "mvc": mvc}.items():
+    for name, value in {**options, "model": model, "mvc": mvc}.items():
         if value and name != "exclude":
             raise InputError(f"--{name.replace('_', '-')} has no effect without --leave-one-out")
-    weighting = request("muscle", asked).weights
+    weighting = request("muscle", options).weights
 
     api.check_report(report)
     measured = [api.read(path) for path in recordings]

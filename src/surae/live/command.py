@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from surae.cli.options import Number, Whole, range_option
+from surae.cli.options import Number, Whole, range_option, server_options
 from surae.errors import InputError
 
 
@@ -26,13 +26,7 @@ from surae.errors import InputError
 @range_option("-0.9:0.6, as far as the device")
 @click.option("--output", default="surae-live", show_default=True, metavar="DIR",
               help="Where the trials are kept.")  # fmt: skip
-@click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS",
-              help="Where the pages are; any but this computer's own needs a token.")  # fmt: skip
-@click.option("--port", type=Whole(0, 65535), default=8766, show_default=True, metavar="N",
-              help="0: any free one.")  # fmt: skip
-@click.option("--token", metavar="T", envvar="SURAE_TOKEN",
-              help="What a browser must know.  [default: made where needed]")  # fmt: skip
-@click.option("--open/--no-open", "open_", default=True, help="Show it in the browser.")
+@server_options(8766)
 @click.option("--watch", metavar="DIR", help="Files that appear in DIR are trials too.")
 @click.option("--network", is_flag=True, help="Take streams of other computers too.")
 def command(

@@ -5,7 +5,7 @@ from importlib.util import find_spec
 
 import click
 
-from surae.cli.options import Whole
+from surae.cli.options import Whole, server_options
 from surae.errors import InputError
 from surae.files import read_bytes
 
@@ -15,13 +15,7 @@ _MIB = 2**20
 
 @click.command("serve")
 @click.argument("project", metavar="[PROJECT]", default="surae-project")
-@click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS",
-              help="Address to listen on; any but this computer's own needs a token.")  # fmt: skip
-@click.option("--port", type=Whole(0, 65535), default=8765, show_default=True, metavar="N",
-              help="0: any free one.")  # fmt: skip
-@click.option("--token", metavar="T", envvar="SURAE_TOKEN",
-              help="What a browser must know; in the list of processes others see it, in the "
-              "environment, as SURAE_TOKEN, not.  [default: made where needed]")  # fmt: skip
+@server_options(8765)
 @click.option("--token-file", metavar="FILE", help="A file that holds the token.")
 @click.option(
     "--workers",
@@ -31,7 +25,6 @@ _MIB = 2**20
 )
 @click.option("--max-upload", type=Whole(1, 4096), default=512, show_default=True, metavar="MIB",
               help="Largest file that is taken.")  # fmt: skip
-@click.option("--open/--no-open", "open_", default=True, help="Show it in the browser.")
 def command(
     project: str,
     host: str,
