@@ -23,6 +23,17 @@ MAX_BYTES = 4 * 2**30
 PathLike = str | os.PathLike[str]
 
 
+def paths_of(paths: PathLike | Iterable[PathLike]) -> list[PathLike]:
+    """A path, or several, as a list."""
+    return [paths] if isinstance(paths, str | os.PathLike) else list(paths)
+
+
+def natural_order(name: str) -> list[tuple[int, str]]:
+    """What names are sorted by: their words by letters, their numbers by size."""
+    parts = re.findall(r"\d+|\D+", name)
+    return [(int(part), "") if part.isdigit() else (-1, part) for part in parts]
+
+
 def shown(path: PathLike) -> str:
     """A path as it appears in a message: always on one line."""
     text = os.fspath(path)

@@ -14,7 +14,7 @@ from surae.errors import InputError
 from surae.files import PathLike, shown
 from surae.model.laboratory import AUTO
 from surae.recording import Recording
-from surae.recording.mapping import Description, Said
+from surae.recording.mapping import Description, TrialDescription
 from surae.recording.reading import open_mapping, read
 from surae.settings import FitSettings
 from surae.trials import Reading, TrialSet, prepared_for, reading_of, sorted_trials, trial_files
@@ -175,7 +175,7 @@ def session(
     sides = {r.recording.side for r in readings if r.recording is not None and r.recording.side}
     if side is None and len(sides) > 1:
         raise InputError("the trials are of both legs; a session is of one: give side")
-    said = Said() if description is None else description.said()
+    said = TrialDescription() if description is None else description.said()
     return Session(
         trials=sorted_trials(readings, efforts),
         name=name or (description.name if description else None) or _folder_name(paths),
@@ -190,7 +190,7 @@ def session(
 
 def _reading(name: str, path: Path, description: Description | None) -> Reading:
     """A trial's file as it was read, or why it could not be."""
-    said = Said() if description is None else description.said(name)
+    said = TrialDescription() if description is None else description.said(name)
     try:
         recording = read(path) if description is None else description.read(path, name)
     except InputError as error:

@@ -7,7 +7,6 @@ Of a leg with several sessions the first counts for its group, and last minus fi
 """
 
 import math
-import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,7 +17,7 @@ import numpy as np
 
 from surae._version import __version__
 from surae.errors import InputError
-from surae.files import Saved
+from surae.files import Saved, natural_order
 from surae.frozen import FrozenDict
 from surae.measures.change import compare_sessions, holm
 from surae.measures.quantity import Quantities, Quantity
@@ -53,12 +52,6 @@ class CohortMember:
     def row(self) -> str:
         """Leg and session."""
         return " ".join(part for part in (self.leg, self.session) if part)
-
-    @property
-    def order(self) -> list[tuple[int, str]]:
-        """What sessions are sorted by: their words by letters, their numbers by size."""
-        parts = re.findall(r"\d+|\D+", self.session)
-        return [(int(part), "") if part.isdigit() else (-1, part) for part in parts]
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,7 +180,7 @@ def pool(members: Sequence[CohortMember]) -> Cohort:
 def sessions_of(members: Sequence[CohortMember]) -> dict[str, list[CohortMember]]:
     """The sessions of each leg, in order."""
     sessions: dict[str, list[CohortMember]] = {}
-    for member in sorted(members, key=lambda m: m.order):
+    for member in sorted(members, key=lambda m: natural_order(m.session)):
         before = sessions.setdefault(member.leg, [])
         if any(m.session == member.session for m in before):
             raise InputError(f"cohort: {member.leg} is there twice in session {member.session!r}")

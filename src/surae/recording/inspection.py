@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from surae.errors import InputError
-from surae.files import PathLike
+from surae.files import PathLike, paths_of
 from surae.frozen import FrozenDict
 from surae.recording.channels import stated_unit, written_unit
 from surae.recording.emg_kind import contradiction, look_of, relation
@@ -56,8 +56,7 @@ def inspect(paths: PathLike | Sequence[PathLike], *, side: str | None = None) ->
     """
     if side is not None and side not in _SIDES:
         raise InputError(f"side is {side!r}; use one of: {', '.join(_SIDES)}")
-    single = isinstance(paths, str) or hasattr(paths, "__fspath__")
-    every: list[PathLike] = [paths] if single else list(paths)  # type: ignore[list-item,arg-type]
+    every = paths_of(paths)
     if not every:
         raise InputError("there is no file to inspect")
     channels: list[InspectedChannel] = []

@@ -53,7 +53,7 @@ def recognises(source: Source) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class TrialDescription:
     """What a mapping says of a trial beside its signals; None where it says nothing."""
 
     #: "passive", "active", "maximal": What the subject did, where the data are not to decide it.
@@ -119,12 +119,12 @@ class Description:
         files = (body.get("file") for body in self._channels() if isinstance(body, dict))
         return tuple(dict.fromkeys(file for file in files if isinstance(file, str)))
 
-    def said(self, trial: str | None = None) -> Said:
+    def said(self, trial: str | None = None) -> TrialDescription:
         """What it says of a trial, or of all, beside the signals."""
         where = self.source.shown + ("" if trial is None else f": trials.{trial}")
         toml = self._for(trial)
         own = {} if trial is None else table_in(self.toml, "trials", where).get(trial, {})
-        return Said(
+        return TrialDescription(
             effort=choice_in(own, "effort", EFFORTS, where),
             use=yes_in(own, "use", where),
             side=choice_in(toml, "side", _SIDES, where),

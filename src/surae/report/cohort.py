@@ -4,6 +4,7 @@ import itertools
 from collections.abc import Iterable
 from datetime import datetime
 
+from surae.files import natural_order
 from surae.measures.cohort import Cohort, CohortMember, Contrast, Pooled, sessions_of
 from surae.report.document import (
     Document,
@@ -40,7 +41,7 @@ def cohort_html(cohort: Cohort, *, created: datetime) -> str:
             figures.append((p.name, forest_figure(p), _FOREST))
             if over := _over_sessions(cohort, p.name):
                 order = list(dict.fromkeys(m.session for m in sorted(
-                    cohort.members, key=lambda m: m.order
+                    cohort.members, key=lambda m: natural_order(m.session)
                 )))  # fmt: skip
                 title = f"{p.name} over sessions"
                 figures.append((title, sessions_figure(label, order, over), _LINES))

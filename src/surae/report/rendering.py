@@ -54,10 +54,9 @@ def render(
     result: FitResult, assessment: Assessment, predictions: Sequence[Prediction] = (), **about: Any
 ) -> str:
     """The page; the arguments are those of `surae.report.write_report`."""
-    traces = traces_of(result)
-    document = fit_document(result, assessment, traces, predictions=predictions, **about)
-    budget, images = budget_section(result, assessment), {}
-    for name, figure in drawings(budget, traces, assessment, predictions):
+    document, figures, traces = _of_fit(result, assessment, predictions, **about)
+    images = {}
+    for name, figure in figures:
         kind, data = ("svg+xml", svg(figure)) if name in _DRAWN else ("png", png(figure, _DPI))
         images[name] = data_url(data, kind)
     return page_of(document, images, traces)
@@ -68,10 +67,18 @@ def render_pdf(
 ) -> bytes:
     """The report as PDF; the arguments are those of `surae.report.write_report`."""
     require_typst()
+    document, figures, _ = _of_fit(result, assessment, predictions, **about)
+    return paper_of(document, {name: svg(figure) for name, figure in figures})
+
+
+def _of_fit(
+    result: FitResult, assessment: Assessment, predictions: Sequence[Prediction], **about: Any
+) -> tuple[Document, Iterator[tuple[str, Figure]], tuple[Traces, ...]]:
+    """What a fit's report is made of: its document, its figures one by one, and its signals."""
     traces = traces_of(result)
     document = fit_document(result, assessment, traces, predictions=predictions, **about)
-    figures = drawings(budget_section(result, assessment), traces, assessment, predictions)
-    return paper_of(document, {name: svg(figure) for name, figure in figures})
+    budget = budget_section(result, assessment)
+    return document, drawings(budget, traces, assessment, predictions), traces
 
 
 def drawings(

@@ -1,12 +1,11 @@
 """Which files of a folder are trials, and how each is called."""
 
-import os
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from surae.errors import InputError
-from surae.files import PathLike, shown
+from surae.files import PathLike, natural_order, paths_of, shown
 from surae.recording.formats import data_files
 from surae.recording.mapping import Description
 from surae.recording.mapping_reader import TRIAL
@@ -27,8 +26,7 @@ def trial_files(
     InputError
         There is no such folder or no trial in it, or two files would be called alike.
     """
-    single = isinstance(given, str) or hasattr(given, "__fspath__")
-    paths = [Path(os.fspath(given))] if single else [Path(p) for p in given]  # type: ignore[arg-type,union-attr]
+    paths = [Path(path) for path in paths_of(given)]
     files: list[Path] = []
     for path in paths:
         files += _in_folder(path, description) if path.is_dir() else [path]
@@ -50,7 +48,7 @@ def trial_files(
                 "or rename it"
             )
         trials[name] = path
-    return dict(sorted(trials.items(), key=lambda item: _natural(item[0])))
+    return {name: trials[name] for name in sorted(trials, key=_order)}
 
 
 def _in_folder(folder: Path, description: Description | None) -> list[Path]:
@@ -90,8 +88,6 @@ def _named_files(source: Source) -> Iterable[Path]:
     return [(Path(source.path).parent / file).resolve() for file in files]
 
 
-def _natural(name: str) -> list[tuple[int, str]]:
-    """Sorts trial 2 before trial 10."""
-    import re
-
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", name)]
+def _order(name: str) -> tuple[bool, list[tuple[int, str]]]:
+    """What trials are sorted by: those that begin with a number come first."""
+    return not name[:1].isdigit(), natural_order(name)

@@ -19,7 +19,7 @@ from surae.quality.numeric import quantile, smooth
 from surae.quality.registry import unfit
 from surae.quality.trial import Signals, signals_of
 from surae.recording import MUSCLES, Recording
-from surae.recording.mapping import EFFORTS, Said
+from surae.recording.mapping import EFFORTS, TrialDescription
 from surae.recording.roles import words_of
 
 __all__ = ["EFFORTS", "Hold", "Reading", "Trial", "sorted_trials"]
@@ -45,7 +45,9 @@ class Reading:
     path: str | None  #: Its file, None for a recording that came from no file.
     recording: Recording | None  #: None where it could not be read, and `problem` says why.
     problem: str = ""  #: Empty where there is none.
-    said: Said = field(default_factory=Said)  #: What its description says of it.
+    said: TrialDescription = field(
+        default_factory=TrialDescription
+    )  #: What its description says of it.
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from surae.errors import InputError
 from surae.frozen import FrozenDict
 from surae.quality import Quality
 from surae.recording import Recording, SourceFile
-from surae.recording.mapping import Said
+from surae.recording.mapping import TrialDescription
 from surae.settings import FitSettings
 from surae.signals import EmgReference, ModelInputs, emg_reference, normalised
 from surae.trials.sorting import LEFT_OUT, Reading, Trial, sorted_trials
@@ -111,7 +111,7 @@ class TrialSet:
             Another one; a session is never changed.
         """
         said = {
-            t.name: Said(effort=t.effort if t.told else None, condition=t.condition,
+            t.name: TrialDescription(effort=t.effort if t.told else None, condition=t.condition,
                          notes=t.notes, use=t.problem != LEFT_OUT)
             for t in self.trials
         }  # fmt: skip
