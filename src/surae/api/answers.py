@@ -59,8 +59,10 @@ def change(
         A file cannot be read, both are one, an angle is out of reach, or baselines are given of
         two legs.
     """
-    given = [_place(each) for each in (before, after)]
-    if given[0] == given[1]:
+    places = [
+        id(each) if isinstance(each, Fit) else _file_of(each).resolve() for each in (before, after)
+    ]
+    if places[0] == places[1]:
         raise InputError("before and after are the same fit; give two sessions, or two legs")
     sides = [_quantities(each, angles or CHANGE_ANGLES) for each in (before, after, *baselines)]
     return compare_sessions(sides[0], sides[1], sides[2:], legs=legs)
@@ -244,17 +246,13 @@ def fit_of(given: Fit | PathLike) -> Fit:
     InputError
         There is none, or a folder has several and no joint one.
     """
-    if isinstance(given, Fit):
-        return given
-    path = Path(given)
-    return load(fit_in(path) if path.is_dir() else path)
+    return given if isinstance(given, Fit) else load(_file_of(given))
 
 
-def _place(given: Fit | PathLike) -> object:
-    if isinstance(given, Fit):
-        return id(given)
-    path = Path(given)
-    return (fit_in(path) if path.is_dir() else path).resolve()
+def _file_of(place: PathLike) -> Path:
+    """A file of a fit, or that of the folder of a session."""
+    path = Path(place)
+    return fit_in(path) if path.is_dir() else path
 
 
 def _quantities(given: Fit | PathLike, angles: Sequence[float]) -> Quantities:

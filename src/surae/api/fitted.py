@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from surae.api.plots import Plots
+from surae.api.plots import Plots, numbered
 from surae.api.recordings import AnyRecording, as_in_fit
 from surae.api.simulation import parts_of, tendon_of
 from surae.assessment.adequacy import Adequacy
@@ -13,12 +13,10 @@ from surae.assessment.parameter import ParameterEstimate
 from surae.assessment.saved.fit_json import save_fit
 from surae.assessment.uncertainty.covariance import Covariance
 from surae.assessment.validation import Prediction, predict_others
-from surae.errors import InputError
 from surae.estimation import FitResult, FitSettings
 from surae.files import PathLike
 from surae.model import TendonState, TorqueParts
 from surae.quality import Quality
-from surae.signals import ModelInputs
 from surae.units import FloatArray
 
 if TYPE_CHECKING:
@@ -187,7 +185,7 @@ class Fit:
             The torque is not finite, as in a fit that failed at its start.
         """
         problem = self.result.problem
-        inputs = self._recording(recording)
+        inputs = numbered(problem.inputs, recording)
         return parts_of(problem.spec, self.values, inputs, problem.options)
 
     def tendon(self, recording: int = 0) -> TendonState:
@@ -209,15 +207,8 @@ class Fit:
             The fit has no such recording, or its model has rigid tendons.
         """
         problem = self.result.problem
-        inputs = self._recording(recording)
+        inputs = numbered(problem.inputs, recording)
         return tendon_of(problem.spec, self.values, inputs, problem.options)
-
-    def _recording(self, number: int) -> ModelInputs:
-        inputs = self.result.problem.inputs
-        if number not in range(len(inputs)):
-            known = "only 0" if len(inputs) == 1 else f"0 … {len(inputs) - 1}"
-            raise InputError(f"the fit has no recording {number!r}; they are numbered {known}")
-        return inputs[number]
 
     def predict(self, recording: AnyRecording, *, prepared: bool | None = None) -> Prediction:
         """Predict the torque of another recording, and how well it does (thesis 2.7).

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from surae.report.traces import Traces
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,11 +118,15 @@ class Plots:
     def _traces(self, recording: int) -> "Traces":
         from surae.report.traces import traces_of
 
-        every = traces_of(self.result)
-        if recording not in range(len(every)):
-            known = "only 0" if len(every) == 1 else f"0 … {len(every) - 1}"
-            raise InputError(f"the fit has no recording {recording!r}; they are numbered {known}")
-        return every[recording]
+        return numbered(traces_of(self.result), recording)
+
+
+def numbered(recordings: Sequence[T], number: int) -> T:
+    """The fit's first, second, … recording; a number that none has is refused."""
+    if number not in range(len(recordings)):
+        known = "only 0" if len(recordings) == 1 else f"0 … {len(recordings) - 1}"
+        raise InputError(f"the fit has no recording {number!r}; they are numbered {known}")
+    return recordings[number]
 
 
 def _torque(axes: "Axes", traces: "Traces") -> "Axes":

@@ -11,7 +11,6 @@ from surae.model import (
     MODELS,
     ModelOptions,
     ModelSpec,
-    Simulator,
     TendonState,
     TorqueParts,
     check_finite_torque,
@@ -85,7 +84,7 @@ def simulate(
     """
     spec, chosen = with_optional(get_model(model), parameters), ModelOptions.of(**options)
     inputs = as_inputs(recording, prepared=True)
-    simulator, values = _tied(spec, parameters, inputs, chosen)
+    simulator, values = spec.simulator(inputs, chosen), spec.vector(parameters, chosen)
     wanted = (*spec.free, *(name for name in spec.optional if name in parameters))
     columns = [spec.names.index(name) for name in wanted]
     with _quietly():
@@ -157,31 +156,22 @@ def _quietly() -> np.errstate:
     return np.errstate(over="ignore", invalid="ignore")
 
 
-def _tied(
-    spec: ModelSpec, given: Mapping[str, float], inputs: ModelInputs, options: ModelOptions
-) -> tuple[Simulator, FloatArray]:
-    """The model tied to a recording, and its parameter vector."""
-    return spec.simulator(inputs, options), spec.vector(given, options)
-
-
 def parts_of(
-    spec: ModelSpec, given: Mapping[str, float], inputs: ModelInputs, options: ModelOptions
+    spec: ModelSpec, values: Mapping[str, float], inputs: ModelInputs, options: ModelOptions
 ) -> TorqueParts:
     """The torque of a model for one recording, in parts."""
-    simulator, values = _tied(spec, given, inputs, options)
     with _quietly():
-        parts = simulator.parts(values)
+        parts = spec.simulator(inputs, options).parts(spec.vector(values, options))
         check_finite_torque(parts.total, inputs)
     return parts
 
 
 def tendon_of(
-    spec: ModelSpec, given: Mapping[str, float], inputs: ModelInputs, options: ModelOptions
+    spec: ModelSpec, values: Mapping[str, float], inputs: ModelInputs, options: ModelOptions
 ) -> TendonState:
     """What muscles and tendons of a model do in one recording."""
-    simulator, values = _tied(spec, given, inputs, options)
     with _quietly():
-        state = simulator.tendon(values)
+        state = spec.simulator(inputs, options).tendon(spec.vector(values, options))
     if state is None:
         others = [m.name for m in MODELS.values() if any(p.group == "tendon" for p in m.parameters)]
         raise InputError(

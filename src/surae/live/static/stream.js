@@ -1,5 +1,7 @@
 // News and drawing that both pages share.
 
+import { colour } from "../js/core/theme.js";
+
 /** Listen to the server; `heard` has a function for each event, and `error` for a server that is gone. */
 export function listen(url, heard) {
   const source = new EventSource(url);
@@ -21,8 +23,7 @@ export function surface(canvas) {
   const context = canvas.getContext("2d");
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.clearRect(0, 0, width, height);
-  const style = getComputedStyle(document.documentElement);
-  return { context, width, height, colour: (name) => style.getPropertyValue(`--${name}`).trim() };
+  return { context, width, height, colour };
 }
 
 /** A curve's value at a time, 0 outside of it. */

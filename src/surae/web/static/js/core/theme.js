@@ -1,4 +1,4 @@
-// The button that chooses between light and dark; `theme-early.js` applies what is chosen.
+// Light and dark, which `theme-early.js` applies, and the colours of the page for canvases.
 
 const dark = () => document.documentElement.dataset.theme === "dark";
 
@@ -15,3 +15,9 @@ export function themeButton(knob) {
   addEventListener("themechange", say);
   say();
 }
+
+/** A colour of the page: asked for at every drawing, so that the theme may change. */
+export const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+
+/** Redraw when the theme changes. */
+export const onTheme = (work) => addEventListener("themechange", () => requestAnimationFrame(work));

@@ -7,7 +7,7 @@ import { change } from "../core/draft.js";
 import { bytes, seconds } from "../core/format.js";
 import { attempt, calm, complain, tell } from "../core/notice.js";
 import { latest, settled } from "../core/pace.js";
-import { editSubject } from "../ui/subjects.js";
+import { editSubject } from "../ui/dialog.js";
 import { ranges } from "../ui/describe.js";
 import { findingsTable } from "../ui/findings.js";
 import { emptyMapping, mappingTable } from "../ui/mapping.js";

@@ -10,7 +10,7 @@ import { latest } from "../core/pace.js";
 import { demoButton } from "../ui/demo.js";
 import { cancel, ended } from "../ui/jobs.js";
 import { mark, older, status } from "../ui/marks.js";
-import { editSubject } from "../ui/subjects.js";
+import { editSubject } from "../ui/dialog.js";
 import { deleteButton, sortable } from "../ui/table.js";
 
 const boxes = Object.fromEntries(["recordings", "fits", "subjects", "running"].map((k) => [k, byId(`${k}-error`)]));

@@ -6,7 +6,7 @@ import { onChanged } from "../core/events.js";
 import { EMG_SHORT, number, percent, quantity, seconds, when } from "../core/format.js";
 import { attempt, calm, complain, onClick } from "../core/notice.js";
 import { latest, settled } from "../core/pace.js";
-import { onTheme } from "../plot/colours.js";
+import { onTheme } from "../core/theme.js";
 import { frontPlot } from "../plot/front.js";
 import { density } from "../plot/heat.js";
 import { lines } from "../plot/lines.js";

@@ -1,7 +1,7 @@
 // Spans of time: findings as bars above the lines, what is left out of the fit hatched behind them.
 
 import { h } from "../core/dom.js";
-import { colour } from "./colours.js";
+import { colour } from "../core/theme.js";
 
 const COLOURS = { info: "accent", warning: "weak", error: "bad" };
 const WORDS = { error: "error", warning: "warning", info: "for information", excluded: "left out of the fit" };

@@ -3,7 +3,7 @@
 import { h, s } from "../core/dom.js";
 import { NONE, number } from "../core/format.js";
 import { bands } from "./bands.js";
-import { colour } from "./colours.js";
+import { colour } from "../core/theme.js";
 
 const DASHES = { dash: [8, 5], dot: [2, 4] };
 /** Width of the y axis: panels under one another share their zero. */

@@ -3,7 +3,7 @@
 import { button, h, replace } from "../core/dom.js";
 import { settled } from "../core/pace.js";
 import { bandsKey } from "./bands.js";
-import { onTheme } from "./colours.js";
+import { onTheme } from "../core/theme.js";
 import { lines } from "./lines.js";
 
 let count = 0;

@@ -1,7 +1,7 @@
 // Measured and modelled torque, one over the other.
 
 import { lines } from "./lines.js";
-import { onTheme } from "./colours.js";
+import { onTheme } from "../core/theme.js";
 
 /** A plot of both; the measured torque is broad and pale, the modelled one thin and dark. */
 export function torquePlot({ height = 220, title = "Torque, triceps positive", modelled = "modelled" } = {}) {

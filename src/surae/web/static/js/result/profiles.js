@@ -5,7 +5,7 @@ import { byId, h, replace } from "../core/dom.js";
 import { quantity, unitText } from "../core/format.js";
 import { attempt } from "../core/notice.js";
 import { lines } from "../plot/lines.js";
-import { onTheme } from "../plot/colours.js";
+import { onTheme } from "../core/theme.js";
 import { active, jobControls, progressText } from "../ui/jobs.js";
 
 /** Rise of the deviance that ends a 95 % interval. */

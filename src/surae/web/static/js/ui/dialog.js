@@ -1,6 +1,6 @@
 // Questions that stop what one is doing.
 
-import { button, h } from "../core/dom.js";
+import { button, field, h, select } from "../core/dom.js";
 
 /** A dialog with inputs; resolves to true when confirmed. */
 export function ask(title, content, { confirm = "OK", danger = false } = {}) {
@@ -25,4 +25,28 @@ export function ask(title, content, { confirm = "OK", danger = false } = {}) {
     document.body.append(box);
     box.showModal();
   });
+}
+
+/** Ask for a subject: a code, never a name; null when cancelled. */
+export async function editSubject(person = null) {
+  const code = h("input", { type: "text", required: true, maxlength: 40, value: person?.code ?? "" });
+  const group = select({}, [["", "not told"], ["healthy", "healthy"], ["patient", "patient"]], person?.group ?? "");
+  const mass = h("input", { type: "number", min: 10, max: 300, step: "any", value: person?.body_mass ?? "" });
+  const notes = h("input", { type: "text", maxlength: 500, value: person?.notes ?? "" });
+  const content = h(
+    "div",
+    { class: "fields" },
+    field("Code, for example S01", code),
+    field("Group", group),
+    field("Body mass [kg]", mass),
+    field("Notes", notes),
+  );
+  const sure = await ask(person ? `Subject ${person.code}` : "New subject", content, { confirm: "Save" });
+  if (!sure || !code.value.trim()) return null;
+  return {
+    code: code.value.trim(),
+    group: group.value,
+    notes: notes.value,
+    body_mass: mass.value ? Number(mass.value) : null,
+  };
 }
