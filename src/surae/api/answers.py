@@ -106,11 +106,11 @@ def cohort(
     where = engine or Engine("threads", 1)
     rows = read_table(table)
     members = measured(rows, angles, where, told=progress)
-    told = pool(members)
+    pooled = pool(members)
     if not refit:
-        return told
+        return pooled
     again, rounds = refitted(rows, members, angles, where, progress)
-    return borrowed(told, again, rounds)
+    return borrowed(pooled, again, rounds)
 
 
 def write_cohort_page(path: PathLike, told: Cohort) -> None:

@@ -103,14 +103,14 @@ def design(
         raise InputError(f"evaluations is {evaluations!r}; judge at least one plan")
     _check(effort, rate_hz, fit, after)
     who = after if after is not None else fit
-    given = model if who is None else who.result.problem.spec.name
-    rigid = given == "muscle"
+    chosen = model if who is None else who.result.problem.spec.name
+    rigid = chosen == "muscle"
     count = _SEARCHED if rigid else _SEARCHED_COMPLIANT
-    asked = (model, population, who, noise, nuisances)
+    who_and_noise = (model, population, who, noise, nuisances)
     first = _SEARCH_SEEDS if who is None else 1
-    legs, level = asked_legs(*asked, count, options, rate_hz, first=first)
-    unseen, _ = asked_legs(*asked, _JUDGED, options, rate_hz)
-    start = start_for(duration, AUTO if given == AUTO else given, aim, effort == "levels")
+    legs, level = asked_legs(*who_and_noise, count, options, rate_hz, first=first)
+    unseen, _ = asked_legs(*who_and_noise, _JUDGED, options, rate_hz)
+    start = start_for(duration, AUTO if chosen == AUTO else chosen, aim, effort == "levels")
     limits = as_device(device)
     return make_design(
         name=f"design of {duration:g} s",
@@ -179,8 +179,8 @@ def design_session(
         raise InputError(f"pause is {pause!r} s; use 0 to 3600")
     _check(effort, rate_hz, fit, after)
     who = after if after is not None else fit
-    asked = (model, population, who, noise, nuisances)
-    legs, level = asked_legs(*asked, _PLANNED, options, rate_hz)
+    who_and_noise = (model, population, who, noise, nuisances)
+    legs, level = asked_legs(*who_and_noise, _PLANNED, options, rate_hz)
     limits = as_device(device)
     angles = _range_of(limits, range, population, who)
     trials = possible_trials(limits, angles, rate_hz, legs, effort=effort == "levels")
@@ -248,13 +248,13 @@ def _check(effort: str, rate_hz: float, fit: Fit | None, after: Fit | None) -> N
 
 def _range_of(
     device: Device | None,
-    asked: tuple[float, float] | None,
+    wanted: tuple[float, float] | None,
     population: str | None,
     fit: Fit | None,
 ) -> tuple[float, float]:
     """Over which angles: what was asked for, or what the fitted leg was seen to reach."""
-    if asked is not None:
-        return allowed_range(device, (float(asked[0]), float(asked[1])))
+    if wanted is not None:
+        return allowed_range(device, (float(wanted[0]), float(wanted[1])))
     if fit is not None:
         angles = [i.angle for i in fit.result.problem.inputs]
         low, high = min(float(a.min()) for a in angles), max(float(a.max()) for a in angles)

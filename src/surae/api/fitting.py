@@ -158,12 +158,12 @@ def fit(
         Something given is unknown, contradictory or unusable.
     """
     every = locals()
-    asked = {name: every[name] for name in _ASKED} | unknown
-    settings = FitSettings.of(model, **asked)
-    given = [read_in(recording) for recording in several(recordings)]
-    inputs = inputs_for(settings, given, [read_in(recording) for recording in several(mvc)])
+    keywords = {name: every[name] for name in _ASKED} | unknown
+    settings = FitSettings.of(model, **keywords)
+    measured = [read_in(recording) for recording in several(recordings)]
+    inputs = inputs_for(settings, measured, [read_in(recording) for recording in several(mvc)])
     if quality is None:
-        quality = [check(each, prepared=settings.prepared) for each in given]
+        quality = [check(each, prepared=settings.prepared) for each in measured]
     return fit_inputs(inputs, settings, tuple(quality), baseline, progress, follow)
 
 

@@ -22,14 +22,14 @@ from surae.signals import ModelInputs
 
 def explained(error: InputError, recordings: Iterable[Recording | ModelInputs]) -> InputError:
     """The error that a recording cannot be used, with what is wrong with its units."""
-    said = [
+    messages = [
         finding.message
         for recording in recordings
         if isinstance(recording, Recording)
         for finding in wrong_units(recording)[0]
         if finding.severity == "error"
     ]
-    return InputError(" ".join([f"{error}.", *said])) if said else error
+    return InputError(" ".join([f"{error}.", *messages])) if messages else error
 
 
 def check(
@@ -62,15 +62,15 @@ def check(
     InputError
         A file cannot be read.
     """
-    asked = commanded if isinstance(commanded, Commanded | None) else commanded_file(commanded)
-    quality = _checked(recording, asked)
+    protocol = commanded if isinstance(commanded, Commanded | None) else commanded_file(commanded)
+    quality = _checked(recording, protocol)
     if not prepared:
         return quality
     right = tuple(f for f in quality.findings if (f.code, f.severity) != ("emg-kind", "warning"))
     return replace(quality, findings=right)
 
 
-def _checked(recording: AnyRecording, asked: Commanded | None) -> Quality:
+def _checked(recording: AnyRecording, protocol: Commanded | None) -> Quality:
     if isinstance(recording, ModelInputs):
         recording = recording_of(recording)
     if isinstance(recording, DataFrame):
@@ -80,6 +80,6 @@ def _checked(recording: AnyRecording, asked: Commanded | None) -> Quality:
         try:
             recording = read(path)
         except InputError:
-            return check_file(path, asked)  # what cannot be read may still be looked at
-        asked = asked or commanded_column(path, recording)
-    return examined(recording, asked)
+            return check_file(path, protocol)  # what cannot be read may still be looked at
+        protocol = protocol or commanded_column(path, recording)
+    return examined(recording, protocol)

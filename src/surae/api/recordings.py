@@ -34,8 +34,8 @@ def read_in(recording: AnyRecording) -> Recording | ModelInputs:
 
 def as_inputs(recording: AnyRecording, prepared: bool) -> ModelInputs:
     """What a model takes; a file is read, and a recording filtered unless it is `prepared`."""
-    given = read_in(recording)
-    return given if isinstance(given, ModelInputs) else prepare(given, prepared=prepared)
+    measured = read_in(recording)
+    return measured if isinstance(measured, ModelInputs) else prepare(measured, prepared=prepared)
 
 
 def as_in_fit(
@@ -122,12 +122,14 @@ def example(path: PathLike | None = None, *, trial: int = 1) -> Recording:
         rate_hz=_RATE,
         device=named_device("achilles"),
     )
-    made = virtual_recording(
+    simulated = virtual_recording(
         virtual_subject(seed=1), generate(protocol), seed=trial, imperfections=_NOISE
     )
-    channels = {role: replace(each, source="simulated") for role, each in made.channels.items()}
+    channels = {
+        role: replace(each, source="simulated") for role, each in simulated.channels.items()
+    }
     name = f"virtual subject, trial {trial}"
-    recording = replace(made, name=name, side="right", channels=channels)
+    recording = replace(simulated, name=name, side="right", channels=channels)
     if path is not None:
         write_csv(path, csv_columns(recording), [f"name: {name}", "emg: raw"])
     return recording

@@ -327,7 +327,7 @@ def load_session(folder: PathLike) -> SessionResult:
             raise InputError(where)
         trials = tuple(_trial_of(each) for each in data["trials"])
         about = {key: data[key] for key in ("name", "side", "date", "condition", "notes")}
-        made = SessionResult(
+        result = SessionResult(
             session=TrialSet(trials, **about),
             settings=FitSettings.from_dict(data["settings"]),
             joined=tuple(data["joined"]),
@@ -346,7 +346,7 @@ def load_session(folder: PathLike) -> SessionResult:
     except (ValueError, TypeError, LookupError, AttributeError):
         raise InputError(where) from None
     return replace(
-        made,
+        result,
         fits={name: load(root / fit_name(name)) for name in names},
         joint=load(root / JOINT) if data["joint"] else None,
     )

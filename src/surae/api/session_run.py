@@ -147,7 +147,7 @@ class _Run:
         quality = tuple(self.quality[name] for name in names)
         inputs = tuple(self.inputs[name] for name in names)
         path = None if self.root is None else self.root / JOINT
-        fit, outcome = self._made("all together", path, inputs, quality)
+        fit, outcome = self._fit_or_saved("all together", path, inputs, quality)
         if fit is None:
             self.failed["joint"] = outcome
         else:
@@ -182,14 +182,14 @@ class _Run:
 
     def _fit(self, name: str) -> None:
         path = None if self.root is None else self.root / fit_name(name)
-        fit, outcome = self._made(name, path, (self.inputs[name],), (self.quality[name],))
+        fit, outcome = self._fit_or_saved(name, path, (self.inputs[name],), (self.quality[name],))
         if fit is None:
             self.failed[name] = outcome
         else:
             self.fits[name] = fit
         self._step(name, outcome)
 
-    def _made(
+    def _fit_or_saved(
         self,
         name: str,
         path: Path | None,
@@ -197,9 +197,9 @@ class _Run:
         quality: tuple[Quality, ...],
     ) -> tuple[Fit | None, str]:
         """A fit, the one on disk where it is of the same, and how it went."""
-        kept = None if path is None else _kept(path, inputs, self.settings)
-        if kept is not None:
-            return kept, f"{kept.adequacy.grade}, R² {kept.adequacy.r2:.2f} % (kept)"
+        saved = None if path is None else _kept(path, inputs, self.settings)
+        if saved is not None:
+            return saved, f"{saved.adequacy.grade}, R² {saved.adequacy.r2:.2f} % (kept)"
         self._tell(f"fitting {name}" if len(inputs) == 1 else f"fitting {len(inputs)} together")
         begun = time.monotonic()
         try:
@@ -215,8 +215,8 @@ class _Run:
         self._paid += self._cost[name]
         return fit, f"{fit.adequacy.grade}, R² {fit.adequacy.r2:.2f} %, {seconds:.0f} s"
 
-    def _tell(self, what: str) -> None:
-        self.told(Step(what, self._done, len(self._steps), self._left()))
+    def _tell(self, step: str) -> None:
+        self.told(Step(step, self._done, len(self._steps), self._left()))
 
     def _step(self, name: str, outcome: str) -> None:
         self._done += 1

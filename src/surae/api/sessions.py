@@ -78,7 +78,7 @@ class Session(TrialSet):
         InputError
             A trial is unknown or cannot be fitted, or what is asked makes no sense.
         """
-        told = {key: asked.pop(key, None) for key in ("progress", "follow", "baseline")}
+        callbacks = {key: asked.pop(key, None) for key in ("progress", "follow", "baseline")}
         settings = FitSettings.of(model, **asked)
         chosen = self.fitted if names is None else tuple(names)
         if not chosen:
@@ -87,7 +87,7 @@ class Session(TrialSet):
         reference = self.emg_reference(settings)
         inputs = [prepared_for(settings, recording, reference) for recording in recordings]
         quality = tuple(check(each, prepared=settings.prepared) for each in recordings)
-        return fit_inputs(inputs, settings, quality, **told)
+        return fit_inputs(inputs, settings, quality, **callbacks)
 
     @asks_as_fit
     def run(
@@ -156,11 +156,11 @@ def session(
     """
     description = None if mapping is None else Description.of(open_mapping(mapping))
     alone = isinstance(recordings, str) or hasattr(recordings, "__fspath__")
-    given: list[Any] = [recordings] if alone else list(recordings)  # type: ignore[arg-type]
-    made = [reading_of(each) for each in given if isinstance(each, Recording)]
-    paths = [each for each in given if not isinstance(each, Recording)]
+    sources: list[Any] = [recordings] if alone else list(recordings)  # type: ignore[arg-type]
+    in_memory = [reading_of(each) for each in sources if isinstance(each, Recording)]
+    paths = [each for each in sources if not isinstance(each, Recording)]
     files = trial_files(paths, description) if paths else {}
-    readings = [*made, *(_reading(trial, path, description) for trial, path in files.items())]
+    readings = [*in_memory, *(_reading(trial, path, description) for trial, path in files.items())]
     names = [reading.name for reading in readings]
     for reading in readings:
         if names.count(reading.name) > 1:
@@ -175,14 +175,14 @@ def session(
     sides = {r.recording.side for r in readings if r.recording is not None and r.recording.side}
     if side is None and len(sides) > 1:
         raise InputError("the trials are of both legs; a session is of one: give side")
-    said = TrialDescription() if description is None else description.said()
+    about = TrialDescription() if description is None else description.said()
     return Session(
         trials=sorted_trials(readings, efforts),
         name=name or (description.name if description else None) or _folder_name(paths),
-        side=side or said.side or next(iter(sides), None),
-        date=date or said.date,
-        condition=condition or said.condition,
-        notes=notes or said.notes,
+        side=side or about.side or next(iter(sides), None),
+        date=date or about.date,
+        condition=condition or about.condition,
+        notes=notes or about.notes,
         mapping=None if description is None else description.source.file,
         efforts=efforts or {},
     )
@@ -190,12 +190,12 @@ def session(
 
 def _reading(name: str, path: Path, description: Description | None) -> Reading:
     """A trial's file as it was read, or why it could not be."""
-    said = TrialDescription() if description is None else description.said(name)
+    about = TrialDescription() if description is None else description.said(name)
     try:
         recording = read(path) if description is None else description.read(path, name)
     except InputError as error:
-        return Reading(name, str(path), None, str(error), said)
-    return Reading(name, str(path), replace(recording, name=name), said=said)
+        return Reading(name, str(path), None, str(error), about)
+    return Reading(name, str(path), replace(recording, name=name), said=about)
 
 
 def _check_named(description: Description | None, names: Sequence[str]) -> None:

@@ -77,8 +77,8 @@ def leave_one_out(
         A prediction and a fit for each recording, and the figures of all predictions together.
     """
     settings = FitSettings.of(model, **asked)
-    given = [read_in(recording) for recording in recordings]
-    inputs = settings.inputs(given, [read_in(recording) for recording in several(mvc)])
+    measured = [read_in(recording) for recording in recordings]
+    inputs = settings.inputs(measured, [read_in(recording) for recording in several(mvc)])
     return leave_one_out_of(inputs, settings, progress)
 
 
@@ -124,6 +124,6 @@ def compare(
         Something given is unknown, contradictory or unusable.
     """
     whole = FitSettings.of(settings or FitSettings(starts=FEW_STARTS), **asked)
-    given = [read_in(recording) for recording in several(recordings)]
-    inputs = whole.inputs(given, [read_in(recording) for recording in several(mvc)])
+    measured = [read_in(recording) for recording in several(recordings)]
+    inputs = whole.inputs(measured, [read_in(recording) for recording in several(mvc)])
     return compare_models(inputs, models, whole, progress)

@@ -37,8 +37,8 @@ def warm() -> None:
     from surae.protocol import Protocol, generate
     from surae.studies import virtual_recording, virtual_subject
 
-    asked = Protocol(profile="multiple-holds", task="active", duration=10.0, rate_hz=1024.0)
-    channels = virtual_recording(virtual_subject(1), generate(asked)).channels
+    protocol = Protocol(profile="multiple-holds", task="active", duration=10.0, rate_hz=1024.0)
+    channels = virtual_recording(virtual_subject(1), generate(protocol)).channels
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder)
         log = XdfLog(place / "warm.xdf")
@@ -88,14 +88,14 @@ def judge(
             },
         )
     write_hdf5(output, recording)
-    asked = None if target is None else commanded_file(target)
-    quality = api.check(recording, commanded=asked)
+    commanded = None if target is None else commanded_file(target)
+    quality = api.check(recording, commanded=commanded)
     trial = _session([recording, *earlier], efforts)[recording.name]
     if not trial.moves:
         quality = replace(
             quality, findings=tuple(f for f in quality.findings if f.code not in _OF_MOVEMENT)
         )
-    said: dict[str, Any] = {
+    judgement: dict[str, Any] = {
         "findings": quality.as_dict()["findings"],
         "seconds": max(float(c.time[-1] - c.time[0]) for c in recording.channels.values()),
         "use": trial.use, "effort": trial.effort, "why": trial.problem or trial.why,
@@ -107,17 +107,17 @@ def judge(
             problem = make_problem(_QUICK.inputs([recording]), _QUICK)
             quick = assess(solve(problem), alternatives=False)
         except SuraeError as error:
-            said |= {"use": "none", "why": str(error).replace(file, recording.name)}
+            judgement |= {"use": "none", "why": str(error).replace(file, recording.name)}
         else:
-            said |= {
+            judgement |= {
                 "grade": quick.adequacy.grade,
                 "vaf": quick.vaf,
                 "reasons": list(quick.adequacy.reasons),
             }
-    return said | verdict(quality, said)
+    return judgement | verdict(quality, judgement)
 
 
-def verdict(quality: Quality, said: Mapping[str, Any]) -> dict[str, str]:
+def verdict(quality: Quality, judgement: Mapping[str, Any]) -> dict[str, str]:
     """One word on a trial, and what to do.
 
     Doubts of the quick fit alone ask for no repetition: the joint fit of the session judges them.
@@ -130,15 +130,15 @@ def verdict(quality: Quality, said: Mapping[str, Any]) -> dict[str, str]:
     )
     if errors:
         return {"verdict": "repeat", "advice": errors[0]}
-    if said["use"] == "none":
-        return {"verdict": "repeat", "advice": said["why"]}
-    if said["grade"] == "inadequate":
-        return {"verdict": "repeat", "advice": "; ".join(said["reasons"])}
+    if judgement["use"] == "none":
+        return {"verdict": "repeat", "advice": judgement["why"]}
+    if judgement["grade"] == "inadequate":
+        return {"verdict": "repeat", "advice": "; ".join(judgement["reasons"])}
     if warnings:
         return {"verdict": "look", "advice": warnings[0]}
-    if said["grade"] is None:
-        return {"verdict": "keep", "advice": f"Nothing to fit: {said['why']}."}
-    doubts = "; ".join(said["reasons"])
+    if judgement["grade"] is None:
+        return {"verdict": "keep", "advice": f"Nothing to fit: {judgement['why']}."}
+    doubts = "; ".join(judgement["reasons"])
     return {"verdict": "keep", "advice": f"Alone it is doubtful: {doubts}." if doubts else ""}
 
 
@@ -148,8 +148,8 @@ def _session(
     """The session of some recordings; of others, efforts are not told."""
     read_in = [_read(each) if isinstance(each, str) else each for each in recordings]
     names = {recording.name for recording in read_in}
-    told = {name: effort for name, effort in (efforts or {}).items() if name in names}
-    return api.session(read_in, efforts=told)
+    own_efforts = {name: effort for name, effort in (efforts or {}).items() if name in names}
+    return api.session(read_in, efforts=own_efforts)
 
 
 @lru_cache(maxsize=16)

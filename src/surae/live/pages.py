@@ -185,23 +185,23 @@ def create_app(served: Served, policy: Policy, subject: str | None) -> ASGIApp:
         return JSONResponse(await run_in_threadpool(served.subject))
 
     def stream(*topics: str) -> Any:
-        async def told(request: Request) -> Response:
+        async def news_of(request: Request) -> Response:
             who = request.state.session.key
             served.events.refuse_more(who)
             news = served.events.stream(who, topics, list)
             return StreamingResponse(_paced(news), media_type="text/event-stream")
 
-        return told
+        return news_of
 
     async def act(request: Request) -> Response:
         name = request.path_params["name"]
         try:
-            given = json.loads(await request.body() or b"{}")
+            body = json.loads(await request.body() or b"{}")
         except ValueError:
             raise InputError("the body is no JSON that can be read") from None
-        if not isinstance(given, dict):
+        if not isinstance(body, dict):
             raise InputError("the body must be a table of names and values")
-        return JSONResponse(await run_in_threadpool(_act, served, name, given))
+        return JSONResponse(await run_in_threadpool(_act, served, name, body))
 
     app = Starlette(
         routes=[
@@ -246,42 +246,42 @@ async def _paced(news: AsyncIterator[str]) -> AsyncIterator[str]:
         yield text
 
 
-def _act(served: Served, name: str, given: Mapping[str, Any]) -> dict[str, Any]:
+def _act(served: Served, name: str, body: Mapping[str, Any]) -> dict[str, Any]:
     """Do what the operator asks for."""
     room = served.room
     if name == "start":
-        return {"trial": room.start(_number(given, "countdown", 3.0))}
+        return {"trial": room.start(_number(body, "countdown", 3.0))}
     if name == "stop":
         room.stop()
     elif name == "mark":
-        room.trials.mark(_text(given, "text")[:200])
+        room.trials.mark(_text(body, "text")[:200])
     elif name == "load":
         room.load(
-            profile=_text(given, "profile"),
-            task=_text(given, "task"),
-            duration=_number(given, "seconds", 35.0),
-            chirp_amplitude=_number(given, "chirp_amplitude", 0.1),
+            profile=_text(body, "profile"),
+            task=_text(body, "task"),
+            duration=_number(body, "seconds", 35.0),
+            chirp_amplitude=_number(body, "chirp_amplitude", 0.1),
         )
     elif name == "next":
         room.load_next()
     elif name == "forget":
         served.showing.forget()
     elif name == "fault" and room.laboratory is not None:
-        room.laboratory.fault(**{k: v for k, v in given.items() if k in ("kind", "muscle", "at")})
+        room.laboratory.fault(**{k: v for k, v in body.items() if k in ("kind", "muscle", "at")})
     else:
         raise InputError(f"there is nothing called {name[:40]!r} to do here")
     return {"running": room.trials.running}
 
 
-def _number(given: Mapping[str, Any], name: str, default: float) -> float:
-    value = given.get(name, default)
+def _number(body: Mapping[str, Any], name: str, default: float) -> float:
+    value = body.get(name, default)
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= 3600:
         raise InputError(f"{name} must be a number from 0 to 3600")
     return float(value)
 
 
-def _text(given: Mapping[str, Any], name: str) -> str:
-    value = given.get(name, "")
+def _text(body: Mapping[str, Any], name: str) -> str:
+    value = body.get(name, "")
     if not isinstance(value, str):
         raise InputError(f"{name} must be a text")
     return value
@@ -318,7 +318,7 @@ def serve(
     token = token_for(host, token)
     subject = None if token is None else secrets.token_urlsafe(12)
 
-    def made() -> tuple[Served, ASGIApp]:
+    def make() -> tuple[Served, ASGIApp]:
         served = Served(folder, **room)
         for sentence in served.room.trials.broken:
             click.echo(f"surae: {sentence}", err=True)
@@ -328,4 +328,4 @@ def serve(
         mark = "" if subject is None else f"?token={subject}"
         click.echo(f"the subject's page: {root}subject{mark}")
 
-    run(made, "live", host=host, port=port, token=token, open_browser=open_browser, more=more)
+    run(make, "live", host=host, port=port, token=token, open_browser=open_browser, more=more)

@@ -144,10 +144,10 @@ class Recorder:
         """What is wrong with the disk; empty where nothing is."""
         if not self._full:
             return ""
-        held = self._waiting[-1][0] - self._waiting[0][0] if self._waiting else 0.0
+        seconds = self._waiting[-1][0] - self._waiting[0][0] if self._waiting else 0.0
         lost = f"; {self._dropped} pieces are lost already" if self._dropped else ""
-        told = f"the disk takes nothing ({self._full}): make room now"
-        return f"{told}; {held:.0f} s are kept in memory{lost}"
+        trouble = f"the disk takes nothing ({self._full}): make room now"
+        return f"{trouble}; {seconds:.0f} s are kept in memory{lost}"
 
     def close(self) -> None:
         """End, with all on disk."""
@@ -184,8 +184,8 @@ class Recorder:
                     self._lose(stream)
                     continue
                 if len(stamps):
-                    kept = values if stream.words else values.copy()  # of a much larger buffer
-                    self._arrived(stream, np.array(stamps, dtype=np.float64), kept)
+                    samples = values if stream.words else values.copy()  # of a much larger buffer
+                    self._arrived(stream, np.array(stamps, dtype=np.float64), samples)
                 elif (
                     stream.rate_hz > 0
                     and stream.state == "good"
@@ -324,13 +324,13 @@ class Recorder:
                 with suppress(OSError):
                     log.sync()
 
-    def _write(self, what: Callable[[XdfLog], None]) -> None:
+    def _write(self, write_chunk: Callable[[XdfLog], None]) -> None:
         """Write, or keep in memory while the disk takes nothing; in order."""
         with self._lock:
             log = self._log
             if log is None:
                 return
-            self._waiting.append((time.monotonic(), log, what))
+            self._waiting.append((time.monotonic(), log, write_chunk))
             try:
                 while self._waiting:
                     _, place, write = self._waiting[0]

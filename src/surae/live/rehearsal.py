@@ -123,19 +123,19 @@ class _Laboratory:
                     tell({"hears": True})
             return words
         try:
-            said, _ = words.pull_sample(timeout=0.0)
+            sample, _ = words.pull_sample(timeout=0.0)
         except self._lsl.util.LostError:
             return None
-        if said is not None:
-            told = json.loads(said[0])
-            getattr(self, f"_do_{told.pop('do')}")(told)
+        if sample is not None:
+            word = json.loads(sample[0])
+            getattr(self, f"_do_{word.pop('do')}")(word)
         return words
 
-    def _do_load(self, told: Mapping[str, Any]) -> None:
+    def _do_load(self, word: Mapping[str, Any]) -> None:
         def work() -> None:
-            self.load(read_protocol(told["path"]), told["trial"])
+            self.load(read_protocol(word["path"]), word["trial"])
             time.sleep(_RETURN)
-            tell({"loaded": told["trial"]})
+            tell({"loaded": word["trial"]})
 
         from surae.protocol import read_protocol
 
@@ -151,23 +151,23 @@ class _Laboratory:
         share = smooth_step((times - self._left) / _RETURN)[:, None]
         return (1.0 - share) * self._from + share * self._to
 
-    def _do_start(self, told: Mapping[str, Any]) -> None:
-        self._begin = float(told["at"])
+    def _do_start(self, word: Mapping[str, Any]) -> None:
+        self._begin = float(word["at"])
 
-    def _do_stop(self, told: Mapping[str, Any]) -> None:
+    def _do_stop(self, word: Mapping[str, Any]) -> None:
         """Stay where it is; the next trial's beginning is gone to when it is loaded."""
-        del told
+        del word
         if self._begin is not None:
             now = np.array([float(self._lsl.local_clock())])
             self._from = self._to = self._signals(now)[0] * [1, 1, 0, 0, 0, 0]
             self._begin = None
 
-    def _do_fault(self, told: Mapping[str, Any]) -> None:
+    def _do_fault(self, word: Mapping[str, Any]) -> None:
         """A fault from `at` seconds of the trial on, or at once; "none" ends all."""
-        if told["kind"] == "none":
+        if word["kind"] == "none":
             self._faults = []
         else:
-            self._faults.append({"now": float(self._lsl.local_clock()), **told})
+            self._faults.append({"now": float(self._lsl.local_clock()), **word})
 
     def _signals(self, times: FloatArray) -> FloatArray:
         """Angle, torque and EMG at some times, shape (n, 6)."""
@@ -206,8 +206,8 @@ class _Laboratory:
                 send[fault.get("stream", "EMG")] = False
         if send["manipulator"]:
             rows = slice(None, None, _DEVICE_EVERY)
-            kept = times[rows]
-            self._device.push_chunk(np.ascontiguousarray(signals[rows, :2]), float(kept[-1]))
+            sent_times = times[rows]
+            self._device.push_chunk(np.ascontiguousarray(signals[rows, :2]), float(sent_times[-1]))
         if send["EMG"]:
             self._emg.push_chunk(np.ascontiguousarray(signals[:, 2:]), float(times[-1]))
 

@@ -264,19 +264,19 @@ def _maximum(allowed: tuple[float, float]) -> Trajectory:
     The foot is held still, level where the device reaches that.
     """
     time = np.arange(round(18.0 * _RATE) + 1) / _RATE
-    held = min(max(0.0, allowed[0]), allowed[1])
+    level_angle = min(max(0.0, allowed[0]), allowed[1])
     still = np.zeros(len(time))
     effort = np.zeros((len(time), len(MUSCLES)))
     for muscles, begins in ((("gl", "sol", "gm"), 3.0), (("ta",), 11.0)):
         level = smooth_step((time - begins) / 0.5) * smooth_step((begins + 4.0 - time) / 0.5)
         for muscle in muscles:
             effort[:, MUSCLES.index(muscle)] = level
-    around = (held - 0.01, held + 0.01)
+    around = (level_angle - 0.01, level_angle + 0.01)
     settings = Given(profile=MAXIMUM, task="maximal", range_of_motion=around, rate_hz=_RATE)
     return Trajectory(
         settings=settings,
         time=read_only(time),
-        angle=read_only(still + held),
+        angle=read_only(still + level_angle),
         velocity=read_only(still),
         acceleration=read_only(still),
         effort=read_only(effort),

@@ -107,13 +107,13 @@ class Showing:
             self._largest.clear()
             self._rests.clear()
 
-    def run(self, clock: Callable[[], float], asked: Callable[[], FloatArray]) -> None:
+    def run(self, clock: Callable[[], float], target: Callable[[], FloatArray]) -> None:
         """Send frames until closed, in a thread of its own.
 
-        `clock` gives LSL's time [s], `asked` what is asked for now: angle [rad] and four efforts.
+        `clock` gives LSL's time [s], `target` what is asked for now: angle [rad] and four efforts.
         """
         work = threading.Thread(
-            target=self._frames, args=(clock, asked), daemon=True, name="live-frames"
+            target=self._frames, args=(clock, target), daemon=True, name="live-frames"
         )
         work.start()
 
@@ -132,7 +132,7 @@ class Showing:
         rest = self._rests.get(role, level)
         self._rests[role] = min(rest * (1.0 + 0.002 * seconds), level) if rest else level
 
-    def _frames(self, clock: Callable[[], float], asked: Callable[[], FloatArray]) -> None:
+    def _frames(self, clock: Callable[[], float], target: Callable[[], FloatArray]) -> None:
         due = time.monotonic()
         while not self._ended.is_set():
             due = max(due + 1.0 / RATE, time.monotonic())
@@ -148,6 +148,6 @@ class Showing:
                     "taken": round(1e3 * (time.time() - (now - newest)), 1) if new else None,
                     "new": {role: [float(f"{v:.5g}") for v in kept] for role, kept in new.items()},
                     "effort": [round(effort, 3) for effort in efforts],
-                    "asked": [float(f"{value:.4g}") for value in asked()],
+                    "asked": [float(f"{value:.4g}") for value in target()],
                 }
             )

@@ -29,16 +29,16 @@ class _Plan:
 
     def at(self, times: FloatArray) -> FloatArray:
         """Angle [rad] and the four efforts at some times, shape (n, 5)."""
-        asked = np.zeros((len(times), 1 + len(MUSCLES)))
+        wanted = np.zeros((len(times), 1 + len(MUSCLES)))
         if self.trajectory is None:
-            return asked
+            return wanted
         path = self.trajectory
         own = times - self.begin if self.begin is not None else np.zeros(len(times))
-        asked[:, 0] = np.interp(own, path.time, path.angle)
+        wanted[:, 0] = np.interp(own, path.time, path.angle)
         if self.begin is not None:
             for i in range(len(MUSCLES)):
-                asked[:, 1 + i] = np.interp(own, path.time, path.effort[:, i], left=0.0, right=0.0)
-        return asked
+                wanted[:, 1 + i] = np.interp(own, path.time, path.effort[:, i], left=0.0, right=0.0)
+        return wanted
 
 
 class Target:
@@ -71,8 +71,8 @@ class Target:
 
     def now(self) -> FloatArray:
         """What is asked for now: angle [rad] and the four efforts."""
-        asked: FloatArray = self._plan.at(np.array([float(self._clock())]))[0]
-        return asked
+        wanted: FloatArray = self._plan.at(np.array([float(self._clock())]))[0]
+        return wanted
 
     def close(self) -> None:
         """End the stream."""

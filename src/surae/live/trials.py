@@ -188,13 +188,13 @@ class Trials:
         """The session's mapping, or the one that the streams' own names make; None: neither."""
         if self._mapping is not None:
             return self._mapping
-        made = self.folder / "mapping.toml"
+        own = self.folder / "mapping.toml"
         text = mapping_of(list(self.recorder.streams.values()))
         if text and text != self._made:
             with suppress(OSError):  # the disk is full; what is there is used
-                write_atomic(made, text)
+                write_atomic(own, text)
                 self._made = text
-        return made if made.exists() else None
+        return own if own.exists() else None
 
     def _submit(
         self, number: int, begin: float | None, ended: float | None
@@ -205,12 +205,12 @@ class Trials:
         """Judge a trial in the child, keep and tell what it says."""
         output = self.path(number, ".h5")
         trial = self.trials[number]
-        said: dict[str, Any]
+        judgement: dict[str, Any]
         source = Path(trial["file"]) if "file" in trial else self.path(number, ".xdf")
         if (mapping := self._mapping if "file" in trial else self.mapping) is None and (
             "file" not in trial
         ):
-            said = {"why": "the streams do not say which channel is which; give a --mapping"}
+            judgement = {"why": "the streams do not say which channel is which; give a --mapping"}
         else:
             arguments = {
                 "file": str(source),
@@ -225,13 +225,15 @@ class Trials:
             end = self._judge.call("surae.live.judge:judge", arguments)
             if self._closed and end.how != "done":  # nothing is on disk: the next start judges it
                 return trial
-            said = end.value if end.how == "done" else {"why": end.message}
+            judgement = end.value if end.how == "done" else {"why": end.message}
             if end.how in ("failed", "killed"):  # our mistake, not the trial's
-                said |= {"verdict": "look", "advice": f"It could not be judged: {end.message}"}
-        if "findings" not in said:
-            said = {"findings": [], "grade": None, "vaf": None, "reasons": [], "verdict": "repeat",
-                    "advice": said["why"], **said}  # fmt: skip
-        trial |= said
+                judgement |= {"verdict": "look", "advice": f"It could not be judged: {end.message}"}
+        if "findings" not in judgement:
+            judgement = {
+                "findings": [], "grade": None, "vaf": None, "reasons": [], "verdict": "repeat",
+                "advice": judgement["why"], **judgement,
+            }  # fmt: skip
+        trial |= judgement
         trial["recording"] = str(output if output.exists() else source)
         trial["state"] = "judged"
         if ended is not None:
@@ -247,8 +249,8 @@ class Trials:
         try:
             write_json(self.path(number, ".json"), self.trials[number])
         except (OSError, SuraeError) as error:
-            told = f"the verdict is not on disk ({error}); the next start judges it again"
-            self.trials[number]["note"] = told
+            note = f"the verdict is not on disk ({error}); the next start judges it again"
+            self.trials[number]["note"] = note
 
     def _settled(self, file: Path) -> None:
         """Wait until all of a trial is on disk; not for longer than memory keeps it."""

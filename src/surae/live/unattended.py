@@ -46,11 +46,19 @@ def unattended(
             number = room.start()
             while number not in room.trials.verdicts:
                 time.sleep(0.05)
-            said = room.trials.verdicts[number].result()
+            judgement = room.trials.verdicts[number].result()
             laboratory.fault(kind="none")
-            kept = {"trial", "recording", "grade", "vaf", "seconds_to_verdict", "verdict", "advice"}
-            line = {key: value for key, value in said.items() if key in kept}
-            line["findings"] = [finding["code"] for finding in said["findings"]]
+            shown_keys = {
+                "trial",
+                "recording",
+                "grade",
+                "vaf",
+                "seconds_to_verdict",
+                "verdict",
+                "advice",
+            }
+            line = {key: value for key, value in judgement.items() if key in shown_keys}
+            line["findings"] = [finding["code"] for finding in judgement["findings"]]
             click.echo(json.dumps(line, ensure_ascii=False))
     finally:
         room.close()
