@@ -20,7 +20,7 @@ _MOST_SUBJECTS = 10_000
 @click.argument("name", metavar="PROTOCOL")
 @click.option("--model", type=click.Choice(names.MODELS), default="muscle", show_default=True,
               metavar="M", help=f"{MODEL_NAMES}.")  # fmt: skip
-@click.option("--subjects", type=Whole(1, _MOST_SUBJECTS), default=10, show_default=True,
+@click.option("--subjects", "n", type=Whole(1, _MOST_SUBJECTS), default=10, show_default=True,
               metavar="N", help="How many virtual subjects.")  # fmt: skip
 @click.option("--population", type=click.Choice(names.POPULATIONS), default="healthy",
               show_default=True, help="Where they come from.")  # fmt: skip
