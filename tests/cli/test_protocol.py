@@ -92,7 +92,7 @@ def test_the_table_tells_what_was_adapted_and_covered(run) -> None:
 
 
 def test_the_thesis_s_factor_is_a_rate_of_its_part_by_pi(run) -> None:
-    amplitude = ("--chirp-amplitude", "0.2")
+    amplitude = ("--chirp-amplitude", "0.2", *BARE)
     run("protocol", "sine", *amplitude, "--chirp-factor", "0.5", "--output", "factor.csv")
     run("protocol", "sine", *amplitude, "--chirp-rate", str(0.5 / np.pi), "--output", "rate.csv")
     assert Path("factor.csv").read_text() == Path("rate.csv").read_text()

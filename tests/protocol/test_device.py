@@ -37,7 +37,7 @@ def test_limits_hold_after_adaptation(name, amplitude, rate, velocity, accelerat
             chirp_amplitude=amplitude,
             chirp_rate=rate,
             device=device,
-            rate_hz=128.0,
+            rate_hz=64.0,
             task="passive",
             duration=20.0,
         )

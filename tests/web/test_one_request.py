@@ -81,7 +81,9 @@ REACHED: dict[str, tuple[dict[str, Any], str, dict[str, Any]]] = {
 @pytest.fixture(scope="module")
 def trial(tmp_path_factory):
     """A CSV of a virtual subject at 64 Hz, envelopes, and the same again."""
-    motion = generate(Protocol(profile="multiple-holds", chirp_amplitude=0.1, rate_hz=64.0))
+    motion = generate(
+        Protocol(profile="multiple-holds", chirp_amplitude=0.1, rate_hz=64.0, duration=20.0)
+    )
     made = virtual_trial(virtual_subject(3), motion)
     columns = {"time_s": made.time, "angle_rad": made.angle, "torque_Nm": made.torque}
     columns |= {f"emg_{m}_V": made.emg[:, i] for i, m in enumerate(MUSCLES)}

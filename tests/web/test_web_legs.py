@@ -17,7 +17,9 @@ MUSCLES = ("ta", "gl", "sol", "gm")
 def files(tmp_path_factory):
     """Two trials that move, and one that holds still."""
     folder = tmp_path_factory.mktemp("leg")
-    motion = generate(Protocol(profile="multiple-holds", chirp_amplitude=0.2, rate_hz=64.0))
+    motion = generate(
+        Protocol(profile="multiple-holds", chirp_amplitude=0.2, rate_hz=64.0, duration=20.0)
+    )
     made = []
     for seed, name in enumerate(("walk one", "walk two", "hold")):
         trial = virtual_trial(virtual_subject(3), motion, seed=seed)
