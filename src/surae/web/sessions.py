@@ -3,8 +3,8 @@
 import json
 import secrets
 import time
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from hashlib import sha256
 from typing import Any
@@ -129,17 +129,12 @@ class BrowserSessions:
 
     def delete(self, session: BrowserSession, kind: str, id_: str, label: str) -> None:
         """Delete a thing, so that undo brings it back."""
-        with self._database.transaction():
+        with self._changed(session) as draft:
             self._mark(session, kind, id_, deleted=True)
             reference = {"kind": kind, "id": id_}
             self._record(session, label, "deleted", reference, reference)
-            draft, now = self._read(session)
-            if kind == "recording" and id_ in draft["recordings"]:
-                draft["recordings"] = [
-                    recording for recording in draft["recordings"] if recording != id_
-                ]
-            self._write(session, draft, now + 1)
-        self._tell(session, now + 1)
+            if kind == "recording":
+                draft["recordings"] = [other for other in draft["recordings"] if other != id_]
 
     def describe(
         self,
@@ -153,7 +148,7 @@ class BrowserSessions:
 
         It is refused where one has meanwhile been described by somebody else.
         """
-        with self._database.transaction():
+        with self._changed(session):
             if not self._switch(before, after):
                 raise RefusedError(
                     409, "somebody else has described it meanwhile; load the page again and repeat"
@@ -161,9 +156,6 @@ class BrowserSessions:
             for id_, first in firsts.items():
                 self._database.update("recording", id_, {"first": first})
             self._record(session, label, "described", {"rows": before}, {"rows": after})
-            draft, now = self._read(session)
-            self._write(session, draft, now + 1)
-        self._tell(session, now + 1)
 
     def next_version(self, id_: str) -> int:
         """A number that no other description of a recording has, whoever asks at the same time."""
@@ -273,6 +265,15 @@ class BrowserSessions:
                 if all(isinstance(table.get(key), str) for table in tables for key in known):
                     return int(id_), str(label), str(kind), before, after
         return None
+
+    @contextmanager
+    def _changed(self, session: BrowserSession) -> Iterator[Draft]:
+        """The draft, to be changed within; all of it is kept, and its browser told, or nothing."""
+        with self._database.transaction():
+            draft, revision = self._read(session)
+            yield draft
+            self._write(session, draft, revision + 1)
+        self._tell(session, revision + 1)
 
     def _read(self, session: BrowserSession) -> tuple[Draft, int]:
         """The draft and its revision; keys of it that make no sense are as in a new one."""
