@@ -310,12 +310,12 @@ def _scales(usable: Sequence[tuple[CohortMember, float]]) -> FrozenDict[str, Cor
     return FrozenDict(correlations)
 
 
-def _holm(told: Mapping[str, Pooled]) -> dict[str, Pooled]:
+def _holm(pooled: Mapping[str, Pooled]) -> dict[str, Pooled]:
     """Differences, changes and correlations, each kind with Holm's p over all quantities."""
-    done = dict(told)
+    done = dict(pooled)
     for kind in ("differences", "changes", "scales"):
         every = {
-            (name, key): c.p for name, p in told.items() for key, c in getattr(p, kind).items()
+            (name, key): c.p for name, p in pooled.items() for key, c in getattr(p, kind).items()
         }
         for (name, key), p in holm(every, dict.fromkeys(every, 1.0 / max(len(every), 1))).items():
             own = dict(getattr(done[name], kind))

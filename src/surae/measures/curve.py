@@ -59,8 +59,8 @@ def torque_curve(result: FitResult, assessment: Assessment) -> TorqueCurve:
     return TorqueCurve(read_only(angle), *lines)
 
 
-def _deviation(told: Evaluated, spread: Spread) -> float:
+def _deviation(evaluated: Evaluated, spread: Spread) -> float:
     lost = any(
-        g != 0.0 and n in spread.lost for n, g in zip(spread.names, told.gradient, strict=True)
+        g != 0.0 and n in spread.lost for n, g in zip(spread.names, evaluated.gradient, strict=True)
     )
-    return np.nan if told.missing or lost else deviation(told.gradient, spread.total)
+    return np.nan if evaluated.missing or lost else deviation(evaluated.gradient, spread.total)

@@ -202,12 +202,12 @@ def refitted(
     members: Sequence[CohortMember],
     angles: Sequence[float],
     engine: Engine,
-    told: Progress | None = None,
+    progress: Progress | None = None,
 ) -> tuple[list[CohortMember], int]:
     """Every leg fitted again with its population, until that rests; and the rounds it took."""
     known, latest = populations(members), list(members)
     for number in range(1, _ROUNDS + 1):
-        latest = measured(rows, angles, engine, known, told)
+        latest = measured(rows, angles, engine, known, progress)
         renewed = _renewed(known, latest)
         moved = [
             abs(math.log(renewed[g][n][0] / median)) / spread

@@ -160,7 +160,7 @@ def expected(
 
 
 def expected_of(
-    told: Information,
+    known_by: Information,
     legs: Legs,
     known: FloatArray,
     *,
@@ -175,7 +175,7 @@ def expected_of(
     `Expectation`.
     """
     with one_blas_thread():
-        covariances = [estimated(told.names, m + known) for m in told.matrices]
+        covariances = [estimated(known_by.names, m + known) for m in known_by.matrices]
     own = legs.own
     table = adapted(legs.spec.parameters, legs.options, legs.emg_unit)
     columns = [legs.spec.names.index(name) for name in own]
@@ -228,7 +228,7 @@ def expected_of(
         nuisances=tuple(n for n in legs.free if n in legs.beliefs),
         relative=read_only(relative),
         correlation=central,
-        torque=(float(told.torque[:, 0].min()), float(told.torque[:, 1].max())),
+        torque=(float(known_by.torque[:, 0].min()), float(known_by.torque[:, 1].max())),
     )
 
 

@@ -68,20 +68,20 @@ def information(
     return Information(legs.free, read_only(matrices), read_only(torques))
 
 
-def shared(told: Information, legs: Legs) -> Information:
+def shared(trial: Information, legs: Legs) -> Information:
     """The same, with the trial's own nuisances eliminated: what can be added to other trials."""
-    own = {n for n in told.names if n in legs.beliefs and group_of(n) in EACH_TRIAL}
-    each = [j for j, name in enumerate(told.names) if name in own]
-    common = [j for j, name in enumerate(told.names) if name not in own]
+    own = {n for n in trial.names if n in legs.beliefs and group_of(n) in EACH_TRIAL}
+    each = [j for j, name in enumerate(trial.names) if name in own]
+    common = [j for j, name in enumerate(trial.names) if name not in own]
     if not each:
-        return told
-    within = told.matrices[:, each][:, :, each] + np.diag(
-        [legs.beliefs[told.names[j]].sd ** -2.0 for j in each]
+        return trial
+    within = trial.matrices[:, each][:, :, each] + np.diag(
+        [legs.beliefs[trial.names[j]].sd ** -2.0 for j in each]
     )
-    cross = told.matrices[:, each][:, :, common]
-    remaining = told.matrices[:, common][:, :, common]
+    cross = trial.matrices[:, each][:, :, common]
+    remaining = trial.matrices[:, common][:, :, common]
     remaining = remaining - np.swapaxes(cross, 1, 2) @ np.linalg.solve(within, cross)
-    return Information(tuple(told.names[j] for j in common), read_only(remaining), told.torque)
+    return Information(tuple(trial.names[j] for j in common), read_only(remaining), trial.torque)
 
 
 def estimated(names: Sequence[str], precision: FloatArray) -> Covariance | None:

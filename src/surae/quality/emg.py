@@ -147,7 +147,7 @@ def _dropouts(trial: Trial, muscle: str, channel: Channel) -> list[Finding]:
     ]
 
 
-def _flat(muscle: str, channel: Channel, first: int, last: int, what: str) -> Finding:
+def _flat(muscle: str, channel: Channel, first: int, last: int, state: str) -> Finding:
     whole = last - first >= len(channel.time) - 1
     span = float(channel.time[last] - channel.time[first])
     return Finding(
@@ -158,7 +158,7 @@ def _flat(muscle: str, channel: Channel, first: int, last: int, what: str) -> Fi
         float(channel.time[last]),
         span,
         "s",
-        f"The EMG of the {muscle_name(muscle)} {what}.",
+        f"The EMG of the {muscle_name(muscle)} {state}.",
         f"Check electrode and cable; fix {weight_of(muscle)} at 0 if the muscle was at rest, "
         "else record again."
         if whole

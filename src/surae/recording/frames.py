@@ -48,11 +48,11 @@ def channels_dataset(channels: Mapping[str, Any], about: Mapping[str, str]) -> A
     return _library("xarray", "a Dataset").Dataset(variables, coordinates, dict(about))
 
 
-def _library(name: str, what: str) -> Any:
+def _library(name: str, purpose: str) -> Any:
     """A library of the extra ``notebook``, loaded only where it is used."""
     try:
         return importlib.import_module(name)
     except ImportError:
         raise InputError(
-            f"{what} needs {name}: install it with `pip install 'surae[notebook]'`"
+            f"{purpose} needs {name}: install it with `pip install 'surae[notebook]'`"
         ) from None

@@ -197,10 +197,10 @@ def _plain_candidates(channels: Sequence[InspectedChannel], role: str) -> list[I
     return []
 
 
-def _side(channels: Sequence[InspectedChannel], given: str | None) -> tuple[Side | None, str]:
+def _side(channels: Sequence[InspectedChannel], chosen: str | None) -> tuple[Side | None, str]:
     """The leg: as given, else the one side that some role's channels all are of."""
-    if given is not None:
-        return ("left" if given == "left" else "right"), "as given"
+    if chosen is not None:
+        return ("left" if chosen == "left" else "right"), "as given"
     votes: dict[Side, list[str]] = {}
     for role in ROLES:
         sides = {c.guess.side for c in _plain_candidates(channels, role) if c.guess is not None}
@@ -245,13 +245,15 @@ def _assigned(
 
 def _emg(
     assigned: Mapping[str, InspectedChannel],
-    left: Mapping[str, Sequence[InspectedChannel]],
+    open_roles: Mapping[str, Sequence[InspectedChannel]],
     notes: set[str],
 ) -> tuple[Literal["raw", "envelope"] | None, str]:
     """Whether the EMG is raw or an envelope, and how that is known."""
     looks = {role: c.look for role, c in assigned.items() if c.look is not None}
     if not looks:
-        looks = {c.column: c.look for some in left.values() for c in some if c.look is not None}
+        looks = {
+            c.column: c.look for some in open_roles.values() for c in some if c.look is not None
+        }
     if not looks:
         return None, ""
     if len(notes) == 1:

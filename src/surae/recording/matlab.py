@@ -145,18 +145,18 @@ def _matlab73(data: bytes) -> Mapping[str, Any]:
         return _group(file, [_MOST_VARIABLES], 0)
 
 
-def _group(group: Any, left: list[int], depth: int) -> dict[str, Any]:
+def _group(group: Any, remaining: list[int], depth: int) -> dict[str, Any]:
     """Variables of a file or structure, not those that are links to somewhere else."""
     import h5py
 
     variables: dict[str, Any] = {}
     for name in group:
-        left[0] -= 1
-        if left[0] < 0:
+        remaining[0] -= 1
+        if remaining[0] < 0:
             raise ValueError(f"more than {_MOST_VARIABLES} variables")
         item = member(group, name)
         if isinstance(item, h5py.Group) and depth < _DEEPEST and not name.startswith("#"):
-            variables[name] = _group(item, left, depth + 1)
+            variables[name] = _group(item, remaining, depth + 1)
         elif isinstance(item, h5py.Dataset) and "MATLAB_empty" not in item.attrs:
             variables[name] = _dataset(item)
     return variables

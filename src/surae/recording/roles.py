@@ -330,10 +330,10 @@ def _muscle(said: set[str], words: tuple[str, ...]) -> _Found | None:
     return None
 
 
-def _in_full(said: set[str], words: tuple[str, ...]) -> _Found | None:
+def _in_full(vocabulary: set[str], words: tuple[str, ...]) -> _Found | None:
     """A muscle by its name, or by the usual shorthand that can be no other."""
     for first, second, role, rule in _TWO_WORDS:
-        if said & first and said & second:
+        if vocabulary & first and vocabulary & second:
             return (role,), "named", rule
     whole = next((word for word in words if word in _WHOLE), None)
     return None if whole is None else ((_WHOLE[whole],), "named", f"the muscle {whole}")

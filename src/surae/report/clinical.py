@@ -248,10 +248,10 @@ def blocks_of(page: ClinicalPage) -> tuple[SectionBlock, ...]:
     return tuple(blocks)
 
 
-def _answer(told: Measures, angle: float, words: Words) -> str:
-    torque = told[f"passive_torque@{angle:g}deg"]
-    stiffness = told[f"passive_stiffness@{angle:g}deg"]
-    inadequate = told.adequacy.grade is Grade.INADEQUATE
+def _answer(of_fit: Measures, angle: float, words: Words) -> str:
+    torque = of_fit[f"passive_torque@{angle:g}deg"]
+    stiffness = of_fit[f"passive_stiffness@{angle:g}deg"]
+    inadequate = of_fit.adequacy.grade is Grade.INADEQUATE
     if inadequate or torque.ci95 is None or stiffness.ci95 is None:
         return words("answer_none")
     numbers = {"angle": words.angle(angle)}
@@ -364,10 +364,10 @@ def _next(assessment: Assessment, words: Words) -> tuple[str, ...]:
     return tuple(words(f"remedy_{source}") for source in leading)
 
 
-def _nothing(told: Measures, shown: Sequence[Measure], words: Words) -> tuple[str, ...]:
+def _nothing(of_fit: Measures, shown: Sequence[Measure], words: Words) -> tuple[str, ...]:
     """Say that nothing is to be measured, where all that the page shows is known."""
     known = all(m.verdict is Verdict.IDENTIFIED for m in shown if m.value is not None)
-    return (words("next_none"),) if known and told.adequacy.grade is Grade.ADEQUATE else ()
+    return (words("next_none"),) if known and of_fit.adequacy.grade is Grade.ADEQUATE else ()
 
 
 def _made(words: Words, created: datetime, count: int) -> str:

@@ -137,7 +137,7 @@ def write_session_report(
     *,
     joint_predictions: Mapping[str, Crossed],
     created: datetime,
-    **what: Any,
+    **others: Any,
 ) -> None:
     """Write the report of a session to `path`, a PDF where it ends in ``.pdf``.
 
@@ -145,7 +145,7 @@ def write_session_report(
     ----------
     path : path
         Where to; a page asks nothing of the outside.
-    name, about, trials, fits, joint, joint_predictions, created, **what
+    name, about, trials, fits, joint, joint_predictions, created, **others
         As of `surae.report.session.session_content`.
 
     Raises
@@ -158,7 +158,7 @@ def write_session_report(
     check_report(path)
     content = session_content(
         name, about, trials, fits, joint,
-        joint_predictions=joint_predictions, created=created, **what,
+        joint_predictions=joint_predictions, created=created, **others,
     )  # fmt: skip
     figures = session_drawings(trials, fits, joint, joint_predictions)
     images = {name: svg(figure) for name, figure in figures.items()}

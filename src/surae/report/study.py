@@ -109,19 +109,19 @@ def study_curves(
     return StudyCurves(x, values, curves, tuple(notes))
 
 
-def _factor(varying: Mapping[str, tuple[Value, ...]], asked: str | None) -> str:
+def _factor(varying: Mapping[str, tuple[Value, ...]], wanted: str | None) -> str:
     """The factor asked for, or the one that varies most."""
-    if asked is None:
+    if wanted is None:
         numeric = {
             name: len(values)
             for name, values in varying.items()
             if name not in _LABELS and not any(isinstance(value, str) for value in values)
         }
         return max(numeric, key=lambda name: numeric[name]) if numeric else "protocol"
-    if asked != "protocol" and asked not in varying:
+    if wanted != "protocol" and wanted not in varying:
         known = ", ".join(dict.fromkeys([*varying, "protocol"]))
-        raise InputError(f"{asked!r} is no factor that varies in this study; use one of: {known}")
-    return asked
+        raise InputError(f"{wanted!r} is no factor that varies in this study; use one of: {known}")
+    return wanted
 
 
 def _ordered(cells: Iterable[StudyValue]) -> tuple[Value, ...]:

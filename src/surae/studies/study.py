@@ -192,25 +192,25 @@ def parse_study(text: str) -> Study:
     return study
 
 
-def _factors(given: Mapping[str, object]) -> dict[str, Factor]:
+def _factors(settings: Mapping[str, object]) -> dict[str, Factor]:
     """The factors that a file may give, in the order of the table."""
     factors: dict[str, Factor] = {}
     for key, factor in (FACTORS | OPTIONS).items():
         other, instead = INSTEAD.get(key, ("", factor))
-        if other in given and key in given:
+        if other in settings and key in settings:
             raise InputError(f"{key} and {other} say the same; give one of them")
-        factors |= {other: instead} if other in given else {key: factor}
+        factors |= {other: instead} if other in settings else {key: factor}
     return factors
 
 
-def _values(key: str, given: object, factor: Factor) -> tuple[Value, ...]:
+def _values(key: str, setting: object, factor: Factor) -> tuple[Value, ...]:
     """The values of a factor, each checked, none twice."""
-    if not isinstance(given, list):
-        value = _checked(key, given, factor)
+    if not isinstance(setting, list):
+        value = _checked(key, setting, factor)
         if key in _COUNTED:
             return tuple(range(1, int(value) + 1))
         return (value,)
-    values = tuple(_checked(key, element, factor) for element in given)
+    values = tuple(_checked(key, element, factor) for element in setting)
     if not values:
         raise InputError(f"{key} is an empty list; give at least one value")
     for value in values:

@@ -14,11 +14,11 @@ from surae.recording.source import Source, open_source
 
 
 def trial_files(
-    given: PathLike | Sequence[PathLike], description: Description | None = None
+    source: PathLike | Sequence[PathLike], description: Description | None = None
 ) -> dict[str, Path]:
     """The file of every trial by the trial's name.
 
-    `given` is a folder, or the files themselves; the ``{trial}`` of a description says which files
+    `source` is a folder, or the files themselves; the ``{trial}`` of a description says which files
     of a folder are meant. Trials come in the order of their names.
 
     Raises
@@ -26,7 +26,7 @@ def trial_files(
     InputError
         There is no such folder or no trial in it, or two files would be called alike.
     """
-    paths = [Path(path) for path in paths_of(given)]
+    paths = [Path(path) for path in paths_of(source)]
     files: list[Path] = []
     for path in paths:
         files += _in_folder(path, description) if path.is_dir() else [path]

@@ -174,8 +174,8 @@ def _in_volts(recording: Recording) -> bool:
     return bool(emg) and emg[0].unit == "V"
 
 
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def common_errors(quality: Iterable[Quality]) -> tuple[str, ...]:
