@@ -46,6 +46,14 @@ def pytest_collection_finish() -> None:
 SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"
 
 
+@pytest.fixture(scope="session", autouse=True)
+def taken_locks() -> Iterator[None]:
+    """That a lock is taken is known sooner than where many look at it."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("surae.database._LOOKED_AT", 0.2)
+        yield
+
+
 @pytest.fixture(scope="session")
 def references() -> Path:
     """The folder of reference solutions, made for the models by other means; see its README."""

@@ -281,6 +281,7 @@ def test_saved_and_loaded_it_does_the_same(fit, inputs, tmp_path):
     np.testing.assert_array_equal(loaded.correlation, fit.correlation)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_report(fit, tmp_path):
     fit.report(tmp_path / "report.html")
     text = (tmp_path / "report.html").read_text("utf-8")

@@ -14,6 +14,8 @@ from surae.errors import ComputationError, InputError
 
 #: Beside a file, these are SQLite's and ours.
 BESIDE = ("-wal", "-shm", "-journal", ".lock")
+#: How long somebody may look at a lock, which keeps it from being taken [s].
+_LOOKED_AT = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +67,7 @@ def lock(path: Path) -> sqlite3.Connection | None:
     A lock file that is a link is refused.
     """
     refuse_links(path)
-    held = sqlite3.connect(_lock_of(path), timeout=1.0, isolation_level=None,
+    held = sqlite3.connect(_lock_of(path), timeout=_LOOKED_AT, isolation_level=None,
                            check_same_thread=False)  # fmt: skip
     try:
         held.execute("BEGIN EXCLUSIVE")

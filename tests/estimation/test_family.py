@@ -24,8 +24,8 @@ from surae.recording import Recording, read
 from surae.signals import prepare
 from surae.studies import virtual_subject, virtual_trial
 
-#: Of the legs of which less is claimed than half the samples tell [Hz].
-THIN = 64.0
+#: Rate [Hz] and duration [s] of the legs of which less is claimed than so many samples tell.
+THIN, SHORT = 64.0, 25.0
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +41,11 @@ def fitted(whole):
 @pytest.fixture(scope="module")
 def leg():
     return richer_leg(0, rate_hz=THIN)
+
+
+@pytest.fixture(scope="module")
+def short():
+    return richer_leg(0, rate_hz=THIN, duration=SHORT)
 
 
 def truth_in(worth, parameters):
@@ -110,19 +115,19 @@ def test_what_is_fixed_stays_and_what_is_known_is_no_nuisance(leg):
     assert "torque_zero" not in result.family.beliefs
 
 
-def test_several_recordings_have_their_own_zeros(leg, tmp_path):
-    other = richer_leg(0, trial=1, rate_hz=THIN)
-    result = solve(make_problem([leg.inputs, other.inputs], "auto"))
-    assert result.family.zeros == pytest.approx((leg.zero, other.zero), abs=0.3)
-    for trial, residual in zip((leg, other), result.residuals, strict=True):
+def test_several_recordings_have_their_own_zeros(short, tmp_path):
+    other = richer_leg(0, trial=1, rate_hz=THIN, duration=SHORT)
+    result = solve(make_problem([short.inputs, other.inputs], "auto"))
+    assert result.family.zeros == pytest.approx((short.zero, other.zero), abs=0.3)
+    for trial, residual in zip((short, other), result.residuals, strict=True):
         assert np.std(residual) == pytest.approx(trial.noise, rel=0.05)
     worth = assess(result)
-    claimed, hits = truth_in(worth, leg.parameters)
+    claimed, hits = truth_in(worth, short.parameters)
     assert claimed >= 9
     assert hits >= claimed - 2
     budgets = [p.budget for p in worth.parameters.values() if p.budget]
     assert np.median([budget["trials"] for budget in budgets]) < 0.5
-    for each, alone in zip(result.family.recordings, (leg, other), strict=True):
+    for each, alone in zip(result.family.recordings, (short, other), strict=True):
         for name in ("m", "k_tri", "l0_tri"):
             away = abs(each.values[name] - alone.parameters[name])
             assert away < 4.0 * each.sem[name]
@@ -144,11 +149,13 @@ def test_recordings_by_themselves_are_fits_of_their_own(noisy):
         assert alone.names == target.names
 
 
-def test_two_legs_are_not_one(leg):
+def test_two_legs_are_not_one(short):
     """Recordings that differ by more than noise are no ground for claims."""
-    result = solve(make_problem([leg.inputs, richer_leg(2, rate_hz=THIN).inputs], "auto"))
+    result = solve(
+        make_problem([short.inputs, richer_leg(2, rate_hz=THIN, duration=SHORT).inputs], "auto")
+    )
     worth = assess(result)
-    assert truth_in(worth, leg.parameters)[0] == 0
+    assert truth_in(worth, short.parameters)[0] == 0
     assert any("leaves something out" in reason for reason in worth.adequacy.reasons)
     assert trial_spread(result.family.recordings)["g2"][0] > 0.1 * result.values["g2"]
 
