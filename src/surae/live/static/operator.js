@@ -237,7 +237,7 @@ function estimates(title, rows, before) {
     num(one.ci95 && one.verdict !== "undetermined" ? `${number(one.ci95[0])} … ${number(one.ci95[1])}` : "none"),
     num(number(before[one.name])),
     h("span", { class: `pill ${kinds[one.verdict] ?? "repeat"}` }, one.verdict),
-  ]), { caption: null });
+  ]), { caption: null, numbers: [1, 3] });
 }
 
 function showAsked() {
