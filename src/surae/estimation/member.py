@@ -8,6 +8,7 @@ import numpy as np
 from surae.estimation.evidence import Quadratic, Subset
 from surae.estimation.mode import Mode, Target
 from surae.estimation.noise import NoiseModel, drawn_by, level_above_half
+from surae.estimation.noisy_emg import noisy_emg
 from surae.estimation.result import Candidate
 from surae.estimation.shifts import along, sized
 from surae.frozen import FrozenDict
@@ -20,6 +21,9 @@ _LET_GO, _SLOW = 1.3, 2.0
 #: By how much the distance of a mode under correlated noise from least squares may exceed what
 #: noise makes it on average, which is taken for no less than that of so many free values.
 _EXPLAINED, _LEAST = 3.0, 3.0
+#: Part of the residual's slow power that noise of the EMG makes from which no frequency is trusted
+#: more, and the draws that tell: 0.01 to 0.1 with envelopes, 0.3 to 0.9 with raw EMG.
+_BY_EMG, _DRAWS = 0.5, 8
 
 
 def under_noise(target: Target, mode: Mode) -> tuple[Target, Mode]:
@@ -35,7 +39,9 @@ def under_noise(target: Target, mode: Mode) -> tuple[Target, Mode]:
     white = target.with_noise(target.own_noise(mode.z, white=True))
     plain = white.descend(mode.z, evaluations=20, tolerance=0.03)
     noise = target.own_noise(plain.z)
-    for believed in (noise, tuple(level_above_half(model) for model in noise)):
+    by_emg = noisy_emg(white, plain, white.quadratic(plain), draws=_DRAWS).part
+    tried = () if by_emg > _BY_EMG else (noise, tuple(level_above_half(model) for model in noise))
+    for believed in tried:
         correlated = target.with_noise(believed)
         there = correlated.descend(plain.z, evaluations=15, tolerance=0.01)
         if _as_near_as_noise(white, plain, correlated, noise, there):

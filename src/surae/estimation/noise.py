@@ -127,15 +127,21 @@ def noise_behind(residual: FloatArray, taken: FloatArray, lags: int) -> NoiseMod
     return replace(model, variance=max(model.variance, 1e-30))
 
 
-def level_above_half(noise: NoiseModel) -> NoiseModel:
-    """The noise with a spectrum that falls no further where half of its power lies below."""
-    if not noise.order:
+def level_above(noise: NoiseModel, part: float) -> NoiseModel:
+    """The noise with a spectrum that falls no further above a part of the sampling rate."""
+    if not noise.order or part >= 0.5:
         return noise
-    density = noise.spectrum(2 * _GRID)
-    half = int(np.searchsorted(np.cumsum(density), 0.5 * density.sum()))
-    density[half:] = np.maximum(density[half:], density[half])
+    density, edge = noise.spectrum(2 * _GRID), int(2 * _GRID * part)
+    density[edge:] = np.maximum(density[edge:], density[edge])
     covariance = np.fft.irfft(density)[: noise.order + 1]
     return autoregressive(covariance, noise.samples)
+
+
+def level_above_half(noise: NoiseModel) -> NoiseModel:
+    """The noise with a spectrum that falls no further where half of its power lies below."""
+    density = noise.spectrum(2 * _GRID)
+    half = int(np.searchsorted(np.cumsum(density), 0.5 * density.sum()))
+    return level_above(noise, half / (2 * _GRID))
 
 
 def drawn_by(rows: FloatArray, noise: NoiseModel) -> FloatArray:

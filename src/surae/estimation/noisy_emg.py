@@ -30,8 +30,8 @@ _NOISE_HZ, _NOISE_PART, _AVERAGED_S = (10.0, 40.0), (0.1, 0.35), 0.25
 #: Shift of a logarithm that is no longer small, and sum of squares, as a part of what it
 #: was, from which the torque is let go by it.
 _FARTHEST, _WORSE = 1.0, 1.3
-#: What is unsure of a shift that was taken away: about what higher orders would add.
-_HIGHER = 0.5
+#: What is unsure of a shift that was taken away: what higher orders add is as much (decision 16).
+_HIGHER = 1.0
 #: Samples below which nothing is said of it.
 _FEWEST = 30
 #: Pairs of noise realisations, of opposite signs, that show the bias, and realisations that show
@@ -55,16 +55,16 @@ class NoisyEmg:
     strength: float  #: Of the noise, as a part of what was taken for it, at most 1.
 
 
-def noisy_emg(target: Target, mode: Mode, quadratic: Quadratic) -> NoisyEmg:
-    """What noise of the EMG does to the residual at a mode."""
+def noisy_emg(target: Target, mode: Mode, quadratic: Quadratic, *, draws: int = _DRAWS) -> NoisyEmg:
+    """What so many draws of the EMG's noise do to the residual at a mode."""
     before = target.residuals(mode.z)
-    draws = [
+    made = [
         [np.nan_to_num(e - old) for e, old in zip(noisy.residuals(mode.z), before, strict=True)]
-        for noisy in _noisier(target, _DRAWS, 1.0)
+        for noisy in _noisier(target, draws, 1.0)
     ]
-    part, power = _of_residual(target, mode, quadratic, draws)
+    part, power = _of_residual(target, mode, quadratic, made)
     strength = float(np.sqrt(min(_PLAUSIBLE / max(part, _PLAUSIBLE), 1.0)))
-    changes = tuple(tuple(strength * change for change in draw) for draw in draws)
+    changes = tuple(tuple(strength * change for change in draw) for draw in made)
     return NoisyEmg(changes, strength**2 * power, min(part, 1.0 - _OTHER), strength)
 
 
