@@ -134,6 +134,10 @@ def test_every_field_is_reached_from_everywhere(name, trial, monkeypatch) -> Non
     assert of_command == of_python == of_draft(**change) == wanted
 
 
+def test_weights_of_a_draft_may_be_given_in_part() -> None:
+    assert of_draft(weights={"windows": []}) == FitSettings(weights=surae.Weighting())
+
+
 @pytest.mark.parametrize("name", sorted(set(REACHED) - {"model"}))
 def test_comparisons_and_leave_one_out_take_every_field(name, trial, monkeypatch) -> None:
     keywords, options, _ = REACHED[name]

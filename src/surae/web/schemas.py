@@ -143,6 +143,8 @@ class DraftChange(Strict):
         plain = {key: value for key, value in data.items() if key not in empty}
         if "options" in plain:
             plain["options"] = {k: v for k, v in plain["options"].items() if v is not None}
+        if self.weights is not None:  # one thing: what is left out of it stands for its default
+            plain["weights"] = self.weights.model_dump(mode="json")
         return plain
 
 
