@@ -7,12 +7,13 @@ import numpy as np
 
 from surae.estimation.evidence import Quadratic, Subset
 from surae.estimation.mode import Mode, Target
-from surae.estimation.noise import NoiseModel, drawn_by, level_above_half
+from surae.estimation.noise import NoiseModel, drawn_by, level_above, level_above_half
 from surae.estimation.noisy_emg import noisy_emg
 from surae.estimation.result import Candidate
 from surae.estimation.shifts import along, sized
 from surae.frozen import FrozenDict
 from surae.model.laboratory import GROUPS, Belief, group_of
+from surae.signals import ModelInputs
 from surae.units import FloatArray
 
 #: Sum of squares, as a part of what least squares leave, from which a mode under correlated noise
@@ -29,25 +30,41 @@ _BY_EMG, _DRAWS = 0.5, 8
 def under_noise(target: Target, mode: Mode) -> tuple[Target, Mode]:
     """The target under the noise that its residual has, and its mode.
 
-    A noise model trusts most the frequencies with the least residual. Where these hold no signal,
-    as above the cut-off of a filter that the recording went through, or where the model does not
-    hold, its mode moves away from that of least squares by more than noise can move it (Hausman
-    1978). Then no frequency is trusted more than those that half of the residual lies below; and
-    where that moves too far as well, samples count alike, for as little as the residual's slow
-    part says.
+    A noise model trusts most the frequencies with the least residual. Where the preparation's
+    low-pass emptied them the noise is taken for level: the filter took the noise out of the torque,
+    and the model's own errors not. Where others hold no signal, as above the cut-off of somebody
+    else's filter, or where the model does not hold, its mode moves away from that of least squares
+    by more than noise can move it (Hausman 1978). Then no frequency is trusted more than those that
+    half of the residual lies below; and where that moves too far as well, samples count alike, for
+    as little as the residual's slow part says. They do so too where noise of the EMG makes most of
+    the residual: that is no noise of the torque, it is strong where the muscle is, and in the
+    model's own columns.
     """
     white = target.with_noise(target.own_noise(mode.z, white=True))
     plain = white.descend(mode.z, evaluations=20, tolerance=0.03)
     noise = target.own_noise(plain.z)
     by_emg = noisy_emg(white, plain, white.quadratic(plain), draws=_DRAWS).part
-    tried = () if by_emg > _BY_EMG else (noise, tuple(level_above_half(model) for model in noise))
-    for believed in tried:
+    tried = (
+        tuple(map(level_where_filtered, noise, target.problem.inputs)),
+        tuple(level_above_half(model) for model in noise),
+    )
+    for believed in tried if by_emg <= _BY_EMG else ():
         correlated = target.with_noise(believed)
         there = correlated.descend(plain.z, evaluations=15, tolerance=0.01)
         if _as_near_as_noise(white, plain, correlated, noise, there):
             return correlated, there
     inflated = target.with_noise(counted_alike(target, noise))
     return inflated, inflated.descend(plain.z, evaluations=15, tolerance=0.01)
+
+
+def level_where_filtered(noise: NoiseModel, recording: ModelInputs) -> NoiseModel:
+    """The noise without what the preparation's low-pass took from it.
+
+    At half of the cut-off the torque, sharpened, has lost 1 % of its power.
+    """
+    if recording.lowpass is None:
+        return noise
+    return level_above(noise, 0.5 * recording.lowpass[0] / recording.rate_hz)
 
 
 def counted_alike(target: Target, noise: Sequence[NoiseModel]) -> tuple[NoiseModel, ...]:

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from surae.estimation.evidence import Quadratic
 from surae.estimation.interrupt import checkpoint
 from surae.estimation.least_squares import Minimum, Outcome, minimise
-from surae.estimation.noise import NoiseModel, level_above, noise_behind, noise_of
+from surae.estimation.noise import NoiseModel, noise_behind, noise_of
 from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import simulators, stiffness_valleys
 from surae.estimation.result import is_at_bound
@@ -292,9 +292,7 @@ class Target:
 
         White noise is the residual's sum of squares over its degrees of freedom. Correlated noise
         is that whose residual would be as the residual is: estimated values have taken a part of
-        it, most at the low frequencies in which they act (`noise_behind`). Where the preparation's
-        low-pass takes from the torque it is taken for level: the filter took the noise away, and
-        the model's own errors not.
+        it, most at the low frequencies in which they act (`noise_behind`).
         """
         counted = self.problem.n
         lost = counted / max(counted - len(z), 1)
@@ -309,11 +307,8 @@ class Target:
             return tuple(models)
         taken = self.with_noise(models)._taken(z)
         return tuple(
-            level_above(
-                noise_behind(e, rows, min(_ORDER, len(e) // 10)),
-                _unfiltered(recording),
-            )
-            for e, rows, recording in zip(residuals, taken, self.problem.inputs, strict=True)
+            noise_behind(e, rows, min(_ORDER, len(e) // 10))
+            for e, rows in zip(residuals, taken, strict=True)
         )
 
     def _taken(self, z: FloatArray) -> list[FloatArray]:
@@ -334,14 +329,6 @@ class Target:
             back @ (rows if root is None else rows[:, root > 0])
             for rows, root in zip(blocks, self._roots, strict=True)
         ]
-
-
-def _unfiltered(recording: ModelInputs) -> float:
-    """Part of the sampling rate up to which the preparation's low-pass left the torque as it was.
-
-    At half of the cut-off the torque, sharpened, has lost 1 % of its power.
-    """
-    return np.inf if recording.lowpass is None else 0.5 * recording.lowpass[0] / recording.rate_hz
 
 
 def whitened(rows: FloatArray, noise: NoiseModel) -> FloatArray:
