@@ -222,6 +222,28 @@ def test_an_interrupt_is_ctrl_c_for_the_call_at_work_only(child) -> None:
     assert child.call(f"{ME}:echo", {"a": 1}) == End("done", {"a": 1})
 
 
+def test_an_interrupt_that_comes_before_its_call_is_at_work_waits_for_it() -> None:
+    """A new process takes a moment to start: who stopped a fit by then waited for 20 s."""
+    code = (
+        f"import sys, os; sys.path[:] = {sys.path!r}; "
+        "from surae.processes.inside import serve; serve(os.getppid(), 0)"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        call = {"function": f"{ME}:echo", "arguments": {"a": 1}, "memory": None, "seconds": None}
+        send(process.stdin, {"interrupt": 2})  # of a call to come, and not of the first
+        send(process.stdin, {"call": 1, **call})
+        assert received(process.stdout) == {"how": "done", "value": {"a": 1}}
+        send(process.stdin, {"call": 2, **call})
+        assert received(process.stdout)["how"] == "cancelled"
+        send(process.stdin, {"call": 3, **call})
+        assert received(process.stdout) == {"how": "done", "value": {"a": 1}}
+        process.stdin.close()
+
+
 def test_who_does_not_listen_is_killed(child, monkeypatch) -> None:
     monkeypatch.setattr("surae.processes.child._PATIENCE", 0.2)
     end = child.call(f"{ME}:deaf", {}, hear=lambda _: child.interrupt())

@@ -13,7 +13,7 @@ import numpy as np
 
 from answering import Answering
 from surae.live.lsl import SESSION, outlet
-from surae.live.pages import Served, create_app
+from surae.live.pages import ServedRoom, create_app
 from surae.live.recorder import Recorder
 from surae.live.xdf import XdfLog
 from surae.processes import End
@@ -64,7 +64,7 @@ def waited(holds: Callable[[], object], seconds: float = 20.0) -> None:
 
 
 @contextmanager
-def serving(served: Served, policy: Policy, subject: str | None) -> Iterator[str]:
+def serving(served: ServedRoom, policy: Policy, subject: str | None) -> Iterator[str]:
     """The pages on a port of this computer, as others beyond it would reach them or not."""
     answering = Answering(create_app(served, policy, subject), log_level="critical")
     yield answering.address

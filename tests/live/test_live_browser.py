@@ -8,7 +8,7 @@ import pytest
 from playwright import sync_api
 from streaming import rehearsing, serving
 
-from surae.live.pages import Served
+from surae.live.pages import ServedRoom
 from surae.web.security import Policy
 
 pytestmark = pytest.mark.slow  # a rehearsal in real time; what the pages are told is tested beside
@@ -78,7 +78,7 @@ def test_a_trial_by_keyboard_on_both_pages(chromium, address) -> None:
 
 
 def test_a_server_that_is_gone_is_said(chromium, lsl, tmp_path) -> None:
-    served = Served(tmp_path)
+    served = ServedRoom(tmp_path)
     page = chromium.new_page()
     try:
         with serving(served, Policy.of("127.0.0.1"), None) as address:

@@ -7,7 +7,7 @@ import httpx
 import pytest
 from streaming import serving
 
-from surae.live.pages import Served
+from surae.live.pages import ServedRoom
 from surae.web.security import Policy
 
 OPERATOR, SUBJECT = "operator-token", "subject-token"
@@ -15,7 +15,7 @@ OPERATOR, SUBJECT = "operator-token", "subject-token"
 
 @pytest.fixture(scope="module")
 def served(lsl, tmp_path_factory):
-    made = Served(
+    made = ServedRoom(
         tmp_path_factory.mktemp("pages"), mapping=None, network=False, watch=None, leg=None
     )
     yield made
@@ -134,7 +134,7 @@ def test_the_subjects_token_opens_the_subjects_page_alone(client, beyond) -> Non
 def test_a_mapping_that_is_being_edited_holds_as_it_was(lsl, tmp_path) -> None:
     mapping = tmp_path / "map.toml"
     mapping.write_text('[channels.angle]\ncolumn = "device: a"\n')
-    made = Served(tmp_path / "leg", mapping=mapping)
+    made = ServedRoom(tmp_path / "leg", mapping=mapping)
     try:
         assert made.health()["roles"] == ["angle"]
         for broken in ("[channels.angle\n", "", "channels = 3\n", '[channels.angle]\nunit = "x"\n'):

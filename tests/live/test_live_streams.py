@@ -14,7 +14,7 @@ from surae.errors import InputError
 from surae.live.recorder import Recorder
 from surae.live.showing import Showing
 from surae.live.stream import Stream
-from surae.live.target import Target
+from surae.live.target import TargetStream
 from surae.live.trials import Trials, silent
 from surae.recording import MUSCLES
 
@@ -110,7 +110,7 @@ def test_a_trial_that_ends_on_a_full_disk_is_whole_and_judged_once_there_is_room
 
 def test_whoever_looks_on_ends_no_recording(endings, tmp_path) -> None:
     """Showing one stream fails: all are recorded, and the mistake is told."""
-    target = Target()
+    target = TargetStream()
 
     def show(stream, *what) -> None:
         if stream.name == "surae target":
@@ -182,7 +182,7 @@ def test_the_network_is_asked_for_once_and_for_all(monkeypatch) -> None:
 
 def test_a_target_that_is_closed_is_a_stream_no_more(lsl, tmp_path) -> None:
     """Whoever still holds it, an exception's traceback for one, keeps no stream alive."""
-    target = Target()
+    target = TargetStream()
     recorder = Recorder(tmp_path / "a.xdf", show=silent, tell=silent)
     try:
         waited(lambda: [s for s in recorder.streams.values() if s.state == "good" and s.received])

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from surae.assessment.likelihood.profile import Profile
+from surae.assessment.likelihood.profile import ParameterProfile
 from surae.report.figures import png, svg
 from surae.report.figures.profile import profile_figure
 
 
-def made(name="f0", unit="Hz", interval=(1.0, 3.0), sem=0.5) -> Profile:
+def made(name="f0", unit="Hz", interval=(1.0, 3.0), sem=0.5) -> ParameterProfile:
     values = np.linspace(0.5, 3.5, 13)
     chi2 = 4 * (values - 2.0) ** 2
-    return Profile(
+    return ParameterProfile(
         name=name, unit=unit, value=2.0, sem=sem, values=values, sse=10 + chi2, chi2=chi2,
         others=("m",), path=np.ones((13, 1)), variance_inflation=1.0, threshold=4.0,
         interval=interval, reasons=("", ""), status="closed", message="both ends found",

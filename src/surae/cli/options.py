@@ -109,7 +109,7 @@ class Entry(OptionType):
         return name, values[0] if self.count == 1 else values
 
 
-class Setting(OptionType):
+class SettingType(OptionType):
     """A name and a number, or false."""
 
     def read(self, text: str, where: str) -> tuple[str, Any]:
@@ -235,7 +235,7 @@ _REQUEST = (
                  help="How outliers count.  [default: squares]"),
     click.option("--normalise", type=click.Choice(names.NORMALISATIONS),
                  help="Divide EMG by the largest of all recordings, or of --mvc; g come out in N."),
-    click.option("--filter", type=Setting(), multiple=True, callback=table,
+    click.option("--filter", type=SettingType(), multiple=True, callback=table,
                  metavar="NAME=VALUE",
                  help="A setting of the preparation, e.g. bessel_hz=10; false: without it."),
     click.option("--nuisances", type=click.Choice(names.NUISANCES),

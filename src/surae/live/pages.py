@@ -39,7 +39,7 @@ _HEALTH = 0.5
 _POINTS = 20.0
 
 
-class Browsers:
+class RoomBrowsers:
     """Browsers kept apart by a cookie, for as long as the program runs."""
 
     def __init__(self, name: str) -> None:
@@ -76,7 +76,7 @@ def _curve(path: Trajectory | None, angle: bool = True) -> dict[str, Any] | None
     return curve
 
 
-class Served:
+class ServedRoom:
     """A room and the pages that show it.
 
     Parameters
@@ -162,7 +162,7 @@ class Served:
                 self.events.tell("room", "health", self.health())
 
 
-def create_app(served: Served, policy: Policy, subject: str | None) -> ASGIApp:
+def create_app(served: ServedRoom, policy: Policy, subject: str | None) -> ASGIApp:
     """The pages as an ASGI application.
 
     `policy` says who may operate; `subject` is the token of the subject's page, which opens nothing
@@ -221,9 +221,9 @@ def create_app(served: Served, policy: Policy, subject: str | None) -> ASGIApp:
             ClientDisconnect: _gone,
         },
     )
-    operator = Security(app, policy, Browsers("live"))
+    operator = Security(app, policy, RoomBrowsers("live"))
     second = Policy(policy.hosts, policy.any_address, subject, policy.upload_bytes)
-    watching = Security(app, second, Browsers("live_subject"))
+    watching = Security(app, second, RoomBrowsers("live_subject"))
 
     async def dispatched(scope: Scope, receive: Receive, send: Send) -> None:
         """The subject's page, and the files that it is drawn with, have a token of their own."""
@@ -246,7 +246,7 @@ async def _paced(news: AsyncIterator[str]) -> AsyncIterator[str]:
         yield text
 
 
-def _act(served: Served, name: str, body: Mapping[str, Any]) -> dict[str, Any]:
+def _act(served: ServedRoom, name: str, body: Mapping[str, Any]) -> dict[str, Any]:
     """Do what the operator asks for."""
     room = served.room
     if name == "start":
@@ -318,8 +318,8 @@ def serve(
     token = token_for(host, token)
     subject = None if token is None else secrets.token_urlsafe(12)
 
-    def make() -> tuple[Served, ASGIApp]:
-        served = Served(folder, **room)
+    def make() -> tuple[ServedRoom, ASGIApp]:
+        served = ServedRoom(folder, **room)
         for sentence in served.room.trials.broken:
             click.echo(f"surae: {sentence}", err=True)
         return served, create_app(served, Policy.of(host, token), subject)

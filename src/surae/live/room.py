@@ -15,7 +15,7 @@ from surae.frozen import read_only
 from surae.live import rehearsal
 from surae.live.laboratory import Laboratory
 from surae.live.recorder import Show, Tell
-from surae.live.target import Target
+from surae.live.target import TargetStream
 from surae.live.trials import Trials, TrialsOptions, silent
 from surae.protocol import (
     DEVICES,
@@ -109,7 +109,7 @@ class Room:
             if self.laboratory is not None:
                 self.laboratory.close()
             raise
-        self.target = Target()
+        self.target = TargetStream()
         self.trajectory: Trajectory | None = None
         self.asked: dict[str, Any] = {}
         self.begin: float | None = None

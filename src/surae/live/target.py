@@ -41,7 +41,7 @@ class _Plan:
         return wanted
 
 
-class Target:
+class TargetStream:
     """The stream of what is asked for, until it is closed."""
 
     def __init__(self) -> None:

@@ -49,10 +49,13 @@ def without_interrupt() -> Iterator[None]:
 
 
 class _AtWork:
-    """Which call is at work, so that an interrupt never meets a later one."""
+    """Which call is at work, so that an interrupt never meets a later one.
+
+    An interrupt may come before its call, which waits in the line, is at work: it waits too.
+    """
 
     def __init__(self) -> None:
-        self.lock, self.serial = threading.Lock(), 0
+        self.lock, self.serial, self.interrupted = threading.Lock(), 0, 0
 
 
 def serve(parent: int, nice: int) -> None:
@@ -101,7 +104,8 @@ def _listen(calls: "queue.SimpleQueue[dict[str, Any]]", at_work: _AtWork) -> Non
                 calls.put(message)
                 continue
             with at_work.lock:
-                if message["interrupt"] != at_work.serial:
+                at_work.interrupted = message["interrupt"]
+                if at_work.interrupted != at_work.serial:
                     continue
                 if hasattr(signal, "pthread_kill"):  # which wakes the main thread too
                     signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
@@ -118,9 +122,11 @@ def _called(request: Mapping[str, Any], at_work: _AtWork) -> dict[str, Any]:
         _limit_memory(request["memory"])
         _limit_work(request["seconds"])
         signal.signal(signal.SIGINT, signal.default_int_handler)
-        with at_work.lock:
-            at_work.serial = request["call"]
         try:
+            with at_work.lock:
+                at_work.serial = request["call"]
+                if at_work.interrupted == at_work.serial:
+                    raise KeyboardInterrupt
             value = function(request["function"])(**request["arguments"])
         finally:
             with at_work.lock:

@@ -6,7 +6,7 @@ from surae.quality.emg import REST_VOLTS
 from surae.quality.finding import Finding, Skipped, muscle_name
 from surae.quality.numeric import BoolArray, quantile, quantiles, runs, smooth
 from surae.quality.reflex import Reflex, reflex
-from surae.quality.trial import Trial
+from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES
 from surae.units import FloatArray
 
@@ -29,7 +29,7 @@ TOGETHER = 0.25
 CO_CONTRACTION = 0.5
 
 
-def passive_part(trial: Trial) -> tuple[Finding, ...] | Skipped:
+def passive_part(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     """Activity in the time that was to be passive."""
     if trial.effort is None:
         return Skipped(
@@ -74,7 +74,7 @@ def passive_part(trial: Trial) -> tuple[Finding, ...] | Skipped:
     return tuple(findings)
 
 
-def _quiet_time(trial: Trial) -> BoolArray:
+def _quiet_time(trial: CheckedTrial) -> BoolArray:
     """Until the first effort that is asked for, less the time a level is averaged over."""
     assert trial.effort is not None
     asked = np.flatnonzero(trial.effort.max(axis=1) > 0.0)
@@ -84,7 +84,7 @@ def _quiet_time(trial: Trial) -> BoolArray:
     return quiet
 
 
-def active_part(trial: Trial) -> tuple[Finding, ...] | Skipped:
+def active_part(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     """Muscles that are not active in the time that was to be active."""
     if not trial.slow:
         return Skipped("active-not-active", "There is no EMG.")
@@ -118,7 +118,7 @@ def active_part(trial: Trial) -> tuple[Finding, ...] | Skipped:
     return (() if trial.effort is None else _bursts(trial)) or _stopped(trial)
 
 
-def _idle(trial: Trial, muscle: str) -> bool:
+def _idle(trial: CheckedTrial, muscle: str) -> bool:
     envelope = trial.slow[muscle]
     unit = trial.recording.channels[f"emg_{muscle}"].unit
     top, rest = quantiles(envelope, 0.98, 0.05)
@@ -129,7 +129,7 @@ def _rest(unit: str) -> float:
     return REST_VOLTS if unit == "V" else REST_SHARE
 
 
-def _side(trial: Trial, name: str, muscles: tuple[str, ...]) -> Finding:
+def _side(trial: CheckedTrial, name: str, muscles: tuple[str, ...]) -> Finding:
     long = "triceps surae" if name == "triceps" else muscle_name("ta")
     lost = "g2 to g4 and l0_tri" if name == "triceps" else "g1 and l0_tib"
     top = max(quantile(trial.slow[m], 0.98) for m in muscles)
@@ -146,7 +146,7 @@ def _side(trial: Trial, name: str, muscles: tuple[str, ...]) -> Finding:
     )
 
 
-def _bursts(trial: Trial) -> tuple[Finding, ...]:
+def _bursts(trial: CheckedTrial) -> tuple[Finding, ...]:
     """Bursts that were asked for and did not come."""
     assert trial.effort is not None
     missed: list[tuple[int, int]] = []
@@ -183,7 +183,7 @@ def _bursts(trial: Trial) -> tuple[Finding, ...]:
     )
 
 
-def _stopped(trial: Trial) -> tuple[Finding, ...]:
+def _stopped(trial: CheckedTrial) -> tuple[Finding, ...]:
     """A long time without any effort, once efforts have begun."""
     active = np.max([_relative(e) for e in trial.slow.values()], axis=0) > 0.1
     where = np.flatnonzero(active)
@@ -215,7 +215,7 @@ def _relative(envelope: FloatArray) -> FloatArray:
     return (envelope - low) / max(high - low, 1e-300)
 
 
-def co_contraction(trial: Trial) -> tuple[Finding, ...] | Skipped:
+def co_contraction(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     """Both sides of the ankle active at the same time, nearly throughout."""
     triceps, ta = trial.group("triceps", fast=True), trial.group("ta", fast=True)
     width = round(0.15 * trial.rate_hz)
@@ -250,7 +250,7 @@ def co_contraction(trial: Trial) -> tuple[Finding, ...] | Skipped:
     )
 
 
-def _silent(trial: Trial) -> bool:
+def _silent(trial: CheckedTrial) -> bool:
     """Whether nothing stands out of the EMG at all."""
     return all(
         quantile(e, 0.98) < _rest(trial.recording.channels[f"emg_{m}"].unit)

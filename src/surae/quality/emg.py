@@ -4,7 +4,7 @@ import numpy as np
 
 from surae.quality.finding import Finding, muscle_name, quantity, weight_of
 from surae.quality.numeric import equal_runs, quantile, runs, smooth
-from surae.quality.trial import Trial
+from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES, Channel
 from surae.recording.emg_kind import emg_contradictions
 
@@ -39,7 +39,7 @@ SLOW_SPIKE = 0.9
 _SLOW_WINDOW = 0.04
 
 
-def kind(trial: Trial) -> tuple[Finding, ...]:
+def kind(trial: CheckedTrial) -> tuple[Finding, ...]:
     """EMG that is not what it is declared to be, which a fit would refuse or filter wrongly."""
     declared = trial.recording.emg
     for role, sentence in emg_contradictions(trial.recording).items():
@@ -65,7 +65,7 @@ def kind(trial: Trial) -> tuple[Finding, ...]:
     return ()
 
 
-def missing(trial: Trial) -> tuple[Finding, ...]:
+def missing(trial: CheckedTrial) -> tuple[Finding, ...]:
     """Muscles without an EMG channel."""
     findings = []
     for muscle in MUSCLES:
@@ -92,7 +92,7 @@ def missing(trial: Trial) -> tuple[Finding, ...]:
     return tuple(findings)
 
 
-def flat(trial: Trial) -> tuple[Finding, ...]:
+def flat(trial: CheckedTrial) -> tuple[Finding, ...]:
     """Channels, or parts of them, that are constant or far below the others."""
     channels = _channels(trial)
     tops = {m: quantile(e, 0.98) for m, e in trial.slow.items()}
@@ -120,7 +120,7 @@ def flat(trial: Trial) -> tuple[Finding, ...]:
     return tuple(findings)
 
 
-def _dropouts(trial: Trial, muscle: str, channel: Channel) -> list[Finding]:
+def _dropouts(trial: CheckedTrial, muscle: str, channel: Channel) -> list[Finding]:
     values = channel.values
     first, length = equal_runs(values)
     long = length > DROPOUT * channel.rate_hz
@@ -166,7 +166,7 @@ def _flat(muscle: str, channel: Channel, first: int, last: int, state: str) -> F
     )
 
 
-def clipped(trial: Trial) -> tuple[Finding, ...]:
+def clipped(trial: CheckedTrial) -> tuple[Finding, ...]:
     """Channels that end at a plateau, as behind an amplifier at its limit."""
     findings = []
     for muscle, channel in _channels(trial).items():
@@ -205,7 +205,7 @@ def clipped(trial: Trial) -> tuple[Finding, ...]:
     return tuple(findings)
 
 
-def offset(trial: Trial) -> tuple[Finding, ...]:
+def offset(trial: CheckedTrial) -> tuple[Finding, ...]:
     """Raw EMG that is not centred on zero, and envelopes that do not come down to it."""
     findings = []
     for muscle, channel in _channels(trial).items():
@@ -247,7 +247,7 @@ def offset(trial: Trial) -> tuple[Finding, ...]:
     return tuple(findings)
 
 
-def artefact(trial: Trial) -> tuple[Finding, ...]:
+def artefact(trial: CheckedTrial) -> tuple[Finding, ...]:
     """Spikes no muscle makes, and slow swings in raw EMG."""
     findings = []
     for muscle, channel in _channels(trial).items():
@@ -296,6 +296,6 @@ def artefact(trial: Trial) -> tuple[Finding, ...]:
     return tuple(findings)
 
 
-def _channels(trial: Trial) -> dict[str, Channel]:
+def _channels(trial: CheckedTrial) -> dict[str, Channel]:
     channels = trial.recording.channels
     return {m: channels[f"emg_{m}"] for m in MUSCLES if f"emg_{m}" in channels}

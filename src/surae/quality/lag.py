@@ -5,7 +5,7 @@ import numpy as np
 from surae.quality.finding import Finding, Skipped, muscle_name
 from surae.quality.numeric import shifted_correlations, smooth
 from surae.quality.torque_model import LONGEST, TorqueModel
-from surae.quality.trial import Trial
+from surae.quality.trial import CheckedTrial
 
 #: Lag of all EMG for the torque [s]. The true activation may be 30 ms faster or slower than the
 #: one assumed; clean virtual trials stay within 60 ms.
@@ -25,7 +25,7 @@ _STEP = 2
 _ALIKE = 0.6
 
 
-def torque_lag(trial: Trial) -> tuple[Finding, ...] | Skipped:
+def torque_lag(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     """All EMG late or early for the torque."""
     model = trial.model
     if model is None or model.lag is None:
@@ -50,7 +50,7 @@ def torque_lag(trial: Trial) -> tuple[Finding, ...] | Skipped:
     )
 
 
-def electrode_lag(trial: Trial) -> tuple[Finding, ...] | Skipped:
+def electrode_lag(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     """One electrode late or early for the others."""
     heads = trial.triceps
     findings = []
@@ -69,7 +69,7 @@ def electrode_lag(trial: Trial) -> tuple[Finding, ...] | Skipped:
     return tuple(findings)
 
 
-def _finding(trial: Trial, muscle: str, lag: float, beside: str) -> Finding:
+def _finding(trial: CheckedTrial, muscle: str, lag: float, beside: str) -> Finding:
     return Finding(
         "electrode-lag",
         "warning",
@@ -84,7 +84,7 @@ def _finding(trial: Trial, muscle: str, lag: float, beside: str) -> Finding:
     )
 
 
-def _lag(trial: Trial, muscle: str) -> float | None:
+def _lag(trial: CheckedTrial, muscle: str) -> float | None:
     """Lag of a head of the triceps behind the others [s]."""
     width = round(0.1 * trial.rate_hz)
     mine = smooth(trial.fast[muscle], width)[::_STEP]
@@ -97,7 +97,7 @@ def _lag(trial: Trial, muscle: str) -> float | None:
     return float(lags[best]) / rate if alike[best] > _ALIKE else None
 
 
-def _one_side(trial: Trial) -> tuple[str, float] | None:
+def _one_side(trial: CheckedTrial) -> tuple[str, float] | None:
     """The muscle whose EMG alone is out of step with the torque, and by how much."""
     model = trial.model
     if model is None or not _known(model) or len(model.group_lag) < 2:

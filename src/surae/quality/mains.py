@@ -5,7 +5,7 @@ import numpy.typing as npt
 
 from surae.quality.finding import Finding, Skipped, muscle_name, quantity
 from surae.quality.numeric import runs
-from surae.quality.trial import Trial
+from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES, Channel
 from surae.units import FloatArray
 
@@ -23,7 +23,7 @@ LINE = 30.0
 SMALLEST = 0.02
 
 
-def hum(trial: Trial) -> tuple[Finding, ...] | Skipped:
+def hum(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     """Channels with mains hum."""
     findings = []
     slow = None
@@ -106,7 +106,7 @@ _SHARE = 0.5
 _TIMES = 3.0
 
 
-def off(trial: Trial) -> tuple[Finding, ...] | Skipped:
+def off(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     """Channels that hear nothing but the mains from some instant to the end, and did not before."""
     emg = [trial.recording.channels.get(f"emg_{muscle}") for muscle in MUSCLES]
     fast = [c for c in emg if c is not None and c.rate_hz > 2.2 * MAINS[-1]]

@@ -4,7 +4,7 @@ import numpy as np
 
 from surae.quality.finding import Finding, Skipped
 from surae.quality.numeric import runs, smooth
-from surae.quality.trial import IMPOSSIBLE_ANGLE, Trial
+from surae.quality.trial import IMPOSSIBLE_ANGLE, CheckedTrial
 from surae.recording import Channel
 from surae.units import FloatArray
 
@@ -29,7 +29,7 @@ JUMP = 0.012
 _ALONE = 8.0
 
 
-def units(trial: Trial) -> tuple[Finding, ...]:
+def units(trial: CheckedTrial) -> tuple[Finding, ...]:
     """Degrees under the name of radians, radians under that of degrees, another zero."""
     channel = trial.recording.channels["angle"]
     low, high = float(channel.values.min()), float(channel.values.max())
@@ -67,7 +67,7 @@ def _noise(channel: Channel) -> bool:
     return float(np.std(np.diff(channel.values))) > 0.5 * float(np.std(channel.values))
 
 
-def range_of_motion(trial: Trial) -> tuple[Finding, ...]:
+def range_of_motion(trial: CheckedTrial) -> tuple[Finding, ...]:
     """A range too small to tell the parameters, or smaller than was commanded."""
     if units(trial):
         angle = trial.recording.channels["angle"].values
@@ -100,7 +100,7 @@ def range_of_motion(trial: Trial) -> tuple[Finding, ...]:
     )
 
 
-def steps(trial: Trial) -> tuple[Finding, ...]:
+def steps(trial: CheckedTrial) -> tuple[Finding, ...]:
     """Jumps of the position (thesis 4.4: steps instead of the profile)."""
     channel = trial.recording.channels["angle"]
     factor = np.pi / 180.0 if float(np.abs(channel.values).max()) > IMPOSSIBLE_ANGLE else 1.0
@@ -135,7 +135,7 @@ def steps(trial: Trial) -> tuple[Finding, ...]:
     )
 
 
-def overshoot(trial: Trial) -> tuple[Finding, ...] | Skipped:
+def overshoot(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     """A position beyond or beside the profile that was commanded."""
     if trial.commanded is not None:
         return _departure(trial)
@@ -167,7 +167,7 @@ def overshoot(trial: Trial) -> tuple[Finding, ...] | Skipped:
 _ADVICE = "Adapt the protocol to the device (surae protocol --device), or lower its speed."
 
 
-def _departure(trial: Trial) -> tuple[Finding, ...] | Skipped:
+def _departure(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     """How far the angle lies from the commanded one, once a constant delay is allowed for."""
     asked = trial.commanded
     assert asked is not None

@@ -6,7 +6,7 @@ import numpy as np
 
 from surae.quality.finding import Finding, Skipped
 from surae.quality.numeric import BoolArray, quantile, shifted, smooth
-from surae.quality.trial import Trial
+from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES
 from surae.units import FloatArray
 
@@ -34,7 +34,7 @@ class Reflex:
     explained: BoolArray
 
 
-def reflex(trial: Trial) -> Reflex | None:
+def reflex(trial: CheckedTrial) -> Reflex | None:
     """The reflex of a trial; None where there is none or nothing to tell it by."""
     emg = trial.group("triceps", fast=True)
     if emg is None or trial.rate_hz < 60.0:
@@ -47,7 +47,7 @@ def reflex(trial: Trial) -> Reflex | None:
     return _proportional(trial, emg, stretch, resting) or _bursts(trial, emg, stretch)
 
 
-def suspected(trial: Trial) -> tuple[Finding, ...] | Skipped:
+def suspected(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     """EMG of the triceps locked to its stretch."""
     if not trial.triceps:
         return Skipped("reflex-suspected", "There is no EMG of the triceps.")
@@ -77,7 +77,7 @@ def suspected(trial: Trial) -> tuple[Finding, ...] | Skipped:
     )
 
 
-def _resting(trial: Trial) -> BoolArray:
+def _resting(trial: CheckedTrial) -> BoolArray:
     """Times in which the triceps is not asked for, or, where that is not known, hardly active."""
     slow = trial.group("triceps")
     assert slow is not None
@@ -93,7 +93,7 @@ def _resting(trial: Trial) -> BoolArray:
 
 
 def _proportional(
-    trial: Trial, emg: FloatArray, stretch: FloatArray, resting: BoolArray
+    trial: CheckedTrial, emg: FloatArray, stretch: FloatArray, resting: BoolArray
 ) -> Reflex | None:
     """A reflex whose activity follows the velocity of the stretch."""
     if float(resting.sum()) < 3.0 * trial.rate_hz:
@@ -126,13 +126,13 @@ def _proportional(
     return Reflex(delay, float(alike[best]), len(_onsets(trial, stretch)), _answered(trial, late))
 
 
-def _answered(trial: Trial, late: FloatArray) -> BoolArray:
+def _answered(trial: CheckedTrial, late: FloatArray) -> BoolArray:
     """Times in which a stretch, late by the reflex's delay, shows in a level of `SLOW` seconds."""
     answered: BoolArray = smooth((late > 0.0).astype(np.float64), round(0.3 * trial.rate_hz)) > 0.0
     return answered
 
 
-def _onsets(trial: Trial, stretch: FloatArray) -> list[int]:
+def _onsets(trial: CheckedTrial, stretch: FloatArray) -> list[int]:
     """Find where stretches that become fast begin."""
     fast = stretch > STRETCH
     starts = np.flatnonzero(np.diff(fast.astype(np.int8)) > 0) + 1
@@ -144,14 +144,14 @@ def _onsets(trial: Trial, stretch: FloatArray) -> list[int]:
     return onsets
 
 
-def _peaks(trial: Trial, stretch: FloatArray) -> list[int]:
+def _peaks(trial: CheckedTrial, stretch: FloatArray) -> list[int]:
     """Find where stretches reach their speed, which ramps then keep."""
     width = round(0.5 * trial.rate_hz)
     pieces = ((start, stretch[start : start + width]) for start in _onsets(trial, stretch))
     return [start + int(np.argmax(piece >= 0.95 * piece.max())) for start, piece in pieces]
 
 
-def _bursts(trial: Trial, emg: FloatArray, stretch: FloatArray) -> Reflex | None:
+def _bursts(trial: CheckedTrial, emg: FloatArray, stretch: FloatArray) -> Reflex | None:
     """A reflex of short bursts, after the onset or the peak of most stretches."""
     rate = trial.rate_hz
     before, after = round(0.1 * rate), round(0.3 * rate)

@@ -8,7 +8,7 @@ import numpy as np
 from surae.quality import activity, emg, lag, mains, position, reflex, timing, torque
 from surae.quality.commanded import Commanded
 from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped
-from surae.quality.trial import Trial, trial_of
+from surae.quality.trial import CheckedTrial, trial_of
 from surae.recording import Recording
 
 #: Samples that signals need for anything but their time to be judged.
@@ -22,7 +22,7 @@ class Check:
     """A check: the codes of what it finds, a function, and what it looks for, in a few words."""
 
     codes: tuple[str, ...]
-    run: Callable[[Trial], tuple[Finding, ...] | Skipped]
+    run: Callable[[CheckedTrial], tuple[Finding, ...] | Skipped]
     looks_for: str
 
 

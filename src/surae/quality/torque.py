@@ -9,7 +9,7 @@ from surae.quality.baseline import baseline
 from surae.quality.finding import Finding, Skipped
 from surae.quality.numeric import IndexArray, correlation, equal_runs, quantile
 from surae.quality.torque_model import passive_columns
-from surae.quality.trial import Trial
+from surae.quality.trial import CheckedTrial
 from surae.units import FloatArray
 
 #: Samples in a row exactly at the largest torque that make a plateau, and how many there are in
@@ -39,7 +39,7 @@ IMPOSSIBLE = 320.0
 LEFT, LEFT_TIMES, LEFT_SHARE = 24.0, 6.5, 0.05
 
 
-def limit(trial: Trial) -> tuple[Finding, ...] | Skipped:
+def limit(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     """A torque that stops at a limit: the device's, or its sensor's."""
     channel = trial.recording.channels.get("torque")
     if channel is None:
@@ -90,7 +90,7 @@ def _stopped(side: FloatArray, most: float, *, stated: bool) -> IndexArray | Non
     return None
 
 
-def artefact(trial: Trial) -> tuple[Finding, ...] | Skipped:
+def artefact(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     """Torque that no ankle makes, and short departures from what EMG and angle explain."""
     channel = trial.recording.channels.get("torque")
     if channel is None:
@@ -117,7 +117,7 @@ def artefact(trial: Trial) -> tuple[Finding, ...] | Skipped:
     return (_artefact(trial, float(at[0]), float(at[-1]), top, text),)
 
 
-def _artefact(trial: Trial, start: float, end: float, value: float, text: str) -> Finding:
+def _artefact(trial: CheckedTrial, start: float, end: float, value: float, text: str) -> Finding:
     apart = end - start < 0.5 * (trial.end - trial.start)
     return Finding(
         "torque-artefact",
@@ -137,7 +137,7 @@ def _artefact(trial: Trial, start: float, end: float, value: float, text: str) -
     )
 
 
-def sign(trial: Trial) -> tuple[Finding, ...] | Skipped:
+def sign(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     """A torque that acts against the muscles that make it."""
     if trial.torque is None or trial.model is None:
         return Skipped("torque-sign", "There is no torque, or too little of it.")
@@ -179,7 +179,7 @@ def sign(trial: Trial) -> tuple[Finding, ...] | Skipped:
     )
 
 
-def offset(trial: Trial) -> tuple[Finding, ...] | Skipped:
+def offset(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     """A torque whose constant part is not that of gravity."""
     if trial.torque is None:
         return Skipped("torque-offset", "There is no torque.")

@@ -41,7 +41,7 @@ _FEW, _RECOGNISED_FEW = 12.0, 0.88
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
+class CheckedTrial:
     """What the checks share."""
 
     recording: Recording  #: As it was read; checks of single samples look at its channels.
@@ -86,7 +86,7 @@ class Trial:
         return averaged
 
 
-def trial_of(recording: Recording, commanded: Commanded | None = None) -> Trial:
+def trial_of(recording: Recording, commanded: Commanded | None = None) -> CheckedTrial:
     """Bring a recording's signals to what the checks compare.
 
     The channels share a span of time. A commanded profile that is not given is recognised from the
@@ -99,7 +99,7 @@ def trial_of(recording: Recording, commanded: Commanded | None = None) -> Trial:
     model = None
     if seen.torque is not None:
         model = torque_model(time, rate, seen.angle, seen.torque, seen.fast)
-    return Trial(
+    return CheckedTrial(
         recording=recording,
         emg_kind=seen.emg_kind,
         time=time,
@@ -116,7 +116,7 @@ def trial_of(recording: Recording, commanded: Commanded | None = None) -> Trial:
 
 
 class Signals(NamedTuple):
-    """A recording's signals on one axis, see `Trial`."""
+    """A recording's signals on one axis, see `CheckedTrial`."""
 
     emg_kind: Literal["raw", "envelope"]
     time: FloatArray

@@ -15,7 +15,7 @@ from surae.errors import InputError
 from surae.files import PathLike, shown
 from surae.recording.mapping_reader import (
     TRIAL,
-    ChannelEntry,
+    MappedChannel,
     Reader,
     brief,
     choice_in,
@@ -259,7 +259,7 @@ def _roles(toml: Mapping[str, Any], where: str) -> dict[str, Any]:
     return roles
 
 
-def _entry(role: str, body: Any, where: str) -> ChannelEntry:
+def _entry(role: str, body: Any, where: str) -> MappedChannel:
     """Read one channel's description."""
     if not isinstance(body, dict):
         raise InputError(f"{where}: must be a table with: {', '.join(_ENTRY)}")
@@ -278,7 +278,7 @@ def _entry(role: str, body: Any, where: str) -> ChannelEntry:
         raise InputError(f"{where}: scale is 0, which would erase the signal")
     if "zero" in body and "offset" in body:
         raise InputError(f"{where}: zero and offset both say where the zero is; give one")
-    return ChannelEntry(
+    return MappedChannel(
         role=role,
         where=where,
         file=file,

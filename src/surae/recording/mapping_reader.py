@@ -129,7 +129,7 @@ _PART, _QUIET, _REST = 0.1, 0.05, {"angle": 0.0175, "torque": 1.0}
 
 
 @dataclass(frozen=True, slots=True)
-class ChannelEntry:
+class MappedChannel:
     """One channel's description, checked on its own."""
 
     role: str
@@ -156,7 +156,7 @@ class Reader:
     sources: dict[Path, Source] = field(default_factory=dict)
     tables: dict[Path, Table] = field(default_factory=dict)
 
-    def channels(self, entries: list[ChannelEntry]) -> dict[str, Channel]:
+    def channels(self, entries: list[MappedChannel]) -> dict[str, Channel]:
         """The channels that are described, in SI units."""
         paths = self._paths(entries)
         units: dict[str, str] = {}
@@ -181,7 +181,7 @@ class Reader:
             channels[entry.role] = channel(entry.role, column, scaling, self.tables[path])
         return channels
 
-    def _paths(self, entries: list[ChannelEntry]) -> dict[str, Path]:
+    def _paths(self, entries: list[MappedChannel]) -> dict[str, Path]:
         """The file of every channel."""
         named = {entry.file for entry in entries}
         # A description of one file, given for another: it is the layout that is meant.
@@ -205,7 +205,7 @@ class Reader:
                 paths[entry.role] = self.folder / _named(entry.file, self.trial)
         return paths
 
-    def _table(self, path: Path, entry: ChannelEntry) -> Table:
+    def _table(self, path: Path, entry: MappedChannel) -> Table:
         """A data file's table that has the channel's column; errors say where it is named."""
         if path not in self.tables:
             try:
@@ -228,7 +228,7 @@ class Reader:
             )
         return table
 
-    def _zero(self, entry: ChannelEntry, column: Column, unit: str) -> tuple[float, str]:
+    def _zero(self, entry: MappedChannel, column: Column, unit: str) -> tuple[float, str]:
         """The offset that takes a quiet trial or stretch to zero, and what to say of it."""
         where, zero = f"{entry.where}: zero", entry.zero
         quiet, origin = column, "itself"

@@ -60,7 +60,7 @@ class TrialRow:
 
 
 @dataclass(frozen=True, slots=True)
-class ParameterRow:
+class SessionParameter:
     """A parameter in all fits: together, then each trial; and how far the trials spread."""
 
     name: str
@@ -87,7 +87,7 @@ class SessionContent:
     joined: tuple[str, ...]
     trials: tuple[TrialRow, ...]
     fitted: tuple[str, ...]
-    parameters: tuple[ParameterRow, ...]
+    parameters: tuple[SessionParameter, ...]
     crossed: tuple[tuple[str, tuple[TableCell, ...]], ...]
     crossed_names: tuple[str, ...]
     holds: tuple[tuple[str, str, str, str, str], ...]
@@ -450,7 +450,7 @@ def _parameters(
     alone: Mapping[str, Assessment],
     joint: Assessment | None,
     contradicted: Mapping[str, list[str]],
-) -> tuple[ParameterRow, ...]:
+) -> tuple[SessionParameter, ...]:
     """The parameters that any fit estimated; none that is contradicted stands as identified."""
     every = [*([] if joint is None else [joint]), *alone.values()]
     rows = []
@@ -458,7 +458,7 @@ def _parameters(
         cell = _disputed if name in contradicted else _estimate
         own = [assessment.parameters.get(name) for assessment in alone.values()]
         rows.append(
-            ParameterRow(
+            SessionParameter(
                 name=name,
                 meaning=p.meaning,
                 unit="" if p.unit == "-" else p.unit,

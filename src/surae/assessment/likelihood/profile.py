@@ -27,7 +27,7 @@ _ARRAYS = ("values", "sse", "chi2", "path")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Profile(Comparable):
+class ParameterProfile(Comparable):
     """Profile of one parameter."""
 
     #: `name`, `unit`: the parameter.
@@ -81,7 +81,7 @@ def profile(
     variance_inflation: float = 1.0,
     noise: float | None = None,
     stopped: Callable[[], bool] | None = None,
-) -> Profile:
+) -> ParameterProfile:
     """Profile one parameter of a fit, from the minimum outwards to both sides.
 
     Every point starts from its neighbour, first on the way out, then again on the way in, and
@@ -116,7 +116,7 @@ def profile(
     if search.lower is not None:
         lower = dict(zip(problem.free, search.lower.x.tolist(), strict=True))
         status = "lower-minimum"
-    return Profile(
+    return ParameterProfile(
         name=name,
         unit=table[name].unit,
         value=result.values[name],

@@ -9,7 +9,12 @@ from typing import Any
 
 from surae.assessment.assess import described
 from surae.assessment.fit_ledger import ledger_of
-from surae.assessment.likelihood.profile import Profile, check_profiled, prior_noise, profile
+from surae.assessment.likelihood.profile import (
+    ParameterProfile,
+    check_profiled,
+    prior_noise,
+    profile,
+)
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.estimation.result import with_laboratory
@@ -45,13 +50,13 @@ class Profiles(Saved):
     """
 
     model: str
-    profiles: Mapping[str, Profile]
+    profiles: Mapping[str, ParameterProfile]
     missing: tuple[str, ...]
     inflation_reason: str
     seconds: float
     versions: Mapping[str, str]
 
-    def __getitem__(self, name: str) -> Profile:
+    def __getitem__(self, name: str) -> ParameterProfile:
         return self.profiles[name]
 
     @property
@@ -129,7 +134,7 @@ def profiles(
         calls = {key: {"name": name} for key, name in plan if key not in there}
         with suppress(KeyboardInterrupt):
             ledger.keep(followed(results(profiled, calls, threads, stop)))
-        done = {name: Profile.of(plain) for name, plain in ledger.results()}
+        done = {name: ParameterProfile.of(plain) for name, plain in ledger.results()}
     return Profiles(
         model=result.problem.spec.name,
         profiles={name: done[name] for name in wanted if name in done},
@@ -140,7 +145,7 @@ def profiles(
     )
 
 
-def _plain(profile: Profile) -> dict[str, Any]:
+def _plain(profile: ParameterProfile) -> dict[str, Any]:
     return {
         "unit": profile.unit,
         "value": profile.value,

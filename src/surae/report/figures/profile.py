@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from surae.assessment.likelihood.profile import Profile
+from surae.assessment.likelihood.profile import ParameterProfile
 from surae.report.figures.style import (
     BLUE,
     GREY,
@@ -35,12 +35,12 @@ _POINTS = 400
 _ROOM = 0.6
 
 
-def profile_figure(profiles: Sequence[Profile], caption: str = "") -> Figure:
+def profile_figure(profiles: Sequence[ParameterProfile], caption: str = "") -> Figure:
     """One panel for each parameter.
 
     Parameters
     ----------
-    profiles : sequence of Profile
+    profiles : sequence of ParameterProfile
         At least one.
     caption : str
         What the noise was taken for, below the panels; see `Profiles.noise`.
@@ -68,7 +68,7 @@ def profile_figure(profiles: Sequence[Profile], caption: str = "") -> Figure:
     return figure
 
 
-def _panel(axes: Axes, profile: Profile, *, leftmost: bool) -> None:
+def _panel(axes: Axes, profile: ParameterProfile, *, leftmost: bool) -> None:
     dress(axes, "Δχ² [-]" if leftmost else "", f"{profile.name} [{profile.unit}]")
     heading(axes, profile.name)
     axes.set_title(_interval(profile), loc="right", fontsize=8, color=MUTED)
@@ -97,7 +97,7 @@ def _panel(axes: Axes, profile: Profile, *, leftmost: bool) -> None:
     powers_of_ten(axes, "x", 5)
 
 
-def _limits(profile: Profile) -> tuple[float, float]:
+def _limits(profile: ParameterProfile) -> tuple[float, float]:
     """Ends of the axis: the profile, and the covariance's interval as far as there is room."""
     low, high = float(profile.values[0]), float(profile.values[-1])
     room = _ROOM * (high - low)
@@ -109,7 +109,7 @@ def _limits(profile: Profile) -> tuple[float, float]:
     return lowest - margin, highest + margin
 
 
-def _curve(profile: Profile) -> tuple[FloatArray, FloatArray]:
+def _curve(profile: ParameterProfile) -> tuple[FloatArray, FloatArray]:
     """The profile between its points: √Δχ², with the sign of the side, is nearly straight."""
     side = np.sign(profile.values - profile.values[int(np.argmin(profile.chi2))])
     grid = np.union1d(np.linspace(profile.values[0], profile.values[-1], _POINTS), profile.values)
@@ -125,7 +125,7 @@ def _arrow(axes: Axes, edge: float, sign: int, top: float) -> None:
     )  # fmt: skip
 
 
-def _interval(profile: Profile) -> str:
+def _interval(profile: ParameterProfile) -> str:
     """The interval with as many digits as tell its ends apart."""
     width = float(profile.values[-1] - profile.values[0])
     digits = 3 + max(0, math.floor(math.log10(max(abs(profile.value) / width, 1.0))))
