@@ -241,3 +241,10 @@ def test_a_trajectory_of_no_device_is_not_exported_either(tmp_path) -> None:
     trial = Trajectory(settings, np.arange(20) / 10.0, still, still, still, np.zeros((20, 4)))
     with pytest.raises(InputError, match="no device"):
         write_protocol(trial, tmp_path / "p.csv")
+
+
+@pytest.mark.parametrize("rate_hz", [1e-320, 0.001, 0.0, -1.0, float("nan")])
+def test_a_rate_that_samples_nothing_is_refused(rate_hz):
+    _, _, limits, plan, *_ = random_design(1)
+    with pytest.raises(InputError, match="three samples or more"):
+        plan.trajectory(limits, rate_hz)

@@ -163,6 +163,8 @@ class Plan:
         fine_hz: float = _FINE_RATE,
     ) -> Trajectory:
         """The protocol sampled at a rate, its limits kept at `fine_hz` at least."""
+        if not self.seconds * rate_hz >= 2.0:
+            raise InputError(f"rate {rate_hz:g} Hz: use one that gives three samples or more")
         times = max(int(np.ceil(fine_hz / rate_hz - 1e-9)), 1)
         n = int(self.seconds * rate_hz + 1e-9) + 1
         fine = np.arange((n - 1) * times + 1) / (rate_hz * times)
