@@ -162,7 +162,13 @@ class Plan:
         device: Device | None = None,
         fine_hz: float = _FINE_RATE,
     ) -> Trajectory:
-        """The protocol sampled at a rate, its limits kept at `fine_hz` at least."""
+        """The protocol sampled at a rate, its limits kept at `fine_hz` at least.
+
+        Raises
+        ------
+        InputError
+            The rate gives fewer than three samples.
+        """
         if not self.seconds * rate_hz >= 2.0:
             raise InputError(f"rate {rate_hz:g} Hz: use one that gives three samples or more")
         times = max(int(np.ceil(fine_hz / rate_hz - 1e-9)), 1)
