@@ -7,7 +7,7 @@ import pytest
 
 import surae
 from surae import settings
-from surae.cli.options import Entry, Name, Number, Setting, Span, Whole, number
+from surae.cli.options import Entry, Name, Number, SettingType, Span, Whole, number
 from surae.errors import InputError
 from surae.model.registry import MODELS
 
@@ -82,8 +82,8 @@ def test_texts_of_values() -> None:
     assert Name().read(" m ", "--free") == "m"
     assert Span().read(":3", "--exclude") == (-math.inf, 3.0, 0.0)
     assert Span(weight=True).read("3::2", "--weight") == (3.0, math.inf, 2.0)
-    assert Setting().read("bessel_hz=false", "--filter") == ("bessel_hz", False)
-    assert Setting().read("bessel_order=4", "--filter") == ("bessel_order", 4)
+    assert SettingType().read("bessel_hz=false", "--filter") == ("bessel_hz", False)
+    assert SettingType().read("bessel_order=4", "--filter") == ("bessel_order", 4)
     with pytest.raises(InputError, match=r"x: '1,2,3' is not a number$"):
         number("x", "1,2,3")
 

@@ -13,7 +13,7 @@ from surae.studies import virtual_subject, virtual_trial
 MUSCLES = ("ta", "gl", "sol", "gm")
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def files(tmp_path_factory):
     """Two trials that move, and one that holds still."""
     folder = tmp_path_factory.mktemp("leg")
@@ -31,7 +31,7 @@ def files(tmp_path_factory):
     return made
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")  # the server is one: a name comes once
 def imported(server, files):
     browser = server.browser()
     return {path.stem: browser.recording(path) for path in files}
