@@ -152,7 +152,14 @@ def test_what_is_no_protocol_is_refused(tmp_path, text, complaint) -> None:
 
 
 @pytest.mark.parametrize(
-    "change", [{"noise": 0.0}, {"legs": 0}, {"population": "other"}, {"model": "muscle-2010"}]
+    "change",
+    [
+        {"noise": 0.0},
+        {"noise": 5e-324},
+        {"legs": 0},
+        {"population": "other"},
+        {"model": "muscle-2010"},
+    ],
 )
 def test_impossible_questions_are_refused(change) -> None:
     with pytest.raises(InputError):

@@ -28,6 +28,8 @@ _CHECKED = 40
 _MOST_SAMPLES = 1_200_000
 #: The motion is shaped at this rate at least [Hz], whatever rate is asked for.
 _SHAPED_HZ = 2000.0
+#: No sensor has less noise [Nm]; with much less, information is beyond all numbers.
+_LEAST_NOISE = 1e-6
 
 
 def expect(
@@ -144,8 +146,10 @@ def asked_legs(
     first: int = 0,
 ) -> tuple[Legs, float]:
     """Whose legs are meant, and the noise of their torque."""
-    if noise is not None and not 0.0 < noise < float("inf"):
-        raise InputError(f"noise is {noise!r}; give the torque's noise in Nm, more than 0")
+    if noise is not None and not _LEAST_NOISE <= noise < float("inf"):
+        raise InputError(
+            f"noise is {noise!r}; give the torque's noise in Nm, {_LEAST_NOISE:g} or more"
+        )
     if count < 1:
         raise InputError(f"legs is {count!r}; draw at least one")
     if fit is None:
