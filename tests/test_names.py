@@ -1,5 +1,10 @@
-"""The names that help shows are those of what they name."""
+"""The names that help shows are those of what they name, and a type's name means one thing."""
 
+import ast
+from collections import Counter
+from pathlib import Path
+
+import surae
 from surae import names
 from surae.estimation import LOSSES
 from surae.estimation.population import KNOWN
@@ -21,3 +26,16 @@ def test_the_first_choice_is_the_default() -> None:
     assert {name: getattr(ModelOptions(), name) for name in names.CHOICES} == {
         name: choices[0] for name, choices in names.CHOICES.items()
     }
+
+
+def test_no_two_public_types_share_a_name() -> None:
+    sources = Path(surae.__file__).parent.rglob("*.py")
+    trees = [ast.parse(source.read_text(encoding="utf-8")) for source in sources]
+    types = [
+        node.name
+        for tree in trees
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
+    ]
+    assert len(types) > 200
+    assert [name for name, count in Counter(types).items() if count > 1] == []
