@@ -14,6 +14,7 @@ from surae.model.parameters import (
     TENDON_PARAMETERS,
     Parameter,
 )
+from surae.model.sources import SOURCES
 
 PARAMETERS: dict[str, Iterable[Parameter]] = {
     "muscle": MUSCLE_PARAMETERS,
@@ -36,6 +37,19 @@ def measures() -> str:
     )
 
 
+def sources() -> str:
+    """A table in Markdown: every source of uncertainty, what is assumed of it, and what helps."""
+    rows = []
+    for s in SOURCES.values():
+        prior, because = "", ""
+        if s.nuisance is not None:
+            belief, because = s.nuisance.prior, s.nuisance.because
+            prior = f"`{s.nuisance.group}`: {belief.mean:g} ± {belief.sd:g} {s.nuisance.unit}"
+        rows.append(f"| {s.label} | {s.meaning} | {prior} | {because} | {s.advice} |\n")
+    head = "| source | what it is | prior in `nuisances` | because | what makes it smaller |\n"
+    return f"{head}|---|---|---|---|---|\n" + "".join(rows)
+
+
 def of_parameters(parameters: Iterable[Parameter]) -> str:
     """A table in Markdown."""
     head = "| name | unit | meaning | start | bounds |\n|---|---|---|--:|---|\n"
@@ -49,6 +63,7 @@ def write(app: Sphinx) -> None:
     """Write each beside the page that includes it, where it has changed."""
     texts = {
         "methods/measure-table.md": measures(),
+        "methods/source-table.md": sources(),
         "how-to/quality-codes.md": quality_table.table(),
         **{f"models/parameters-{name}.md": of_parameters(p) for name, p in PARAMETERS.items()},
     }

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from datetime import datetime
+from importlib.resources import files
 
 import pytest
 
@@ -10,6 +11,8 @@ from surae.assessment.adequacy import Adequacy, Grade
 from surae.assessment.uncertainty.budget import budgets
 from surae.estimation import fit_problem, make_problem, solve
 from surae.estimation.result import OfRecording
+from surae.model.sources import SOURCES
+from surae.names import LANGUAGES
 from surae.report.budget import budget_section, what_to_measure, what_would_help
 from surae.report.laboratory import family_section, laboratory_section, trials_section
 from surae.report.parameters import parameters_section, repeatable, shown_parameters
@@ -62,7 +65,8 @@ def test_the_sentence_follows_from_the_budget(auto, monkeypatch):
     result, assessment, budget, name = unsure(auto, "zero")
     monkeypatch.setattr("surae.report.budget.budgets", lambda *_: budget)
     assert what_would_help(result, assessment) == (
-        f"Measure the sensor’s zero, and {name} would be known to ±3 % instead of ±12 %.",
+        f"Measure the zero of the torque sensor, and {name} would be known to ±3 % instead of "
+        "±12 %.",
     )
 
 
@@ -213,8 +217,29 @@ def test_one_start_of_a_named_model_is_still_warned_of(make_trial):
     assert "Only the default start was tried" in page
 
 
-def test_every_source_has_a_look_of_its_own():
-    from surae.report.budget import SOURCES
-    from surae.report.figures.budget import _LOOKS
+def test_every_source_has_its_words_advice_and_look():
+    """One record has all that is shown of a source, on paper, on screen and in every language."""
+    from matplotlib.colors import is_color_like
 
-    assert len(set(_LOOKS)) == len(_LOOKS) == len(SOURCES)
+    from surae.report.budget import css
+    from surae.report.figures.budget import _COLOURS
+
+    tokens = (files("surae.web") / "static" / "css" / "tokens.css").read_text(encoding="utf-8")
+    assert len({source.look for source in SOURCES.values()}) == len(SOURCES)
+    assert len({css(source.look) for source in SOURCES.values()}) == len(SOURCES)
+    for source in SOURCES.values():
+        assert source.label
+        assert source.meaning
+        assert is_color_like(_COLOURS[source.look.colour])
+        assert f"--{source.look.colour}: #" in tokens
+        for language in LANGUAGES:
+            assert getattr(source.remedy, language).endswith(".")
+
+
+def test_what_a_fit_can_find_has_a_record(auto):
+    """Shifts that a fit adds to its intervals are sources, as are the nuisances it estimates."""
+    result, _ = auto
+    assert set(result.family.spread) <= set(SOURCES)
+    assert {"unheard", "emg_bias", "left_out"} <= set(result.family.spread)
+    named = {name for source in SOURCES.values() for name in source.parameters}
+    assert set(result.family.beliefs) <= named

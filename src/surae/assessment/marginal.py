@@ -7,11 +7,12 @@ import numpy as np
 
 from surae.assessment.adequacy import Adequacy, Grade
 from surae.assessment.parameter import IDENTIFIED, Interval, ParameterEstimate, Verdict, percent
-from surae.assessment.uncertainty.budget import REMEDIES, Budget, budgets
+from surae.assessment.uncertainty.budget import Budget, budgets
 from surae.estimation import FitProblem
 from surae.estimation.mode import straight
 from surae.estimation.residuals import stiffness_valleys
 from surae.estimation.result import Family
+from surae.model.sources import SOURCES
 
 _NORMAL = 1.959964
 #: Share of the variance from which a source is worth a remedy.
@@ -87,8 +88,8 @@ def _judge(
     if repeatable:
         sentence += ", though another trial of this leg would give the same"
     source = max(budget.shares, key=lambda s: budget.shares[s])
-    if budget.shares[source] >= _WORTH and source in REMEDIES:
-        sentence += f": {REMEDIES[source]}"
+    if budget.shares[source] >= _WORTH:
+        sentence += f": {SOURCES[source].advice}"
         left = budget.without.get(source)
         if left is not None and left < 0.8 * budget.sd:
             sentence += f", and it is known to ±{percent(relative * left / budget.sd)}"

@@ -16,7 +16,7 @@ from surae.measures.measure import Measure, Measures
 from surae.measures.spread import NORMAL, Spread, spread_of
 from surae.measures.table import DEFINITIONS, Definition
 from surae.model import ModelOptions, get_model, with_optional
-from surae.model.laboratory import group_of
+from surae.model.laboratory import OUTSIDE, group_of
 from surae.units import FloatArray
 
 #: Angles at which measures are asked unless told otherwise, and those that can be asked [deg].
@@ -35,8 +35,6 @@ _ANGLE, _ANY_ANGLE = 2.0, 20.0
 _BEYOND = 0.5
 #: Part of the variance that comes through a parameter at its bound, from which that is told.
 _BOUND = 0.25
-#: Groups of nuisances that the leg itself knows nothing of.
-_OUTSIDE = ("zero", "crosstalk", "axis", "drift", "rest", "shape")
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,7 +187,7 @@ def evaluate(
             point
             for point in wanted
             if point.name in values
-            and (point.definition.of_recordings or group_of(name) not in _OUTSIDE)
+            and (point.definition.of_recordings or group_of(name) not in OUTSIDE)
         ]
         step = _step(spread, j)
         sides = [leg.with_values({name: float(spread.moved(j, by))}) for by in (-step, step)]

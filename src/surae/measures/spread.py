@@ -16,12 +16,11 @@ from surae.estimation import FitResult
 from surae.estimation.mode import straight
 from surae.frozen import Comparable
 from surae.model.laboratory import EACH_MOUNTING, EACH_TRIAL, group_of
+from surae.model.sources import FRESH
 from surae.units import FloatArray
 
 #: Half of a 95 % interval, in standard deviations.
 NORMAL = 1.959964
-#: Sources of `Family.spread` that another trial does not share.
-_NOT_SHARED = ("emg_noise", "trials")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,7 +85,7 @@ def spread_of(result: FitResult, assessment: Assessment) -> Spread:
         return replace(bare, total=total, repeat=total, session=total, lost=lost)
     V = both * result.family.covariance
     added = {source: both * (by.T @ by) for source, by in result.family.spread.items()}
-    fresh = sum((added[s] for s in _NOT_SHARED if s in added), np.zeros_like(V))
+    fresh = sum((added[s] for s in FRESH if s in added), np.zeros_like(V))
     return replace(
         bare,
         total=V + sum(added.values(), np.zeros_like(V)),

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from surae.assessment.parameter import IDENTIFIED, Verdict, judge_interval, judge_singular
-from surae.assessment.uncertainty.budget import SOURCES, variance_given
+from surae.assessment.uncertainty.budget import variance_given
 from surae.assessment.uncertainty.covariance import Covariance, half_width
 from surae.frozen import Comparable, FrozenDict, read_only
 from surae.model import adapted
-from surae.model.laboratory import group_of
+from surae.model.sources import source_of
 from surae.planning.information import Information, estimated, information, prior_precision
 from surae.planning.legs import Legs
 from surae.protocol import Trajectory
@@ -242,8 +242,8 @@ def _shares(known: Covariance, own: tuple[str, ...]) -> dict[str, dict[str, floa
     V, names = known.matrix, known.names
     sources: dict[str, list[int]] = {}
     for j, name in enumerate(names):
-        if name not in own and (group := group_of(name)) is not None:
-            sources.setdefault(SOURCES[group], []).append(j)
+        if name not in own and (source := source_of(name)) is not None:
+            sources.setdefault(source.name, []).append(j)
     everything = sorted(j for at in sources.values() for j in at)
     shares = {}
     for name in own:

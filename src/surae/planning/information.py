@@ -11,14 +11,12 @@ import numpy as np
 
 from surae.assessment.uncertainty.covariance import Covariance, covariance
 from surae.frozen import Comparable, read_only
-from surae.model.laboratory import group_of
+from surae.model.laboratory import EACH_TRIAL, group_of
 from surae.planning.legs import Legs
 from surae.protocol import Trajectory
 from surae.signals import ModelInputs, inputs_as_given, thinned
 from surae.units import FloatArray
 
-#: Groups of nuisances that differ from trial to trial.
-EACH_TRIAL = ("zero", "drift", "rest")
 #: A trial is judged at this rate at least [Hz]: it moves below 10 Hz.
 RATE = 100.0
 #: A direction's information below this part of the strongest one's is rounding, where each

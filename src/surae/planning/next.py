@@ -14,8 +14,8 @@ from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.files import PathLike
 from surae.frozen import Comparable, FrozenDict
-from surae.model.laboratory import group_of
-from surae.planning.information import EACH_TRIAL, estimated, information, shared
+from surae.model.laboratory import EACH_TRIAL, group_of
+from surae.planning.information import estimated, information, shared
 from surae.planning.legs import Legs
 from surae.planning.ready import Ready, ready_protocols
 from surae.protocol import Device, Trajectory, write_protocol

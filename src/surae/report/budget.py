@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.assessment.adequacy import Grade
 from surae.assessment.parameter import percent
-from surae.assessment.uncertainty.budget import REMEDIES, budgets
+from surae.assessment.uncertainty.budget import budgets
 from surae.estimation import FitResult
+from surae.model.sources import SOURCES, Look
 from surae.report.document import (
     Block,
     ListBlock,
@@ -21,25 +22,6 @@ from surae.report.document import (
     rows_of,
 )
 
-#: What a source of uncertainty is called, in the order in which it is shown.
-SOURCES = {
-    "noise": "noise of the torque",
-    "emg_noise": "noise of the EMG",
-    "emg_bias": "bias by noise of the EMG",
-    "zero": "zero of the torque sensor",
-    "delay": "delay from EMG to torque",
-    "crosstalk": "crosstalk between electrodes",
-    "emg_gain": "drift of the EMG",
-    "emg_rest": "EMG at rest",
-    "emg_shape": "curve from EMG to activation",
-    "axis": "axis beside the device’s",
-    "tendon": "tendons",
-    "model": "choice of the model",
-    "left_out": "what the model leaves out",
-    "unheard": "muscles without EMG",
-    "trials": "differences between trials",
-    "integration": "integration",
-}
 #: Share of a variance from which a source is shown, and from which it is worth a remedy.
 _SHOWN, _WORTH = 0.005, 0.25
 #: A remedy is told of where the interval shrinks to less than this part.
@@ -63,9 +45,11 @@ class BudgetSection:
     """The uncertainty budget."""
 
     text: str  #: What the shares are, or why there are none.
-    #: `keys`, `sources`: the sources that are shown: their names in FIT.json, and in words.
+    #: `keys`, `sources`, `looks`: the sources that are shown: names in FIT.json, words, and a
+    #: background in CSS.
     keys: tuple[str, ...]
     sources: tuple[str, ...]
+    looks: tuple[str, ...]
     #: Estimated parameters with an interval; empty where nothing but noise is looked at.
     rows: tuple[BudgetRow, ...]
     helps: tuple[str, ...]  #: What to measure, and how much better which parameter would be known.
@@ -80,11 +64,10 @@ def budget_section(result: FitResult, assessment: Assessment) -> BudgetSection:
             "The intervals of this fit contain the noise of the torque and nothing else: what the "
             "laboratory cannot rule out, and other models, are not in them. A fit with model auto "
             "says what they add.",
-            (), (), (), what_to_measure(assessment), "",
+            (), (), (), (), what_to_measure(assessment), "",
         )  # fmt: skip
     met = {source for p in known.values() for source in p.budget if p.budget[source] >= _SHOWN}
     keys = [source for source in SOURCES if source in met]
-    keys += sorted(met - set(keys))
     rows = []
     for name, p in known.items():
         shares = tuple(p.budget.get(key, 0.0) for key in keys)
@@ -100,14 +83,30 @@ def budget_section(result: FitResult, assessment: Assessment) -> BudgetSection:
             "95 % interval. The shares of what is estimated along overlap and are scaled to add up."
         ),
         keys=tuple(keys),
-        sources=tuple(SOURCES.get(key, key.replace("_", " ")) for key in keys),
+        sources=tuple(SOURCES[key].label for key in keys),
+        looks=tuple(css(SOURCES[key].look) for key in keys),
         rows=tuple(rows),
         helps=(*what_would_help(result, assessment), *what_to_measure(assessment)),
         alt=(
             f"Stacked bars of the shares of the variance of {len(rows)} parameters; the largest "
-            f"share of {first.count(main)} of them is {SOURCES.get(main, main)}."
+            f"share of {first.count(main)} of them is {SOURCES[main].label}."
         ),
     )
+
+
+#: Hatches as lines: their directions [°] in CSS.
+_LINES = {"/": (135,), "\\": (45,), "x": (45, 135), "-": (0,), "|": (90,), "+": (0, 90)}
+
+
+def css(look: Look) -> str:
+    """A source's look as a CSS background, of the workbench's palette."""
+    lines = [
+        f"repeating-linear-gradient({angle}deg, var(--ink) 0 1px, transparent 1px 5px)"
+        for angle in _LINES.get(look.hatch, ())
+    ]
+    if look.hatch == ".":
+        lines = ["radial-gradient(var(--ink) 1px, transparent 1.2px) 0 0 / 5px 5px"]
+    return ", ".join((*lines, f"linear-gradient(var(--{look.colour}) 0 0)"))
 
 
 #: The anchor of what to measure next.
@@ -153,14 +152,14 @@ def what_would_help(result: FitResult, assessment: Assessment) -> tuple[str, ...
         before = _relative(p)
         for source, without in budget.without.items():
             part = without / budget.sd
-            if source not in REMEDIES or budget.shares.get(source, 0.0) < _WORTH:
+            if budget.shares.get(source, 0.0) < _WORTH:
                 continue
             if part < _SHRINKS and part * before <= 1.0:
                 after = f"{name} would be known to ±{percent(part * before)}"
                 text = f"{after} instead of ±{percent(before)}"
                 gains.setdefault(source, []).append((part, text))
     ranked = sorted(gains.items(), key=lambda gain: -sum(1.0 - part for part, _ in gain[1]))
-    return tuple(_sentence(REMEDIES[source], sorted(narrowed)) for source, narrowed in ranked)
+    return tuple(_sentence(SOURCES[source].advice, sorted(narrowed)) for source, narrowed in ranked)
 
 
 def what_to_measure(assessment: Assessment) -> tuple[str, ...]:

@@ -23,6 +23,7 @@ from surae.measures.compute import measures
 from surae.measures.curve import TorqueCurve, torque_curve
 from surae.measures.measure import Measure, Measures
 from surae.measures.norms import Placed, placed, read_norms
+from surae.model.sources import SOURCES
 from surae.names import LANGUAGES
 from surae.report.document import (
     ListBlock,
@@ -358,10 +359,10 @@ def _next(assessment: Assessment, words: Words) -> tuple[str, ...]:
             continue
         for source, share in (p.budget or {"noise": 1.0}).items():
             weights[source] = weights.get(source, 0.0) + share
-    known = [s for s in weights if f"remedy_{s}" in sentences()]
-    ranked = sorted(known, key=lambda s: -weights[s])
-    leading = [s for s in ranked if weights[s] >= 0.25 * weights[ranked[0]]][:_MOST_NEXT]
-    return tuple(words(f"remedy_{source}") for source in leading)
+    ranked = sorted(weights, key=lambda s: -weights[s])
+    leading = [s for s in ranked if weights[s] >= 0.25 * weights[ranked[0]]]
+    remedies = [getattr(SOURCES[source].remedy, words.language) for source in leading]
+    return tuple(dict.fromkeys(remedies))[:_MOST_NEXT]
 
 
 def _nothing(of_fit: Measures, shown: Sequence[Measure], words: Words) -> tuple[str, ...]:

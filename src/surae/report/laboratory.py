@@ -10,7 +10,8 @@ from surae.assessment.adequacy import Grade
 from surae.estimation import Candidate, Family, FitResult
 from surae.estimation.each import trial_spread
 from surae.model import get_model
-from surae.model.laboratory import GROUPS, Belief, group_of
+from surae.model.laboratory import Belief, group_of
+from surae.model.sources import NUISANCES, source_of
 from surae.report.document import (
     Block,
     SectionBlock,
@@ -23,17 +24,6 @@ from surae.report.document import (
 )
 from surae.report.formatting import NO_NUMBER, estimate, significant
 
-#: What a group of imperfections is called, and what it is.
-_GROUPS = {
-    "zero": ("torque zero", "what the sensor shows without torque"),
-    "delay": ("delay", "from the EMG to the torque"),
-    "crosstalk": ("crosstalk", "part of another muscle’s EMG that an electrode picks up"),
-    "axis": ("axis", "how far the ankle’s axis lies from the device’s"),
-    "drift": ("drift of the EMG", "change of an electrode’s gain within the trial"),
-    "rest": ("EMG at rest", "what an electrode shows of a muscle that rests"),
-    "shape": ("EMG curve", "bend from EMG to activation; 0 is a straight line"),
-    "toe": ("tendon toe", "where the tendon’s force curve becomes straight"),
-}
 #: Units as people read them: factor and name.
 _UNITS = {"s": (1e3, "ms"), "m": (1e3, "mm"), "rad": (57.29577951308232, "°"), "-": (1.0, "")}
 #: Part of the assumed standard deviation up to which the data told a value, or a part of it.
@@ -121,7 +111,7 @@ def laboratory_section(result: FitResult, assessment: Assessment) -> LaboratoryS
             "it beforehand, mean ± standard deviation, and estimated along with the leg; what "
             "stays unknown of it is in every interval of this report."
         ),
-        groups=tuple(_GROUPS[group] for group in GROUPS if group in present),
+        groups=tuple((s.label, s.meaning) for group, s in NUISANCES.items() if group in present),
         rows=tuple(_row(assessment.nuisances[name], belief) for name, belief in beliefs.items()),
         zeros=tuple(
             (recording.name, f"{significant(zero, 3)} Nm")
@@ -141,7 +131,7 @@ def _row(p: ParameterEstimate, belief: Belief) -> LaboratoryRow:
     text = estimate(factor * p.value, sem, ends)
     mean, sd = (significant(factor * number, 2) for number in (belief.mean, belief.sd))
     return LaboratoryRow(
-        group=_GROUPS[group_of(p.name) or "zero"][0],
+        group=source.label if (source := source_of(p.name)) else "",
         name=p.name,
         meaning=p.meaning,
         unit=unit,
@@ -187,7 +177,7 @@ def family_section(result: FitResult, assessment: Assessment) -> FamilySection |
 
 
 def _candidate(candidate: Candidate) -> tuple[str, str, str]:
-    groups = ", ".join(_GROUPS[group][0] for group in candidate.groups) or "none"
+    groups = ", ".join(NUISANCES[group].label for group in candidate.groups) or "none"
     return _title(candidate.model), groups, _chance(candidate.weight)
 
 

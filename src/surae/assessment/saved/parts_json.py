@@ -12,6 +12,7 @@ from surae.estimation.noise import NoiseModel
 from surae.estimation.result import OfRecording
 from surae.frozen import FrozenDict
 from surae.model.laboratory import Belief
+from surae.model.sources import SOURCES
 from surae.recording import MUSCLES, SourceFile
 from surae.signals import EmgReference, ModelInputs
 from surae.units import FloatArray
@@ -203,7 +204,7 @@ def read_family(data: Any, free: Sequence[str]) -> Family | None:
         zeros=tuple(real(zero) for zero in data["zeros"]),
         covariance=decode(data["covariance"], (len(free), len(free))),
         spread=FrozenDict(
-            (str(source), _shifts(by, free)) for source, by in data["spread"].items()
+            (SOURCES[source].name, _shifts(by, free)) for source, by in data["spread"].items()
         ),
         recordings=tuple(
             OfRecording(_numbers(each["values"]), _numbers(each["sem"]))

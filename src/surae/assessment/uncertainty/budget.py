@@ -19,32 +19,8 @@ import numpy as np
 from surae.estimation.result import Family
 from surae.frozen import FrozenDict
 from surae.model.laboratory import EACH_TRIAL, group_of
+from surae.model.sources import FRESH, SOURCES, source_of
 from surae.units import FloatArray
-
-#: What a group of nuisances is called in a budget.
-SOURCES = {
-    "zero": "zero", "delay": "delay", "crosstalk": "crosstalk", "axis": "axis", "drift": "emg_gain",
-    "rest": "emg_rest",     "shape": "emg_shape", "toe": "tendon",
-}  # fmt: skip
-#: The tendons' own parameters, whose ignorance other parameters share.
-_TENDON = ("dlt_tri", "dlt_tib")
-#: What would make it known, by source.
-REMEDIES = {
-    "noise": "measure longer, or with more movement and effort",
-    "emg_noise": "smooth the EMG less noisily: better contact, or more effort",
-    "emg_bias": "smooth the EMG less noisily: better contact, or more effort",
-    "delay": "measure the delay from EMG to torque, with a twitch",
-    "crosstalk": "test the electrodes muscle by muscle",
-    "zero": "measure the sensor's zero",
-    "tendon": "measure the tendon's strain, by ultrasound",
-    "axis": "align the axes, or measure their distance",
-    "emg_gain": "keep the electrodes' gain steady, or measure it before and after",
-    "emg_rest": "record all muscles at rest, and take out what the electrodes show there",
-    "emg_shape": "measure several levels of effort",
-    "model": "measure a movement that tells the models apart",
-    "integration": "sample at a higher rate",
-    "unheard": "record the EMG of all four muscles",
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,10 +41,8 @@ def budgets(family: Family, free: tuple[str, ...]) -> dict[str, Budget]:
     V = family.covariance
     groups: dict[str, list[int]] = {}
     for j, name in enumerate(free):
-        group = group_of(name)
-        source = "tendon" if name in _TENDON else SOURCES.get(group or "")
-        if source is not None:
-            groups.setdefault(source, []).append(j)
+        if (of := source_of(name)) is not None:
+            groups.setdefault(of.name, []).append(j)
     everything = sorted({j for positions in groups.values() for j in positions})
     repeat, deviations = _repeat(family, free), family.deviations()
     table = {}
@@ -89,7 +63,7 @@ def budgets(family: Family, free: tuple[str, ...]) -> dict[str, Budget]:
         if not total > 0.0:
             continue
         parts |= added
-        again = sum(added.get(source, 0.0) for source in ("emg_noise", "trials"))
+        again = sum(added.get(source, 0.0) for source in FRESH)
         table[name] = Budget(
             sd=float(np.sqrt(total)),
             repeat=float(np.sqrt(2.0 * (max(float(repeat[j]), 0.0) + again))),
@@ -99,7 +73,11 @@ def budgets(family: Family, free: tuple[str, ...]) -> dict[str, Budget]:
                     source: float(np.sqrt(left + sum(added.values())))
                     for source, left in without.items()
                 }
-                | {s: float(np.sqrt(total - part)) for s, part in added.items()}
+                | {
+                    s: float(np.sqrt(total - part))
+                    for s, part in added.items()
+                    if SOURCES[s].knowable
+                }
             ),
         )
     return table

@@ -6,16 +6,15 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from surae.report.budget import SOURCES, BudgetSection
-from surae.report.figures.style import BLUE, GREY, INK, OCHRE, dress, new_figure
+from surae.model.sources import SOURCES
+from surae.report.budget import BudgetSection
+from surae.report.figures.style import BLUE, GREY, INK, MUTED, OCHRE, RED, dress, new_figure
 
-#: Looks of the sources, always the same: a shade and a hatch, which tell them apart without hues.
-_LOOKS = (
-    (GREY, ""), ("#e3e6ea", "xxxx"), (INK, ""), ("#ffffff", "////"), (BLUE, ""),
-    ("#ffffff", "----"), ("#cfe0f5", "...."), ("#eec3bb", "||||"), ("#f6d9b8", "\\\\\\\\"),
-    (OCHRE, ""), ("#57606a", ""), ("#7d9cc8", "++++"), ("#ffffff", "oooo"),
-    ("#b9c4d0", "..."), ("#ffffff", "\\\\\\\\"), ("#d8e8d0", "**"),
-)  # fmt: skip
+#: The palette's colours on paper.
+_COLOURS = {
+    "surface": "#ffffff", "measured": GREY, "ink": INK, "series-1": BLUE, "series-2": RED,
+    "series-3": OCHRE, "series-6": MUTED,
+}  # fmt: skip
 
 
 def budget_figure(section: BudgetSection) -> Figure:
@@ -27,12 +26,11 @@ def budget_figure(section: BudgetSection) -> Figure:
     dress(axes, "", "Share of the variance [%]", grid=False)
     begins = np.zeros(len(names))
     patches = []
-    order = list(SOURCES)
     for number, (key, source) in enumerate(zip(section.keys, section.sources, strict=True)):
-        colour, hatch = _LOOKS[order.index(key) if key in order else -1]
+        colour, hatch = SOURCES[key].look
         look: dict[str, Any] = {
-            "facecolor": colour,
-            "hatch": hatch,
+            "facecolor": _COLOURS[colour],
+            "hatch": 4 * hatch,
             "edgecolor": INK,
             "linewidth": 0.5,
         }

@@ -44,19 +44,21 @@ function measureNext(id) {
   return h("div", { class: "panel" }, h("div", { class: "button-row" }, ask), said);
 }
 
-const legend = ({ keys, sources }) =>
-  h("ul", { class: "key-list", "aria-label": "Sources" }, sources.map((text, i) => h("li", {}, h("span", { class: `swatch source-${keys[i]}` }), text)));
+const legend = ({ looks, sources }) =>
+  h("ul", { class: "key-list", "aria-label": "Sources" }, sources.map((text, i) => h("li", {}, drawn("swatch", looks[i]), text)));
 
-const bars = ({ keys, rows, alt }) =>
+const bars = ({ looks, rows, alt }) =>
   h("div", { class: "shares", role: "img", "aria-label": alt }, rows.map((row) => [
     meant(row.name),
-    h("span", { class: "bar" }, row.shares.map((share, i) => share > 0.002 && part(keys[i], share))),
+    h("span", { class: "bar" }, row.shares.map((share, i) => share > 0.002 && drawn("part", looks[i], share))),
     h("span", { class: "small nowrap" }, row.known),
   ]));
 
-function part(key, share) {
-  const element = h("span", { class: `source-${key}` });
-  element.style.flexGrow = share; // a style attribute would be refused
+/** A surface in the look of a source; a style attribute would be refused. */
+function drawn(kind, look, share = 0) {
+  const element = h("span", { class: kind });
+  element.style.background = look;
+  element.style.flexGrow = share;
   return element;
 }
 

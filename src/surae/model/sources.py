@@ -1,0 +1,287 @@
+"""What makes a parameter uncertain: one record a source, and all that lists, draws or explains it.
+
+Some sources are nuisances: no laboratory can rule them out, so a fit with `model="auto"` estimates
+them along with the leg. Their priors are what a careful laboratory knows that did not look further,
+not what some recording showed; all can be changed (`nuisances` of `surae.fit`).
+"""
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+from surae.model.parameters import OPTIONAL
+
+
+class Text(NamedTuple):
+    """One sentence in every language of the page for clinicians."""
+
+    en: str
+    nl: str
+    de: str
+    fr: str
+
+
+class Look(NamedTuple):
+    """How a source is drawn: a colour of the palette and a hatch; together they are its own."""
+
+    colour: Literal["surface", "measured", "ink", "series-1", "series-2", "series-3", "series-6"]
+    hatch: Literal["", "/", "\\", "x", "-", "|", "+", "."] = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Belief:
+    """What is known of a nuisance beforehand: a Gaussian."""
+
+    #: `mean`, `sd`: in the parameter's unit.
+    mean: float
+    sd: float
+    off: float = 0.0  #: The value at which there is no such nuisance.
+
+
+@dataclass(frozen=True, slots=True)
+class Nuisance:
+    """The parameters that a source is estimated by; in a model as a whole or not at all."""
+
+    group: str  #: Its name in `nuisances`.
+    parameters: tuple[str, ...]
+    prior: Belief
+    unit: str  #: What the prior is in, for readers.
+    because: str  #: Where the prior comes from.
+    #: What makes it another: the next trial, or electrodes and foot mounted anew.
+    anew: Literal["never", "trial", "mounting"] = "never"
+    of_leg: bool = False  #: Whether it belongs to the leg, and not to what measures it.
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """One source of uncertainty."""
+
+    name: str  #: In FIT.json.
+    label: str  #: What reports and the workbench call it.
+    meaning: str  #: What it is.
+    remedy: Text  #: What would make it smaller, a sentence.
+    look: Look
+    nuisance: Nuisance | None = None  #: None where nothing is estimated for it.
+    leg: tuple[str, ...] = ()  #: Parameters of the leg whose ignorance is this source, too.
+    fresh: bool = False  #: Whether another trial has it anew, though no nuisance stands for it.
+    #: Whether it can be known, so that the budget says how narrow an interval then is.
+    knowable: bool = True
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """All parameters that it is made of."""
+        return (*self.leg, *(self.nuisance.parameters if self.nuisance else ()))
+
+    @property
+    def advice(self) -> str:
+        """The remedy as an imperative within an English sentence."""
+        return self.remedy.en[0].lower() + self.remedy.en[1:].rstrip(".")
+
+
+_SOURCES = (
+    Source(
+        "noise", "noise of the torque", "what scatters in the torque without a pattern",
+        Text(
+            "Measure longer, or with more movement and effort.",
+            "Meet langer, of met meer beweging en inspanning.",
+            "Länger messen, oder mit mehr Bewegung und Anstrengung.",
+            "Mesurer plus longtemps, ou avec plus de mouvement et d’effort.",
+        ),
+        Look("measured"),
+    ),
+    Source(
+        "emg_noise", "noise of the EMG", "scatter of the EMG’s envelope",
+        Text(
+            "Improve the contact of the electrodes, or ask for more effort.",
+            "Verbeter het contact van de elektroden, of vraag meer inspanning.",
+            "Den Kontakt der Elektroden verbessern, oder mehr Anstrengung verlangen.",
+            "Améliorer le contact des électrodes, ou demander plus d’effort.",
+        ),
+        Look("surface", "x"), fresh=True,
+    ),
+    Source(
+        "emg_bias", "bias by noise of the EMG", "by how much noise of the EMG shifts a value",
+        Text(
+            "Improve the contact of the electrodes, or ask for more effort.",
+            "Verbeter het contact van de elektroden, of vraag meer inspanning.",
+            "Den Kontakt der Elektroden verbessern, oder mehr Anstrengung verlangen.",
+            "Améliorer le contact des électrodes, ou demander plus d’effort.",
+        ),
+        Look("measured", "x"),
+    ),
+    Source(
+        "zero", "torque zero", "what the sensor shows without torque",
+        Text(
+            "Measure the zero of the torque sensor.",
+            "Meet het nulpunt van de momentsensor.",
+            "Den Nullpunkt des Momentsensors messen.",
+            "Mesurer le zéro du capteur de moment.",
+        ),
+        Look("ink"),
+        Nuisance(
+            "zero", OPTIONAL["torque_zero"], Belief(0.0, 10.0), "Nm",
+            "a dynamometer’s zero was off by 12 to 19 Nm with a foot strapped in", anew="trial",
+        ),
+    ),
+    Source(
+        "delay", "delay", "from the EMG to the force",
+        Text(
+            "Measure the delay from EMG to torque with a twitch.",
+            "Meet de vertraging van EMG naar moment met een enkele contractie.",
+            "Die Verzögerung von EMG zu Moment mit einer Einzelzuckung messen.",
+            "Mesurer le délai de l’EMG au moment par une secousse.",
+        ),
+        Look("surface", "/"),
+        Nuisance(
+            "delay", OPTIONAL["emd"], Belief(0.03, 0.03), "s",
+            "20 to 100 ms from EMG to force (Cavanagh and Komi 1979)", of_leg=True,
+        ),
+    ),
+    Source(
+        "crosstalk", "crosstalk", "part of another muscle’s EMG that an electrode picks up",
+        Text(
+            "Test the electrodes muscle by muscle.",
+            "Test de elektroden spier voor spier.",
+            "Die Elektroden Muskel für Muskel prüfen.",
+            "Vérifier les électrodes muscle par muscle.",
+        ),
+        Look("series-1"),
+        Nuisance(
+            "crosstalk", OPTIONAL["crosstalk"], Belief(0.04, 0.03), "",
+            "3 to 10 % of a neighbour’s rectified EMG (De Luca and Merletti 1988)", anew="mounting",
+        ),
+    ),
+    Source(
+        "axis", "axis", "how far the ankle’s axis lies from the device’s",
+        Text(
+            "Align the ankle’s axis with the device’s, or measure their distance.",
+            "Lijn de as van de enkel uit met die van het apparaat, of meet hun afstand.",
+            "Die Achse des Gelenks an der des Geräts ausrichten, oder ihren Abstand messen.",
+            "Aligner l’axe de la cheville sur celui de l’appareil, ou mesurer leur distance.",
+        ),
+        Look("surface", "|"),
+        Nuisance(
+            "axis", OPTIONAL["axis"], Belief(0.0, 0.01), "m",
+            "torques 5 to 9 % off (Arampatzis et al. 2007)", anew="mounting",
+        ),
+    ),
+    Source(
+        "emg_gain", "drift of the EMG", "change of an electrode’s gain within the trial",
+        Text(
+            "Keep the electrodes’ gain steady, or measure it before and after.",
+            "Houd de versterking van de elektroden constant, of meet die voor en na.",
+            "Die Verstärkung der Elektroden konstant halten, oder vorher und nachher messen.",
+            "Maintenir constant le gain des électrodes, ou le mesurer avant et après.",
+        ),
+        Look("surface", "-"),
+        Nuisance(
+            "drift", OPTIONAL["emg_drift"], Belief(0.0, 0.1), "",
+            "skin and gel warm within a trial; the size is assumed", anew="trial",
+        ),
+    ),
+    Source(
+        "emg_rest", "EMG at rest", "what an electrode shows of a muscle that rests",
+        Text(
+            "Record all muscles at rest.",
+            "Meet alle spieren in rust.",
+            "Alle Muskeln in Ruhe aufzeichnen.",
+            "Enregistrer tous les muscles au repos.",
+        ),
+        Look("series-1", "-"),
+        Nuisance(
+            "rest", OPTIONAL["emg_rest"], Belief(0.0, 1.0), "of the level at rest",
+            "the level that the electrode shows at its quietest: an envelope is never below zero, "
+            "so that noise alone lifts it", anew="trial",
+        ),
+    ),
+    Source(
+        "emg_shape", "EMG curve", "bend from EMG to activation; 0 is a straight line",
+        Text(
+            "Measure several levels of effort.",
+            "Meet meerdere niveaus van inspanning.",
+            "Mehrere Anstrengungsstufen messen.",
+            "Mesurer plusieurs niveaux d’effort.",
+        ),
+        Look("surface", "."),
+        Nuisance(
+            "shape", OPTIONAL["emg_shape"], Belief(-0.5, 1.0), "",
+            "between −3 and 0 (Lloyd and Besier 2003)",
+        ),
+    ),
+    Source(
+        "tendon", "tendons", "how far they stretch, and where their force curve becomes straight",
+        Text(
+            "Measure the tendon’s strain by ultrasound.",
+            "Meet de rek van de pees met echografie.",
+            "Die Dehnung der Sehne mit Ultraschall messen.",
+            "Mesurer l’allongement du tendon par échographie.",
+        ),
+        Look("surface", "\\"),
+        Nuisance(
+            "toe", ("pt_tri", "pt_tib"), Belief(0.3, 0.1, off=0.3), "",
+            "Table 2 of the thesis, after Thelen (2003); the spread is assumed", of_leg=True,
+        ),
+        leg=("dlt_tri", "dlt_tib"),
+    ),
+    Source(
+        "model", "choice of the model", "how far apart models are that the data support",
+        Text(
+            "Measure another movement, wider or faster, which tells the models apart.",
+            "Meet een andere beweging, ruimer of sneller, die de modellen onderscheidt.",
+            "Eine andere Bewegung messen, weiter oder schneller, die die Modelle unterscheidet.",
+            "Mesurer un autre mouvement, plus ample ou plus rapide, qui distingue les modèles.",
+        ),
+        Look("series-3"),
+    ),
+    Source(
+        "left_out", "what the model leaves out", "what the torque shows and no model has",
+        Text(
+            "Record trials with other movements and efforts.",
+            "Meet ook andere bewegingen en inspanningen.",
+            "Auch andere Bewegungen und Anstrengungen aufzeichnen.",
+            "Enregistrer aussi d’autres mouvements et d’autres efforts.",
+        ),
+        Look("series-3", "|"), knowable=False,
+    ),
+    Source(
+        "unheard", "muscles without EMG", "what muscles do that no electrode records",
+        Text(
+            "Record the EMG of all four muscles.",
+            "Meet het EMG van alle vier de spieren.",
+            "Das EMG aller vier Muskeln aufzeichnen.",
+            "Enregistrer l’EMG des quatre muscles.",
+        ),
+        Look("series-2", "\\"),
+    ),
+    Source(
+        "trials", "differences between trials", "by how much trials of this leg disagree",
+        Text(
+            "Record more trials of the same kind.",
+            "Meet meer proeven van dezelfde soort.",
+            "Mehr Versuche derselben Art aufzeichnen.",
+            "Enregistrer plus d’essais du même type.",
+        ),
+        Look("series-6"), fresh=True, knowable=False,
+    ),
+    Source(
+        "integration", "integration", "error of the integrator’s steps",
+        Text(
+            "Sample at a higher rate.",
+            "Meet met een hogere bemonsteringsfrequentie.",
+            "Mit höherer Abtastrate messen.",
+            "Échantillonner à une fréquence plus élevée.",
+        ),
+        Look("surface", "+"),
+    ),
+)  # fmt: skip
+#: All of them by name, in the order in which they are shown.
+SOURCES = {source.name: source for source in _SOURCES}
+#: Those that are estimated along with the leg, by group.
+NUISANCES = {s.nuisance.group: s for s in _SOURCES if s.nuisance is not None}
+#: Those that another trial of the session has anew, though no nuisance stands for them.
+FRESH = tuple(source.name for source in _SOURCES if source.fresh)
+_BY_PARAMETER = {name: source for source in _SOURCES for name in source.parameters}
+
+
+def source_of(parameter: str) -> Source | None:
+    """The source that a parameter is of; None for one of the leg that is its own."""
+    return _BY_PARAMETER.get(parameter)
