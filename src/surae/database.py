@@ -1,21 +1,27 @@
-"""A SQLite file of ours: opened, recognised, brought up to date, locked by the one who writes.
+"""A SQLite file of ours: opened, recognised, brought up to date, copied, mended, locked.
 
 A file may be a stranger's: links, tables and programs in it that are not ours are refused.
 """
 
+import os
+import shutil
 import sqlite3
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
-from surae.errors import ComputationError, InputError
+from surae.errors import ComputationError, InputError, SuraeError
 
 #: Beside a file, these are SQLite's and ours.
 BESIDE = ("-wal", "-shm", "-journal", ".lock")
 #: How long somebody may look at a lock, which keeps it from being taken [s].
 _LOOKED_AT = 1.0
+#: How long to wait for another program that writes [s].
+_PATIENCE = 30.0
+
+Row = tuple[object, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +32,9 @@ class Format:
     what: str  #: What messages call it.
     #: The statements that make its tables, of every version; the last is the present one.
     tables: Mapping[int, str]
+    #: What to do where there is no room, or the file is damaged.
+    full: str
+    damaged: str
     #: What brings a file of a version to the next.
     upgrades: Mapping[int, Callable[[sqlite3.Connection], None]] = field(default_factory=dict)
 
@@ -35,27 +44,37 @@ class Format:
         return max(self.tables)
 
 
+class UnavailableError(ComputationError):
+    """The file cannot be used now; the same may well work a little later."""
+
+
 @contextmanager
-def told(name: str, what: str = "a store of surae") -> Iterator[None]:
+def told(name: str, kind: Format) -> Iterator[None]:
     """SQLite's errors in words, `name` being the file's.
 
-    A file that is no database is an InputError, one that cannot be read or written a
-    ComputationError.
+    A file that is no database is an InputError, one that is full or held by another program an
+    UnavailableError, else one that cannot be read or written a ComputationError.
     """
     try:
         yield
     except sqlite3.Error as error:
         code = getattr(error, "sqlite_errorcode", 0) & 0xFF
         if code == sqlite3.SQLITE_NOTADB:
-            raise InputError(f"{name} is not {what}; give another file") from error
-        advice = ""
-        if code in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
-            advice = (
-                "; make room on its disk and run the same command again: what is finished is kept"
-            )
-        if code == sqlite3.SQLITE_CORRUPT:
-            advice = "; restore it from a copy, or save what can be read by its `repair` command"
-        raise ComputationError(f"{name}: {error}{advice}") from error
+            raise InputError(
+                f"{name} is not {kind.what}; give another, or restore a backup"
+            ) from error
+        if code == sqlite3.SQLITE_FULL:
+            raise UnavailableError(kind.full) from error
+        if code in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
+            raise UnavailableError(
+                f"another program holds {name}; close it there and try again: nothing is lost"
+            ) from error
+        advice = {sqlite3.SQLITE_IOERR: kind.full, sqlite3.SQLITE_CORRUPT: kind.damaged}.get(code)
+        raise ComputationError(f"{name}: {error}" + (f"; {advice}" if advice else "")) from error
+
+
+def _none_of_ours(name: str, kind: Format) -> InputError:
+    return InputError(f"{name} is not {kind.what}; give another, or restore a backup")
 
 
 def lock(path: Path) -> sqlite3.Connection | None:
@@ -100,14 +119,16 @@ def refuse_links(path: Path) -> None:
             raise InputError(f"{beside.name} is a link; put the file itself there")
 
 
-def open_to_write(path: Path, name: str, kind: Format) -> sqlite3.Connection:
+def open_to_write(
+    path: Path, name: str, kind: Format, patience: float = _PATIENCE
+) -> sqlite3.Connection:
     """The file, made where it is missing and brought up to date; the caller has its lock."""
-    file = _connected(f"{path.as_uri()}?mode=rwc")
+    file = connected(path, "rwc", patience)
     try:
         # Looked at before anything of a file that may not be ours is changed.
         (application,) = file.execute("PRAGMA application_id").fetchone()
         (known,) = file.execute("SELECT count(*) FROM sqlite_master").fetchone()
-        version = recognise(file, name, kind) if known or application else 0
+        version = _recognised(file, name, kind) if known or application else 0
         file.execute("PRAGMA journal_mode = WAL")
         file.execute("PRAGMA synchronous = FULL")  # what is there outlives a power cut too
         file.execute("PRAGMA fullfsync = ON")  # on macOS too
@@ -120,17 +141,19 @@ def open_to_write(path: Path, name: str, kind: Format) -> sqlite3.Connection:
     return file
 
 
-def open_to_read(path: Path, name: str, kind: Format) -> sqlite3.Connection:
+def open_to_read(
+    path: Path, name: str, kind: Format, patience: float = _PATIENCE
+) -> sqlite3.Connection:
     """The file, also while another process writes, and on a medium that is read-only.
 
     One of an older surae is brought up to date in a copy that is forgotten; it stays as it is.
     """
     refuse_links(path)
     for mode in ("rw", "ro&immutable=1"):
-        file = _connected(f"{path.as_uri()}?mode={mode}")
+        file = connected(path, mode, patience)
         try:
             file.execute("PRAGMA query_only = ON")
-            version = recognise(file, name, kind)
+            version = _recognised(file, name, kind)
         except sqlite3.OperationalError as error:
             file.close()
             blocked = (sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY)
@@ -148,6 +171,133 @@ def open_to_read(path: Path, name: str, kind: Format) -> sqlite3.Connection:
         file.backup(newer)
     _upgrade(newer, kind, version)
     return newer
+
+
+def copy(file: sqlite3.Connection, to: Path) -> None:
+    """Copy a file as it is at one moment, also while another process writes to it."""
+    with closing(sqlite3.connect(to, isolation_level=None)) as target:
+        file.backup(target)
+        target.execute("PRAGMA journal_mode = DELETE")  # one file, and whole
+
+
+def rebuild(
+    path: Path, name: str, kind: Format, aside: Path, wrong: Callable[[str, Row], str]
+) -> tuple[dict[str, int], list[tuple[str, Row]], Path]:
+    """Make a file anew of what can be read of it; the damaged one stays, under another name.
+
+    Parameters
+    ----------
+    path, name, kind : Path, str, Format
+        The file; the caller has its lock.
+    aside : Path
+        Where the damaged file goes; a number is added.
+    wrong : callable
+        Says what is wrong with a row of a table; empty where nothing is.
+
+    Returns
+    -------
+    tuple
+        How many rows of each table are kept, what is wrong with each that is not, and the row; and
+        where the damaged file is.
+
+    Raises
+    ------
+    InputError
+        It is none of ours, or of a newer surae.
+    ComputationError
+        Nothing of it can be read.
+    """
+    fresh, counts = path.with_name(f".surae-{os.urandom(8).hex()}.part"), dict[str, int]()
+    refused: list[tuple[str, Row]] = []
+    try:
+        with (
+            told(name, kind),
+            closing(_readable(path, name, kind)) as old,
+            closing(sqlite3.connect(fresh, isolation_level=None)) as new,
+        ):
+            fresh.chmod(0o600)
+            make_tables(new, kind)
+            names = new.execute("SELECT name FROM sqlite_master WHERE type = 'table'")
+            tables = [str(row[0]) for row in names if not row[0].startswith("sqlite_")]
+            with transaction(new):
+                for table in tables:
+                    counts[table] = _fill(new, table, old, wrong, refused)
+        if not any(counts.values()):
+            raise ComputationError(f"nothing of {name} can be read any more; restore a backup")
+        number = 1
+        while (other := aside.with_name(f"{aside.name}-{number}")).exists():
+            number += 1
+        try:  # a name more first: the file is somewhere at any time
+            os.link(path, other)
+        except OSError:  # a file system without links
+            shutil.copy2(path, other)
+        for end in BESIDE[:3]:
+            with suppress(FileNotFoundError):
+                Path(f"{path}{end}").replace(f"{other}{end}")
+        fresh.replace(path)
+    finally:
+        fresh.unlink(missing_ok=True)
+    return counts, refused, other
+
+
+def _readable(path: Path, name: str, kind: Format) -> sqlite3.Connection:
+    """A file to read from as far as that can be done, whatever else is in it, if it is ours."""
+    try:
+        return open_to_read(path, name, kind)
+    except (SuraeError, sqlite3.Error):
+        file = connected(path, "ro")
+        try:
+            (application,) = file.execute("PRAGMA application_id").fetchone()
+            (version,) = file.execute("PRAGMA user_version").fetchone()
+            if (application, version) != (kind.application, kind.version):
+                raise
+        except BaseException:
+            file.close()
+            raise
+        return file
+
+
+def _fill(
+    new: sqlite3.Connection,
+    table: str,
+    old: sqlite3.Connection,
+    wrong: Callable[[str, Row], str],
+    refused: list[tuple[str, Row]],
+) -> int:
+    """Copy the good rows of a table; how many."""
+    columns = new.execute(f"PRAGMA table_info({table})").fetchall()
+    names = ", ".join(column[1] for column in columns)
+    keys = [column[1] for column in columns if column[5]] or ["rowid"]
+    statement = f"INSERT INTO {table} ({names}) VALUES ({', '.join('?' * len(columns))})"
+    count = 0
+    for row in _readable_rows(old, table, names, keys):
+        problem = wrong(table, row)
+        if not problem:
+            try:
+                new.execute(statement, row)
+                count += 1
+            except sqlite3.Error as error:
+                problem = str(error)
+        if problem:
+            refused.append((problem, row))
+    return count
+
+
+def _readable_rows(
+    file: sqlite3.Connection, table: str, names: str, keys: Sequence[str]
+) -> Iterator[Row]:
+    """The rows of a table that is damaged, from both ends as far as they can be read."""
+    seen, kind = set(), "SELECT type FROM sqlite_master WHERE name = ?"
+    for direction in ("", " DESC"):
+        order = ", ".join(key + direction for key in keys)
+        with suppress(sqlite3.DatabaseError):
+            if file.execute(kind, (table,)).fetchone() != ("table",):
+                return  # a stranger's view may never end
+            for row in file.execute(f"SELECT {names} FROM {table} ORDER BY {order}"):
+                if hash(row) in seen:
+                    break
+                seen.add(hash(row))
+                yield row
 
 
 def make_tables(file: sqlite3.Connection, kind: Format) -> None:
@@ -172,42 +322,36 @@ def transaction(file: sqlite3.Connection) -> Iterator[None]:
         raise
 
 
-def damage(file: sqlite3.Connection) -> list[str]:
-    """What SQLite finds wrong with a file, a line each."""
+def damage(file: sqlite3.Connection, *, quick: bool = False) -> list[str]:
+    """What SQLite finds wrong with a file, a line each; `quick` looks at its tables alone."""
     try:
-        lines = [str(row[0]) for row in file.execute("PRAGMA integrity_check")]
+        rows = file.execute("PRAGMA quick_check(1)" if quick else "PRAGMA integrity_check")
+        lines = [" ".join(str(row[0]).split()) for row in rows]
     except sqlite3.DatabaseError as error:
         return [str(error)]
     return [] if lines == ["ok"] else lines
-
-
-def readable_rows(file: sqlite3.Connection, table: str, key: str) -> Iterator[tuple[object, ...]]:
-    """The rows of a table that is damaged, from both ends as far as they can be read."""
-    seen = set()
-    for direction in ("", " DESC"):
-        with suppress(sqlite3.DatabaseError):
-            for row in file.execute(f"SELECT {key}, * FROM {table} ORDER BY {key}{direction}"):
-                if row[0] in seen:
-                    break
-                seen.add(row[0])
-                yield row[1:]
 
 
 def _lock_of(path: Path) -> Path:
     return path.with_name(f"{path.name}.lock")
 
 
-def _connected(uri: str) -> sqlite3.Connection:
-    file = sqlite3.connect(uri, uri=True, timeout=30.0, isolation_level=None)
+def connected(path: Path, mode: str, patience: float = _PATIENCE) -> sqlite3.Connection:
+    """A connection that trusts nothing in the file: no function runs because its schema says so."""
+    file = sqlite3.connect(f"{path.absolute().as_uri()}?mode={mode}", uri=True, timeout=patience,
+                           isolation_level=None, check_same_thread=False)  # fmt: skip
     file.execute("PRAGMA trusted_schema = OFF")
     file.execute("PRAGMA cell_size_check = ON")
+    defensive = getattr(sqlite3, "SQLITE_DBCONFIG_DEFENSIVE", None)
+    if defensive is not None:  # from Python 3.12
+        file.setconfig(defensive, True)  # type: ignore[attr-defined,unused-ignore]
     return file
 
 
-def recognise(file: sqlite3.Connection, name: str, kind: Format) -> int:
+def _recognised(file: sqlite3.Connection, name: str, kind: Format) -> int:
     """The version of a file; refused where it is none of ours, newer, or holds more than ours."""
     if file.execute("PRAGMA application_id").fetchone()[0] != kind.application:
-        raise InputError(f"{name} is not {kind.what}; give another file")
+        raise _none_of_ours(name, kind)
     version = int(file.execute("PRAGMA user_version").fetchone()[0])
     if version > kind.version:
         raise InputError(f"{name} was written by a newer surae; update surae to use it")
@@ -241,14 +385,3 @@ def _upgrade(file: sqlite3.Connection, kind: Format, version: int) -> None:
         with transaction(file):
             kind.upgrades[old](file)
             file.execute(f"PRAGMA user_version = {old + 1}")
-
-
-def set_aside(path: Path) -> Path:
-    """Give a file, with what SQLite keeps beside it, another name; nothing is deleted."""
-    number = 1
-    while (aside := path.with_name(f"{path.name}.damaged-{number}")).exists():
-        number += 1
-    for end in ("", *BESIDE[:3]):
-        with suppress(FileNotFoundError):
-            Path(f"{path}{end}").replace(f"{aside}{end}")
-    return aside

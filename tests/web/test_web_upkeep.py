@@ -1,7 +1,10 @@
 """A project copied, checked and mended: what is whole stays, what is not is set aside."""
 
 import os
+import shutil
 import sqlite3
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -109,6 +112,62 @@ def test_a_strangers_triggers_stay_behind(filled) -> None:
     assert told("repair", filled.folder)[0] == 0
     assert upkeep.check(filled.folder).problems == ()
     Project(filled.folder).close()
+
+
+def test_a_strangers_view_in_place_of_a_table_is_not_read(filled) -> None:
+    """It may never end, and what it gives is nobody's."""
+    filled.close()
+    with sqlite3.connect(filled.folder / "project.db") as file:
+        file.execute("ALTER TABLE step RENAME TO other")
+        file.execute(
+            "CREATE VIEW step AS WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM n) "
+            "SELECT x AS id, '' AS session, 0 AS done, '' AS label, '' AS kind, '' AS before, "
+            "'' AS after FROM n"
+        )
+    file.close()
+    assert told("repair", filled.folder)[0] == 0
+    assert upkeep.check(filled.folder).problems == ()
+
+
+def test_a_newer_project_is_not_made_an_older_one(filled) -> None:
+    filled.close()
+    path = filled.folder / "project.db"
+    with sqlite3.connect(path) as file:
+        file.execute("PRAGMA user_version = 99")
+    file.close()
+    before = path.read_bytes()
+    assert "newer surae" in told("repair", filled.folder)[1]
+    assert path.read_bytes() == before
+
+
+def test_a_copy_that_was_killed_is_seen_and_is_no_project(filled, tmp_path) -> None:
+    code = (
+        "import os, signal, sys\nfrom surae.web import upkeep\n"
+        "upkeep.sha256_of = lambda path: os.kill(os.getpid(), signal.SIGKILL)\n"
+        "upkeep.backup(sys.argv[1], sys.argv[2])"
+    )
+    copy = tmp_path / "copy"
+    done = subprocess.run([sys.executable, "-c", code, filled.folder, copy], check=False)
+    assert done.returncode == -9
+    (half,) = (path for path in tmp_path.iterdir() if path != filled.folder)
+    assert half.name == "copy.unfinished"
+    with pytest.raises(InputError, match="but no project"):
+        Project(half)
+    code, said = told("backup", filled.folder, copy)
+    assert code == 2
+    assert "a backup that was stopped has left" in said
+    assert "copy.unfinished; delete that folder" in said
+    shutil.rmtree(half)
+    assert told("backup", filled.folder, copy)[0] == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"p", "copy"}
+    filled.close()
+
+
+def test_a_check_says_how_far_it_is(filled) -> None:
+    seen: list[tuple[int, int]] = []
+    upkeep.check(filled.folder, lambda *far: seen.append(far))
+    assert seen == [(number, 7) for number in range(7)]
+    filled.close()
 
 
 def test_what_can_be_read_of_a_damaged_database_is_kept(filled) -> None:

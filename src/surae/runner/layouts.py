@@ -67,5 +67,7 @@ FORMAT = Format(
     application=0x73726165,  # "srae"
     what="a store of surae",
     tables={1: _FIRST, 2: _TABLES},
+    full="make room on its disk and run the same command again: what is finished is kept",
+    damaged="restore it from a copy, or save what can be read by its `repair` command",
     upgrades={1: _second},
 )

@@ -11,7 +11,7 @@ import platform
 import sqlite3
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, suppress
+from contextlib import AbstractContextManager, closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -81,12 +81,12 @@ class Ledger:
         self._path, self._name = Path(os.path.realpath(path)), shown(path)
         if not write:
             if not self._path.is_file():
-                raise InputError(f"cannot read {self._name}: there is no such file")
-            with told(self._name):
+                raise _missing(self._name)
+            with self._told():
                 self._file = database.open_to_read(self._path, self._name, FORMAT)
             return
         require_writable(path)
-        with told(self._name):
+        with self._told():
             self._lock = database.lock(self._path)
             if self._lock is None:
                 raise _in_use(self._path, self._name)
@@ -118,7 +118,7 @@ class Ledger:
 
     def about(self) -> tuple[str, str, str] | None:
         """What is planned: kind, name and text; None before the first plan."""
-        with told(self._name):
+        with self._told():
             row = self._row("SELECT kind, name, text FROM about")
         return (str(row[0]), str(row[1]), str(row[2])) if row else None
 
@@ -138,7 +138,7 @@ class Ledger:
                 f"{self._name} holds the {held[0]} {held[1]!r}, not {name!r}; give another store, "
                 f"or the {kind} its name"
             )
-        with told(self._name), transaction(self._file):
+        with self._told(), transaction(self._file):
             self._file.execute("DELETE FROM about")
             self._file.execute("DELETE FROM plan")
             self._file.execute("INSERT INTO about VALUES (?, ?, ?)", (kind, name, text))
@@ -209,7 +209,7 @@ class Ledger:
             else (key, json.dumps(value, allow_nan=False), self._reason(value), now)
             for key, value in batch
         ]
-        with told(self._name), transaction(self._file):
+        with self._told(), transaction(self._file):
             if self._row("SELECT max(id) FROM run")[0] != self._run:
                 raise ComputationError(
                     f"{self._name} was taken over by another run, as its .lock was removed; this "
@@ -227,7 +227,7 @@ class Ledger:
 
         It is as it was given, or `Died`.
         """
-        with told(self._name):
+        with self._told():
             rows = self._file.execute(
                 "SELECT label, value, failed FROM plan JOIN result USING (key) ORDER BY row"
             )
@@ -242,7 +242,7 @@ class Ledger:
         held = self.about()
         if held is None:
             raise InputError(f"{self._name} holds {self._NOTHING}")
-        with told(self._name):
+        with self._told():
             rows, calls = self._row("SELECT count(*), count(DISTINCT key) FROM plan")
             here = "FROM result WHERE key IN (SELECT key FROM plan)"
             (done,) = self._row(f"SELECT count(*) {here}")
@@ -272,11 +272,9 @@ class Ledger:
         if target.exists():
             raise InputError(f"{shown(copy)} is there already; give the copy another name")
         part = target.with_name(f".surae-{os.urandom(8).hex()}.part")
-        with told(shown(copy)):
+        with told(shown(copy), FORMAT):
             try:
-                with closing(sqlite3.connect(part, isolation_level=None)) as file:
-                    self._file.backup(file)
-                    file.execute("PRAGMA journal_mode = DELETE")  # one file, and whole
+                database.copy(self._file, part)
                 part.replace(target)
             finally:
                 part.unlink(missing_ok=True)
@@ -286,7 +284,7 @@ class Ledger:
         lines = database.damage(self._file)
         if lines:
             return lines
-        with told(self._name):
+        with self._told():
             lines = [
                 f"the result {str(key)[:12]} is damaged"
                 for key, value, failed in self._file.execute(
@@ -312,32 +310,20 @@ class Ledger:
             It is none of ours, or in use.
         """
         target, name = Path(os.path.realpath(path)), shown(path)
-        part = target.with_name(f".surae-{os.urandom(8).hex()}.part")
-        with told(name):
+        if not target.is_file():
+            raise _missing(name)
+        with told(name, FORMAT):
             lock = database.lock(target)
         if lock is None:
             raise _in_use(target, name)
-        with closing(lock):
-            try:
-                with cls(path) as old, cls(part, write=True) as new:
-                    for table, key in (("about", "rowid"), ("plan", "row"), ("run", "id")):
-                        new._fill(table, database.readable_rows(old._file, table, key))
-                    rows = database.readable_rows(old._file, "result", "key")
-                    saved = new._fill("result", (row for row in rows if old._whole(*row[1:3])))
-                    new._file.execute("PRAGMA journal_mode = DELETE")
-                aside = database.set_aside(target)
-                part.replace(target)
-            finally:
-                for end in ("", *database.BESIDE):
-                    part.with_name(part.name + end).unlink(missing_ok=True)
-        return saved, aside
+        with closing(lock), cls(None) as judge:
+            aside = target.with_name(f"{target.name}.damaged")
+            counts, _, aside = database.rebuild(target, name, FORMAT, aside, judge._wrong)
+        return counts["result"], aside
 
-    def _fill(self, table: str, rows: Iterable[tuple[object, ...]]) -> int:
-        """Put rows into a table of ours that is empty; how many."""
-        with told(self._name), transaction(self._file):
-            columns = len(self._file.execute(f"PRAGMA table_info({table})").fetchall())
-            statement = f"INSERT OR IGNORE INTO {table} VALUES ({', '.join('?' * columns)})"
-            return max(self._file.executemany(statement, rows).rowcount, 0)
+    def _wrong(self, table: str, row: tuple[Any, ...]) -> str:
+        """What is wrong with a row as it is kept."""
+        return "" if table != "result" or self._whole(*row[1:3]) else "damaged"
 
     def _whole(self, value: object, failed: object) -> bool:
         """Whether a result as it is kept can be read."""
@@ -355,9 +341,16 @@ class Ledger:
         """What a result means; it is damaged where that cannot be told."""
         return value
 
+    def _told(self) -> AbstractContextManager[None]:
+        return told(self._name, FORMAT)
+
     def _row(self, query: str, values: Sequence[object] = ()) -> tuple[Any, ...]:
         """The first row of a query; an empty one where there is none."""
         return tuple(self._file.execute(query, values).fetchone() or ())
+
+
+def _missing(name: str) -> InputError:
+    return InputError(f"cannot read {name}: there is no such file")
 
 
 def _in_use(path: Path, name: str) -> InputError:

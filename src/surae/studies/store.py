@@ -4,7 +4,6 @@ import hashlib
 from collections.abc import Iterator
 from typing import Any
 
-from surae.database import told
 from surae.errors import InputError
 from surae.files import PathLike, csv_row, write_table
 from surae.model import MODELS
@@ -44,7 +43,7 @@ class Store(Ledger):
     def forget_failed(self) -> int:
         """Drop the outcomes of tasks that gave no fit, so that they run again; how many."""
         without = "failed IS NOT NULL AND json_extract(value, '$.vaf') IS NULL"
-        with told(self._name):
+        with self._told():
             return self._file.execute(f"DELETE FROM result WHERE {without}").rowcount
 
     def text(self) -> str:

@@ -14,6 +14,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 
 from surae._version import __version__
+from surae.database import UnavailableError
 from surae.errors import InputError, SuraeError
 from surae.processes import FULL, NO_ROOM, one_line, where
 from surae.web.fits import keep_comparison, keep_designs, keep_fit, keep_profile, keep_study
@@ -122,9 +123,9 @@ def _answer(request: Request, status: int, text: str, headers: Any = None) -> Re
 
 
 async def _surae_error(request: Request, error: Exception) -> Response:
-    status = error.status if isinstance(error, RefusedError) else 422
-    if isinstance(error, InputError) and not isinstance(error, RefusedError):
-        status = 400
+    status = 503 if isinstance(error, UnavailableError) else 422
+    if isinstance(error, InputError):
+        status = error.status if isinstance(error, RefusedError) else 400
     return _answer(request, status, request.app.state.workbench.project.hidden(one_line(error)))
 
 

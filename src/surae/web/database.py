@@ -15,8 +15,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from surae.database import Format, make_tables, recognise, transaction
-from surae.errors import ComputationError, InputError
+from surae.database import Format, damage, open_to_read, open_to_write, told, transaction
+from surae.errors import ComputationError
 from surae.files import shown
 from surae.processes import NO_ROOM
 from surae.web.http_errors import RefusedError
@@ -46,7 +46,13 @@ CREATE INDEX step_session ON step (session, id);
 """
 
 #: The file of a project; "srwb" as a number is SQLite's mark of it.
-FORMAT = Format(0x73727762, "a surae project", {1: _TABLES})
+FORMAT = Format(
+    0x73727762,
+    "a surae project",
+    {1: _TABLES},
+    NO_ROOM,
+    "recordings and fits beside it are whole: `surae project repair`, or restore a backup",
+)
 #: The state of a job whose row can be read.
 _STATE = "CASE WHEN json_valid(data) THEN json_extract(data, '$.state') END"
 
@@ -73,24 +79,14 @@ class Database:
         self._name, self._still_ours = shown(path), still_ours
         self._writing, self._reading = threading.RLock(), threading.Lock()
         self._writer = threading.local()
-        with sqlite_errors(self._name):
-            self._file = connected(path)
+        with told(self._name, FORMAT):
+            self._file = open_to_write(path, self._name, FORMAT, _PATIENCE)
             try:
-                self._prepare()
-                self._reader = connected(path)
-                self._reader.execute("PRAGMA query_only = ON")
+                refuse_damage(self._file, self._name)
+                self._reader = open_to_read(path, self._name, FORMAT, _PATIENCE)
             except BaseException:
                 self._file.close()
                 raise
-
-    def _prepare(self) -> None:
-        """Recognise the file before anything of it is changed; make its tables where it is new."""
-        known = recognised(self._file, self._name)
-        self._file.execute("PRAGMA journal_mode = WAL")
-        self._file.execute("PRAGMA synchronous = FULL")
-        self._file.execute("PRAGMA fullfsync = ON")  # macOS: to the disk, not to its cache
-        if not known:
-            make_tables(self._file, FORMAT)
 
     def close(self) -> None:
         """Let go of the file."""
@@ -101,7 +97,7 @@ class Database:
     @contextmanager
     def transaction(self) -> Iterator[None]:
         """All of what is written within, or nothing; others wait."""
-        with self._writing, sqlite_errors(self._name):
+        with self._writing, told(self._name, FORMAT):
             if self._file.in_transaction:
                 yield
                 return
@@ -116,7 +112,7 @@ class Database:
     def rows(self, query: str, *values: object) -> list[tuple[Any, ...]]:
         """All rows of a query; within a transaction, as it sees them."""
         inside = getattr(self._writer, "here", False)
-        with self._writing if inside else self._reading, sqlite_errors(self._name):
+        with self._writing if inside else self._reading, told(self._name, FORMAT):
             file = self._file if inside else self._reader
             return file.execute(query, values).fetchall()
 
@@ -206,59 +202,10 @@ class Database:
         )
 
 
-def connected(path: Path, mode: str = "rw") -> sqlite3.Connection:
-    """A connection that trusts nothing in the file: no function runs because its schema says so."""
-    file = sqlite3.connect(
-        f"{path.absolute().as_uri()}?mode={mode}",
-        uri=True,
-        timeout=_PATIENCE,
-        isolation_level=None,
-        check_same_thread=False,
-    )
-    file.execute("PRAGMA trusted_schema = OFF")
-    file.execute("PRAGMA cell_size_check = ON")
-    defensive = getattr(sqlite3, "SQLITE_DBCONFIG_DEFENSIVE", None)
-    if defensive is not None:  # from Python 3.12
-        file.setconfig(defensive, True)  # type: ignore[attr-defined,unused-ignore]
-    return file
-
-
-def recognised(file: sqlite3.Connection, name: str) -> bool:
-    """Whether a file has content, which is a project's, whole, and nothing else.
-
-    Somebody else's file, a newer surae's, and one that holds what we did not put there, is refused.
-    """
-    (application,) = file.execute("PRAGMA application_id").fetchone()
-    (known,) = file.execute("SELECT count(*) FROM sqlite_master").fetchone()
-    if not known and not application:
-        return False
-    recognise(file, name, FORMAT)
-    (verdict,) = file.execute("PRAGMA quick_check(1)").fetchone()
-    if verdict != "ok":
-        raise ComputationError(f"{name} is damaged: {' '.join(str(verdict).split())}{_ADVICE}")
-    return True
-
-
-_ADVICE = "; recordings and fits beside it are whole: `surae project repair`, or restore a backup"
-
-
-@contextmanager
-def sqlite_errors(name: str) -> Iterator[None]:
-    """SQLite's errors in words, `name` being the file's."""
-    try:
-        yield
-    except sqlite3.Error as error:
-        code = getattr(error, "sqlite_errorcode", 0) & 0xFF
-        if code == sqlite3.SQLITE_FULL:
-            raise RefusedError(503, NO_ROOM) from error
-        if code == sqlite3.SQLITE_NOTADB:
-            raise InputError(f"{name} is no surae project; give another folder") from error
-        if code in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
-            raise RefusedError(
-                503, f"another program holds {name}; close it there and try again: nothing is lost"
-            ) from error
-        advice = _ADVICE if code == sqlite3.SQLITE_CORRUPT else ""
-        raise ComputationError(f"{name}: {error}{advice}") from error
+def refuse_damage(file: sqlite3.Connection, name: str) -> None:
+    """Refuse a file whose tables SQLite finds damaged."""
+    for line in damage(file, quick=True):
+        raise ComputationError(f"{name} is damaged: {line}; {FORMAT.damaged}")
 
 
 def new_id() -> str:

@@ -246,7 +246,7 @@ class Jobs:
             message = self._project.hidden(str(end.value.get("message", "")))
             try:
                 result = self._kinds[job["kind"]].finish(job, end.value)
-            except RefusedError as refusal:  # what it was about is gone
+            except SuraeError as refusal:  # what it was about is gone, or the disk is full
                 state, message = "failed", str(refusal)
             if end.value.get("interrupted"):
                 state = "cancelled"

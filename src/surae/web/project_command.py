@@ -1,7 +1,10 @@
 """`surae project`."""
 
+from functools import partial
+
 import click
 
+from surae.cli.progress import work
 from surae.errors import ComputationError
 
 _FOLDER = click.argument("folder", metavar="DIR")
@@ -23,7 +26,9 @@ def backup(folder: str, to: str) -> None:
     """
     from surae.web import upkeep
 
-    seen = upkeep.backup(folder, to)
+    with work() as progress:
+        progress.describe(f"copying {folder}")
+        seen = upkeep.backup(folder, to, partial(progress.parts, "entries checked"))
     click.echo(f"{to}: {seen.things} entries and {seen.files} files, all as they were kept")
 
 
@@ -37,7 +42,8 @@ def check(folder: str) -> None:
     """
     from surae.web import upkeep
 
-    seen = upkeep.check(folder)
+    with work() as progress:
+        seen = upkeep.check(folder, partial(progress.parts, "entries"))
     for line in seen.problems:
         click.echo(f"wrong: {line}")
     for name in seen.orphans:

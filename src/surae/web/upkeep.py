@@ -3,15 +3,16 @@
 import os
 import shutil
 import sqlite3
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from surae.database import lock, make_tables
+from surae.database import connected, copy, lock, open_to_read, rebuild, told
 from surae.errors import ComputationError, InputError, SuraeError
 from surae.files import PathLike, sha256_of, shown, write_json
-from surae.web.database import FORMAT, connected, recognised, sqlite_errors
+from surae.progress import Progress
+from surae.web.database import FORMAT, refuse_damage
 from surae.web.places import (
     DATABASE,
     FILES,
@@ -23,14 +24,10 @@ from surae.web.places import (
     uploads_of,
 )
 from surae.web.project import Project
-from surae.web.rows import ID, KINDS, Thing, thing
+from surae.web.rows import KINDS, Thing, thing
 
-#: Columns of the tables; a row is copied where each is of its kind.
-_TABLES = {
-    "thing": ("id", "kind", "created", "deleted", "data"),
-    "session": ("key", "csrf", "draft", "revision", "seen"),
-    "step": ("id", "session", "done", "label", "kind", "before", "after"),
-}
+#: What the database of a copy is called until the copy is whole.
+_UNFINISHED = f"{DATABASE}.unfinished"
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,23 +42,20 @@ class Checked:
     unsealed: tuple[str, ...]  #: Files of things whose checksum an older surae did not keep.
 
 
-def check(folder: PathLike) -> Checked:
-    """Compare a project's database with itself and with the files, also while it is in use."""
+def check(folder: PathLike, progress: Progress | None = None) -> Checked:
+    """Compare a project's database with itself and with the files, also while it is in use.
+
+    `progress` is called with how many things have been looked at, and how many there are.
+    """
     root = _project(folder)
-    file = None
     try:
-        with sqlite_errors(DATABASE):
-            file = connected(root / DATABASE, "ro")
-            recognised(file, DATABASE)
-        return _checked(root, file)
+        with _opened(root) as file:
+            return _checked(root, file, progress)
     except SuraeError as error:
         return Checked(0, 0, (str(error),), (), ())
-    finally:
-        if file is not None:
-            file.close()
 
 
-def backup(folder: PathLike, to: PathLike) -> Checked:
+def backup(folder: PathLike, to: PathLike, progress: Progress | None = None) -> Checked:
     """Copy a project to a new folder, also while it is in use; what the copy's check has seen.
 
     The database is copied as it is at one instant, then every file that it names: files are whole
@@ -75,22 +69,28 @@ def backup(folder: PathLike, to: PathLike) -> Checked:
         raise InputError(f"{cannot}: it exists; give a folder that does not")
     if root in target.parents:
         raise InputError(f"{cannot}: it lies in the project; give a folder elsewhere")
-    part = target.with_name(f".{target.name}-{os.urandom(4).hex()}.part")
+    part = target.with_name(f"{target.name}.unfinished")
+    if part.exists():
+        raise InputError(
+            f"{cannot}: a backup that was stopped has left {shown(part)}; delete that folder, or "
+            "give another name"
+        )
     try:
         part.mkdir(mode=0o700, parents=True)
-        with sqlite_errors(DATABASE), closing(connected(root / DATABASE, "ro")) as source:
-            recognised(source, DATABASE)
-            with closing(sqlite3.connect(part / DATABASE)) as copy:
-                source.backup(copy)
-        (part / DATABASE).chmod(0o600)
+        # Until it is whole its database has another name: half a copy is no project.
+        with _opened(root) as source:
+            copy(source, part / _UNFINISHED)
+        (part / _UNFINISHED).chmod(0o600)
         for name in FOLDERS:
             (part / name).mkdir(mode=0o700)
             _copy(root / name, part / name)
-        seen = check(part)
+        with _opened(part, _UNFINISHED) as file:
+            seen = _checked(part, file, progress)
         if seen.problems:
             raise ComputationError(
                 f"{cannot}: {seen.problems[0]}; `surae project check` tells more"
             )
+        (part / _UNFINISHED).replace(part / DATABASE)
         part.replace(target)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
@@ -134,17 +134,26 @@ def _project(folder: PathLike) -> Path:
     return root
 
 
-def _checked(root: Path, file: sqlite3.Connection) -> Checked:
+@contextmanager
+def _opened(root: Path, name: str = DATABASE) -> Iterator[sqlite3.Connection]:
+    """The database of a project, to read, if its tables are whole."""
+    with told(DATABASE, FORMAT), closing(open_to_read(root / name, DATABASE, FORMAT)) as file:
+        refuse_damage(file, DATABASE)
+        yield file
+
+
+def _checked(root: Path, file: sqlite3.Connection, progress: Progress | None) -> Checked:
     """What a check sees of a database that can be read."""
     problems, unsealed, known = list[str](), list[str](), set[Path]()
-    things = whole = 0
-    with sqlite_errors(DATABASE):
+    whole, there = 0, _files_of(root)
+    with told(DATABASE, FORMAT):
         rows = file.execute("SELECT kind, id, created, data, deleted FROM thing").fetchall()
-    for kind, id_, created, text, deleted in rows:
-        things += 1
+    for number, (kind, id_, created, text, deleted) in enumerate(rows):
+        if progress is not None:
+            progress(number, len(rows))
         name = f"{shown(str(kind))[:20]} {shown(str(id_))[:40]}"
-        if isinstance(id_, str) and ID.fullmatch(id_) and kind in FILES:
-            known |= set((root / FILES[kind][0]).glob(f"{id_}.*"))
+        if kind in FILES:
+            known.update(there.get((FILES[kind][0], id_), ()))
         if kind not in KINDS:
             continue
         try:
@@ -166,14 +175,19 @@ def _checked(root: Path, file: sqlite3.Connection) -> Checked:
                 problems.append(f"{name}: {place} is not as it was kept (SHA-256)")
             else:
                 whole += 1
-    orphans = sorted(
-        str(path.relative_to(root))
-        for name in FOLDERS
-        if name != "trash"
-        for path in (root / name).rglob("*")
-        if path.is_file() and path not in known
-    )
-    return Checked(things, whole, tuple(problems), tuple(orphans), tuple(unsealed))
+    orphans = (path for paths in there.values() for path in paths if path not in known)
+    orphaned = tuple(sorted(str(path.relative_to(root)) for path in orphans))
+    return Checked(len(rows), whole, tuple(problems), orphaned, tuple(unsealed))
+
+
+def _files_of(root: Path) -> dict[tuple[str, object], list[Path]]:
+    """All files but the trash's, by folder and the id that their names begin with."""
+    there: dict[tuple[str, object], list[Path]] = {}
+    for name in FOLDERS:
+        for path in (root / name).rglob("*") if name != "trash" else ():
+            if path.is_file():
+                there.setdefault((name, path.name.partition(".")[0]), []).append(path)
+    return there
 
 
 def _paths(root: Path, kind: str, row: Thing) -> Iterator[tuple[Path, str | None]]:
@@ -194,8 +208,8 @@ def _copy(source: Path, target: Path) -> None:
         if path.is_dir():
             place.mkdir(mode=0o700, parents=True, exist_ok=True)
         elif path.suffix == ".db" and source.name == "studies":
-            with closing(connected(path, "ro")) as study, closing(sqlite3.connect(place)) as copy:
-                study.backup(copy)
+            with closing(connected(path, "ro")) as study:
+                copy(study, place)
         elif path.name.endswith((".db-wal", ".db-shm", ".db.lock", ".part")):
             continue
         else:
@@ -216,64 +230,25 @@ def _alone(root: Path) -> Iterator[None]:
 
 def _rebuilt(root: Path) -> list[str]:
     """Read whatever can be read of a database into a new one; the old one goes to the trash."""
-    fresh, bad = root / f"{DATABASE}.new", list[dict[str, str]]()
-    fresh.unlink(missing_ok=True)
-    with closing(sqlite3.connect(fresh, isolation_level=None)) as new:
-        fresh.chmod(0o600)
-        make_tables(new, FORMAT)
-        counts = {name: _rows_into(root / DATABASE, new, name, bad.append) for name in _TABLES}
-    if not any(counts.values()):
-        fresh.unlink()
-        raise ComputationError(
-            f"nothing of {DATABASE} can be read any more; restore a backup: recordings and fits "
-            "beside it are untouched"
-        )
     (root / "trash").mkdir(mode=0o700, exist_ok=True)
-    with suppress(sqlite3.Error), closing(connected(root / DATABASE)) as file:
-        file.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-    old = _aside(root, root / DATABASE)
-    for end in ("-wal", "-shm"):
-        if (root / f"{DATABASE}{end}").exists():
-            (root / f"{DATABASE}{end}").replace(root / "trash" / f"{old}{end}")
-    fresh.replace(root / DATABASE)
-    lines = [f"{counts['thing']} things read into a new database; the old one is trash/{old}"]
+    counts, bad, old = rebuild(root / DATABASE, DATABASE, FORMAT, root / "trash" / DATABASE, _wrong)
+    lines = [f"{counts['thing']} things read into a new database; the old one is trash/{old.name}"]
     if bad:
-        write_json(root / "trash" / f"{old}-rows.json", {"rows": bad})
-        lines.append(f"{len(bad)} damaged rows set aside in trash/{old}-rows.json")
+        rows = [{"problem": problem, "row": [repr(cell) for cell in row]} for problem, row in bad]
+        write_json(old.with_name(f"{old.name}-rows.json"), {"rows": rows})
+        lines.append(f"{len(bad)} damaged rows set aside in trash/{old.name}-rows.json")
     return lines
 
 
-def _aside(root: Path, path: Path) -> str:
-    number = 1
-    while (root / "trash" / f"{path.name}-{number}").exists():
-        number += 1
-    name = f"{path.name}-{number}"
-    shutil.copy2(path, root / "trash" / name)
-    return name
-
-
-def _rows_into(
-    path: Path, new: sqlite3.Connection, table: str, refuse: Callable[[dict[str, str]], None]
-) -> int:
-    """Copy the good rows of a table, as far as it can be read; how many."""
-    names, count = _TABLES[table], 0
-    marks = ", ".join("?" * len(names))
-    with suppress(sqlite3.Error), closing(connected(path, "ro")) as old:
-        for row in old.execute(f"SELECT {', '.join(names)} FROM {table}"):
-            values = dict(zip(names, row, strict=True))
-            if table == "thing" and values["kind"] in KINDS:
-                try:
-                    thing(values["kind"], values["id"], values["created"], values["data"])
-                except ValueError as error:
-                    refuse({"problem": str(error), **{k: repr(v) for k, v in values.items()}})
-                    continue
-            try:
-                new.execute(f"INSERT INTO {table} VALUES ({marks})", row)
-            except sqlite3.Error as error:
-                refuse({"problem": str(error), **{k: repr(v) for k, v in values.items()}})
-                continue
-            count += 1
-    return count
+def _wrong(table: str, row: tuple[object, ...]) -> str:
+    """What is wrong with a row as it is kept."""
+    id_, kind, created, _, data = (*row, None, None)[:5]
+    if table == "thing" and kind in KINDS:
+        try:
+            thing(str(kind), id_, created, data)
+        except ValueError as error:
+            return str(error)
+    return ""
 
 
 def _sealed(project: Project, kind: str, row: Thing) -> Iterator[str]:
