@@ -20,7 +20,7 @@ class Text(NamedTuple):
     fr: str
 
 
-class Look(NamedTuple):
+class Fill(NamedTuple):
     """How a source is drawn: a colour of the palette and a hatch; together they are its own."""
 
     colour: Literal["surface", "measured", "ink", "series-1", "series-2", "series-3", "series-6"]
@@ -52,14 +52,14 @@ class Nuisance:
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class UncertaintySource:
     """One source of uncertainty."""
 
     name: str  #: In FIT.json.
     label: str  #: What reports and the workbench call it.
     meaning: str  #: What it is.
     remedy: Text  #: What would make it smaller, a sentence.
-    look: Look
+    look: Fill
     nuisance: Nuisance | None = None  #: None where nothing is estimated for it.
     leg: tuple[str, ...] = ()  #: Parameters of the leg whose ignorance is this source, too.
     fresh: bool = False  #: Whether another trial has it anew, though no nuisance stands for it.
@@ -78,7 +78,7 @@ class Source:
 
 
 _SOURCES = (
-    Source(
+    UncertaintySource(
         "noise", "noise of the torque", "what scatters in the torque without a pattern",
         Text(
             "Measure longer, or with more movement and effort.",
@@ -86,9 +86,9 @@ _SOURCES = (
             "Länger messen, oder mit mehr Bewegung und Anstrengung.",
             "Mesurer plus longtemps, ou avec plus de mouvement et d’effort.",
         ),
-        Look("measured"),
+        Fill("measured"),
     ),
-    Source(
+    UncertaintySource(
         "emg_noise", "noise of the EMG", "scatter of the EMG’s envelope",
         Text(
             "Improve the contact of the electrodes, or ask for more effort.",
@@ -96,9 +96,9 @@ _SOURCES = (
             "Den Kontakt der Elektroden verbessern, oder mehr Anstrengung verlangen.",
             "Améliorer le contact des électrodes, ou demander plus d’effort.",
         ),
-        Look("surface", "x"), fresh=True,
+        Fill("surface", "x"), fresh=True,
     ),
-    Source(
+    UncertaintySource(
         "emg_bias", "bias by noise of the EMG", "by how much noise of the EMG shifts a value",
         Text(
             "Improve the contact of the electrodes, or ask for more effort.",
@@ -106,9 +106,9 @@ _SOURCES = (
             "Den Kontakt der Elektroden verbessern, oder mehr Anstrengung verlangen.",
             "Améliorer le contact des électrodes, ou demander plus d’effort.",
         ),
-        Look("measured", "x"),
+        Fill("measured", "x"),
     ),
-    Source(
+    UncertaintySource(
         "zero", "torque zero", "what the sensor shows without torque",
         Text(
             "Measure the zero of the torque sensor.",
@@ -116,13 +116,13 @@ _SOURCES = (
             "Den Nullpunkt des Momentsensors messen.",
             "Mesurer le zéro du capteur de moment.",
         ),
-        Look("ink"),
+        Fill("ink"),
         Nuisance(
             "zero", OPTIONAL["torque_zero"], Belief(0.0, 10.0), "Nm",
             "a dynamometer’s zero was off by 12 to 19 Nm with a foot strapped in", anew="trial",
         ),
     ),
-    Source(
+    UncertaintySource(
         "delay", "delay", "from the EMG to the force",
         Text(
             "Measure the delay from EMG to torque with a twitch.",
@@ -130,13 +130,13 @@ _SOURCES = (
             "Die Verzögerung von EMG zu Moment mit einer Einzelzuckung messen.",
             "Mesurer le délai de l’EMG au moment par une secousse.",
         ),
-        Look("surface", "/"),
+        Fill("surface", "/"),
         Nuisance(
             "delay", OPTIONAL["emd"], Belief(0.03, 0.03), "s",
             "20 to 100 ms from EMG to force (Cavanagh and Komi 1979)", of_leg=True,
         ),
     ),
-    Source(
+    UncertaintySource(
         "crosstalk", "crosstalk", "part of another muscle’s EMG that an electrode picks up",
         Text(
             "Test the electrodes muscle by muscle.",
@@ -144,13 +144,13 @@ _SOURCES = (
             "Die Elektroden Muskel für Muskel prüfen.",
             "Vérifier les électrodes muscle par muscle.",
         ),
-        Look("series-1"),
+        Fill("series-1"),
         Nuisance(
             "crosstalk", OPTIONAL["crosstalk"], Belief(0.04, 0.03), "",
             "3 to 10 % of a neighbour’s rectified EMG (De Luca and Merletti 1988)", anew="mounting",
         ),
     ),
-    Source(
+    UncertaintySource(
         "axis", "axis", "how far the ankle’s axis lies from the device’s",
         Text(
             "Align the ankle’s axis with the device’s, or measure their distance.",
@@ -158,13 +158,13 @@ _SOURCES = (
             "Die Achse des Gelenks an der des Geräts ausrichten, oder ihren Abstand messen.",
             "Aligner l’axe de la cheville sur celui de l’appareil, ou mesurer leur distance.",
         ),
-        Look("surface", "|"),
+        Fill("surface", "|"),
         Nuisance(
             "axis", OPTIONAL["axis"], Belief(0.0, 0.01), "m",
             "torques 5 to 9 % off (Arampatzis et al. 2007)", anew="mounting",
         ),
     ),
-    Source(
+    UncertaintySource(
         "emg_gain", "drift of the EMG", "change of an electrode’s gain within the trial",
         Text(
             "Keep the electrodes’ gain steady, or measure it before and after.",
@@ -172,13 +172,13 @@ _SOURCES = (
             "Die Verstärkung der Elektroden konstant halten, oder vorher und nachher messen.",
             "Maintenir constant le gain des électrodes, ou le mesurer avant et après.",
         ),
-        Look("surface", "-"),
+        Fill("surface", "-"),
         Nuisance(
             "drift", OPTIONAL["emg_drift"], Belief(0.0, 0.1), "",
             "skin and gel warm within a trial; the size is assumed", anew="trial",
         ),
     ),
-    Source(
+    UncertaintySource(
         "emg_rest", "EMG at rest", "what an electrode shows of a muscle that rests",
         Text(
             "Record all muscles at rest.",
@@ -186,14 +186,14 @@ _SOURCES = (
             "Alle Muskeln in Ruhe aufzeichnen.",
             "Enregistrer tous les muscles au repos.",
         ),
-        Look("series-1", "-"),
+        Fill("series-1", "-"),
         Nuisance(
             "rest", OPTIONAL["emg_rest"], Belief(0.0, 1.0), "of the level at rest",
             "the level that the electrode shows at its quietest: an envelope is never below zero, "
             "so that noise alone lifts it", anew="trial",
         ),
     ),
-    Source(
+    UncertaintySource(
         "emg_shape", "EMG curve", "bend from EMG to activation; 0 is a straight line",
         Text(
             "Measure several levels of effort.",
@@ -201,13 +201,13 @@ _SOURCES = (
             "Mehrere Anstrengungsstufen messen.",
             "Mesurer plusieurs niveaux d’effort.",
         ),
-        Look("surface", "."),
+        Fill("surface", "."),
         Nuisance(
             "shape", OPTIONAL["emg_shape"], Belief(-0.5, 1.0), "",
             "between −3 and 0 (Lloyd and Besier 2003)",
         ),
     ),
-    Source(
+    UncertaintySource(
         "tendon", "tendons", "how far they stretch, and where their force curve becomes straight",
         Text(
             "Measure the tendon’s strain by ultrasound.",
@@ -215,14 +215,14 @@ _SOURCES = (
             "Die Dehnung der Sehne mit Ultraschall messen.",
             "Mesurer l’allongement du tendon par échographie.",
         ),
-        Look("surface", "\\"),
+        Fill("surface", "\\"),
         Nuisance(
             "toe", ("pt_tri", "pt_tib"), Belief(0.3, 0.1, off=0.3), "",
             "Table 2 of the thesis, after Thelen (2003); the spread is assumed", of_leg=True,
         ),
         leg=("dlt_tri", "dlt_tib"),
     ),
-    Source(
+    UncertaintySource(
         "model", "choice of the model", "how far apart models are that the data support",
         Text(
             "Measure another movement, wider or faster, which tells the models apart.",
@@ -230,9 +230,9 @@ _SOURCES = (
             "Eine andere Bewegung messen, weiter oder schneller, die die Modelle unterscheidet.",
             "Mesurer un autre mouvement, plus ample ou plus rapide, qui distingue les modèles.",
         ),
-        Look("series-3"),
+        Fill("series-3"),
     ),
-    Source(
+    UncertaintySource(
         "left_out", "what the model leaves out", "what the torque shows and no model has",
         Text(
             "Record trials with other movements and efforts.",
@@ -240,9 +240,9 @@ _SOURCES = (
             "Auch andere Bewegungen und Anstrengungen aufzeichnen.",
             "Enregistrer aussi d’autres mouvements et d’autres efforts.",
         ),
-        Look("series-3", "|"), knowable=False,
+        Fill("series-3", "|"), knowable=False,
     ),
-    Source(
+    UncertaintySource(
         "unheard", "muscles without EMG", "what muscles do that no electrode records",
         Text(
             "Record the EMG of all four muscles.",
@@ -250,9 +250,9 @@ _SOURCES = (
             "Das EMG aller vier Muskeln aufzeichnen.",
             "Enregistrer l’EMG des quatre muscles.",
         ),
-        Look("series-2", "\\"),
+        Fill("series-2", "\\"),
     ),
-    Source(
+    UncertaintySource(
         "trials", "differences between trials", "by how much trials of this leg disagree",
         Text(
             "Record more trials of the same kind.",
@@ -260,9 +260,9 @@ _SOURCES = (
             "Mehr Versuche derselben Art aufzeichnen.",
             "Enregistrer plus d’essais du même type.",
         ),
-        Look("series-6"), fresh=True, knowable=False,
+        Fill("series-6"), fresh=True, knowable=False,
     ),
-    Source(
+    UncertaintySource(
         "integration", "integration", "error of the integrator’s steps",
         Text(
             "Sample at a higher rate.",
@@ -270,7 +270,7 @@ _SOURCES = (
             "Mit höherer Abtastrate messen.",
             "Échantillonner à une fréquence plus élevée.",
         ),
-        Look("surface", "+"),
+        Fill("surface", "+"),
     ),
 )  # fmt: skip
 #: All of them by name, in the order in which they are shown.
@@ -282,6 +282,6 @@ FRESH = tuple(source.name for source in _SOURCES if source.fresh)
 _BY_PARAMETER = {name: source for source in _SOURCES for name in source.parameters}
 
 
-def source_of(parameter: str) -> Source | None:
+def source_of(parameter: str) -> UncertaintySource | None:
     """The source that a parameter is of; None for one of the leg that is its own."""
     return _BY_PARAMETER.get(parameter)

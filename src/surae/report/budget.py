@@ -8,7 +8,7 @@ from surae.assessment.adequacy import Grade
 from surae.assessment.parameter import percent
 from surae.assessment.uncertainty.budget import budgets
 from surae.estimation import FitResult
-from surae.model.sources import SOURCES, Look
+from surae.model.sources import SOURCES, Fill
 from surae.report.document import (
     Block,
     ListBlock,
@@ -98,7 +98,7 @@ def budget_section(result: FitResult, assessment: Assessment) -> BudgetSection:
 _LINES = {"/": (135,), "\\": (45,), "x": (45, 135), "-": (0,), "|": (90,), "+": (0, 90)}
 
 
-def css(look: Look) -> str:
+def css(look: Fill) -> str:
     """A source's look as a CSS background, of the workbench's palette."""
     lines = [
         f"repeating-linear-gradient({angle}deg, var(--ink) 0 1px, transparent 1px 5px)"
