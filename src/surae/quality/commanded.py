@@ -215,6 +215,8 @@ def _chirp(residual: FloatArray, seconds: FloatArray) -> FloatArray | None:
     spectrum = np.abs(np.fft.rfft(even, 2 * len(even)))
     resolution = 1.0 / (2 * len(even) * float(u[1]))
     lowest = int(np.ceil(_SLOWEST / resolution))
+    if lowest >= len(spectrum):  # so long that even the slowest chirp would leave the axis
+        return None
     top = int(np.argmax(spectrum[lowest:])) + lowest
     if 2.0 * float(spectrum[top] ** 2) < _CHIRP_SHARE * float(even @ even) * len(even) * 0.5:
         return None

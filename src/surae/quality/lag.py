@@ -3,7 +3,7 @@
 import numpy as np
 
 from surae.quality.finding import Finding, Skipped, muscle_name
-from surae.quality.numeric import shifted_correlations, smooth
+from surae.quality.numeric import correlation, shifted, smooth
 from surae.quality.torque_model import LONGEST, TorqueModel
 from surae.quality.trial import CheckedTrial
 
@@ -92,7 +92,7 @@ def _lag(trial: CheckedTrial, muscle: str) -> float | None:
     together = smooth(np.mean([o / max(float(o.max()), 1e-300) for o in others], axis=0), width)
     together, rate = together[::_STEP], trial.rate_hz / _STEP
     lags = np.arange(-round(0.6 * rate), round(0.6 * rate) + 1)
-    alike = shifted_correlations(mine, together, -lags)
+    alike = [correlation(shifted(mine, -lag), together) for lag in lags.tolist()]
     best = int(np.argmax(alike))
     return float(lags[best]) / rate if alike[best] > _ALIKE else None
 

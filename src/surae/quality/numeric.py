@@ -72,19 +72,6 @@ def equal_runs(values: FloatArray) -> tuple[IndexArray, IndexArray]:
     return first, np.diff(np.concatenate([first, [len(values)]]))
 
 
-def shifted_correlations(a: FloatArray, b: FloatArray, lags: IndexArray) -> FloatArray:
-    """Correlation of `b` with `a` delayed by each of `lags` samples, its end values repeated."""
-    n, most = len(a), int(np.abs(lags).max())
-    padded = np.concatenate([np.full(most, a[0]), a, np.full(most, a[-1])])
-    moved = np.lib.stride_tricks.sliding_window_view(padded - a.mean(), n)[most - lags]
-    centred = b - b.mean()
-    power = (moved**2).sum(axis=1) - moved.sum(axis=1) ** 2 / n
-    scale = np.sqrt(np.maximum(power, 0.0) * float(centred @ centred))
-    alike: FloatArray = np.zeros(len(lags))
-    np.divide(moved @ centred, scale, out=alike, where=scale > 0.0)
-    return alike
-
-
 def correlation(a: FloatArray, b: FloatArray) -> float:
     """Pearson's correlation; 0 where one of the two is constant."""
     a, b = a - a.mean(), b - b.mean()

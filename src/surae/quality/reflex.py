@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.quality.finding import Finding, Skipped
-from surae.quality.numeric import BoolArray, quantile, shifted, smooth
+from surae.quality.numeric import BoolArray, correlation, quantile, shifted, smooth
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES
 from surae.units import FloatArray
@@ -108,10 +108,7 @@ def _proportional(
             mine = mine - max(float(tibialis @ mine) / power, 0.0) * tibialis
     fast = np.maximum(stretch - 0.1, 0.0)
     lags = np.arange(-round(0.2 * trial.rate_hz), round(0.4 * trial.rate_hz) + 1)
-    late = np.array([shifted(fast, int(k))[resting] for k in lags])
-    late -= late.mean(axis=1)[:, None]
-    scale = np.sqrt((late**2).sum(axis=1)) * float(np.sqrt(((mine - mine.mean()) ** 2).sum()))
-    alike = np.divide(late @ mine, scale, out=np.zeros(len(lags)), where=scale > 0.0)
+    alike = [correlation(shifted(fast, lag)[resting], mine) for lag in lags.tolist()]
     best = int(np.argmax(alike))
     delay = float(lags[best]) / trial.rate_hz
     if alike[best] < ALIKE or not EARLIEST - 0.006 <= delay <= LATEST + 0.006:

@@ -20,8 +20,8 @@ _F0 = 2.0
 SHORTEST = 10.0
 #: Comparison rate [Hz].
 _RATE = 25.0
-#: Lags that are tried [s].
-LONGEST, _STEP = 0.6, 0.06
+#: Lags that are tried [s], and the most instants at which they are: seven minutes show a lag.
+LONGEST, _STEP, _MOST = 0.6, 0.06, 10_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,8 +126,13 @@ def torque_model(
     lags = np.arange(-LONGEST, LONGEST + 1e-9, _STEP)
     # EMG that is late by a lag is in time again when it is advanced by it.
     at = np.clip(keep + np.round(lags * rate).astype(np.intp)[:, None], 0, len(time) - 1)
-    moved = {n: np.array([smooth(c, width)[at] for c in columns]) for n, columns in tables.items()}
-    lagging = _Lagging(passive, moved, y)
+    smoothed = {n: np.array([smooth(c, width) for c in columns]) for n, columns in tables.items()}
+    some = slice(None, None, -(-len(keep) // _MOST))
+    lagging = _Lagging(
+        [column[some] for column in passive],
+        {name: columns[:, at[:, some]] for name, columns in smoothed.items()},
+        y[some],
+    )
     every = np.arange(len(lags))
     together = lagging.left(dict.fromkeys(groups, every))
     best = int(np.argmin(together))
@@ -137,19 +142,21 @@ def torque_model(
             others = {other: np.full(len(lags), best) for other in groups if other != name}
             alone_at = lagging.left({name: every, **others})
             group_lag[name] = _vertex(lags, alone_at)
-            least = float(alone_at.min())
-            group_gain[name] = float(together[best]) / least - 1.0 if least > 0.0 else 0.0
-    columns = [*passive, *(c for name in groups for c in moved[name][:, best])]
+            own = float(alone_at.min())
+            group_gain[name] = float(together[best]) / own - 1.0 if own > 0.0 else 0.0
+    moved = {name: columns[:, at[best]] for name, columns in smoothed.items()}
+    columns = [*passive, *(c for name in groups for c in moved[name])]
     weights, rest = _solve(columns, y)
     part, first = {}, len(passive)
     for name in groups:
-        mine = moved[name][:, best]
+        mine = moved[name]
         torque_of = weights[first : first + len(mine)] @ mine
         level = np.mean(mine[: len(groups[name])], axis=0)
         part[name] = float((level * torque_of).sum() / max(float(level.sum()), 1e-300))
         first += len(mine)
     away = round(0.18 / _STEP)
     beside = min(together[max(best - away, 0)], together[min(best + away, len(lags) - 1)])
+    least = float(together[best])
     return TorqueModel(
         lag=_vertex(lags, together),
         group_lag=group_lag,
@@ -157,7 +164,7 @@ def torque_model(
         part=part,
         explained=1.0 - rest / total,
         gained=1.0 - rest / alone if alone > 0.0 else 0.0,
-        sharpness=float(beside / rest - 1.0) if rest > 0.0 else np.inf,
+        sharpness=float(beside / least - 1.0) if least > 0.0 else np.inf,
         time=time[keep],
         left=y - weights @ np.array(columns),
     )
