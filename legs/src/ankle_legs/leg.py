@@ -1,0 +1,257 @@
+"""A leg on the robot: subject, departures and laboratory give recordings and their truth."""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ankle_legs.movement import FINE, angles, effort, fine_times
+from ankle_legs.muscle import Array, integrate
+from ankle_legs.subject import GRAVITY, LEVER, PARAMETERS, Subject
+
+
+@dataclass(frozen=True)
+class Mounting:
+    """How the leg was fixed and wired for a trial."""
+
+    zero: float  # of the torque sensor [Nm]
+    electrodes: Array  # what each electrode shows of its muscle's EMG
+    crosstalk: Array  # what each electrode (row) hears of each muscle (column)
+    delay: float  # of the torque behind the EMG [s]
+    noise: float  # of EMG and torque, share of their RMS
+
+
+@dataclass
+class Run:
+    """One trial in the making, on the fine grid; departures change it in place."""
+
+    times: Array
+    subject: Subject
+    mounting: Mounting
+    rng: np.random.Generator  # of the trial
+    plate: Array  # angle that the robot shows [rad]
+    ankle: Array  # angle of the ankle itself
+    effort: Array  # of the four muscles, 0 to 1
+    emg: Array  # that the muscles make [V]
+    excitation: Array  # force that each muscle's EMG asks for [N]
+    gain: Array  # on the active force of triceps and tibialis
+    extra: Array  # force in parallel to it [N]
+    arm: Array  # [m]
+    path: Array  # [m]
+    length: Array
+    force: Array
+    torque: Array  # of the muscles on the ankle, then what the sensor shows [Nm]
+    seen: Array  # EMG that the electrodes show [V]
+
+    @property
+    def step(self) -> float:
+        """The fine grid's step [s]."""
+        return float(self.times[1] - self.times[0])
+
+    def delayed(self, signal: Array, seconds: float) -> Array:
+        """Return a signal (its last axis is time) some seconds later."""
+        lag = round(seconds / self.step)
+        first = np.repeat(signal[..., :1], lag, axis=-1)
+        return np.concatenate([first, signal[..., : signal.shape[-1] - lag]], axis=-1)
+
+
+@dataclass(frozen=True)
+class Departure:
+    """A way in which a leg, or its laboratory, is not as the model has it."""
+
+    #: parameters that mean something else with it, and why
+    unscored: ClassVar[dict[str, str]] = {}
+    #: whether it needs what the muscles did, so that the trial is integrated until it settles
+    loops: ClassVar[bool] = False
+
+    def leg(self, subject: Subject) -> Subject:
+        """Return the leg with the departure's lasting part."""
+        return subject
+
+    def excite(self, run: Run) -> None:
+        """Change what drives the muscles."""
+
+    def turn(self, run: Run) -> None:
+        """Change the ankle's own angle, from what the muscles did in the last pass."""
+
+    def load(self, run: Run) -> None:
+        """Change arm, path, gain or extra force, from what the muscles did in the last pass."""
+
+    def measure(self, run: Run) -> None:
+        """Change what the sensors show."""
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A leg with hidden truth."""
+
+    family: str
+    seed: int
+    subject: Subject
+    departures: tuple[Departure, ...]
+    laboratory: bool = True  # crosstalk, delay; without it only a zero and noise
+    rigid: bool = False
+
+    def rng(self, *what: int) -> np.random.Generator:
+        """Return the random numbers of one purpose."""
+        return generator(self.family, self.seed, *what)
+
+    def mounting(self, number: int) -> Mounting:
+        """Draw a mounting; number 0 is the leg's first."""
+        rng = self.rng(1, number)
+        crosstalk = np.eye(4)
+        if self.laboratory:
+            crosstalk += rng.uniform(0, 0.08, (4, 4)) * (1 - np.eye(4))
+        delay = float(np.clip(self.rng(2).normal(0.040, 0.007), 0.02, 0.06))
+        return Mounting(
+            zero=float(rng.uniform(-6, 6)),
+            electrodes=np.exp(0.2 * rng.normal(size=4)) if number else np.ones(4),
+            crosstalk=crosstalk,
+            delay=delay if self.laboratory else 0.0,
+            noise=0.03,
+        )
+
+    def condition(self, trial: int) -> tuple[Subject, Mounting]:
+        """Return whose leg, and how mounted, a trial has.
+
+        Trials 1 to 3 differ in movement and effort alone; the leg of trials 4 to 6 is mounted anew;
+        from 7 on it is mounted as at first, and treated.
+        """
+        subject = self.treated() if trial > 6 else self.subject
+        return subject, self.mounting(1 if 4 <= trial <= 6 else 0)
+
+    def treated(self) -> Subject:
+        """Return the leg after a treatment: its passive triceps is softer, and may be weaker."""
+        rng, v = self.rng(5), self.subject.values
+        share = float(rng.uniform(0.55, 0.75))
+        if rng.random() < 0.5:  # less force at every length
+            changed = {"x0_tri": v["x0_tri"] - np.log(share) / v["k_tri"]}
+        else:  # less stiff, with the same force at the neutral length
+            k = v["k_tri"] * share
+            neutral = float(self.subject.geometry.paths[0, 0])
+            changed = {"k_tri": k, "x0_tri": neutral - (neutral - v["x0_tri"]) * v["k_tri"] / k}
+        if rng.random() < 0.5:
+            changed |= {g: v[g] * float(rng.uniform(0.6, 0.75)) for g in ("g2", "g3", "g4")}
+        return self.subject.with_values(**changed)
+
+    def truth(self, subject: Subject, mounting: Mounting) -> dict[str, Any]:
+        """Return parameters and measures of a trial, and why some have no true value."""
+        unscored = {k: why for d in self.departures for k, why in d.unscored.items()}
+        if self.rigid:
+            unscored |= dict.fromkeys(("dlt_tri", "dlt_tib"), "this leg's tendons are rigid")
+        values: dict[str, float | None] = dict(subject.values)
+        for i, name in enumerate(("g1", "g2", "g3", "g4")):
+            values[name] = subject.values[name] / float(mounting.electrodes[i])
+        lasting = subject
+        for departure in self.departures:
+            lasting = departure.leg(lasting)
+        measures: dict[str, float | None] = dict(lasting.measures())
+        for name in unscored:
+            (measures if "@" in name else values)[name] = None
+        return {
+            "parameters": {name: values[name] for name in PARAMETERS},
+            "measures": measures,
+            "unscored": unscored,
+        }
+
+    def record(
+        self, subject: Subject, mounting: Mounting, trial: int, seconds: float, kind: str
+    ) -> dict[str, Array]:
+        """Return one trial's columns; the leg's departures are at work in it."""
+        rng, noise = self.rng(3, trial), self.rng(4, trial)
+        for departure in self.departures:
+            subject = departure.leg(subject)
+        times = fine_times(seconds)
+        run = _start(times, subject, mounting, rng, kind)
+        for departure in self.departures:
+            departure.excite(run)
+        _integrate(run, self.departures)
+        values = subject.values
+        speed = np.gradient(run.plate, run.step)
+        run.torque = (
+            run.torque
+            + values["m"] * LEVER**2 * np.gradient(speed, run.step)
+            + values["m"] * GRAVITY * LEVER * np.cos(run.ankle)
+        )
+        run.seen = mounting.crosstalk @ (mounting.electrodes[:, None] * run.emg)
+        for departure in self.departures:
+            departure.measure(run)
+        torque = run.torque[::FINE] + mounting.zero
+        seen = run.seen[:, ::FINE]
+        size = mounting.noise * np.sqrt(np.mean(run.torque[::FINE] ** 2))
+        columns = {"time_s": times[::FINE], "angle_rad": run.plate[::FINE]}
+        columns["torque_Nm"] = torque + size * noise.normal(size=torque.size)
+        for name, channel in zip(("ta", "gl", "sol", "gm"), seen, strict=True):
+            size = mounting.noise * np.sqrt(np.mean(channel**2))
+            columns[f"emg_{name}_V"] = np.abs(channel + size * noise.normal(size=channel.size))
+        return columns
+
+
+def generator(family: str, seed: int, *what: int) -> np.random.Generator:
+    """Return random numbers that belong to a family, a seed and a purpose."""
+    return np.random.default_rng([zlib.crc32(family.encode()), seed, *what])
+
+
+def _start(
+    times: Array, subject: Subject, mounting: Mounting, rng: np.random.Generator, kind: str
+) -> Run:
+    angle = angles(rng, times, *subject.range, kind)
+    active = effort(rng, times, kind == "active")
+    arms = subject.geometry.arm(np.zeros(1))[:, 0]
+    peak = np.array([subject.torque[1] / arms[1], *[subject.torque[0] / arms[0]] * 3])
+    gains = np.array([subject.values[name] for name in ("g1", "g2", "g3", "g4")])
+    rest = rng.uniform(1e-6, 3e-6, 4)
+    emg = rest[:, None] + active * (peak / gains)[:, None]
+    pair = np.zeros((2, times.size))
+    return Run(
+        times=times,
+        subject=subject,
+        mounting=mounting,
+        rng=rng,
+        plate=angle,
+        ankle=angle,
+        effort=active,
+        emg=emg,
+        excitation=gains[:, None] * emg,
+        gain=np.ones_like(pair),
+        extra=pair,
+        arm=subject.geometry.arm(angle),
+        path=subject.geometry.path(angle),
+        length=pair,
+        force=pair,
+        torque=np.zeros(times.size),
+        seen=emg,
+    )
+
+
+def _integrate(run: Run, departures: tuple[Departure, ...]) -> None:
+    """Integrate both muscles, again and again where a departure needs what they did."""
+    late = run.delayed(run.excitation, run.mounting.delay)
+    drive = (late[1:].sum(axis=0), late[0])
+    constants = [muscle.constants() for muscle in run.subject.muscles()]
+    looping = [d for d in departures if d.loops]
+    for _ in range(12 if looping else 1):
+        before = run.torque
+        run.ankle = run.plate
+        for departure in departures:
+            departure.turn(run)
+        run.gain, run.extra = np.ones_like(run.gain), np.zeros_like(run.extra)
+        run.arm, run.path = (
+            run.subject.geometry.arm(run.ankle),
+            run.subject.geometry.path(run.ankle),
+        )
+        for departure in departures:
+            departure.load(run)
+        passes = [
+            integrate(run.step, run.path[i], drive[i], run.gain[i], run.extra[i], constants[i])
+            for i in range(2)
+        ]
+        run.length = np.array([p[0] for p in passes])
+        run.force = np.array([p[1] for p in passes])
+        pulls = run.arm * run.force
+        run.torque = pulls[0] - pulls[1]
+        if np.max(np.abs(run.torque - before)) < 1e-3:
+            break

@@ -1,0 +1,71 @@
+"""The command ``ankle-legs``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from ankle_legs import __version__
+
+
+def _trials(text: str) -> tuple[int, ...]:
+    if "," not in text:
+        return tuple(range(1, int(text) + 1))
+    return tuple(int(part) for part in text.split(",") if part)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="ankle-legs", description="Virtual legs with hidden truth, and a scorer of answers."
+    )
+    parser.add_argument("--version", action="version", version=__version__)
+    commands = parser.add_subparsers(dest="command", required=True)
+    make = commands.add_parser("make", help="write recordings of legs, and their truth apart")
+    make.add_argument("family", help="a letter of the README's table")
+    make.add_argument("seed", nargs="+", type=int)
+    make.add_argument("--output", required=True, type=Path, metavar="DIR")
+    make.add_argument(
+        "--trials",
+        type=_trials,
+        default=(1,),
+        metavar="N|N,N…",
+        help="how many, or which: 4 to 6 are mounted anew, 7 to 9 treated (default: 1)",
+    )
+    make.add_argument("--seconds", type=float, default=35.0, help="a trial's length (default: 35)")
+    make.add_argument(
+        "--kind",
+        choices=("active", "passive", "curve"),
+        default="active",
+        help="active: with efforts; passive: moved alike, at rest; curve: long holds, at rest",
+    )
+    score = commands.add_parser("score", help="count answers against the truth, worst family first")
+    score.add_argument("answers", type=Path, metavar="ANSWERS.csv")
+    return parser
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command; return its exit code."""
+    given = _parser().parse_args(arguments)
+    try:
+        if given.command == "make":
+            from ankle_legs.make import make
+
+            for seed in given.seed:
+                truth = make(
+                    given.family, seed, given.output, given.trials, given.seconds, given.kind
+                )
+                for trial in truth["trials"]:
+                    print(given.output / trial["file"])
+        else:
+            from ankle_legs.score import score, table
+
+            print(table(score(given.answers)))
+    except (ValueError, OSError) as error:
+        print(f"ankle-legs: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

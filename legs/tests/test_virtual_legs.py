@@ -1,0 +1,151 @@
+"""Legs are the same for the same seed, what they claim to be, and scored as written."""
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ankle_legs.leg import Leg
+from ankle_legs.main import main
+from ankle_legs.make import FAMILIES, leg, truth_of
+from ankle_legs.subject import MEASURED_AT
+
+
+def columns(one: Leg, trial: int = 1, kind: str = "active") -> dict[str, np.ndarray]:
+    return one.record(one.subject, one.mounting(0), trial, 20.0, kind)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_family_departs_from_the_same_leg_without_it(family: str) -> None:
+    one = leg(family, 3)
+    made = columns(one)
+    assert made["time_s"].size == 20 * 128
+    assert all(np.isfinite(column).all() for column in made.values())
+    if family not in ("a", "p"):
+        plain = columns(replace(one, departures=()))  # with the very same noise
+        shown = [n for n in made if n not in ("time_s", "angle_rad")]
+        largest = max(np.sqrt(np.mean((made[n] - plain[n]) ** 2)) / np.std(plain[n]) for n in shown)
+        assert largest > 0.02
+
+
+def test_a_leg_is_the_same_for_the_same_seed_alone() -> None:
+    first, again, other = (columns(leg("i", seed)) for seed in (3, 3, 4))
+    assert all(np.array_equal(first[name], again[name]) for name in first)
+    assert np.std(first["torque_Nm"] - other["torque_Nm"]) > 1
+
+
+def test_true_measures_are_what_the_robot_reads_when_all_has_relaxed() -> None:
+    """A ladder of long holds of the plain leg, less weight and zero."""
+    one = leg("p", 4)
+    mounting = replace(one.mounting(0), noise=0.0)
+    made = one.record(one.subject, mounting, 1, 150.0, "curve")
+    still = np.flatnonzero(np.diff(made["angle_rad"]) == 0)
+    last = still[np.flatnonzero(np.diff(still) > 1)]
+    weight = one.subject.values["m"] * 9.81 * 0.15 * np.cos(made["angle_rad"][last])
+    elastic = made["torque_Nm"][last] - weight - mounting.zero
+    rest = one.subject.passive_torque(made["angle_rad"][last])
+    # The EMG's resting level pulls with a few N.
+    assert elastic == pytest.approx(rest, abs=0.8)
+    slope = np.gradient(one.subject.passive_torque(np.radians([9.9, 10.0, 10.1])), 0.1)[1]
+    assert one.subject.measures()["passive_stiffness@10deg"] == pytest.approx(slope, rel=1e-3)
+    assert 10 in MEASURED_AT
+
+
+def test_what_a_family_changes_the_meaning_of_has_no_truth_but_a_reason() -> None:
+    truth = truth_of("b", 1, 1)
+    assert truth["parameters"]["g2"] is None
+    assert "force per volt" in truth["unscored"]["g2"]
+    assert truth["parameters"]["l0_tri"] > 0
+
+
+def test_trials_say_whether_the_leg_or_its_mounting_is_another() -> None:
+    first, moved, mounted, treated = (truth_of("a", 2, trial) for trial in (1, 2, 4, 7))
+    assert first == moved
+    assert mounted["measures"] == first["measures"]
+    assert mounted["parameters"]["g1"] != first["parameters"]["g1"]
+    soft, stiff = (t["measures"]["passive_stiffness@10deg"] for t in (treated, first))
+    assert 0.4 < soft / stiff < 0.85
+    one = leg("a", 2)
+    torque = [one.record(*one.condition(n), 1, 20.0, "passive")["torque_Nm"] for n in (1, 7)]
+    assert np.max(torque[0]) > np.max(torque[1])
+
+
+def test_make_writes_recordings_and_keeps_the_truth_apart(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["make", "a", "5", "--output", str(tmp_path), "--trials", "2"]) == 0
+    files = capsys.readouterr().out.split()
+    assert [Path(f).name for f in files] == ["trial-1.csv", "trial-2.csv"]
+    lines = Path(files[0]).read_text().splitlines()
+    assert lines[0] == "# emg: envelope"
+    assert lines[1] == "time_s,angle_rad,torque_Nm,emg_ta_V,emg_gl_V,emg_sol_V,emg_gm_V"
+    assert not list((tmp_path / "a-5").glob("*.json"))
+    truth = json.loads((tmp_path / "truth" / "a-5.json").read_text())
+    assert truth["trials"][1]["parameters"] == truth_of("a", 5, 2)["parameters"]
+
+
+def answers(path: Path, rows: list[tuple[object, ...]]) -> Path:
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["family", "seed", "trial", "parameter", "value", "low", "high", "verdict"])
+        writer.writerows(rows)
+    return path
+
+
+def test_score_counts_by_hand(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    a, b = (truth_of(family, 1, 1)["parameters"] for family in "ab")
+    l0, f0 = a["l0_tri"], a["f0"]
+    path = answers(
+        tmp_path / "answers.csv",
+        [
+            ("a", 1, 1, "l0_tri", l0, 0.9 * l0, 1.1 * l0, "identified"),
+            ("a", 1, 1, "f0", 1.5 * f0, 1.4 * f0, 1.6 * f0, "identified"),
+            ("a", 1, 1, "k_tri", 1.0, "", "", "undetermined"),
+            ("b", 1, 1, "l0_tri", b["l0_tri"], 0, 1, "weak"),
+            ("b", 1, 1, "g2", 1.0, 0, 1, "identified"),
+        ],
+    )
+    assert main(["score", str(path)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    worst, second = lines[1].split(), lines[2].split()
+    assert worst[:8] == ["a", "1", "2", "1", "50", "%", "1", "of"]
+    sd = 0.2 / (2 * 1.959964)
+    assert f"{0.5 / sd:5.1f}" in lines[1]
+    assert "f0 of a-1, trial 1" in lines[1]
+    assert second[:2] == ["b", "1"]
+    assert lines[-1].startswith("1 answers were not counted")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["make", "nothing", "1", "--output", "x"], "no family 'nothing'"),
+        (["make", "a", "-1", "--output", "x"], "seed -1"),
+        (["score", "missing.csv"], "missing.csv"),
+    ],
+)
+def test_wrong_use_is_one_line(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(arguments) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+
+
+def test_an_answer_without_a_column_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "answers.csv"
+    path.write_text("family,seed,parameter\na,1,m\n")
+    assert main(["score", str(path)]) == 2
+    assert "trial" in capsys.readouterr().err
+
+
+def test_legs_share_no_line_with_what_is_judged() -> None:
+    for source in (Path(__file__).parents[1] / "src" / "ankle_legs").glob("*.py"):
+        assert "import surae" not in source.read_text()
+        assert "from surae" not in source.read_text()
