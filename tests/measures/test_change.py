@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from itertools import combinations
 
 import pytest
 
@@ -126,13 +127,18 @@ def test_the_file(sides, tmp_path) -> None:
 
 
 @pytest.mark.slow
-def test_two_trials_of_a_measured_leg_show_no_change(shared, tmp_path) -> None:
-    """PL_50_01 and PL_50_02 are the same condition, minutes apart."""
+def test_no_two_trials_of_a_measured_leg_changed(shared, tmp_path) -> None:
+    """Six active trials of one leg, minutes apart: 15 pairs."""
     mapping = (shared / "dynamometer" / "PL_50_01.toml").read_text(encoding="utf-8")
-    fits = []
-    for folder, name in (("dynamometer", "PL_50_01"), ("repeats", "PL_50_02")):
-        described = mapping.replace("PL_50_01.mat", str(shared / folder / f"{name}.mat"))
+    names = ("PL_50_01", "PL_50_02", "PL_0_01", "PL_100_01", "Ref_Long_01", "Ref_Long_02")
+    fits = {}
+    for name in names:
+        (path,) = shared.glob(f"*/{name}.mat")
+        described = mapping.replace("PL_50_01.mat", str(path))
         (tmp_path / f"{name}.toml").write_text(described, encoding="utf-8")
-        fits.append(surae.fit(tmp_path / f"{name}.toml", quality=()))
-    told = surae.change(*fits)
-    assert told.changed == ()
+        fits[name] = surae.fit(tmp_path / f"{name}.toml", quality=())
+    claimed = {
+        pair: [d.name for d in surae.change(fits[pair[0]], fits[pair[1]]).changed]
+        for pair in combinations(names, 2)
+    }
+    assert {pair: names for pair, names in claimed.items() if names} == {}

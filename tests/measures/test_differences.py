@@ -1,6 +1,7 @@
 """What is claimed of differences, on quantities that are made up: no fit is needed for that."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -65,6 +66,22 @@ def test_between_two_legs_nothing_cancels() -> None:
     assert told.measures[LEADING].note.startswith("no difference shown")
     with pytest.raises(InputError, match="baselines"):
         compare_sessions(one, other, [one], legs=True)
+
+
+def test_a_doubtful_fit_gets_no_verdict() -> None:
+    """The difference and its interval are shown; nothing is claimed of it, however large."""
+    sure, moved = side(many()), side({**many(), LEADING: 1000.0})
+    assert compare_sessions(sure, moved).changed
+    doubt = replace(moved, adequacy=Adequacy(Grade.DOUBTFUL, ("m lies at a bound",), 99.0))
+    for pair in ((sure, doubt), (doubt, sure), (doubt, doubt)):
+        told = compare_sessions(*pair)
+        d = told.measures[LEADING]
+        assert told.changed == ()
+        assert told.is_withheld
+        assert (d.verdict, d.p, d.smallest) == (ChangeVerdict.NOT_COMPARABLE, None, None)
+        assert d.ci95[0] < d.difference < d.ci95[1]
+        assert "is doubtful (m lies at a bound)" in d.note
+        assert "Holm" not in told.multiplicity
 
 
 def test_few_baselines_are_known_badly() -> None:

@@ -18,6 +18,7 @@ from surae.names import LANGUAGES
 from surae.protocol import Protocol, generate
 from surae.report.clinical import change_page, clinical_html, fit_page, sentences
 from surae.report.figures.clinical import curve_figure
+from surae.report.formatting import NO_NUMBER
 from surae.studies import virtual_subject, virtual_trial
 
 NOW = datetime(2026, 11, 22)
@@ -139,6 +140,16 @@ def test_no_change_is_never_a_yes(fit) -> None:
     told = change_page(compare_sessions(same, same), [side, side], created=NOW)
     assert told.answer.startswith("No change is shown. One of ")
     assert not any(row.is_strong for row in told.rows)
+
+
+def test_doubtful_fits_have_no_headline(fit) -> None:
+    side = (fit.result, fit.assessment)
+    one = quantities(*side, [10.0])
+    doubt = replace(one, adequacy=replace(one.adequacy, grade=Grade.DOUBTFUL, reasons=("why",)))
+    told = change_page(compare_sessions(one, doubt), [side, side], created=NOW)
+    assert told.answer.startswith("No answer yet")
+    assert {row.verdict for row in told.rows if row.cells[2] != NO_NUMBER} == {NO_NUMBER}
+    assert any(row.cells[2] != NO_NUMBER for row in told.rows)
 
 
 @pytest.mark.usefixtures("undrawn")

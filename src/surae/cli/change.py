@@ -67,15 +67,16 @@ def _table(change: "api.Change") -> Columns:
     """What can be compared; what cannot stands below, by reason."""
     rows: list[tuple[str, ...]] = []
     for d in (*change.measures.values(), *change.parameters.values()):
-        if d.difference is None or d.ci95 is None or d.smallest is None:
+        if d.difference is None or d.ci95 is None:
             continue
         values = [
             "—" if value is None else api.significant(value, 3) for value in (d.before, d.after)
         ]
         text = api.estimate(d.difference, (d.ci95[1] - d.ci95[0]) / 3.92, d.ci95)
         rows.append((
-            d.name, *values, text.value, text.interval, api.significant(d.smallest, 2),
-            d.unit, str(d.verdict),
+            d.name, *values, text.value, text.interval,
+            "—" if d.smallest is None else api.significant(d.smallest, 2),
+            d.unit, "—" if d.smallest is None else str(d.verdict),
         ))  # fmt: skip
     return ("of", *_NUMBERS, "unit", "verdict"), rows
 
@@ -84,6 +85,7 @@ def _reasons(change: "api.Change") -> dict[str, list[str]]:
     """What cannot be compared, by reason."""
     reasons: dict[str, list[str]] = {}
     for d in (*change.measures.values(), *change.parameters.values()):
-        if d.verdict == "not comparable" and (d.before is not None or d.after is not None):
+        some = d.before is not None or d.after is not None
+        if d.verdict == "not comparable" and d.difference is None and some:
             reasons.setdefault(d.note, []).append(d.name)
     return reasons

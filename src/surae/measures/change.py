@@ -27,6 +27,7 @@ from enum import StrEnum
 from typing import Any, TypeVar
 
 from surae._version import __version__
+from surae.assessment.adequacy import Grade
 from surae.assessment.parameter import percent
 from surae.errors import InputError
 from surae.files import Saved
@@ -90,6 +91,8 @@ class Change(Saved):
         Repeated baselines that told the spread between sessions; 0 without.
     legs : bool
         Whether they are two legs, and not two sessions of one.
+    is_withheld : bool
+        Whether a fit is doubtful, so that differences are shown and none is judged.
     """
 
     before: Quantities
@@ -99,6 +102,7 @@ class Change(Saved):
     multiplicity: str
     baselines: int = 0
     legs: bool = False
+    is_withheld: bool = False
 
     @property
     def changed(self) -> tuple[Difference, ...]:
@@ -163,20 +167,41 @@ def compare_sessions(
     }  # fmt: skip
     weights = _weights([name for name, (draft, _) in drafts.items() if draft.p is not None])
     judged = {name: draft for name, (draft, _) in drafts.items()}
-    adjusted = holm({name: drafts[name][0].p or 0.0 for name in weights}, weights)
-    for name, p in adjusted.items():
-        judged[name] = _judged(*drafts[name], p, LEVEL * weights[name], legs=legs)
     multiplicity = (
         f"{len(weights)} differences were looked at; p-values are Holm’s, half of the "
         f"{LEVEL:.0%} for torque and stiffness at rest, so that at most {LEVEL:.0%} of "
-        "comparisons without any change claim one. Each interval is for itself."
+        "comparisons without any change claim one. Intervals aren’t corrected for multiple "
+        "comparisons."
     ).replace("5%", "5 %")
+    if withheld := _doubt(before, after, legs=legs):
+        multiplicity = f"No verdict: {withheld}. Differences are shown and not judged."
+        for name in weights:
+            judged[name] = replace(judged[name], p=None, note=f"no verdict: {withheld}")
+    else:
+        adjusted = holm({name: drafts[name][0].p or 0.0 for name in weights}, weights)
+        for name, p in adjusted.items():
+            judged[name] = _judged(*drafts[name], p, LEVEL * weights[name], legs=legs)
     measures, parameters = (
         FrozenDict((n, d) for n, d in judged.items() if d.kind == kind)
         for kind in ("measure", "parameter")
     )
     repeated = len(baselines) + 1 if baselines else 0
-    return Change(before, after, measures, parameters, multiplicity, repeated, legs)
+    return Change(before, after, measures, parameters, multiplicity, repeated, legs, bool(withheld))
+
+
+def _doubt(before: Quantities, after: Quantities, *, legs: bool) -> str:
+    """Which fits are doubtful, so that no difference is judged; empty where none is.
+
+    What a doubtful fit leaves out differs from trial to trial: of unchanged pairs of one measured
+    leg, such fits called one in four changed.
+    """
+    places = ("of the first leg", "of the second leg") if legs else ("before", "after")
+    doubtful = [
+        f"the fit {place} is doubtful ({side.adequacy.reasons[0]})"
+        for place, side in zip(places, (before, after), strict=True)
+        if side.adequacy.grade is Grade.DOUBTFUL
+    ]
+    return ", and ".join(doubtful)
 
 
 def holm(p: Mapping[_Key, float], weights: Mapping[_Key, float]) -> dict[_Key, float]:

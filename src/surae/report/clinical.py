@@ -214,7 +214,7 @@ def change_page(
         norms=(),
         next=_next(sides[1][1], words),
         made=_made(words, created, count),
-        note=words("many", count=str(looked_at)),
+        note="" if change.is_withheld else words("many", count=str(looked_at)),
         images=_figures(list(zip(names, curves, of_sides, strict=True)), (), words),
         words=_labels(words),
     )
@@ -272,6 +272,8 @@ def _answer_of_change(change: Change, angle: float, words: Words) -> str:
     if changed:
         named = ", ".join(_named(d, words) for d in changed[:_MOST_NAMED])
         return words("answer_differ" if change.legs else "answer_changed", names=named)
+    if change.is_withheld:
+        return words("answer_doubtful")
     every = (*change.measures.values(), *change.parameters.values())
     if all(d.verdict is ChangeVerdict.NOT_COMPARABLE for d in every):
         return words("answer_incomparable")
@@ -334,7 +336,8 @@ def _differing(d: Difference, words: Words, *, legs: bool) -> ShownRow:
         text = estimate(d.difference, (d.ci95[1] - d.ci95[0]) / 3.92, d.ci95)
         change = (words.number(text.value), words.number(text.interval))
     strong = d.verdict is ChangeVerdict.CHANGED
-    verdict = words("differs" if strong and legs else str(d.verdict))
+    judged = d.smallest is not None or d.difference is None
+    verdict = words("differs" if strong and legs else str(d.verdict)) if judged else NO_NUMBER
     return ShownRow(words.measure(d.name), (*both, *change), verdict, strong)
 
 
