@@ -29,6 +29,7 @@ LAYERS = (
         "processes",
         "progress",
         "runner",
+        "setting",
         "threads",
         "units",
         "versions",

@@ -2,76 +2,52 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
-from typing import Any
-
-import numpy as np
+from dataclasses import dataclass, fields, replace
+from numbers import Integral
+from typing import TYPE_CHECKING, Any
 
 from surae.errors import InputError
-from surae.frozen import FrozenDict
-from surae.model import ModelOptions, get_model, with_optional
-from surae.model.anthropometry import foot_mass, with_foot_mass
-from surae.model.laboratory import ALL, AUTO, laboratory, richest
-from surae.model.parameters import OPTIONAL
-from surae.names import LOSSES, NORMALISATIONS, POPULATIONS
-from surae.recording import Recording
-from surae.signals import ModelInputs, Preparation, Weighting, normalise, prepare, weighted
+from surae.model.options import ModelOptions
+from surae.names import (
+    AUTO,
+    FITTED,
+    FOOT_SHARES,
+    LOSSES,
+    NORMALISATIONS,
+    NUISANCES,
+    POPULATIONS,
+)
+from surae.setting import default_of, documented, kind_of, setting, settings_of
 
-#: Starts of a fit unless told otherwise: the default start and seven random ones.
+if TYPE_CHECKING:  # what computes comes when it is needed: help reads the fields alone
+    from surae.recording import Recording
+    from surae.signals import ModelInputs, Weighting
+
+#: Starts of a fit unless it says otherwise: the default start and seven random ones.
 STARTS = 8
+#: More starts than these are slips of the keyboard.
+_MOST_STARTS = 10_000
 
 #: Fields that map names of parameters to something.
 _NAMED = ("fixed", "start", "bounds", "priors")
 _OPTIONS = tuple(option.name for option in fields(ModelOptions))
 
 
+def _none() -> Mapping[str, Any]:
+    """A mapping without entries."""
+    from surae.frozen import FrozenDict
+
+    return FrozenDict()
+
+
+@documented
 @dataclass(frozen=True, slots=True)
 class FitSettings:
     """What a fit is asked, beside its recordings; `of` makes one from keywords.
 
     Attributes
     ----------
-    model : str
-        Name of the model.
-    options : ModelOptions
-        Its switches.
-    fixed : mapping of str to float
-        Parameters that are not estimated.
-    free : tuple of str
-        Parameters to estimate beside those that the model frees by itself; ``"reflex"`` stands for
-        all of the reflex.
-    start : mapping of str to float
-        Where the first start begins, instead of the defaults.
-    bounds : mapping of str to (lower, upper)
-        Bounds instead of the defaults.
-    priors : mapping of str to (median, spread)
-        What is known of a parameter beforehand; the spread is that of its logarithm.
-    population : str or None
-        Whose default priors stand for the parameters that `priors` does not name.
-    body_mass : float or None
-        Fixes m at the share of the foot in this mass [kg]; see `surae.foot_mass`.
-    footplate_mass : float
-        What moves with the foot [kg].
-    foot_share : str
-        Table that the share comes from.
-    weights : Weighting, tuple of Weighting, or None
-        What samples count, for all recordings or one for each: windows of weight 0 are left out.
-    loss : str or None
-        How outliers count; None: least squares.
-    normalise : {"session", "mvc"} or None
-        What EMG is divided by; None: nothing.
-    prepared : bool
-        Whether the signals are used as they are.
-    preparation : mapping of str to object
-        Cut-offs, orders and rate of the preparation that differ from those of
-        `surae.Preparation`; False switches a filter off. What a recording says itself goes before.
-    nuisances : str or mapping of str to (mean, sd)
-        What the laboratory cannot rule out, for ``model="auto"``: ``"all"``, ``"none"``, or priors
-        of groups or parameters in place of the defaults; see `surae.model.laboratory`.
-    starts : int
-        Number of starts; the first from the default, the others random within the bounds.
-    seed : int
-        Seed of the random starts.
+    {settings}
 
     Raises
     ------
@@ -80,54 +56,221 @@ class FitSettings:
         recordings is checked by `make_problem`.
     """
 
-    model: str = AUTO
-    options: ModelOptions = field(default_factory=ModelOptions)
-    fixed: Mapping[str, float] = field(default_factory=FrozenDict)
-    free: tuple[str, ...] = ()
-    start: Mapping[str, float] = field(default_factory=FrozenDict)
-    bounds: Mapping[str, tuple[float, float]] = field(default_factory=FrozenDict)
-    priors: Mapping[str, tuple[float, float]] = field(default_factory=FrozenDict)
-    population: str | None = None
-    body_mass: float | None = None
-    footplate_mass: float = 0.0
-    foot_share: str = "winter"
-    weights: Weighting | tuple[Weighting, ...] | None = None
-    loss: str | None = None
-    normalise: str | None = None
-    prepared: bool = False
-    preparation: Mapping[str, Any] = field(default_factory=FrozenDict)
-    nuisances: str | Mapping[str, tuple[float, float]] = ALL
-    starts: int = STARTS
-    seed: int = 0
+    model: str = setting(
+        AUTO,
+        '``"auto"``: the family of rigid and compliant tendons with the imperfections of a '
+        "laboratory, chosen by the evidence. Or the name of one model; `surae.model.MODELS` lists "
+        "them.",
+        type="str",
+        choices=FITTED,
+        metavar="M",
+        help=f"auto: what the data support; or {', '.join(FITTED[1:-1])} or {FITTED[-1]}.",
+        label="Model",
+    )
+    options: ModelOptions = setting(
+        ModelOptions,
+        "Switches of the model, all at once; each is a keyword of its own too.",
+        type="ModelOptions",
+    )
+    fixed: Mapping[str, float] = setting(
+        _none,
+        'Parameters that are not estimated, e.g. ``{"beta": 1.0}``.',
+        type="mapping of str to float",
+        metavar="VALUE",
+        example="beta=1",
+        help="Do not estimate a parameter.",
+    )
+    free: tuple[str, ...] = setting(
+        (),
+        'Parameters to estimate beside those that the model frees by itself; ``"reflex"`` stands '
+        "for all of the reflex.",
+        type="sequence of str",
+        metavar="NAME",
+        help="Estimate one that is fixed; emd: a delay of the EMG; reflex: all of a stretch "
+        "reflex.",
+    )
+    start: Mapping[str, float] = setting(
+        _none,
+        "Where the first start begins, instead of the defaults.",
+        type="mapping of str to float",
+        metavar="VALUE",
+        example="beta=1",
+        help="Start the search of a parameter elsewhere.",
+    )
+    bounds: Mapping[str, tuple[float, float]] = setting(
+        _none,
+        "Bounds instead of the defaults.",
+        type="mapping of str to (lower, upper)",
+        option="bound",
+        metavar="LOWER:UPPER",
+        example="m=1:4",
+        help="Search a parameter within other bounds.",
+    )
+    priors: Mapping[str, tuple[float, float]] = setting(
+        _none,
+        "What is known of a parameter beforehand: its median, and the standard deviation of its "
+        'logarithm (about its relative standard deviation), e.g. ``{"dlt_tib": (0.04, 0.2)}``. As '
+        'a keyword also the name of a population, or both as a pair: ``("healthy", {"tau_rel": '
+        "(2.0, 0.5)})``.",
+        type="mapping of str to (median, spread)",
+        above=0.0,
+        option="prior",
+        metavar="MEDIAN:SPREAD",
+        example="tau_rel=3:0.3",
+        help="Known beforehand: SPREAD is the relative standard deviation.",
+    )
+    population: str | None = setting(
+        None,
+        "Whose default priors stand for the parameters that `priors` does not name.",
+        type='{"healthy", "patient"}, or None',
+        choices=POPULATIONS,
+        option="priors",
+        help="What is known of a population beforehand; --prior goes before it.",
+        label="Priors",
+        words={"": "none", "healthy": "healthy population", "patient": "patient population"},
+    )
+    body_mass: float | None = setting(
+        None,
+        "Fixes m at the foot's share of this mass [kg]; see `surae.foot_mass`.",
+        type="float or None",
+        least=5.0,
+        most=400.0,
+        metavar="KG",
+        help="Fix m: the foot is 1.45 % of it (Winter).",
+        label="Body mass [kg]",
+    )
+    footplate_mass: float = setting(
+        0.0,
+        "What moves with the foot [kg].",
+        type="float",
+        least=0.0,
+        most=20.0,
+        needs="body_mass",
+        metavar="KG",
+        help="Mass of the footplate, added to the foot's.",
+        label="Footplate [kg]",
+        rare=True,
+    )
+    foot_share: str = setting(
+        "winter",
+        "Whose share of the body's mass a foot has.",
+        type='{"winter", "de-leva-female", "de-leva-male"}',
+        choices=FOOT_SHARES,
+        needs="body_mass",
+        help="Table of the foot's share of body mass.",
+        label="Foot's share by",
+        words={
+            "winter": "Winter",
+            "de-leva-female": "de Leva, women",
+            "de-leva-male": "de Leva, men",
+        },
+        rare=True,
+    )
+    weights: "Weighting | tuple[Weighting, ...] | None" = setting(
+        None,
+        "What samples count, for all recordings or one for each, e.g. ``Weighting(peaks=9)``; "
+        "windows of weight 0 are left out.",
+        type="Weighting, sequence of Weighting, or None",
+    )
+    loss: str | None = setting(
+        None,
+        "Let outliers count less than their square; see `surae.estimation.fit_robust`.",
+        type='{"huber", "soft-l1", "tukey"}, or None',
+        choices=LOSSES,
+        help="How outliers count.  [default: squares]",
+        label="Outliers",
+        words={"": "count fully", "huber": "Huber", "soft-l1": "soft L1", "tukey": "Tukey"},
+    )
+    normalise: str | None = setting(
+        None,
+        "Divide EMG by one number for each muscle, so that weights g come out in N: by the largest "
+        "envelope of all recordings, or of `mvc`. `validate` and `Fit.predict` use it again.",
+        type='{"session", "mvc"}, or None',
+        choices=NORMALISATIONS,
+        help="Divide EMG by the largest of all recordings, or of --mvc; g come out in N.",
+        label="Divide EMG by",
+        words={
+            "": "nothing",
+            "session": "the session's largest",
+            "mvc": "the contractions' largest",
+        },
+        rare=True,
+    )
+    prepared: bool = setting(
+        False,
+        "Whether the signals are used as they are: filtered and at the model's rate already.",
+        type="bool",
+        help="Use the signals as they are, without filters.",
+        label="Signals",
+        words={"": "filter and resample", "yes": "use as they are"},
+        rare=True,
+    )
+    preparation: Mapping[str, Any] = setting(
+        _none,
+        'Settings that differ from those of `surae.Preparation`, e.g. ``{"bessel_hz": 10.0}``; '
+        "False switches a filter off. What a recording says itself goes before.",
+        type="mapping of str to object",
+        option="filter",
+        metavar="VALUE",
+        help="A setting of the preparation, e.g. bessel_hz=10; false: without it.",
+    )
+    nuisances: str | Mapping[str, tuple[float, float]] = setting(
+        NUISANCES[0],
+        'What the laboratory cannot rule out, for ``model="auto"``; a mapping gives other priors, '
+        'mean and standard deviation, of groups or parameters, e.g. ``{"zero": (0.0, 1.0)}``.',
+        type='{"all", "none"} or mapping of str to (mean, sd)',
+        choices=NUISANCES,
+        needs=f"model={AUTO}",
+        help="Imperfections of the laboratory that auto takes in.",
+        label="Account for the laboratory’s imperfections",
+        words={"all": "yes", "none": "no"},
+    )
+    starts: int = setting(
+        STARTS,
+        "Number of starts; the first from the default, the others random within the bounds.",
+        type="int",
+        least=1,
+        most=_MOST_STARTS,
+        metavar="N",
+        help="Number of starts of a fit.",
+        label="Starts",
+        rare=True,
+    )
+    seed: int = setting(
+        0,
+        "Seed of the random starts.",
+        type="int",
+        least=0,
+        metavar="N",
+        help="Seed of the random starts.",
+        label="Seed",
+        rare=True,
+    )
 
     def __post_init__(self) -> None:
         """Freeze what was given, and refuse what no model could mean."""
-        for name in (*_NAMED, "preparation"):
-            given = getattr(self, name)
-            if not isinstance(given, Mapping):
-                raise InputError(f"{name} is {given!r}; give a mapping of names to values")
-            object.__setattr__(self, name, FrozenDict((k, _frozen(v)) for k, v in given.items()))
-        if isinstance(self.nuisances, Mapping):
-            frozen = FrozenDict((k, _frozen(v)) for k, v in self.nuisances.items())
-            object.__setattr__(self, "nuisances", frozen)
+        from surae.frozen import FrozenDict
+        from surae.model.laboratory import laboratory
+        from surae.signals import Preparation
+
+        for each, record in settings_of(type(self)):
+            name, value, kind = each.name, getattr(self, each.name), kind_of(each)
+            if kind == "mapping" and not isinstance(value, Mapping):
+                raise InputError(f"{name} is {value!r}; give a mapping of names to values")
+            if isinstance(value, Mapping):
+                frozen = FrozenDict((k, _frozen(v)) for k, v in value.items())
+                object.__setattr__(self, name, frozen)
+            elif kind == "whole":
+                object.__setattr__(self, name, _whole(name, value, record.least))
+            elif record.choices and each.default is None and value not in (None, *record.choices):
+                # What else is to choose is refused by what reads it.
+                rule = f"use one of: {', '.join(record.choices)}"
+                raise InputError(f"{name} is {value!r}; {rule}")
         laboratory(self.nuisances)
         free: Any = self.free
         object.__setattr__(self, "free", (free,) if isinstance(free, str) else tuple(free))
         if isinstance(self.weights, Sequence):
             object.__setattr__(self, "weights", tuple(self.weights))
-        for name, least in (("starts", 1), ("seed", 0)):
-            number = getattr(self, name)
-            if isinstance(number, bool) or not isinstance(number, int | np.integer):
-                raise InputError(f"{name} is {number!r}; give a whole number")
-            if number < least:
-                raise InputError(f"{name} is {number}; give at least {least}")
-            object.__setattr__(self, name, int(number))
-        for name, known in (
-            ("loss", LOSSES), ("normalise", NORMALISATIONS), ("population", POPULATIONS)
-        ):  # fmt: skip
-            if getattr(self, name) not in (None, *known):
-                rule = f"use one of: {', '.join(known)}"
-                raise InputError(f"{name} is {getattr(self, name)!r}; {rule}")
         for name in self.start:
             if name in self.fixed:
                 raise InputError(f"start of {name} has no effect, as {name} is fixed; give one")
@@ -135,15 +278,16 @@ class FitSettings:
         self._check_mass()
 
     def _check_mass(self) -> None:
+        from surae.model.anthropometry import foot_mass
+
         if self.body_mass is not None:
             foot_mass(self.body_mass, self.footplate_mass, table=self.foot_share)
             if "m" in self.fixed:
                 raise InputError("body_mass fixes m, and fixed does so too; give one of them")
             return
-        default = {f.name: f.default for f in fields(self)}
-        for name in ("footplate_mass", "foot_share"):
-            if getattr(self, name) != default[name]:
-                raise InputError(f"{name} has no effect without body_mass; give both")
+        for each, record in settings_of(type(self)):
+            if record.needs == "body_mass" and getattr(self, each.name) != default_of(each):
+                raise InputError(f"{each.name} has no effect without body_mass; give both")
 
     @classmethod
     def of(cls, model: "str | FitSettings" = AUTO, **asked: Any) -> "FitSettings":
@@ -188,6 +332,8 @@ class FitSettings:
     @property
     def mentioned(self) -> frozenset[str]:
         """These names, a drive's name replaced by those of its parameters."""
+        from surae.model.parameters import OPTIONAL
+
         given = self.parameters
         return frozenset(name for drive in given for name in OPTIONAL.get(drive, (drive,)))
 
@@ -204,6 +350,10 @@ class FitSettings:
         FitSettings
             What it can be asked.
         """
+        from surae.model import get_model, with_optional
+        from surae.model.laboratory import richest
+        from surae.model.parameters import OPTIONAL
+
         names = with_optional(get_model(richest(model)), self.mentioned).names
         changes: dict[str, Any] = {
             field: {name: value for name, value in getattr(self, field).items() if name in names}
@@ -216,9 +366,9 @@ class FitSettings:
 
     def inputs(
         self,
-        recordings: Sequence[Recording | ModelInputs],
-        mvc: Sequence[Recording | ModelInputs] = (),
-    ) -> tuple[ModelInputs, ...]:
+        recordings: "Sequence[Recording | ModelInputs]",
+        mvc: "Sequence[Recording | ModelInputs]" = (),
+    ) -> "tuple[ModelInputs, ...]":
         """What the model reads of recordings: prepared, normalised, weighted, the foot weighed.
 
         Parameters
@@ -238,6 +388,9 @@ class FitSettings:
         InputError
             A recording cannot be prepared so.
         """
+        from surae.model.anthropometry import with_foot_mass
+        from surae.signals import normalise, weighted
+
         made: tuple[ModelInputs, ...] = tuple(self.prepare(recording) for recording in recordings)
         if self.normalise is not None:
             made = normalise(made, self.normalise, mvc=[self.prepare(each) for each in mvc])
@@ -247,7 +400,7 @@ class FitSettings:
             made = with_foot_mass(made, self.body_mass, self.footplate_mass, table=self.foot_share)
         return made if self.weights is None else weighted(made, self.weights)
 
-    def prepare(self, recording: Recording | ModelInputs) -> ModelInputs:
+    def prepare(self, recording: "Recording | ModelInputs") -> "ModelInputs":
         """What the model reads of one recording, before EMG is normalised and samples weighted.
 
         Parameters
@@ -260,6 +413,8 @@ class FitSettings:
         ModelInputs
             The signals on one time axis.
         """
+        from surae.signals import ModelInputs, Preparation, prepare
+
         if isinstance(recording, ModelInputs):
             return recording
         how = Preparation().updated(self.preparation)
@@ -299,7 +454,16 @@ class FitSettings:
 
 def _frozen(value: Any) -> Any:
     """A pair as a tuple; anything else as it is, to be refused where it is used."""
-    return tuple(value) if isinstance(value, list | np.ndarray) else value
+    return tuple(value) if isinstance(value, list) or hasattr(value, "__array__") else value
+
+
+def _whole(name: str, value: Any, least: float | None) -> int:
+    """A whole number, of NumPy's too, as Python's."""
+    if isinstance(value, bool) or not isinstance(value, Integral):
+        raise InputError(f"{name} is {value!r}; give a whole number")
+    if least is not None and value < least:
+        raise InputError(f"{name} is {value}; give at least {least:g}")
+    return int(value)
 
 
 def _believed(given: Any) -> dict[str, Any]:
@@ -318,16 +482,18 @@ def _plain(value: Any) -> Any:
         return [_plain(entry) for entry in value]
     if isinstance(value, ModelOptions):
         return value.as_dict()
-    if isinstance(value, Weighting):
+    if hasattr(value, "windows"):
         windows = [
             [start if math.isfinite(start) else None, end if math.isfinite(end) else None, weight]
             for start, end, weight in value.windows
         ]
         return {"windows": windows, "peaks": value.peaks, "activity": value.activity}
-    return value.item() if isinstance(value, np.generic) else value
+    return value.item() if hasattr(value, "item") else value
 
 
-def _weighting(data: Mapping[str, Any]) -> Weighting:
+def _weighting(data: Mapping[str, Any]) -> "Weighting":
+    from surae.signals import Weighting
+
     windows = tuple(
         (-math.inf if start is None else start, math.inf if end is None else end, weight)
         for start, end, weight in data["windows"]

@@ -98,5 +98,5 @@ def test_the_help_lists_every_model(run, command) -> None:
 def test_the_help_states_the_true_defaults(run) -> None:
     text = " ".join(run("fit", "--model", "muscle", "--help").out.split())
     assert f"[default: {settings.STARTS}] --seed" in text
-    assert "--seed N Of the random starts. [default: 0]" in text
+    assert "--seed N Seed of the random starts. [default: 0]" in text
     assert surae.FitSettings().seed == 0

@@ -56,8 +56,8 @@ USERS = [name for name in FUNCTIONS if ".".join(name.split(".")[:2]) in
 
 
 def _parameters(function: Callable[..., object], bound: bool) -> list[str]:
-    if "__signature__" in vars(function):  # says more for completion than the docstring repeats
-        function = FunctionType(function.__code__, {})
+    if "__signature__" in vars(function) and "\n**asked\n" in inspect.getdoc(function):
+        function = FunctionType(function.__code__, {})  # completion says more than is repeated
     return list(inspect.signature(function).parameters)[bound:]
 
 

@@ -16,7 +16,6 @@ from surae.api.expecting import expect as expect
 from surae.api.expecting import protocol_trajectory as protocol_trajectory
 from surae.api.expecting import ready_trajectory as ready_trajectory
 from surae.api.fitted import Fit as Fit
-from surae.api.fitting import Priors as Priors
 from surae.api.fitting import fit as fit
 from surae.api.fitting import fit_inputs as fit_inputs
 from surae.api.fitting import inputs_for as inputs_for
@@ -65,7 +64,6 @@ from surae.measures.cohort import Cohort as Cohort
 from surae.measures.norms import placed as placed
 from surae.measures.norms import read_norms as read_norms
 from surae.model import MODELS as MODELS
-from surae.model import ModelOptions as ModelOptions
 from surae.model import ModelSpec as ModelSpec
 from surae.model import Parameter as Parameter
 from surae.model import Simulator as Simulator
@@ -76,6 +74,7 @@ from surae.model import with_optional as with_optional
 from surae.model.jit import cache_folder as cache_folder
 from surae.model.jit import on_compilation as on_compilation
 from surae.model.laboratory import richest as richest
+from surae.model.options import ModelOptions as ModelOptions
 from surae.model.parameters import OPTIONAL as OPTIONAL
 from surae.model.parameters import OPTIONAL_PARAMETERS as OPTIONAL_PARAMETERS
 from surae.planning.demand import asked_limits as asked_limits

@@ -6,7 +6,7 @@ import click
 
 from surae import api, names
 from surae.cli.fit import read_all
-from surae.cli.options import MODEL_NAMES, PREPARED, request, request_options
+from surae.cli.options import MODEL_NAMES, request, request_options
 from surae.cli.paths import check_outputs, check_recordings
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import show_comparison, show_files
@@ -21,13 +21,11 @@ _FEW_STARTS = 3
 @click.option("--models", metavar="M,M…",
               help=f"Which, with commas, of {MODEL_NAMES}.  "
               "[default: all but muscle-2010]")  # fmt: skip
-@PREPARED
-@request_options
+@request_options("model")
 @click.option("--output", metavar="C.json", help="Write the comparison.")
 def command(
     recordings: tuple[str, ...],
     models: str | None,
-    prepared: bool,
     options: dict[str, Any],
     mvc: tuple[str, ...],
     output: str | None,
@@ -42,7 +40,7 @@ def command(
     chosen = everything if models is None else [name.strip() for name in models.split(",")]
     if not all(chosen):
         raise InputError(f"--models {models}: write names with commas, e.g. muscle,muscle-tendon")
-    settings = request(names.AUTO, {"starts": _FEW_STARTS, "prepared": prepared} | options)
+    settings = request({"starts": _FEW_STARTS} | options)
     check_recordings(recordings)
 
     with work() as progress:

@@ -8,9 +8,7 @@ import click
 from surae import api
 from surae.cli.check import show_short
 from surae.cli.options import (
-    FITTED_MODEL,
     MAPPING,
-    PREPARED,
     figure_options,
     request,
     request_options,
@@ -24,10 +22,8 @@ from surae.files import shown
 
 @click.command("fit")
 @click.argument("recordings", metavar="REC…", nargs=-1, required=True)
-@FITTED_MODEL
 @MAPPING
-@PREPARED
-@request_options
+@request_options()
 @click.option("--baseline", metavar="B.json", help="Compare SEM with simulations (snSEM).")
 @click.option(
     "--strict", is_flag=True, help="Refuse recordings in which `surae check` finds errors."
@@ -37,9 +33,7 @@ from surae.files import shown
 @figure_options
 def command(
     recordings: tuple[str, ...],
-    model: str,
     mapping: str | None,
-    prepared: bool,
     options: dict[str, Any],
     mvc: tuple[str, ...],
     baseline: str | None,
@@ -55,7 +49,7 @@ def command(
     --mapping one of the files that this TOML describes.
     Ctrl-C stops the search: the best fit so far is shown and written.
     """
-    settings = request(model, options | {"prepared": prepared})
+    settings = request(options)
     check_recordings(recordings)
 
     api.check_report(report)
@@ -65,7 +59,7 @@ def command(
         quality = []
         for path, recording in zip(recordings, measured, strict=True):
             progress.describe(f"checking {path}")
-            quality.append(api.check(recording, prepared=prepared))
+            quality.append(api.check(recording, prepared=settings.prepared))
             if strict:
                 refuse_errors(path, quality[-1])
         contractions = read_all(mvc, progress, mapping)

@@ -1,7 +1,7 @@
 """Types of options, and the options that several commands share."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -9,15 +9,18 @@ import click
 from surae import api, names
 from surae.errors import InputError
 from surae.files import shown
+from surae.setting import Setting, default_of, kind_of, settings_of
 
 if TYPE_CHECKING:
+    from dataclasses import Field
+
     from surae.runner import Engine
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 MODEL_NAMES = f"{', '.join(names.MODELS[:-1])} or {names.MODELS[-1]}"
-#: More starts, fits or threads than these are slips of the keyboard.
-MOST_STARTS, MOST_FITS, MOST_WORKERS = 10_000, 1_000_000, 1000
+#: More fits or threads than these are slips of the keyboard.
+MOST_FITS, MOST_WORKERS = 1_000_000, 1000
 
 
 def number(where: str, text: str) -> float:
@@ -183,45 +186,23 @@ def table(_: click.Context, param: click.Parameter, entries: Any) -> dict[str, A
     return values
 
 
-def entries(option: str, form: str, example: str, help: str, metavar: str) -> Callable[[F], F]:
-    """An option that may be given several times, each time for another name."""
-    kind = Entry(form, example)
-    return click.option(
-        option, type=kind, multiple=True, callback=table, metavar=metavar, help=help
-    )
-
-
 def prior_option(help: str) -> Callable[[F], F]:
     """What is known of parameters beforehand."""
-    return entries("--prior", "median:spread", "tau_rel=3:0.3", help, "NAME=MEDIAN:SPREAD")
+    (record,) = (r for each, r in settings_of(api.FitSettings) if each.name == "priors")
+    return click.option(
+        "--prior", type=Entry(record.metavar.lower(), record.example), multiple=True,
+        callback=table, metavar=f"NAME={record.metavar}", help=help,
+    )  # fmt: skip
 
 
-_MODEL = (
-    *(click.option(f"--{name.replace('_', '-')}", type=click.Choice(choices), help=help)
-      for (name, choices), help in zip(names.CHOICES.items(), (
-          "How muscle length is read.", "How ε0 is read.", "Muscle-tendon models."), strict=True)),
-    click.option("--theta-foot", type=Number(), metavar="RAD", help="Foot to horizontal at 0 rad."),
-    click.option("--vmax-factor", type=Number(), metavar="F", help="vmax in optimal lengths/s."),
-    click.option("--x-ref-tri", type=Number(), metavar="M", help="Virtual work: triceps at 0 rad."),
-    click.option("--x-ref-tib", type=Number(), metavar="M",
-                 help="Virtual work: tibialis at 0 rad."),
-)  # fmt: skip
-_REQUEST = (
-    entries("--fixed", "value", "beta=1", "Do not estimate a parameter.", "NAME=VALUE"),
-    click.option("--free", type=Name(), multiple=True, metavar="NAME",
-                 help="Estimate one that is fixed; emd: a delay of the EMG; reflex: all of a "
-                 "stretch reflex."),
-    entries("--start", "value", "beta=1", "Start somewhere else.", "NAME=VALUE"),
-    entries("--bound", "lower:upper", "m=1:4", "Other bounds.", "NAME=LOW:HIGH"),
-    prior_option("Known beforehand: SPREAD is the relative standard deviation."),
-    click.option("--priors", type=click.Choice(names.POPULATIONS),
-                 help="What is known of a population beforehand; --prior goes before it."),
-    click.option("--body-mass", type=Number(), metavar="KG",
-                 help="Fix m: the foot is 1.45 % of it (Winter)."),
-    click.option("--footplate-mass", type=Number(), metavar="KG",
-                 help="To add to the foot's.  [default: 0]"),
-    click.option("--foot-share", type=click.Choice(names.FOOT_SHARES),
-                 help="Whose share of body mass.  [default: winter]"),
+def flag(name: str) -> str:
+    """The option of a setting of `surae fit`, by its field's name."""
+    records = {each.name: record.option for each, record in settings_of(api.FitSettings)}
+    return f"--{records.get(name) or name}".replace("_", "-")
+
+
+#: What `weights` is made of, and its frequent value of `loss`.
+_WEIGHTS = (
     click.option("--exclude", type=Span(), multiple=True, metavar="START:END",
                  help="Seconds to leave out of the fit; either may be left away."),
     click.option("--weight", type=Span(weight=True), multiple=True, metavar="START:END:W",
@@ -231,20 +212,49 @@ _REQUEST = (
     click.option("--peaks-of", type=click.Choice(names.ACTIVITIES),
                  help="Peaks of what.  [default: torque]"),
     click.option("--robust", is_flag=True, help="Outliers count less: the same as --loss huber."),
-    click.option("--loss", type=click.Choice(names.LOSSES),
-                 help="How outliers count.  [default: squares]"),
-    click.option("--normalise", type=click.Choice(names.NORMALISATIONS),
-                 help="Divide EMG by the largest of all recordings, or of --mvc; g come out in N."),
-    click.option("--filter", type=SettingType(), multiple=True, callback=table,
-                 metavar="NAME=VALUE",
-                 help="A setting of the preparation, e.g. bessel_hz=10; false: without it."),
-    click.option("--nuisances", type=click.Choice(names.NUISANCES),
-                 help="Imperfections of the laboratory that auto takes in.  [default: all]"),
-    click.option("--starts", type=Whole(1, MOST_STARTS), metavar="N",
-                 help="Number of starts of a fit.  [default: 8]"),
-    click.option("--seed", type=Whole(0), metavar="N", help="Of the random starts.  [default: 0]"),
-    *_MODEL,
 )  # fmt: skip
+
+
+def options_of(request: Any, *without: str) -> list[Callable[[Any], Any]]:
+    """Options of all settings of a request that have a help, but for those that a command leaves.
+
+    Each arrives under the name of its field; what is not given as None, or nothing.
+    """
+    made: list[Callable[[Any], Any]] = []
+    for each, record in settings_of(request):
+        if each.name == "weights":
+            made += _WEIGHTS
+        if record.help and each.name not in without:
+            name = (record.option or each.name).replace("_", "-")
+            made.append(click.option(f"--{name}", each.name, **_option(each, record)))
+    return made
+
+
+def _option(each: "Field[Any]", record: Setting) -> dict[str, Any]:
+    """What click makes an option of."""
+    kind = kind_of(each)
+    how: dict[str, Any] = {"help": record.help, "metavar": record.metavar or None}
+    if record.choices:
+        how["type"] = click.Choice(record.choices)
+    elif kind == "flag":
+        return how | {"is_flag": True}
+    elif kind == "names":
+        return how | {"type": Name(), "multiple": True}
+    elif kind == "mapping":
+        entry = Entry(record.metavar.lower(), record.example) if record.example else SettingType()
+        return how | {"type": entry, "multiple": True, "callback": table,
+                      "metavar": f"NAME={record.metavar}"}  # fmt: skip
+    elif kind == "whole":
+        most = None if record.most is None else int(record.most)
+        how["type"] = Whole(int(record.least or 0), most)
+    else:
+        how["type"] = Number()
+    default = default_of(each)
+    if default is not None:
+        how["help"] += f"  [default: {f'{default:g}' if kind == 'number' else default}]"
+    return how
+
+
 _MVC = click.option(
     "--mvc",
     multiple=True,
@@ -282,14 +292,6 @@ def range_option(default: str, *, whose: str = "") -> Callable[[F], F]:
     help = "Full plantarflexion and dorsiflexion of the subject, in rad"
     help += f"{whose}.  [default: {default}]"
     return click.option("--range", type=Range(), metavar="LOW:HIGH", help=help)
-
-
-FITTED_MODEL = click.option(
-    "--model", type=click.Choice(names.FITTED), default=names.AUTO, show_default=True, metavar="M",
-    help=f"{names.AUTO}: what the data support; or {MODEL_NAMES}.",
-)  # fmt: skip
-PREPARED = click.option("--prepared", is_flag=True,
-                        help="Use the signals as they are, without filters.")  # fmt: skip
 
 
 def server_options(port: int) -> Callable[[F], F]:
@@ -337,7 +339,7 @@ INFLATION = click.option("--variance-inflation", type=Number(above=0.0), metavar
                          "correlation asks for]")  # fmt: skip
 
 
-def _collected(options: tuple[Any, ...]) -> Callable[[F], F]:
+def _collected(options: Sequence[Callable[[Any], Any]]) -> Callable[[F], F]:
     """Add options; those that are used arrive together, by name, as the keyword `options`."""
 
     def decorate(function: F) -> F:
@@ -358,20 +360,17 @@ def _collected(options: tuple[Any, ...]) -> Callable[[F], F]:
 
 
 #: Adds the switches of the models.
-model_options = _collected(_MODEL)
+model_options = _collected(options_of(api.ModelOptions))
 
 
-def request_options(function: F) -> F:
-    """Add what a fit may be asked, which `request` reads, and its --mvc."""
-    return _collected(_REQUEST)(_MVC(function))
+def request_options(*without: str) -> Callable[[F], F]:
+    """Add what a fit may be asked, which `request` reads, and its --mvc; `without` some fields."""
+    every = options_of(api.FitSettings, *without)
+    return lambda function: _collected([*every, *options_of(api.ModelOptions)])(_MVC(function))
 
 
-def request(model: "str | api.FitSettings", options: dict[str, Any]) -> "api.FitSettings":
-    """What a command was asked, as `surae.fit` takes it.
-
-    `model` may be what the options are put in place of; `options` is what `request_options`
-    collected.
-    """
+def request(options: Mapping[str, Any]) -> "api.FitSettings":
+    """What a command was asked, as `surae.fit` takes it, from what `request_options` collected."""
     keywords = dict(options)
     windows = (*keywords.pop("exclude", ()), *keywords.pop("weight", ()))
     peaks, kind = keywords.pop("weight_peaks", None), keywords.pop("peaks_of", None)
@@ -381,12 +380,4 @@ def request(model: "str | api.FitSettings", options: dict[str, Any]) -> "api.Fit
         keywords["weights"] = api.Weighting(windows, peaks or 0.0, kind or "torque")
     if keywords.pop("robust", False) and keywords.setdefault("loss", "huber") != "huber":
         raise InputError(f"--robust means --loss huber, not {keywords['loss']}; give one of them")
-    keywords["bounds"], keywords["population"] = (
-        keywords.pop("bound", {}),
-        keywords.pop("priors", None),
-    )
-    keywords["priors"], keywords["preparation"] = (
-        keywords.pop("prior", {}),
-        keywords.pop("filter", {}),
-    )
-    return api.FitSettings.of(model, **keywords)
+    return api.FitSettings.of(keywords.pop("model", names.AUTO), **keywords)

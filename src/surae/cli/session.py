@@ -7,9 +7,7 @@ import click
 
 from surae import api
 from surae.cli.options import (
-    FITTED_MODEL,
     MAPPING,
-    PREPARED,
     figure_options,
     request,
     request_options,
@@ -24,17 +22,13 @@ from surae.files import shown
 @click.command("session")
 @click.argument("recordings", metavar="FILES|DIR", nargs=-1, required=True)
 @MAPPING
-@FITTED_MODEL
-@PREPARED
-@request_options
+@request_options()
 @click.option("--output", required=True, metavar="OUT/", help="Folder of the fits and the report.")
 @click.option("--report", metavar="R.pdf", help="Write the report here too: HTML or PDF.")
 @figure_options
 def command(
     recordings: tuple[str, ...],
     mapping: str | None,
-    model: str,
-    prepared: bool,
     options: dict[str, Any],
     mvc: tuple[str, ...],
     output: str,
@@ -55,7 +49,7 @@ def command(
             "--mvc: the maximal contractions of a session are among its trials: name them so, or "
             'write effort = "maximal" in the mapping\'s [trials]'
         )
-    settings = request(model, options | {"prepared": prepared})
+    settings = request(options)
     for option, path in (("--report", report), ("--figure", figure)):
         if path is not None and Path(path).resolve().parent != Path(output).resolve():
             check_outputs({option: path}, recordings)  # OUT/ is not there yet

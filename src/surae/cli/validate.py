@@ -7,7 +7,7 @@ import click
 
 from surae import api, names
 from surae.cli.fit import read_all
-from surae.cli.options import MODEL_NAMES, figure_options, request, request_options
+from surae.cli.options import MODEL_NAMES, figure_options, flag, request, request_options
 from surae.cli.paths import check_outputs, check_recordings
 from surae.cli.progress import compilation_notice, work
 from surae.cli.screen import show_files, show_line, show_predictions
@@ -26,7 +26,7 @@ from surae.files import shown, write_json
 @click.option("--report", metavar="V.html", help="Write the fit's report with the predictions.")
 @click.option("--model", type=click.Choice(names.MODELS), metavar="M",
               help=f"Leave one out: {MODEL_NAMES}.  [default: muscle]")  # fmt: skip
-@request_options
+@request_options("model", "prepared")
 @figure_options
 def command(
     fitted: str,
@@ -50,13 +50,13 @@ def command(
     if leave_one_out:
         if report is not None:
             raise InputError("--report shows one fit, and --leave-one-out makes several; give one")
-        settings = request(model or "muscle", options | {"prepared": bool(prepared)})
+        settings = request(options | {"model": model or "muscle", "prepared": bool(prepared)})
         _leave_one_out((fitted, *recordings), settings, mvc, output, figure, width)
         return
     for name, value in {**options, "model": model, "mvc": mvc}.items():
         if value and name != "exclude":
-            raise InputError(f"--{name.replace('_', '-')} has no effect without --leave-one-out")
-    weighting = request("muscle", options).weights
+            raise InputError(f"{flag(name)} has no effect without --leave-one-out")
+    weighting = request(options).weights
 
     api.check_report(report)
     measured = [api.read(path) for path in recordings]

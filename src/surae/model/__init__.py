@@ -1,36 +1,9 @@
-"""Models of the ankle: parameters, equations, simulators with exact sensitivities."""
+"""Models of the ankle: parameters, equations, simulators with exact sensitivities.
 
-from surae.model.options import ModelOptions
-from surae.model.parameters import Parameter, adapted
-from surae.model.registry import (
-    MODELS,
-    ModelSpec,
-    check_names,
-    check_value,
-    get_model,
-    with_optional,
-)
-from surae.model.simulator import (
-    Simulator,
-    TendonLaw,
-    TendonState,
-    TorqueParts,
-    check_finite_torque,
-)
+``__init__.pyi`` lists what it offers; help needs the options alone, so each is loaded when it is
+first used.
+"""
 
-__all__ = [
-    "MODELS",
-    "ModelOptions",
-    "ModelSpec",
-    "Parameter",
-    "Simulator",
-    "TendonLaw",
-    "TendonState",
-    "TorqueParts",
-    "adapted",
-    "check_finite_torque",
-    "check_names",
-    "check_value",
-    "get_model",
-    "with_optional",
-]
+from surae._lazy import lazy_names
+
+__getattr__, __dir__ = lazy_names(__name__, __file__)

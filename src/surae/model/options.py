@@ -7,54 +7,106 @@ from typing import Any
 
 from surae.errors import InputError
 from surae.names import CHOICES
+from surae.setting import documented, kind_of, setting, settings_of
 
 
+@documented
 @dataclass(frozen=True, slots=True)
 class ModelOptions:
     """How a model reads the parts of the thesis that leave a choice.
 
     Attributes
     ----------
-    geometry : {"thesis", "virtual-work"}
-        Muscle length: equation (9) as printed, or the integral of the moment arm.
-    tendon_strain : {"thesis", "slack-length"}
-        ε0 in metres as the printed equations take it, or a strain times the slack length.
-    integrator : {"implicit", "explicit-euler"}
-        Integrator of the muscle-tendon models; the explicit one is the thesis's.
-    theta_foot : float
-        Angle of the foot to the horizontal at θ = 0 [rad], equation (7).
-    vmax_factor : float
-        Maximum shortening speed in optimal lengths per second.
-    x_ref_tri, x_ref_tib : float
-        Muscle lengths at θ = 0 of the virtual-work geometry [m].
-    emg_ref : tuple of float, or None
-        EMG levels of TA, GL, SOL, GM [V] at which `emg_shape` changes nothing; the same for all
-        recordings of a leg, e.g. `surae.signals.emg_levels` of them. Only `emg_shape` needs it.
+    {settings}
     """
 
-    geometry: str = "thesis"
-    tendon_strain: str = "thesis"
-    integrator: str = "implicit"
-    theta_foot: float = 0.0
-    vmax_factor: float = 8.0
-    x_ref_tri: float = 0.080
-    x_ref_tib: float = 0.100
-    emg_ref: tuple[float, float, float, float] | None = None
+    geometry: str = setting(
+        "thesis",
+        "Muscle length: equation (9) as printed, or the integral of the moment arm.",
+        type='{"thesis", "virtual-work"}',
+        choices=CHOICES["geometry"],
+        help="How muscle length is read.",
+        label="Geometry",
+        rare=True,
+    )
+    tendon_strain: str = setting(
+        "thesis",
+        "ε0 in metres as the printed equations take it, or a strain times the slack length.",
+        type='{"thesis", "slack-length"}',
+        choices=CHOICES["tendon_strain"],
+        help="How ε0 is read.",
+        label="Tendon strain",
+        rare=True,
+    )
+    integrator: str = setting(
+        "implicit",
+        "Of the muscle-tendon models; the explicit one is the thesis's.",
+        type='{"implicit", "explicit-euler"}',
+        choices=CHOICES["integrator"],
+        help="Integrator of the muscle-tendon models.",
+        label="Integrator",
+        rare=True,
+    )
+    theta_foot: float = setting(
+        0.0,
+        "Angle of the foot to the horizontal at θ = 0 [rad], equation (7).",
+        type="float",
+        metavar="RAD",
+        help="Foot to horizontal at 0 rad.",
+        label="Foot to horizontal at 0° [rad]",
+        rare=True,
+    )
+    vmax_factor: float = setting(
+        8.0,
+        "Maximum shortening speed in optimal lengths per second.",
+        type="float",
+        above=0.0,
+        metavar="F",
+        help="Maximum shortening speed in optimal lengths per second.",
+        label="Maximum shortening speed [optimal lengths/s]",
+        rare=True,
+    )
+    x_ref_tri: float = setting(
+        0.080,
+        "Length of the triceps at θ = 0 of the virtual-work geometry [m].",
+        type="float",
+        above=0.0,
+        metavar="M",
+        help="Virtual work: length of the triceps at 0 rad.",
+        label="Virtual work: triceps at 0° [m]",
+        rare=True,
+    )
+    x_ref_tib: float = setting(
+        0.100,
+        "Length of the tibialis at θ = 0 of the virtual-work geometry [m].",
+        type="float",
+        above=0.0,
+        metavar="M",
+        help="Virtual work: length of the tibialis at 0 rad.",
+        label="Virtual work: tibialis at 0° [m]",
+        rare=True,
+    )
+    emg_ref: tuple[float, float, float, float] | None = setting(
+        None,
+        "EMG levels of TA, GL, SOL, GM [V] at which `emg_shape` changes nothing; the same for all "
+        "recordings of a leg, e.g. `surae.signals.emg_levels` of them. Only `emg_shape` needs it.",
+        type="four floats, or None",
+    )
 
     def __post_init__(self) -> None:
         """Refuse values that are not among the choices or not physical."""
-        for name, allowed in CHOICES.items():
-            value = getattr(self, name)
-            if value not in allowed:
-                raise InputError(f"option {name} is {value!r}; use one of: {', '.join(allowed)}")
-        for name in ("theta_foot", "vmax_factor", "x_ref_tri", "x_ref_tib"):
-            value = getattr(self, name)
+        for each, record in settings_of(type(self)):
+            name, value = each.name, getattr(self, each.name)
+            if record.choices and value not in record.choices:
+                allowed = ", ".join(record.choices)
+                raise InputError(f"option {name} is {value!r}; use one of: {allowed}")
+            if kind_of(each) != "number":
+                continue
             number = isinstance(value, Real) and not isinstance(value, bool)
             if not number or not math.isfinite(value):
                 raise InputError(f"option {name} is {value!r}; give a finite number")
-        for name in ("vmax_factor", "x_ref_tri", "x_ref_tib"):
-            if getattr(self, name) <= 0:
-                raise InputError(f"option {name} is {getattr(self, name)}; it must be positive")
+            if record.above is not None and value <= record.above:
+                raise InputError(f"option {name} is {value}; it must be positive")
         self._check_levels()
 
     def _check_levels(self) -> None:

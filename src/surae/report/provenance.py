@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from surae.assessment import Assessment
 from surae.estimation import FitResult, Prior
@@ -116,21 +115,13 @@ def prior_span(prior: Prior) -> tuple[float, float, float]:
     return prior.median / factor, prior.median, prior.median * factor
 
 
-@dataclass(frozen=True, slots=True)
-class Setting:
-    """A label and what it says."""
-
-    label: str
-    value: str
-
-
 def _option(value: str | float | tuple[float, ...]) -> str:
     if isinstance(value, tuple):
         return " / ".join(short(level) for level in value)
     return value if isinstance(value, str) else short(value)
 
 
-def fit_settings(result: FitResult, assessment: Assessment) -> tuple[Setting, ...]:
+def fit_settings(result: FitResult, assessment: Assessment) -> tuple[tuple[str, str], ...]:
     """Model, options, fixed parameters, changed bounds, starts, seed and time of a fit."""
     problem = result.problem
     options = ", ".join(
@@ -138,15 +129,15 @@ def fit_settings(result: FitResult, assessment: Assessment) -> tuple[Setting, ..
     )
     chosen = "" if result.family is None else ", chosen by model auto"
     return (
-        Setting("Model", f"{problem.spec.title} ({problem.spec.name}){chosen}"),
-        Setting("Model options", options),
-        Setting("Fixed parameters", _fixed(result, assessment)),
-        Setting("Bounds", _bounds(result)),
-        Setting("Priors", _priors(result, assessment)),
-        Setting("Loss", loss_text(result)),
-        Setting("Samples and estimated parameters", f"{problem.n} and {len(problem.free)}"),
-        Setting("Starts", _starts(result)),
-        Setting("Wall time of the fit", f"{significant(result.seconds, 2)} s"),
+        ("Model", f"{problem.spec.title} ({problem.spec.name}){chosen}"),
+        ("Model options", options),
+        ("Fixed parameters", _fixed(result, assessment)),
+        ("Bounds", _bounds(result)),
+        ("Priors", _priors(result, assessment)),
+        ("Loss", loss_text(result)),
+        ("Samples and estimated parameters", f"{problem.n} and {len(problem.free)}"),
+        ("Starts", _starts(result)),
+        ("Wall time of the fit", f"{significant(result.seconds, 2)} s"),
     )
 
 
@@ -157,9 +148,7 @@ def provenance_section(
     return SectionBlock(
         "Settings and provenance",
         (
-            facts_of(
-                ((each.label, each.value) for each in fit_settings(result, assessment)), "settings"
-            ),
+            facts_of(fit_settings(result, assessment), "settings"),
             *map(_source, result.problem.inputs),
             SectionBlock("Versions", (facts_of(versions.items()),)),
         ),

@@ -234,7 +234,8 @@ def _report_sections(fit: "api.Fit") -> dict[str, Any]:
         "trials": api.trials_section(result, assessment),
     }
     texts = {name: None if each is None else asdict(each) for name, each in sections.items()}
-    return texts | {"made": [asdict(each) for each in api.fit_settings(result, assessment)]}
+    made = api.fit_settings(result, assessment)
+    return texts | {"made": [{"label": label, "value": value} for label, value in made]}
 
 
 def fit_traces(

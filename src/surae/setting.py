@@ -1,0 +1,91 @@
+"""One record for each setting: option, form, schema, keyword and documentation are made from it."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import MISSING, Field, dataclass, field, fields
+from types import NoneType, UnionType
+from typing import Any, TypeVar, get_args, get_origin
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Setting:
+    """What a field of a request means, and how people and programs give it."""
+
+    meaning: str  #: For documentation, in numpydoc's words.
+    type: str  #: What it may be, in the same words.
+    help: str = ""  #: Of its option; none: no option.
+    option: str = ""  #: Name of its option, where that is not the field's.
+    metavar: str = ""  #: What help writes for its value; of a mapping NAME=… with its parts.
+    example: str = ""  #: An entry of a mapping, for the message about one that is misspelt.
+    label: str = ""  #: Of its field in a form; none: no field there.
+    words: Mapping[str, str] | None = None  #: What a form calls its choices; "": none of them.
+    choices: tuple[str, ...] = ()  #: The only values, of text.
+    least: float | None = None  #: The smallest number, of all that it holds.
+    above: float | None = None  #: All numbers are larger.
+    most: float | None = None  #: The largest number.
+    needs: str = ""  #: The setting without which it has no effect; NAME=VALUE: but for a form only.
+    rare: bool = False  #: Whether a form has it among what few people change.
+
+
+def setting(default: Any, meaning: str, *, type: str, **how: Any) -> Any:
+    """A field of a request, with its default (a class: what that makes) and its meaning."""
+    known: Any = {"default_factory": default} if callable(default) else {"default": default}
+    return field(**known, metadata={"setting": Setting(meaning=meaning, type=type, **how)})
+
+
+def settings_of(kind: Any) -> Iterator[tuple["Field[Any]", Setting]]:
+    """The fields of a request that are settings, each with its record."""
+    for each in fields(kind):
+        if "setting" in each.metadata:
+            yield each, each.metadata["setting"]
+
+
+def default_of(each: "Field[Any]") -> Any:
+    """The default of a field."""
+    made = each.default_factory
+    return each.default if made is MISSING else made()
+
+
+def kind_of(each: "Field[Any]") -> str:
+    """What a field holds, None apart: flag, whole, number, text, names, mapping or record."""
+    return next(_kind(part) for part in parts_of(each.type) if part is not NoneType)
+
+
+def parts_of(annotation: Any) -> tuple[Any, ...]:
+    """The types of a union, or the one type."""
+    return get_args(annotation) if isinstance(annotation, UnionType) else (annotation,)
+
+
+def _kind(annotation: Any) -> str:
+    base = get_origin(annotation) or annotation
+    simple = {bool: "flag", int: "whole", float: "number", str: "text", tuple: "names"}
+    return simple.get(base, "mapping" if base is Mapping else "record")
+
+
+def described(kind: Any, indent: str, *, keywords: bool = False, without: str = "") -> str:
+    """The settings of a request as a numpydoc section has them; of keywords with their defaults."""
+    from textwrap import wrap
+
+    lines = []
+    for each, record in settings_of(kind):
+        if each.name != without:
+            text = _keyword(each, record) if keywords else record.type
+            lines.append(f"{indent}{each.name} : {text}")
+            inner = f"{indent}    "
+            lines += wrap(record.meaning, 100, initial_indent=inner, subsequent_indent=inner)
+    return "\n".join(lines)
+
+
+def _keyword(each: "Field[Any]", record: Setting) -> str:
+    """The type of a keyword, and its default where that is a plain value."""
+    default = default_of(each)
+    text = record.type.removesuffix(", or None").removesuffix(" or None")
+    shown = isinstance(default, bool | int | float | str)
+    return f"{text}, default {default!r}" if shown else f"{text}, optional"
+
+
+def documented(kind: type[T]) -> type[T]:
+    """Have the docstring of a request describe its settings, where it says ``{settings}``."""
+    kind.__doc__ = (kind.__doc__ or "").replace("    {settings}", described(kind, "    "))
+    return kind
