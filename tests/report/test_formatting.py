@@ -1,8 +1,9 @@
 import math
 
+import numpy as np
 import pytest
 
-from surae.report.formatting import estimate, percentage, short, significant
+from surae.report.formatting import ends, estimate, percentage, short, significant
 
 
 @pytest.mark.parametrize(
@@ -12,7 +13,7 @@ from surae.report.formatting import estimate, percentage, short, significant
         (0.0181497, 0.00039, ("0.01815", "3.9×10⁻⁴", "0.01739 … 0.01891")),
         (600021.1, 5812.0, ("6.000×10⁵", "5800", "(5.886 … 6.114)×10⁵")),
         (7555.0, 2187.0, ("7600", "2200", "3300 … 11800")),
-        (0.058, 0.037, ("0.058", "0.037", "−0.015 … 0.131")),
+        (0.058, 0.037, ("0.058", "0.037", "−0.015 … 0.13")),
         (2.0, 0.0996, ("2.00", "0.10", "1.80 … 2.20")),
         (227.0, 5000.0, ("230", "5000", "−9600 … 10000")),
         (0.9, 400.0, ("0.90", "400", "−780 … 780")),
@@ -21,6 +22,35 @@ from surae.report.formatting import estimate, percentage, short, significant
 def test_an_estimate_has_the_digits_of_its_standard_error(value, sem, expected):
     half = 1.96 * sem
     assert estimate(value, sem, (value - half, value + half)) == expected
+
+
+@pytest.mark.parametrize(
+    ("value", "ci95", "expected"),
+    [
+        (0.0094, (0.002, 0.044), "0.0020 … 0.044"),
+        (110.0, (20.0, 600.0), "20 … 600"),
+        (7.7e-4, (3.16e-7, 1.88), "3×10⁻⁷ … 1.9"),
+        (110.0, (0.0034, 612.0), "0.003 … 610"),
+        (2.0, (0.004, 3.9), "0.004 … 3.90"),
+        (5.0, (5.0, 60.4), "5.0 … 60"),
+        (1.0, (0.0, 2.0), "0.00 … 2.00"),
+        (8e4, (6.1e4, 1.05e5), "61000 … 105000"),
+    ],
+)
+def test_no_interval_is_rounded_to_nothing_or_has_more_digits_than_known(value, ci95, expected):
+    assert estimate(value, (ci95[1] - ci95[0]) / 3.92, ci95).interval == expected
+
+
+def test_an_end_that_is_not_nought_is_never_written_as_nought():
+    rng = np.random.default_rng(3)
+    for value, below, above in np.exp(rng.normal(0.0, 6.0, (2000, 3))):
+        ci95 = (value / (1.0 + below), value * (1.0 + above))
+        for text, end in zip(ends(value, ci95), ci95, strict=True):
+            digits, _, power = text.translate(_PLAIN).partition("×10")
+            assert float(digits) * 10.0 ** int(power or 0) == pytest.approx(end, rel=0.5)
+
+
+_PLAIN = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-")
 
 
 @pytest.mark.parametrize("sem", [None, 0.0, math.inf])

@@ -37,7 +37,7 @@ from surae.report.document import (
     paragraphs,
     rows_of,
 )
-from surae.report.formatting import NO_NUMBER, estimate, significant
+from surae.report.formatting import NO_NUMBER, ends, estimate, significant
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -310,7 +310,8 @@ def _texts(m: Measure, words: Words) -> tuple[str, str, str]:
     if m.value is None or m.ci95 is None:
         return (NO_NUMBER if m.value is None else words.number(significant(m.value, 3)),
                 NO_NUMBER, NO_NUMBER)  # fmt: skip
-    value, low, high = (words.number(significant(v, 3)) for v in (m.value, *m.ci95))
+    text = estimate(m.value, (m.ci95[1] - m.ci95[0]) / 3.92, m.ci95)
+    value, low, high = map(words.number, (text.value, *ends(m.value, m.ci95)))
     return value, low, high
 
 

@@ -19,7 +19,7 @@ class EstimateText(NamedTuple):
 
 
 def estimate(value: float, sem: float | None, ci95: tuple[float, float] | None) -> EstimateText:
-    """An estimate written to the second digit of its standard error, the interval alike.
+    """An estimate written to the second digit of its standard error, and its interval; see `ends`.
 
     A standard error far beyond the value leaves it two digits of its own: it isn't nought.
     """
@@ -28,19 +28,50 @@ def estimate(value: float, sem: float | None, ci95: tuple[float, float] | None) 
     first = _order(float(f"{sem:.1e}"))
     largest = _order(value or max(map(abs, ci95)))
     shift = _shift(largest)
-
-    def digits(number: float, first: int) -> str:
-        decimals = min(max(shift - first + 1, 0), max(_MOST - 1 - largest + shift, 0))
-        step = 10.0 ** max(first - 1, 0) if shift == 0 else 1.0
-        return _fixed(round(number / step) * step if step > 1 else number / 10.0**shift, decimals)
-
-    low, high = (digits(number, first) for number in ci95)
+    power = _power(shift)
+    low, high = ends(value, ci95)
     interval = f"{low} … {high}"
+    if power and low.endswith(power) and high.endswith(power):
+        interval = f"({low.removesuffix(power)} … {high.removesuffix(power)}){power}"
     return EstimateText(
-        digits(value, min(first, largest) if value else first) + _power(shift),
+        _to_digit(value, min(first, largest) if value else first, shift),
         standard_error(sem),
-        f"({interval}){_power(shift)}" if shift else interval,
+        interval,
     )
+
+
+def ends(value: float, ci95: tuple[float, float]) -> tuple[str, str]:
+    """Both ends of a 95 % interval, each by itself.
+
+    Each has two digits of what would be its standard error, and no more than two of its own where
+    it lies farther from the value than that is large. None but nought is rounded to nought.
+    """
+    least = (ci95[1] - ci95[0]) / 10.0
+    low, high = (_end(end, value, max(abs(end - value), least)) for end in ci95)
+    return low, high
+
+
+def _end(end: float, value: float, away: float) -> str:
+    if not math.isfinite(end):
+        return NO_NUMBER
+    order = _order(end)
+    first = _order(float(f"{away / 1.96:.1e}")) if away and math.isfinite(away) else order
+    if away > abs(value):
+        first = max(first, order)
+    shift = _shift(_order(value or end))
+    if end and (first > order + 1 or abs(order - _order(value)) > 3):
+        first, shift = min(first, order + 1), _shift(order)  # one digit of its own at least
+    return _to_digit(end, first, shift)
+
+
+def _to_digit(number: float, first: int, shift: int) -> str:
+    """A number to the digit below the power of ten `first`, times a power of ten."""
+    largest = _order(number)
+    step = 10.0 ** max(first - 1, 0) if shift == 0 else 1.0
+    if step > 1:
+        return _fixed(round(number / step) * step, 0)
+    decimals = min(max(shift - first + 1, 0), max(_MOST - 1 - largest + shift, 0))
+    return _fixed(number / 10.0**shift, decimals) + _power(shift)
 
 
 def standard_error(sem: float | None) -> str:
