@@ -33,6 +33,7 @@ LAYERS = (
         "threads",
         "units",
         "versions",
+        "working_folder",
     ),
     ("recording",),
     ("signals",),
@@ -236,6 +237,18 @@ def test_only_its_command_knows_the_thesis() -> None:
         if "surae_thesis" in source.read_text(encoding="utf-8")
     }
     assert users == {"cli/reproduce.py"}
+
+
+def test_libraries_that_obey_files_of_the_current_folder_are_imported_where_it_is_ignored() -> None:
+    users = {
+        source.relative_to(PACKAGE.parent).as_posix()
+        for package in (PACKAGE, THESIS)
+        for source in package.rglob("*.py")
+        for node in ast.parse(source.read_text(encoding="utf-8")).body
+        if isinstance(node, ast.Import | ast.ImportFrom)
+        and ast.unparse(node).split()[1].split(".")[0] in ("matplotlib", "numba")
+    }
+    assert {user for user in users if not user.startswith("surae/report/figures/")} == set()
 
 
 def test_the_package_itself_imports_next_to_nothing() -> None:

@@ -5,9 +5,7 @@
 
 from dataclasses import dataclass
 
-from matplotlib.figure import Figure
-
-from surae.report.figures import INK, correlation_figure, new_figure
+from surae.report.figures import INK, Figure, correlation_figure, new_figure
 from surae_thesis.claims import Claim, Ruling, judge_all
 from surae_thesis.section import Context, Drawing, Result, Table
 from surae_thesis.springs import (

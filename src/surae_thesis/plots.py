@@ -5,12 +5,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from surae.report.figures import (
     INK,
     MUTED,
+    Axes,
+    Figure,
     dress,
     footnote,
     heading,

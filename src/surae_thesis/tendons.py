@@ -6,13 +6,12 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 import surae
 from surae import ModelInputs
 from surae.model import MODELS, TendonState
 from surae.protocol import Protocol, chirp_rate, generate
-from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, new_figure
+from surae.report.figures import BLUE, GREY, INK, MUTED, OCHRE, RED, Figure, new_figure
 from surae.studies import VirtualSubject, virtual_subject, virtual_trial
 from surae.units import FloatArray
 from surae_thesis.claims import Claim, Ruling, judge_all

@@ -23,7 +23,7 @@ def steady(seconds: float, rate: float = 100.0) -> Recording:
 
 
 @pytest.mark.parametrize("seconds", [319.0, 321.0, 1800.0])
-def test_a_recording_of_any_length_is_checked(seconds) -> None:
+def test_a_recording_of_any_length_is_checked(seconds: float) -> None:
     codes = {finding.code for finding in check_recording(steady(seconds, 25.0)).findings}
     assert "trial-too-short" not in codes
     assert "rom-not-covered" in codes

@@ -10,6 +10,7 @@ from surae.assessment.assess import Assessment
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.recording import MUSCLES
+from surae.working_folder import ignoring
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -156,7 +157,7 @@ def _axes(given: "Axes | None") -> "Axes":
     """The axes to draw on, of a new figure where none are given."""
     if given is not None:
         return given
-    from matplotlib import pyplot
-
+    with ignoring("matplotlibrc"):
+        from matplotlib import pyplot
     axes: Axes = pyplot.subplots(figsize=(8.4, 3.6), layout="constrained")[1]
     return axes

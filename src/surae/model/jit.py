@@ -19,8 +19,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-import numba
 import numpy as np
+
+from surae.working_folder import ignoring
+
+with ignoring(".numba_config.yaml"):
+    import numba
+vars(numba.config)["_config_fname"] = ""  # looked for again at every compilation
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -9,8 +9,6 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from matplotlib.figure import Figure
-
 from surae.assessment import Assessment, Prediction
 from surae.estimation import FitResult
 from surae.files import PathLike, template, write_atomic
@@ -20,6 +18,7 @@ from surae.report.content import fit_document
 from surae.report.document import Document
 from surae.report.explore import explorer
 from surae.report.figures import (
+    Figure,
     correlation_figure,
     data_url,
     png,

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.estimation import FitResult
@@ -26,6 +25,7 @@ from surae.report.document import (
     paragraphs,
     rows_of,
 )
+from surae.report.figures import Figure
 from surae.report.figures.session import holds_figure, trials_figure
 from surae.report.figures.style import WIDTH
 from surae.report.figures.torques import fit_figure

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from surae.report.figures import (
     BLUE,
     GREY,
     INK,
     OCHRE,
+    Figure,
     dress,
     heading,
     legend,

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from surae.report.figures import (
     BLUE,
     INK,
     MUTED,
     RED,
+    Axes,
+    Figure,
     dress,
     footnote,
     heading,

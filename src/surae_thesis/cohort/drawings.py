@@ -5,7 +5,6 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from surae.report.figures import (
     BLUE,
@@ -13,6 +12,7 @@ from surae.report.figures import (
     INK,
     OCHRE,
     RED,
+    Figure,
     correlation_figure,
     torque_figure,
     traces_of,

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from surae.report.figures import (
     BLUE,
@@ -12,6 +11,7 @@ from surae.report.figures import (
     MUTED,
     OCHRE,
     RED,
+    Figure,
     dress,
     heading,
     line,

@@ -1,4 +1,13 @@
-"""The figures of a report, each from plain data; importing this imports matplotlib."""
+"""The figures of a report, each from plain data; importing this imports matplotlib.
+
+Nothing else imports it, so that no ``matplotlibrc`` of the current folder is obeyed.
+"""
+
+from surae.working_folder import ignoring
+
+with ignoring("matplotlibrc"):
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 from surae.report.figures.correlation import correlation_figure
 from surae.report.figures.residual import residual_figure
@@ -42,6 +51,8 @@ __all__ = [
     "MUTED",
     "OCHRE",
     "RED",
+    "Axes",
+    "Figure",
     "TorquePanel",
     "correlation_figure",
     "data_url",
