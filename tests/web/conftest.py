@@ -27,6 +27,7 @@ class Browser(httpx.Client):
     def __init__(self, address: str) -> None:
         # The certificates of the world's authorities would be read, and nobody here shows one.
         super().__init__(base_url=address, timeout=PATIENCE, verify=False)
+        self.address = address
         self.headers["X-CSRF-Token"] = self.get("/api/session").json()["csrf"]
 
     def upload(self, path: Path) -> str:

@@ -3,9 +3,11 @@
 import contextlib
 import http.client
 import json
+import select
 import socket
 import time
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -14,11 +16,13 @@ import httpx
 import pytest
 
 from answering import Answering
+from surae.web import server as module
 from surae.web.app import create_app
 from surae.web.imports import file_name
 from surae.web.security import Policy, is_loopback
 from surae.web.workbench import Workbench
 
+from .conftest import Browser
 from .test_web_damage import OTHERS, SUBJECT, recording
 
 #: Certificates of the world's authorities are read for each, and nobody here shows one.
@@ -271,15 +275,87 @@ def test_windows_that_follow_have_a_limit(serve) -> None:
         assert browser.get("/api/draft").status_code == 200
 
 
-def test_a_connection_that_asks_nothing_is_closed(tmp_path, monkeypatch) -> None:
-    from surae.web import server as module
-
-    monkeypatch.setattr(module, "_PATIENCE", 0.2)
+@contextlib.contextmanager
+def answering_as_served(folder: Path) -> Iterator[tuple[Workbench, Answering]]:
+    """A workbench with the connections that `surae serve` has."""
     listening = module._listen("127.0.0.1", 0)
-    bench = Workbench(tmp_path / "p", 1)
+    bench = Workbench(folder, 1)
     app = create_app(bench, Policy.of("127.0.0.1"))
     answering = Answering(app, listening, http=module._Connection, ws="none", limit_concurrency=250)
     try:
+        yield bench, answering
+    finally:
+        bench.events.close()
+        answering.close()
+
+
+def uploading(browser: Browser, size: int, stack: contextlib.ExitStack) -> socket.socket:
+    """A connection on which an upload has begun, none of it sent."""
+    address = urlsplit(browser.address)
+    place = (address.hostname, address.port)
+    made = stack.enter_context(socket.create_connection(place, timeout=60))
+    cookies = "; ".join(f"{key}={value}" for key, value in browser.cookies.items())
+    made.sendall(
+        f"POST /api/uploads?name=a.csv HTTP/1.1\r\nHost: localhost\r\nCookie: {cookies}\r\n"
+        f"X-CSRF-Token: {browser.headers['X-CSRF-Token']}\r\n"
+        f"Content-Length: {size}\r\n\r\n".encode()
+    )
+    return made
+
+
+def status(connection: socket.socket) -> int:
+    """What is answered; 0 where the connection is closed, or reset, without an answer."""
+    try:
+        return int((connection.recv(4096).split() or [b"", b"0"])[1])
+    except ConnectionError:
+        return 0
+
+
+def test_uploads_that_drip_lock_nobody_out(tmp_path, monkeypatch) -> None:
+    """256 of them once did, for as long as they liked."""
+    monkeypatch.setattr("surae.web.bodies._PATIENCE", 3.0)
+    with answering_as_served(tmp_path / "p") as (_, answering), contextlib.ExitStack() as stack:
+        dripping = [Browser(answering.address) for _ in range(4)]
+        for each in dripping:
+            stack.callback(each.close)
+        drips = [uploading(dripping[i % 4], 10**6, stack) for i in range(256)]
+        begin = time.monotonic()
+        with contextlib.closing(Browser(answering.address)) as honest:
+            assert time.monotonic() - begin < 3.0
+            assert honest.get("/api/recordings").status_code == 200
+            told, waiting = Counter[int](), set(drips)
+            while waiting and time.monotonic() - begin < 60.0:
+                for drip in select.select(waiting, (), (), 0.1)[0]:
+                    told[status(drip)] += 1
+                    waiting.remove(drip)
+                for drip in waiting:
+                    drip.sendall(b"x")
+            # There is no room for half of them, and for the last not even a connection.
+            assert told[408] == 128, told
+            assert set(told) <= {408, 503, 0}, told
+            answer = honest.post("/api/uploads", params={"name": "a.csv"}, content=b"x")
+            assert answer.status_code == 201
+
+
+def test_200_uploads_at_once_all_get_an_answer(tmp_path) -> None:
+    """Of one address, which may be a clinic's: 125 were once reset."""
+    with answering_as_served(tmp_path / "p") as (_, answering), contextlib.ExitStack() as stack:
+        clinic = [Browser(answering.address) for _ in range(4)]
+        for each in clinic:
+            stack.callback(each.close)
+        every = [uploading(clinic[i % 4], 50_000, stack) for i in range(200)]
+        for connection in every:
+            with contextlib.suppress(OSError):
+                connection.sendall(b"x" * 50_000)
+        told = Counter(map(status, every))
+        assert set(told) <= {201, 503}, told
+        assert told[201] >= 128, told
+
+
+def test_a_connection_that_asks_nothing_is_closed(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(module, "_PATIENCE", 0.2)
+    with answering_as_served(tmp_path / "p") as (bench, answering):
+        listening = answering.socket
         with socket.create_connection(listening.getsockname(), timeout=60) as slow:
             slow.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\nX-")
             assert slow.recv(100) == b""
@@ -297,9 +373,6 @@ def test_a_connection_that_asks_nothing_is_closed(tmp_path, monkeypatch) -> None
                 assert client.get("/api/draft").status_code == 200
                 bench.events.changed("fits")
                 assert next(events.iter_lines()) == "event: changed"
-    finally:
-        bench.events.close()
-        answering.close()
 
 
 @pytest.mark.parametrize(

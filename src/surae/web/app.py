@@ -5,6 +5,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
+from anyio.to_thread import current_default_thread_limiter
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
@@ -20,6 +21,7 @@ from surae.processes import FULL, NO_ROOM, one_line, where
 from surae.web.fits import keep_comparison, keep_designs, keep_fit, keep_profile, keep_study
 from surae.web.http_errors import RefusedError
 from surae.web.jobs import Kind
+from surae.web.request_workers import THREADS
 from surae.web.routes import (
     cohort,
     comparisons,
@@ -61,6 +63,7 @@ def create_app(bench: Workbench, policy: Policy) -> ASGIApp:
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         del app
+        current_default_thread_limiter().total_tokens = THREADS
         bench.jobs.start(_job_kinds(bench))
         try:
             yield

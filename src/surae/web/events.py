@@ -43,6 +43,10 @@ class Events:
         """Tell all browsers that a list has changed."""
         self.tell("project", "changed", {"what": what})
 
+    def queue(self, waiting: int) -> None:
+        """Tell all browsers how many requests wait for files to be read."""
+        self.tell("project", "queue", {"waiting": waiting})
+
     def close(self) -> None:
         """End all streams."""
         with self._lock:

@@ -2,6 +2,7 @@
 
 import logging
 import threading
+from collections.abc import Callable
 from typing import Any
 
 from surae.processes import Child
@@ -13,18 +14,25 @@ _SECONDS, _MEMORY = 180.0, 12 * 2**30
 _NICE = 3
 _log = logging.getLogger("surae.web")
 #: Pieces of work at a time, and how many requests may wait for them.
-_WORKERS, _WAITING = 2, 12
+_WORKERS, _WAITING = 2, 100
+#: Threads that answer requests: those that wait take none from the pages.
+THREADS = _WAITING + 40
 
 
 class RequestWorkers:
-    """A few workers for what a request waits for."""
+    """A few workers for what a request waits for.
 
-    def __init__(self) -> None:
+    `changed` is called with how many requests wait, whenever that changes.
+    """
+
+    def __init__(self, changed: Callable[[int], None]) -> None:
+        self._tell = changed
         self._free = [Child(nice=_NICE) for _ in range(_WORKERS)]
         self._all = tuple(self._free)
         self._changed = threading.Condition()
         self._closed = False
-        self._waiting = 0
+        #: Requests that wait for one.
+        self.waiting = 0
 
     def close(self) -> None:
         """End the processes."""
@@ -40,13 +48,16 @@ class RequestWorkers:
         It is refused with the function's own line, where that was refused or failed.
         """
         with self._changed:
-            if self._waiting >= _WAITING:  # each holds a thread that pages are served by
-                raise RefusedError(503, "the server is busy with other files; try again soon")
-            self._waiting += 1
-            try:
-                self._changed.wait_for(lambda: self._closed or self._free)
-            finally:
-                self._waiting -= 1
+            if not self._free:
+                if self.waiting >= _WAITING:
+                    raise RefusedError(
+                        503, f"{_WAITING} requests wait for files to be read; try again later"
+                    )
+                self._wait(+1)
+                try:
+                    self._changed.wait_for(lambda: self._closed or self._free)
+                finally:
+                    self._wait(-1)
             if self._closed:
                 raise RefusedError(503, "the server is shutting down")
             worker = self._free.pop()
@@ -63,3 +74,8 @@ class RequestWorkers:
                 _log.error("internal error in a worker: %s", end.where)
             raise RefusedError(400 if end.how == "refused" else 422, end.message)
         return end.value
+
+    def _wait(self, more: int) -> None:
+        """So many more wait, or fewer."""
+        self.waiting += more
+        self._tell(self.waiting)

@@ -11,6 +11,7 @@ import ipaddress
 import re
 import socket
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from hashlib import sha256
 from typing import Protocol
@@ -23,6 +24,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from surae.errors import SuraeError
 from surae.processes import one_line
+from surae.web.bodies import Bodies, too_large
 from surae.web.http_errors import RefusedError
 from surae.web.sessions import BrowserSession
 
@@ -128,6 +130,15 @@ class _Incoming:
         return int(text) if text.isdecimal() and len(text) < 20 else None
 
     @property
+    def has_body(self) -> bool:
+        """Whether more comes than the headers."""
+        return (
+            self.length != 0
+            if "content-length" in self._headers
+            else ("transfer-encoding" in self._headers)
+        )
+
+    @property
     def same_origin(self) -> bool:
         """Whether the request comes from a page of ours, or from no page at all."""
         if "origin" not in self._headers:
@@ -180,7 +191,7 @@ class Security:
     def __init__(self, app: ASGIApp, policy: Policy, sessions: Browsers) -> None:
         self._app, self._policy, self._sessions = app, policy, sessions
         self._token = None if policy.token is None else _digest(policy.token)
-        self._guessing = asyncio.Lock()
+        self._guessing, self._bodies = asyncio.Lock(), Bodies()
         # Cookies do not know ports: without the project in their names, two servers on one
         # computer would throw each other's sessions away.
         self._session_cookie = f"surae_session_{sessions.project_id}"
@@ -198,7 +209,7 @@ class Security:
         limit = self._policy.upload_bytes if uploads else _BODY
         answer = await self._refusal(request, cookies, limit)
         if answer is None:
-            await self._pass(scope, receive, guarded, limit)
+            await self._pass(request, receive, guarded, limit)
         else:
             await answer(scope, receive, guarded)
 
@@ -213,7 +224,7 @@ class Security:
         ):
             return await self._ask_token(request, cookies, self._token)
         if request.length is not None and request.length > limit:
-            return _refused(413, _too_large(limit))
+            return _refused(413, too_large(limit))
         try:
             return await self._session(request, cookies)
         except SuraeError as error:  # the project cannot be read or written
@@ -241,9 +252,9 @@ class Security:
             await asyncio.sleep(_GUESS)
         return _refused(403, "this server needs its token; open the address it printed")
 
-    async def _pass(self, scope: Scope, receive: Receive, send: Send, limit: int) -> None:
+    async def _pass(self, request: "_Incoming", receive: Receive, send: Send, limit: int) -> None:
         """Pass a request on, as long as its body is."""
-        started = False
+        session, started = request.scope.get("state", {}).get("session"), False
 
         async def noted(message: Message) -> None:
             nonlocal started
@@ -251,7 +262,14 @@ class Security:
             await send(message)
 
         try:
-            await self._app(scope, _limited(receive, limit), noted)
+            if not request.has_body:
+                await self._app(request.scope, receive, noted)
+                return
+            body = self._bodies.take(receive, "" if session is None else session.key, limit)
+            with closing(body):
+                await self._app(request.scope, body, noted)
+        except RefusedError as error:
+            await _refused(error.status, str(error))(request.scope, receive, noted)
         except Exception:  # answered and logged by the application; nothing more to tell
             if not started:
                 raise
@@ -296,22 +314,6 @@ class Security:
         return hmac.compare_digest(_digest(token), self._token or "")
 
 
-def _limited(receive: Receive, limit: int) -> Receive:
-    """A body that is counted as it comes in."""
-    left = limit
-
-    async def wrapped() -> Message:
-        nonlocal left
-        message = await receive()
-        if message["type"] == "http.request":
-            left -= len(message.get("body", b""))
-            if left < 0:
-                raise RefusedError(413, _too_large(limit))
-        return message
-
-    return wrapped
-
-
 def _guarded(send: Send, cookies: list[str]) -> Send:
     """Send with the headers of `_HEADERS`, unless the application gave its own, and cookies."""
 
@@ -351,7 +353,3 @@ def _is_address(name: str) -> bool:
 
 def _refused(status: int, text: str) -> Response:
     return JSONResponse({"error": text}, status)
-
-
-def _too_large(limit: int) -> str:
-    return f"too large: at most {limit / 2**20:g} MiB; cut or downsample it"

@@ -9,7 +9,7 @@ import sys
 import threading
 import webbrowser
 from collections.abc import Callable
-from typing import ClassVar, Protocol
+from typing import Protocol
 from urllib.parse import quote
 
 import click
@@ -26,8 +26,9 @@ from surae.web.workbench import Workbench
 #: Connections that are served at a time; the twenty browsers of a laboratory need a hundred.
 _CONNECTIONS = 250
 #: A connection that has not said within this time what it wants is closed [s]; and so is, at once,
-#: the oldest of those that have said nothing where one address has more of them than this.
-_PATIENCE, _SILENT = 5.0, 32
+#: the oldest of those that have said nothing where fewer places than this are left. Not by address:
+#: a clinic may have one.
+_PATIENCE, _SPARE = 5.0, 10
 
 
 class Served(Protocol):
@@ -139,22 +140,19 @@ class _Connection(H11Protocol):
     """A connection that may not hold its place without asking for anything."""
 
     _late: asyncio.TimerHandle | None = None
-    #: Those of each address that have not asked for anything, the oldest first.
-    _silent: ClassVar[dict[str, list["_Connection"]]] = {}
+    _since = 0.0
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(transport)
         self._wait()
-        # A program that only holds connections open takes their places from its own, not ours.
-        waiting = self._silent.setdefault(self._who, [])
-        waiting.append(self)
-        waiting[:] = [other for other in waiting if other.cycle is None]
-        if len(waiting) > _SILENT:
-            waiting.pop(0).transport.close()
-
-    @property
-    def _who(self) -> str:
-        return self.client[0] if self.client else ""
+        self._since = self.loop.time()
+        if len(self.connections) > _CONNECTIONS - _SPARE:
+            others = (each for each in self.connections if isinstance(each, _Connection))
+            silent = (each for each in others if each.cycle is None and each is not self)
+            oldest = min(silent, key=lambda each: each._since, default=None)
+            if oldest is not None:
+                self.connections.discard(oldest)  # at once: it takes a while to close
+                oldest.transport.close()
 
     def on_response_complete(self) -> None:
         self._wait()
@@ -163,11 +161,6 @@ class _Connection(H11Protocol):
     def connection_lost(self, exc: Exception | None) -> None:
         if self._late is not None:
             self._late.cancel()
-        waiting = self._silent.get(self._who, [])
-        if self in waiting:
-            waiting.remove(self)
-        if not waiting:
-            self._silent.pop(self._who, None)
         super().connection_lost(exc)
 
     def _wait(self) -> None:

@@ -40,7 +40,7 @@ class Workbench:
         self.events = Events()
         self.sessions = BrowserSessions(self.project, self.events)
         self.jobs = Jobs(self.project, self.events, {"fits": workers, "studies": 1})
-        self.workers = RequestWorkers()
+        self.workers = RequestWorkers(self.events.queue)
         self.reports: Cache[bytes] = Cache(_REPORTS, len)
         self._closed = False
         self._curves: Cache[Curves] = Cache(_CURVES, lambda kept: kept.bytes)

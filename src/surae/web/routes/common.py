@@ -22,7 +22,9 @@ from surae.web.workbench import Workbench
 #: What a route may answer, for the description of the API.
 Responses = dict[int | str, dict[str, Any]]
 #: The errors that any route may answer with.
-ERRORS: Responses = {status: {"model": Error} for status in (400, 403, 404, 409, 413, 422, 503)}
+ERRORS: Responses = {
+    status: {"model": Error} for status in (400, 403, 404, 408, 409, 413, 422, 503)
+}
 
 
 def workbench(request: Request) -> Workbench:

@@ -22,6 +22,12 @@ def get_jobs(bench: Bench, browser: Browser, active: bool = False) -> dict[str, 
     return {"jobs": [bench.jobs.shown(job, browser, traces=False) for job in shown[:500]]}
 
 
+@router.get("/queue")
+def get_queue(bench: Bench) -> dict[str, Any]:
+    """How many requests wait for files to be read."""
+    return {"waiting": bench.workers.waiting}
+
+
 @router.get("/jobs/{id}")
 def get_job(id: PathId, bench: Bench, browser: Browser) -> dict[str, Any]:
     """Tell how one job stands."""
@@ -73,8 +79,9 @@ async def all_events(bench: Bench, browser: Browser) -> StreamingResponse:
     """What happens in the project, as server-sent events."""
 
     def first() -> list[tuple[str, Any]]:
-        active = bench.database.active()
-        return [("job", bench.jobs.shown(job, browser, traces=False)) for job in active]
+        jobs = (bench.jobs.shown(job, browser, traces=False) for job in bench.database.active())
+        queue = [("queue", get_queue(bench))] if bench.workers.waiting else []
+        return [*queue, *(("job", job) for job in jobs)]
 
     bench.events.refuse_more(browser.key)
     topics = ("project", f"session:{browser.key}")

@@ -23,6 +23,7 @@ function open(missed) {
   if (source) return;
   source = new EventSource("/api/events");
   source.addEventListener("open", () => {
+    announce("queue", { waiting: 0 }); // A queue is told of next.
     if (missed) announce("changed", { what: "all" });
     missed = false;
   });
@@ -30,6 +31,7 @@ function open(missed) {
     missed = true; // The browser tries again by itself, also after a restart of the server.
   });
   source.addEventListener("job", (event) => announce("job", JSON.parse(event.data)));
+  source.addEventListener("queue", (event) => announce("queue", JSON.parse(event.data)));
   source.addEventListener("changed", (event) => announce("changed", JSON.parse(event.data)));
   source.addEventListener("draft", (event) => heard(JSON.parse(event.data).revision).catch(() => null));
 }
@@ -44,3 +46,4 @@ export function onChanged(kinds, work) {
 }
 
 export const onJob = (work) => addEventListener("surae:job", ({ detail }) => work(detail));
+export const onQueue = (work) => addEventListener("surae:queue", ({ detail }) => work(detail.waiting));

@@ -3,7 +3,7 @@
 import { get } from "./api.js";
 import { byId, h, replace } from "./dom.js";
 import { draftState, history, loadDraft, onDraft } from "./draft.js";
-import { listen, onChanged, onJob } from "./events.js";
+import { listen, onChanged, onJob, onQueue } from "./events.js";
 import { alertBox, complain } from "./notice.js";
 import { themeButton } from "./theme.js";
 
@@ -74,6 +74,10 @@ addEventListener("keydown", keys);
 themeButton(byId("theme"));
 onDraft(showHistory);
 onJob(note);
+onQueue((waiting) => {
+  byId("queue").hidden = waiting === 0;
+  byId("queue").textContent = `${waiting} waiting for files to be read`;
+});
 onChanged([], () => readJobs().catch(() => null));
 listen();
 Promise.all([loadDraft(), readJobs()]).catch((error) => complain(box, error));
