@@ -2,18 +2,29 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import Field, dataclass, fields, replace
+from types import NoneType
 from typing import Any
 
 from surae.errors import InputError
-
-#: Settings that can be switched off: None in Python, ``false`` in a TOML file.
-OPTIONAL = ("emg_highpass_hz", "emg_lowpass_hz", "bessel_hz")
+from surae.setting import documented, kind_of, parts_of, setting, settings_of
 
 #: Highest order a filter can have; it runs forward and backward, so this is 20th order in effect.
 MAXIMUM_ORDER = 10
 
 
+def _frequency(default: float | None, meaning: str, label: str) -> Any:
+    kind = "float or None" if "None:" in meaning else "float"
+    return setting(default, meaning, type=kind, above=0.0, label=label, rare=True)
+
+
+def _order(default: int, meaning: str, label: str) -> Any:
+    return setting(
+        default, meaning, type="int", least=1, most=MAXIMUM_ORDER, label=label, rare=True
+    )
+
+
+@documented
 @dataclass(frozen=True, slots=True)
 class Preparation:
     """How a recording becomes model inputs.
@@ -25,21 +36,7 @@ class Preparation:
 
     Attributes
     ----------
-    rate_hz : float
-        Highest sampling rate of the model inputs [Hz]; a slower recording keeps its own rate.
-    emg_highpass_hz : float or None
-        Butterworth high-pass of raw EMG before it is rectified [Hz]; None: no high-pass.
-    emg_highpass_order : int
-        Its order.
-    emg_lowpass_hz : float or None
-        Butterworth low-pass of rectified EMG [Hz]; None: only the anti-aliasing filter.
-    emg_lowpass_order : int
-        Its order.
-    bessel_hz : float or None
-        Bessel low-pass of angle and torque [Hz]; None: only the anti-aliasing filter.
-    bessel_order : int
-        Its order. The thesis gives none; 4 is the usual order of instrument Bessel filters, and a
-        higher one hardly changes the pass band: all of them approach the same Gaussian.
+    {settings}
 
     Raises
     ------
@@ -47,18 +44,39 @@ class Preparation:
         A value is of the wrong kind or out of range.
     """
 
-    rate_hz: float = 256.0
-    emg_highpass_hz: float | None = 41.0
-    emg_highpass_order: int = 3
-    emg_lowpass_hz: float | None = None
-    emg_lowpass_order: int = 2
-    bessel_hz: float | None = 20.0
-    bessel_order: int = 4
+    rate_hz: float = _frequency(
+        256.0,
+        "Highest sampling rate of the model inputs [Hz]; a slower recording keeps its own rate.",
+        "Highest rate [Hz]",
+    )
+    emg_highpass_hz: float | None = _frequency(
+        41.0,
+        "Butterworth high-pass of raw EMG before it is rectified [Hz]; None: no high-pass.",
+        "EMG high-pass [Hz]",
+    )
+    emg_highpass_order: int = _order(3, "Its order.", "EMG high-pass: order")
+    emg_lowpass_hz: float | None = _frequency(
+        None,
+        "Butterworth low-pass of rectified EMG [Hz]; None: only the anti-aliasing filter.",
+        "EMG low-pass [Hz]",
+    )
+    emg_lowpass_order: int = _order(2, "Its order.", "EMG low-pass: order")
+    bessel_hz: float | None = _frequency(
+        20.0,
+        "Bessel low-pass of angle and torque [Hz]; None: only the anti-aliasing filter.",
+        "Angle and torque: low-pass [Hz]",
+    )
+    bessel_order: int = _order(
+        4,
+        "Its order. The thesis gives none; 4 is the usual order of instrument Bessel filters, and "
+        "a higher one hardly changes the pass band: all of them approach the same Gaussian.",
+        "Angle and torque: order",
+    )
 
     def __post_init__(self) -> None:
         """Check every value."""
-        for setting in fields(self):
-            _check(setting.name, getattr(self, setting.name))
+        for each, _ in settings_of(type(self)):
+            _check(each, getattr(self, each.name))
 
     def updated(self, mapping: Mapping[str, Any]) -> "Preparation":
         """These settings with those of `mapping` in their place.
@@ -84,22 +102,24 @@ class Preparation:
                 raise InputError(
                     f"prepare: setting {name!r} is not known; use one of: {', '.join(known)}"
                 )
-        off = {name: None for name in OPTIONAL if mapping.get(name) is False}
+        optional = {each.name for each in fields(self) if NoneType in parts_of(each.type)}
+        off = {name: None for name in optional if mapping.get(name) is False}
         return replace(self, **{**mapping, **off})
 
 
-def _check(name: str, value: Any) -> None:
-    """Raise InputError unless `value` is allowed for the setting `name`."""
-    if name.endswith("_order"):
+def _check(each: "Field[Any]", value: Any) -> None:
+    """Raise InputError unless `value` is allowed for a setting."""
+    name, optional = each.name, NoneType in parts_of(each.type)
+    if kind_of(each) == "whole":
         whole = isinstance(value, int) and not isinstance(value, bool)
         if not whole or not 1 <= value <= MAXIMUM_ORDER:
             raise InputError(
                 f"prepare: {name} is {value!r}; use a whole number from 1 to {MAXIMUM_ORDER}"
             )
         return
-    if value is None and name in OPTIONAL:
+    if value is None and optional:
         return
     number = isinstance(value, int | float) and not isinstance(value, bool)
     if not number or not math.isfinite(value) or value <= 0:
-        off = ", or false to leave it out" if name in OPTIONAL else ""
+        off = ", or false to leave it out" if optional else ""
         raise InputError(f"prepare: {name} is {value!r}; use a number above 0, in Hz{off}")

@@ -11,6 +11,7 @@ from surae.errors import InputError
 from surae.frozen import read_only
 from surae.names import ACTIVITIES
 from surae.recording import MUSCLES
+from surae.setting import documented, setting
 from surae.signals.inputs import ModelInputs
 from surae.units import FloatArray
 
@@ -21,25 +22,40 @@ _SMOOTH_S = 0.25
 _PEAK = 95.0
 
 
+@documented
 @dataclass(frozen=True, slots=True)
 class Weighting:
     """What the samples of a recording count, for `weighted`; the parts multiply.
 
     Attributes
     ----------
-    windows : tuple of (float, float, float)
-        Start and end [s, of the recording's own time axis, both included; ∞ is allowed] and what
-        the samples between them count: 0 leaves them out, 2 counts them twice. Where windows
-        overlap their weights multiply.
-    peaks : float
-        A sample at full activity counts 1 + `peaks` times as much as one at rest; 0: all alike.
-    activity : {"torque", "emg"}
-        What a peak is one of: the size of the measured torque, or the mean of the EMG envelopes.
+    {settings}
     """
 
-    windows: tuple[tuple[float, float, float], ...] = ()
-    peaks: float = 0.0
-    activity: str = "torque"
+    windows: tuple[tuple[float, float, float], ...] = setting(
+        (),
+        "Start and end [s, of the recording's own time axis, both included; ∞ is allowed] and what "
+        "the samples between them count: 0 leaves them out, 2 counts them twice. Where windows "
+        "overlap their weights multiply.",
+        type="tuple of (float, float, float)",
+    )
+    peaks: float = setting(
+        0.0,
+        "A sample at full activity counts 1 + `peaks` times as much as one at rest; 0: all alike.",
+        type="float",
+        least=0.0,
+        label="Weight of peaks",
+        rare=True,
+    )
+    activity: str = setting(
+        "torque",
+        "What a peak is one of: the size of the measured torque, or the mean of the EMG envelopes.",
+        type='{"torque", "emg"}',
+        choices=ACTIVITIES,
+        label="Peaks are those of",
+        words={"torque": "torque", "emg": "EMG"},
+        rare=True,
+    )
 
     def __post_init__(self) -> None:
         """Refuse what has no meaning."""

@@ -1,10 +1,16 @@
 """What requests may hold, checked before anything is done with it."""
 
-from typing import Annotated, Any, Literal
+from collections.abc import Mapping
+from dataclasses import is_dataclass
+from functools import reduce
+from operator import or_
+from types import GenericAlias, UnionType
+from typing import Annotated, Any, Literal, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, create_model
 
 from surae import api, names
+from surae.setting import Setting, default_of, settings_of
 
 #: No control characters, nor those that break lines or turn the direction of writing.
 _PRINTED = r"^[^\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]"
@@ -35,16 +41,7 @@ Notes = Annotated[str, StringConstraints(max_length=4000, pattern=r"^[^\x00]*$")
 Side = Literal["left", "right"]
 Choice = Annotated[str, StringConstraints(max_length=40)]
 Model = Literal[names.MODELS]  # type: ignore[valid-type]
-FittedModel = Literal[names.FITTED]  # type: ignore[valid-type]
-Nuisances = Literal[names.NUISANCES]  # type: ignore[valid-type]
 Population = Literal[names.POPULATIONS]  # type: ignore[valid-type]
-FootShare = Literal[names.FOOT_SHARES]  # type: ignore[valid-type]
-Loss = Literal[names.LOSSES]  # type: ignore[valid-type]
-Normalisation = Literal[names.NORMALISATIONS]  # type: ignore[valid-type]
-Activity = Literal[names.ACTIVITIES]  # type: ignore[valid-type]
-Geometry = Literal[names.CHOICES["geometry"]]  # type: ignore[valid-type,name-defined]
-TendonStrain = Literal[names.CHOICES["tendon_strain"]]  # type: ignore[valid-type,name-defined]
-Integrator = Literal[names.CHOICES["integrator"]]  # type: ignore[valid-type,name-defined]
 Role = Literal[api.ROLES]  # type: ignore[valid-type]
 
 
@@ -61,18 +58,6 @@ class Error(BaseModel):
     """Why a request was refused, in one line."""
 
     error: str
-
-
-class Options(Strict):
-    """Model options, see `surae.model.ModelOptions`."""
-
-    geometry: Geometry | None = None
-    tendon_strain: TendonStrain | None = None
-    integrator: Integrator | None = None
-    theta_foot: Number | None = None
-    vmax_factor: Annotated[float, Field(gt=0, le=1e3)] | None = None
-    x_ref_tri: Annotated[float, Field(gt=0, le=10)] | None = None
-    x_ref_tib: Annotated[float, Field(gt=0, le=10)] | None = None
 
 
 class PriorEntry(Strict):
@@ -99,12 +84,47 @@ Spans = Annotated[list[Span], Field(max_length=500)]
 class WeightingTable(Strict):
     """What samples count, see `surae.Weighting`."""
 
-    windows: Annotated[list[tuple[Seconds | None, Seconds | None, Count]], Field(max_length=500)]
+    windows: Annotated[
+        list[tuple[Seconds | None, Seconds | None, Count]], Field(max_length=500)
+    ] = []
     peaks: Count = 0.0
-    activity: Activity = "torque"
+    activity: Literal[names.ACTIVITIES] = "torque"  # type: ignore[valid-type]
 
 
-class DraftChange(Strict):
+def limited(annotation: Any, record: Setting) -> Any:
+    """The type of a setting with its limits, as a request holds it."""
+    kind: Any = get_origin(annotation) or annotation
+    parts: list[Any] = [limited(p, record) for p in get_args(annotation) if p is not Ellipsis]
+    if kind in (int, float):
+        least = {"ge": -1e12 if record.least is None else record.least}
+        limits: dict[str, Any] = least if record.above is None else {"gt": record.above}
+        most = record.most or (1e12 if kind is float else 2**53)
+        kind = Annotated[kind, Field(**limits, le=most)]
+    elif kind is str:
+        kind = Literal[record.choices] if record.choices else Name
+    elif kind is UnionType:
+        kind = reduce(or_, parts)
+    elif kind is Mapping:
+        kind = Annotated[GenericAlias(dict, (Name, parts[1])), Field(max_length=60)]
+    elif kind is tuple and len(parts) == 1:
+        kind = Annotated[GenericAlias(list, (Name,)), Field(max_length=60)]
+    elif kind is tuple:
+        kind = GenericAlias(tuple, tuple(parts))
+    elif is_dataclass(kind):
+        kind = request_of(kind)
+    return bool | int | Number if kind is Any else kind
+
+
+def request_of(kind: Any, **others: Any) -> Any:
+    """A request with the settings of a class as its keys, none of which must be given."""
+    keys: dict[str, Any] = {
+        each.name: ((others.get(each.name) or limited(each.type, record)) | None, None)
+        for each, record in settings_of(kind)
+    }
+    return create_model(kind.__name__, __base__=Strict, __doc__=f"See `{kind.__name__}`.", **keys)
+
+
+class DraftChange(request_of(api.FitSettings, weights=WeightingTable)):  # type: ignore[misc]
     """Keys of a draft, which are those of `surae.FitSettings` and what it is asked of.
 
     Those left out stay as they are. `parameters` are rows of the table: each stands for what all
@@ -116,39 +136,21 @@ class DraftChange(Strict):
     exclusions: Annotated[dict[Id, Spans | None], Field(max_length=50)] | None = None
     sliders: Annotated[dict[Name, Number | None], Field(max_length=60)] | None = None
     parameters: Annotated[dict[Name, ParameterRow | None], Field(max_length=60)] | None = None
-    model: FittedModel | None = None
-    options: Options | None = None
-    fixed: Numbers | None = None
-    free: Annotated[list[Name], Field(max_length=60)] | None = None
-    start: Numbers | None = None
-    bounds: Annotated[dict[Name, tuple[Number, Number]], Field(max_length=60)] | None = None
-    priors: Annotated[dict[Name, tuple[Positive, Positive]], Field(max_length=60)] | None = None
-    population: Population | None = None
-    body_mass: BodyMass | None = None
-    footplate_mass: Annotated[float, Field(ge=0, le=20)] | None = None
-    foot_share: FootShare | None = None
-    weights: WeightingTable | None = None
-    loss: Loss | None = None
-    normalise: Normalisation | None = None
-    prepared: bool | None = None
-    preparation: Annotated[dict[Name, bool | int | Number], Field(max_length=20)] | None = None
-    nuisances: Nuisances | dict[Name, tuple[Number, Number]] | None = None
-    starts: Annotated[int, Field(ge=1, le=1000)] | None = None
-    seed: Annotated[int, Field(ge=0, le=2**31)] | None = None
 
     def plain(self) -> dict[str, Any]:
         """The keys that were given, without what was left out within them."""
-        data = self.model_dump(mode="json", exclude_unset=True)
+        data: dict[str, Any] = self.model_dump(mode="json", exclude_unset=True)
         empty = {key for key, value in data.items() if value is None and key not in _NULLABLE}
         plain = {key: value for key, value in data.items() if key not in empty}
         if "options" in plain:
             plain["options"] = {k: v for k, v in plain["options"].items() if v is not None}
-        if self.weights is not None:  # one thing: what is left out of it stands for its default
-            plain["weights"] = self.weights.model_dump(mode="json")
+        if plain.get("weights") is not None:  # what is left out of it stands for its default
+            plain["weights"] = WeightingTable(**plain["weights"]).model_dump(mode="json")
         return plain
 
 
-_NULLABLE = ("population", "loss", "body_mass", "weights", "normalise")
+#: Settings that None is a value of.
+_NULLABLE = {each.name for each, _ in settings_of(api.FitSettings) if default_of(each) is None}
 
 
 class DraftPatch(Strict):

@@ -1,15 +1,15 @@
 """The session: its draft, undo and redo, its models, and the torque under the sliders."""
 
-from dataclasses import asdict
 from typing import Any
 
 from fastapi import APIRouter, Request
 
-from surae import api, names
+from surae import api
 from surae.errors import InputError
 from surae.processes import one_line
 from surae.web.draft import described, empty_draft, parameter_table, settings_of
 from surae.web.fits import check_draft, prepared_draft
+from surae.web.form import form
 from surae.web.http_errors import RefusedError
 from surae.web.routes.common import ERRORS, Bench, Browser
 from surae.web.schemas import DraftPatch, LiveRequest
@@ -104,8 +104,7 @@ def get_glossary() -> dict[str, str]:
 
 @router.get("/models")
 def get_models() -> dict[str, Any]:
-    """The models, their parameters and options."""
-    defaults = api.ModelOptions().as_dict()
+    """The models with their parameters, and the settings of a fit."""
     return {
         "models": [
             {
@@ -116,19 +115,8 @@ def get_models() -> dict[str, Any]:
             }
             for spec in api.MODELS.values()
         ],
-        "fitted": [
-            {"name": names.AUTO, "title": "automatic: what the data support"},
-            *({"name": spec.name, "title": spec.title} for spec in api.MODELS.values()),
-        ],
-        "nuisances": names.NUISANCES,
-        "options": {name: list(names.CHOICES[name]) if name in names.CHOICES else value
-                    for name, value in defaults.items()},
         "drives": {name: list(api.OPTIONAL[name]) for name in ("emd", "reflex")},
-        "losses": names.LOSSES,
-        "populations": names.POPULATIONS,
-        "normalisations": names.NORMALISATIONS,
-        "foot_shares": names.FOOT_SHARES,
-        "preparation": asdict(api.Preparation()),
+        "settings": form(),
         "draft": empty_draft(),
     }  # fmt: skip
 

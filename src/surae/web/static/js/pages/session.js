@@ -133,7 +133,7 @@ async function refresh() {
 onChanged(["recordings", "subjects", "sessions"], () => attempt(box.page, refresh));
 attempt(box.page, async () => {
   const [models, { draft }] = await Promise.all([get("/api/models"), get("/api/draft")]);
-  const title = models.fitted.find((one) => one.name === draft.model)?.title ?? draft.model;
+  const title = Object.fromEntries(models.settings.find((one) => one.path[0] === "model").choices)[draft.model] ?? draft.model;
   replace(byId("asked"), `Model: ${title}, ${draft.starts} starts, as chosen on the page `, h("a", { href: "/fit" }, "Fit"), ".");
   await refresh();
   const mine = (await active("session")).find((one) => one.mine);

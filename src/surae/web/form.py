@@ -1,0 +1,51 @@
+"""The form of what a fit may be asked, made from the settings."""
+
+from types import NoneType
+from typing import Any
+
+from surae import api, names
+from surae.setting import default_of, kind_of, parts_of, settings_of
+
+#: Settings that are records of their own, each of whose settings is a field of the form.
+_RECORDS = {
+    "options": api.ModelOptions,
+    "weights": api.Weighting,
+    "preparation": api.Preparation,
+}
+
+
+def form() -> list[dict[str, Any]]:
+    """The fields of the form in their order: what they are called, may hold, and hold by default.
+
+    `path` names a key of the draft, or one within it.
+    """
+    rows: list[dict[str, Any]] = []
+    for each, _ in settings_of(api.FitSettings):
+        rows += _fields(_RECORDS[each.name], each.name) if each.name in _RECORDS else []
+    return [*_fields(api.FitSettings), *rows]
+
+
+def _fields(kind: Any, *within: str) -> list[dict[str, Any]]:
+    return [
+        {
+            "path": [*within, each.name],
+            "label": record.label,
+            "kind": "choice" if record.choices else kind_of(each),
+            "choices": list((record.words or _words(record.choices)).items()),
+            "least": record.least if record.above is None else record.above,
+            "most": record.most,
+            "default": default_of(each),
+            "optional": NoneType in parts_of(each.type),
+            "needs": record.needs,
+            "rare": record.rare,
+        }
+        for each, record in settings_of(kind)
+        if record.label
+    ]
+
+
+def _words(choices: tuple[str, ...]) -> dict[str, str]:
+    """Choices as a form calls them: models by their titles, others as they are."""
+    titles = {names.AUTO: "automatic: what the data support"}
+    titles |= {spec.name: spec.title for spec in api.MODELS.values()}
+    return {choice: titles.get(choice, choice) for choice in choices}
