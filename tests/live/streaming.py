@@ -99,8 +99,13 @@ class Sender:
 
     def heard(self, recorder: Recorder) -> bool:
         """Whether a recorder has all streams, and knows their clocks; it may have others, too."""
-        streams = [recorder.streams.get(source) for source in self.sources]
-        return all(stream is not None and stream.offset_s is not None for stream in streams)
+        known = {s.name for s in recorder.streams.values() if s.offset_s is not None}
+        return known >= set(self.sources)
+
+    def received(self, recorder: Recorder) -> dict[str, int]:
+        """How many samples of each of its streams a recorder has."""
+        streams = recorder.streams.values()
+        return {s.name: s.received for s in streams if s.name in self.sources}
 
     def send(self, clock: Callable[[], float], speed: float = 12.0) -> None:
         """Send all of it."""

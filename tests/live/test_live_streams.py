@@ -217,7 +217,7 @@ def test_what_is_sent_is_what_is_recorded(streamed, tmp_path) -> None:
         recorder.turn(tmp_path / "trial.xdf")
         sender.send(recorder.clock)
         counts = [len(group[0].time) for group in sender.groups]
-        waited(lambda: [recorder.streams[s].received for s in sender.sources] == counts)
+        waited(lambda: sender.received(recorder) == dict(zip(sender.sources, counts, strict=True)))
     finally:
         recorder.close()
     live = read(tmp_path / "trial.xdf", mapping=mapping)

@@ -293,7 +293,7 @@ def test_xdf_with_samples_missing_has_a_gap_there(table):
 
 def test_xdf_whose_clock_goes_back_is_refused(table):
     with pytest.raises(InputError, match="time stamps don't increase"):
-        table(xdf_file(lost=-10))
+        loaded(table(xdf_file(lost=-10)))
 
 
 @pytest.mark.parametrize(

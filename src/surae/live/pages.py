@@ -24,6 +24,7 @@ from surae.errors import InputError, SuraeError
 from surae.files import PathLike, template
 from surae.live.room import Room, RoomOptions, known
 from surae.live.showing import Showing, roles_of
+from surae.live.target import KIND
 from surae.processes import one_line
 from surae.protocol import Trajectory
 from surae.web.events import Events
@@ -136,11 +137,11 @@ class ServedRoom:
     def health(self) -> dict[str, Any]:
         """How streams and disk do."""
         trials = self.room.trials
-        with suppress(OSError, ValueError, LookupError, TypeError, AttributeError):
+        with suppress(OSError, ValueError, LookupError, TypeError, AttributeError, ArithmeticError):
             # Somebody may be editing it: until it can be read again, what it said before holds.
             self.showing.roles = roles_of(trials.mapping)
         return {
-            "streams": trials.recorder.health(),
+            "streams": [s for s in trials.recorder.health() if s["kind"] != KIND],
             "trouble": trials.recorder.trouble,
             "roles": sorted(role for role, _, _ in self.showing.roles.values()),
             "ready": self.room.ready,
@@ -158,7 +159,7 @@ class ServedRoom:
 
     def _health(self) -> None:
         while not self._ended.wait(_HEALTH):
-            with suppress(OSError):
+            with suppress(Exception):  # the next one may do
                 self.events.tell("room", "health", self.health())
 
 

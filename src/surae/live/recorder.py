@@ -5,6 +5,8 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +21,8 @@ from surae.units import FloatArray
 
 #: Streams are asked for samples this often [s], and for their clocks: at first, and then.
 _POLL, _CLOCK_FIRST, _CLOCK = 0.015, 1.0, 5.0
+#: So many samples are taken at a time at most, and so many values.
+_SAMPLES, _VALUES = 4096, 2**20
 #: The disk has what is older than this [s].
 _SYNC = 1.0
 #: Stamps further from where they are expected than this [s], and than so many samples, are a gap.
@@ -31,12 +35,22 @@ _CLOCKS, _WAITING = 120, 60.0
 #: A lost stream is talked of for so long [s]; whoever is still there then has come back itself.
 _ECHO = 3.0
 
-#: Told of what happens: "lost", "back", "gap", "jump", "disk", with plain data.
+#: Told of what happens: "lost", "back", "layout", "gap", "jump", "disk", with plain data.
 Tell = Callable[[str, Mapping[str, Any]], None]
 
 
 #: New samples of a stream: our times [s] and values, shape (n, channels).
 Show = Callable[[Stream, FloatArray, npt.NDArray[Any]], None]
+
+
+@dataclass(frozen=True, slots=True)
+class _Piece:
+    """What is to be written."""
+
+    since: float
+    log: XdfLog
+    write: Callable[[XdfLog], None]
+    keep: bool
 
 
 class Recorder:
@@ -70,15 +84,17 @@ class Recorder:
         self._but = frozenset(but)
         self.streams: dict[str, Stream] = {}
         self._lock = threading.RLock()
-        self._waiting: list[tuple[float, XdfLog, Callable[[XdfLog], None]]] = []
+        self._waiting: list[_Piece] = []
         self._full = ""
         self._dropped = 0
         self._wrong = ""
         self._origin: float | None = None
         self._ended = threading.Event()
         self._log: XdfLog | None = XdfLog(path)
-        self._events = 1  # the number of the stream of what happens
+        self._numbers = count(1)
+        self._events = next(self._numbers)  # the number of the stream of what happens
         self._log.stream(self._events, _EVENTS)  # here, so that a folder without room is refused
+        self._names: dict[int, str] = {}  # what streams are called in this file, by number
         self._threads = [
             threading.Thread(
                 target=self._steadily, args=(work,), name=f"live{work.__name__}", daemon=True
@@ -93,17 +109,17 @@ class Recorder:
         return float(self._lsl.local_clock())
 
     def turn(self, path: Path | None) -> float | None:
-        """Write to another file from now on, or to none; it begins with all that is known.
+        """Write to another file from now on, or to none.
 
-        Returns the time of the first sample in the file before, ours [s].
+        Returns the time of the first sample in the file before, ours [s]. Where the file is there
+        already, FileExistsError, and all goes on as before.
         """
         with self._lock:
-            self._write(_end)
-            self._log = None if path is None else XdfLog(path)
-            self._write(lambda log: log.stream(self._events, _EVENTS))
+            following = None if path is None else XdfLog(path)
+            self._write(_end, keep=True)
+            self._log, self._names = following, {}
+            self._write(lambda log: log.stream(self._events, _EVENTS), keep=True)
             origin, self._origin = self._origin, None
-            for stream in self.streams.values():
-                self._described(stream)
         return origin
 
     def arrived(self, at: float) -> bool:
@@ -117,7 +133,7 @@ class Recorder:
     def whole(self, path: Path) -> bool:
         """Whether nothing waits for room that belongs to a file."""
         with self._lock:
-            return all(log.path != path for _, log, _ in self._waiting)
+            return all(piece.log.path != path for piece in self._waiting)
 
     def note(self, event: str, **data: Any) -> None:
         """Write down, and tell, what happens."""
@@ -144,7 +160,7 @@ class Recorder:
         """What is wrong with the disk; empty where nothing is."""
         if not self._full:
             return ""
-        seconds = self._waiting[-1][0] - self._waiting[0][0] if self._waiting else 0.0
+        seconds = self._waiting[-1].since - self._waiting[0].since if self._waiting else 0.0
         lost = f"; {self._dropped} pieces are lost already" if self._dropped else ""
         trouble = f"the disk takes nothing ({self._full}): make room now"
         return f"{trouble}; {seconds:.0f} s are kept in memory{lost}"
@@ -158,8 +174,8 @@ class Recorder:
             stream.inlet = None  # no sender goes on sending to one who is gone
         self.turn(None)
         with self._lock:
-            for log in {id(log): log for _, log, _ in self._waiting}.values():
-                log.close()
+            for piece in self._waiting:
+                piece.log.close()
 
     def _steadily(self, work: Callable[[], None]) -> None:
         """Work until the end; a mistake of ours is told, and does not end a recording."""
@@ -177,31 +193,41 @@ class Recorder:
                 if stream.inlet is None:
                     continue
                 try:
-                    values, stamps = stream.inlet.pull_chunk(
-                        timeout=0.0, max_samples=4096, as_numpy=not stream.words
-                    )
+                    self._pull(stream)
                 except self._lsl.util.LostError:
                     self._lose(stream)
-                    continue
-                if len(stamps):
-                    samples = values if stream.words else values.copy()  # of a much larger buffer
-                    self._arrived(stream, np.array(stamps, dtype=np.float64), samples)
-                elif (
-                    stream.rate_hz > 0
-                    and stream.state == "good"
-                    and stream.last_s is not None
-                    and self.clock() - stream.last_s > _SILENT
-                ):
-                    stream.state = "silent"
-                    self.note("silent", stream=stream.name)
+                except Exception as error:  # one stream's trouble is not that of others
+                    self._wrong = f"{stream.name}: {where(error)}"
+
+    def _pull(self, stream: Stream) -> None:
+        """Take what a stream has sent."""
+        values, stamps = stream.inlet.pull_chunk(
+            timeout=0.0,
+            max_samples=min(_SAMPLES, _VALUES // len(stream.labels) + 1),
+            as_numpy=True,  # words too: as bytes, since any byte may come
+        )
+        if len(stamps):
+            # Of a much larger buffer.
+            self._arrived(stream, stream.mended(stamps.copy(), self.clock()), values.copy())
+        elif (
+            stream.rate_hz > 0
+            and stream.state == "good"
+            and stream.last_s is not None
+            and self.clock() - stream.last_s > _SILENT
+        ):
+            stream.state = "silent"
+            self.note("silent", stream=stream.name)
 
     def _arrived(self, stream: Stream, stamps: FloatArray, values: Any) -> None:
         times = stamps + (stream.offset_s or 0.0)
         with self._lock:  # the file that they go to is the one whose origin they may be
+            if stream.number not in self._names:
+                self._describe(stream)
             if stream.words:
-                self._write(lambda log: log.words(stream.number, stamps.tolist(), values))
+                self._write(lambda log: log.words(stream.number, stamps.tolist(), values.tolist()))
             else:
                 self._write(lambda log: log.samples(stream.number, stamps, values))
+                stream.not_finite += int(values.size - np.isfinite(values).sum())
                 if self._origin is None or times[0] < self._origin:
                     self._origin = float(times[0])
         now = self.clock()
@@ -241,9 +267,11 @@ class Recorder:
         resolver = self._lsl.ContinuousResolver(forget_after=2.0)
         while not self._ended.wait(0.05):
             for info in resolver.results():
-                key = info.source_id() or f"{info.name()} {info.type()} {info.hostname()}"
+                # Several streams of one program may have the same source.
+                source = info.source_id() or info.hostname()
+                key = f"{source} {info.name()} {info.type()}"
                 stream = self.streams.get(key)
-                if key in self._but or (stream is not None and stream.inlet is not None):
+                if source in self._but or (stream is not None and stream.inlet is not None):
                     continue
                 # One that has just gone is still talked of for a while.
                 if (
@@ -251,7 +279,12 @@ class Recorder:
                     or stream.uid != info.uid()
                     or time.monotonic() - stream.lost_at > _ECHO
                 ):
-                    self._open(key, info)
+                    try:
+                        self._open(key, info)
+                    except RuntimeError:  # it is gone again, or does not answer
+                        continue
+                    except Exception as error:  # one stream's trouble is not that of others
+                        self._wrong = f"{info.name()}: {where(error)}"
 
     def _measure(self) -> None:
         """Measure the clocks of all streams, in a circle."""
@@ -267,48 +300,53 @@ class Recorder:
                     self._measured(stream, float(inlet.time_correction(1.0)))
 
     def _measured(self, stream: Stream, offset: float) -> None:
+        if not abs(offset) < np.inf:
+            return
         now = self.clock()
         with self._lock:
             stream.offset_s = offset
             stream.clocks = [*stream.clocks[-_CLOCKS:], (now, offset)]
-            self._write(lambda log: log.clock(stream.number, now, offset))
+            if stream.number in self._names:
+                self._write(lambda log: log.clock(stream.number, now, offset))
 
     def _open(self, key: str, info: Any) -> None:
-        try:
-            inlet = self._lsl.StreamInlet(info, max_buflen=60, recover=False)
-            whole = inlet.info(2.0)
-            inlet.open_stream(2.0)
-        except RuntimeError:  # it is gone again, or does not answer
-            return
+        """Take a stream, one that was lost or a new one; RuntimeError where it does not answer."""
+        inlet = self._lsl.StreamInlet(info, max_buflen=60, recover=False)
+        whole = inlet.info(2.0)
+        inlet.open_stream(2.0)
         with self._lock:
-            stream = self.streams.get(key)
-            if stream is None:
-                count = whole.channel_count()
-                labels = whole.get_channel_labels() or []
-                units = whole.get_channel_units() or []
-                stream = self.streams[key] = Stream(
-                    number=len(self.streams) + 2,
-                    name=whole.name(),
-                    kind=whole.type(),
-                    host=whole.hostname(),
-                    labels=[
-                        (labels[i] if i < len(labels) else None) or f"channel {i + 1}"
-                        for i in range(count)
-                    ],
-                    units=[(units[i] if i < len(units) else None) or "" for i in range(count)],
-                    rate_hz=float(whole.nominal_srate()),
-                    words=whole.channel_format() == self._lsl.cf_string,
-                    xml=whole.as_xml(),
-                )
-                self._described(stream)
+            before, stream = self.streams.get(key), Stream.of(next(self._numbers), whole)
+            if before is not None and before.layout == stream.layout:
+                stream = before
+                stream.clocks.clear()  # its computer may have been started again
+            elif before is None:
                 self.note("stream", stream=stream.name, rate_hz=stream.rate_hz)
             else:
-                stream.clocks.clear()  # its computer may have been started again
+                stream.losses = before.losses
+                stream.remark = (
+                    f"came back as another stream ({stream.layout_text}; before: "
+                    f"{before.layout_text})"
+                )
+                self.note(
+                    "layout", stream=stream.name, remark=stream.remark,
+                    split=before.number in self._names,
+                )  # fmt: skip
+            self.streams[key] = stream
             stream.uid, stream.inlet = whole.uid(), inlet
 
-    def _described(self, stream: Stream) -> None:
-        """Tell the file what a stream is, and what is known of its clock."""
-        self._write(lambda log: log.stream(stream.number, stream.xml))
+    def _describe(self, stream: Stream) -> None:
+        """Tell the file what a stream is, and what is known of its clock.
+
+        Each has a name of its own in a file, so that no column stands for two.
+        """
+        name, xml = stream.name, stream.xml
+        for other in count(2):
+            if name not in self._names.values():
+                break
+            name, end = f"{stream.name} ({other})", f" ({other})</name>"
+            xml = stream.xml.replace("</name>", end, 1)
+        self._names[stream.number] = name
+        self._write(lambda log: log.stream(stream.number, xml), keep=True)
         for now, offset in list(stream.clocks):
             self._write(
                 lambda log, now=now, offset=offset: log.clock(stream.number, now, offset)  # type: ignore[misc]
@@ -324,26 +362,25 @@ class Recorder:
                 with suppress(OSError):
                     log.sync()
 
-    def _write(self, write_chunk: Callable[[XdfLog], None]) -> None:
-        """Write, or keep in memory while the disk takes nothing; in order."""
+    def _write(self, write_chunk: Callable[[XdfLog], None], keep: bool = False) -> None:
+        """Write, or keep in memory while the disk takes nothing; in order.
+
+        What must be kept for all else to be readable waits for as long as it takes.
+        """
         with self._lock:
-            log = self._log
-            if log is None:
+            if self._log is None:
                 return
-            self._waiting.append((time.monotonic(), log, write_chunk))
+            self._waiting.append(_Piece(time.monotonic(), self._log, write_chunk, keep))
             try:
                 while self._waiting:
-                    _, place, write = self._waiting[0]
-                    write(place)
+                    self._waiting[0].write(self._waiting[0].log)
                     del self._waiting[0]
             except OSError as error:
                 before, self._full = self._full, error.strerror or str(error)
                 if not before:
                     self._tell("disk", {"message": self.trouble})
-                while self._waiting[0][0] < time.monotonic() - _WAITING:
-                    _, place, write = self._waiting.pop(0)
-                    if write is _end:
-                        place.close()
+                while (at := self._too_old()) is not None:
+                    del self._waiting[at]
                     self._dropped += 1
                 return
             except Exception:  # our mistake, which what comes after it must not wait for
@@ -353,6 +390,13 @@ class Recorder:
             if self._full:
                 self._full = ""
                 self._tell("disk", {"message": ""})
+
+    def _too_old(self) -> int | None:
+        """The place of the oldest piece that waits for longer than memory is to keep it."""
+        for at, piece in enumerate(self._waiting):
+            if not piece.keep:
+                return at if piece.since < time.monotonic() - _WAITING else None
+        return None
 
 
 def _end(log: XdfLog) -> None:

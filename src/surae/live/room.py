@@ -9,7 +9,7 @@ from typing import Any, Unpack
 import numpy as np
 
 from surae.api import as_device
-from surae.errors import InputError
+from surae.errors import InputError, SuraeError
 from surae.files import PathLike, shown
 from surae.frozen import read_only
 from surae.live import rehearsal
@@ -155,7 +155,7 @@ class Room:
     @property
     def _file(self) -> Path:
         """What is asked for in the next trial."""
-        return self.trials.folder / "next-target.csv"
+        return self.trials.file("next-target.csv")
 
     def _go_back(self) -> None:
         """Send the device of a rehearsal to where the next trial begins."""
@@ -176,7 +176,7 @@ class Room:
         proposed = self.trials.session.get("proposed")
         if not proposed:  # a file that is there may be of another day
             raise InputError("nothing says yet what to measure next; fit a trial first")
-        self.load(self.trials.folder / "measure-next.csv", name=f"next: {proposed}")
+        self.load(self.trials.file("measure-next.csv"), name=f"next: {proposed}")
 
     def start(self, countdown: float = 0.5) -> int:
         """Begin a trial; the target moves after a countdown [s]. Returns the trial's number."""
@@ -185,8 +185,9 @@ class Room:
                 self.laboratory.wait(_PATIENCE)
             number = self.trials.start(**self.asked)
             if self.trajectory is not None:
-                file = self.trials.path(number, "-target.csv")
-                write_protocol_csv(self.trajectory, file)
+                with suppress(SuraeError):  # on a full disk the trial goes on, and is judged
+                    file = self.trials.path(number, "-target.csv")
+                    write_protocol_csv(self.trajectory, file)
                 self.begin = self.trials.recorder.clock() + countdown
                 self.target.begin(self.begin)
                 if self.laboratory is not None:

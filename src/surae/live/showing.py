@@ -16,6 +16,8 @@ from surae.units import FACTORS, SI, FloatArray, kind, plain
 
 #: Frames per second, and how the envelope of an EMG is smoothed [s].
 RATE, _SMOOTH, _DRIFT = 30.0, 0.15, 0.05
+#: What is larger is no measurement, and sums of it are none.
+_HUGE = 1e100
 #: A muscle's largest EMG is at least this part of the strongest muscle's.
 _CROSSTALK = 0.25
 
@@ -52,7 +54,8 @@ class Showing:
         self._send = send
         self.roles: Roles = {}
         self._lock = threading.Lock()
-        self._new: dict[str, list[float]] = {}  # by role: lowest, highest, newest
+        # By role: lowest, highest, newest; None where no sample was a finite number.
+        self._new: dict[str, list[float] | None] = {}
         self._newest = 0.0
         self._felt: dict[str, float] = {}  # by role: when it was last felt
         self._means: dict[str, float] = {}
@@ -68,7 +71,12 @@ class Showing:
                 if column not in self.roles:
                     continue
                 role, factor, offset = self.roles[column]
-                signal = factor * values[:, index].astype(float) + offset
+                with np.errstate(over="ignore", invalid="ignore"):
+                    signal = factor * values[:, index].astype(float) + offset
+                signal = signal[np.abs(signal) < _HUGE]  # what is hidden from a camera is NaN
+                if not len(signal):
+                    self._new.setdefault(role, None)
+                    continue
                 low, high = float(signal.min()), float(signal.max())
                 known = self._new.get(role)
                 if known is not None:
@@ -146,7 +154,10 @@ class Showing:
                     "t": round(now, 4),
                     # On the wall's clock: when the newest of these samples was taken.
                     "taken": round(1e3 * (time.time() - (now - newest)), 1) if new else None,
-                    "new": {role: [float(f"{v:.5g}") for v in kept] for role, kept in new.items()},
+                    "new": {
+                        role: kept and [float(f"{value:.5g}") for value in kept]
+                        for role, kept in new.items()
+                    },
                     "effort": [round(effort, 3) for effort in efforts],
                     "asked": [float(f"{value:.4g}") for value in target()],
                 }

@@ -1,12 +1,15 @@
 """A folder of trials: started, stopped and judged; what a crash left behind is found again.
 
 Beside each other lie ``trial-01.xdf`` as it came, ``trial-01.h5`` as a recording, ``trial-01.json``
-with the verdict, and in ``between-01.xdf`` what came before the next trial. A trial without its
-JSON broke off: the next start says so, mends and judges it. A file that was recorded otherwise is
-named in the JSON at once, and judged at the next start where there is no verdict in it.
+with the verdict, and in ``between-01.xdf`` what came before the next trial. A trial without a
+verdict in its JSON broke off: the next start says so, mends and judges it. One program writes to a
+folder at a time, and to nothing outside of it.
 """
 
 import json
+import re
+import sqlite3
+import stat
 import threading
 import time
 from collections.abc import Iterable, Mapping
@@ -15,13 +18,15 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypedDict
 
+from surae.database import lock, set_aside
 from surae.errors import InputError, SuraeError
-from surae.files import PathLike, write_atomic, write_json
+from surae.files import PathLike, is_link, shown, write_atomic, write_json
 from surae.live.recorder import Recorder, Show, Tell
+from surae.live.rows import trial_of
 from surae.live.stream import Stream
 from surae.live.target import KIND
 from surae.live.xdf import mended
-from surae.processes import Child
+from surae.processes import Child, End
 from surae.recording import ROLES
 from surae.units import FACTORS, kind, plain
 
@@ -77,11 +82,11 @@ class Trials:
         joint: bool = True,
         limits: Mapping[str, Any] | None = None,
     ) -> None:
-        self.folder = Path(folder)
+        self.folder, self._told = Path(folder), tell
         self.limits = dict(limits or {})
         self._betweens = 0
         self._mapping = None if mapping is None else Path(mapping)
-        self._tell, self.joint, self._made = tell, joint, ""
+        self.joint, self._made = joint, ""
         self._judge, self._refine = Child(calls=None), Child(nice=10, calls=None)
         self._work = ThreadPoolExecutor(1, "live-judge")
         self._later = ThreadPoolExecutor(1, "live-refine")
@@ -91,17 +96,31 @@ class Trials:
         self._closed = False
         self._lock = threading.Lock()
         self.trials: dict[int, dict[str, Any]] = {}
+        #: What is to be said of trials that broke off or are damaged, and are judged now.
+        self.broken: list[str] = []
         self.running: int | None = None
         self._begun = 0.0
+        self._locked: sqlite3.Connection | None = None
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            broken = self._known()
+            _refuse_shared(self.folder)
+            self._locked = lock(self.folder / "live")
+            if self._locked is None:
+                raise InputError(
+                    f"{shown(self.folder)}: another surae live records here; end that one, or give "
+                    "another --output"
+                )
+            unjudged = self._known()
             between = self._between()
-            self.recorder = Recorder(between, show=show, tell=tell, network=network, but=but)
-        except OSError as error:
-            raise InputError(f"{self.folder}: {error.strerror}; give another --output") from None
+            self.recorder = Recorder(between, show=show, tell=self._tell, network=network, but=but)
+        except (OSError, sqlite3.Error) as error:
+            why = getattr(error, "strerror", None) or str(error)
+            raise InputError(f"{shown(self.folder)}: {why}; give another --output") from None
+        finally:
+            if not hasattr(self, "recorder"):
+                self._let_go()
         self.warm = self._work.submit(self._judge.call, "surae.live.judge:warm", {})
-        self.verdicts = {number: self._submit(number, None, None) for number in broken}
+        self.verdicts = {number: self._submit(number, None, None) for number in unjudged}
         if joint and self.trials:  # what was known before this start is known again
             self._ask_together()
 
@@ -112,12 +131,18 @@ class Trials:
                 raise InputError(f"trial {self.running} is running; stop it first")
             if trouble := self.recorder.full:
                 raise InputError(f"no trial is started: {trouble}")
-            number = max([*self.trials, 0]) + 1
-            self.recorder.turn(self.path(number, ".xdf"))
+            number = self._free()
+            while True:  # somebody else may make the same file at this moment
+                try:
+                    self.recorder.turn(self.path(number, ".xdf"))
+                    break
+                except FileExistsError:
+                    number += 1
             self.running, self._begun = number, self.recorder.clock()
             self.trials[number] = {
                 "trial": number, "state": "recording", "began": _now(), **about, "marks": [],
             }  # fmt: skip
+            self._keep(number)  # what was asked for is known after a crash, too
         self.recorder.note("start", trial=number, **about)
         self._tell("trial", self.trials[number])
         return number
@@ -125,7 +150,7 @@ class Trials:
     def take(self, path: Path) -> int:
         """Take a file that was recorded otherwise as a trial, and judge it. Returns its number."""
         with self._lock:
-            number = max([*self.trials, 0]) + 1
+            number = self._free()
             self.trials[number] = {
                 "trial": number, "state": "being judged", "began": _now(), "protocol": path.name,
                 "file": str(path), "marks": [],
@@ -173,15 +198,7 @@ class Trials:
             child.close()
         for work in (self._work, self._later):
             work.shutdown(cancel_futures=True)
-
-    @property
-    def broken(self) -> list[str]:
-        """What is to be said of trials that broke off, and are judged now."""
-        return [
-            f"trial {trial['trial']} broke off; what had arrived is kept, and judged now"
-            for trial in self.trials.values()
-            if trial["state"] == "broken off"
-        ]
+        self._let_go()
 
     @property
     def mapping(self) -> Path | None:
@@ -191,10 +208,15 @@ class Trials:
         own = self.folder / "mapping.toml"
         text = mapping_of(list(self.recorder.streams.values()))
         if text and text != self._made:
-            with suppress(OSError):  # the disk is full; what is there is used
-                write_atomic(own, text)
+            with suppress(SuraeError):  # the disk is full; what is there is used
+                write_atomic(self.file("mapping.toml"), text)
                 self._made = text
         return own if own.exists() else None
+
+    def _let_go(self) -> None:
+        """Let others write to the folder."""
+        if self._locked is not None:
+            self._locked.close()
 
     def _submit(
         self, number: int, begin: float | None, ended: float | None
@@ -203,25 +225,14 @@ class Trials:
 
     def _judged(self, number: int, begin: float | None, ended: float | None) -> dict[str, Any]:
         """Judge a trial in the child, keep and tell what it says."""
-        output = self.path(number, ".h5")
         trial = self.trials[number]
-        judgement: dict[str, Any]
         source = Path(trial["file"]) if "file" in trial else self.path(number, ".xdf")
-        if (mapping := self._mapping if "file" in trial else self.mapping) is None and (
-            "file" not in trial
-        ):
-            judgement = {"why": "the streams do not say which channel is which; give a --mapping"}
+        self._settled(source)
+        try:
+            arguments = self._arguments(number, source, begin)
+        except InputError as error:
+            judgement: dict[str, Any] = {"why": str(error)}
         else:
-            arguments = {
-                "file": str(source),
-                "output": str(output),
-                "earlier": self._others(number),
-                "mapping": None if mapping is None else str(mapping),
-                "efforts": self._efforts([number, *self.trials]),
-                "target": None if begin is None else str(self.path(number, "-target.csv")),
-                "begin": begin or 0.0,
-            }
-            self._settled(source)
             end = self._judge.call("surae.live.judge:judge", arguments)
             if self._closed and end.how != "done":  # nothing is on disk: the next start judges it
                 return trial
@@ -233,7 +244,10 @@ class Trials:
                 "findings": [], "grade": None, "vaf": None, "reasons": [], "verdict": "repeat",
                 "advice": judgement["why"], **judgement,
             }  # fmt: skip
+        if "split" in trial:
+            judgement |= {"verdict": "repeat", "advice": trial["split"]}
         trial |= judgement
+        output = self.folder / f"trial-{number:02d}.h5"
         trial["recording"] = str(output if output.exists() else source)
         trial["state"] = "judged"
         if ended is not None:
@@ -244,12 +258,38 @@ class Trials:
             self._ask_together()
         return trial
 
+    def _arguments(self, number: int, source: Path, begin: float | None) -> dict[str, Any]:
+        """What the judge needs; InputError where nothing can be judged."""
+        mapping = self._mapping if "file" in self.trials[number] else self.mapping
+        if mapping is None and "file" not in self.trials[number]:
+            raise InputError("the streams do not say which channel is which; give a --mapping")
+        target = self.path(number, "-target.csv")
+        return {
+            "file": str(source),
+            "output": str(self.path(number, ".h5")),
+            "earlier": self._others(number),
+            "mapping": None if mapping is None else str(mapping),
+            "efforts": self._efforts([number, *self.trials]),
+            "target": None if begin is None or not target.exists() else str(target),
+            "begin": begin or 0.0,
+        }
+
+    def _tell(self, event: str, data: Mapping[str, Any]) -> None:
+        """Pass on what happens; a stream that changed within a trial spoils it."""
+        number = self.running
+        if event == "layout" and data["split"] and number is not None:
+            self.trials[number]["split"] = (
+                f"Within the trial {data['stream']} {data['remark']}. Only what came before is in "
+                "the recording: record the trial again."
+            )
+        self._told(event, data)
+
     def _keep(self, number: int) -> None:
         """Write down what is known of a trial."""
         try:
             write_json(self.path(number, ".json"), self.trials[number])
         except (OSError, SuraeError) as error:
-            note = f"the verdict is not on disk ({error}); the next start judges it again"
+            note = f"what is known of it is not on disk ({error}); the next start judges it again"
             self.trials[number]["note"] = note
 
     def _settled(self, file: Path) -> None:
@@ -310,10 +350,14 @@ class Trials:
             "recordings": [str(self.path(number, ".h5")) for number in worth],
             "efforts": self._efforts(worth),
             **self.limits,
-            "output": str(self.folder / "joint.json"),
-            "target": str(self.folder / "measure-next.csv"),
         }
-        end = self._refine.call("surae.live.judge:together", arguments)
+        try:
+            arguments["output"] = str(self.file("joint.json"))
+            arguments["target"] = str(self.file("measure-next.csv"))
+        except InputError as error:
+            end = End("refused", message=str(error))
+        else:
+            end = self._refine.call("surae.live.judge:together", arguments)
         if end.how == "done":
             rows = (*self.session.get("parameters", ()), *self.session.get("measures", ()))
             before = {row["name"]: row["value"] for row in rows}
@@ -324,31 +368,66 @@ class Trials:
 
     def _known(self) -> list[int]:
         """Take up the trials in the folder; the numbers of those to be judged yet, mended."""
-        broken = []
-        for path in sorted(self.folder.glob("trial-*.json")):
-            with suppress(OSError, ValueError):
-                self.trials[_number(path)] = json.loads(path.read_bytes())
-                if "verdict" not in self.trials[_number(path)]:
-                    broken.append(_number(path))
-        for path in sorted(self.folder.glob("trial-*.xdf")):
-            number = _number(path)
-            if number not in self.trials:
-                cut = mended(path)
-                self.trials[number] = {
-                    "trial": number, "state": "broken off", "marks": [], "lost_bytes": cut,
-                    "note": "the recording broke off; what had arrived until then is kept",
-                }  # fmt: skip
-                broken.append(number)
-        return broken
+        unjudged = []
+        for number in self._numbers("trial"):
+            row, source = self.path(number, ".json"), self.path(number, ".xdf")
+            trial = trial_of(row, number)
+            note = f"trial {number} broke off; what had arrived is kept"
+            if trial is None and row.exists():
+                set_aside(row)
+                note = f"trial {number}: {row.name} is damaged, and was set aside"
+            elif trial is None and not source.exists():
+                continue  # a target's file alone
+            if trial is None or not trial.keys() & {"verdict", "file"}:
+                trial = {"trial": number, "marks": [], **(trial or {}), "note": note}
+                if source.exists():
+                    trial |= {"state": "broken off", "lost_bytes": mended(source)}
+                    self.broken.append(f"{note}, and judged now")
+                else:
+                    advice = f"{note}, and its recording is not there: record it again"
+                    trial |= {"state": "judged", "verdict": "repeat", "advice": advice}
+            if "verdict" not in trial:
+                unjudged.append(number)
+            self.trials[number] = trial
+        return unjudged
+
+    def _numbers(self, kind: str) -> list[int]:
+        """The numbers that files of a kind in the folder have, in order."""
+        form = re.compile(rf"{kind}-([0-9]{{2,9}})(?![0-9])")
+        found = (form.match(path.name) for path in self.folder.iterdir())
+        return sorted({int(match[1]) for match in found if match})
+
+    def _free(self) -> int:
+        """The number of the next trial: no file in the folder has it, and no trial."""
+        return max([0, *self._numbers("trial"), *self.trials]) + 1
 
     def path(self, number: int, suffix: str) -> Path:
         """A file of a trial."""
-        return self.folder / f"trial-{number:02d}{suffix}"
+        return self.file(f"trial-{number:02d}{suffix}")
+
+    def file(self, name: str) -> Path:
+        """A file in the folder; InputError where it is a link, which leads out of it."""
+        path = self.folder / name
+        if is_link(path):
+            raise InputError(f"{shown(path)} is a link; put the file itself there, or remove it")
+        return path
 
     def _between(self) -> Path:
-        taken = [_number(path) for path in self.folder.glob("between-*.xdf")]
-        self._betweens = max([*taken, self._betweens]) + 1
+        self._betweens = max([*self._numbers("between"), self._betweens]) + 1
         return self.folder / f"between-{self._betweens:02d}.xdf"
+
+
+def _refuse_shared(folder: Path) -> None:
+    """Refuse links and files that lie elsewhere too: what is written here stays here."""
+    for path in folder.iterdir():
+        ours = re.match(r"(trial|between)-|(live\.lock|mapping\.toml|joint\.json)$", path.name)
+        state = path.lstat()
+        own = stat.S_ISREG(state.st_mode) and state.st_nlink == 1
+        if is_link(path) or (ours and not own):
+            raise InputError(
+                f"{shown(path)} is no file of its own: it leads elsewhere, or others share it; put "
+                "the file itself there, or give another --output"
+            )
 
 
 def mapping_of(streams: list[Stream]) -> str:
@@ -368,11 +447,6 @@ def mapping_of(streams: list[Stream]) -> str:
                 f"[channels.{role}]\ncolumn = {json.dumps(column)}\nunit = {json.dumps(known)}\n"
             )
     return "".join(lines.values()) if "angle" in lines else ""
-
-
-def _number(path: Path) -> int:
-    digits = path.stem.rpartition("-")[2]
-    return int(digits) if digits.isdecimal() else 0
 
 
 def _now() -> str:

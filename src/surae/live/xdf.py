@@ -8,6 +8,7 @@ a valid file: `mended` cuts off the chunk that was being written.
 import os
 import struct
 import uuid
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -29,13 +30,24 @@ class XdfLog:
     Parameters
     ----------
     path : Path
-        Which must not exist yet; the first chunk makes it.
+        Made at once; on a full disk, by the first chunk that finds room.
+
+    Raises
+    ------
+    FileExistsError
+        It is there already.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self._file: int | None = None
         self._size = 0
+        try:
+            self._make()
+        except FileExistsError:
+            raise
+        except OSError:
+            return
 
     def stream(self, number: int, xml: str) -> None:
         """Describe a stream, before its samples."""
@@ -52,13 +64,15 @@ class XdfLog:
         head = struct.pack("<IBI", number, 4, len(stamps))
         self._append(_chunk(_SAMPLES, head + rows.tobytes()))
 
-    def words(self, number: int, stamps: list[float], rows: list[list[str]]) -> None:
-        """Add samples of words."""
+    def words(
+        self, number: int, stamps: Sequence[float], rows: Sequence[Sequence[str | bytes]]
+    ) -> None:
+        """Add samples of words; bytes that are no UTF-8 become U+FFFD."""
         parts = [struct.pack("<IBI", number, 4, len(stamps))]
         for stamp, row in zip(stamps, rows, strict=True):
             parts.append(struct.pack("<Bd", 8, stamp))
             for text in row:
-                data = text.encode()
+                data = (text.decode(errors="replace") if isinstance(text, bytes) else text).encode()
                 parts.append(struct.pack("<BI", 4, len(data)) + data)
         self._append(_chunk(_SAMPLES, b"".join(parts)))
 
@@ -82,20 +96,23 @@ class XdfLog:
         if file is not None:
             os.close(file)
 
+    def _make(self) -> int:
+        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+        self._file = os.open(self.path, flags, 0o600)
+        return self._file
+
     def _append(self, chunk: bytes) -> None:
-        """Write a whole chunk, or nothing of it: a full disk takes a part. The first makes it."""
-        if self._file is None:
-            flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
-            self._file = os.open(self.path, flags, 0o600)
+        """Write a whole chunk, or nothing of it: a full disk takes a part."""
+        file = self._make() if self._file is None else self._file
         if not self._size:
             chunk = _MAGIC + _chunk(_FILE, _HEADER) + chunk
         done = 0
         try:
             while done < len(chunk):
-                done += os.write(self._file, chunk[done:])
+                done += os.write(file, chunk[done:])
         except OSError:
-            os.ftruncate(self._file, self._size)
-            os.lseek(self._file, self._size, os.SEEK_SET)
+            os.ftruncate(file, self._size)
+            os.lseek(file, self._size, os.SEEK_SET)
             raise
         self._size += done
 

@@ -61,7 +61,7 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
             [
                 column
                 for info, values, stamps in streams
-                for column in _columns(info, values, stamps - origin, shown)
+                for column in _columns(info, values, stamps - origin)
             ]
         )
 
@@ -159,16 +159,18 @@ def _chunk_at_once(slow: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _columns(
-    info: Mapping[str, Any], values: np.ndarray[Any, Any], time: FloatArray, shown: str
+    info: Mapping[str, Any], values: np.ndarray[Any, Any], time: FloatArray
 ) -> Iterator[Parsed]:
     """The channels of a stream."""
     refused = remark = ""
     if float(info["nominal_srate"][0]) > 0:
-        time, jitter_ms, gaps = _axis(time, shown)
+        time, jitter_ms, gaps = _axis(time)
         remark = f"time stamps jittered by up to {jitter_ms:.2g} ms, replaced by a line"
         if gaps:
             remark += f" with {gaps} gap{'s' if gaps > 1 else ''} where samples are missing"
-        if jitter_ms > 1e3 * MOST_JITTER_S:
+        if np.any(np.diff(time) <= 0):
+            refused = "its time stamps don't increase"
+        elif jitter_ms > 1e3 * MOST_JITTER_S:
             refused = (
                 f"its time stamps lie up to {jitter_ms:.0f} ms from a uniform rate: samples are "
                 "missing; use a part of the recording without a gap"
@@ -186,7 +188,7 @@ def _columns(
         )
 
 
-def _axis(time: FloatArray, shown: str) -> tuple[FloatArray, float, int]:
+def _axis(time: FloatArray) -> tuple[FloatArray, float, int]:
     """Times with one step by least squares, the stamps' largest distance [ms], and the gaps."""
     pieces = _pieces(time)
     index = np.arange(len(time), dtype=np.float64)
@@ -196,8 +198,6 @@ def _axis(time: FloatArray, shown: str) -> tuple[FloatArray, float, int]:
     fitted = np.concatenate(
         [t + step * (index[p] - i) for p, (i, t) in zip(pieces, centres, strict=True)]
     )
-    if not step > 0 or np.any(np.diff(fitted) <= 0):
-        raise InputError(f"{shown}: a stream's time stamps don't increase")
     return fitted, 1e3 * float(np.max(np.abs(time - fitted))), len(pieces) - 1
 
 

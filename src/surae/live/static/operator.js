@@ -149,7 +149,7 @@ function heardFrame(frame) {
 // --- what is told ---------------------------------------------------------------------------
 
 function showStreams() {
-  const told = { good: ["keep", "good"], silent: ["look", "silent"], lost: ["repeat", "lost"] };
+  const told = { good: ["keep", "good"], changed: ["look", "changed"], silent: ["look", "silent"], lost: ["repeat", "lost"] };
   const missing = [
     !state.streams.length && "None yet: start the programs that send streams of LSL.",
     state.streams.length && !state.roles.length && "Which channel is the angle? Their names do not say it: start again with --mapping MAP.toml.",
@@ -157,13 +157,16 @@ function showStreams() {
   replace(
     byId("streams"),
     state.streams.map((stream) => {
-      const [kind, word] = told[stream.state];
+        const [kind, word] = told[stream.state === "good" && stream.remark ? "changed" : stream.state];
       const rate = stream.measured_hz === null ? "" : `${stream.measured_hz.toFixed(0)} of ${stream.rate_hz.toFixed(0)} Hz`;
       const clock = stream.offset_ms === null ? "" : `, clock ${(Math.round(10 * stream.offset_ms) / 10 + 0).toFixed(1)} ms`;
       const wrong = [
         stream.gaps ? `${stream.gaps} gaps` : "",
         stream.losses ? `lost ${stream.losses} times` : "",
         stream.lost_s ? `${stream.lost_s.toFixed(2)} s missing` : "",
+        stream.not_finite ? `${stream.not_finite} values are no numbers` : "",
+        stream.bad_stamps ? `${stream.bad_stamps} time stamps are no numbers` : "",
+        stream.remark,
       ].filter(Boolean).join(", ");
       return h("li", {}, h("strong", {}, stream.name), h("span", { class: `pill ${kind}` }, word),
         h("span", { class: "muted small" }, `${stream.channels.join(", ")}: ${rate}${clock}${wrong ? `; ${wrong}` : ""}`));
