@@ -5,11 +5,15 @@ for decision 20.
     python benchmarks/live.py losses 30
     python benchmarks/live.py soak 60
     python benchmarks/live.py trials 50
+    python benchmarks/live.py layouts 60 20
 
 Every sample says when it was taken, so that what is missing can be counted. `soak` records and
 makes frames for so many minutes, with a new file each minute; it prints a line for each. `trials`
 makes trials of 10 s of the rehearsal, with eight more channels beside it, and says how long each
 verdict took: in seconds, and in plain fits of the same trial, since other work makes both late.
+`layouts` records for so many minutes while a stream is killed and comes back so many times, each
+time with other channels, format, units or rate, beside one that stays; every sample says which
+channel it is of.
 """
 
 import json
@@ -31,6 +35,7 @@ import pyxdf
 
 import surae
 from surae.live.lsl import SESSION, lsl, outlet
+from surae.live.pages import ServedRoom
 from surae.live.recorder import Recorder
 from surae.live.room import Room
 from surae.live.showing import Showing
@@ -68,6 +73,102 @@ def record(path: str) -> None:
 
     Recorder(Path(path), show=show, tell=lambda *what: None)  # noqa: ARG005
     time.sleep(3600)
+
+
+#: What a stream may come back as: its channels, units, format and rate [Hz].
+LAYOUTS = (
+    (("angle", "torque", "emg_sol"), "rad Nm V", "double64", 200.0),
+    (("torque", "emg_sol", "angle"), "Nm V rad", "double64", 200.0),
+    (("torque", "angle"), "Nm rad", "double64", 200.0),
+    (("torque", "angle"), "Nm rad", "float32", 200.0),
+    (("angle", "torque"), "deg Nm", "float32", 200.0),
+    (("angle", "torque"), "deg Nm", "float32", 100.0),
+    (("angle", "emg_sol", "torque"), "deg mV Nm", "int32", 100.0),
+)
+CODES = {"angle": 1, "torque": 2, "emg_sol": 3}
+
+
+def device(name: str, layout: int) -> None:
+    """Stream a layout until killed; a sample is its number, counted from 0, and its channel."""
+    labels, units, kind, rate = LAYOUTS[layout]
+    pylsl = lsl()
+    info = pylsl.StreamInfo(name, "x", len(labels), rate, kind, f"benchmark {name}")
+    info.set_channel_labels(list(labels))
+    info.set_channel_units(units.split())
+    stream = pylsl.StreamOutlet(info)
+    codes = np.array([CODES[label] for label in labels])
+    begun, sent = pylsl.local_clock(), 0
+    while True:
+        time.sleep(0.02)
+        due = int((pylsl.local_clock() - begun) * rate)
+        if due > sent:
+            rows = 10 * np.arange(sent, due)[:, None] + codes
+            stream.push_chunk(rows.astype(stream.np_dtype), begun + (due - 1) / rate)
+            sent = due
+
+
+def layouts(minutes: float, reconnections: int, seed: int = 1) -> Iterator[dict[str, object]]:
+    """Each return of the stream, then what is in the files, trial by trial together."""
+    choice, seconds = random.Random(seed), 60.0 * minutes / (reconnections + 1)
+    told: list[str] = []
+    own = psutil.Process()
+    with tempfile.TemporaryDirectory() as folder, process("device", "stays", "0"):
+        (Path(folder) / "map.toml").write_text('[channels.angle]\ncolumn = "stays: angle"\n')
+        served = ServedRoom(Path(folder) / "out", mapping=Path(folder) / "map.toml")
+        room, recorder = served.room, served.room.trials.recorder
+        served.events.tell = lambda topic, event, data: told.append(event)  # noqa: ARG005
+        served.warm()
+        begun, used = time.monotonic(), own.cpu_times()
+        for index in range(reconnections + 1):
+            with process("device", "changes", str(index % len(LAYOUTS))):
+                if index % 3 == 0:
+                    room.start()
+                time.sleep(max(begun + (index + 1) * seconds - time.monotonic(), 1.0))
+                json.dumps(served.state(), allow_nan=False)
+                streams = {stream.name: stream for stream in recorder.streams.values()}
+                if index % 3 == 1:
+                    room.stop()
+                yield {
+                    "minute": round((time.monotonic() - begun) / 60.0, 1),
+                    "layout": streams["changes"].layout_text,
+                    "received": streams["changes"].received,
+                    "frames": told.count("frame"), "layouts_told": told.count("layout"),
+                    "memory_MB": round(own.memory_info().rss / 1e6, 1),
+                }  # fmt: skip
+            time.sleep(choice.uniform(0.0, 3.0))
+        took, spent = time.monotonic() - begun, own.cpu_times()
+        used_s = spent.user + spent.system - used.user - used.system
+        served.close()
+        yield {
+            "minutes": round(took / 60.0, 1), "percent_of_a_core": round(100.0 * used_s / took, 1),
+            "trouble": recorder.trouble, **counted(Path(folder) / "out"),
+        }  # fmt: skip
+
+
+def counted(folder: Path) -> dict[str, int]:
+    """Samples in the files of `layouts`; under another channel's label; missing of what stays, and
+    within what changes."""
+    samples = wrong = gaps = 0
+    stays = []
+    for path in sorted(folder.glob("*.xdf"), key=lambda path: path.stat().st_mtime):
+        loaded, _ = pyxdf.load_xdf(path, synchronize_clocks=False, dejitter_timestamps=False)
+        for stream in (s for s in loaded if s["info"]["type"][0] == "x"):
+            values = stream["time_series"].astype(np.int64)
+            channels = stream["info"]["desc"][0]["channels"][0]["channel"]
+            codes = np.array([CODES[channel["label"][0]] for channel in channels])
+            samples += len(values)
+            wrong += int(np.sum((values % 10 != codes).any(axis=1)))
+            if stream["info"]["name"][0] == "stays":
+                stays.append(values[:, 0] // 10)
+            else:
+                gaps += int(np.sum(np.diff(values[:, 0] // 10) != 1))
+    gaps_stays = int(np.sum(np.diff(np.concatenate(stays)) != 1))
+    return {
+        "samples": samples,
+        "wrong": wrong,
+        "gaps_in_changes": gaps,
+        "gaps_in_stays": gaps_stays,
+    }
 
 
 @contextmanager
@@ -232,6 +333,11 @@ if __name__ == "__main__":
         send(*rest)
     elif what == "record":
         record(*rest)
+    elif what == "device":
+        device(rest[0], int(rest[1]))
+    elif what == "layouts":
+        for each in layouts(float(rest[0]), int(rest[1])):
+            print(json.dumps(each), flush=True)
     elif what == "count":
         numbers = numbers_in(Path(*rest))
         gone = int(numbers[-1] - numbers[0]) + 1 - len(numbers)

@@ -18,7 +18,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypedDict
 
-from surae.database import lock, set_aside
+from surae.database import lock
 from surae.errors import InputError, SuraeError
 from surae.files import PathLike, is_link, shown, write_atomic, write_json
 from surae.live.recorder import Recorder, Show, Tell
@@ -374,7 +374,7 @@ class Trials:
             trial = trial_of(row, number)
             note = f"trial {number} broke off; what had arrived is kept"
             if trial is None and row.exists():
-                set_aside(row)
+                _set_aside(row)
                 note = f"trial {number}: {row.name} is damaged, and was set aside"
             elif trial is None and not source.exists():
                 continue  # a target's file alone
@@ -428,6 +428,14 @@ def _refuse_shared(folder: Path) -> None:
                 f"{shown(path)} is no file of its own: it leads elsewhere, or others share it; put "
                 "the file itself there, or give another --output"
             )
+
+
+def _set_aside(path: Path) -> None:
+    """Give a file another name; nothing is deleted."""
+    number = 1
+    while (aside := path.with_name(f"{path.name}.damaged-{number}")).exists():
+        number += 1
+    path.rename(aside)
 
 
 def mapping_of(streams: list[Stream]) -> str:
