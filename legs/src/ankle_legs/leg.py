@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
+from scipy.signal import lfilter
 
 from ankle_legs.movement import FINE, angles, effort, fine_times
 from ankle_legs.muscle import Array, integrate
@@ -43,6 +44,7 @@ class Run:
     path: Array  # [m]
     length: Array
     force: Array
+    active: Array  # activation [N]
     torque: Array  # of the muscles on the ankle, then what the sensor shows [Nm]
     seen: Array  # EMG that the electrodes show [V]
 
@@ -56,6 +58,11 @@ class Run:
         lag = round(seconds / self.step)
         first = np.repeat(signal[..., :1], lag, axis=-1)
         return np.concatenate([first, signal[..., : signal.shape[-1] - lag]], axis=-1)
+
+    def lagged(self, signal: Array, seconds: float) -> Array:
+        """Return a signal after a lag of first order that begins settled."""
+        keep = np.exp(-self.step / seconds)
+        return np.asarray(lfilter([1 - keep], [1, -keep], signal, zi=keep * signal[..., :1])[0])
 
 
 @dataclass(frozen=True)
@@ -222,6 +229,7 @@ def _start(
         path=subject.geometry.path(angle),
         length=pair,
         force=pair,
+        active=pair,
         torque=np.zeros(times.size),
         seen=emg,
     )
@@ -232,8 +240,8 @@ def _integrate(run: Run, departures: tuple[Departure, ...]) -> None:
     late = run.delayed(run.excitation, run.mounting.delay)
     drive = (late[1:].sum(axis=0), late[0])
     constants = [muscle.constants() for muscle in run.subject.muscles()]
-    looping = [d for d in departures if d.loops]
-    for _ in range(12 if looping else 1):
+    looping = any(d.loops for d in departures)
+    for _ in range(30 if looping else 1):
         before = run.torque
         run.ankle = run.plate
         for departure in departures:
@@ -251,7 +259,9 @@ def _integrate(run: Run, departures: tuple[Departure, ...]) -> None:
         ]
         run.length = np.array([p[0] for p in passes])
         run.force = np.array([p[1] for p in passes])
+        run.active = np.array([p[2] for p in passes])
         pulls = run.arm * run.force
         run.torque = pulls[0] - pulls[1]
-        if np.max(np.abs(run.torque - before)) < 1e-3:
-            break
+        if not looping or np.max(np.abs(run.torque - before)) < 1e-3:
+            return
+    raise ArithmeticError("the leg and its departures do not settle; take another seed")

@@ -135,7 +135,7 @@ class Plate(Departure):
     def turn(self, run: Run) -> None:
         """Turn the ankle by what the torque bends."""
         bend = np.radians(self.degrees) / (0.7 * run.subject.torque[0])
-        run.ankle = run.ankle - bend * run.torque
+        run.ankle = run.ankle - run.lagged(bend * run.torque, 0.02)  # flesh is damped
 
 
 @dataclass(frozen=True)
@@ -204,7 +204,7 @@ def short_range(rng: np.random.Generator, strength: float = 1.0) -> tuple[Depart
     return (
         stiff,
         Reflex(
-            gain=strength * rng.uniform(5e3, 15e3),
+            gain=strength * rng.uniform(2e3, 8e3),
             threshold=rng.uniform(0.0, 0.004),
             latency=rng.uniform(0.03, 0.05),
             shown=rng.uniform(0.0, 0.6),

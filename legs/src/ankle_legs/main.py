@@ -64,6 +64,9 @@ def main(arguments: list[str] | None = None) -> int:
     except (ValueError, OSError) as error:
         print(f"ankle-legs: {error}", file=sys.stderr)
         return 2
+    except ArithmeticError as error:
+        print(f"ankle-legs: {error}", file=sys.stderr)
+        return 1
     return 0
 
 
