@@ -5,14 +5,19 @@ import html
 import json
 import re
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import surae
 from surae.api import session_run
+from surae.assessment import Verdict
 from surae.errors import InputError
 from surae.report import rendering
+from surae.report.document import TableCell
+from surae.report.session import _crossings, _estimate, _spread
+from surae.trials import Crossed
 from undrawn import blank_figures
 
 QUICK = {"model": "muscle", "prepared": True, "starts": 1}
@@ -40,6 +45,26 @@ def test_each_and_all_are_fitted_and_predicted(done):
     assert hold.r2 is None  # its torque does not change: R² would be of noise
     assert abs(hold.bias) < 1.0
     assert all(result.joint_predictions[name].fitted for name in result.joined)
+
+
+def test_a_passive_trial_predicts_no_active_one(done):
+    """Nothing told its fit what EMG does: a percentage would be that of a default."""
+    _, result = done
+    for active in ("walk 1", "walk 2"):
+        assert result.predictions["passive"][active] == Crossed(reason="no effort here")
+    assert result.predictions["walk 1"]["passive"].bias is not None
+    shown = _crossings(result.predictions, {}, result.session.trials)
+    assert dict(shown)["passive"][1] == TableCell("—", "no effort here")
+
+
+def test_a_value_that_no_trial_informs_has_no_spread(done):
+    """Its interval is all that is allowed; that every trial leaves its start is no agreement."""
+    _, result = done
+    p = next(p for p in result.joint.parameters.values() if p.free and p.ci95)
+    start = replace(p, ci95=(p.lower, p.upper), verdict=Verdict.UNDETERMINED)
+    assert _spread([start] * 9) == "not informed"
+    assert _spread([p, p, start]) == "0 % of 2"
+    assert _estimate(start) == TableCell("—", "not informed", "undetermined")
 
 
 def test_the_folder_holds_everything(done):

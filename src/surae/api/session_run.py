@@ -157,16 +157,19 @@ class _Run:
     def crossed(self) -> None:
         """Predict every trial by every fit."""
         for name, fit in self.fits.items():
-            self.predictions[name] = {
-                predicted: _crossed(fit, inputs, predicted == name)
-                for predicted, inputs in self.inputs.items()
-            }
+            self.predictions[name] = self._predicted(fit, (name,))
         if self.joint is not None:
-            self.joint_predictions = {
-                trial: _crossed(self.joint, inputs, trial in self.joined, self.joined.index(trial)
-                                if trial in self.joined else 0)
-                for trial, inputs in self.inputs.items()
-            }  # fmt: skip
+            self.joint_predictions = self._predicted(self.joint, self.joined)
+
+    def _predicted(self, fit: Fit, of: tuple[str, ...]) -> dict[str, Crossed]:
+        """How a fit of these trials follows every trial; without effort it knows no active one."""
+        passive = {trial.name for trial in self.session.trials if trial.effort == "passive"}
+        return {
+            trial: Crossed(reason=NO_EFFORT)
+            if passive.issuperset(of) and trial not in passive
+            else _crossed(fit, inputs, trial in of, of.index(trial) if trial in of else 0)
+            for trial, inputs in self.inputs.items()
+        }
 
     def result(self) -> SessionResult:
         """What there is; a check finds nothing new where it says what the trial is known to be."""
@@ -228,6 +231,10 @@ class _Run:
         if self._paid <= 0.0:
             return None
         return self._spent * sum(self._cost.values()) / self._paid
+
+
+#: Why the fit of a passive trial predicts no active one: nothing told it what EMG does.
+NO_EFFORT = "no effort here"
 
 
 def _known(trial: Trial) -> tuple[str, ...]:

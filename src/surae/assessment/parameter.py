@@ -162,6 +162,12 @@ class ParameterEstimate:
     budget: Mapping[str, float] = field(default_factory=dict)
 
     @property
+    def is_informed(self) -> bool:
+        """Whether its interval is narrower than its bounds; else its value is only a start."""
+        width = self.upper - self.lower
+        return self.ci95 is not None and self.ci95[1] - self.ci95[0] < (1.0 - 1e-6) * width
+
+    @property
     def trusted_sem(self) -> float | None:
         """The standard error that `ci95` is made of."""
         return self.sem_robust if self.interval is Interval.ROBUST else self.sem

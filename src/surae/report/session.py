@@ -276,9 +276,9 @@ def _parameters_section(content: SessionContent) -> SectionBlock:
     note = (
         "Value, and below it the 95 % interval, which holds what is not known of the laboratory "
         "and of the model; bold is identified and contradicted by no trial. Spread: standard "
-        "deviation between the trials that have an interval, as a part of their mean. What all "
-        "trials of a leg share, such as crosstalk, is not in a spread: trials that agree may be "
-        "wrong alike."
+        "deviation between the trials that say anything of it, as a part of their mean. What all "
+        "trials of a leg share, such as crosstalk, is not in a spread: agreement between trials "
+        "does not exclude a shared bias."
     )
     table = TableBlock("Every parameter in every fit", heads, rows_of(rows), "small", repeated=2)
     picture = PictureBlock(
@@ -380,8 +380,8 @@ def _summary(
     ]
     if holds:
         lines.append(
-            f"{len(holds)} hold still ({passive} passive): a hold says nothing of stiffness, "
-            "lengths and relaxation and is not fitted; its torque at one angle is compared with "
+            f"{len(holds)} hold still ({passive} passive): one hold can’t show stiffness, "
+            "lengths or relaxation and is not fitted; its torque at one angle is compared with "
             "what the fits predict."
         )
     if references := [t.name for t in trials if t.effort == "maximal"]:
@@ -510,9 +510,15 @@ def contradictions(
     return contradicted
 
 
+#: Of a parameter that trials leave anywhere within its bounds.
+NOT_INFORMED = "not informed"
+
+
 def _estimate(p: ParameterEstimate | None) -> TableCell:
     if p is None:
         return TableCell(NO_NUMBER)
+    if p.ci95 is not None and not p.is_informed:
+        return TableCell(NO_NUMBER, NOT_INFORMED, str(p.verdict))
     text = estimate(p.value, p.trusted_sem, p.ci95)
     under = text.interval if p.ci95 is not None else str(p.verdict)
     return TableCell(text.value, under, str(p.verdict))
@@ -524,8 +530,10 @@ def _disputed(p: ParameterEstimate | None) -> TableCell:
 
 
 def _spread(estimates: Sequence[ParameterEstimate]) -> str:
-    """Standard deviation of the trials that have an interval, as a part of their mean."""
-    values = [p.value for p in estimates if p.ci95 is not None and p.verdict is not Verdict.FIXED]
+    """Standard deviation of the trials that say anything of it, as a part of their mean."""
+    values = [p.value for p in estimates if p.is_informed]
+    if not values and any(p.free and not p.at_bound for p in estimates):
+        return NOT_INFORMED
     if len(values) < 2 or not np.mean(values):
         return NO_NUMBER
     part = float(np.std(values, ddof=1)) / abs(float(np.mean(values)))
