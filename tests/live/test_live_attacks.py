@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 import numpy as np
 import pytest
 import pyxdf
-from streaming import Quick, waited
+from streaming import Quick, described, waited
 
 from surae.errors import InputError
 from surae.live.pages import ServedRoom
@@ -21,6 +21,7 @@ from surae.live.room import Room
 from surae.live.showing import Showing
 from surae.live.stream import Stream
 from surae.live.trials import Trials, silent
+from surae.live.xdf import XdfLog
 from surae.recording import read
 
 CODES = {"angle": 1.0, "torque": 2.0, "emg_sol": 3.0}
@@ -525,10 +526,6 @@ def test_a_program_that_is_killed_within_a_trial_keeps_what_it_was(lsl, judged_a
 
 
 def test_stamps_that_go_back_refuse_their_own_stream_alone(tmp_path) -> None:
-    from streaming import described
-
-    from surae.live.xdf import XdfLog
-
     log = XdfLog(tmp_path / "a.xdf")
     for number, name in enumerate(("good", "bad"), 1):
         log.stream(number, described(name, {"angle": "rad", "torque": "Nm"}, 100.0))
@@ -543,3 +540,48 @@ def test_stamps_that_go_back_refuse_their_own_stream_alone(tmp_path) -> None:
     assert len(read(tmp_path / "a.xdf", mapping=tmp_path / "good.toml").channels) == 2
     with pytest.raises(InputError, match="don't increase"):
         read(tmp_path / "a.xdf", mapping=tmp_path / "bad.toml")
+
+
+@pytest.mark.parametrize("step", [-4000.0, 3600.0, -2.0, 2.0, 0.1, 0.0])
+def test_a_clock_that_jumps_is_aligned_or_refused(tmp_path, step) -> None:
+    """The computer of one of two streams starts again after 30 s, and its clock is another."""
+    log = XdfLog(tmp_path / "a.xdf")
+    for number, (name, label, unit) in enumerate((("a", "angle", "rad"), ("b", "torque", "Nm")), 1):
+        log.stream(number, described(name, {label: unit}, 100.0))
+    for i in range(600):
+        now = 5000.0 + i / 10
+        times = now + np.arange(10) / 100
+        offset = 0.0 if i < 300 else -step
+        measured = i in (0, 5, 330, 340) or i % 50 == 10
+        log.samples(1, times, np.sin(np.pi * times)[:, None])
+        if not 300 <= i <= 320:
+            log.samples(2, times - offset, np.sin(np.pi * times)[:, None])
+            if measured:
+                log.clock(2, now, offset + 1e-5)
+        if measured:
+            log.clock(1, now, 1e-5)
+    log.close()
+    (tmp_path / "map.toml").write_text(
+        '[channels.angle]\ncolumn = "a: angle"\n'
+        '[channels.torque]\ncolumn = "b: torque"\nunit = "Nm"\n'
+    )
+    if 0 < abs(step) < 10:
+        with pytest.raises(InputError, match=f"its clock jumped by {abs(step):g} s"):
+            read(tmp_path / "a.xdf", mapping=tmp_path / "map.toml")
+        return
+    angle, torque = read(tmp_path / "a.xdf", mapping=tmp_path / "map.toml").channels.values()
+    there = (torque.time < 29.0) | (torque.time > 33.0)
+    expected = np.interp(torque.time, angle.time, angle.values)
+    np.testing.assert_allclose(torque.values[there], expected[there], atol=1e-3)
+
+
+def test_an_offset_of_a_clock_that_is_no_number_is_not_taken(lsl, tmp_path) -> None:
+    with recording(tmp_path) as recorder:
+        device = Device(lsl)
+        device.until(lambda: heard(recorder) and of(recorder).offset_s is not None)
+        for offset in (np.nan, np.inf, -np.inf):
+            recorder._measured(of(recorder), offset)
+        assert abs(of(recorder).offset_s) < 1.0
+        device.all_arrive(recorder)
+    for stream in pyxdf.load_xdf(tmp_path / "a.xdf", dejitter_timestamps=False)[0]:
+        assert np.isfinite(stream["time_stamps"]).all()

@@ -24,6 +24,9 @@ from surae.units import FloatArray
 _MAGIC = b"XDF:"
 #: A stamp further than this from a uniform axis [s] is no jitter.
 MOST_JITTER_S = 0.05
+#: A step of a clock's offset that stays for three measurements, and is larger than this [s] and
+#: what a clock may drift meanwhile, is no drift.
+_CLOCK_STEP, _DRIFT = 0.02, 2e-4
 #: A step of the stamps is a gap where they stay away, for this long [s] before and after, by more
 #: than this [s] and than so many periods, beside three times their scatter; jitter comes back.
 _STAY, _STEP, _STEP_PERIODS, _SCATTER = 0.5, 0.005, 3.0, 3.0
@@ -48,7 +51,7 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
     with untrusted(shown):
         _require_whole(data, shown)
         streams = [
-            (stream["info"], np.asarray(stream["time_series"]), np.asarray(stream["time_stamps"]))
+            (stream, np.asarray(stream["time_series"]), np.asarray(stream["time_stamps"]))
             for stream in _loaded(pyxdf, data, shown)
             if stream["info"]["channel_format"][0] != "string" and len(stream["time_stamps"]) > 1
         ]
@@ -60,8 +63,8 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
         return packed(
             [
                 column
-                for info, values, stamps in streams
-                for column in _columns(info, values, stamps - origin)
+                for stream, values, stamps in streams
+                for column in _columns(stream, values, stamps - origin)
             ]
         )
 
@@ -159,10 +162,10 @@ def _chunk_at_once(slow: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _columns(
-    info: Mapping[str, Any], values: np.ndarray[Any, Any], time: FloatArray
+    stream: Mapping[str, Any], values: np.ndarray[Any, Any], time: FloatArray
 ) -> Iterator[Parsed]:
     """The channels of a stream."""
-    refused = remark = ""
+    info, refused, remark = stream["info"], "", ""
     if float(info["nominal_srate"][0]) > 0:
         time, jitter_ms, gaps = _axis(time)
         remark = f"time stamps jittered by up to {jitter_ms:.2g} ms, replaced by a line"
@@ -175,10 +178,15 @@ def _columns(
                 f"its time stamps lie up to {jitter_ms:.0f} ms from a uniform rate: samples are "
                 "missing; use a part of the recording without a gap"
             )
-    stream = _text(info.get("name"))
+    if step := _clock_step(stream):
+        refused = (
+            f"its clock jumped by {step:.2g} s during the recording, so its samples cannot be "
+            "aligned with those of others; record again"
+        )
+    name = _text(info.get("name"))
     for index, (label, unit) in enumerate(_described(info, values.shape[1])):
         yield Parsed(
-            name=f"{stream}: {label}" if stream else label,
+            name=f"{name}: {label}" if name else label,
             values=values[:, index],
             time=time,
             unit=unit,
@@ -186,6 +194,20 @@ def _columns(
             refused=refused,
             time_name="time stamp",
         )
+
+
+def _clock_step(stream: Mapping[str, Any]) -> float:
+    """A lasting step of a stream's clock [s] that pyxdf has drawn one line through, or 0."""
+    if len(stream["info"]["clock_segments"]) > 1:  # it has seen it, and drawn a line for each part
+        return 0.0
+    times, offsets = np.asarray(stream["clock_times"]), np.asarray(stream["clock_values"])
+    for at in range(2, len(offsets) - 1):
+        before, after = slice(max(at - 3, 0), at), slice(at, at + 3)
+        step = abs(float(np.median(offsets[after]) - np.median(offsets[before])))
+        apart = abs(float(np.median(times[after]) - np.median(times[before])))
+        if step > _CLOCK_STEP + _DRIFT * apart:
+            return step
+    return 0.0
 
 
 def _axis(time: FloatArray) -> tuple[FloatArray, float, int]:
