@@ -142,3 +142,15 @@ def test_no_two_trials_of_a_measured_leg_changed(shared, tmp_path) -> None:
         for pair in combinations(names, 2)
     }
     assert {pair: names for pair, names in claimed.items() if names} == {}
+
+
+def test_answers_are_tables_in_a_notebook(sides, pair) -> None:
+    """A few thousand characters, which ask nothing of the outside."""
+    told, measures = compare_sessions(*sides), pair[0].measures()
+    for answer, name in ((told, "k_tri"), (measures, "passive_stiffness@10deg")):
+        assert repr(answer) == answer.as_table().text()
+        assert name in repr(answer)
+        assert len(repr(answer)) < 12_000
+        html = answer._repr_html_()
+        assert html.count("<tr>") == 1 + len(answer.as_table().rows)
+        assert "http" not in html

@@ -10,6 +10,7 @@ import pytest
 import surae
 from surae.assessment import Grade, Verdict
 from surae.errors import InputError
+from surae.formatting import NO_NUMBER
 from surae.measures.change import compare_sessions
 from surae.measures.curve import CurveLine, TorqueCurve
 from surae.measures.norms import Placed, read_norms
@@ -18,7 +19,6 @@ from surae.names import LANGUAGES
 from surae.protocol import Protocol, generate
 from surae.report.clinical import change_page, clinical_html, fit_page, sentences
 from surae.report.figures.clinical import curve_figure
-from surae.report.formatting import NO_NUMBER
 from surae.studies import virtual_subject, virtual_trial
 
 NOW = datetime(2026, 11, 22)

@@ -4,11 +4,11 @@ from datetime import datetime
 import pytest
 
 from surae.assessment.adequacy import Adequacy, Grade
+from surae.formatting import estimate, percentage, significant, standard_error
 from surae.report import rendering
 from surae.report.budget import budget_section
 from surae.report.content import fit_document
 from surae.report.document import TableBlock, TextBlock
-from surae.report.formatting import estimate, percentage, significant, standard_error
 from surae.report.traces import traces_of
 from surae.report.wording import closeness
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from surae.estimation import fit_problem, make_problem
+from surae.formatting import significant
 from surae.frozen import read_only
 from surae.report.figures import png, tendon_figure
-from surae.report.formatting import significant
 from surae.report.recordings import tendon_rows, warnings_of
 from surae.report.traces import traces_of
 

@@ -57,6 +57,11 @@ from surae.assessment.saved.parameters_json import read_parameters as read_param
 from surae.assessment.uncertainty.snsem import save_baseline as save_baseline
 from surae.estimation import make_problem as make_problem
 from surae.estimation.population import population_priors as population_priors
+from surae.formatting import NO_NUMBER as NO_NUMBER
+from surae.formatting import estimate as estimate
+from surae.formatting import percentage as percentage
+from surae.formatting import significant as significant
+from surae.formatting import standard_error as standard_error
 from surae.measures import Measures as Measures
 from surae.measures import measures_of_values as measures_of_values
 from surae.measures.change import Change as Change
@@ -141,11 +146,6 @@ from surae.report.figures.profile import profile_figure as profile_figure
 from surae.report.figures.protocol import protocol_figure as protocol_figure
 from surae.report.figures.study import study_figure as study_figure
 from surae.report.figures.style import new_figure as new_figure
-from surae.report.formatting import NO_NUMBER as NO_NUMBER
-from surae.report.formatting import estimate as estimate
-from surae.report.formatting import percentage as percentage
-from surae.report.formatting import significant as significant
-from surae.report.formatting import standard_error as standard_error
 from surae.report.laboratory import family_section as family_section
 from surae.report.laboratory import laboratory_section as laboratory_section
 from surae.report.laboratory import trials_section as trials_section

@@ -17,6 +17,7 @@ from surae.estimation import FitResult, FitSettings
 from surae.files import PathLike
 from surae.model import TendonState, TorqueParts
 from surae.quality import Quality
+from surae.tables import Tabular, TextTable
 from surae.units import FloatArray
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Fit:
+class Fit(Tabular):
     """A fit and what it is worth.
 
     Attributes
@@ -41,13 +42,17 @@ class Fit:
     assessment: Assessment
     quality: tuple[Quality, ...] = ()
 
-    def __repr__(self) -> str:
-        return self.summary()
+    def as_table(self) -> TextTable:
+        """The fit on one screen, as texts.
 
-    def _repr_html_(self) -> str:
-        from surae.report.summary import fit_html
+        Returns
+        -------
+        TextTable
+            What it is worth, its parameters and their verdicts.
+        """
+        from surae.report.summary import fit_table
 
-        return fit_html(self.result, self.assessment)
+        return fit_table(self.result, self.assessment)
 
     def summary(self) -> str:
         """The fit on one screen: what it is worth, its parameters and their verdicts.
@@ -57,9 +62,7 @@ class Fit:
         str
             Some thirty lines.
         """
-        from surae.report.summary import fit_text
-
-        return fit_text(self.result, self.assessment)
+        return self.as_table().text()
 
     @property
     def plot(self) -> Plots:

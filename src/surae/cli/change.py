@@ -6,9 +6,7 @@ from surae import api
 from surae.cli.options import LANGUAGE, Number
 from surae.cli.paths import check_outputs, spare_fits
 from surae.cli.progress import compilation_notice
-from surae.cli.screen import Columns, show_files, show_line, show_verdicts
-
-_NUMBERS = ("before", "after", "difference", "95 % interval", "would show")
+from surae.cli.screen import show_answer, show_files
 
 
 @click.command("change")
@@ -50,42 +48,9 @@ def command(
 
     if output is not None:
         change.save(output)
-    show_verdicts(*_table(change), numbers=_NUMBERS)
-    for reason, names in _reasons(change).items():
-        show_line(f"{reason}: {', '.join(names)}")
-    show_line(change.multiplicity)
-    if change.baselines:
-        show_line(f"the spread between sessions is that of {change.baselines} baselines")
+    show_answer(change.as_table())
     if report is not None:
         angle = angles[0] if len(angles) == 1 else 10.0
         sides = [api.fit_of(before), api.fit_of(after)]
         api.write_clinical_page(report, sides, language=language, angle=angle, told=change)
     show_files({"change": output, "report": report})
-
-
-def _table(change: "api.Change") -> Columns:
-    """What can be compared; what cannot stands below, by reason."""
-    rows: list[tuple[str, ...]] = []
-    for d in (*change.measures.values(), *change.parameters.values()):
-        if d.difference is None or d.ci95 is None:
-            continue
-        values = [
-            "—" if value is None else api.significant(value, 3) for value in (d.before, d.after)
-        ]
-        text = api.estimate(d.difference, (d.ci95[1] - d.ci95[0]) / 3.92, d.ci95)
-        rows.append((
-            d.name, *values, text.value, text.interval,
-            "—" if d.smallest is None else api.significant(d.smallest, 2),
-            d.unit, "—" if d.smallest is None else str(d.verdict),
-        ))  # fmt: skip
-    return ("of", *_NUMBERS, "unit", "verdict"), rows
-
-
-def _reasons(change: "api.Change") -> dict[str, list[str]]:
-    """What cannot be compared, by reason."""
-    reasons: dict[str, list[str]] = {}
-    for d in (*change.measures.values(), *change.parameters.values()):
-        some = d.before is not None or d.after is not None
-        if d.verdict == "not comparable" and d.difference is None and some:
-            reasons.setdefault(d.note, []).append(d.name)
-    return reasons

@@ -6,14 +6,14 @@ from typing import Any
 import click
 
 from surae import api
-from surae.cli.expect import part, show_expectation
 from surae.cli.options import SEED, Number, Picture, Whole, model_options, range_option
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.protocol import device_of, device_options, file_kind
-from surae.cli.screen import show_files, show_line
+from surae.cli.screen import show_answer, show_files, show_line
 from surae.errors import InputError
 from surae.files import shown, write_json
+from surae.formatting import part
 from surae.names import FITTED, NUISANCES, POPULATIONS
 
 
@@ -118,7 +118,7 @@ def command(
         api.write_protocol_target(design.trajectory, target)
     if figure is not None:
         api.write_figure(figure, api.protocol_figure(design.trajectory))
-    show_expectation(design.expectation)
+    show_answer(design.expectation.as_table())
     for note in design.notes:
         show_line(note)
     if design.aimed:
@@ -144,7 +144,7 @@ def _plan(
         if trial.trajectory.effort.any():
             api.write_protocol_target(trial.trajectory, path.with_name(f"{path.stem}-target.csv"))
     write_json(folder / "plan.json", plan.to_json())
-    show_expectation(plan.expectation)
+    show_answer(plan.expectation.as_table())
     for line in plan.sentences:
         show_line(line)
     show_files({"session": output})

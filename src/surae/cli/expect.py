@@ -8,7 +8,7 @@ from surae import api
 from surae.cli.options import Number, Whole, model_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
-from surae.cli.screen import show_files, show_line, show_verdicts
+from surae.cli.screen import show_answer, show_files
 from surae.files import write_json
 from surae.names import AUTO, FITTED, NUISANCES, POPULATIONS
 
@@ -52,41 +52,5 @@ def command(
     if output is not None:
         write_json(output, expectation.to_json())
 
-    show_expectation(expectation)
+    show_answer(expectation.as_table())
     show_files({"expectation": output})
-
-
-def show_expectation(expectation: "api.Expectation") -> None:
-    """A table of what is expected of each parameter, and of all."""
-    rows = []
-    for p in expectation.parameters.values():
-        source = max(p.budget, key=lambda name: p.budget[name], default="—")
-        rows.append(
-            (
-                p.name,
-                part(p.relative_sem),
-                part(p.half_width),
-                f"{100 * p.identified_share:.0f} %",
-                source,
-                str(p.verdict),
-            )
-        )
-    show_line(f"{expectation.protocol}: {expectation.seconds:g} s, {expectation.legs}, "
-              f"{expectation.model}, noise {expectation.noise:.2g} Nm at "
-              f"{expectation.rate_hz:g} Hz")  # fmt: skip
-    show_verdicts(
-        ("parameter", "standard error", "95 % within", "identified in", "most of it", "verdict"),
-        rows,
-    )
-    low, high = expectation.torque
-    show_line(
-        f"largest standard error: {part(expectation.worst)} ({expectation.weakest}); "
-        f"geometric mean: {part(expectation.geometric_mean)}; identified: "
-        f"{expectation.identified} of {len(rows)}"
-    )
-    show_line(f"torque on the device: {low:.3g} to {high:.3g} Nm over these legs")
-
-
-def part(value: float | None) -> str:
-    """A part in percent, to two digits."""
-    return "—" if value is None else f"{100 * value:.2g} %" if value < 1 else f"{100 * value:.0f} %"

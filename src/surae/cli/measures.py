@@ -6,7 +6,7 @@ from surae import api
 from surae.cli.options import LANGUAGE, Number, figure_options
 from surae.cli.paths import check_outputs, spare_fits
 from surae.cli.progress import compilation_notice
-from surae.cli.screen import Columns, show_adequacy, show_files, show_line, show_verdicts
+from surae.cli.screen import show_answer, show_files, show_line
 
 
 @click.command("measures")
@@ -47,11 +47,7 @@ def command(
 
     if output is not None:
         measures.save(output)
-    show_adequacy(measures.adequacy)
-    show_verdicts(*_table(measures), numbers=("value", "95 % interval"))
-    for measure in measures.values():
-        if measure.value is None:
-            show_line(f"{measure.name}: {measure.note}")
+    show_answer(measures.as_table())
     for place in api.placed(measures, beside):
         norm = place.norm
         show_line(
@@ -64,15 +60,3 @@ def command(
     if figure is not None:
         api.write_curve_figure(figure, fit, language=language, norms=norms, width=width)
     show_files({"measures": output, "report": report, "figure": figure})
-
-
-def _table(measures: "api.Measures") -> Columns:
-    heads = ("measure", "value", "95 % interval", "unit", "note", "verdict")
-    rows: list[tuple[str, ...]] = []
-    for m in measures.values():
-        if m.value is None:
-            continue
-        sem = None if m.ci95 is None else (m.ci95[1] - m.ci95[0]) / 3.92
-        text = api.estimate(m.value, sem, m.ci95)
-        rows.append((m.name, text.value, text.interval, m.unit, m.note, str(m.verdict)))
-    return heads, rows

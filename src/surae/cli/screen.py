@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 from surae import api
 from surae.files import shown
+from surae.tables import TextTable
 
 if TYPE_CHECKING:  # rich comes with the first table
     from rich.console import Console, OverflowMethod, RenderableType
@@ -191,6 +192,15 @@ def _show_changes(comparison: "api.Comparison", out: "Console") -> None:
 def show_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """A table of numbers between what they are of, on the left, and their unit, on the right."""
     _show_table(_console(), headings, rows, {headings[0], headings[-1]})
+
+
+def show_answer(table: TextTable) -> None:
+    """A table of an answer with the lines above and below it."""
+    for line in table.above:
+        show_line(line)
+    show_verdicts(table.heads, table.rows, table.numbers)
+    for line in table.below:
+        show_line(line)
 
 
 def show_verdicts(

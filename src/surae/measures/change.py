@@ -31,8 +31,10 @@ from surae.assessment.adequacy import Grade
 from surae.assessment.parameter import percent
 from surae.errors import InputError
 from surae.files import Saved
+from surae.formatting import NO_NUMBER, estimate, significant
 from surae.frozen import FrozenDict
 from surae.measures.quantity import Quantities, Quantity
+from surae.tables import Tabular, TextTable
 
 #: By how much sessions of one leg differ beyond their covariance: 1.05 on average over all measures
 #: and parameters of 40 pairs of virtual legs, 1.6 of the worst.
@@ -41,6 +43,8 @@ SCATTER = 1.2
 LEADING = ("passive_torque", "passive_torque_tri", "passive_stiffness")
 #: Level of all claims together, and the power with which the smallest change would be shown.
 LEVEL, POWER = 0.05, 0.80
+#: Columns of the table that hold numbers.
+_NUMBERS = ("before", "after", "difference", "95 % interval", "would show")
 _Key = TypeVar("_Key", str, tuple[str, str])
 #: Degrees of freedom of what is known as well as the normal distribution.
 _MANY = 1e9
@@ -75,8 +79,8 @@ class Difference:
     note: str  #: The verdict in a plain sentence.
 
 
-@dataclass(frozen=True, slots=True)
-class Change(Saved):
+@dataclass(frozen=True, slots=True, repr=False)
+class Change(Tabular, Saved):
     """Two sessions compared.
 
     Attributes
@@ -109,6 +113,43 @@ class Change(Saved):
         """What has changed, measures first."""
         every = (*self.measures.values(), *self.parameters.values())
         return tuple(d for d in every if d.verdict is ChangeVerdict.CHANGED)
+
+    def as_table(self) -> TextTable:
+        """The table, as texts.
+
+        Returns
+        -------
+        TextTable
+            A row for each difference, then what cannot be compared, by reason.
+        """
+        rows = []
+        reasons: dict[str, list[str]] = {}
+        for d in (*self.measures.values(), *self.parameters.values()):
+            if d.difference is None or d.ci95 is None:
+                if d.before is not None or d.after is not None:
+                    reasons.setdefault(d.note, []).append(d.name)
+                continue
+            values = [significant(math.nan if v is None else v, 3) for v in (d.before, d.after)]
+            text = estimate(d.difference, (d.ci95[1] - d.ci95[0]) / 3.92, d.ci95)
+            judged = d.smallest is not None
+            shown = significant(math.nan if d.smallest is None else d.smallest, 2)
+            rows.append((
+                d.name, *values, text.value, text.interval, shown, d.unit,
+                str(d.verdict) if judged else NO_NUMBER,
+            ))  # fmt: skip
+        sides = (", ".join(side.recordings) for side in (self.before, self.after))
+        baselines = f"The spread between sessions is that of {self.baselines} baselines."
+        return TextTable(
+            ("of", *_NUMBERS, "unit", "verdict"),
+            tuple(rows),
+            above=(" → ".join(sides),),
+            below=(
+                *(f"{reason}: {', '.join(names)}" for reason, names in reasons.items()),
+                self.multiplicity,
+                *([baselines] if self.baselines else []),
+            ),
+            numbers=_NUMBERS,
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, as C.json has it."""

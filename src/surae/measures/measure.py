@@ -9,7 +9,9 @@ from surae._version import __version__
 from surae.assessment import Adequacy, Verdict
 from surae.errors import InputError
 from surae.files import PathLike, csv_row, shown, write_atomic, write_json
+from surae.formatting import estimate
 from surae.frozen import FrozenDict
+from surae.tables import Tabular, TextTable
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +48,8 @@ class Measure:
     method: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Measures(Mapping[str, Measure]):
+@dataclass(frozen=True, slots=True, repr=False)
+class Measures(Tabular, Mapping[str, Measure]):
     """The measures of a fit by name.
 
     Attributes
@@ -72,6 +74,28 @@ class Measures(Mapping[str, Measure]):
 
     def __len__(self) -> int:
         return len(self.by_name)
+
+    def as_table(self) -> TextTable:
+        """The table, as texts.
+
+        Returns
+        -------
+        TextTable
+            A row for each measure that has a value, and why the others have none.
+        """
+        rows = []
+        for m in self.values():
+            if m.value is not None:
+                sem = None if m.ci95 is None else (m.ci95[1] - m.ci95[0]) / 3.92
+                text = estimate(m.value, sem, m.ci95)
+                rows.append((m.name, text.value, text.interval, m.unit, m.note, str(m.verdict)))
+        return TextTable(
+            ("measure", "value", "95 % interval", "unit", "note", "verdict"),
+            tuple(rows),
+            above=(f"{self.model}: {self.adequacy.grade}", *self.adequacy.reasons),
+            below=tuple(f"{m.name}: {m.note}" for m in self.values() if m.value is None),
+            numbers=("value", "95 % interval"),
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, as M.json has it."""

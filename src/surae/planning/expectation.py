@@ -9,12 +9,14 @@ import numpy as np
 from surae.assessment.parameter import IDENTIFIED, Verdict, judge_interval, judge_singular
 from surae.assessment.uncertainty.budget import variance_given
 from surae.assessment.uncertainty.covariance import Covariance, half_width
+from surae.formatting import part
 from surae.frozen import Comparable, FrozenDict, read_only
 from surae.model import adapted
-from surae.model.sources import source_of
+from surae.model.sources import SOURCES, source_of
 from surae.planning.information import Information, estimated, information, prior_precision
 from surae.planning.legs import Legs
 from surae.protocol import Trajectory
+from surae.tables import Tabular, TextTable
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
 
@@ -44,8 +46,8 @@ class Expected:
     budget: Mapping[str, float] = field(default_factory=FrozenDict)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Expectation(Comparable):
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Expectation(Tabular, Comparable):
     """What a protocol will tell of legs.
 
     Attributes
@@ -107,6 +109,37 @@ class Expectation(Comparable):
     def identified(self) -> int:
         """How many parameters are expected to be identified."""
         return sum(p.verdict is Verdict.IDENTIFIED for p in self.parameters.values())
+
+    def as_table(self) -> TextTable:
+        """The table, as texts.
+
+        Returns
+        -------
+        TextTable
+            A row for each parameter, and what holds of all.
+        """
+        rows = tuple(
+            (
+                p.name, part(p.relative_sem), part(p.half_width),
+                f"{100 * p.identified_share:.0f} %",
+                SOURCES[max(p.budget, key=lambda name: p.budget[name])].label if p.budget else "—",
+                str(p.verdict),
+            )
+            for p in self.parameters.values()
+        )  # fmt: skip
+        low, high = self.torque
+        return TextTable(
+            ("parameter", "standard error", "95 % within", "identified in", "most of it",
+             "verdict"),
+            rows,
+            above=(f"{self.protocol}: {self.seconds:g} s, {self.legs}, {self.model}, noise "
+                   f"{self.noise:.2g} Nm at {self.rate_hz:g} Hz",),
+            below=(
+                f"largest standard error: {part(self.worst)} ({self.weakest}); geometric mean: "
+                f"{part(self.geometric_mean)}; identified: {self.identified} of {len(rows)}",
+                f"torque on the device: {low:.3g} to {high:.3g} Nm over these legs",
+            ),
+        )  # fmt: skip
 
     def to_json(self) -> dict[str, Any]:
         """Give what E.json holds, as plain data."""

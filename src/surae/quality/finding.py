@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from surae.recording import MUSCLES, Channel
+from surae.tables import Tabular, TextTable
 
 Severity = Literal["info", "warning", "error"]
 
@@ -53,8 +54,8 @@ class Skipped:
     reason: str
 
 
-@dataclass(frozen=True, slots=True)
-class Quality:
+@dataclass(frozen=True, slots=True, repr=False)
+class Quality(Tabular):
     """All findings of one recording, the most severe first, and the checks that were left out."""
 
     recording: str
@@ -97,6 +98,26 @@ class Quality:
             How many there are.
         """
         return sum(finding.severity == severity for finding in self.findings)
+
+    def as_table(self) -> TextTable:
+        """The table, as texts.
+
+        Returns
+        -------
+        TextTable
+            A row for each finding.
+        """
+        return TextTable(
+            ("severity", "code", "channel", "from [s]", "to [s]", "found", "what to do"),
+            tuple(
+                (f.severity, f.code, f.channel or "", f"{f.start_s:.2f}", f"{f.end_s:.2f}",
+                 f.message, f.advice)
+                for f in self.findings
+            ),
+            above=(f"{self.recording}: {self.summary}",),
+            below=tuple(f"not checked: {skip.check}: {skip.reason}" for skip in self.skipped),
+            numbers=("from [s]", "to [s]"),
+        )  # fmt: skip
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, as it is written to files."""

@@ -18,6 +18,7 @@ from surae.assessment.parameter import percent
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.files import PathLike, template
+from surae.formatting import NO_NUMBER, ends, estimate, significant
 from surae.measures.change import Change, ChangeVerdict, Difference
 from surae.measures.compute import measures
 from surae.measures.curve import TorqueCurve, torque_curve
@@ -37,7 +38,6 @@ from surae.report.document import (
     paragraphs,
     rows_of,
 )
-from surae.report.formatting import NO_NUMBER, ends, estimate, significant
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

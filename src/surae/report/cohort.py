@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from datetime import datetime
 
 from surae.files import natural_order
+from surae.formatting import estimate, significant
 from surae.measures.cohort import Cohort, CohortMember, Contrast, Pooled, sessions_of
 from surae.report.document import (
     Document,
@@ -15,7 +16,6 @@ from surae.report.document import (
     columns,
     rows_of,
 )
-from surae.report.formatting import estimate, significant
 
 #: Measures that are drawn, where the cohort has them.
 _DRAWN = ("passive_torque", "passive_stiffness", "slow_stiffness", "optimal_angle_tri")

@@ -7,6 +7,7 @@ import numpy as np
 
 from surae.assessment import Assessment, Interval, Prediction, Verdict
 from surae.estimation import FitResult
+from surae.formatting import NO_NUMBER, estimate, percentage, short, significant
 from surae.quality import Quality
 from surae.report.budget import NEXT, budget_blocks, budget_section
 from surae.report.document import (
@@ -22,7 +23,6 @@ from surae.report.document import (
     rows_of,
     verdict,
 )
-from surae.report.formatting import NO_NUMBER, estimate, percentage, short, significant
 from surae.report.identifiability import identifiability_section
 from surae.report.laboratory import (
     family_blocks,

@@ -6,6 +6,7 @@ from surae.assessment.identifiability.directions import COLLINEAR, Direction
 from surae.assessment.identifiability.identified import Identified, identifiability
 from surae.assessment.parameter import IDENTIFIED
 from surae.estimation import FitResult
+from surae.formatting import NO_NUMBER, significant
 from surae.report.document import (
     AnyCell,
     SectionBlock,
@@ -16,7 +17,6 @@ from surae.report.document import (
     rows_of,
     verdict,
 )
-from surae.report.formatting import NO_NUMBER, significant
 
 #: Directions and collinear sets that are shown at most.
 _DIRECTIONS, _SETS = 6, 6

@@ -9,6 +9,7 @@ from surae.assessment import Assessment, ParameterEstimate
 from surae.assessment.adequacy import Grade
 from surae.estimation import Candidate, Family, FitResult
 from surae.estimation.each import trial_spread
+from surae.formatting import NO_NUMBER, estimate, significant
 from surae.model import get_model
 from surae.model.laboratory import Belief, group_of
 from surae.model.sources import NUISANCES, source_of
@@ -22,7 +23,6 @@ from surae.report.document import (
     columns,
     rows_of,
 )
-from surae.report.formatting import NO_NUMBER, estimate, significant
 
 #: Units as people read them: factor and name.
 _UNITS = {"s": (1e3, "ms"), "m": (1e3, "mm"), "rad": (57.29577951308232, "°"), "-": (1.0, "")}

@@ -4,6 +4,7 @@ import math
 
 from surae.assessment import Assessment, Interval, ParameterEstimate, Verdict
 from surae.estimation import FitResult, Prior
+from surae.formatting import NO_NUMBER, estimate, short, standard_error
 from surae.model.laboratory import group_of
 from surae.report.document import (
     AnyCell,
@@ -17,7 +18,6 @@ from surae.report.document import (
     paragraphs,
     verdict,
 )
-from surae.report.formatting import NO_NUMBER, estimate, short, standard_error
 from surae.report.provenance import prior_note, prior_span
 from surae.report.wording import caution
 

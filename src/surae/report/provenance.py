@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from surae.assessment import Assessment
 from surae.estimation import FitResult, Prior
 from surae.estimation.population import population_of
+from surae.formatting import percentage, short, significant
 from surae.model import adapted
 from surae.quality.numeric import runs
 from surae.report.document import FactsBlock, SectionBlock, facts_of
-from surae.report.formatting import percentage, short, significant
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 

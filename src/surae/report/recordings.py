@@ -3,6 +3,7 @@
 import numpy as np
 
 from surae.assessment import RecordingQuality, Whiteness
+from surae.formatting import NO_NUMBER, chance, percentage, short, signed, significant
 from surae.model import TendonState
 from surae.recording.samples import sample
 from surae.report.cycles import find_cycles
@@ -18,7 +19,6 @@ from surae.report.document import (
     paragraphs,
     rows_of,
 )
-from surae.report.formatting import NO_NUMBER, chance, percentage, short, signed, significant
 from surae.report.provenance import excluded_text
 from surae.report.traces import Traces
 from surae.units import FloatArray

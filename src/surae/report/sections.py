@@ -6,6 +6,7 @@ import numpy as np
 
 from surae.assessment import Assessment, Prediction, pooled
 from surae.estimation import FitResult
+from surae.formatting import NO_NUMBER, percentage, signed, significant, standard_error
 from surae.quality import Quality
 from surae.report.document import (
     Block,
@@ -17,7 +18,6 @@ from surae.report.document import (
     columns,
     rows_of,
 )
-from surae.report.formatting import NO_NUMBER, percentage, signed, significant, standard_error
 from surae.report.traces import Traces
 
 #: Correlation from which a pair of parameters is named.

@@ -8,6 +8,7 @@ import numpy as np
 
 from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.estimation import FitResult
+from surae.formatting import NO_NUMBER, estimate, percentage, signed, significant
 from surae.quality import Quality
 from surae.report.clinical import ClinicalPage, blocks_of
 from surae.report.document import (
@@ -29,7 +30,6 @@ from surae.report.figures import Figure
 from surae.report.figures.session import holds_figure, trials_figure
 from surae.report.figures.style import WIDTH
 from surae.report.figures.torques import fit_figure
-from surae.report.formatting import NO_NUMBER, estimate, percentage, signed, significant
 from surae.report.parameters import shown_parameters
 from surae.report.wording import adequacy_words
 from surae.trials import Crossed, Trial, common_errors

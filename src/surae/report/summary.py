@@ -1,65 +1,28 @@
-"""A fit on one screen: as plain text, and as HTML for a notebook's cell."""
-
-from html import escape
+"""A fit on one screen."""
 
 from surae.assessment import Assessment, ParameterEstimate
 from surae.estimation import FitResult
-from surae.report.formatting import estimate, percentage, significant
+from surae.formatting import estimate, percentage, significant
 from surae.report.parameters import shown_parameters
 from surae.report.wording import adequacy_words
+from surae.tables import TextTable
 
-_HEADINGS = ("parameter", "value", "95 % interval", "unit", "verdict", "meaning")
-#: Colours of a verdict that can be told on white and on black.
-_COLOURS = {"identified": "#1f8f4d", "weak": "#a86e00", "undetermined": "#a86e00",
-            "at-bound": "#c0392b"}  # fmt: skip
-_MARKS = {"adequate": "#1f8f4d", "doubtful": "#a86e00", "inadequate": "#c0392b"}
+_HEADS = ("parameter", "value", "95 % interval", "unit", "verdict", "meaning")
 
 
-def fit_text(result: FitResult, assessment: Assessment) -> str:
-    """The fit in some thirty lines: what it is worth, its parameters, what came of the search."""
+def fit_table(result: FitResult, assessment: Assessment) -> TextTable:
+    """What it is worth, its parameters, what came of the search: some thirty lines."""
     words = adequacy_words(assessment.adequacy)
-    rows = [_HEADINGS, *(_row(p) for p in shown_parameters(assessment) if p.free)]
-    widths = [max(len(row[place]) for row in rows) for place in range(len(_HEADINGS))]
-    lines = [result.problem.spec.title, f"{words.mark} {words.sentence}"]
-    lines += [f"  – {reason}" for reason in words.reasons]
-    lines.append("")
-    for row in rows:
-        cells = (
-            cell.rjust(width) if place in (1, 2) else cell.ljust(width)
-            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
-        )
-        lines.append("  ".join(cells).rstrip())
-    lines += ["", *_closing(result, assessment)]
-    return "\n".join(lines)
-
-
-def fit_html(result: FitResult, assessment: Assessment) -> str:
-    """The same as a table for a notebook, which asks nothing of the outside."""
-    words = adequacy_words(assessment.adequacy)
-    head = "".join(f"<th style='text-align:left'>{escape(text)}</th>" for text in _HEADINGS)
-    body = []
-    for p in shown_parameters(assessment):
-        if not p.free:
-            continue
-        cells = _row(p)
-        colour = _COLOURS.get(str(p.verdict), "inherit")
-        styles = ["", "text-align:right", "text-align:right", "", f"color:{colour}", "opacity:.7"]
-        body.append(
-            "<tr>"
-            + "".join(
-                f"<td style='{style or 'text-align:left'}'>{escape(cell)}</td>"
-                for cell, style in zip(cells, styles, strict=True)
-            )
-            + "</tr>"
-        )
-    reasons = "".join(f"<li>{escape(reason)}</li>" for reason in words.reasons)
-    closing = "<br>".join(map(escape, _closing(result, assessment)))
-    return (
-        f"<div><strong>{escape(result.problem.spec.title)}</strong><br>"
-        f"<span style='color:{_MARKS[words.grade]}'>{escape(f'{words.mark} {words.sentence}')}"
-        f"</span><ul style='margin:0'>{reasons}</ul>"
-        f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(body)}</tbody></table>"
-        f"<small>{closing}</small></div>"
+    return TextTable(
+        _HEADS,
+        tuple(_row(p) for p in shown_parameters(assessment) if p.free),
+        above=(
+            result.problem.spec.title,
+            f"{words.mark} {words.sentence}",
+            *(f"  – {reason}" for reason in words.reasons),
+        ),
+        below=tuple(_closing(result, assessment)),
+        numbers=("value", "95 % interval"),
     )
 
 

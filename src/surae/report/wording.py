@@ -4,8 +4,8 @@ from surae.assessment import Assessment, Interval, ParameterEstimate, Verdict
 from surae.assessment.adequacy import Adequacy, Grade
 from surae.assessment.parameter import IDENTIFIED
 from surae.estimation import FitResult
+from surae.formatting import percentage, significant
 from surae.report.document import AdequacyWords
-from surae.report.formatting import percentage, significant
 from surae.report.provenance import emphasis_text
 
 #: A mark that is told from the others without colour, and what a grade means to the reader.

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.assessment.posterior.sample import Marginal, Posterior
+from surae.formatting import significant
 from surae.report.figures.style import (
     BLUE,
     GREY,
@@ -22,7 +23,6 @@ from surae.report.figures.style import (
     powers_of_ten,
     shared_legend,
 )
-from surae.report.formatting import significant
 from surae.units import FloatArray
 
 #: Panels side by side, and heights of a marginal's and of a pair's row [inch].

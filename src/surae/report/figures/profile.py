@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.assessment.likelihood.profile import ParameterProfile
+from surae.formatting import significant
 from surae.report.figures.style import (
     BLUE,
     GREY,
@@ -22,7 +23,6 @@ from surae.report.figures.style import (
     powers_of_ten,
     shared_legend,
 )
-from surae.report.formatting import significant
 from surae.units import FloatArray
 
 #: Panels side by side, height of a row [inch], and width of a single panel [inch].

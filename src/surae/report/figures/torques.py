@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 
 from surae.assessment import Prediction
 from surae.estimation import FitResult
+from surae.formatting import percentage
 from surae.report.figures.style import (
     BLUE,
     GREY,
@@ -22,7 +23,6 @@ from surae.report.figures.style import (
     trace,
 )
 from surae.report.figures.torque import torque_figure
-from surae.report.formatting import percentage
 from surae.report.provenance import excluded_spans
 from surae.report.traces import traces_of
 from surae.units import FloatArray

@@ -141,6 +141,13 @@ def signed(value: float, decimals: int) -> str:
     return text.lstrip("-") if float(text) == 0 else text.replace("-", "−")
 
 
+def part(value: float | None) -> str:
+    """A part in percent, to two digits."""
+    if value is None:
+        return NO_NUMBER
+    return f"{100 * value:.2g} %" if value < 1 else f"{100 * value:.0f} %"
+
+
 def chance(p_value: float) -> str:
     """A probability of a test, ``"p = 0.031"`` or ``"p < 0.001"``."""
     if not math.isfinite(p_value):

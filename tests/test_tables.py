@@ -1,0 +1,40 @@
+"""Answers as tables: text in a console, HTML in a notebook."""
+
+import surae
+from surae.quality import Finding, Quality, Skipped
+from surae.tables import TextTable
+
+
+def test_text_is_aligned_and_numbers_stand_right() -> None:
+    table = TextTable(("of", "n"), (("a", "1"), ("bcd", "22")), ("title",), ("end",), ("n",))
+    assert table.text().splitlines() == ["title", "", "of    n", "a     1", "bcd  22", "", "end"]
+
+
+def test_html_escapes_what_a_file_may_be_named() -> None:
+    table = TextTable(("<of>",), (("<b>",), ("error",)), ("<title>", "a & b"), ("<end>",))
+    html = table.html()
+    assert html.count("<tr>") == 3
+    for raw in ("<of>", "<b>", "<title>", "<end>", "a & b"):
+        assert raw not in html
+    assert "color:#c0392b'>error<" in html
+
+
+def test_findings_are_a_table() -> None:
+    found = Finding("mains-hum", "warning", "emg_ta", 0.0, 9.5, 0.1, "V", "A hum.", "Mend it.")
+    quality = Quality("trial", (found,), (Skipped("emg-flat", "There is no EMG."),))
+    lines = repr(quality).splitlines()
+    assert lines[0] == "trial: 1 warning"
+    assert "mains-hum" in lines[3]
+    assert lines[3].endswith("Mend it.")
+    assert lines[-1] == "not checked: emg-flat: There is no EMG."
+    assert "mains-hum" in quality._repr_html_()
+    assert repr(Quality("trial", ())) == "trial: nothing found"
+
+
+def test_an_expectation_is_a_table() -> None:
+    expectation = surae.expect("multiple-holds", model="muscle", legs=2)
+    lines = repr(expectation).splitlines()
+    assert lines[0].startswith("multiple-holds: ")
+    assert sum(line.split()[0] == "k_tri" for line in lines if line) == 1
+    assert "identified" in lines[-2]
+    assert "k_tri" in expectation._repr_html_()
