@@ -2,6 +2,7 @@
 
 import csv
 import json
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from ankle_legs.subject import MEASURED_AT
 
 
 def columns(one: Leg, trial: int = 1, kind: str = "active") -> dict[str, np.ndarray]:
-    return one.record(one.subject, one.mounting(0), trial, 12.0, kind)
+    return one.columns(one.record(trial, 12.0, kind), trial)
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -40,13 +41,12 @@ def test_a_leg_is_the_same_for_the_same_seed_alone() -> None:
 def test_true_measures_are_what_the_robot_reads_when_all_has_relaxed() -> None:
     """A ladder of long holds of the plain leg, less weight and zero."""
     one = leg("p", 4)
-    mounting = replace(one.mounting(0), noise=0.0)
-    made = one.record(one.subject, mounting, 1, 150.0, "curve")
-    still = np.flatnonzero(np.diff(made["angle_rad"]) == 0)
+    run = one.record(1, 150.0, "curve")
+    still = np.flatnonzero(np.diff(run.plate) == 0)
     last = still[np.flatnonzero(np.diff(still) > 1)]
-    weight = one.subject.values["m"] * 9.81 * 0.15 * np.cos(made["angle_rad"][last])
-    elastic = made["torque_Nm"][last] - weight - mounting.zero
-    rest = one.subject.passive_torque(made["angle_rad"][last])
+    elastic = run.torque[last] - one.subject.values["m"] * 9.81 * 0.15 * np.cos(run.plate[last])
+    rest = one.subject.passive_torque(run.plate[last])
+    assert last.size >= 5
     # The EMG's resting level pulls with a few N.
     assert elastic == pytest.approx(rest, abs=0.8)
     slope = np.gradient(one.subject.passive_torque(np.radians([9.9, 10.0, 10.1])), 0.1)[1]
@@ -68,18 +68,41 @@ def test_trials_say_whether_the_leg_or_its_mounting_is_another() -> None:
     assert mounted["parameters"]["g1"] != first["parameters"]["g1"]
     soft, stiff = (t["measures"]["passive_stiffness@10deg"] for t in (treated, first))
     assert 0.4 < soft / stiff < 0.85
+
+
+def test_film_sees_the_muscles_length_but_for_scale_zero_and_drift() -> None:
     one = leg("a", 2)
-    torque = [one.record(*one.condition(n), 1, 20.0, "passive")["torque_Nm"] for n in (1, 7)]
-    assert np.max(torque[0]) > np.max(torque[1])
+    run = one.record(1)
+    film, seen = one.film(run, 1), one.seen_fascicles()
+    assert 1 / np.diff(film["time_s"]) == pytest.approx(33.3, abs=0.1)
+    for i, name in enumerate(("fascicle_gm", "fascicle_tib")):
+        length = 1e3 * np.interp(film["time_s"], run.times, run.length[i])
+        miss = film[f"{name}_mm"] - seen[name]["scale"] * length - seen[name]["zero_mm"]
+        assert 0.3 < np.std(miss) < 2.0
+        assert abs(np.corrcoef(miss[:-1], miss[1:])[0, 1]) > 0.7  # a drift, no white noise
+
+
+def test_raw_emg_has_the_envelope_as_its_mean_size() -> None:
+    one = leg("p", 2)
+    run = one.record(1)
+    raw, envelope = one.columns(run, 1, raw=True), one.columns(run, 1)
+    for name in ("emg_ta_V", "emg_sol_V"):
+        assert abs(np.mean(raw[name])) < 0.05 * np.mean(envelope[name])
+        assert np.mean(np.abs(raw[name])) == pytest.approx(np.mean(envelope[name]), rel=0.1)
 
 
 def test_make_writes_recordings_and_keeps_the_truth_apart(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["make", "a", "5", "--output", str(tmp_path), "--trials", "2"]) == 0
-    files = capsys.readouterr().out.split()
-    assert [Path(f).name for f in files] == ["trial-1.csv", "trial-2.csv"]
-    lines = Path(files[0]).read_text().splitlines()
+    assert main(["make", "a", "5", "--output", str(tmp_path), "--trials", "2", "--film"]) == 0
+    files = [Path(line) for line in capsys.readouterr().out.split()]
+    assert [file.name for file in files] == ["trial-1.toml", "trial-2.toml"]
+    channels = tomllib.loads(files[0].read_text())["channels"]
+    assert len(channels) == 8
+    for channel in channels.values():
+        header = (files[0].parent / channel["file"]).read_text().splitlines()[:2]
+        assert channel["column"] in ",".join(header).split(",")
+    lines = files[0].with_suffix(".csv").read_text().splitlines()
     assert lines[0] == "# emg: envelope"
     assert lines[1] == "time_s,angle_rad,torque_Nm,emg_ta_V,emg_gl_V,emg_sol_V,emg_gm_V"
     assert not list((tmp_path / "a-5").glob("*.json"))
@@ -93,6 +116,22 @@ def answers(path: Path, rows: list[tuple[object, ...]]) -> Path:
         writer.writerow(["family", "seed", "trial", "parameter", "value", "low", "high", "verdict"])
         writer.writerows(rows)
     return path
+
+
+def test_pairs_are_counted_by_what_changed_in_truth(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = tmp_path / "changes.csv"
+    pairs = ["1,2,{}@10deg,changed", "1,3,{}@10deg,no change shown", "1,4,{}@0deg,changed"]
+    pairs += ["1,4,g1,changed", "1,7,{}@10deg,changed", "1,7,m,changed"]
+    head = "family,seed,before,after,measure,verdict\n"
+    rows = [f"a,2,{pair.format('passive_stiffness')}\n" for pair in pairs]
+    table.write_text(head + "".join(rows))
+    path = answers(tmp_path / "answers.csv", [])
+    assert main(["score", str(path), "--changes", str(table)]) == 0
+    words = capsys.readouterr().out.splitlines()[-1]
+    assert "1 of 2, 1 of 1" in words
+    assert "1 of 1 that changed, 1 of 1 that did not" in words
 
 
 def test_score_counts_by_hand(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -6,15 +6,15 @@ families tell nothing, so that a table of scores does not either.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from numba import njit
 
 from ankle_legs import look
-from ankle_legs.leg import Departure, Run
-from ankle_legs.look import FORCE_PER_VOLT, Draw
+from ankle_legs.leg import Departure, Draw, Run, between, drawn
+from ankle_legs.look import FORCE_PER_VOLT
 from ankle_legs.muscle import Array, Muscle, integrate
 from ankle_legs.subject import Subject
 
@@ -73,12 +73,11 @@ class Sigmoid(Departure):
     """Force rises steeply, then saturates over EMG (Woods and Bigland-Ritchie 1983)."""
 
     unscored: ClassVar[dict[str, str]] = FORCE_PER_VOLT
-    steepness: Array
-    half: Array
-    share: float
+    steepness: Array = between(1.2, 1.9, 4, none=None)
+    half: Array = between(0.5, 1.0, 4, none=None)
+    share: float = between(1, 1)
 
     def excite(self, run: Run) -> None:
-        """Bend each muscle's excitation."""
         peak = np.maximum(run.excitation.max(axis=1), 50)
         for i in range(4):
             u, n, c = run.excitation[i] / peak[i], self.steepness[i], self.half[i]
@@ -91,11 +90,10 @@ class History(Departure):
     """Force is enhanced after active stretch, depressed after shortening (Herzog 2004)."""
 
     loops: ClassVar[bool] = True
-    enhanced: float  # share of force per stretch of l0
-    depressed: float
+    enhanced: float = between(0.5, 1.2)  # share of force per stretch of l0
+    depressed: float = between(0.4, 0.9)
 
     def load(self, run: Run) -> None:
-        """Scale the active force by what the muscle did since it began to pull."""
         if not run.active.any():
             return
         for i, muscle in enumerate(run.subject.muscles()):
@@ -110,10 +108,11 @@ class Fatigue(Departure):
     """The same EMG makes less force as work goes on (Bigland-Ritchie et al. 1986)."""
 
     unscored: ClassVar[dict[str, str]] = FORCE_PER_VOLT
-    loss: Array  # by the trial's end, per group of ta and of the three others
+    loss: Array = between(
+        0.15, 0.35, 2
+    )  # by the trial's end, per group of ta and of the three others
 
     def excite(self, run: Run) -> None:
-        """Let excitation fall with the effort that was made."""
         for rows, loss in ((slice(0, 1), self.loss[0]), (slice(1, 4), self.loss[1])):
             dose = np.cumsum(run.effort[rows].sum(axis=0))
             dose /= max(dose[-1], 1e-9)
@@ -125,10 +124,9 @@ class Shift(Departure):
     """An electrode comes loose: what it shows jumps, once or twice."""
 
     unscored: ClassVar[dict[str, str]] = FORCE_PER_VOLT
-    size: float  # of the jump's logarithm
+    size: float = between(0.2, 0.45)  # of the jump's logarithm
 
     def measure(self, run: Run) -> None:
-        """Scale one to three channels from a time on."""
         for i in run.rng.permutation(4)[: run.rng.integers(1, 4)]:
             at, sign = run.rng.uniform(0.25, 0.75) * run.times[-1], run.rng.choice([-1, 1])
             run.seen[i] *= np.exp(sign * self.size * np.clip((run.times - at) / 0.2, 0, 1))
@@ -139,10 +137,9 @@ class Skin(Departure):
     """The muscle slides under its electrode: amplitude depends on the angle (Farina 2006)."""
 
     unscored: ClassVar[dict[str, str]] = FORCE_PER_VOLT
-    sizes: Array  # at the ends of the range
+    sizes: Array = between(0.1, 0.25, 4, signed=True)  # at the ends of the range
 
     def measure(self, run: Run) -> None:
-        """Scale each channel by the angle."""
         low, high = run.subject.range
         run.seen *= 1 + self.sizes[:, None] * (2 * (run.ankle - low) / (high - low) - 1)
 
@@ -151,13 +148,12 @@ class Skin(Departure):
 class Thixotropy(Departure):
     """After rest a passive muscle resists its first stretch (Proske et al. 1993)."""
 
-    forces: tuple[float, float]  # of triceps and tibialis [N]
-    reach: float  # of path at which bonds yield [m]
-    rebuild: float  # [s]
+    force: float = between(20, 60)  # of the triceps; the tibialis has 0.4 of it [N]
+    reach: float = between(0.0008, 0.002, none=None)  # of path at which bonds yield [m]
+    rebuild: float = between(2, 6, none=None)  # [s]
 
     def load(self, run: Run) -> None:
-        """Add the bonds' force; it is in the path, the tendon is stiff beside it."""
-        for i, size in enumerate(self.forces):
+        for i, size in enumerate((self.force, 0.4 * self.force)):
             bonds = _bonds(run.path[i], self.rebuild / run.step, 3 * self.reach)
             run.extra[i] += size * bonds * _gripped(run.path[i], self.reach) / self.reach
 
@@ -167,10 +163,9 @@ class LoadedArm(Departure):
     """Moment arms grow as the muscle pulls (Maganaris et al. 1998, 1999)."""
 
     loops: ClassVar[bool] = True
-    sizes: tuple[float, float]  # at the leg's largest force
+    sizes: Array = between(0.1, 0.3, 2)  # at the leg's largest force
 
     def load(self, run: Run) -> None:
-        """Lengthen the arms by the last pass's force."""
         for i, size in enumerate(self.sizes):
             largest = run.subject.torque[i] / run.arm[i].mean()
             run.arm[i] = run.arm[i] * (1 + size * np.minimum(run.force[i] / largest, 1.3))
@@ -183,10 +178,9 @@ class Silent(Departure):
     unscored: ClassVar[dict[str, str]] = dict.fromkeys(
         ("g1", "g2", "g3", "g4"), "muscles without an electrode pull with these"
     )
-    shares: tuple[float, float]  # of the group's largest torque
+    shares: Array = between(0.06, 0.14, 2)  # of the group's largest torque
 
     def measure(self, run: Run) -> None:
-        """Add their torques."""
         one, own = np.ones(run.times.size), run.rng
         levels = (run.effort[1:].sum(axis=0), run.effort[0])
         for i, (level, share) in enumerate(zip(levels, self.shares, strict=True)):
@@ -203,13 +197,12 @@ class Silent(Departure):
 class Skew(Departure):
     """The EMG amplifier's clock is its own: it drifts, or loses a packet."""
 
-    seconds: float  # by the trial's end
-    lost: bool
+    seconds: float = between(0.02, 0.06, signed=True)  # by the trial's end
+    lost: float = between(0, 1, none=None)
 
     def measure(self, run: Run) -> None:
-        """Show the EMG at times that are not the robot's."""
         u = run.times / run.times[-1]
-        late = self.seconds * (u > run.rng.uniform(0.3, 0.7) if self.lost else u)
+        late = self.seconds * (u > run.rng.uniform(0.3, 0.7) if self.lost < 0.4 else u)
         run.seen = np.array([np.interp(run.times - late, run.times, row) for row in run.seen])
 
 
@@ -218,15 +211,14 @@ class Slip(Departure):
     """The heel creeps in its strap and comes back late: compliance with hysteresis."""
 
     loops: ClassVar[bool] = True
-    springs: float  # at the leg's common torque [rad]
-    slips: float
-    yields: float  # [Nm]
+    springs: float = between(0.5, 1.5)  # at the leg's common torque [deg]
+    slips: float = between(1.0, 2.5)
+    yields: float = between(8, 20, none=None)  # [Nm]
 
     def turn(self, run: Run) -> None:
-        """Turn the ankle against the torque."""
         held = _gripped(run.torque, self.yields) / self.yields
-        elastic = run.torque / (0.7 * run.subject.torque[0])
-        run.ankle = run.ankle - run.lagged(self.springs * elastic + self.slips * held, 0.04)
+        bend = self.slips * held + self.springs * run.torque / (0.7 * run.subject.torque[0])
+        run.ankle = run.ankle - np.radians(run.lagged(bend, 0.04))
 
 
 @dataclass(frozen=True)
@@ -234,14 +226,13 @@ class Knee(Departure):
     """The knee gives as the triceps pulls, and drifts: the gastrocnemius slackens."""
 
     loops: ClassVar[bool] = True
-    bend: float  # at the leg's largest force [rad]
-    drift: float
+    bend: float = between(4, 10)  # at the leg's largest force [deg]
+    drift: float = between(-6, 6)
 
     def load(self, run: Run) -> None:
-        """Shorten the group's path by its gastrocnemius's share (45 %, arm at the knee 25 mm)."""
         largest = run.subject.torque[0] / run.arm[0].mean()
         knee = self.bend * run.force[0] / largest + self.drift * run.times / run.times[-1]
-        run.path[0] -= 0.45 * 0.025 * knee
+        run.path[0] -= 0.45 * 0.025 * np.radians(knee)
 
 
 @dataclass(frozen=True)
@@ -252,10 +243,9 @@ class Optimum(Departure):
     unscored: ClassVar[dict[str, str]] = dict.fromkeys(
         ("l0_tri", "l0_tib"), "the optimal length depends on activation"
     )
-    size: float
+    size: float = between(0.08, 0.18)
 
     def load(self, run: Run) -> None:
-        """Correct the active force for the length at which it is largest."""
         if not run.active.any():
             return
         for i, muscle in enumerate(run.subject.muscles()):
@@ -271,11 +261,10 @@ class Lingering(Departure):
     """Muscles let go more slowly than they take hold (Zajac 1989)."""
 
     unscored: ClassVar[dict[str, str]] = BANDWIDTH
-    rise: float  # [s]
-    fall: float
+    rise: float = between(0.01, 0.025)  # [s]
+    fall: float = between(0.05, 0.1)
 
     def excite(self, run: Run) -> None:
-        """Chase each excitation."""
         steps = (self.rise / run.step, self.fall / run.step)
         run.excitation = np.array([_chased(row, *steps) for row in run.excitation])
 
@@ -285,13 +274,12 @@ class Fibres(Departure):
     """The soleus is slow and the gastrocnemius is fast (Buchthal and Schmalbruch 1970)."""
 
     unscored: ClassVar[dict[str, str]] = BANDWIDTH
-    lags: Array  # of the four muscles [s]
+    slow: float = between(0.03, 0.06)  # lag of the soleus [s]
+    fast: Array = between(0.002, 0.015, 3)
 
     def excite(self, run: Run) -> None:
-        """Lag each muscle by its own time."""
-        run.excitation = np.array(
-            [run.lagged(row, lag) for row, lag in zip(run.excitation, self.lags, strict=True)]
-        )
+        lags = (*self.fast[:2], self.slow, self.fast[2])
+        run.excitation = np.array([run.lagged(run.excitation[i], lags[i]) for i in range(4)])
 
 
 @dataclass(frozen=True)
@@ -302,16 +290,16 @@ class Creep(Departure):
     unscored: ClassVar[dict[str, str]] = dict.fromkeys(
         ("tau_rel", "k_rel"), "the passive muscle relaxes in several times"
     )
-    sizes: tuple[float, float]
-    times: tuple[float, float]  # [s]
+    sizes: Array = between(0.1, 0.3, 2)
+    quick: float = between(0.15, 0.4, none=None)  # [s]
+    slow: float = between(15, 40, none=None)
 
     def load(self, run: Run) -> None:
-        """Add two further parts that vanish at rest."""
         if not run.length.any():
             return
         for i, muscle in enumerate(run.subject.muscles()):
             elastic = np.exp(muscle.k * (run.length[i] - muscle.x0)) / (1 + muscle.k_rel)
-            for size, seconds in zip(self.sizes, self.times, strict=True):
+            for size, seconds in zip(self.sizes, (self.quick, self.slow), strict=True):
                 run.extra[i] += size * (elastic - run.lagged(elastic, seconds))
 
 
@@ -322,16 +310,12 @@ class TendonShape(Departure):
     unscored: ClassVar[dict[str, str]] = dict.fromkeys(
         ("dlt_tri", "dlt_tib"), "the tendon's curve has another shape"
     )
-    toes: tuple[float, float]
-    bends: tuple[float, float]
+    toe: Array = between(0.15, 0.48, 2, none=0.3)
+    k_toe: Array = between(2.5, 6, 2, none=4)
 
     def leg(self, subject: Subject) -> Subject:
-        """Change both tendons."""
-        first, second = (
-            {**old, "toe": toe, "k_toe": bend}
-            for old, toe, bend in zip(subject.shapes, self.toes, self.bends, strict=True)
-        )
-        return replace(subject, shapes=(first, second))
+        pairs = zip(self.toe, self.k_toe, strict=True)
+        return subject.shaped({"toe": toe, "k_toe": bend} for toe, bend in pairs)
 
 
 @dataclass(frozen=True)
@@ -339,11 +323,10 @@ class Recruitment(Departure):
     """From burst to burst other parts of a muscle work than those under its electrode."""
 
     unscored: ClassVar[dict[str, str]] = FORCE_PER_VOLT
-    size: float
-    every: float  # [s]
+    size: float = between(0.1, 0.2)
+    every: float = between(1, 2, none=None)  # [s]
 
     def excite(self, run: Run) -> None:
-        """Scale each muscle's excitation by a course that steps."""
         for i in range(4):
             levels = run.rng.normal(size=int(run.times[-1] / self.every) + 2)
             held = levels[(run.times / self.every).astype(int)]
@@ -355,18 +338,16 @@ class Recruitment(Departure):
 class Wander(Departure):
     """The torque sensor warms up, effort trembles, cables are pulled."""
 
-    wander: float  # [Nm]
-    tremor: float  # share of the active torque
-    pulls: int
-    pulled: float  # [V]
+    wander: float = between(0.5, 1.5)  # [Nm]
+    tremor: float = between(0.005, 0.02)  # share of the active torque
+    pulled: float = between(1e-4, 3e-4)  # [V]
 
     def measure(self, run: Run) -> None:
-        """Disturb torque and EMG."""
         course = _course(run.rng, run, 5.0)
         phase = 2 * np.pi * np.cumsum(9.5 + _course(run.rng, run, 0.5)) * run.step
         size = self.tremor * run.subject.torque[0] * run.effort.sum(axis=0)
         run.torque += self.wander * course + size * np.sin(phase)
-        for at in run.rng.uniform(2, run.times[-1] - 2, self.pulls):
+        for at in run.rng.uniform(2, run.times[-1] - 2, 5):
             width = run.rng.uniform(0.05, 0.2)
             bump = np.exp(-(((run.times - at) / width) ** 2))
             run.seen[run.rng.integers(4)] += self.pulled * bump
@@ -376,122 +357,27 @@ class Wander(Departure):
 class Backlash(Departure):
     """Gears have play, and the torque cell has hysteresis."""
 
-    play: float  # half of it [rad]
-    hysteresis: float  # share of the torque's range
+    play: float = between(0.4, 1.2)  # half of it [deg]
+    hysteresis: float = between(0.01, 0.02)  # share of the torque's range
 
     def turn(self, run: Run) -> None:
-        """Let the ankle trail behind the robot."""
-        reach = np.radians(2.0)
-        run.ankle = run.ankle - self.play * _gripped(run.plate, reach) / reach
+        run.ankle = run.ankle - self.play / 2 * _gripped(run.plate, np.radians(2.0))
 
     def measure(self, run: Run) -> None:
-        """Add the cell's hysteresis."""
         span = float(np.ptp(run.torque))
         run.torque += self.hysteresis * span * _gripped(run.torque, span / 6) / (span / 6)
 
 
-def _pair(rng: np.random.Generator, *ends: tuple[float, float]) -> tuple[float, float]:
-    (a, b), (c, d) = ends
-    return float(rng.uniform(a, b)), float(rng.uniform(c, d))
-
-
-def _sigmoid(rng: np.random.Generator, s: float) -> Departures:
-    return (Sigmoid(rng.uniform(1.2, 1.9, 4), rng.uniform(0.5, 1.0, 4), s),)
-
-
-def _history(rng: np.random.Generator, s: float) -> Departures:
-    return (History(*(s * x for x in _pair(rng, (0.5, 1.2), (0.4, 0.9)))),)
-
-
-def _fatigue(rng: np.random.Generator, s: float) -> Departures:
-    return (Fatigue(s * rng.uniform(0.15, 0.35, 2)),)
-
-
-def _shift(rng: np.random.Generator, s: float) -> Departures:
-    return (Shift(s * rng.uniform(0.2, 0.45)),)
-
-
-def _skin(rng: np.random.Generator, s: float) -> Departures:
-    return (Skin(s * rng.choice([-1, 1], 4) * rng.uniform(0.1, 0.25, 4)),)
-
-
-def _thixotropy(rng: np.random.Generator, s: float) -> Departures:
-    size = _pair(rng, (20 * s, 60 * s), (8 * s, 25 * s))
-    return (Thixotropy(size, rng.uniform(0.0008, 0.002), rng.uniform(2, 6)),)
-
-
-def _loaded_arm(rng: np.random.Generator, s: float) -> Departures:
-    return (LoadedArm(_pair(rng, (0.1 * s, 0.25 * s), (0.15 * s, 0.35 * s))),)
-
-
-def _silent(rng: np.random.Generator, s: float) -> Departures:
-    return (Silent(_pair(rng, (0.06 * s, 0.15 * s), (0.06 * s, 0.12 * s))),)
-
-
-def _skew(rng: np.random.Generator, s: float) -> Departures:
-    return (Skew(s * rng.choice([-1, 1]) * rng.uniform(0.02, 0.06), bool(rng.random() < 0.4)),)
-
-
-def _slip(rng: np.random.Generator, s: float) -> Departures:
-    springs, slips = np.radians(_pair(rng, (0.5 * s, 1.5 * s), (1.0 * s, 2.5 * s)))
-    return (Slip(float(springs), float(slips), rng.uniform(8, 20)),)
-
-
-def _knee(rng: np.random.Generator, s: float) -> Departures:
-    bend, drift = np.radians(_pair(rng, (4 * s, 10 * s), (-6 * s, 6 * s)))
-    return (Knee(float(bend), float(drift)),)
-
-
-def _optimum(rng: np.random.Generator, s: float) -> Departures:
-    return (Optimum(s * rng.uniform(0.08, 0.18)),)
-
-
-def _lingering(rng: np.random.Generator, s: float) -> Departures:
-    rise, fall = _pair(rng, (0.01, 0.025), (0.05, 0.1))
-    return (Lingering(rise, rise + s * (fall - rise)),)
-
-
-def _fibres(rng: np.random.Generator, s: float) -> Departures:
-    slow, fast = s * rng.uniform(0.03, 0.06), s * rng.uniform(0.002, 0.015, 3)
-    return (Fibres(np.array([fast[0], fast[1], slow, fast[2]]) + 1e-3),)
-
-
-def _creep(rng: np.random.Generator, s: float) -> Departures:
-    sizes = _pair(rng, (0.1 * s, 0.3 * s), (0.1 * s, 0.3 * s))
-    return (Creep(sizes, _pair(rng, (0.15, 0.4), (15, 40))),)
-
-
-def _tendon_shape(rng: np.random.Generator, s: float) -> Departures:
-    toes = tuple(0.3 + s * (t - 0.3) for t in rng.choice([0.15, 0.2, 0.42, 0.48], 2))
-    bends = tuple(4 + s * (b - 4) for b in rng.uniform(2.5, 6, 2))
-    return (TendonShape((toes[0], toes[1]), (bends[0], bends[1])),)
-
-
-def _recruitment(rng: np.random.Generator, s: float) -> Departures:
-    return (Recruitment(s * rng.uniform(0.1, 0.2), rng.uniform(1.0, 2.0)),)
-
-
-def _wander(rng: np.random.Generator, s: float) -> Departures:
-    wander, tremor = _pair(rng, (0.5 * s, 1.5 * s), (0.005 * s, 0.02 * s))
-    return (Wander(wander, tremor, int(rng.integers(3, 7)), s * rng.uniform(1e-4, 3e-4)),)
-
-
-def _backlash(rng: np.random.Generator, s: float) -> Departures:
-    play, hysteresis = _pair(rng, (0.4 * s, 1.2 * s), (0.01 * s, 0.02 * s))
-    return (Backlash(float(np.radians(play)), hysteresis),)
-
-
-SINGLE: tuple[Draw, ...] = (
-    *(_slip, _sigmoid, _lingering, _silent, _thixotropy, _skin, _history, _recruitment, _knee),
-    *(_fatigue, _loaded_arm, _backlash, _creep, _shift, _optimum, _wander, _fibres, _skew),
-    _tendon_shape,
+SINGLE = (
+    *(Slip, Sigmoid, Lingering, Silent, Thixotropy, Skin, History, Recruitment, Knee, Fatigue),
+    *(LoadedArm, Backlash, Creep, Shift, Optimum, Wander, Fibres, Skew, TendonShape),
 )
 
 
 def _some(rng: np.random.Generator, n: int, low: float, high: float) -> Departures:
     """Draw n kinds at random strengths."""
     chosen = rng.permutation(len(SINGLE))[:n]
-    return tuple(d for i in chosen for d in SINGLE[i](rng, float(rng.uniform(low, high))))
+    return tuple(d for i in chosen for d in drawn(SINGLE[i])(rng, rng.uniform(low, high)))
 
 
 def _with_look(rng: np.random.Generator, s: float) -> Departures:
@@ -501,7 +387,7 @@ def _with_look(rng: np.random.Generator, s: float) -> Departures:
     return (*chosen(rng, s * float(rng.uniform(0.5, 1))), *_some(rng, 1, 0.5, 1.0))
 
 
-FAMILIES: dict[str, Draw] = {f"l-{i}": draw for i, draw in enumerate(SINGLE, start=1)} | {
+FAMILIES: dict[str, Draw] = {f"l-{i}": drawn(kind) for i, kind in enumerate(SINGLE, 1)} | {
     "l-20": lambda rng, _: _some(rng, 2, 0.4, 1.0),
     "l-21": lambda rng, _: _some(rng, 4, 0.3, 0.5),
     "l-22": _with_look,

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import zlib
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.signal import lfilter
+from scipy.signal import butter, lfilter, sosfilt
 
 from ankle_legs.movement import FINE, angles, effort, fine_times
 from ankle_legs.muscle import Array, integrate
-from ankle_legs.subject import GRAVITY, LEVER, PARAMETERS, Subject
+from ankle_legs.subject import ELECTRODES, GRAVITY, LEVER, PARAMETERS, Subject
 
 
 @dataclass(frozen=True)
@@ -91,6 +92,38 @@ class Departure:
         """Change what the sensors show."""
 
 
+Draw = Callable[[np.random.Generator, float], tuple[Departure, ...]]
+
+
+def between(
+    low: float, high: float, n: int | None = None, *, signed: bool = False, none: float | None = 0.0
+) -> Any:
+    """Return a departure's field that is drawn evenly, one number or n, of either sign if asked.
+
+    ``none`` is the value that departs from nothing, which strengths of a mixture count from; None:
+    the strength does not matter to it.
+    """
+    return field(metadata={"ends": (low, high), "n": n, "signed": signed, "none": none})
+
+
+def drawn(*kinds: type[Departure]) -> Draw:
+    """Return a function that draws departures of these kinds."""
+
+    def draw_one(kind: type[Departure], rng: np.random.Generator, strength: float) -> Departure:
+        values = {}
+        for one in fields(kind):
+            how: Any = one.metadata
+            (low, high), n = how["ends"], how["n"]
+            value: Any = rng.uniform(low, high) if n is None else rng.uniform(low, high, n)
+            value = value * rng.choice([-1, 1], n) if how["signed"] else value
+            if how["none"] is not None:
+                value = how["none"] + strength * (value - how["none"])
+            values[one.name] = value
+        return kind(**values)
+
+    return lambda rng, strength: tuple(draw_one(kind, rng, strength) for kind in kinds)
+
+
 @dataclass(frozen=True)
 class Leg:
     """A leg with hidden truth."""
@@ -164,36 +197,67 @@ class Leg:
             "unscored": unscored,
         }
 
-    def record(
-        self, subject: Subject, mounting: Mounting, trial: int, seconds: float, kind: str
-    ) -> dict[str, Array]:
-        """Return one trial's columns; the leg's departures are at work in it."""
-        rng, noise = self.rng(3, trial), self.rng(4, trial)
+    def record(self, trial: int, seconds: float = 35.0, kind: str = "active") -> Run:
+        """Return a trial, simulated; the leg's departures are at work in it."""
+        subject, mounting = self.condition(trial)
         for departure in self.departures:
             subject = departure.leg(subject)
-        times = fine_times(seconds)
-        run = _start(times, subject, mounting, rng, kind)
+        run = _start(fine_times(seconds), subject, mounting, self.rng(3, trial), kind)
         for departure in self.departures:
             departure.excite(run)
         _integrate(run, self.departures)
-        values = subject.values
         speed = np.gradient(run.plate, run.step)
-        run.torque = (
-            run.torque
-            + values["m"] * LEVER**2 * np.gradient(speed, run.step)
-            + values["m"] * GRAVITY * LEVER * np.cos(run.ankle)
+        weight = GRAVITY * LEVER * np.cos(run.ankle)
+        run.torque = run.torque + subject.values["m"] * (
+            LEVER**2 * np.gradient(speed, run.step) + weight
         )
         run.seen = mounting.crosstalk @ (mounting.electrodes[:, None] * run.emg)
         for departure in self.departures:
             departure.measure(run)
-        torque = run.torque[::FINE] + mounting.zero
-        seen = run.seen[:, ::FINE]
-        size = mounting.noise * np.sqrt(np.mean(run.torque[::FINE] ** 2))
-        columns = {"time_s": times[::FINE], "angle_rad": run.plate[::FINE]}
-        columns["torque_Nm"] = torque + size * noise.normal(size=torque.size)
-        for name, channel in zip(("ta", "gl", "sol", "gm"), seen, strict=True):
-            size = mounting.noise * np.sqrt(np.mean(channel**2))
-            columns[f"emg_{name}_V"] = np.abs(channel + size * noise.normal(size=channel.size))
+        return run
+
+    def columns(self, run: Run, trial: int, *, raw: bool = False) -> dict[str, Array]:
+        """Return what is recorded of a trial: envelopes at 128 Hz, or raw EMG at 1024."""
+        rng, noise = self.rng(4, trial), run.mounting.noise
+        every = 2 if raw else FINE
+        columns = {"time_s": run.times[::every], "angle_rad": run.plate[::every]}
+        torque = run.torque[::every]
+        size = noise * np.sqrt(np.mean(torque**2))
+        columns["torque_Nm"] = torque + run.mounting.zero + size * rng.normal(size=torque.size)
+        if raw:  # each muscle's own noise, of a mean size of one, crosses to the electrodes
+            band = butter(2, [20, 400], "bandpass", fs=1 / run.step, output="sos")
+            source = sosfilt(band, rng.normal(size=run.emg.shape))
+            source *= np.sqrt(np.pi / 2) / source.std(axis=1, keepdims=True)
+            shown = run.mounting.electrodes[:, None] * run.emg
+            mixed = run.mounting.crosstalk @ (shown * source)
+            seen = (mixed * run.seen / (run.mounting.crosstalk @ shown))[:, ::every]
+            seen += 2e-6 * rng.normal(size=seen.shape)
+        else:
+            seen = run.seen[:, ::every]
+            sizes = noise * np.sqrt(np.mean(seen**2, axis=1, keepdims=True))
+            seen = np.abs(seen + sizes * rng.normal(size=seen.shape))
+        return columns | {f"emg_{name}_V": row for name, row in zip(ELECTRODES, seen, strict=True)}
+
+    def seen_fascicles(self) -> dict[str, dict[str, float]]:
+        """Return how filmed fascicles see their group's length: a scale and a zero of their own."""
+        rng = self.rng(7)
+        return {
+            name: {"scale": float(rng.uniform(low, 2 - low)), "zero_mm": float(rng.normal(0, zero))}
+            for name, low, zero in (("fascicle_gm", 0.9, 6.0), ("fascicle_tib", 0.95, 4.0))
+        }
+
+    def film(self, run: Run, trial: int) -> dict[str, Array]:
+        """Return fascicles' lengths at 33 Hz; their tracker drifts by 1 to 2 mm over seconds."""
+        rng, times = self.rng(6, trial), np.arange(1.03, run.times[-1], 0.03)
+        columns = {"time_s": times}
+        for i, (name, how) in enumerate(self.seen_fascicles().items()):
+            length = how["scale"] * 1e3 * np.interp(times, run.times, run.length[i])
+            kicks = rng.normal(size=(3, times.size))
+            for row, (size, seconds) in enumerate(((rng.uniform(0.5, 1), 5.0), (0.25, 0.15))):
+                keep = np.exp(-0.03 / seconds)
+                settled = lfilter([np.sqrt(1 - keep**2)], [1, -keep], kicks[row])
+                length = length + size * settled
+            columns[f"{name}_mm"] = length + how["zero_mm"] + 0.1 * kicks[2]
         return columns
 
 

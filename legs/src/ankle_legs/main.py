@@ -39,8 +39,11 @@ def _parser() -> argparse.ArgumentParser:
         default="active",
         help="active: with efforts; passive: moved alike, at rest; curve: long holds, at rest",
     )
+    make.add_argument("--raw", action="store_true", help="raw EMG at 1024 Hz")
+    make.add_argument("--film", action="store_true", help="filmed fascicles too, and a mapping")
     score = commands.add_parser("score", help="count answers against the truth, worst family first")
     score.add_argument("answers", type=Path, metavar="ANSWERS.csv")
+    score.add_argument("--changes", type=Path, metavar="CHANGES.csv", help="pairs of trials")
     return parser
 
 
@@ -52,15 +55,17 @@ def main(arguments: list[str] | None = None) -> int:
             from ankle_legs.make import make
 
             for seed in given.seed:
-                truth = make(
-                    given.family, seed, given.output, given.trials, given.seconds, given.kind
+                paths = make(
+                    *(given.family, seed, given.output, given.trials),
+                    **{key: getattr(given, key) for key in ("seconds", "kind", "raw", "film")},
                 )
-                for trial in truth["trials"]:
-                    print(given.output / trial["file"])
+                print(*paths, sep="\n")
         else:
-            from ankle_legs.score import score, table
+            from ankle_legs.score import change_table, score, table
 
             print(table(score(given.answers)))
+            if given.changes:
+                print(change_table(given.changes))
     except (ValueError, OSError) as error:
         print(f"ankle-legs: {error}", file=sys.stderr)
         return 2

@@ -41,19 +41,20 @@ def truth_of(family: str, seed: int, trial: int) -> dict[str, Any]:
     return one.truth(*one.condition(trial))
 
 
-def write_csv(path: Path, columns: dict[str, Array]) -> None:
-    """Write one recording."""
+def _write_csv(path: Path, columns: dict[str, Array], comment: str = "") -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", encoding="utf-8") as file:
-        file.write("# emg: envelope\n")
-        np.savetxt(
-            file,
-            np.column_stack(list(columns.values())),
-            fmt="%.8g",
-            delimiter=",",
-            header=",".join(columns),
-            comments="",
-        )
+    table, header = np.column_stack(list(columns.values())), comment + ",".join(columns)
+    np.savetxt(path, table, "%.8g", ",", header=header, comments="", encoding="utf-8")
+
+
+def _mapping(name: str, columns: Sequence[str], film: Sequence[str], emg: str) -> str:
+    """Return a description of a recording and its film, which has a clock of its own."""
+    lines = [f'name = "{name}"', f'emg = "{emg}"']
+    for column, file in [*((c, "") for c in columns[1:]), *((c, "film/") for c in film[1:])]:
+        channel, unit = column.rsplit("_", 1)
+        where = f'file = "{file}{name}.csv"\ncolumn = "{column}"\nunit = "{unit}"\ntime = "time_s"'
+        lines.append(f"[channels.{channel}]\n{where}")
+    return "\n".join(lines) + "\n"
 
 
 def make(
@@ -61,30 +62,37 @@ def make(
     seed: int,
     output: Path,
     trials: Sequence[int] = (1,),
+    *,
     seconds: float = 35.0,
     kind: str = "active",
-) -> dict[str, Any]:
+    raw: bool = False,
+    film: bool = False,
+) -> list[Path]:
     """Write a leg's trials to ``output/FAMILY-SEED`` and its truth to ``output/truth``."""
-    one = leg(family, seed)
-    name = f"{family}-{seed}"
     if not seconds >= 20:
         raise ValueError(f"{seconds:g} s are too short a trial; give 20 or more")
-    truths = []
+    one, folder, emg = leg(family, seed), f"{family}-{seed}", "raw" if raw else "envelope"
+    truths, paths = [], []
     for trial in trials:
-        columns = one.record(*one.condition(trial), trial, seconds, kind)
-        path = output / name / f"trial-{trial}.csv"
-        write_csv(path, columns)
-        truths.append(
-            {"trial": trial, "file": f"{name}/{path.name}", **truth_of(family, seed, trial)}
-        )
+        truths.append({"trial": trial, **truth_of(family, seed, trial)})
+        run, name = one.record(trial, seconds, kind), f"trial-{trial}"
+        columns = one.columns(run, trial, raw=raw)
+        paths.append(output / folder / f"{name}.csv")
+        _write_csv(paths[-1], columns, f"# emg: {emg}\n")
+        if film:
+            filmed = one.film(run, trial)
+            _write_csv(output / folder / "film" / f"{name}.csv", filmed)
+            paths[-1] = output / folder / f"{name}.toml"
+            paths[-1].write_text(_mapping(name, [*columns], [*filmed], emg), encoding="utf-8")
     truth = {
         "ankle_legs": __version__,
         "family": family,
         "seed": seed,
         "population": one.subject.population,
+        "fascicles": one.seen_fascicles(),
         "trials": truths,
     }
-    path = output / "truth" / f"{name}.json"
+    path = output / "truth" / f"{folder}.json"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")
-    return truth
+    return paths

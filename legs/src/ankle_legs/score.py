@@ -12,6 +12,8 @@ from pathlib import Path
 from ankle_legs.make import truth_of
 
 COLUMNS = ("family", "seed", "trial", "parameter", "value", "low", "high", "verdict")
+GAINS = ("g1", "g2", "g3", "g4")
+MOUNTED_ANEW = range(4, 7)
 CHANGES = ("family", "seed", "before", "after", "measure", "verdict")
 
 
@@ -20,7 +22,7 @@ class Count:
     """What was claimed of one family's legs, and how much of it is true."""
 
     family: str
-    legs: set[int] = field(default_factory=set)
+    legs: set[str] = field(default_factory=set)
     identified: int = 0
     true: int = 0  # of the identified
     intervals: int = 0
@@ -28,6 +30,8 @@ class Count:
     worst_identified: tuple[float, str] = (0.0, "")  # miss in sd, and of what
     worst: tuple[float, str] = (0.0, "")
     unscored: int = 0
+    repeatable: int = 0
+    repeated: int = 0  # of the repeatable, in the leg's next trial
     grades: Counter[str] = field(default_factory=Counter)
 
     @property
@@ -46,11 +50,16 @@ def rows(path: Path, columns: Iterable[str]) -> list[dict[str, str]]:
         return list(reader)
 
 
-def _number(text: str) -> float:
+def _number(text: str | None) -> float:
     try:
-        return float(text)
+        return float(text or "")
     except ValueError:
         return math.nan
+
+
+def _truth(row: dict[str, str], trial: str) -> dict[str, float | None]:
+    truth = truth_of(row["family"], int(row["seed"]), int(row[trial]))
+    return {**truth["parameters"], **truth["measures"]}
 
 
 def score(path: Path) -> list[Count]:
@@ -60,24 +69,24 @@ def score(path: Path) -> list[Count]:
     the counts of intervals; one that is "identified" without an interval is not true.
     """
     counts: dict[str, Count] = {}
-    graded = set()
-    for number, row in enumerate(rows(path, COLUMNS), start=2):
-        family, name = row["family"], row["parameter"]
+    answers = rows(path, COLUMNS)
+    values, graded = {}, set()
+    for number, row in enumerate(answers, start=2):
         try:
-            seed, trial = int(row["seed"]), int(row["trial"])
-            truths = truth_of(family, seed, trial)
+            truths = _truth(row, "trial")
         except ValueError as error:
             raise ValueError(f"{path}, row {number}: {error}") from None
+        family, name, leg = row["family"], row["parameter"], f"{row['family']}-{row['seed']}"
         count = counts.setdefault(family, Count(family))
-        count.legs.add(seed)
-        if row.get("grade") and (family, seed, trial) not in graded:
-            graded.add((family, seed, trial))
+        count.legs.add(leg)
+        values[leg, int(row["trial"]), name] = _number(row["value"])
+        if row.get("grade") and (leg, row["trial"]) not in graded:
+            graded.add((leg, row["trial"]))
             count.grades[row["grade"]] += 1
-        known = {**truths["parameters"], **truths["measures"]}
-        if known.get(name) is None:
+        truth = truths.get(name)
+        if truth is None:
             count.unscored += 1
             continue
-        truth = float(known[name])
         value, low, high = (_number(row[key]) for key in ("value", "low", "high"))
         holds = low <= truth <= high
         identified = row["verdict"] == "identified"
@@ -88,37 +97,91 @@ def score(path: Path) -> list[Count]:
         count.intervals += 1
         count.hold += holds
         sd = (high - low) / (2 * 1.959964)
-        miss = (abs(value - truth) / sd, f"{name} of {family}-{seed}, trial {trial}")
+        miss = (abs(value - truth) / sd, f"{name} of {leg}, trial {row['trial']}")
         count.worst = max(count.worst, miss)
         if identified:
             count.worst_identified = max(count.worst_identified, miss)
+    for row in answers:
+        trial = int(row["trial"])
+        again = values.get((f"{row['family']}-{row['seed']}", trial + 1, row["parameter"]))
+        claimed = (row.get("repeatable") or "").lower() == "true"
+        if claimed and trial in (1, 2) and again is not None:
+            count = counts[row["family"]]
+            count.repeatable += 1
+            low, high = _number(row.get("repeat_low")), _number(row.get("repeat_high"))
+            count.repeated += low <= again <= high
     return sorted(counts.values(), key=lambda c: (c.share, -c.worst[0]))
 
 
 def table(counts: list[Count]) -> str:
     """Return the counts as a table to read."""
     total = Count("all")
-    for count in counts:
-        total.legs |= {hash((count.family, seed)) for seed in count.legs}
-        for name in ("identified", "true", "intervals", "hold", "unscored"):
-            setattr(total, name, getattr(total, name) + getattr(count, name))
-        total.worst = max(total.worst, count.worst)
-        total.worst_identified = max(total.worst_identified, count.worst_identified)
-        total.grades += count.grades
+    for c in counts:
+        total.legs |= c.legs
+        for name in (
+            "identified",
+            "true",
+            "intervals",
+            "hold",
+            "unscored",
+            "repeatable",
+            "repeated",
+        ):
+            setattr(total, name, getattr(total, name) + getattr(c, name))
+        total.worst = max(total.worst, c.worst)
+        total.worst_identified = max(total.worst_identified, c.worst_identified)
+        total.grades += c.grades
     lines = [
-        "family  legs  identified   true        "
-        "intervals that hold  worst miss in sd: identified, all"
+        "family  legs  identified   true        intervals that hold  repeated    "
+        "worst miss in sd: identified, all"
     ]
     for c in [*counts, total]:
         share = f"{100 * c.true / c.identified:3.0f} %" if c.identified else "  –  "
         lines.append(
             f"{c.family:<7} {len(c.legs):>4}  {c.identified:>10}   {c.true:>4} {share}   "
-            f"{c.hold:>7} of {c.intervals:<7}      {c.worst_identified[0]:5.1f}, {c.worst[0]:5.1f}"
-            f"  {c.worst[1]}"
+            f"{c.hold:>7} of {c.intervals:<8} {c.repeated:>4} of {c.repeatable:<4} "
+            f"{c.worst_identified[0]:5.1f}, {c.worst[0]:5.1f}  {c.worst[1]}"
         )
         if c.grades:
             lines[-1] += "  " + ", ".join(f"{n} {grade}" for grade, n in c.grades.most_common())
     lines.append(
         f"{total.unscored} answers were not counted: their families have no truth for them."
     )
+    return "\n".join(lines)
+
+
+def change_table(path: Path) -> str:
+    """Count pairs of trials: what is called changed, and what is.
+
+    A quantity has changed where its truth differs by more than 10 %, and has not where it is the
+    same; what lies between, or depends on the electrodes, is not counted.
+    """
+    pairs: dict[str, dict[str, dict[tuple[str, ...], bool]]] = {}
+    treated: dict[str, list[int]] = {}
+    for row in rows(path, CHANGES):
+        family, first, second = row["family"], int(row["before"]), int(row["after"])
+        before, after = (_truth(row, key)[row["measure"]] for key in ("before", "after"))
+        anew = (first in MOUNTED_ANEW) != (second in MOUNTED_ANEW)
+        if before is None or after is None or (anew and row["measure"] in GAINS):
+            continue
+        difference, said = abs(after / before - 1), row["verdict"] == "changed"
+        found = treated.setdefault(family, [0, 0, 0, 0])
+        if (first > 6) == (second > 6):
+            kinds = pairs.setdefault(family, {"movement": {}, "mounting": {}})
+            pair = (row["seed"], row["before"], row["after"])
+            same = kinds["mounting" if anew else "movement"]
+            same[pair] = same.get(pair, False) or said
+        elif difference > 0.1 or difference < 1e-9:
+            found[0 if difference > 0.1 else 2] += 1
+            found[1 if difference > 0.1 else 3] += said
+    lines = [
+        "family  unchanged pairs called changed: other movement, other mounting    treated: found"
+    ]
+    for family, found in treated.items():
+        kinds = pairs.get(family, {"movement": {}, "mounting": {}})
+        moved, mounted = (f"{sum(k.values())} of {len(k)}" for k in kinds.values())
+        lines.append(
+            f"{family:<7} {moved:>45}, {mounted:<20} {found[1]} of {found[0]} that changed, "
+            f"{found[3]} of {found[2]} that did not"
+        )
     return "\n".join(lines)

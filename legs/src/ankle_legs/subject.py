@@ -8,6 +8,7 @@ tendons' stretch spans what ultrasound of the Achilles and the tibialis anterior
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -81,6 +82,11 @@ class Subject:
             for group, f_max in zip(GROUPS, (8000.0, 1400.0), strict=True)
         )
         return replace(triceps, **self.shapes[0]), replace(tibialis, **self.shapes[1])
+
+    def shaped(self, shapes: Iterable[dict[str, float]]) -> Subject:
+        """Return the same leg with other constants of triceps and tibialis."""
+        first, second = ({**old, **new} for old, new in zip(self.shapes, shapes, strict=True))
+        return replace(self, shapes=(first, second))
 
     def with_values(self, **changed: float) -> Subject:
         """Return the same leg with other parameters."""
