@@ -4,10 +4,12 @@ import os
 import re
 import shutil
 
+import numpy as np
 import pytest
 from playwright import sync_api
 from streaming import rehearsing, serving
 
+from surae.live.lsl import outlet
 from surae.live.pages import ServedRoom
 from surae.web.security import Policy
 
@@ -55,7 +57,7 @@ def test_a_trial_by_keyboard_on_both_pages(chromium, address) -> None:
     page.locator("#seconds").press("Enter")
     expect(page.locator("#asked")).to_contain_text("12 s", timeout=PATIENCE)
     expect(page.locator("#clock")).to_have_text("Ready", timeout=PATIENCE)
-    expect(page.locator("#streams li")).to_have_count(3)
+    expect(page.locator("#streams li")).to_have_count(2)  # our own target is none
 
     subject = chromium.new_context().new_page()
     subject.on("pageerror", lambda error: wrong.append(str(error)))
@@ -74,6 +76,31 @@ def test_a_trial_by_keyboard_on_both_pages(chromium, address) -> None:
     expect(page.locator("#trials li .pill")).not_to_have_text("being judged")  # with the verdict
     expect(page.locator("#start")).to_contain_text("Start")
     assert len(page.evaluate("window.suraeLatency")) > 30
+    assert wrong == []
+
+
+def test_the_page_names_no_stream_where_none_is_and_draws_what_is_no_number(
+    chromium, lsl, tmp_path
+) -> None:
+    served = ServedRoom(tmp_path)
+    page, wrong = chromium.new_page(), []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    try:
+        with serving(served, Policy.of("127.0.0.1"), None) as address:
+            served.warm()
+            page.goto(address, timeout=PATIENCE)
+            expect(page.locator("#streams")).to_have_text(re.compile("^None yet"), timeout=PATIENCE)
+            device = outlet("device", "x", ["angle"], ["rad"], 100.0, "device")
+            for i in range(100):
+                rows = np.full((2, 1), np.nan if i % 20 else 0.1 * i)
+                device.push_chunk(rows, lsl.local_clock())
+                page.wait_for_timeout(50)
+            expect(page.locator("#streams")).to_contain_text("values are no numbers")
+            expect(page.locator("#streams strong")).to_have_text("device")
+            served.stop()
+    finally:
+        served.close()
+        page.close()
     assert wrong == []
 
 
