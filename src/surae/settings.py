@@ -1,12 +1,12 @@
 """Everything that a fit can be asked, as one frozen value: made once, stored, taken whole."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
 from surae.errors import InputError
+from surae.filed import filed
 from surae.model.options import ModelOptions
 from surae.names import (
     AUTO,
@@ -40,6 +40,7 @@ def _none() -> Mapping[str, Any]:
     return FrozenDict()
 
 
+@filed(types="surae.signals")
 @documented
 @dataclass(frozen=True, slots=True)
 class FitSettings:
@@ -422,7 +423,10 @@ class FitSettings:
 
     def as_dict(self) -> dict[str, Any]:
         """The settings as plain data, as FIT.json holds them."""
-        return {f.name: _plain(getattr(self, f.name)) for f in fields(self)}
+        from surae.records import to_plain
+
+        plain: dict[str, Any] = to_plain(self)
+        return plain
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> "FitSettings":
@@ -440,16 +444,14 @@ class FitSettings:
 
         Raises
         ------
-        KeyError, TypeError, ValueError, InputError
+        InputError
             They are damaged, or ask for something unknown.
         """
-        weights = data["weights"]
-        if isinstance(weights, Mapping):
-            weights = _weighting(weights)
-        elif weights is not None:
-            weights = tuple(_weighting(each) for each in weights)
-        options = ModelOptions.of(**data["options"])
-        return cls(**{**data, "options": options, "weights": weights})
+        from surae.records import from_plain
+
+        for name in data.keys() - {f.name for f in fields(cls)}:
+            raise InputError(f"{name} is no setting that this surae knows")
+        return from_plain(cls, data)
 
 
 def _frozen(value: Any) -> Any:
@@ -472,30 +474,3 @@ def _believed(given: Any) -> dict[str, Any]:
     if isinstance(known, str):
         population, known = known, {}
     return {"priors": known or {}} | ({} if population is None else {"population": population})
-
-
-def _plain(value: Any) -> Any:
-    """A field as plain JSON data."""
-    if isinstance(value, Mapping):
-        return {name: _plain(entry) for name, entry in value.items()}
-    if isinstance(value, tuple):
-        return [_plain(entry) for entry in value]
-    if isinstance(value, ModelOptions):
-        return value.as_dict()
-    if hasattr(value, "windows"):
-        windows = [
-            [start if math.isfinite(start) else None, end if math.isfinite(end) else None, weight]
-            for start, end, weight in value.windows
-        ]
-        return {"windows": windows, "peaks": value.peaks, "activity": value.activity}
-    return value.item() if hasattr(value, "item") else value
-
-
-def _weighting(data: Mapping[str, Any]) -> "Weighting":
-    from surae.signals import Weighting
-
-    windows = tuple(
-        (-math.inf if start is None else start, math.inf if end is None else end, weight)
-        for start, end, weight in data["windows"]
-    )
-    return Weighting(windows, data["peaks"], data["activity"])

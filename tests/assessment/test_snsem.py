@@ -35,7 +35,7 @@ def test_weights_of_a_normalised_envelope_have_another_unit() -> None:
 
 def test_a_baseline_of_another_model(fitted) -> None:
     with pytest.raises(InputError, match="of model 'muscle-2010', the fit of 'muscle'"):
-        assess(fitted, replace(BASELINE, model="muscle-2010"))
+        assess(fitted, replace(BASELINE, model="muscle-2010", sem={"m": 0.004}))
     with pytest.raises(InputError, match="other model options"):
         assess(fitted, replace(BASELINE, options=ModelOptions(vmax_factor=10.0)))
 
@@ -56,8 +56,8 @@ def test_a_baseline_survives_its_file_and_that_of_the_fit(fitted, tmp_path) -> N
         ({"model": "bone"}, "unknown model 'bone'"),
         ({"sem": {"q": 1.0}}, "no parameter 'q'"),
         ({"sem": {"m": 0.0}}, "not above zero"),
-        ({"sem": {"m": "small"}}, "not a number"),
-        ({"sem": 3}, "damaged baseline"),
+        ({"sem": {"m": "small"}}, r"sem\.m: 'small' is not a finite number"),
+        ({"sem": 3}, "sem: 3 is no table"),
         ({"options": {"geometry": "flat"}}, "geometry"),
         ({"format": 99}, "newer than this one"),
     ],
@@ -75,5 +75,5 @@ def test_damaged_baselines(change, says, tmp_path) -> None:
 def test_a_file_that_is_none(fitted, tmp_path) -> None:
     path = tmp_path / "b.json"
     path.write_text("{}", encoding="utf-8")
-    with pytest.raises(InputError, match="not a baseline, 'model' is missing"):
+    with pytest.raises(InputError, match="model: it is missing; give a file that `surae bas"):
         load_baseline(path)

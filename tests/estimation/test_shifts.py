@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.assessment.saved.json_file import encode
-from surae.assessment.saved.parts_json import _shifts
+from surae.assessment.saved.fit_json import family_of
 from surae.estimation.mode import Mode, Target, white_noise
 from surae.estimation.problem import make_problem
 from surae.estimation.shifts import along, root, sized, unheard
 from surae.protocol import Protocol, generate
+from surae.records import decode, encode
 from surae.settings import FitSettings
 from surae.studies import virtual_subject, virtual_trial
 
@@ -33,9 +33,10 @@ def test_deviations_along_a_valley_cancel_where_its_parameters_do() -> None:
 
 
 def test_files_of_shifts_and_of_former_deviations_are_read() -> None:
-    rows = np.arange(6.0).reshape(2, 3)
-    assert np.array_equal(_shifts(encode(rows), ("a", "b", "c")), rows)
-    assert np.array_equal(_shifts({"a": 1.0, "c": 2.0}, ("a", "b", "c")), np.diag([1.0, 0.0, 2.0]))
+    rows = encode(np.arange(6.0).reshape(2, 3))
+    read = family_of({"spread": {"a": rows, "b": {"a": 1.0, "c": 2.0}}}, ("a", "b", "c"))["spread"]
+    assert read["a"] == rows
+    assert np.array_equal(decode(read["b"]), np.diag([1.0, 0.0, 2.0]))
 
 
 @pytest.mark.parametrize(("missing", "count"), [((), 0), (("gl", "gm"), 2)])
@@ -51,8 +52,3 @@ def test_muscles_without_an_electrode_leave_the_filter_unsure(missing, count) ->
     if count:
         where = [target.names.index(name) for name in ("f0", "beta")]
         assert np.diag(shifts[:, where]) == pytest.approx([0.10, 0.10])
-
-
-def test_more_shifts_than_there_can_be_are_refused() -> None:
-    with pytest.raises(ValueError, match="shifts"):
-        _shifts({**encode(np.zeros((1, 3))), "shape": [10**9, 3]}, ("a", "b", "c"))

@@ -13,10 +13,10 @@ from surae.quality import (
     Commanded,
     Quality,
     check_recording,
-    quality_of,
     recording_of,
 )
 from surae.recording import Channel, Recording
+from surae.records import from_plain
 
 
 @pytest.fixture(scope="module")
@@ -286,7 +286,7 @@ def test_findings_are_plain_data_there_and_back(planted) -> None:
     signals.torque *= -1.0
     quality = check_recording(signals.recording)
     assert quality.findings
-    assert quality_of(quality.as_dict()) == quality
+    assert from_plain(Quality, quality.as_dict()) == quality
 
 
 @pytest.mark.parametrize("n", [2, 5, 31, 40])

@@ -1,6 +1,5 @@
 """What came of a session: its fits, what they predict of each other, its table and folder."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime
@@ -14,11 +13,14 @@ from surae._version import __version__
 from surae.api.fitted import Fit
 from surae.api.fitting import load
 from surae.errors import InputError
-from surae.files import PathLike, read_bytes, shown, write_json, write_table
+from surae.filed import filed
+from surae.files import PathLike, shown, write_json, write_table
 from surae.frozen import FrozenDict
 from surae.quality import Quality
+from surae.recording import SourceFile
+from surae.records import SESSION_FORMAT, from_plain, read_json, to_plain
 from surae.settings import FitSettings
-from surae.trials import Crossed, Hold, Trial, TrialSet, common_errors
+from surae.trials import Crossed, Trial, TrialSet, common_errors
 from surae.trials.folder import (
     INDEX,
     JOINT,
@@ -34,9 +36,8 @@ from surae.trials.folder import (
 if TYPE_CHECKING:
     from surae.report.session import SessionContent
 
-FORMAT = 1
 
-
+@filed("session", "fits", "joint")
 @dataclass(frozen=True, slots=True)
 class SessionResult:
     """What came of a session.
@@ -273,28 +274,40 @@ def _results(result: SessionResult) -> set[str]:
 
 
 def _index(result: SessionResult) -> dict[str, Any]:
-    session = result.session
     return {
         "format": "surae session",
-        "version": FORMAT,
+        "version": SESSION_FORMAT,
         "surae": __version__,
-        **{key: getattr(session, key) for key in ("name", "side", "date", "condition", "notes")},
-        "mapping": None
-        if session.mapping is None
-        else {"name": session.mapping.name, "sha256": session.mapping.sha256},
-        "trials": [_trial_json(trial, trial.name in result.fits) for trial in session.trials],
-        "settings": result.settings.as_dict(),
+        **to_plain(result.session),
+        "mapping": result.session.mapping and _source(result.session.mapping),
+        "trials": [_trial(trial, trial.name in result.fits) for trial in result.session.trials],
+        **to_plain(result),
         "joint": None if result.joint is None else JOINT,
-        "joined": list(result.joined),
-        "failed": dict(result.failed),
-        "quality": {name: quality.as_dict() for name, quality in result.quality.items()},
-        "predictions": {
-            name: {predicted: crossed.as_dict() for predicted, crossed in row.items()}
-            for name, row in result.predictions.items()
-        },
-        "joint_predictions": {n: c.as_dict() for n, c in result.joint_predictions.items()},
-        "interrupted": result.interrupted,
     }
+
+
+def _trial(trial: Trial, fitted: bool) -> dict[str, Any]:
+    files = () if trial.recording is None else trial.recording.files
+    more = {"files": [_source(file) for file in files], "fit": fit_name(trial.name)}
+    return {**to_plain(trial), **more, **({} if fitted else {"fit": None})}
+
+
+def _source(file: SourceFile) -> dict[str, str]:
+    return {"name": file.name, "sha256": file.sha256}
+
+
+@dataclass(frozen=True, slots=True)
+class _ReadTrial:
+    name: str
+    fit: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class _Index:
+    """What is read of the index beside the fields of session and result."""
+
+    trials: tuple[_ReadTrial, ...]
+    joint: str | None
 
 
 def load_session(folder: PathLike) -> SessionResult:
@@ -315,79 +328,20 @@ def load_session(folder: PathLike) -> SessionResult:
     InputError
         It is no such folder, or is damaged.
     """
-    from surae.quality.finding import quality_of
-
     root = Path(folder)
     if not (root / INDEX).is_file():
         raise InputError(f"{shown(folder)}: this is no session: it has no {INDEX}")
-    where = f"{shown(root / INDEX)}: damaged, or of a newer surae"
+    data, where = read_json(root / INDEX), shown(root / INDEX)
+    if data.get("format") != "surae session" or data.get("version") != SESSION_FORMAT:
+        raise InputError(f"{where}: damaged, or of a newer surae")
     try:
-        data = json.loads(read_bytes(root / INDEX))
-        if data["format"] != "surae session" or data["version"] != FORMAT:
-            raise InputError(where)
-        trials = tuple(_trial_of(each) for each in data["trials"])
-        about = {key: data[key] for key in ("name", "side", "date", "condition", "notes")}
-        result = SessionResult(
-            session=TrialSet(trials, **about),
-            settings=FitSettings.from_dict(data["settings"]),
-            joined=tuple(data["joined"]),
-            failed=data["failed"],
-            quality={name: quality_of(each) for name, each in data["quality"].items()},
-            predictions={
-                name: {predicted: Crossed.from_dict(c) for predicted, c in row.items()}
-                for name, row in data["predictions"].items()
-            },
-            joint_predictions={
-                name: Crossed.from_dict(c) for name, c in data["joint_predictions"].items()
-            },
-            interrupted=bool(data["interrupted"]),
-        )
-        names = [each["name"] for each in data["trials"] if each["fit"]]
-    except (ValueError, TypeError, LookupError, AttributeError):
-        raise InputError(where) from None
+        index = from_plain(_Index, data)
+        session = from_plain(TrialSet, {**data, "mapping": None})
+        result = from_plain(SessionResult, {**data, "session": session, "fits": {}, "joint": None})
+    except InputError as error:
+        raise InputError(f"{where}: {error}; damaged, or of a newer surae") from None
     return replace(
         result,
-        fits={name: load(root / fit_name(name)) for name in names},
-        joint=load(root / JOINT) if data["joint"] else None,
-    )
-
-
-def _trial_json(trial: Trial, fitted: bool) -> dict[str, Any]:
-    recording = trial.recording
-    files = () if recording is None else recording.files
-    hold = trial.hold
-    return {
-        "name": trial.name,
-        "file": None if trial.path is None else Path(trial.path).name,
-        "files": [{"name": each.name, "sha256": each.sha256} for each in files],
-        "effort": trial.effort,
-        "told": trial.told,
-        "moves": trial.moves,
-        "why": trial.why,
-        "use": trial.use,
-        "problem": trial.problem,
-        "condition": trial.condition,
-        "notes": trial.notes,
-        "hold": None
-        if hold is None
-        else {"angle_rad": hold.angle, "torque_Nm": hold.torque, "sd_Nm": hold.sd},
-        "fit": fit_name(trial.name) if fitted else None,
-    }
-
-
-def _trial_of(data: Mapping[str, Any]) -> Trial:
-    hold = data["hold"]
-    return Trial(
-        name=str(data["name"]),
-        path=data["file"],
-        recording=None,
-        problem=str(data["problem"]),
-        effort=str(data["effort"]),
-        moves=bool(data["moves"]),
-        why=str(data["why"]),
-        use=str(data["use"]),
-        hold=None if hold is None else Hold(hold["angle_rad"], hold["torque_Nm"], hold["sd_Nm"]),
-        condition=data["condition"],
-        notes=data["notes"],
-        told=bool(data["told"]),
+        fits={each.name: load(root / fit_name(each.name)) for each in index.trials if each.fit},
+        joint=load(root / JOINT) if index.joint else None,
     )

@@ -22,6 +22,7 @@ from surae.assessment.uncertainty.robust import RobustCovariance, robust_covaria
 from surae.assessment.uncertainty.snsem import Baseline, check_baseline, snsem
 from surae.estimation import FitResult
 from surae.estimation.contradiction import Contradiction, contradiction
+from surae.filed import filed
 from surae.frozen import Comparable
 from surae.model import adapted
 from surae.signals import ModelInputs
@@ -35,6 +36,7 @@ _MARGINAL = (
 )
 
 
+@filed(rmse="rmse_Nm", bias="bias_Nm")
 @dataclass(frozen=True, slots=True, eq=False)
 class RecordingQuality(Comparable):
     """How well one recording is followed where its samples count: VAF, R² [%], RMSE, bias [Nm].
@@ -55,6 +57,7 @@ class RecordingQuality(Comparable):
     r2: float
 
 
+@filed("baseline", "robust", rmse="rmse_Nm", covariance="correlation")
 @dataclass(frozen=True, slots=True, eq=False)
 class Assessment(Comparable):
     """What a fit is worth.

@@ -8,6 +8,7 @@ from enum import StrEnum
 import numpy as np
 
 from surae.assessment.uncertainty.covariance import Covariance
+from surae.filed import filed
 from surae.model.parameters import OFF_AT_ZERO
 
 #: Half-width of the 95 % interval, as a part of the value, up to which a parameter is identified.
@@ -103,6 +104,7 @@ class Interval(StrEnum):
     MARGINAL = "marginal"
 
 
+@filed("name", "meaning", "group")
 @dataclass(frozen=True, slots=True)
 class ParameterEstimate:
     """One parameter of a fit.

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from surae.filed import filed
 from surae.frozen import Comparable
 from surae.units import FloatArray
 
@@ -14,6 +15,7 @@ from surae.units import FloatArray
 LEVEL = 0.05
 
 
+@filed("rate_hz", "correlation", "band", "fall_s", statistic="ljung_box", lag1="lag1")
 @dataclass(frozen=True, slots=True, eq=False)
 class Whiteness(Comparable):
     """The autocorrelation of a residual, and the test of whether it is more than chance."""

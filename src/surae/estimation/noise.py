@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.frozen import Comparable
+from surae.records import Listed
 from surae.units import FloatArray
 
 #: Frequencies at which a spectrum is looked at, up to half the sampling rate.
@@ -18,9 +19,9 @@ _ROUNDS = 3
 class NoiseModel(Comparable):
     """Stationary noise e[t] = Σ φ[k]·e[t − k] + white noise."""
 
-    coefficients: FloatArray  #: φ, from lag 1 on; none for white noise, shape (q,).
+    coefficients: Listed  #: φ, from lag 1 on; none for white noise, shape (q,).
     variance: float  #: Of the white noise that drives it.
-    autocovariance: FloatArray  #: What the model was made of, m > q, shape (m,).
+    autocovariance: Listed  #: What the model was made of, m > q, shape (m,).
     samples: float  #: How many samples that came from.
 
     @property

@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surae.errors import InputError
+from surae.filed import filed
 from surae.model import ModelOptions
 from surae.model.tendon import SLACK_TIB, SLACK_TRI
 
@@ -27,6 +28,7 @@ from surae.model.tendon import SLACK_TIB, SLACK_TRI
 _SMALLEST = 1e-6
 
 
+@filed(sparse=("straight",))
 @dataclass(frozen=True, slots=True)
 class Prior:
     """What is known of a parameter beforehand: a Gaussian on its logarithm."""

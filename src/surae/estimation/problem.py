@@ -8,6 +8,7 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.estimation.population import Prior, checked_prior, population_priors
+from surae.filed import filed
 from surae.frozen import Comparable, FrozenDict
 from surae.model import (
     ModelOptions,
@@ -28,6 +29,7 @@ from surae.signals.inputs import check_estimable
 from surae.units import FloatArray
 
 
+@filed("spec", "inputs", "base", "lower", "upper")
 @dataclass(frozen=True, slots=True, eq=False)
 class FitProblem(Comparable):
     """A least-squares problem over the free parameters of one model and one or more recordings."""

@@ -8,8 +8,10 @@ import numpy as np
 from surae.estimation.noise import NoiseModel
 from surae.estimation.population import Prior
 from surae.estimation.problem import FitProblem
+from surae.filed import filed
 from surae.frozen import Comparable, FrozenDict, read_only
 from surae.model.laboratory import Belief
+from surae.records import OrInfinite
 from surae.units import FloatArray
 
 
@@ -20,11 +22,12 @@ class Start(Comparable):
     #: `initial`, `values`: free parameters at the start and at the end.
     initial: Mapping[str, float]
     values: Mapping[str, float]
-    sse: float  #: Sum of squared residuals at the end, weighted and with priors [Nm²].
+    sse: OrInfinite  #: Sum of squared residuals at the end, weighted and with priors [Nm²].
     outcome: str  #: Why the iteration ended.
     iterations: int  #: Evaluations of the model and its Jacobian.
 
 
+@filed(scale="scale_Nm", share="share_below_half")
 @dataclass(frozen=True, slots=True, eq=False)
 class Outliers(Comparable):
     """How a fit let outliers count less."""
@@ -47,6 +50,7 @@ class Outliers(Comparable):
         return count / sum(len(w) for w in self.weights)
 
 
+@filed(groups="nuisances")
 @dataclass(frozen=True, slots=True)
 class Candidate:
     """A model of the family that was fitted."""
@@ -69,6 +73,7 @@ class OfRecording:
     sem: Mapping[str, float]  #: Their standard errors: noise, and what each trial has anew.
 
 
+@filed(beliefs="priors")
 @dataclass(frozen=True, slots=True, eq=False)
 class Family(Comparable):
     """How a model was chosen among the family, and what that leaves unsure."""
@@ -91,6 +96,7 @@ class Family(Comparable):
         return {source: np.sqrt(np.sum(by**2, axis=0)) for source, by in self.spread.items()}
 
 
+@filed("problem", "values", "residuals")
 @dataclass(frozen=True, slots=True, eq=False)
 class FitResult(Comparable):
     """The best minimum found.
@@ -133,7 +139,7 @@ class FitResult(Comparable):
     message: str
     values: Mapping[str, float]
     residuals: tuple[FloatArray, ...]
-    sse: float
+    sse: OrInfinite
     R: FloatArray
     starts: tuple[Start, ...]
     agreeing: int

@@ -1,15 +1,17 @@
 """The documented switches of the models, with their allowed values."""
 
 import math
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from numbers import Real
 from typing import Any
 
 from surae.errors import InputError
+from surae.filed import filed
 from surae.names import CHOICES
 from surae.setting import documented, kind_of, setting, settings_of
 
 
+@filed(sparse=("emg_ref",))
 @documented
 @dataclass(frozen=True, slots=True)
 class ModelOptions:
@@ -139,4 +141,7 @@ class ModelOptions:
 
     def as_dict(self) -> dict[str, Any]:
         """The options as plain data, without those that are not given."""
-        return {name: value for name, value in asdict(self).items() if value is not None}
+        from surae.records import to_plain
+
+        plain: dict[str, Any] = to_plain(self)
+        return plain

@@ -1,7 +1,7 @@
 """The quality gate: what is wrong with a recording, before its fit is believed."""
 
 from surae.quality.commanded import Commanded
-from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped, quality_of
+from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped
 from surae.quality.reading import check_file, commanded_file, recording_of
 from surae.quality.registry import CHECKS, CODES, Check, check_recording
 
@@ -17,6 +17,5 @@ __all__ = [
     "check_file",
     "check_recording",
     "commanded_file",
-    "quality_of",
     "recording_of",
 ]

@@ -1,10 +1,10 @@
 """What a check of a recording says, as plain data."""
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Literal
 
 from surae.recording import MUSCLES, Channel
+from surae.records import to_plain
 from surae.tables import Tabular, TextTable
 
 Severity = Literal["info", "warning", "error"]
@@ -121,38 +121,8 @@ class Quality(Tabular):
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, as it is written to files."""
-        return asdict(self)
-
-
-def quality_of(data: Mapping[str, Any]) -> Quality:
-    """The inverse of `Quality.as_dict`.
-
-    Raises
-    ------
-    KeyError, TypeError, ValueError
-        It is no such data.
-    """
-    return Quality(
-        recording=str(data["recording"]),
-        findings=tuple(_finding(finding) for finding in data["findings"]),
-        skipped=tuple(Skipped(str(skip["check"]), str(skip["reason"])) for skip in data["skipped"]),
-    )
-
-
-def _finding(data: Mapping[str, Any]) -> Finding:
-    if data["severity"] not in SEVERITIES:
-        raise ValueError(f"{data['severity']!r:.40} is no severity")
-    return Finding(
-        code=str(data["code"]),
-        severity=data["severity"],
-        channel=None if data["channel"] is None else str(data["channel"]),
-        start_s=float(data["start_s"]),
-        end_s=float(data["end_s"]),
-        value=None if data["value"] is None else float(data["value"]),
-        unit=str(data["unit"]),
-        message=str(data["message"]),
-        advice=str(data["advice"]),
-    )
+        plain: dict[str, Any] = to_plain(self)
+        return plain
 
 
 _NAMES = {

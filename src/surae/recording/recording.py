@@ -10,6 +10,7 @@ from surae.errors import InputError
 from surae.files import shown
 from surae.frozen import Comparable, FrozenDict, read_only
 from surae.recording.samples import check_samples
+from surae.records import FileName
 from surae.units import SI, FloatArray, kind
 
 #: Muscles in the order of the equations: tibialis anterior, gastrocnemius lateralis, soleus,
@@ -33,7 +34,7 @@ class SourceFile:
     Folders may be named after patients: what is written says `name`, never `path`.
     """
 
-    path: str = field(compare=False)
+    path: FileName = field(compare=False)
     sha256: str
 
     @property

@@ -2,18 +2,20 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from surae.errors import InputError
+from surae.filed import filed
 from surae.files import shown
 from surae.frozen import Comparable, FrozenDict, as_read_only
-from surae.recording import SourceFile
+from surae.recording import MUSCLES, SourceFile
 from surae.units import FloatArray
 
 
+@filed(values="values_V", count="recordings")
 @dataclass(frozen=True, slots=True)
 class EmgReference:
     """What EMG was divided by: one number for each muscle, the same for all recordings.
@@ -31,11 +33,12 @@ class EmgReference:
     """
 
     kind: Literal["session", "mvc"]
-    values: tuple[float | None, ...]
+    values: Annotated[tuple[float | None, ...], MUSCLES]
     files: tuple[SourceFile, ...] = ()
     count: int = 1
 
 
+@filed(n="n")
 @dataclass(frozen=True, slots=True, eq=False)
 class ModelInputs(Comparable):
     """Prepared signals of one recording, arrays read-only.

@@ -11,6 +11,7 @@ from surae.errors import InputError
 from surae.frozen import read_only
 from surae.names import ACTIVITIES
 from surae.recording import MUSCLES
+from surae.records import OrInfinite, OrMinusInfinite
 from surae.setting import documented, setting
 from surae.signals.inputs import ModelInputs
 from surae.units import FloatArray
@@ -32,7 +33,7 @@ class Weighting:
     {settings}
     """
 
-    windows: tuple[tuple[float, float, float], ...] = setting(
+    windows: tuple[tuple[OrMinusInfinite, OrInfinite, float], ...] = setting(
         (),
         "Start and end [s, of the recording's own time axis, both included; ∞ is allowed] and what "
         "the samples between them count: 0 leaves them out, 2 counts them twice. Where windows "

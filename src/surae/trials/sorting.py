@@ -14,6 +14,7 @@ import numpy as np
 
 from surae.diagnosis import STILL
 from surae.errors import InputError
+from surae.filed import filed
 from surae.quality.finding import muscle_name
 from surae.quality.numeric import quantile, smooth
 from surae.quality.registry import unfit
@@ -21,6 +22,7 @@ from surae.quality.trial import Signals, signals_of
 from surae.recording import MUSCLES, Recording
 from surae.recording.mapping import EFFORTS, TrialDescription
 from surae.recording.roles import words_of
+from surae.records import FileName
 
 __all__ = ["EFFORTS", "Hold", "Reading", "Trial", "sorted_trials"]
 
@@ -50,6 +52,7 @@ class Reading:
     )  #: What its description says of it.
 
 
+@filed(angle="angle_rad", torque="torque_Nm", sd="sd_Nm")
 @dataclass(frozen=True, slots=True)
 class Hold:
     """What a trial that holds still tells: mean angle [rad], torque and its deviation [Nm]."""
@@ -59,12 +62,13 @@ class Hold:
     sd: float
 
 
+@filed("recording", path="file")
 @dataclass(frozen=True, slots=True)
 class Trial:
     """One trial of a session."""
 
     name: str  #: Unique in the session.
-    path: str | None  #: Its file.
+    path: FileName | None  #: Its file.
     recording: Recording | None  #: None where it could not be read; `problem` then says why.
     problem: str  #: Why it is not used; empty where it is.
     effort: str  #: "passive", "active", "maximal", "unknown": What the muscles did.

@@ -1,10 +1,11 @@
 """The trials of one leg together: what they are, one EMG reference, what is wrong in all alike."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Self
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 from surae.errors import InputError
+from surae.filed import filed
 from surae.frozen import FrozenDict
 from surae.quality import Quality
 from surae.recording import Recording, SourceFile
@@ -14,6 +15,7 @@ from surae.signals import EmgReference, ModelInputs, emg_reference, normalised
 from surae.trials.sorting import LEFT_OUT, Reading, Trial, sorted_trials
 
 
+@filed("trials", "mapping", "efforts")
 @dataclass(frozen=True, slots=True)
 class TrialSet:
     """The trials of one leg."""
@@ -194,6 +196,7 @@ def common_errors(quality: Iterable[Quality]) -> tuple[str, ...]:
     )
 
 
+@filed(rmse="rmse_Nm", bias="bias_Nm")
 @dataclass(frozen=True, slots=True)
 class Crossed:
     """How a fit follows a trial."""
@@ -210,14 +213,3 @@ class Crossed:
     #: the fit, or its torque hardly changes.
     grade: str = ""
     reason: str = ""  #: Why there is no prediction; empty where there is one.
-
-    def as_dict(self) -> dict[str, Any]:
-        """Plain data, units in the names."""
-        plain = asdict(self)
-        return plain | {"rmse_Nm": plain.pop("rmse"), "bias_Nm": plain.pop("bias")}
-
-    @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> "Crossed":
-        """The inverse of `as_dict`."""
-        plain = dict(data)
-        return cls(rmse=plain.pop("rmse_Nm"), bias=plain.pop("bias_Nm"), **plain)

@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from surae.assessment.posterior.sample import Posterior
-from surae.assessment.saved.json_file import check_format, read_json
 from surae.errors import InputError
 from surae.files import PathLike, shown
+from surae.records import check_format, read_json
 
 #: Ends of intervals agree when they lie within this part of the credible interval's half-width;
 #: with enough draws, chance moves them by less than a third of it.

@@ -1,13 +1,13 @@
 """Parameters from a file: a FIT.json, or a table of names and values."""
 
-import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
-from surae.assessment.saved.json_file import check_format, read_json
 from surae.errors import InputError
 from surae.files import PathLike, shown
+from surae.frozen import FrozenDict
+from surae.records import check_format, from_plain, read_json
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,6 +20,25 @@ class GivenParameters:
     emg_unit: str | None  #: Unit of the EMG that the weights go with.
 
 
+@dataclass(frozen=True, slots=True)
+class _Value:
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Trace:
+    emg_unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Given:
+    parameters: Mapping[str, _Value | float]
+    nuisances: Mapping[str, _Value | float] = field(default_factory=FrozenDict)
+    model: str | None = None
+    options: Mapping[str, Any] = field(default_factory=FrozenDict)
+    traces: tuple[_Trace, ...] = ()
+
+
 def read_parameters(path: PathLike) -> GivenParameters:
     """Parameter values from a FIT.json or from ``{"parameters": {"m": 2.0, …}}``.
 
@@ -30,26 +49,20 @@ def read_parameters(path: PathLike) -> GivenParameters:
     """
     data = read_json(path)
     check_format(data, path)
-    table, nuisances = data.get("parameters"), data.get("nuisances")
-    if isinstance(table, dict) and isinstance(nuisances, dict):
-        table = table | nuisances
+    where = shown(path)
+    table = data.get("parameters")
     if not isinstance(table, dict) or not table:
         raise InputError(
-            f'{shown(path)}: no parameters; write {{"parameters": {{"m": 2.0, …}}}} or give a '
-            "FIT.json"
+            f'{where}: no parameters; write {{"parameters": {{"m": 2.0, …}}}} or give a FIT.json'
         )
-    values = {}
-    for name, entry in table.items():
-        value = entry.get("value") if isinstance(entry, dict) else entry
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            text = json.dumps(entry, ensure_ascii=False)
-            raise InputError(f"{shown(path)}: parameter {name!r} is {text}; give a number")
-        try:
-            values[name] = float(value)
-        except OverflowError:
-            raise InputError(f"{shown(path)}: parameter {name!r} is too large a number") from None
-    model, options, traces = data.get("model"), data.get("options", {}), data.get("traces")
-    if not (isinstance(model, str | None) and isinstance(options, dict)):
-        raise InputError(f"{shown(path)}: model must be a name, and options a table")
-    units = {t.get("emg_unit") for t in traces if isinstance(t, dict)} if traces else set()
-    return GivenParameters(values, model, options, units.pop() if len(units) == 1 else None)
+    try:
+        given = from_plain(_Given, data)
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from None
+    values = {
+        name: entry.value if isinstance(entry, _Value) else entry
+        for name, entry in {**given.parameters, **given.nuisances}.items()
+    }
+    units = {trace.emg_unit for trace in given.traces}
+    unit = units.pop() if len(units) == 1 else None
+    return GivenParameters(values, given.model, given.options, unit)

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surae.filed import filed
 from surae.frozen import Comparable
+from surae.records import Listed
 from surae.units import FloatArray
 
 #: A direction is singular when its information is below this part of the strongest one's, the
@@ -15,6 +17,7 @@ _SINGULAR = 1e-10
 _PART = 0.01
 
 
+@filed("matrix", "sigma2", "dof", correlation="matrix", directions="inseparable")
 @dataclass(frozen=True, slots=True, eq=False)
 class Covariance(Comparable):
     """Covariance of the estimates that have one."""
@@ -23,7 +26,7 @@ class Covariance(Comparable):
     matrix: FloatArray  #: Covariance, equation (33), in the products of their units, shape (k, k).
     #: Normalised covariance, ones on the diagonal; also where nothing is left of the residual,
     #: shape (k, k).
-    correlation: FloatArray
+    correlation: Listed
     #: Sets of parameters that trade off without changing the torque; a set of one has no influence
     #: at all.
     directions: tuple[tuple[str, ...], ...]

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from surae._version import __version__
-from surae.assessment.saved.json_file import check_format, read_json
 from surae.errors import InputError
 from surae.estimation import FitProblem
 from surae.files import PathLike, shown, write_json
 from surae.model import ModelOptions, check_names, get_model
+from surae.records import check_format, from_plain, read_json, to_plain
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +33,13 @@ class Baseline:
     options: ModelOptions
     sem: Mapping[str, float]
     about: str
+
+    def __post_init__(self) -> None:
+        """Refuse a parameter that the model has not, and what is no standard error."""
+        check_names(self.sem, get_model(self.model))
+        for name, value in self.sem.items():
+            if not 0 < value < math.inf:
+                raise InputError(f"the SEM of {name} is {value!r}, not above zero")
 
 
 def check_baseline(baseline: Baseline, problem: FitProblem) -> None:
@@ -68,27 +75,7 @@ def snsem(
 
 def baseline_as_dict(baseline: Baseline) -> dict[str, Any]:
     """Plain data, in the shape of the file."""
-    return {
-        "surae": __version__,
-        "model": baseline.model,
-        "options": baseline.options.as_dict(),
-        "about": baseline.about,
-        "sem": dict(baseline.sem),
-    }
-
-
-def read_baseline(data: Mapping[str, Any]) -> Baseline:
-    """The baseline that `baseline_as_dict` made plain data of."""
-    spec = get_model(data["model"])
-    sem = {}
-    for name, value in data["sem"].items():
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise ValueError(f"the SEM of {name} is not a number")
-        if not 0 < value < math.inf:
-            raise ValueError(f"the SEM of {name} is {value!r}, not above zero")
-        sem[str(name)] = float(value)
-    check_names(sem, spec)
-    return Baseline(spec.name, ModelOptions.of(**data["options"]), sem, str(data["about"]))
+    return {"surae": __version__, **to_plain(baseline)}
 
 
 def save_baseline(path: PathLike, baseline: Baseline) -> None:
@@ -107,13 +94,8 @@ def load_baseline(path: PathLike) -> Baseline:
     data = read_json(path)
     check_format(data, path)
     try:
-        return read_baseline(data)
-    except KeyError as error:
-        raise InputError(
-            f"{shown(path)}: not a baseline, {error} is missing; give a file that "
-            "`surae baseline` wrote"
-        ) from None
-    except (TypeError, ValueError, AttributeError) as error:
-        raise InputError(f"{shown(path)}: a damaged baseline ({error})") from None
+        return from_plain(Baseline, data)
     except InputError as error:
-        raise InputError(f"{shown(path)}: {error}") from None
+        raise InputError(
+            f"{shown(path)}: {error}; give a file that `surae baseline` wrote"
+        ) from None
