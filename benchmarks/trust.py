@@ -1,4 +1,4 @@
-"""How much of what is called identified is true, on legs richer than every model of a fit.
+"""How much of what is called identified is true, on legs of the family that a fit searches.
 
 Virtual legs of `tests/richer_legs.py`, each written as a CSV file and fitted as anybody would,
 through the ordinary filters. Run it as

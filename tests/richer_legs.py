@@ -1,4 +1,4 @@
-"""Virtual legs that are richer than every model which is fitted to them, to test what is claimed.
+"""Virtual legs richer than each named model, to test what is claimed: within the family of `auto`.
 
 Tendons of their own, electrodes that hear other muscles, a torque that follows the EMG late, a
 sensor whose zero is off, noise on EMG and torque; with `drifting` an axis beside the device's and
