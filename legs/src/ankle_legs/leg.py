@@ -14,6 +14,9 @@ from ankle_legs.movement import FINE, angles, effort, fine_times
 from ankle_legs.muscle import Array, integrate
 from ankle_legs.subject import ELECTRODES, GRAVITY, LEVER, PARAMETERS, Subject
 
+FILM_START = 1.03  # on the robot's clock [s]
+FILM_RATE = 1 / 0.03  # frames a second
+
 
 @dataclass(frozen=True)
 class Mounting:
@@ -248,13 +251,13 @@ class Leg:
 
     def film(self, run: Run, trial: int) -> dict[str, Array]:
         """Return fascicles' lengths at 33 Hz; their tracker drifts by 1 to 2 mm over seconds."""
-        rng, times = self.rng(6, trial), np.arange(1.03, run.times[-1], 0.03)
+        rng, times = self.rng(6, trial), np.arange(FILM_START, run.times[-1], 1 / FILM_RATE)
         columns = {"time_s": times}
         for i, (name, how) in enumerate(self.seen_fascicles().items()):
             length = how["scale"] * 1e3 * np.interp(times, run.times, run.length[i])
             kicks = rng.normal(size=(3, times.size))
             for row, (size, seconds) in enumerate(((rng.uniform(0.5, 1), 5.0), (0.25, 0.15))):
-                keep = np.exp(-0.03 / seconds)
+                keep = np.exp(-1 / (FILM_RATE * seconds))
                 settled = lfilter([np.sqrt(1 - keep**2)], [1, -keep], kicks[row])
                 length = length + size * settled
             columns[f"{name}_mm"] = length + how["zero_mm"] + 0.1 * kicks[2]

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ankle_legs import __version__, last, look
-from ankle_legs.leg import Leg, generator
+from ankle_legs.leg import FILM_RATE, FILM_START, Leg, generator
 from ankle_legs.muscle import Array
 from ankle_legs.subject import draw
 
@@ -50,9 +50,13 @@ def _write_csv(path: Path, columns: dict[str, Array], comment: str = "") -> None
 def _mapping(name: str, columns: Sequence[str], film: Sequence[str], emg: str) -> str:
     """Return a description of a recording and its film, which has a clock of its own."""
     lines = [f'name = "{name}"', f'emg = "{emg}"']
-    for column, file in [*((c, "") for c in columns[1:]), *((c, "film/") for c in film[1:])]:
+    clock = f"start_s = {FILM_START}\nrate_hz = {FILM_RATE:.9g}\n"
+    for column, file, own in [
+        *((c, "", "") for c in columns[1:]),
+        *((c, "film/", clock) for c in film[1:]),
+    ]:
         channel, unit = column.rsplit("_", 1)
-        where = f'file = "{file}{name}.csv"\ncolumn = "{column}"\nunit = "{unit}"\ntime = "time_s"'
+        where = f'file = "{file}{name}.csv"\ncolumn = "{column}"\nunit = "{unit}"\n{own}'
         lines.append(f"[channels.{channel}]\n{where}")
     return "\n".join(lines) + "\n"
 
