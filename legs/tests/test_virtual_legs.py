@@ -12,6 +12,7 @@ import pytest
 from ankle_legs.leg import Leg
 from ankle_legs.main import main
 from ankle_legs.make import FAMILIES, leg, truth_of
+from ankle_legs.score import score
 from ankle_legs.subject import MEASURED_AT
 
 
@@ -155,12 +156,30 @@ def test_score_counts_by_hand(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert f"{0.5 / sd:5.1f}" in lines[1]
     assert "f0 of a-1, trial 1" in lines[1]
     assert second[:2] == ["b", "1"]
+    assert lines[3].split()[:4] == ["all", "2", "2", "1"]
     assert lines[-1].startswith("1 answers were not counted")
+
+
+def test_a_repeat_is_counted_where_the_next_trial_came_to_lie(tmp_path: Path) -> None:
+    head = "family,seed,trial,parameter,value,low,high,verdict,repeatable,repeat_low,repeat_high\n"
+    rows = [
+        "a,1,1,f0,2.0,,,weak,true,1.9,2.1",
+        "a,1,2,f0,2.05,,,weak,true,2.0,2.1",
+        "a,1,3,f0,1.9,,,weak,true,0,9",  # no trial 4 was answered
+        "a,1,1,m,2.0,,,weak,false,0,9",
+        "a,1,2,m,2.0,,,weak,false,0,9",
+    ]
+    table = tmp_path / "answers.csv"
+    table.write_text(head + "\n".join(rows))
+    family, total = score(table)
+    assert (family.repeatable, family.repeated) == (2, 1)
+    assert (total.repeatable, total.repeated) == (2, 1)
 
 
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
+        (["make", "a", "1", "--output", "x", "--trials", "0"], "no trial"),
         (["make", "nothing", "1", "--output", "x"], "no family 'nothing'"),
         (["make", "a", "-1", "--output", "x"], "seed -1"),
         (["score", "missing.csv"], "missing.csv"),

@@ -16,7 +16,6 @@ from ankle_legs import look
 from ankle_legs.leg import Departure, Draw, Run, between, drawn
 from ankle_legs.look import FORCE_PER_VOLT
 from ankle_legs.muscle import Array, Muscle, integrate
-from ankle_legs.subject import Subject
 
 BANDWIDTH = dict.fromkeys(("f0", "beta"), "no one second-order filter makes this activation")
 Departures = tuple[Departure, ...]
@@ -270,19 +269,6 @@ class Lingering(Departure):
 
 
 @dataclass(frozen=True)
-class Fibres(Departure):
-    """The soleus is slow and the gastrocnemius is fast (Buchthal and Schmalbruch 1970)."""
-
-    unscored: ClassVar[dict[str, str]] = BANDWIDTH
-    slow: float = between(0.03, 0.06)  # lag of the soleus [s]
-    fast: Array = between(0.002, 0.015, 3)
-
-    def excite(self, run: Run) -> None:
-        lags = (*self.fast[:2], self.slow, self.fast[2])
-        run.excitation = np.array([run.lagged(run.excitation[i], lags[i]) for i in range(4)])
-
-
-@dataclass(frozen=True)
 class Creep(Departure):
     """Passive tissue relaxes over a wide spectrum of times (Fung 1993)."""
 
@@ -301,21 +287,6 @@ class Creep(Departure):
             elastic = np.exp(muscle.k * (run.length[i] - muscle.x0)) / (1 + muscle.k_rel)
             for size, seconds in zip(self.sizes, (self.quick, self.slow), strict=True):
                 run.extra[i] += size * (elastic - run.lagged(elastic, seconds))
-
-
-@dataclass(frozen=True)
-class TendonShape(Departure):
-    """The tendon's toe ends elsewhere and bends otherwise (Maganaris and Paul 2002)."""
-
-    unscored: ClassVar[dict[str, str]] = dict.fromkeys(
-        ("dlt_tri", "dlt_tib"), "the tendon's curve has another shape"
-    )
-    toe: Array = between(0.15, 0.48, 2, none=0.3)
-    k_toe: Array = between(2.5, 6, 2, none=4)
-
-    def leg(self, subject: Subject) -> Subject:
-        pairs = zip(self.toe, self.k_toe, strict=True)
-        return subject.shaped({"toe": toe, "k_toe": bend} for toe, bend in pairs)
 
 
 @dataclass(frozen=True)
@@ -370,7 +341,7 @@ class Backlash(Departure):
 
 SINGLE = (
     *(Slip, Sigmoid, Lingering, Silent, Thixotropy, Skin, History, Recruitment, Knee, Fatigue),
-    *(LoadedArm, Backlash, Creep, Shift, Optimum, Wander, Fibres, Skew, TendonShape),
+    *(LoadedArm, Backlash, Creep, Shift, Optimum, Wander, Skew),
 )
 
 
@@ -387,8 +358,11 @@ def _with_look(rng: np.random.Generator, s: float) -> Departures:
     return (*chosen(rng, s * float(rng.uniform(0.5, 1))), *_some(rng, 1, 0.5, 1.0))
 
 
-FAMILIES: dict[str, Draw] = {f"l-{i}": drawn(kind) for i, kind in enumerate(SINGLE, 1)} | {
-    "l-20": lambda rng, _: _some(rng, 2, 0.4, 1.0),
-    "l-21": lambda rng, _: _some(rng, 4, 0.3, 0.5),
-    "l-22": _with_look,
+MIXED: tuple[Draw, ...] = (
+    lambda rng, _: _some(rng, 2, 0.4, 1.0),
+    lambda rng, _: _some(rng, 4, 0.3, 0.5),
+    _with_look,
+)
+FAMILIES: dict[str, Draw] = {
+    f"l-{i}": draw for i, draw in enumerate((*(drawn(kind) for kind in SINGLE), *MIXED), start=1)
 }

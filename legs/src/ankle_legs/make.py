@@ -73,6 +73,8 @@ def make(
     film: bool = False,
 ) -> list[Path]:
     """Write a leg's trials to ``output/FAMILY-SEED`` and its truth to ``output/truth``."""
+    if not trials:
+        raise ValueError("no trial is asked for; give 1 or more")
     if not seconds >= 20:
         raise ValueError(f"{seconds:g} s are too short a trial; give 20 or more")
     one, folder, emg = leg(family, seed), f"{family}-{seed}", "raw" if raw else "envelope"

@@ -143,10 +143,12 @@ def integrate(
     z = c[3] / (1 + c[3]) * math.exp(c[0] * (x - c[1]))
     s = a = da = 0.0
     omega, damping = c[5], c[6]
+    settle = 1 + h * damping * omega + (0.5 * h * omega) ** 2
     dx = 0.0
     for i in range(n):
-        da = (da + h * omega**2 * (drive[i] - a)) / (1 + 2 * h * damping * omega + (h * omega) ** 2)
-        a += h * da
+        pull = drive[i] + drive[max(i - 1, 0)] - 2 * a - 0.5 * h * da  # the trapezoidal rule
+        rate = (da + 0.5 * h * omega * (omega * pull - 2 * damping * da)) / settle
+        a, da = a + 0.5 * h * (da + rate), rate
         act = max(a, 0.0) * gain[i]
         before = x
         if not elastic_tendon:

@@ -63,79 +63,61 @@ def _truth(row: dict[str, str], trial: str) -> dict[str, float | None]:
 
 
 def score(path: Path) -> list[Count]:
-    """Count a table of answers, the worst family first.
+    """Count a table of answers: families, the worst first, then all together.
 
     An answer whose truth does not exist in its family, or that gives no interval, is left out of
     the counts of intervals; one that is "identified" without an interval is not true.
     """
-    counts: dict[str, Count] = {}
-    answers = rows(path, COLUMNS)
-    values, graded = {}, set()
+    total, counts = Count("all"), dict[str, Count]()
+    answers, graded = rows(path, COLUMNS), set()
+    values = {
+        (row["family"], row["seed"], row["trial"], row["parameter"]): _number(row["value"])
+        for row in answers
+    }
     for number, row in enumerate(answers, start=2):
         try:
-            truths = _truth(row, "trial")
+            truth = _truth(row, "trial").get(row["parameter"])
         except ValueError as error:
             raise ValueError(f"{path}, row {number}: {error}") from None
-        family, name, leg = row["family"], row["parameter"], f"{row['family']}-{row['seed']}"
-        count = counts.setdefault(family, Count(family))
-        count.legs.add(leg)
-        values[leg, int(row["trial"]), name] = _number(row["value"])
-        if row.get("grade") and (leg, row["trial"]) not in graded:
-            graded.add((leg, row["trial"]))
-            count.grades[row["grade"]] += 1
-        truth = truths.get(name)
-        if truth is None:
-            count.unscored += 1
-            continue
+        family, trial, leg = row["family"], row["trial"], f"{row['family']}-{row['seed']}"
         value, low, high = (_number(row[key]) for key in ("value", "low", "high"))
-        holds = low <= truth <= high
+        holds = truth is not None and low <= truth <= high
+        bounded = math.isfinite(low) and math.isfinite(high) and high > low
         identified = row["verdict"] == "identified"
-        count.identified += identified
-        count.true += identified and holds
-        if not (math.isfinite(low) and math.isfinite(high) and high > low):
-            continue
-        count.intervals += 1
-        count.hold += holds
-        sd = (high - low) / (2 * 1.959964)
-        miss = (abs(value - truth) / sd, f"{name} of {leg}, trial {row['trial']}")
-        count.worst = max(count.worst, miss)
-        if identified:
-            count.worst_identified = max(count.worst_identified, miss)
-    for row in answers:
-        trial = int(row["trial"])
-        again = values.get((f"{row['family']}-{row['seed']}", trial + 1, row["parameter"]))
-        claimed = (row.get("repeatable") or "").lower() == "true"
-        if claimed and trial in (1, 2) and again is not None:
-            count = counts[row["family"]]
-            count.repeatable += 1
-            low, high = _number(row.get("repeat_low")), _number(row.get("repeat_high"))
-            count.repeated += low <= again <= high
-    return sorted(counts.values(), key=lambda c: (c.share, -c.worst[0]))
+        again = values.get((family, row["seed"], str(int(trial) + 1), row["parameter"]))
+        claimed = (row.get("repeatable") or "").lower() == "true" and trial in ("1", "2")
+        for count in (counts.setdefault(family, Count(family)), total):
+            count.legs.add(leg)
+            if row.get("grade") and (count.family, leg, trial) not in graded:
+                graded.add((count.family, leg, trial))
+                count.grades[row["grade"]] += 1
+            if claimed and again is not None:
+                count.repeatable += 1
+                between = _number(row.get("repeat_low")) <= again
+                count.repeated += between and again <= _number(row.get("repeat_high"))
+            if truth is None:
+                count.unscored += 1
+                continue
+            count.identified += identified
+            count.true += identified and holds
+            if bounded:
+                count.intervals += 1
+                count.hold += holds
+                sd = (high - low) / (2 * 1.959964)
+                miss = (abs(value - truth) / sd, f"{row['parameter']} of {leg}, trial {trial}")
+                count.worst = max(count.worst, miss)
+                if identified:
+                    count.worst_identified = max(count.worst_identified, miss)
+    return [*sorted(counts.values(), key=lambda c: (c.share, -c.worst[0])), total]
 
 
 def table(counts: list[Count]) -> str:
     """Return the counts as a table to read."""
-    total = Count("all")
-    for c in counts:
-        total.legs |= c.legs
-        for name in (
-            "identified",
-            "true",
-            "intervals",
-            "hold",
-            "unscored",
-            "repeatable",
-            "repeated",
-        ):
-            setattr(total, name, getattr(total, name) + getattr(c, name))
-        total.worst = max(total.worst, c.worst)
-        total.worst_identified = max(total.worst_identified, c.worst_identified)
-        total.grades += c.grades
     lines = [
         "family  legs  identified   true        intervals that hold  repeated    "
         "worst miss in sd: identified, all"
     ]
-    for c in [*counts, total]:
+    for c in counts:
         share = f"{100 * c.true / c.identified:3.0f} %" if c.identified else "  –  "
         lines.append(
             f"{c.family:<7} {len(c.legs):>4}  {c.identified:>10}   {c.true:>4} {share}   "
@@ -144,10 +126,10 @@ def table(counts: list[Count]) -> str:
         )
         if c.grades:
             lines[-1] += "  " + ", ".join(f"{n} {grade}" for grade, n in c.grades.most_common())
-    lines.append(
-        f"{total.unscored} answers were not counted: their families have no truth for them."
+    left = counts[-1].unscored
+    return "\n".join(
+        [*lines, f"{left} answers were not counted: their families have no truth for them."]
     )
-    return "\n".join(lines)
 
 
 def change_table(path: Path) -> str:
