@@ -13,10 +13,10 @@ class Setting:
     """What a field of a request means, and how people and programs give it."""
 
     meaning: str  #: For documentation, in numpydoc's words.
-    type: str  #: What it may be, in the same words.
-    help: str = ""  #: Of its option; none: no option.
+    type: str = ""  #: What it may be, in the same words, where the annotation does not say it all.
+    help: str = ""  #: Of its option; by default `meaning`; none where there is no label either.
     option: str = ""  #: Name of its option, where that is not the field's.
-    metavar: str = ""  #: What help writes for its value; of a mapping NAME=… with its parts.
+    metavar: str = ""  #: What help writes for its value; of a mapping for that of an entry.
     example: str = ""  #: An entry of a mapping, for the message about one that is misspelt.
     label: str = ""  #: Of its field in a form; none: no field there.
     words: Mapping[str, str] | None = None  #: What a form calls its choices; "": none of them.
@@ -25,20 +25,18 @@ class Setting:
     above: float | None = None  #: All numbers are larger.
     most: float | None = None  #: The largest number.
     needs: str = ""  #: The setting without which it has no effect; NAME=VALUE: but for a form only.
-    rare: bool = False  #: Whether a form has it among what few people change.
+    first: bool = False  #: Whether a form shows it at once, not among what few people change.
 
 
-def setting(default: Any, meaning: str, *, type: str, **how: Any) -> Any:
-    """A field of a request, with its default (a class: what that makes) and its meaning."""
+def setting(default: Any, meaning: str, **how: Any) -> Any:
+    """A field of a request, with its default (a function: what that makes) and its meaning."""
     known: Any = {"default_factory": default} if callable(default) else {"default": default}
-    return field(**known, metadata={"setting": Setting(meaning=meaning, type=type, **how)})
+    return field(**known, metadata={"setting": Setting(meaning=meaning, **how)})
 
 
 def settings_of(kind: Any) -> Iterator[tuple["Field[Any]", Setting]]:
     """The fields of a request that are settings, each with its record."""
-    for each in fields(kind):
-        if "setting" in each.metadata:
-            yield each, each.metadata["setting"]
+    return ((f, f.metadata["setting"]) for f in fields(kind) if "setting" in f.metadata)
 
 
 def default_of(each: "Field[Any]") -> Any:
@@ -49,18 +47,15 @@ def default_of(each: "Field[Any]") -> Any:
 
 def kind_of(each: "Field[Any]") -> str:
     """What a field holds, None apart: flag, whole, number, text, names, mapping or record."""
-    return next(_kind(part) for part in parts_of(each.type) if part is not NoneType)
+    kinds = {bool: "flag", int: "whole", float: "number", str: "text", tuple: "names"}
+    kind = next(part for part in parts_of(each.type) if part is not NoneType)
+    base = get_origin(kind) or kind
+    return kinds.get(base, "mapping" if base is Mapping else "record")
 
 
 def parts_of(annotation: Any) -> tuple[Any, ...]:
     """The types of a union, or the one type."""
     return get_args(annotation) if isinstance(annotation, UnionType) else (annotation,)
-
-
-def _kind(annotation: Any) -> str:
-    base = get_origin(annotation) or annotation
-    simple = {bool: "flag", int: "whole", float: "number", str: "text", tuple: "names"}
-    return simple.get(base, "mapping" if base is Mapping else "record")
 
 
 def described(kind: Any, indent: str, *, keywords: bool = False, without: str = "") -> str:
@@ -70,19 +65,31 @@ def described(kind: Any, indent: str, *, keywords: bool = False, without: str = 
     lines = []
     for each, record in settings_of(kind):
         if each.name != without:
-            text = _keyword(each, record) if keywords else record.type
-            lines.append(f"{indent}{each.name} : {text}")
+            lines.append(f"{indent}{each.name} : {_type(each, record, keywords)}")
             inner = f"{indent}    "
             lines += wrap(record.meaning, 100, initial_indent=inner, subsequent_indent=inner)
     return "\n".join(lines)
 
 
-def _keyword(each: "Field[Any]", record: Setting) -> str:
-    """The type of a keyword, and its default where that is a plain value."""
+def _type(each: "Field[Any]", record: Setting, keyword: bool) -> str:
+    """What a setting may be; of a keyword its default too, where that is a plain value."""
+    parts = list(map(_name, parts_of(each.type)))
+    if record.choices:
+        parts[0] = "{" + ", ".join(f'"{choice}"' for choice in record.choices) + "}"
+    text = record.type or " or ".join(parts)
+    if not keyword:
+        return text
     default = default_of(each)
-    text = record.type.removesuffix(", or None").removesuffix(" or None")
-    shown = isinstance(default, bool | int | float | str)
-    return f"{text}, default {default!r}" if shown else f"{text}, optional"
+    plain = isinstance(default, bool | int | float | str)
+    shown = f"default {default!r}" if plain else "optional"
+    return f"{text.removesuffix(' or None').removesuffix(',')}, {shown}"
+
+
+def _name(part: Any) -> str:
+    """A type in numpydoc's words."""
+    if get_origin(part) is Mapping:
+        return f"mapping of str to {_name(get_args(part)[1])}"
+    return {NoneType: "None", Any: "object"}.get(part) or str(getattr(part, "__name__", part))
 
 
 def documented(kind: type[T]) -> type[T]:

@@ -58,195 +58,107 @@ class FitSettings:
     """
 
     model: str = setting(
-        AUTO,
-        '``"auto"``: the family of rigid and compliant tendons with the imperfections of a '
+        AUTO, '``"auto"``: the family of rigid and compliant tendons with the imperfections of a '
         "laboratory, chosen by the evidence. Or the name of one model; `surae.model.MODELS` lists "
-        "them.",
-        type="str",
-        choices=FITTED,
-        metavar="M",
+        "them.", type="str", choices=FITTED, metavar="M",
         help=f"auto: what the data support; or {', '.join(FITTED[1:-1])} or {FITTED[-1]}.",
-        label="Model",
-    )
+        label="Model", first=True,
+    )  # fmt: skip
     options: ModelOptions = setting(
-        ModelOptions,
-        "Switches of the model, all at once; each is a keyword of its own too.",
-        type="ModelOptions",
+        ModelOptions, "Switches of the model, all at once; each is a keyword of its own too."
     )
     fixed: Mapping[str, float] = setting(
-        _none,
-        'Parameters that are not estimated, e.g. ``{"beta": 1.0}``.',
-        type="mapping of str to float",
-        metavar="VALUE",
-        example="beta=1",
-        help="Do not estimate a parameter.",
-    )
+        _none, 'Parameters that are not estimated, e.g. ``{"beta": 1.0}``.',
+        metavar="VALUE", example="beta=1", help="Do not estimate a parameter.",
+    )  # fmt: skip
     free: tuple[str, ...] = setting(
-        (),
-        'Parameters to estimate beside those that the model frees by itself; ``"reflex"`` stands '
-        "for all of the reflex.",
-        type="sequence of str",
-        metavar="NAME",
+        (), "Parameters to estimate beside those that the model frees by itself; ``\"reflex\"`` "
+        "stands for all of the reflex.", type="sequence of str", metavar="NAME",
         help="Estimate one that is fixed; emd: a delay of the EMG; reflex: all of a stretch "
         "reflex.",
-    )
+    )  # fmt: skip
     start: Mapping[str, float] = setting(
-        _none,
-        "Where the first start begins, instead of the defaults.",
-        type="mapping of str to float",
-        metavar="VALUE",
-        example="beta=1",
-        help="Start the search of a parameter elsewhere.",
-    )
+        _none, "Where the first start begins, instead of the defaults.",
+        metavar="VALUE", example="beta=1", help="Start the search of a parameter elsewhere.",
+    )  # fmt: skip
     bounds: Mapping[str, tuple[float, float]] = setting(
-        _none,
-        "Bounds instead of the defaults.",
-        type="mapping of str to (lower, upper)",
-        option="bound",
-        metavar="LOWER:UPPER",
-        example="m=1:4",
+        _none, "Bounds instead of the defaults.", type="mapping of str to (lower, upper)",
+        option="bound", metavar="LOWER:UPPER", example="m=1:4",
         help="Search a parameter within other bounds.",
-    )
+    )  # fmt: skip
     priors: Mapping[str, tuple[float, float]] = setting(
-        _none,
-        "What is known of a parameter beforehand: its median, and the standard deviation of its "
-        'logarithm (about its relative standard deviation), e.g. ``{"dlt_tib": (0.04, 0.2)}``. As '
-        'a keyword also the name of a population, or both as a pair: ``("healthy", {"tau_rel": '
-        "(2.0, 0.5)})``.",
-        type="mapping of str to (median, spread)",
-        above=0.0,
-        option="prior",
-        metavar="MEDIAN:SPREAD",
-        example="tau_rel=3:0.3",
+        _none, "What is known of a parameter beforehand: its median, and the standard deviation "
+        "of its logarithm (about its relative standard deviation), e.g. ``{\"dlt_tib\": (0.04, "
+        '0.2)}``. As a keyword also the name of a population, or both as a pair: ``("healthy", '
+        '{"tau_rel": (2.0, 0.5)})``.', type="mapping of str to (median, spread)", above=0.0,
+        option="prior", metavar="MEDIAN:SPREAD", example="tau_rel=3:0.3",
         help="Known beforehand: SPREAD is the relative standard deviation.",
-    )
+    )  # fmt: skip
     population: str | None = setting(
-        None,
-        "Whose default priors stand for the parameters that `priors` does not name.",
-        type='{"healthy", "patient"}, or None',
-        choices=POPULATIONS,
-        option="priors",
-        help="What is known of a population beforehand; --prior goes before it.",
-        label="Priors",
+        None, "Whose default priors stand for the parameters that `priors` does not name.",
+        choices=POPULATIONS, option="priors",
+        help="What is known of a population beforehand; --prior goes before it.", label="Priors",
         words={"": "none", "healthy": "healthy population", "patient": "patient population"},
-    )
+        first=True,
+    )  # fmt: skip
     body_mass: float | None = setting(
-        None,
-        "Fixes m at the foot's share of this mass [kg]; see `surae.foot_mass`.",
-        type="float or None",
-        least=5.0,
-        most=400.0,
-        metavar="KG",
-        help="Fix m: the foot is 1.45 % of it (Winter).",
-        label="Body mass [kg]",
-    )
+        None, "Fixes m at the foot's share of this mass [kg]; see `surae.foot_mass`.", least=5.0,
+        most=400.0, metavar="KG", help="Fix m: the foot is 1.45 % of it (Winter).",
+        label="Body mass [kg]", first=True,
+    )  # fmt: skip
     footplate_mass: float = setting(
-        0.0,
-        "What moves with the foot [kg].",
-        type="float",
-        least=0.0,
-        most=20.0,
-        needs="body_mass",
-        metavar="KG",
-        help="Mass of the footplate, added to the foot's.",
-        label="Footplate [kg]",
-        rare=True,
-    )
+        0.0, "What moves with the foot [kg].", least=0.0, most=20.0, needs="body_mass",
+        metavar="KG", help="Mass of the footplate, added to the foot's.", label="Footplate [kg]",
+    )  # fmt: skip
     foot_share: str = setting(
-        "winter",
-        "Whose share of the body's mass a foot has.",
-        type='{"winter", "de-leva-female", "de-leva-male"}',
-        choices=FOOT_SHARES,
-        needs="body_mass",
-        help="Table of the foot's share of body mass.",
-        label="Foot's share by",
-        words={
-            "winter": "Winter",
-            "de-leva-female": "de Leva, women",
-            "de-leva-male": "de Leva, men",
-        },
-        rare=True,
-    )
+        "winter", "Whose share of the body's mass a foot has.", choices=FOOT_SHARES,
+        needs="body_mass", help="Table of the foot's share of body mass.",
+        label="Foot's share by", words={"winter": "Winter", "de-leva-female": "de Leva, women",
+        "de-leva-male": "de Leva, men"},
+    )  # fmt: skip
     weights: "Weighting | tuple[Weighting, ...] | None" = setting(
-        None,
-        "What samples count, for all recordings or one for each, e.g. ``Weighting(peaks=9)``; "
-        "windows of weight 0 are left out.",
+        None, "What samples count, for all recordings or one for each, e.g. "
+        "``Weighting(peaks=9)``; windows of weight 0 are left out.",
         type="Weighting, sequence of Weighting, or None",
-    )
+    )  # fmt: skip
     loss: str | None = setting(
-        None,
-        "Let outliers count less than their square; see `surae.estimation.fit_robust`.",
-        type='{"huber", "soft-l1", "tukey"}, or None',
-        choices=LOSSES,
-        help="How outliers count.  [default: squares]",
-        label="Outliers",
+        None, "Let outliers count less than their square; see `surae.estimation.fit_robust`.",
+        choices=LOSSES, help="How outliers count.  [default: squares]", label="Outliers",
         words={"": "count fully", "huber": "Huber", "soft-l1": "soft L1", "tukey": "Tukey"},
-    )
+        first=True,
+    )  # fmt: skip
     normalise: str | None = setting(
-        None,
-        "Divide EMG by one number for each muscle, so that weights g come out in N: by the largest "
-        "envelope of all recordings, or of `mvc`. `validate` and `Fit.predict` use it again.",
-        type='{"session", "mvc"}, or None',
-        choices=NORMALISATIONS,
+        None, "Divide EMG by one number for each muscle, so that weights g come out in N: by the "
+        "largest envelope of all recordings, or of `mvc`. `validate` and `Fit.predict` use it "
+        "again.", choices=NORMALISATIONS, label="Divide EMG by",
         help="Divide EMG by the largest of all recordings, or of --mvc; g come out in N.",
-        label="Divide EMG by",
-        words={
-            "": "nothing",
-            "session": "the session's largest",
-            "mvc": "the contractions' largest",
-        },
-        rare=True,
-    )
+        words={"": "nothing", "session": "the session's largest",
+        "mvc": "the contractions' largest"},
+    )  # fmt: skip
     prepared: bool = setting(
-        False,
-        "Whether the signals are used as they are: filtered and at the model's rate already.",
-        type="bool",
-        help="Use the signals as they are, without filters.",
-        label="Signals",
+        False, "Whether the signals are used as they are: filtered and at the model's rate "
+        "already.", help="Use the signals as they are, without filters.", label="Signals",
         words={"": "filter and resample", "yes": "use as they are"},
-        rare=True,
-    )
+    )  # fmt: skip
     preparation: Mapping[str, Any] = setting(
-        _none,
-        'Settings that differ from those of `surae.Preparation`, e.g. ``{"bessel_hz": 10.0}``; '
-        "False switches a filter off. What a recording says itself goes before.",
-        type="mapping of str to object",
-        option="filter",
-        metavar="VALUE",
+        _none, 'Settings that differ from those of `surae.Preparation`, e.g. ``{"bessel_hz": '
+        "10.0}``; False switches a filter off. What a recording says itself goes before.",
+        option="filter", metavar="VALUE",
         help="A setting of the preparation, e.g. bessel_hz=10; false: without it.",
-    )
+    )  # fmt: skip
     nuisances: str | Mapping[str, tuple[float, float]] = setting(
-        NUISANCES[0],
-        'What the laboratory cannot rule out, for ``model="auto"``; a mapping gives other priors, '
-        'mean and standard deviation, of groups or parameters, e.g. ``{"zero": (0.0, 1.0)}``.',
-        type='{"all", "none"} or mapping of str to (mean, sd)',
-        choices=NUISANCES,
-        needs=f"model={AUTO}",
+        NUISANCES[0], 'What the laboratory cannot rule out, for ``model="auto"``; a mapping gives '
+        "other priors, mean and standard deviation, of groups or parameters, e.g. ``{\"zero\": "
+        '(0.0, 1.0)}``.', type='{"all", "none"} or mapping of str to (mean, sd)',
+        choices=NUISANCES, needs=f"model={AUTO}", first=True,
         help="Imperfections of the laboratory that auto takes in.",
-        label="Account for the laboratory’s imperfections",
-        words={"all": "yes", "none": "no"},
-    )
+        label="Account for the laboratory’s imperfections", words={"all": "yes", "none": "no"},
+    )  # fmt: skip
     starts: int = setting(
-        STARTS,
-        "Number of starts; the first from the default, the others random within the bounds.",
-        type="int",
-        least=1,
-        most=_MOST_STARTS,
-        metavar="N",
-        help="Number of starts of a fit.",
-        label="Starts",
-        rare=True,
-    )
-    seed: int = setting(
-        0,
-        "Seed of the random starts.",
-        type="int",
-        least=0,
-        metavar="N",
-        help="Seed of the random starts.",
-        label="Seed",
-        rare=True,
-    )
+        STARTS, "Number of starts; the first from the default, the others random within the "
+        "bounds.", least=1, most=_MOST_STARTS, help="Number of starts of a fit.", label="Starts",
+    )  # fmt: skip
+    seed: int = setting(0, "Seed of the random starts.", least=0, label="Seed")
 
     def __post_init__(self) -> None:
         """Freeze what was given, and refuse what no model could mean."""

@@ -224,7 +224,7 @@ def options_of(request: Any, *without: str) -> list[Callable[[Any], Any]]:
     for each, record in settings_of(request):
         if each.name == "weights":
             made += _WEIGHTS
-        if record.help and each.name not in without:
+        if (record.help or record.label) and each.name not in without:
             name = (record.option or each.name).replace("_", "-")
             made.append(click.option(f"--{name}", each.name, **_option(each, record)))
     return made
@@ -233,7 +233,8 @@ def options_of(request: Any, *without: str) -> list[Callable[[Any], Any]]:
 def _option(each: "Field[Any]", record: Setting) -> dict[str, Any]:
     """What click makes an option of."""
     kind = kind_of(each)
-    how: dict[str, Any] = {"help": record.help, "metavar": record.metavar or None}
+    metavar = record.metavar or ("N" if kind == "whole" else None)
+    how: dict[str, Any] = {"help": record.help or record.meaning, "metavar": metavar}
     if record.choices:
         how["type"] = click.Choice(record.choices)
     elif kind == "flag":

@@ -23,77 +23,38 @@ class ModelOptions:
     """
 
     geometry: str = setting(
-        "thesis",
-        "Muscle length: equation (9) as printed, or the integral of the moment arm.",
-        type='{"thesis", "virtual-work"}',
-        choices=CHOICES["geometry"],
-        help="How muscle length is read.",
-        label="Geometry",
-        rare=True,
-    )
+        "thesis", "Muscle length: equation (9) as printed, or the integral of the moment arm.",
+        choices=CHOICES["geometry"], help="How muscle length is read.", label="Geometry",
+    )  # fmt: skip
     tendon_strain: str = setting(
-        "thesis",
-        "ε0 in metres as the printed equations take it, or a strain times the slack length.",
-        type='{"thesis", "slack-length"}',
-        choices=CHOICES["tendon_strain"],
-        help="How ε0 is read.",
-        label="Tendon strain",
-        rare=True,
-    )
+        "thesis", "ε0 in metres as the printed equations take it, or a strain times the slack "
+        "length.", choices=CHOICES["tendon_strain"], help="How ε0 is read.", label="Tendon strain",
+    )  # fmt: skip
     integrator: str = setting(
-        "implicit",
-        "Of the muscle-tendon models; the explicit one is the thesis's.",
-        type='{"implicit", "explicit-euler"}',
-        choices=CHOICES["integrator"],
-        help="Integrator of the muscle-tendon models.",
-        label="Integrator",
-        rare=True,
-    )
+        "implicit", "How muscle-tendon models are integrated; explicit Euler is the thesis's.",
+        choices=CHOICES["integrator"], label="Integrator",
+    )  # fmt: skip
     theta_foot: float = setting(
-        0.0,
-        "Angle of the foot to the horizontal at θ = 0 [rad], equation (7).",
-        type="float",
-        metavar="RAD",
-        help="Foot to horizontal at 0 rad.",
-        label="Foot to horizontal at 0° [rad]",
-        rare=True,
-    )
+        0.0, "Angle of the foot to the horizontal at θ = 0 [rad], equation (7).", metavar="RAD",
+        help="Foot to horizontal at 0 rad.", label="Foot to horizontal at 0° [rad]",
+    )  # fmt: skip
     vmax_factor: float = setting(
-        8.0,
-        "Maximum shortening speed in optimal lengths per second.",
-        type="float",
-        above=0.0,
-        metavar="F",
-        help="Maximum shortening speed in optimal lengths per second.",
+        8.0, "Maximum shortening speed in optimal lengths per second.", above=0.0, metavar="F",
         label="Maximum shortening speed [optimal lengths/s]",
-        rare=True,
-    )
+    )  # fmt: skip
     x_ref_tri: float = setting(
-        0.080,
-        "Length of the triceps at θ = 0 of the virtual-work geometry [m].",
-        type="float",
-        above=0.0,
-        metavar="M",
-        help="Virtual work: length of the triceps at 0 rad.",
+        0.080, "Virtual-work geometry: length of the triceps at θ = 0 [m].", above=0.0, metavar="M",
         label="Virtual work: triceps at 0° [m]",
-        rare=True,
-    )
+    )  # fmt: skip
     x_ref_tib: float = setting(
-        0.100,
-        "Length of the tibialis at θ = 0 of the virtual-work geometry [m].",
-        type="float",
-        above=0.0,
-        metavar="M",
-        help="Virtual work: length of the tibialis at 0 rad.",
-        label="Virtual work: tibialis at 0° [m]",
-        rare=True,
-    )
+        0.100, "Virtual-work geometry: length of the tibialis at θ = 0 [m].", above=0.0,
+        metavar="M", label="Virtual work: tibialis at 0° [m]",
+    )  # fmt: skip
     emg_ref: tuple[float, float, float, float] | None = setting(
-        None,
-        "EMG levels of TA, GL, SOL, GM [V] at which `emg_shape` changes nothing; the same for all "
-        "recordings of a leg, e.g. `surae.signals.emg_levels` of them. Only `emg_shape` needs it.",
-        type="four floats, or None",
-    )
+        None, "EMG levels of TA, GL, SOL, GM [V] at which `emg_shape` changes nothing; the same "
+        "for all recordings of a leg, e.g. `surae.signals.emg_levels` of them. Only `emg_shape` "
+        "needs it.", type="four floats, or None",
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         """Refuse values that are not among the choices or not physical."""

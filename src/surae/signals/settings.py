@@ -13,17 +13,6 @@ from surae.setting import documented, kind_of, parts_of, setting, settings_of
 MAXIMUM_ORDER = 10
 
 
-def _frequency(default: float | None, meaning: str, label: str) -> Any:
-    kind = "float or None" if "None:" in meaning else "float"
-    return setting(default, meaning, type=kind, above=0.0, label=label, rare=True)
-
-
-def _order(default: int, meaning: str, label: str) -> Any:
-    return setting(
-        default, meaning, type="int", least=1, most=MAXIMUM_ORDER, label=label, rare=True
-    )
-
-
 @documented
 @dataclass(frozen=True, slots=True)
 class Preparation:
@@ -44,34 +33,33 @@ class Preparation:
         A value is of the wrong kind or out of range.
     """
 
-    rate_hz: float = _frequency(
-        256.0,
-        "Highest sampling rate of the model inputs [Hz]; a slower recording keeps its own rate.",
-        "Highest rate [Hz]",
+    rate_hz: float = setting(
+        256.0, "Highest sampling rate of the model inputs [Hz]; a slower recording keeps its own "
+        "rate.", above=0.0, label="Highest rate [Hz]",
+    )  # fmt: skip
+    emg_highpass_hz: float | None = setting(
+        41.0, "Butterworth high-pass of raw EMG before it is rectified [Hz]; None: no high-pass.",
+        above=0.0, label="EMG high-pass [Hz]",
+    )  # fmt: skip
+    emg_highpass_order: int = setting(
+        3, "Its order.", least=1, most=MAXIMUM_ORDER, label="EMG high-pass: order"
     )
-    emg_highpass_hz: float | None = _frequency(
-        41.0,
-        "Butterworth high-pass of raw EMG before it is rectified [Hz]; None: no high-pass.",
-        "EMG high-pass [Hz]",
+    emg_lowpass_hz: float | None = setting(
+        None, "Butterworth low-pass of rectified EMG [Hz]; None: only the anti-aliasing filter.",
+        above=0.0, label="EMG low-pass [Hz]",
+    )  # fmt: skip
+    emg_lowpass_order: int = setting(
+        2, "Its order.", least=1, most=MAXIMUM_ORDER, label="EMG low-pass: order"
     )
-    emg_highpass_order: int = _order(3, "Its order.", "EMG high-pass: order")
-    emg_lowpass_hz: float | None = _frequency(
-        None,
-        "Butterworth low-pass of rectified EMG [Hz]; None: only the anti-aliasing filter.",
-        "EMG low-pass [Hz]",
-    )
-    emg_lowpass_order: int = _order(2, "Its order.", "EMG low-pass: order")
-    bessel_hz: float | None = _frequency(
-        20.0,
-        "Bessel low-pass of angle and torque [Hz]; None: only the anti-aliasing filter.",
-        "Angle and torque: low-pass [Hz]",
-    )
-    bessel_order: int = _order(
-        4,
-        "Its order. The thesis gives none; 4 is the usual order of instrument Bessel filters, and "
-        "a higher one hardly changes the pass band: all of them approach the same Gaussian.",
-        "Angle and torque: order",
-    )
+    bessel_hz: float | None = setting(
+        20.0, "Bessel low-pass of angle and torque [Hz]; None: only the anti-aliasing filter.",
+        above=0.0, label="Angle and torque: low-pass [Hz]",
+    )  # fmt: skip
+    bessel_order: int = setting(
+        4, "Its order. The thesis gives none; 4 is the usual order of instrument Bessel filters, "
+        "and a higher one hardly changes the pass band: all of them approach the same Gaussian.",
+        least=1, most=MAXIMUM_ORDER, label="Angle and torque: order",
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         """Check every value."""

@@ -41,22 +41,14 @@ class Weighting:
         type="tuple of (float, float, float)",
     )
     peaks: float = setting(
-        0.0,
-        "A sample at full activity counts 1 + `peaks` times as much as one at rest; 0: all alike.",
-        type="float",
-        least=0.0,
-        label="Weight of peaks",
-        rare=True,
-    )
+        0.0, "A sample at full activity counts 1 + `peaks` times as much as one at rest; 0: all "
+        "alike.", least=0.0, label="Weight of peaks",
+    )  # fmt: skip
     activity: str = setting(
-        "torque",
-        "What a peak is one of: the size of the measured torque, or the mean of the EMG envelopes.",
-        type='{"torque", "emg"}',
-        choices=ACTIVITIES,
-        label="Peaks are those of",
+        "torque", "What a peak is one of: the size of the measured torque, or the mean of the EMG "
+        "envelopes.", choices=ACTIVITIES, label="Peaks are those of",
         words={"torque": "torque", "emg": "EMG"},
-        rare=True,
-    )
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         """Refuse what has no meaning."""

@@ -37,7 +37,7 @@ def _fields(kind: Any, *within: str) -> list[dict[str, Any]]:
             "default": default_of(each),
             "optional": NoneType in parts_of(each.type),
             "needs": record.needs,
-            "rare": record.rare,
+            "first": record.first,
         }
         for each, record in settings_of(kind)
         if record.label

@@ -8,9 +8,9 @@ const DRIVES = { emd: "Estimate an EMG delay", reflex: "Estimate a stretch refle
 /** Draw the settings of a draft; `store(what, label)` keeps a change. */
 export function settingsForm(main, more, models, draft, store, recordings) {
   const shown = models.settings.filter((one) => inPlace(one, draft));
-  const fields = (rare) => shown.filter((one) => one.rare === rare).map((one) => setting(one, models.settings, draft, store));
-  replace(main, fields(false), h("div", { class: "drives" }, Object.entries(models.drives).map(([name, members]) => drive(name, members, draft.parameters, store))));
-  replace(more, fields(true), draft.normalise === "mvc" && contractions(recordings, draft, store));
+  const fields = (first) => shown.filter((one) => one.first === first).map((one) => setting(one, models.settings, draft, store));
+  replace(main, fields(true), h("div", { class: "drives" }, Object.entries(models.drives).map(([name, members]) => drive(name, members, draft.parameters, store))));
+  replace(more, fields(false), draft.normalise === "mvc" && contractions(recordings, draft, store));
 }
 
 /** Whether a setting has an effect, beside those that are set. */
@@ -42,16 +42,16 @@ export function changeOf({ path, default: usual }, value, draft, settings) {
 function setting(one, settings, draft, store) {
   const now = valueOf(one, draft);
   const id = `set-${one.path.join("-")}`;
-  const keep = (value, text) => {
+  const keep = (value, label) => {
     const change = changeOf(one, value, draft, settings);
     if (one.path[0] === "normalise" && value !== "mvc") change.mvc = [];
-    return store(change, `${one.label}: ${text}`);
+    return store(change, label);
   };
   if (one.kind === "choice" || one.kind === "flag") {
     const flag = one.kind === "flag";
     const listed = one.choices.some(([value]) => value === now) || now === null ? now : one.default;
     const knob = select({ id }, one.choices, flag ? (now ? "yes" : "") : (listed ?? one.default ?? ""));
-    knob.addEventListener("change", () => keep(flag ? knob.value === "yes" : knob.value || null, knob.selectedOptions[0].textContent));
+    knob.addEventListener("change", () => keep(flag ? knob.value === "yes" : knob.value || null, `${one.label}: ${knob.selectedOptions[0].textContent}`));
     return field(one.label, knob);
   }
   const off = one.optional && one.path.length > 1; // 0 switches it off
@@ -63,7 +63,7 @@ function setting(one, settings, draft, store) {
   knob.addEventListener("change", () => {
     if (!knob.checkValidity()) return knob.reportValidity();
     const value = knob.value === "" ? null : Number(knob.value);
-    return keep(off && value === 0 ? false : value, knob.value || "default");
+    return keep(off && value === 0 ? false : value, `${one.label} ${knob.value || "default"}`);
   });
   return field(one.label, knob);
 }
