@@ -293,7 +293,7 @@ def test_one_bad_row_is_one_bad_row(serve) -> None:
             late = ("e" * 16, float("inf"), json.dumps(content[kind]))
             for id_, created, text in (*bad, late, ("../../x", 1.0, "{}")):
                 row = (id_, kind, created, 0, text)
-                database.write("INSERT INTO thing VALUES (?, ?, ?, ?, ?)", *row)
+                database.change(kind, id_, "INSERT INTO thing VALUES (?, ?, ?, ?, ?)", *row)
     damaged = browser.get("/api/damaged").json()["damaged"]
     assert Counter(name["kind"] for name in damaged) == dict.fromkeys(KINDS, len(BAD) + 2)
     for kind in (
@@ -444,7 +444,8 @@ def test_a_session_with_no_grade_where_one_should_be_is_damaged(serve, adequacy)
     server.bench.database.add("session", good, "0" * 16)
     text = json.dumps({**good, "content": {"adequacy": adequacy}})
     row = ("e" * 16, "session", 1.0, 0, text)
-    server.bench.database.write("INSERT INTO thing VALUES (?, ?, ?, ?, ?)", *row)
+    insert = "INSERT INTO thing VALUES (?, ?, ?, ?, ?)"
+    server.bench.database.change("session", row[0], insert, *row)
     listed = browser.get("/api/sessions")
     assert listed.status_code == 200, listed.text
     assert [entry["id"] for entry in listed.json()["sessions"]] == ["0" * 16]

@@ -74,7 +74,8 @@ def test_what_is_wrong_is_told_and_set_aside(filled) -> None:
     filled.path("recordings", "b" * 16, ".h5").unlink()
     (root / "recordings" / ".surae-0123.part").write_bytes(b"half")
     (root / "fits" / f"{'9' * 16}.json").write_text("left by a kill")
-    database.write("INSERT INTO thing VALUES (?, 'recording', 1.0, 0, '{}')", "1" * 16)
+    bad = "INSERT INTO thing VALUES (?, 'recording', 1.0, 0, '{}')"
+    database.change("recording", "1" * 16, bad, "1" * 16)
     code, said = told("check", root)
     assert code == 1
     assert "3 things are wrong" in said

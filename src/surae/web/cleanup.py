@@ -48,7 +48,7 @@ def clean(folder: Path, database: Database, day: int, old: float | None) -> None
             row = plain(text)
             if row["day"] + KEPT < day:
                 _empty(folder / "trash", row["files"])
-                database.write("DELETE FROM thing WHERE kind = 'trash' AND id = ?", id_)
+                database.remove("trash", id_)
 
 
 def trash(folder: Path, database: Database, day: int, kind: str, id_: str) -> None:
@@ -67,10 +67,9 @@ def trash(folder: Path, database: Database, day: int, kind: str, id_: str) -> No
         "day": day,
     }  # fmt: skip
     with database.transaction():
-        database.write("DELETE FROM thing WHERE kind = ? AND id = ?", kind, id_)
-        database.write(
-            "INSERT OR REPLACE INTO thing VALUES (?, 'trash', ?, 0, ?)", id_, 0.0, json.dumps(data)
-        )
+        database.remove(kind, id_)
+        query = "INSERT OR REPLACE INTO thing VALUES (?, 'trash', 0.0, 0, ?)"
+        database.change("trash", id_, query, id_, json.dumps(data))
         for step, text in database.rows("SELECT id, before FROM step WHERE kind = 'deleted'"):
             with suppress(ValueError, TypeError, KeyError):
                 if plain(text)["id"] == id_:

@@ -2,16 +2,18 @@
 
 Everything the users make is a *thing*: an id, a kind, and its content as JSON. Sessions and their
 steps (undo) have tables of their own. One connection writes, another reads, so that a program that
-holds the file from outside keeps nobody from looking.
+holds the file from outside keeps nobody from looking. Things that are listed are kept in memory,
+and read again where they were written: nobody else writes.
 """
 
 import json
+import math
 import secrets
 import sqlite3
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +24,8 @@ from surae.processes import NO_ROOM
 from surae.web.http_errors import RefusedError
 from surae.web.rows import KINDS, Thing, thing
 
+#: Jobs that wait or are at work.
+ACTIVE = ("queued", "running")
 #: Later than any time of deletion.
 _EVER = 2**62
 #: How long to wait for a program that holds the file [s].
@@ -53,8 +57,8 @@ FORMAT = Format(
     NO_ROOM,
     "recordings and fits beside it are whole: `surae project repair`, or restore a backup",
 )
-#: The state of a job whose row can be read.
-_STATE = "CASE WHEN json_valid(data) THEN json_extract(data, '$.state') END"
+#: A row as it is kept: when it was made, its thing, and what is wrong with one that is damaged.
+_Kept = tuple[Any, Thing | None, dict[str, str]]
 
 
 class Database:
@@ -79,6 +83,11 @@ class Database:
         self._name, self._still_ours = shown(path), still_ours
         self._writing, self._reading = threading.RLock(), threading.Lock()
         self._writer = threading.local()
+        self._keeping = threading.Lock()
+        #: Things by kind and id; those that have been written since; those of this transaction.
+        self._kept: dict[str, dict[object, _Kept]] = {}
+        self._stale: dict[str, set[object]] = {}
+        self._touched: dict[str, set[object]] = {}
         with told(self._name, FORMAT):
             self._file = open_to_write(path, self._name, FORMAT, _PATIENCE)
             try:
@@ -101,13 +110,17 @@ class Database:
             if self._file.in_transaction:
                 yield
                 return
-            with transaction(self._file):
-                self._still_ours()
-                self._writer.here = True
-                try:
+            try:
+                with transaction(self._file):
+                    self._still_ours()
+                    self._writer.here = True
                     yield
-                finally:
-                    self._writer.here = False
+            finally:
+                self._writer.here = False
+                with self._keeping:
+                    for kind, ids in self._touched.items():
+                        self._stale.setdefault(kind, set()).update(ids)
+                self._touched = {}
 
     def rows(self, query: str, *values: object) -> list[tuple[Any, ...]]:
         """All rows of a query; within a transaction, as it sees them."""
@@ -121,15 +134,21 @@ class Database:
         return next(iter(self.rows(query, *values)), None)
 
     def write(self, query: str, *values: object) -> int:
-        """Change something; how many rows were."""
+        """Change something but things; how many rows were."""
         with self.transaction():
+            return self._file.execute(query, values).rowcount
+
+    def change(self, kind: str, id_: object, query: str, *values: object) -> int:
+        """Change the row of a thing; how many were."""
+        with self.transaction():
+            self._touched.setdefault(kind, set()).add(id_)
             return self._file.execute(query, values).rowcount
 
     def add(self, kind: str, data: Mapping[str, Any], id_: str | None = None) -> str:
         """Keep a new thing; its id."""
         key = id_ or new_id()
-        text = json.dumps(data, allow_nan=False)
-        self.write("INSERT INTO thing VALUES (?, ?, ?, 0, ?)", key, kind, time.time(), text)
+        row = (key, kind, time.time(), json.dumps(data, allow_nan=False))
+        self.change(kind, key, "INSERT INTO thing VALUES (?, ?, ?, 0, ?)", *row)
         return key
 
     def get(self, kind: str, id_: str, *, deleted: bool = False) -> Thing | None:
@@ -149,24 +168,52 @@ class Database:
             ) from None
 
     def all(self, kind: str) -> list[Thing]:
-        """All things of a kind that are whole and not deleted, the oldest first."""
-        return [whole for whole, _ in self._read(kind) if whole is not None]
+        """All things of a kind that are whole and not deleted, the oldest first.
+
+        They are kept: whoever gets them does not change them.
+        """
+        return [whole for _, whole, _ in self._read(kind).values() if whole is not None]
 
     def damaged(self) -> list[dict[str, str]]:
         """Rows that are not as they should be: `kind`, `id`, and the `problem`."""
-        return [problem for kind in KINDS for _, problem in self._read(kind) if problem]
+        return [problem for kind in KINDS for *_, problem in self._read(kind).values() if problem]
 
-    def _read(self, kind: str, which: str = "1") -> Iterator[tuple[Thing | None, dict[str, str]]]:
-        """Things of a kind; for each that is damaged None, and what is wrong with it."""
-        for row in self.rows(
-            f"SELECT id, created, data FROM thing WHERE kind = ? AND deleted = 0 AND {which} "
-            "ORDER BY created, id",
-            kind,
-        ):
+    def _read(self, kind: str) -> dict[object, _Kept]:
+        """Things of a kind by id, the oldest first; within a transaction, as it sees them."""
+        with self._keeping:
+            stale, kept = self._stale.pop(kind, set()), self._kept.pop(kind, None)
+            if kept is None or stale:
+                ids = None if kept is None else stale
+                fetched = self._fetched(self._reader, self._reading, kind, ids)
+                kept = _renewed(kept or {}, fetched)
+            self._kept[kind] = kept
+        if getattr(self._writer, "here", False) and (touched := self._touched.get(kind)):
+            return _renewed(kept, self._fetched(self._file, self._writing, kind, touched))
+        return kept
+
+    def _fetched(
+        self,
+        file: sqlite3.Connection,
+        lock: AbstractContextManager[object],
+        kind: str,
+        ids: set[object] | None,
+    ) -> dict[object, _Kept | None]:
+        """Things of a kind, of these ids or all; None where there is none of an id."""
+        query = "SELECT id, created, data FROM thing WHERE kind = ? AND deleted = 0"
+        fetched: dict[object, _Kept | None] = dict.fromkeys(ids or ())
+        with lock, told(self._name, FORMAT):
+            if ids is None:
+                rows = file.execute(query, (kind,)).fetchall()
+            else:
+                one = f"{query} AND id = ?"
+                rows = [row for id_ in ids for row in file.execute(one, (kind, id_))]
+        for row in rows:
             try:
-                yield thing(kind, *row), {}
+                fetched[row[0]] = (row[1], thing(kind, *row), {})
             except ValueError as error:
-                yield None, {"kind": kind, "id": shown(str(row[0])[:40]), "problem": str(error)}
+                told_of = {"kind": kind, "id": shown(str(row[0])[:40]), "problem": str(error)}
+                fetched[row[0]] = (row[1], None, told_of)
+        return fetched
 
     def update(self, kind: str, id_: str, changes: Mapping[str, Any]) -> Thing | None:
         """Change some of a thing's content; what it is now."""
@@ -177,29 +224,43 @@ class Database:
             changed |= changes
             content = {k: v for k, v in changed.items() if k not in ("id", "created")}
             text = json.dumps(content, allow_nan=False)
-            self.write("UPDATE thing SET data = ? WHERE id = ? AND kind = ?", text, id_, kind)
+            query = "UPDATE thing SET data = ? WHERE id = ? AND kind = ?"
+            self.change(kind, id_, query, text, id_, kind)
         return changed
 
     def mark(self, kind: str, id_: str, *, deleted: bool) -> bool:
         """Delete a thing, or bring it back; whether that changed it."""
-        return self.write(
-            "UPDATE thing SET deleted = ? WHERE id = ? AND kind = ? AND (deleted > 0) = ?",
-            int(time.time()) if deleted else 0, id_, kind, not deleted,
-        ) > 0  # fmt: skip
+        query = "UPDATE thing SET deleted = ? WHERE id = ? AND kind = ? AND (deleted > 0) = ?"
+        now = int(time.time()) if deleted else 0
+        return self.change(kind, id_, query, now, id_, kind, not deleted) > 0
 
     def active(self) -> list[Thing]:
         """Jobs that wait or are at work, the oldest first."""
-        read = self._read("job", f"{_STATE} IN ('queued', 'running')")
-        return [job for job, _ in read if job is not None]
+        return [job for job in self.all("job") if job["state"] in ACTIVE]
 
     def forget_jobs(self, most: int) -> None:
         """Remove the oldest of the jobs that are finished."""
-        self.write(
-            "DELETE FROM thing WHERE kind = 'job' AND id IN (SELECT id FROM thing WHERE "
-            f"kind = 'job' AND {_STATE} NOT IN ('queued', 'running') "
-            "ORDER BY created DESC LIMIT -1 OFFSET ?)",
-            most,
-        )
+        with self.transaction():
+            finished = [job["id"] for job in self.all("job") if job["state"] not in ACTIVE]
+            for id_ in finished[: max(len(finished) - most, 0)]:
+                self.remove("job", id_)
+
+    def remove(self, kind: str, id_: object) -> None:
+        """Remove the row of a thing."""
+        self.change(kind, id_, "DELETE FROM thing WHERE kind = ? AND id = ?", kind, id_)
+
+
+def _renewed(
+    kept: Mapping[object, _Kept], fetched: Mapping[object, _Kept | None]
+) -> dict[object, _Kept]:
+    """What is kept, with some of it as it is now, the oldest first."""
+    now = {**kept, **fetched}
+    rows = [(id_, row) for id_, row in now.items() if row is not None]
+    return dict(sorted(rows, key=lambda pair: (_time(pair[1][0]), str(pair[0]))))
+
+
+def _time(created: object) -> float:
+    return created if isinstance(created, float) else math.inf
 
 
 def refuse_damage(file: sqlite3.Connection, name: str) -> None:

@@ -16,7 +16,7 @@ from typing import Any
 from surae.errors import SuraeError
 from surae.processes import Child, where
 from surae.web.cleanup import JOBS
-from surae.web.database import new_id
+from surae.web.database import ACTIVE, new_id
 from surae.web.events import Events
 from surae.web.http_errors import RefusedError
 from surae.web.project import Project, when
@@ -29,7 +29,6 @@ _log = logging.getLogger("surae.web")
 _WAITING = 500
 #: Computing must not slow down the pages.
 _NICE = 10
-ACTIVE = ("queued", "running")
 #: What a job is called when its task has ended so.
 _ENDS = {
     "done": "done",

@@ -4,6 +4,7 @@ A row that is not as it should be is shown as damaged; all others are as they we
 """
 
 import json
+import math
 import re
 from typing import Annotated, Any, Literal
 
@@ -19,8 +20,6 @@ Thing = dict[str, Any]
 ID = re.compile(r"[0-9a-f]{16}")
 #: Until the year 9999 [s].
 _LAST = 253_402_300_799
-#: Numbers that may be too large for JSON to say again.
-_HUGE = re.compile(r"[eE]\+?[0-9]{3}")
 
 _Id = Annotated[str, Field(pattern=r"^[0-9a-f]{16}$")]
 _Time = Annotated[float, Field(ge=0, le=_LAST)]
@@ -210,12 +209,9 @@ def plain(text: object) -> Any:
     if not isinstance(text, str):
         raise ValueError("it is no text")
     try:
-        data = json.loads(text, parse_constant=_refused)
-        if _HUGE.search(text):
-            json.dumps(data, allow_nan=False)
+        return _DECODER.decode(text)
     except (ValueError, RecursionError):
         raise ValueError("it is no JSON that can be read") from None
-    return data
 
 
 def draft_parts(data: object) -> dict[str, Any]:
@@ -232,5 +228,12 @@ def draft_parts(data: object) -> dict[str, Any]:
     return good
 
 
-def _refused(name: str) -> float:
-    raise ValueError(name)
+def _finite(text: str) -> float:
+    """A number that JSON can say again."""
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(text)
+    return number
+
+
+_DECODER = json.JSONDecoder(parse_constant=_finite, parse_float=_finite)

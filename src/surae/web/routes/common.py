@@ -2,15 +2,17 @@
 
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from operator import itemgetter
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Header, Request, Response
+from fastapi import APIRouter, Depends, Header, Query, Request, Response
 from fastapi import Path as InPath
 
-from surae.files import sha256
+from surae.files import natural_order, sha256
 from surae.web.draft import changed, empty_draft
 from surae.web.http_errors import RefusedError
 from surae.web.rows import Thing
@@ -39,6 +41,58 @@ def session(request: Request) -> BrowserSession:
     if state is None:
         raise RefusedError(403, NO_SESSION)
     return state
+
+
+@dataclass(frozen=True)
+class Page:
+    """The part of a list that is asked for."""
+
+    start: Annotated[int, Query(ge=0, le=10**9)] = 0
+    count: Annotated[int, Query(ge=1, le=1000)] = 100
+    find: Annotated[str, Query(max_length=200)] = ""  #: Words that a text of it holds.
+    sort: Annotated[str, Query(max_length=20)] = ""  #: By which of its values.
+    down: bool = False
+    also: Annotated[str, Query(max_length=20_000)] = ""  #: Ids of those that are wanted anyway.
+
+    def of(
+        self,
+        kind: str,
+        rows: Sequence[Thing],
+        values: Mapping[str, Callable[[Thing], Any]],
+        show: Callable[[Thing], dict[str, Any]],
+    ) -> dict[str, Any]:
+        """That part of a list, how many were found in all, and those that were wanted anyway.
+
+        `values` are what things are found and sorted by; `show` is called for what is shown alone.
+        """
+        wanted, words = set(self.also.split(",")), self.find.casefold().split()
+        found = list(rows)
+        if words:
+            found = [
+                row for row in found if _holds((value(row) for value in values.values()), words)
+            ]
+        if self.sort:
+            if self.sort not in values:
+                raise RefusedError(400, f"sort: give one of {', '.join(values)}")
+            keyed = [(values[self.sort](row), row) for row in found]
+            there = [(_order(value), row) for value, row in keyed if value is not None]
+            there.sort(key=itemgetter(0), reverse=self.down)
+            found = [row for _, row in (*there, *(pair for pair in keyed if pair[0] is None))]
+        return {
+            kind: [show(row) for row in found[self.start : self.start + self.count]],
+            "also": [show(row) for row in rows if row["id"] in wanted],
+            "total": len(found),
+        }
+
+
+def _holds(values: Iterable[object], words: Sequence[str]) -> bool:
+    """Whether every word is in the texts among some values."""
+    text = " ".join(value.casefold() for value in values if isinstance(value, str))
+    return all(word in text for word in words)
+
+
+def _order(value: Any) -> Any:
+    return natural_order(value.casefold()) if isinstance(value, str) else value
 
 
 #: What a page has seen of a thing that it changes, as `revision` gives it.
@@ -71,6 +125,7 @@ _TWICE = re.compile(r"(?<![A-Za-z0-9_-])([A-Za-z][A-Za-z0-9_-]*)-\1(?=-|$)")
 
 Bench = Annotated[Workbench, Depends(workbench)]
 Browser = Annotated[BrowserSession, Depends(session)]
+Paged = Annotated[Page, Depends()]
 PathId = Annotated[str, InPath(pattern=r"^[0-9a-f]{16}$")]
 
 

@@ -1,6 +1,7 @@
 """Fits: asked for, understood, tried on other recordings, reported."""
 
 import json
+from operator import itemgetter
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Response
@@ -12,6 +13,7 @@ from surae.web.fits import (
     fit_detail,
     fit_summary,
     fit_traces,
+    model_title,
     submit_fit,
 )
 from surae.web.http_errors import RefusedError
@@ -19,6 +21,7 @@ from surae.web.routes.common import (
     ERRORS,
     Bench,
     Browser,
+    Paged,
     PathId,
     Responses,
     attachment,
@@ -56,19 +59,24 @@ def post_fit(body: FitRequest, bench: Bench, browser: Browser) -> dict[str, Any]
 @router.get("/fits")
 def get_fits(
     bench: Bench,
+    page: Paged,
     subject: Annotated[str | None, Query(max_length=16)] = None,
     recording: Annotated[str | None, Query(max_length=16)] = None,
 ) -> dict[str, Any]:
-    """Fits, the newest first."""
-    summaries = [fit_summary(bench, fit) for fit in reversed(bench.database.all("fit"))]
-    return {
-        "fits": [
-            summary
-            for summary in summaries
-            if (subject is None or summary["subject"] == subject)
-            and (recording is None or recording in summary["recordings"])
-        ]
+    """Fits, the newest first unless sorted otherwise, and how many there are."""
+    owners = {row["id"]: row["subject"] for row in bench.database.all("recording")}
+    codes = {row["id"]: row["code"] for row in bench.database.all("subject")}
+    rows = [
+        row
+        for row in reversed(bench.database.all("fit"))
+        if subject in (None, owners.get(row["recordings"][0]))
+        and (recording is None or recording in row["recordings"])
+    ]
+    values = {key: itemgetter(key) for key in ("name", "status", "vaf", "created")} | {
+        "title": lambda row: model_title(row["model"]),
+        "subject": lambda row: codes.get(owners.get(row["recordings"][0])),
     }
+    return page.of("fits", rows, values, lambda row: fit_summary(bench, row))
 
 
 @router.get("/fits/{id}")

@@ -6,7 +6,8 @@ from typing import Any
 from fastapi import APIRouter
 from fastapi.responses import StreamingResponse
 
-from surae.web.jobs import ACTIVE, Jobs
+from surae.web.database import ACTIVE
+from surae.web.jobs import Jobs
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId, Responses
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["jobs"])

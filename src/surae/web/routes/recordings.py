@@ -3,6 +3,7 @@
 import json
 import math
 from collections import Counter
+from operator import itemgetter
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -17,6 +18,7 @@ from surae.web.routes.common import (
     ERRORS,
     Bench,
     Browser,
+    Paged,
     PathId,
     Seen,
     offer_deletion,
@@ -41,19 +43,11 @@ def get_damaged(bench: Bench) -> dict[str, Any]:
 @router.get("/subjects")
 def get_subjects(bench: Bench) -> dict[str, Any]:
     """List all subjects."""
-    recordings = bench.database.all("recording")
-    owners = {subject["id"]: subject["subject"] for subject in recordings}
-    fits = [owners.get(subject["recordings"][0]) for subject in bench.database.all("fit")]
-    return {
-        "subjects": [
-            _subject(
-                subject,
-                sum(r["subject"] == subject["id"] for r in recordings),
-                fits.count(subject["id"]),
-            )
-            for subject in bench.database.all("subject")
-        ]
-    }
+    owners = {row["id"]: row["subject"] for row in bench.database.all("recording")}
+    recordings = Counter(owners.values())
+    fits = Counter(owners.get(fit["recordings"][0]) for fit in bench.database.all("fit"))
+    subjects = bench.database.all("subject")
+    return {"subjects": [_subject(row, recordings[row["id"]], fits[row["id"]]) for row in subjects]}
 
 
 @router.post("/subjects", status_code=201)
@@ -122,13 +116,17 @@ def _subject(subject: Thing, recordings: int, fits: int) -> dict[str, Any]:
 
 
 @router.get("/recordings")
-def get_recordings(bench: Bench) -> dict[str, Any]:
-    """List all recordings."""
+def get_recordings(bench: Bench, page: Paged) -> dict[str, Any]:
+    """List recordings, the oldest first unless sorted otherwise, and how many there are."""
     fits = Counter(id_ for fit in bench.database.all("fit") for id_ in set(fit["recordings"]))
-    recordings = bench.database.all("recording")
-    return {
-        "recordings": [_recording(recording, fits[recording["id"]]) for recording in recordings]
+    codes = {subject["id"]: subject["code"] for subject in bench.database.all("subject")}
+    keys = ("name", "side", "trial", "condition", "duration_s", "created")
+    values = {key: itemgetter(key) for key in keys} | {
+        "subject": lambda row: codes.get(row["subject"]),
+        "fits": lambda row: fits[row["id"]],
     }
+    rows = bench.database.all("recording")
+    return page.of("recordings", rows, values, lambda row: _recording(row, fits[row["id"]]))
 
 
 @router.get("/recordings/{id}")

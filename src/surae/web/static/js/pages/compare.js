@@ -7,6 +7,7 @@ import { NONE, estimate, number, unitText, vaf, when } from "../core/format.js";
 import { attempt } from "../core/notice.js";
 import { latest } from "../core/pace.js";
 import { ranges } from "../plot/ranges.js";
+import { paged } from "../ui/paged.js";
 import { meant, status, verdict } from "../ui/marks.js";
 
 const SHAPES = ["●", "■", "▲", "◆"];
@@ -19,12 +20,14 @@ function choose(id, wanted) {
   showTable();
 }
 
-async function showChoice() {
-  const { fits } = await get("/api/fits");
-  chosen = chosen.filter((id) => fits.some((fit) => fit.id === id));
+const pages = paged("fits", () => attempt(box, showChoice), () => chosen);
+const showChoice = latest(async () => {
+  const { rows: fits, none } = await pages.read();
+  if (pages.element.hidden) chosen = chosen.filter((id) => fits.some((fit) => fit.id === id));
   replace(
     byId("choose"),
-    fits.length
+    pages.element,
+    !none
       ? h("ul", { class: "list chosen" }, fits.map((fit) =>
           h(
             "li",
@@ -35,7 +38,7 @@ async function showChoice() {
         ))
       : empty("No fits yet.", "Fit a recording first; two fits or more can be compared.", h("a", { class: "button", href: "/fit" }, "Go to Fit")),
   );
-}
+});
 
 const showTable = latest(async () => {
   if (!chosen.length) {

@@ -11,12 +11,15 @@ import { torquePlot } from "../plot/torque.js";
 import { demoButton } from "../ui/demo.js";
 import { PHASES, active, cancel, follow } from "../ui/jobs.js";
 import { parameterTable } from "../ui/parameters.js";
+import { paged } from "../ui/paged.js";
 import { settingsForm } from "../ui/settings.js";
 import { leftOut } from "../ui/trials.js";
 
 const box = { page: byId("error"), fit: byId("fit-error"), parameters: byId("parameters-error") };
 let models = null;
 let recordings = [];
+const wanted = () => (draft() ? [...draft().recordings, ...draft().mvc] : []);
+const pages = paged("recordings", () => refresh(), wanted);
 let job = null;
 let shown = null; // which recording is drawn
 
@@ -62,6 +65,7 @@ function showRecordings() {
   const reasons = leftOut();
   replace(
     byId("recordings"),
+    pages.element,
     h("ul", { class: "list" }, recordings.map((one) =>
       h(
         "li",
@@ -103,8 +107,15 @@ const showTable = latest(async () => {
   draw();
 });
 
+let missing = "";
 function showDraft() {
   if (!models) return;
+  const absent = wanted().filter((id) => !recordings.some((one) => one.id === id)).join();
+  if (absent && absent !== missing) {
+    missing = absent; // Chosen elsewhere, and on another part of the list.
+    refresh();
+    return;
+  }
   showRecordings();
   settingsForm(byId("settings"), byId("more-settings"), models, draft(), (what, label) => store(what, label), recordings);
   showTable();
@@ -201,17 +212,18 @@ byId("adopt").addEventListener("click", () => {
   if (Object.keys(told).length) store({ parameters: told }, "start from the sliders");
 });
 
-async function refresh() {
-  recordings = (await get("/api/recordings")).recordings;
-  byId("bench").hidden = recordings.length === 0;
-  byId("empty").hidden = recordings.length > 0;
-  if (!recordings.length) {
+const refresh = latest(() => attempt(box.page, async () => {
+  const told = await pages.read();
+  recordings = told.rows;
+  byId("bench").hidden = told.none;
+  byId("empty").hidden = !told.none;
+  if (told.none) {
     replace(byId("empty"), empty("No recordings yet.", "A fit needs one.", h("a", { class: "button primary", href: "/import" }, "Import a file"), demoButton(box.page)));
   }
   if (draft()) showDraft();
-}
+}));
 
-onChanged(["recordings"], () => attempt(box.page, refresh));
+onChanged(["recordings"], () => refresh());
 attempt(box.page, async () => {
   models = await get("/api/models");
   await refresh();

@@ -11,6 +11,7 @@ import { demoButton } from "../ui/demo.js";
 import { cancel, ended } from "../ui/jobs.js";
 import { mark, older, status } from "../ui/marks.js";
 import { editSubject } from "../ui/dialog.js";
+import { paged } from "../ui/paged.js";
 import { deleteButton, sortable } from "../ui/table.js";
 
 const boxes = Object.fromEntries(["recordings", "fits", "subjects", "running"].map((k) => [k, byId(`${k}-error`)]));
@@ -35,30 +36,31 @@ async function useForFit(recording) {
 
 const drop = (kind, thing, label) => deleteButton(`/api/${kind}/${thing.id}`, label, boxes[kind], () => refresh());
 
-const recordingsTable = sortable("All recordings of the project", [
-  { title: "Recording", value: (r) => r.name, show: (r) => h("a", { href: `/recordings/${r.id}` }, r.name) },
-  { title: "Subject", value: (r) => code(r.subject), show: subjectOf },
-  { title: "Side", value: (r) => r.side, show: (r) => r.side ?? "—" },
-  { title: "Trial", value: (r) => r.trial, show: (r) => [r.trial, r.condition].filter(Boolean).join(", ") || "—" },
-  { title: "Length", numeric: true, value: (r) => r.duration_s, show: (r) => seconds(r.duration_s) },
-  { title: "Fits", numeric: true, value: (r) => r.fits, show: (r) => String(r.fits) },
-  { title: "Imported", value: (r) => r.created, show: (r) => when(r.created) },
+const pages = Object.fromEntries(["recordings", "fits"].map((kind) => [kind, paged(kind, () => refresh())]));
+const recordingsTable = sortable("Recordings of the project", [
+  { key: "name", title: "Recording", value: (r) => r.name, show: (r) => h("a", { href: `/recordings/${r.id}` }, r.name) },
+  { key: "subject", title: "Subject", value: (r) => code(r.subject), show: subjectOf },
+  { key: "side", title: "Side", value: (r) => r.side, show: (r) => r.side ?? "—" },
+  { key: "trial", title: "Trial", value: (r) => r.trial, show: (r) => [r.trial, r.condition].filter(Boolean).join(", ") || "—" },
+  { key: "duration_s", title: "Length", numeric: true, value: (r) => r.duration_s, show: (r) => seconds(r.duration_s) },
+  { key: "fits", title: "Fits", numeric: true, value: (r) => r.fits, show: (r) => String(r.fits) },
+  { key: "created", title: "Imported", value: (r) => r.created, show: (r) => when(r.created) },
   {
     title: "",
     show: (r) =>
       h("div", { class: "button-row" }, button("Fit", () => useForFit(r), { class: "small", "aria-label": `Fit ${r.name}` }), drop("recordings", r, r.name)),
   },
-]);
+], pages.recordings.order);
 
-const fitsTable = sortable("All fits of the project", [
-  { title: "Fit", value: (f) => f.name, show: (f) => h("a", { href: `/fits/${f.id}` }, f.name) },
-  { title: "Model", value: (f) => f.title, show: (f) => f.title },
-  { title: "Subject", value: (f) => code(f.subject), show: (f) => code(f.subject) ?? "—" },
-  { title: "Status", value: (f) => f.status, show: (f) => [status(f.status), older(f)] },
-  { title: "VAF", numeric: true, value: (f) => f.vaf, show: (f) => vaf(f.vaf) },
-  { title: "Made", value: (f) => f.created, show: (f) => when(f.created) },
+const fitsTable = sortable("Fits of the project", [
+  { key: "name", title: "Fit", value: (f) => f.name, show: (f) => h("a", { href: `/fits/${f.id}` }, f.name) },
+  { key: "title", title: "Model", value: (f) => f.title, show: (f) => f.title },
+  { key: "subject", title: "Subject", value: (f) => code(f.subject), show: (f) => code(f.subject) ?? "—" },
+  { key: "status", title: "Status", value: (f) => f.status, show: (f) => [status(f.status), older(f)] },
+  { key: "vaf", title: "VAF", numeric: true, value: (f) => f.vaf, show: (f) => vaf(f.vaf) },
+  { key: "created", title: "Made", value: (f) => f.created, show: (f) => when(f.created) },
   { title: "", show: (f) => drop("fits", f, f.name) },
-]);
+], pages.fits.order);
 
 const subjectsTable = sortable("All subjects of the project", [
   { title: "Code", value: (p) => p.code, show: (p) => p.code },
@@ -96,25 +98,25 @@ const nothing = {
 };
 
 const shown = {};
-function show(kind, table, rows) {
+function show(kind, table, rows, none = !rows.length) {
   const now = JSON.stringify([rows, people]);
   if (shown[kind] === now) return; // what has not changed is not drawn anew under somebody's hand
   shown[kind] = now;
-  if (!rows.length) replace(byId(kind), nothing[kind]());
+  if (none) replace(byId(kind), nothing[kind]());
   else {
     table.update(rows);
-    if (byId(kind).firstElementChild !== table.element) replace(byId(kind), table.element);
+    if (byId(kind).lastElementChild !== table.element) replace(byId(kind), pages[kind]?.element, table.element);
   }
 }
 
 // One at a time: an answer that is late never takes the place of a later one.
 const refresh = latest(() =>
   attempt(boxes.recordings, async () => {
-    const [subjects, recordings, fits] = await Promise.all([get("/api/subjects"), get("/api/recordings"), get("/api/fits")]);
+    const [subjects, recordings, fits] = await Promise.all([get("/api/subjects"), pages.recordings.read(), pages.fits.read()]);
     people = subjects.subjects;
     show("subjects", subjectsTable, people);
-    show("recordings", recordingsTable, recordings.recordings);
-    show("fits", fitsTable, fits.fits);
+    show("recordings", recordingsTable, recordings.rows, recordings.none);
+    show("fits", fitsTable, fits.rows, fits.none);
   }),
 );
 

@@ -118,7 +118,7 @@ function makePlots() {
 }
 
 async function showFits() {
-  const { fits } = await get(`/api/fits?recording=${id}`);
+  const { fits } = await get(`/api/fits?recording=${id}&count=1000`);
   replace(
     byId("fits"),
     fits.length

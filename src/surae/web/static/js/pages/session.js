@@ -8,8 +8,10 @@ import { attempt, complain } from "../core/notice.js";
 import { latest } from "../core/pace.js";
 import { demoButton } from "../ui/demo.js";
 import { active, cancel, follow, progressText } from "../ui/jobs.js";
+import { paged } from "../ui/paged.js";
 import { deleteButton, sortable } from "../ui/table.js";
 
+const pages = paged("recordings", () => refresh(), () => [...(chosen ?? [])]);
 const box = { page: byId("error"), fit: byId("new-error") };
 let recordings = [];
 let people = [];
@@ -37,6 +39,7 @@ function showRecordings() {
   const code = (id) => people.find((one) => one.id === id)?.code;
   replace(
     byId("recordings"),
+    pages.element,
     h("ul", { class: "list" }, recordings.map((one) =>
       h(
         "li",
@@ -114,23 +117,23 @@ function watch(found) {
 byId("start").addEventListener("click", () => attempt(box.fit, async () => watch(await post("/api/sessions", asked()))));
 byId("stop").addEventListener("click", () => job && attempt(box.fit, () => cancel(job.id), byId("stop")));
 
-async function refresh() {
-  const [all, subjects, sessions] = await Promise.all([get("/api/recordings"), get("/api/subjects"), get("/api/sessions")]);
-  recordings = all.recordings;
+const refresh = latest(() => attempt(box.page, async () => {
+  const [all, subjects, sessions] = await Promise.all([pages.read(), get("/api/subjects"), get("/api/sessions")]);
+  recordings = all.rows;
   people = subjects.subjects;
   byId("list-card").hidden = sessions.sessions.length === 0;
   list.update(sessions.sessions);
   replace(byId("list"), list.element);
-  byId("new").hidden = recordings.length === 0;
-  byId("empty").hidden = recordings.length > 0;
-  if (!recordings.length) return replace(byId("empty"), empty("No recordings yet.", "A session needs some.", h("a", { class: "button primary", href: "/import" }, "Import files"), demoButton(box.page)));
+  byId("new").hidden = all.none;
+  byId("empty").hidden = !all.none;
+  if (all.none) return replace(byId("empty"), empty("No recordings yet.", "A session needs some.", h("a", { class: "button primary", href: "/import" }, "Import files"), demoButton(box.page)));
   const known = new Set(recordings.map((one) => one.id));
   chosen = new Set(chosen ? [...chosen].filter((id) => known.has(id)) : leg());
   showRecordings();
   return sort();
-}
+}));
 
-onChanged(["recordings", "subjects", "sessions"], () => attempt(box.page, refresh));
+onChanged(["recordings", "subjects", "sessions"], () => refresh());
 attempt(box.page, async () => {
   const [models, { draft }] = await Promise.all([get("/api/models"), get("/api/draft")]);
   const title = Object.fromEntries(models.settings.find((one) => one.path[0] === "model").choices)[draft.model] ?? draft.model;

@@ -1,26 +1,32 @@
 // Do the parameters predict trials they were not fitted to?
 
-import { get, post } from "../core/api.js";
+import { post } from "../core/api.js";
 import { byId, h, replace, tick } from "../core/dom.js";
 import { number, vaf } from "../core/format.js";
 import { attempt, complain } from "../core/notice.js";
+import { latest } from "../core/pace.js";
 import { torquePlot } from "../plot/torque.js";
+import { paged } from "../ui/paged.js";
 
 export function validation(id, { summary }) {
   const box = byId("validate-error");
-  attempt(box, async () => {
-    const { recordings } = await get("/api/recordings");
-    const ranked = [...recordings].sort((a, b) => Number(summary.recordings.includes(a.id)) - Number(summary.recordings.includes(b.id)));
+  const ticked = () => [...byId("validate-list").querySelectorAll("input:checked")].map((input) => input.value);
+  const pages = paged("recordings", () => list(), ticked);
+  const list = latest(() => attempt(box, async () => {
+    const chosen = ticked();
+    const ranked = (await pages.read()).rows.sort((a, b) => Number(summary.recordings.includes(a.id)) - Number(summary.recordings.includes(b.id)));
     replace(
       byId("validate-list"),
+      pages.element,
       h("ul", { class: "list" }, ranked.map((one) =>
-        h("li", {}, tick([one.name, summary.recordings.includes(one.id) && h("span", { class: "muted small" }, "(fitted to: not a test)")], false, null, { value: one.id })),
+        h("li", {}, tick([one.name, summary.recordings.includes(one.id) && h("span", { class: "muted small" }, "(fitted to: not a test)")], chosen.includes(one.id), null, { value: one.id })),
       )),
     );
-  });
+  }));
+  list();
   byId("validate-form").addEventListener("submit", async (event) => {
     event.preventDefault();
-    const chosen = [...byId("validate-list").querySelectorAll("input:checked")].map((input) => input.value);
+    const chosen = ticked();
     if (!chosen.length) {
       complain(box, "choose at least one recording");
       return;

@@ -9,9 +9,10 @@ import { attempt, tell } from "../core/notice.js";
  *
  * @param caption what it shows
  * @param columns [{key, title, value: row => number|string|null, show: row => node, numeric}]
+ * @param byServer where the server sorts: called with a column's key and whether downwards
  * @returns {element, update(rows)}
  */
-export function sortable(caption, columns) {
+export function sortable(caption, columns, byServer = null) {
   let rows = [];
   let by = null;
   let direction = 1;
@@ -33,7 +34,8 @@ export function sortable(caption, columns) {
     by = column;
     for (const other of columns) other.head.removeAttribute("aria-sort");
     column.head.setAttribute("aria-sort", direction > 0 ? "ascending" : "descending");
-    draw();
+    if (byServer) byServer(column.key, direction < 0);
+    else draw();
   }
 
   function compare(a, b) {
@@ -44,7 +46,7 @@ export function sortable(caption, columns) {
   }
 
   function draw() {
-    const sorted = by ? [...rows].sort(compare) : rows;
+    const sorted = by && !byServer ? [...rows].sort(compare) : rows;
     replace(
       body,
       sorted.map((row) =>
