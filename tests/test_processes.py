@@ -292,17 +292,31 @@ def test_a_guarded_call_raises_what_the_function_does() -> None:
         guarded(f"{ME}:deaf", {}, seconds=0.3)
 
 
-def nested() -> tuple[int, int]:
-    return os.getpid(), guarded(f"{ME}:number", {})
+def nested(function: str, **limits: Any) -> Any:
+    return guarded(f"{ME}:{function}", {}, **limits)
 
 
 def number() -> int:
     return os.getpid()
 
 
-def test_a_child_guards_nothing_again(child) -> None:
-    own, inner = child.call(f"{ME}:nested", {}).value
-    assert own == inner == child.process
+def greedy() -> int:
+    return much(2048)
+
+
+def test_the_limits_of_a_guarded_call_hold_in_a_child_too(child) -> None:
+    inner = child.call(f"{ME}:nested", {"function": "number"}, memory=4 * 2**30, seconds=60.0).value
+    assert inner not in (child.process, os.getpid())
+    for function, limits, why in (
+        ("deaf", {"seconds": 0.3}, "took too long"),
+        ("greedy", {"memory": 2**30}, "not enough memory"),
+    ):
+        end = child.call(f"{ME}:nested", {"function": function, **limits})
+        assert end.how == "failed"
+        assert why in end.message
+    inner = child.call(f"{ME}:nested", {"function": "number"}).value
+    child.close()
+    assert gone([inner], 5.0)
 
 
 def test_ctrl_c_waits_for_what_must_not_be_left_half_done() -> None:

@@ -1,12 +1,14 @@
 """Formats that people asked for: Excel, few digits of time, other joints, Noraxon's exports."""
 
 import io
+import tracemalloc
+import zipfile
 
 import numpy as np
 import pytest
 
 from surae.errors import InputError
-from surae.recording import Channel, inspect, read
+from surae.recording import Channel, excel, inspect, read
 from surae.signals.timebase import timing
 
 openpyxl = pytest.importorskip("openpyxl")
@@ -71,6 +73,25 @@ def test_an_archive_that_is_no_workbook(tmp_path):
     (tmp_path / "x.xlsx").write_bytes(buffer.getvalue())
     with pytest.raises(InputError, match="damaged"):
         read(tmp_path / "x.xlsx")
+
+
+@pytest.mark.parametrize("cell", ["XFD3", "A99999999"])
+def test_a_sheet_with_cells_far_away_is_refused_before_the_way_there_is_filled(tmp_path, cell):
+    """Each row of cells at Excel's last column would take 131 kB, of 7 bytes in the file."""
+    path = workbook(tmp_path / "x.xlsx", {"Data": [["time_s", "angle_deg"], [0, 1]]})
+    with zipfile.ZipFile(path) as archive:
+        parts = {name: archive.read(name) for name in archive.namelist()}
+    name = next(name for name in parts if "sheet1.xml" in name)
+    far = f'<row r="{cell.strip("ADFX")}"><c r="{cell}"><v>1</v></c></row></sheetData>'
+    parts[name] = parts[name].replace(b"</sheetData>", far.encode())
+    with zipfile.ZipFile(path, "w") as archive:
+        for part, data in parts.items():
+            archive.writestr(part, data)
+    tracemalloc.start()
+    with pytest.raises(InputError, match="beyond the 1048576 rows and 1024 columns"):
+        excel.parse(path.read_bytes(), "x.xlsx")
+    assert tracemalloc.get_traced_memory()[1] < 40e6
+    tracemalloc.stop()
 
 
 def stamped(time):

@@ -10,12 +10,11 @@ from surae.files import PathLike
 from surae.quality import (
     Commanded,
     Quality,
-    check_file,
     commanded_file,
     recording_of,
+    recording_or_findings,
 )
-from surae.quality.reading import commanded_column
-from surae.recording import Recording, read
+from surae.recording import Recording
 from surae.recording.dataframe import DataFrame, of_frame
 from surae.signals import ModelInputs
 
@@ -76,10 +75,8 @@ def _checked(recording: AnyRecording, protocol: Commanded | None) -> Quality:
     if isinstance(recording, DataFrame):
         recording = of_frame(recording)
     if not isinstance(recording, Recording):
-        path = recording
-        try:
-            recording = read(path)
-        except InputError:
-            return check_file(path, protocol)  # what cannot be read may still be looked at
-        protocol = protocol or commanded_column(path, recording)
+        found, commanded = recording_or_findings(recording)
+        if isinstance(found, Quality):
+            return found
+        recording, protocol = found, protocol or commanded
     return examined(recording, protocol)

@@ -15,8 +15,6 @@ from pathlib import Path
 from typing import Any
 
 from surae.errors import ComputationError, InputError
-from surae.processes.inside import function as function_named
-from surae.processes.inside import is_child
 from surae.processes.messages import received, send
 
 #: What JSON holds, with bytes and arrays of numbers anywhere in it.
@@ -189,7 +187,8 @@ def guarded(
 ) -> Plain:
     """Call a function where it can do no harm: in a child that is kept for the next call.
 
-    In a child the function is called as it is. Parameters as of `Child.call`.
+    A child has one of its own for that, so that the limits hold there too. Parameters as of
+    `Child.call`.
 
     Raises
     ------
@@ -198,8 +197,6 @@ def guarded(
     ComputationError
         It failed otherwise, took too long or too much memory, or crashed.
     """
-    if is_child():
-        return function_named(function)(**arguments)
     with _keeping:
         end = _kept().call(function, arguments, seconds=seconds, memory=memory)
     if end.how == "done":

@@ -20,11 +20,6 @@ _channel: IO[bytes] | None = None
 _telling = threading.Lock()
 
 
-def is_child() -> bool:
-    """Whether this process is somebody's child."""
-    return _channel is not None
-
-
 def tell(message: Mapping[str, Any]) -> None:
     """Send a message to whoever called this child; without one, nothing happens."""
     if _channel is not None:

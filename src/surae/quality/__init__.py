@@ -2,7 +2,7 @@
 
 from surae.quality.commanded import Commanded
 from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped
-from surae.quality.reading import check_file, commanded_file, recording_of
+from surae.quality.reading import commanded_file, recording_of, recording_or_findings
 from surae.quality.registry import CHECKS, CODES, Check, check_recording
 
 __all__ = [
@@ -14,8 +14,8 @@ __all__ = [
     "Finding",
     "Quality",
     "Skipped",
-    "check_file",
     "check_recording",
     "commanded_file",
     "recording_of",
+    "recording_or_findings",
 ]

@@ -12,11 +12,12 @@ from surae.quality.commanded import Commanded
 from surae.quality.finding import Finding, Quality, Skipped
 from surae.quality.registry import CHECKS, check_recording, ordered
 from surae.quality.timing import axis_findings
-from surae.recording import MUSCLES, Channel, Recording, read
+from surae.recording import MUSCLES, Channel, Recording
 from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.formats import open_table
+from surae.recording.reading import read_described, recording_of_table
 from surae.recording.roles import NAMES
-from surae.recording.source import open_source
+from surae.recording.source import Source, open_source
 from surae.recording.table import Column, Table
 from surae.signals import ModelInputs
 from surae.units import FACTORS, FloatArray, plain
@@ -29,32 +30,30 @@ _FEWEST = 32
 _Roles = dict[str, tuple[str, str]]
 
 
-def check_file(path: PathLike, commanded: Commanded | None = None) -> Quality:
-    """All findings of a recording's file.
+def recording_or_findings(path: PathLike) -> tuple[Recording | Quality, Commanded | None]:
+    """A file's recording and the motion that it says was commanded, or what its samples lack.
 
     A file that `surae.read` refuses for samples that are missing or times that do not increase is
-    checked nevertheless: that is a finding, and what is left of the signals is looked at.
-
-    Parameters
-    ----------
-    path : path
-        A recording.
-    commanded : Commanded, optional
-        The motion that the device was to follow; else a column ``commanded_angle_rad`` of the file.
+    checked nevertheless: that is a finding, and what is left of the signals is looked at. The
+    commanded motion is a column ``commanded_angle_rad`` of the file.
 
     Raises
     ------
     InputError
         The file cannot be read at all.
     """
+    source = open_source(path)
+    if (described := read_described(source)) is not None:
+        return described, None
+    table = open_table(source)
     try:
-        recording = read(path)
+        recording = recording_of_table(table, source.name, (source.file,))
     except InputError:
-        faulty = _faulty(path)
+        faulty = _faulty(source, table)
         if faulty is None:
             raise
-        return faulty
-    return check_recording(recording, commanded or commanded_column(path, recording))
+        return faulty, None
+    return recording, _commanded_column(table)
 
 
 def commanded_file(path: PathLike) -> Commanded:
@@ -90,37 +89,32 @@ def commanded_file(path: PathLike) -> Commanded:
     return Commanded("the commanded profile", angle.time, angle.values, effort)
 
 
-def commanded_column(path: PathLike, recording: Recording) -> Commanded | None:
+def _commanded_column(table: Table) -> Commanded | None:
     """The commanded angle that a table of our columns has beside the measured one, or None."""
-    if len(recording.files) != 1:
-        return None  # described by a mapping, which has no role for it
+    name = next((name for name in table.names if name in _COMMANDED), None)
+    if name is None:
+        return None
     try:
-        table = open_table(open_source(path))
-        name = next((name for name in table.names if name in _COMMANDED), None)
-        if name is None:
-            return None
         column = table.load([name])[name]
     except InputError:
-        return None  # another kind of file, which was read otherwise
+        return None
     if not np.isfinite(column.values).all():
         return None
     angle = read_only(column.values * _COMMANDED[name])
     return Commanded("the commanded profile", column.time, angle)
 
 
-def _faulty(path: PathLike) -> Quality | None:
+def _faulty(source: Source, table: Table) -> Quality | None:
     """Findings of a table whose samples no reader takes; None where that is not what is wrong."""
+    roles: _Roles = {}
+    for name in table.names:
+        if plain(name) in NAMES:
+            roles.setdefault(NAMES[plain(name)][0], (name, NAMES[plain(name)][1]))
+    if "angle" not in roles:
+        return None
     try:
-        source = open_source(path)
-        table = open_table(source)
-        roles: _Roles = {}
-        for name in table.names:
-            if plain(name) in NAMES:
-                roles.setdefault(NAMES[plain(name)][0], (name, NAMES[plain(name)][1]))
         columns = table.load([name for name, _ in roles.values()])
     except InputError:
-        return None
-    if "angle" not in roles:
         return None
     first = columns[roles["angle"][0]]
     findings = _missing(roles, columns)

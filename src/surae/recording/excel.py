@@ -20,8 +20,8 @@ from surae.recording.table import Table
 from surae.units import FACTORS, FloatArray, plain, spelled
 
 _MAGIC, _INSIDE = b"PK\x03\x04", b"xl/workbook.xml"
-#: Rows before the names of the columns.
-_LONGEST_PREFACE = 100
+#: Rows before the names of the columns; columns and rows of a sheet, Excel's own limit.
+_LONGEST_PREFACE, _WIDEST, _LONGEST = 100, 1024, 2**20
 
 _Row = tuple[Any, ...]
 
@@ -43,7 +43,7 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
         book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)
         tables = {}
         for sheet in book.worksheets:
-            rows = list(sheet.iter_rows(values_only=True))
+            rows = list(_rows(sheet, shown))
             if (head := _header(rows)) is not None:
                 tables[str(sheet.title)] = (head, rows)
         if not tables:
@@ -60,6 +60,18 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
                 )
             ]
         )
+
+
+def _rows(sheet: Any, shown: str) -> Iterator[_Row]:
+    """A sheet's rows, whatever size it states."""
+    sheet.reset_dimensions()
+    for number, row in enumerate(sheet.iter_rows(values_only=True), start=1):
+        if len(row) > _WIDEST or number > _LONGEST:
+            raise InputError(
+                f"{shown}: row {number} with {len(row)} columns is beyond the {_LONGEST} rows and "
+                f"{_WIDEST} columns that are read; keep those of the recording"
+            )
+        yield row
 
 
 def _header(rows: Sequence[_Row]) -> int | None:

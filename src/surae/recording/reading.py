@@ -38,11 +38,15 @@ def read(path: PathLike, *, mapping: PathLike | None = None) -> Recording:
     if mapping is not None:
         return read_mapping(open_mapping(mapping), path)
     source = open_source(path)
+    described = read_described(source)
+    return described or recording_of_table(open_table(source), source.name, (source.file,))
+
+
+def read_described(source: Source) -> Recording | None:
+    """The recording of a file that says what each channel is: our HDF5 or a mapping; else None."""
     if hdf5.recognises(source):
         return hdf5.read_recording(source)
-    if is_mapping(source):
-        return read_mapping(source)
-    return recording_of_table(open_table(source), source.name, (source.file,))
+    return read_mapping(source) if is_mapping(source) else None
 
 
 def is_mapping(source: Source) -> bool:
