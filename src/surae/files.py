@@ -156,20 +156,6 @@ def write_json(path: PathLike, data: Mapping[str, Any]) -> None:
     write_atomic(path, json.dumps(data, indent=1, allow_nan=False, ensure_ascii=False) + "\n")
 
 
-class Saved:
-    """What is saved as a JSON file of its plain data."""
-
-    __slots__ = ()
-
-    def as_dict(self) -> Mapping[str, Any]:
-        """Give everything as plain data, as it is saved."""
-        raise NotImplementedError
-
-    def save(self, path: PathLike) -> None:
-        """Write all of it to the file `path`, or nothing; InputError where that cannot be done."""
-        write_json(path, self.as_dict())
-
-
 def is_link(path: Path) -> bool:
     """Whether a path leads elsewhere: a symbolic link, or a junction of Windows."""
     return path.is_symlink() or bool(getattr(os.path, "isjunction", lambda _: False)(path))

@@ -34,7 +34,7 @@ import numpy as np
 from surae._version import __version__
 from surae.errors import InputError
 from surae.filed import FORMS, Form
-from surae.files import PathLike, read_bytes, shown
+from surae.files import PathLike, read_bytes, shown, write_json
 from surae.frozen import FrozenDict, read_only
 from surae.units import FloatArray
 
@@ -126,6 +126,20 @@ def check_format(data: Mapping[str, Any], path: PathLike) -> None:
             f"{shown(path)}: written by surae {data.get('surae', '?')} in format {layout}, newer "
             f"than this one reads ({__version__}, format {FORMAT}); upgrade surae"
         )
+
+
+class Saved:
+    """What is saved as a JSON file of its plain data."""
+
+    __slots__ = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """Give everything as plain data, as it is saved."""
+        return {"surae": __version__, **to_plain(self)}
+
+    def save(self, path: PathLike) -> None:
+        """Write all of it to the file `path`, or nothing; InputError where that cannot be done."""
+        write_json(path, self.as_dict())
 
 
 def real(value: object) -> float:
@@ -274,7 +288,8 @@ def _mapping_out(kind: Any) -> Any:
 def _tuple_in(kind: Any) -> Any:
     from cattrs.cols import list_structure_factory
 
-    parts = get_args(kind)
+    named = getattr(kind, "_fields", None)
+    parts = tuple(get_type_hints(kind).values()) if named else get_args(kind)
     several = list_structure_factory(kind, _converter())
 
     def structure(value: Any, _: object) -> Any:
@@ -284,8 +299,8 @@ def _tuple_in(kind: Any) -> Any:
             return tuple(several(value, kind))
         if len(parts) != len(value):
             raise ValueError(f"{value!r:.40} are {len(value)} values, not {len(parts)}")
-        made = _converter()
-        return tuple(made.structure(v, part) for v, part in zip(value, parts, strict=True))
+        made = [_converter().structure(v, part) for v, part in zip(value, parts, strict=True)]
+        return kind(*made) if named else tuple(made)
 
     return structure
 

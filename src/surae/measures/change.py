@@ -26,14 +26,14 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any, TypeVar
 
-from surae._version import __version__
 from surae.assessment.adequacy import Grade
 from surae.assessment.parameter import percent
 from surae.errors import InputError
-from surae.files import Saved
+from surae.filed import filed
 from surae.formatting import NO_NUMBER, estimate, significant
 from surae.frozen import FrozenDict
 from surae.measures.quantity import Quantities, Quantity
+from surae.records import Saved
 from surae.tables import Tabular, TextTable
 
 #: By how much sessions of one leg differ beyond their covariance: 1.05 on average over all measures
@@ -58,6 +58,7 @@ class ChangeVerdict(StrEnum):
     NOT_COMPARABLE = "not comparable"
 
 
+@filed("name", "kind")
 @dataclass(frozen=True, slots=True)
 class Difference:
     """One measure or parameter of two fits."""
@@ -79,6 +80,7 @@ class Difference:
     note: str  #: The verdict in a plain sentence.
 
 
+@filed("before", "after", "legs", "is_withheld")
 @dataclass(frozen=True, slots=True, repr=False)
 class Change(Tabular, Saved):
     """Two sessions compared.
@@ -153,33 +155,11 @@ class Change(Tabular, Saved):
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, as C.json has it."""
-
-        def plain(differences: FrozenDict[str, Difference]) -> dict[str, Any]:
-            return {
-                d.name: {
-                    "before": d.before,
-                    "after": d.after,
-                    "difference": d.difference,
-                    "unit": d.unit,
-                    "ci95": None if d.ci95 is None else list(d.ci95),
-                    "p": d.p,
-                    "smallest": d.smallest,
-                    "verdict": str(d.verdict),
-                    "note": d.note,
-                    "meaning": d.meaning,
-                }
-                for d in differences.values()
-            }
-
         return {
-            "surae": __version__,
+            **Saved.as_dict(self),
             "before": list(self.before.recordings),
             "after": list(self.after.recordings),
             "of": "legs" if self.legs else "sessions",
-            "multiplicity": self.multiplicity,
-            "baselines": self.baselines,
-            "measures": plain(self.measures),
-            "parameters": plain(self.parameters),
         }
 
 

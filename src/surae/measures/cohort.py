@@ -17,12 +17,14 @@ import numpy as np
 
 from surae._version import __version__
 from surae.errors import InputError
-from surae.files import Saved, natural_order
+from surae.filed import filed
+from surae.files import natural_order
 from surae.frozen import FrozenDict
 from surae.measures.change import compare_sessions, holm
 from surae.measures.quantity import Quantities, Quantity
 from surae.measures.reml import FEWEST, Effects, random_effects
 from surae.measures.spread import NORMAL
+from surae.records import Saved, to_plain
 
 #: Legs of a group beside whose interval the errors that all fits share are no longer small: 94 %
 #: of 300 differences were true with 20 legs a group, 57 % of 30 with 1,000 (benchmarks/cohort.py).
@@ -54,6 +56,7 @@ class CohortMember:
         return " ".join(part for part in (self.leg, self.session) if part)
 
 
+@filed("leg")
 @dataclass(frozen=True, slots=True)
 class Among:
     """One leg among its group: its own value, and the one drawn to the group with its interval."""
@@ -66,6 +69,7 @@ class Among:
     ci95: tuple[float, float]
 
 
+@filed(k="n")
 @dataclass(frozen=True, slots=True)
 class Contrast:
     """A difference, its 95 % interval, and the p-value of none; `k` legs are behind it."""
@@ -85,6 +89,7 @@ class Correlation:
     n: int
 
 
+@filed("name")
 @dataclass(frozen=True, slots=True)
 class Pooled:
     """One measure or parameter over the cohort."""
@@ -133,35 +138,10 @@ class Cohort(Saved):
             "missing": {m.row: m.missing for m in self.members if m.missing},
             "refit_rounds": self.rounds,
             "quantities": {
-                p.name: {
-                    "unit": p.unit,
-                    "kind": p.kind,
-                    "meaning": p.meaning,
-                    "groups": {
-                        g: {"n": e.k, "mean": e.mean, "ci95": list(e.ci95),
-                            "sd_between": math.sqrt(e.tau2)}
-                        for g, e in p.groups.items()
-                    },
-                    "differences": {g: _plain(c) for g, c in p.differences.items()},
-                    "changes": {g: _plain(c) for g, c in p.changes.items()},
-                    "scales": {
-                        s: {"rho": c.rho, "p": c.p, "n": c.n} for s, c in p.scales.items()
-                    },
-                    "legs": {
-                        leg.leg: {"group": leg.group, "value": leg.value, "sd": leg.sd,
-                                  "shrunken": leg.shrunken, "ci95": list(leg.ci95)}
-                        for leg in p.legs
-                    },
-                    "left_out": dict(p.left_out),
-                    "at_bound": p.at_bound,
-                }
+                p.name: {**to_plain(p), "legs": {leg.leg: to_plain(leg) for leg in p.legs}}
                 for p in self.pooled.values()
             },
-        }  # fmt: skip
-
-
-def _plain(c: Contrast) -> dict[str, Any]:
-    return {"difference": c.difference, "ci95": list(c.ci95), "p": c.p, "n": c.k}
+        }
 
 
 def pool(members: Sequence[CohortMember]) -> Cohort:

@@ -8,12 +8,15 @@ from typing import Any
 from surae._version import __version__
 from surae.assessment import Adequacy, Verdict
 from surae.errors import InputError
+from surae.filed import filed
 from surae.files import PathLike, csv_row, shown, write_atomic, write_json
 from surae.formatting import estimate
 from surae.frozen import FrozenDict
+from surae.records import to_plain
 from surae.tables import Tabular, TextTable
 
 
+@filed("name")
 @dataclass(frozen=True, slots=True)
 class Measure:
     """One measure of a fit.
@@ -99,27 +102,12 @@ class Measures(Tabular, Mapping[str, Measure]):
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, as M.json has it."""
+        adequacy = to_plain(self.adequacy)
+        del adequacy["r2"]
+        measures = to_plain(self.by_name)
         return {
-            "surae": __version__,
-            "model": self.model,
-            "adequacy": {
-                "grade": str(self.adequacy.grade),
-                "reasons": list(self.adequacy.reasons),
-            },
-            "measures": {
-                m.name: {
-                    "value": m.value,
-                    "unit": m.unit,
-                    "ci95": None if m.ci95 is None else list(m.ci95),
-                    "ci95_repeat": None if m.ci95_repeat is None else list(m.ci95_repeat),
-                    "verdict": str(m.verdict),
-                    "note": m.note,
-                    "method": m.method,
-                    "meaning": m.meaning,
-                }
-                for m in self.values()
-            },
-        }
+            "surae": __version__, "model": self.model, "adequacy": adequacy, "measures": measures
+        }  # fmt: skip
 
     def save(self, path: PathLike) -> None:
         """Write M.json, or a table where the name ends in ``.csv``.

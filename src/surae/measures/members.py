@@ -10,13 +10,12 @@ import io
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from surae.assessment import Adequacy, Grade
 from surae.assessment.assess import assess
 from surae.assessment.saved.fit_json import load_saved
 from surae.errors import InputError, SuraeError
@@ -24,9 +23,10 @@ from surae.estimation import make_problem, solve
 from surae.files import PathLike, read_bytes, shown
 from surae.frozen import FrozenDict
 from surae.measures.cohort import CohortMember, sessions_of
-from surae.measures.quantity import Quantities, Quantity, quantities
+from surae.measures.quantity import Quantities, quantities
 from surae.measures.reml import FEWEST, random_effects
 from surae.progress import Progress
+from surae.records import from_plain, to_plain
 from surae.runner import Died, Engine, results
 from surae.settings import FitSettings
 from surae.trials.folder import fit_in
@@ -130,7 +130,7 @@ def measured(
         if "error" in outcome:
             members.append(replace(member, missing=str(outcome["error"])))
         else:
-            members.append(replace(member, quantities=_read(outcome)))
+            members.append(replace(member, quantities=from_plain(Quantities, outcome)))
     return members
 
 
@@ -159,12 +159,8 @@ def quantities_of(
         brought = quantities(result, assess(result), angles)
     except SuraeError as error:
         return {"error": str(error)}
-    data = asdict(replace(brought, by_name=FrozenDict(), options=FrozenDict()))
-    rows = [asdict(q) for q in brought.by_name.values()]
-    for row in rows:
-        row |= {n: None for n in ("total", "session", "model") if not math.isfinite(row[n])}
-    adequacy = {**data["adequacy"], "grade": str(brought.adequacy.grade)}
-    return {**data, "adequacy": adequacy, "options": dict(brought.options), "by_name": rows}
+    plain: dict[str, Any] = to_plain(brought)
+    return plain
 
 
 def populations(members: Sequence[CohortMember]) -> dict[str, PriorTable]:
@@ -243,19 +239,3 @@ def _renewed(
             spread = math.sqrt(float(np.var(y) + v.mean()))
             renewed[group][name] = (math.exp(float(y.mean())), max(spread, _NARROWEST))
     return renewed
-
-
-def _read(data: Mapping[str, Any]) -> Quantities:
-    rows = {}
-    for row in data["by_name"]:
-        numbers = {n: math.nan if row[n] is None else row[n] for n in ("total", "session", "model")}
-        bounds = None if row["bounds"] is None else tuple(row["bounds"])
-        rows[row["name"]] = Quantity(**{**row, **numbers, "bounds": bounds})
-    adequacy = data["adequacy"]
-    return Quantities(
-        data["model"],
-        FrozenDict(data["options"]),
-        Adequacy(Grade(adequacy["grade"]), tuple(adequacy["reasons"]), adequacy["r2"]),
-        tuple(data["recordings"]),
-        FrozenDict(rows),
-    )

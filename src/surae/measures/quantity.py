@@ -13,6 +13,7 @@ from surae.measures.compute import ANGLES, deviation, extrapolated, judged_measu
 from surae.measures.spread import NORMAL, spread_of
 from surae.measures.table import ELECTRODES
 from surae.model.laboratory import group_of
+from surae.records import OrNaN
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,10 +26,10 @@ class Quantity:
     meaning: str
     kind: Literal["measure", "parameter"]  #: Which table.
     value: float | None  #: None where there is none.
-    total: float  #: Standard deviation, everything included; NaN where there is none.
+    total: OrNaN  #: Standard deviation, everything included; NaN where there is none.
     #: Standard deviation of what another session would draw anew; NaN where there is none.
-    session: float
-    model: float  #: Standard deviation that models add which the data do not reject.
+    session: OrNaN
+    model: OrNaN  #: Standard deviation that models add which the data do not reject.
     missing: str = ""  #: Why it can be compared with nothing; empty where it can.
     at_bound: bool = False  #: Whether it is a parameter at its bound.
     bounds: tuple[float, float] | None = None  #: Of a parameter's search.

@@ -17,12 +17,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surae.filed import filed
 from surae.units import FloatArray
 
 #: Legs from which a mean and a spread are told.
 FEWEST = 3
 
 
+@filed("se", "tau2", k="n", ci95="ci95", between="sd_between")
 @dataclass(frozen=True, slots=True)
 class Effects:
     """Mean and spread of k legs."""
@@ -32,6 +34,11 @@ class Effects:
     mean: float
     se: float
     tau2: float  #: Variance between legs.
+
+    @property
+    def between(self) -> float:
+        """Standard deviation between legs."""
+        return math.sqrt(self.tau2)
 
     @property
     def ci95(self) -> tuple[float, float]:

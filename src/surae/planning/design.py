@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from surae.filed import filed
 from surae.files import PathLike
 from surae.frozen import Comparable, FrozenDict
 from surae.planning.aim import MEAN, WORST, make_aim
@@ -21,6 +22,7 @@ from surae.planning.search import SEARCH_RATE, search
 from surae.planning.torque import within_torque
 from surae.progress import SearchProgress
 from surae.protocol import Device, Trajectory, write_protocol
+from surae.records import to_plain
 from surae.units import FloatArray
 
 #: Part of the device's torque that the search keeps to, for legs stronger than those it sees.
@@ -29,6 +31,7 @@ _RESERVE = 0.93
 _MISSED = 1e-6
 
 
+@filed("trajectory", "device", "aimed", "curve", "seconds", "stopped")
 @dataclass(frozen=True, slots=True, eq=False)
 class Design(Comparable):
     """A designed protocol and what it will tell."""
@@ -49,12 +52,8 @@ class Design(Comparable):
 
     def to_json(self) -> dict[str, Any]:
         """Give as plain data the plan, what it keeps, and what it will tell."""
-        return {
-            "plan": self.plan.to_json(),
-            "limits": list(self.limits),
-            "expectation": self.expectation.to_json(),
-            "notes": list(self.notes),
-        }
+        plain: dict[str, Any] = to_plain(self)
+        return plain
 
     def write(self, path: PathLike, *, without_limits: str | None = None) -> None:
         """Write the protocol for a device: CSV, or MATLAB where the path ends in ``.mat``.

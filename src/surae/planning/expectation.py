@@ -9,6 +9,7 @@ import numpy as np
 from surae.assessment.parameter import IDENTIFIED, Verdict, judge_interval, judge_singular
 from surae.assessment.uncertainty.budget import variance_given
 from surae.assessment.uncertainty.covariance import Covariance, half_width
+from surae.filed import filed
 from surae.formatting import part
 from surae.frozen import Comparable, FrozenDict, read_only
 from surae.model import adapted
@@ -16,6 +17,7 @@ from surae.model.sources import SOURCES, source_of
 from surae.planning.information import Information, estimated, information, prior_precision
 from surae.planning.legs import Legs
 from surae.protocol import Trajectory
+from surae.records import to_plain
 from surae.tables import Tabular, TextTable
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
@@ -26,6 +28,7 @@ NOISE = 0.5
 LEGS = 20
 
 
+@filed("name", "meaning", half_width="relative_half_width")
 @dataclass(frozen=True, slots=True)
 class Expected:
     """What is expected of one parameter over all legs."""
@@ -46,6 +49,15 @@ class Expected:
     budget: Mapping[str, float] = field(default_factory=FrozenDict)
 
 
+@filed(
+    "relative",
+    "correlation",
+    noise="noise_Nm",
+    torque="torque_Nm",
+    worst="worst",
+    weakest="weakest",
+    geometric_mean="geometric_mean",
+)
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Expectation(Tabular, Comparable):
     """What a protocol will tell of legs.
@@ -143,32 +155,8 @@ class Expectation(Tabular, Comparable):
 
     def to_json(self) -> dict[str, Any]:
         """Give what E.json holds, as plain data."""
-        return {
-            "protocol": self.protocol,
-            "model": self.model,
-            "legs": self.legs,
-            "seconds": self.seconds,
-            "noise_Nm": self.noise,
-            "rate_hz": self.rate_hz,
-            "parameters": {
-                p.name: {
-                    "unit": p.unit,
-                    "value": p.value,
-                    "relative_sem": p.relative_sem,
-                    "relative_half_width": p.half_width,
-                    "verdict": str(p.verdict),
-                    "note": p.note,
-                    "identified_share": p.identified_share,
-                    "budget": dict(p.budget),
-                }
-                for p in self.parameters.values()
-            },
-            "nuisances": list(self.nuisances),
-            "worst": self.worst,
-            "weakest": self.weakest,
-            "geometric_mean": self.geometric_mean,
-            "torque_Nm": list(self.torque),
-        }
+        plain: dict[str, Any] = to_plain(self)
+        return plain
 
 
 def expected(

@@ -12,6 +12,7 @@ from surae.assessment.parameter import IDENTIFIED, Verdict, percent
 from surae.assessment.uncertainty.covariance import half_width
 from surae.errors import InputError
 from surae.estimation import FitResult
+from surae.filed import filed
 from surae.files import PathLike
 from surae.frozen import Comparable, FrozenDict
 from surae.model.laboratory import EACH_TRIAL, group_of
@@ -19,6 +20,7 @@ from surae.planning.information import estimated, information, shared
 from surae.planning.legs import Legs
 from surae.planning.ready import Ready, ready_protocols
 from surae.protocol import Device, Trajectory, write_protocol
+from surae.records import to_plain
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
 
@@ -32,6 +34,7 @@ _UNKNOWN = 10.0
 _SURELY = 0.85
 
 
+@filed("trajectory")
 @dataclass(frozen=True, slots=True, eq=False)
 class NextTrial(Comparable):
     """The trial that adds most to what a fit knows."""
@@ -53,12 +56,8 @@ class NextTrial(Comparable):
 
     def to_json(self) -> dict[str, Any]:
         """Give all of it as plain data."""
-        return {
-            "protocol": self.protocol,
-            "sentences": list(self.sentences),
-            "gains": {name: list(pair) for name, pair in self.gains.items()},
-            "repetitions": dict(self.repetitions),
-        }
+        plain: dict[str, Any] = to_plain(self)
+        return plain
 
 
 def known_from(result: FitResult, assessment: Assessment, legs: Legs) -> FloatArray:

@@ -9,7 +9,7 @@ what the base leaves of the limits, so these hold too (`Limits`).
 """
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,6 +20,7 @@ from surae.planning.kernels import plan_motion
 from surae.protocol import Device, Given, Trajectory, allowed_range
 from surae.protocol.effort import Burst, burst_effort
 from surae.protocol.profiles import Ramp
+from surae.records import from_plain
 from surae.units import FloatArray
 
 #: The movement is checked against its limits at this rate at least [Hz].
@@ -104,22 +105,6 @@ class Plan:
     shakes: tuple[Shake, ...]
     bursts: tuple[Burst, ...]
 
-    def to_json(self) -> dict[str, Any]:
-        """Give all of it as plain data."""
-        return asdict(self)
-
-    @classmethod
-    def of(cls, data: dict[str, Any]) -> "Plan":
-        """The plan of its plain data."""
-        return cls(
-            **{
-                **data,
-                "ramps": tuple(Ramp(*row) for row in data["ramps"]),
-                "shakes": tuple(Shake(*row) for row in data["shakes"]),
-                "bursts": tuple(Burst(*row) for row in data["bursts"]),
-            }
-        )
-
     @classmethod
     def sampled(
         cls,
@@ -133,7 +118,7 @@ class Plan:
         Parameters
         ----------
         data : dict
-            As `to_json` gives it.
+            As a design has it.
         limits : sequence of float
             Those of `Limits` that the movement keeps, in order.
         rate_hz : float
@@ -141,7 +126,7 @@ class Plan:
         device : Device, optional
             Whose limits these are.
         """
-        return cls.of(data).trajectory(Limits(*limits), rate_hz, device=device)
+        return from_plain(cls, data).trajectory(Limits(*limits), rate_hz, device=device)
 
     def eased(self, part: float) -> "Plan":
         """The same with all effort times `part`."""

@@ -13,6 +13,7 @@ import numpy as np
 
 from surae.assessment.parameter import percent
 from surae.errors import InputError
+from surae.filed import filed
 from surae.frozen import Comparable, FrozenDict, read_only
 from surae.planning.aim import Aim, make_aim
 from surae.planning.expectation import Expectation, expected_of
@@ -24,6 +25,7 @@ from surae.planning.search import VAGUE
 from surae.planning.torque import within_torque
 from surae.protocol import Device, Trajectory
 from surae.protocol.effort import Burst
+from surae.records import to_plain
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
 
@@ -34,6 +36,7 @@ _REST, _MAXIMAL = 10.0, 20.0
 _WORTH = 0.005
 
 
+@filed("trajectory")
 @dataclass(frozen=True, slots=True, eq=False)
 class PlannedTrial(Comparable):
     """A trial that a session may have."""
@@ -45,6 +48,7 @@ class PlannedTrial(Comparable):
     trajectory: Trajectory  #: Movement and effort.
 
 
+@filed(worst="worst_after_each", without="worst_without")
 @dataclass(frozen=True, slots=True, eq=False)
 class SessionPlan(Comparable):
     """Trials of a session, and what they will tell together."""
@@ -60,14 +64,8 @@ class SessionPlan(Comparable):
 
     def to_json(self) -> dict[str, Any]:
         """Give all of it as plain data."""
-        return {
-            "trials": [{"name": t.name, "kind": t.kind, "seconds": t.seconds} for t in self.trials],
-            "seconds": self.seconds,
-            "worst_after_each": list(self.worst),
-            "worst_without": dict(self.without),
-            "sentences": list(self.sentences),
-            "expectation": self.expectation.to_json(),
-        }
+        plain: dict[str, Any] = to_plain(self)
+        return plain
 
 
 def possible_trials(

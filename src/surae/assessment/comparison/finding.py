@@ -1,14 +1,14 @@
 """Rigid or elastic: what a comparison of models on the same data found, as plain data."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from enum import StrEnum
 
 from surae.assessment.adequacy import Adequacy
 from surae.assessment.comparison.held_out import HeldOut
 from surae.estimation import FitSettings
-from surae.files import Saved
 from surae.frozen import Comparable
+from surae.records import Saved
 
 
 class TendonEvidence(StrEnum):
@@ -138,8 +138,3 @@ class Comparison(Comparable, Saved):
     def compliant(self) -> ModelScore | None:
         """The best muscle-tendon model, which the conclusion is about."""
         return best_of(self.models, rigid=False)
-
-    def as_dict(self) -> dict[str, object]:
-        """The comparison as plain data, as it is saved."""
-        settings = self.settings.as_dict()
-        return {"surae": self.versions["surae"], **asdict(self), "settings": settings}

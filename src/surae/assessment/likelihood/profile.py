@@ -18,14 +18,27 @@ from surae.errors import InputError
 from surae.estimation import FitResult, fit_problem
 from surae.estimation.least_squares import Outcome
 from surae.estimation.result import with_laboratory
+from surae.filed import filed
 from surae.frozen import Comparable, read_only
 from surae.model import adapted
+from surae.records import Listed
 from surae.units import FloatArray
 
 Status = Literal["closed", "open", "lower-minimum"]
 _ARRAYS = ("values", "sse", "chi2", "path")
 
 
+@filed(
+    "name",
+    "path",
+    "others",
+    reasons="open",
+    from_covariance="from_covariance",
+    lower="lower_minimum",
+    values="grid",
+    chi2="delta_chi2",
+    along="others",
+)
 @dataclass(frozen=True, slots=True, eq=False)
 class ParameterProfile(Comparable):
     """Profile of one parameter."""
@@ -36,9 +49,9 @@ class ParameterProfile(Comparable):
     value: float  #: Estimate of the fit.
     #: Standard error from the covariance, widened as Δχ² is; None where there is none.
     sem: float | None
-    values: FloatArray  #: Where the parameter was held, ascending, shape (k,).
-    sse: FloatArray  #: Least sum of squares there, weighted and with priors [Nm²], shape (k,).
-    chi2: FloatArray  #: Δχ²: (sse − lowest)/(σ²·variance_inflation), shape (k,).
+    values: Listed  #: Where the parameter was held, ascending, shape (k,).
+    sse: Listed  #: Least sum of squares there, weighted and with priors [Nm²], shape (k,).
+    chi2: Listed  #: Δχ²: (sse − lowest)/(σ²·variance_inflation), shape (k,).
     others: tuple[str, ...]  #: The other free parameters.
     path: FloatArray  #: Their values along the profile, shape (k, len(others).
     variance_inflation: float  #: What the variance of the noise was multiplied by.
@@ -64,6 +77,11 @@ class ParameterProfile(Comparable):
         arrays = {name: read_only(np.array(plain[name], dtype=float)) for name in _ARRAYS}
         tuples = {name: tuple(plain[name]) for name in ("others", "interval", "reasons")}
         return cls(**{**plain, **arrays, **tuples})
+
+    @property
+    def along(self) -> dict[str, list[float]]:
+        """The other free parameters along the profile, by name."""
+        return dict(zip(self.others, self.path.T.tolist(), strict=True))
 
     @property
     def from_covariance(self) -> tuple[float, float] | None:

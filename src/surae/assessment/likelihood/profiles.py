@@ -5,7 +5,6 @@ import time
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
 
 from surae.assessment.assess import described
 from surae.assessment.fit_ledger import ledger_of
@@ -18,9 +17,11 @@ from surae.assessment.likelihood.profile import (
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.estimation.result import with_laboratory
-from surae.files import PathLike, Saved
+from surae.filed import filed
+from surae.files import PathLike
 from surae.processes import Plain
 from surae.progress import NamedProgress
+from surae.records import Saved
 from surae.runner import Batch, Engine, cores, results
 from surae.threads import one_blas_thread
 from surae.versions import versions
@@ -29,6 +30,7 @@ from surae.versions import versions
 _KIND = "profiles"
 
 
+@filed(inflation_reason="variance_inflation_reason")
 @dataclass(frozen=True, slots=True)
 class Profiles(Saved):
     """Profiles of one fit.
@@ -64,18 +66,6 @@ class Profiles(Saved):
         """What the noise was taken for, in a line; empty without a profile."""
         factors = {name: own.variance_inflation for name, own in self.profiles.items()}
         return described(factors, self.inflation_reason) if factors else ""
-
-    def as_dict(self) -> dict[str, Any]:
-        """The profiles as plain data, as they are saved."""
-        return {
-            "surae": self.versions["surae"],
-            "model": self.model,
-            "profiles": {name: _plain(own) for name, own in self.profiles.items()},
-            "missing": list(self.missing),
-            "variance_inflation_reason": self.inflation_reason,
-            "seconds": self.seconds,
-            "versions": dict(self.versions),
-        }
 
 
 def profiles(
@@ -143,26 +133,3 @@ def profiles(
         seconds=time.perf_counter() - begin,
         versions=versions(),
     )
-
-
-def _plain(profile: ParameterProfile) -> dict[str, Any]:
-    return {
-        "unit": profile.unit,
-        "value": profile.value,
-        "sem": profile.sem,
-        "variance_inflation": profile.variance_inflation,
-        "threshold": profile.threshold,
-        "interval": list(profile.interval),
-        "open": list(profile.reasons),
-        "from_covariance": None
-        if profile.from_covariance is None
-        else list(profile.from_covariance),
-        "status": profile.status,
-        "message": profile.message,
-        "lower_minimum": None if profile.lower is None else dict(profile.lower),
-        "grid": profile.values.tolist(),
-        "sse": profile.sse.tolist(),
-        "delta_chi2": profile.chi2.tolist(),
-        "others": dict(zip(profile.others, profile.path.T.tolist(), strict=True)),
-        "evaluations": profile.evaluations,
-    }

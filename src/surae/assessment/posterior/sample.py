@@ -25,10 +25,12 @@ from surae.assessment.uncertainty.covariance import Covariance, covariance, half
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.estimation.result import with_laboratory
+from surae.filed import filed
 from surae.files import PathLike, write_atomic
 from surae.frozen import Comparable, read_only
 from surae.model import adapted
 from surae.progress import Progress
+from surae.records import to_plain
 from surae.units import FloatArray
 from surae.versions import versions
 
@@ -39,6 +41,7 @@ DRAWS, TUNE, CHAINS = 1000, 300, 4
 _LITTLE = 0.7
 
 
+@filed("name", "convergence")
 @dataclass(frozen=True, slots=True)
 class Marginal:
     """The posterior of one parameter."""
@@ -63,6 +66,15 @@ class Marginal:
         return self.prior_part > _LITTLE
 
 
+@filed(
+    "names",
+    "draws",
+    "marginals",
+    "covariance",
+    "evaluations",
+    "whole",
+    inflation_reason="variance_inflation_reason",
+)
 @dataclass(frozen=True, slots=True, eq=False)
 class Posterior(Comparable):
     """Draws from a posterior and what they say.
@@ -140,20 +152,14 @@ class Posterior(Comparable):
         """The posterior as plain data, as it is saved."""
         return {
             "surae": self.versions["surae"],
-            "model": self.model,
-            "status": self.status,
-            "message": self.message,
-            "parameters": {name: _plain(marginal) for name, marginal in self.marginals.items()},
+            **to_plain(self),
+            "parameters": {
+                name: {**to_plain(marginal), **to_plain(marginal.convergence)}
+                for name, marginal in self.marginals.items()
+            },
             "correlation": {"names": list(self.names), "matrix": self.correlation.tolist()},
-            "divergences": self.divergences,
-            "variance_inflation": self.variance_inflation,
-            "variance_inflation_reason": self.inflation_reason,
             "chains": self.draws.shape[0],
             "draws": self.draws.shape[1],
-            "tune": self.tune,
-            "seed": self.seed,
-            "seconds": self.seconds,
-            "versions": dict(self.versions),
             "samples": {name: self.draws[..., j].tolist() for j, name in enumerate(self.names)},
         }
 
@@ -276,25 +282,3 @@ def _marginals(
             convergence=convergence(drawn),
         )
     return marginals
-
-
-def _plain(marginal: Marginal) -> dict[str, Any]:
-    return {
-        "unit": marginal.unit,
-        "value": marginal.value,
-        "median": marginal.median,
-        "ci95": list(marginal.ci95),
-        "from_covariance": None
-        if marginal.from_covariance is None
-        else list(marginal.from_covariance),
-        "prior": {
-            "median": marginal.prior.median,
-            "spread": marginal.prior.spread,
-            "log": marginal.prior.log,
-            "origin": marginal.prior.origin,
-        },
-        "prior_part": marginal.prior_part,
-        "rhat": marginal.convergence.rhat,
-        "ess_bulk": marginal.convergence.ess_bulk,
-        "ess_tail": marginal.convergence.ess_tail,
-    }

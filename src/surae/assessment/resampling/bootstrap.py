@@ -17,10 +17,12 @@ from surae.estimation import FitProblem, FitResult
 from surae.estimation.least_squares import Outcome, minimise
 from surae.estimation.residuals import Residuals, curved_move
 from surae.estimation.result import with_laboratory
-from surae.files import PathLike, Saved
+from surae.filed import filed
+from surae.files import PathLike
 from surae.frozen import Comparable, read_only
 from surae.model import adapted
 from surae.progress import Progress
+from surae.records import Saved
 from surae.runner import Engine, cores, results
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -35,6 +37,7 @@ _FEWEST = 40
 _KIND = "bootstrap"
 
 
+@filed("name")
 @dataclass(frozen=True, slots=True)
 class BootstrapEstimate:
     """One parameter over the replicates."""
@@ -48,6 +51,7 @@ class BootstrapEstimate:
     ci95: tuple[float, float] | None
 
 
+@filed("values", "resumed")
 @dataclass(frozen=True, slots=True, eq=False)
 class Bootstrap(Comparable, Saved):
     """A block bootstrap of a fit.
@@ -87,27 +91,7 @@ class Bootstrap(Comparable, Saved):
 
     def as_dict(self) -> dict[str, Any]:
         """The bootstrap as plain data, as it is saved."""
-        return {
-            "surae": self.versions["surae"],
-            "model": self.model,
-            "method": "circular residual blocks, percentile intervals",
-            "block_s": list(self.block_s),
-            "replicates": self.replicates,
-            "missing": self.missing,
-            "failed": self.failed,
-            "seed": self.seed,
-            "parameters": {
-                name: {
-                    "value": p.value,
-                    "unit": p.unit,
-                    "sem": p.sem,
-                    "ci95": None if p.ci95 is None else list(p.ci95),
-                }
-                for name, p in self.parameters.items()
-            },
-            "seconds": self.seconds,
-            "versions": dict(self.versions),
-        }
+        return {"method": "circular residual blocks, percentile intervals"} | Saved.as_dict(self)
 
 
 def bootstrap(

@@ -19,11 +19,12 @@ from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.estimation.noise import NoiseModel, autoregressive
 from surae.estimation.result import with_laboratory
-from surae.files import Saved
+from surae.filed import filed
 from surae.frozen import read_only
 from surae.model import adapted
 from surae.progress import Progress
 from surae.recording import MUSCLES
+from surae.records import Saved
 from surae.runner import in_threads
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -42,6 +43,7 @@ _FEWEST, _ORDER = 4, 10
 _STALL = 1e-4
 
 
+@filed("name")
 @dataclass(frozen=True, slots=True)
 class ParameterBias:
     """What EMG noise does to one parameter."""
@@ -92,22 +94,8 @@ class EmgBias(Saved):
 
     def as_dict(self) -> dict[str, Any]:
         """The bias as plain data, as it is saved."""
-        return {
-            "surae": self.versions["surae"],
-            "method": "SIMEX, quadratic, antithetic pairs",
-            "added": list(ADDED),
-            "source": self.source,
-            "noise": [dict(levels) for levels in self.noise],
-            "pairs": self.pairs,
-            "missing": self.missing,
-            "seed": self.seed,
-            "parameters": {
-                name: {"value": p.value, "unit": p.unit, "bias": p.bias, "error": p.error}
-                for name, p in self.parameters.items()
-            },
-            "seconds": self.seconds,
-            "versions": dict(self.versions),
-        }
+        method = {"method": "SIMEX, quadratic, antithetic pairs", "added": list(ADDED)}
+        return method | Saved.as_dict(self)
 
 
 def emg_bias(
