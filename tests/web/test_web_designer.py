@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import surae
+from surae.names import FITTED
 from surae.planning.ready import ready_protocols
 from surae.protocol import PROFILES, Protocol, generate, named_device, write_protocol_csv
 
@@ -35,6 +36,19 @@ def test_a_preview_comes_in_seconds(browser) -> None:
     assert told["l0_tri"]["verdict"] == "identified"
     velocity = next(limit for limit in shown["limits"] if "velocity" in limit["text"])
     assert not velocity["exceeded"]
+
+
+def test_the_page_opens_on_a_movement_that_its_device_holds(browser) -> None:
+    """It once opened on 130 Nm of the 80 that its device holds, and did not offer `auto`."""
+    choices = browser.get("/api/protocols/choices").json()
+    assert [one["name"] for one in choices["models"]] == list(FITTED)
+    assert choices["start"]["model"] == "auto"
+    assert choices["start"]["settings"]["device"] == "achilles"
+    shown = browser.post("/api/protocols/preview", json=choices["start"])
+    assert shown.status_code == 200, shown.text
+    assert [limit["text"] for limit in shown.json()["limits"] if limit["exceeded"]] == []
+    allowed = browser.post("/api/protocols/csv", json={"settings": choices["start"]["settings"]})
+    assert allowed.status_code == 200, allowed.text
 
 
 def test_a_preview_says_what_an_expectation_says(browser) -> None:

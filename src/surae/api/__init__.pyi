@@ -181,7 +181,6 @@ from surae.studies.store import Store as Store
 from surae.studies.store import export_study as export_study
 from surae.studies.store import study_columns as study_columns
 from surae.studies.store import study_table as study_table
-from surae.studies.study import SIMULATED_MODELS as SIMULATED_MODELS
 from surae.studies.study import Study as Study
 from surae.studies.study import parse_study as parse_study
 from surae.studies.study import read_study as read_study

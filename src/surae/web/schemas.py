@@ -41,6 +41,7 @@ Notes = Annotated[str, StringConstraints(max_length=4000, pattern=r"^[^\x00]*$")
 Side = Literal["left", "right"]
 Choice = Annotated[str, StringConstraints(max_length=40)]
 Model = Literal[names.MODELS]  # type: ignore[valid-type]
+Fitted = Literal[names.FITTED]  # type: ignore[valid-type]
 Population = Literal[names.POPULATIONS]  # type: ignore[valid-type]
 Role = Literal[api.ROLES]  # type: ignore[valid-type]
 
@@ -296,7 +297,7 @@ class ProtocolPlan(Strict):
     ramps: Annotated[list[tuple[Seconds, Part, Above]], Field(max_length=1000)]
     shakes: Annotated[list[tuple[Seconds, Above, Above, Above, Above]], Field(max_length=1000)]
     bursts: Annotated[list[tuple[Seconds, Above, Part, Literal[0, 1]]], Field(max_length=1000)]
-    model: Model = "muscle"
+    model: Fitted = "muscle"
     population: Population | None = None
 
 
@@ -324,7 +325,7 @@ class ProtocolDesign(Strict):
         list[Annotated[float, Field(ge=5, le=180)]],
         Field(min_length=1, max_length=6),
     ]
-    model: Model = "muscle"
+    model: Fitted = "muscle"
     population: Population = "healthy"
     noise: Noise = 0.5
     aim: Annotated[str, StringConstraints(min_length=1, max_length=200)] = "worst"
@@ -336,7 +337,7 @@ class ProtocolPreview(Strict):
     """A protocol, and who it is for."""
 
     settings: ProtocolSettings
-    model: Model = "muscle"
+    model: Fitted = "muscle"
     population: Population = "healthy"
     noise: Noise = 0.5
 

@@ -9,7 +9,9 @@ from fastapi import APIRouter, Query, Response
 
 from surae import api
 from surae.errors import InputError
+from surae.names import AUTO, FITTED
 from surae.web.curves import plain
+from surae.web.fits import model_title
 from surae.web.project import when
 from surae.web.routes.common import (
     ERRORS,
@@ -39,6 +41,13 @@ _POINTS = 2000
 _PREDICTED = 60_000
 #: Legs that a preview is an average over.
 _LEGS = 6
+#: What the page opens on: within what its device can do.
+_START = ProtocolPreview(
+    settings=ProtocolSettings(
+        profile="everything-35", chirp_amplitude=0.2, rate_hz=125.0, device="achilles"
+    ),
+    model=AUTO,
+)
 _CSV: Responses = {200: {"content": {"text/csv": {}}}}
 
 
@@ -65,7 +74,8 @@ def get_choices() -> dict[str, Any]:
         ],
         "devices": [asdict(choice) for choice in api.DEVICES.values()],
         "populations": ["healthy", "patient"],
-        "models": list(api.SIMULATED_MODELS),
+        "models": [{"name": name, "title": model_title(name)} for name in FITTED],
+        "start": _START.model_dump(),
     }
 
 

@@ -15,9 +15,8 @@ import { active, jobControls, progressText } from "../ui/jobs.js";
 import { verdict } from "../ui/marks.js";
 import { deleteButton, sortable } from "../ui/table.js";
 
-const KEPT = "surae.protocol.2";
+const KEPT = "surae.protocol.3";
 const NUMBERS = ["chirp_amplitude", "chirp_rate", "rate_hz"];
-const START = { settings: { profile: "multi-sine-holds", task: "part-passive", chirp_amplitude: 0.2, chirp_rate: 0.159, range: [-0.9, 0.6], duration: null, rate_hz: 125, device: "achilles", adapt: true }, model: "muscle", population: "healthy", noise: 0.5 };
 const box = byId("error");
 let choices = null;
 /** A kept design that is shown: its plan and limits go with the settings. */
@@ -243,14 +242,13 @@ byId("search").addEventListener("click", () => {
 
 const option = (value, text = value) => h("option", { value }, text);
 attempt(box, async () => {
-  const [known, { models }] = await Promise.all([get("/api/protocols/choices"), get("/api/models")]);
-  choices = known;
+  const known = (choices = await get("/api/protocols/choices"));
   replace(byId("profile"), known.profiles.map((one) => option(one.name)));
   replace(byId("task"), known.tasks.map((one) => option(one.name)));
   replace(byId("device"), option("", "none"), known.devices.map((one) => option(one.name)));
   replace(byId("population"), known.populations.map((one) => option(one.name ?? one)));
-  replace(byId("model"), models.map((one) => option(one.name, one.title)));
-  fill(JSON.parse(localStorage.getItem(KEPT) ?? "null") ?? START);
+  replace(byId("model"), known.models.map((one) => option(one.name, one.title)));
+  fill(JSON.parse(localStorage.getItem(KEPT) ?? "null") ?? known.start);
   const [job] = await active("design");
   if (job) watch(job);
   await Promise.all([preview(), showSaved()]);
