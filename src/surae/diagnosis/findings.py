@@ -7,6 +7,7 @@ import numpy as np
 from surae.diagnosis.quick import QuickFit, percent, quick_fit
 from surae.diagnosis.units import scaled, wrong_units
 from surae.quality import Commanded, Finding, Quality, check_recording
+from surae.quality.kinds import found
 from surae.quality.numeric import quantiles
 from surae.quality.registry import ordered, unfit
 from surae.quality.torque import GRAVITY
@@ -138,9 +139,16 @@ def _signs(
         advice = f"Write sign = -1 for the {' and the '.join(turned)} in the TOML."
         for name in turned:
             recording = scaled(recording, name, -1.0)
-    texts = [text, "The same of the torque, see angle-sign."]
+    texts = [text, "The torque is turned, too: see angle-sign."]
     return [
-        Finding(f"{name}-sign", "error", name, *span, best.r2, "1", message, advice)
+        found(
+            f"{name}-sign",
+            name,
+            span,
+            best.r2,
+            message,
+            advice=advice,
+        )
         for name, message in zip(turned, texts, strict=False)
     ], recording
 
@@ -150,11 +158,13 @@ def _still(signals: Signals) -> Finding | None:
     low, high = quantiles(signals.angle, 0.005, 0.995)
     if high - low >= STILL:
         return None
-    return Finding(
-        "angle-still", "error", "angle", signals.time[0], signals.time[-1], high - low, "rad",
+    return found(
+        "angle-still",
+        "angle",
+        (signals.time[0], signals.time[-1]),
+        high - low,
         f"The angle stays within {np.rad2deg(high - low):.2g}°: a static hold, nothing moves.",
-        "Record a trial that moves; a hold says nothing of stiffness, lengths and relaxation.",
-    )  # fmt: skip
+    )
 
 
 def _zero(recording: Recording, signals: Signals, fit: QuickFit) -> Finding | None:
@@ -164,13 +174,14 @@ def _zero(recording: Recording, signals: Signals, fit: QuickFit) -> Finding | No
     without = quick_fit(recording, signals, zero=False)
     if without is None or without.left < _ZERO_GAIN * fit.left:
         return None
-    return Finding(
-        "torque-offset", "warning", "torque", signals.time[0], signals.time[-1], fit.zero, "Nm",
+    return found(
+        "torque-offset",
+        "torque",
+        (signals.time[0], signals.time[-1]),
+        fit.zero,
         f"The torque's zero is off by about {fit.zero:.2g} Nm: with that taken away R² rises from "
         f"{percent(without.r2)} to {percent(fit.r2)}.",
-        "Set the sensor to zero with the empty footplate and record again, or give the torque an "
-        "offset in the TOML.",
-    )  # fmt: skip
+    )
 
 
 def _borne_out(constant: Finding, fit: QuickFit) -> bool:

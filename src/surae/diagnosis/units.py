@@ -8,6 +8,7 @@ from surae.diagnosis.quick import percent, quick_fit
 from surae.frozen import read_only
 from surae.quality import Finding
 from surae.quality.finding import muscle_name
+from surae.quality.kinds import found
 from surae.quality.numeric import quantile, quantiles
 from surae.quality.registry import unfit
 from surae.quality.trial import signals_of
@@ -60,10 +61,9 @@ def _time_unit(recording: Recording) -> _Righted | None:
         advice = (
             f"The times are in {unit}: name the column time_{unit}, or divide by {1 / factor:g}."
         )
-        told = Finding(
-            "time-unit", "error", "time", angle.time[0], angle.time[-1], seconds, "s", message,
-            advice,
-        )  # fmt: skip
+        told = found(
+            "time-unit", "time", (angle.time[0], angle.time[-1]), seconds, message, advice=advice
+        )
         channels = {
             role: replace(c, time=read_only(c.time * factor))
             for role, c in recording.channels.items()
@@ -85,11 +85,15 @@ def _torque_unit(recording: Recording) -> _Righted | None:
         right = scaled(recording, "torque", factor)
         before, after = (_r2(each) for each in (recording, right))
         numbers = f" R² rises from {before} to {after}." if before and after else ""
-        told = Finding(
-            "torque-unit", "error", "torque", torque.time[0], torque.time[-1], top, "Nm",
+        told = found(
+            "torque-unit",
+            "torque",
+            (torque.time[0], torque.time[-1]),
+            top,
             f"The torque reaches {top:.3g} Nm: taken as {unit}, {top * factor:.3g} Nm.{numbers}",
-            f'Write unit = "{unit}" for the torque in the TOML, or multiply it by {factor:g}.',
-        )  # fmt: skip
+            advice=f'Write unit = "{unit}" for the torque in the TOML, or multiply it by '
+            f"{factor:g}.",
+        )
         return told, right
     return None
 
@@ -118,28 +122,38 @@ def _emg_unit(recording: Recording) -> _Righted | None:
     if others and top > _MUSCLES * max(others):
         factor = 1e-6 if top > 1e4 * max(others) else 1e-3
         unit = "µV" if factor == 1e-6 else "mV"
-        told = Finding(
-            "emg-unit", "error", largest, *span, top, "V",
+        told = found(
+            "emg-unit",
+            largest,
+            span,
+            top,
             f"The EMG of the {muscle} reaches {top:.3g} V, that of the others {max(others):.2g} V: "
             f"taken as {unit}, {top * factor:.2g} V.",
-            f'Write unit = "{unit}" for {largest} in the TOML.',
-        )  # fmt: skip
+            advice=f'Write unit = "{unit}" for {largest} in the TOML.',
+        )
         return told, scaled(recording, largest, factor)
     if others and top * _MUSCLES < max(others):
         return None
     if top <= _SKIN:
         return None
     if top <= _AMPLIFIER:
-        return Finding(
-            "emg-unit", "info", None, *span, top, "V",
+        return found(
+            "emg-unit",
+            None,
+            span,
+            top,
             f"The EMG reaches {top:.2g} V, more than skin gives: mV, or volts behind an amplifier.",
-            "Give the unit or the amplifier's gain if weights are to be compared with other legs.",
-        ), recording  # fmt: skip
-    told = Finding(
-        "emg-unit", "error", None, *span, top, "V",
+            severity="info",
+            advice="Give the unit or the amplifier's gain if weights are to be compared with "
+            "other legs.",
+        ), recording
+    told = found(
+        "emg-unit",
+        None,
+        span,
+        top,
         f"The EMG reaches {top:.3g} V: taken as µV, {top * 1e-6:.2g} V.",
-        'Write unit = "µV" for the EMG in the TOML.',
-    )  # fmt: skip
+    )
     for role in tops:
         recording = scaled(recording, role, 1e-6)
     return told, recording

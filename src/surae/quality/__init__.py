@@ -2,16 +2,19 @@
 
 from surae.quality.commanded import Commanded
 from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped
+from surae.quality.kinds import CODES, KINDS, FindingKind
 from surae.quality.reading import commanded_file, recording_of, recording_or_findings
-from surae.quality.registry import CHECKS, CODES, Check, check_recording
+from surae.quality.registry import CHECKS, Check, check_recording
 
 __all__ = [
     "CHECKS",
     "CODES",
+    "KINDS",
     "SEVERITIES",
     "Check",
     "Commanded",
     "Finding",
+    "FindingKind",
     "Quality",
     "Skipped",
     "check_recording",

@@ -4,6 +4,7 @@ import numpy as np
 
 from surae.quality.emg import REST_VOLTS
 from surae.quality.finding import Finding, Skipped, muscle_name
+from surae.quality.kinds import found
 from surae.quality.numeric import BoolArray, quantile, quantiles, runs, smooth
 from surae.quality.reflex import Reflex, reflex
 from surae.quality.trial import CheckedTrial
@@ -57,18 +58,13 @@ def passive_part(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
         where = np.flatnonzero(active)
         level = float(envelope[active].max())
         findings.append(
-            Finding(
+            found(
                 "passive-not-passive",
-                "warning",
                 channel.role,
-                float(trial.time[where[0]]),
-                float(trial.time[where[-1]]),
+                (trial.time[where[0]], trial.time[where[-1]]),
                 level / top,
-                "1",
                 f"The {muscle_name(muscle)} is active for {seconds:.2g} s of the passive part, up "
                 f"to {100 * level / top:.2g} % of its largest activity.",
-                "Repeat the passive part with the subject relaxed: passive stiffness would be "
-                "overestimated.",
             )
         )
     return tuple(findings)
@@ -96,17 +92,15 @@ def active_part(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
         top = max(quantile(e, 0.98) for e in trial.slow.values())
         unit = trial.recording.channels[f"emg_{next(iter(trial.slow))}"].unit
         return (
-            Finding(
+            found(
                 "active-not-active",
-                "warning",
                 None,
-                trial.start,
-                trial.end,
+                (trial.start, trial.end),
                 top,
-                unit,
                 "No muscle is active at any time.",
-                "Record efforts in both directions; of a passive trial, fix g1 to g4, l0_tri, "
-                "l0_tib, f0 and beta.",
+                unit=unit,
+                advice="Record efforts in both directions; of a passive trial, fix g1 to g4, "
+                "l0_tri, l0_tib, f0 and beta.",
             ),
         )
     findings = []
@@ -133,16 +127,14 @@ def _side(trial: CheckedTrial, name: str, muscles: tuple[str, ...]) -> Finding:
     long = "triceps surae" if name == "triceps" else muscle_name("ta")
     lost = "g2 to g4 and l0_tri" if name == "triceps" else "g1 and l0_tib"
     top = max(quantile(trial.slow[m], 0.98) for m in muscles)
-    return Finding(
+    return found(
         "active-not-active",
-        "warning",
         f"emg_{muscles[0]}",
-        trial.start,
-        trial.end,
+        (trial.start, trial.end),
         top,
-        trial.recording.channels[f"emg_{muscles[0]}"].unit,
         f"The {long} is not active at any time.",
-        f"Record efforts in that direction too, or fix {lost}.",
+        unit=trial.recording.channels[f"emg_{muscles[0]}"].unit,
+        advice=f"Record efforts in that direction too, or fix {lost}.",
     )
 
 
@@ -169,16 +161,12 @@ def _bursts(trial: CheckedTrial) -> tuple[Finding, ...]:
     first = min(stretch[0] for stretch in missed)
     last = max(stretch[1] for stretch in missed) - 1
     return (
-        Finding(
+        found(
             "active-not-active",
-            "warning",
             None,
-            float(trial.time[first]),
-            float(trial.time[last]),
+            (trial.time[first], trial.time[last]),
             len(missed) / total,
-            "1",
             f"{len(missed)} of {total} efforts of the task were not made.",
-            "Repeat the trial, or leave that time out with --exclude.",
         ),
     )
 
@@ -196,16 +184,14 @@ def _stopped(trial: CheckedTrial) -> tuple[Finding, ...]:
     if seconds < STILL_SECONDS or last - first < STILL_SHARE * (len(active) - begun):
         return ()
     return (
-        Finding(
+        found(
             "active-not-active",
-            "warning",
             None,
-            float(trial.time[begun + first]),
-            float(trial.time[begun + last - 1]),
+            (trial.time[begun + first], trial.time[begun + last - 1]),
             seconds,
-            "s",
             f"No muscle is active for {seconds:.2g} s, once efforts have begun.",
-            "Repeat the trial if efforts were asked for: that time says nothing of active muscles.",
+            unit="s",
+            advice="Repeat the trial if efforts were asked for: that time shows no active muscle.",
         ),
     )
 
@@ -234,18 +220,13 @@ def co_contraction(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
         return ()
     where = np.flatnonzero(both)
     return (
-        Finding(
+        found(
             "co-contraction",
-            "warning",
             "emg_ta",
-            float(trial.time[where[0]]),
-            float(trial.time[where[-1]]),
+            (trial.time[where[0]], trial.time[where[-1]]),
             share,
-            "1",
             f"Triceps and tibialis anterior are active together in {100 * share:.0f} % of the time "
             "in which either is.",
-            "Ask for one direction at a time, and look for crosstalk: together, their weights "
-            "cannot be told apart.",
         ),
     )
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from surae.quality.finding import Finding, muscle_name, quantity, weight_of
+from surae.quality.kinds import found
 from surae.quality.numeric import equal_runs, quantile, runs, smooth
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES, Channel
@@ -49,17 +50,16 @@ def kind(trial: CheckedTrial) -> tuple[Finding, ...]:
             if declared == "raw":
                 advice += "; a fit refuses it else, unless all signals are prepared (--prepared)"
             return (
-                Finding(
+                found(
                     "emg-kind",
-                    # An envelope is right where all signals are prepared, as --prepared says.
-                    "error" if declared == "envelope" else "warning",
                     role,
-                    trial.start,
-                    trial.end,
+                    (trial.start, trial.end),
                     float(channel.values.min()),
-                    channel.unit,
                     f"{statement}.",
-                    f"{advice[:1].upper()}{advice[1:]}.",
+                    # An envelope is right where all signals are prepared, as --prepared says.
+                    severity="error" if declared == "envelope" else "warning",
+                    unit=channel.unit,
+                    advice=f"{advice[:1].upper()}{advice[1:]}.",
                 ),
             )
     return ()
@@ -74,17 +74,16 @@ def missing(trial: CheckedTrial) -> tuple[Finding, ...]:
             continue
         is_fixed = weight in trial.recording.fixed
         findings.append(
-            Finding(
+            found(
                 "emg-missing",
-                "info" if is_fixed else "warning",
                 role,
-                trial.start,
-                trial.end,
+                (trial.start, trial.end),
                 None,
-                "",
                 f"There is no EMG of the {muscle_name(muscle)}"
                 + (f"; its weight {weight} is fixed." if is_fixed else "."),
-                "Read the weights of the other muscles with care: they take over what it does."
+                severity="info" if is_fixed else "warning",
+                advice="Read the weights of the other muscles with care: they take over what it "
+                "does."
                 if is_fixed
                 else f"Add the channel, or fix its weight with --fixed {weight}=0.",
             )
@@ -150,17 +149,15 @@ def _dropouts(trial: CheckedTrial, muscle: str, channel: Channel) -> list[Findin
 def _flat(muscle: str, channel: Channel, first: int, last: int, state: str) -> Finding:
     whole = last - first >= len(channel.time) - 1
     span = float(channel.time[last] - channel.time[first])
-    return Finding(
+    return found(
         "emg-flat",
-        "error" if whole else "warning",
         channel.role,
-        float(channel.time[first]),
-        float(channel.time[last]),
+        (channel.time[first], channel.time[last]),
         span,
-        "s",
         f"The EMG of the {muscle_name(muscle)} {state}.",
-        f"Check electrode and cable; fix {weight_of(muscle)} at 0 if the muscle was at rest, "
-        "else record again."
+        severity="error" if whole else "warning",
+        advice=f"Check electrode and cable; fix {weight_of(muscle)} at 0 if the muscle was at "
+        "rest, else record again."
         if whole
         else "Leave that time out of the fit with --exclude, or record again.",
     )
@@ -187,18 +184,14 @@ def clipped(trial: CheckedTrial) -> tuple[Finding, ...]:
             where = np.flatnonzero(at)
             share = count / len(values)
             findings.append(
-                Finding(
+                found(
                     "emg-clipped",
-                    "warning" if share < 1e-3 else "error",
                     channel.role,
-                    float(channel.time[where[0]]),
-                    float(channel.time[where[-1]]),
+                    (channel.time[where[0]], channel.time[where[-1]]),
                     share,
-                    "1",
                     f"{count} samples of the EMG of the {muscle_name(muscle)} stop at "
                     f"{quantity(float(values[where[0]]), channel)}.",
-                    "Lower the amplifier's gain and record again; efforts beyond that level are "
-                    "underestimated.",
+                    severity="warning" if share < 1e-3 else "error",
                 )
             )
             break
@@ -230,18 +223,17 @@ def offset(trial: CheckedTrial) -> tuple[Finding, ...]:
         if ratio <= limit:
             continue
         findings.append(
-            Finding(
+            found(
                 "emg-offset",
-                "warning" if trial.emg_kind == "raw" or ratio > BAD_FLOOR else "info",
                 channel.role,
-                float(channel.time[0]),
-                float(channel.time[-1]),
+                (channel.time[0], channel.time[-1]),
                 level,
-                channel.unit,
                 f"The EMG of the {muscle_name(muscle)} {rest} {quantity(level, channel)} instead "
                 f"of 0 ({100 * ratio:.2g} % of its "
                 + ("standard deviation)." if trial.emg_kind == "raw" else "highest)."),
-                advice,
+                severity="warning" if trial.emg_kind == "raw" or ratio > BAD_FLOOR else "info",
+                unit=channel.unit,
+                advice=advice,
             )
         )
     return tuple(findings)
@@ -273,19 +265,17 @@ def artefact(trial: CheckedTrial) -> tuple[Finding, ...]:
         where = np.flatnonzero(wrong)
         worst = int(np.argmax(np.where(wrong, size, 0.0)))
         findings.append(
-            Finding(
+            found(
                 "emg-artefact",
-                "warning",
                 channel.role,
-                float(channel.time[where[0]]),
-                float(channel.time[where[-1]]),
+                (channel.time[where[0]], channel.time[where[-1]]),
                 float(size[worst]),
-                channel.unit,
                 f"{len(spans)} "
                 + ("artefact" if len(spans) == 1 else "artefacts")
                 + f" in the EMG of the {muscle_name(muscle)}, the largest of "
                 f"{quantity(float(size[worst]), channel)} at {channel.time[worst]:.3f} s.",
-                "Fasten cable and electrode; "
+                unit=channel.unit,
+                advice="Fasten cable and electrode; "
                 + (
                     "fit with --robust."
                     if where[-1] - where[0] > 0.5 * len(size)

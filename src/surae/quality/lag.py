@@ -3,6 +3,7 @@
 import numpy as np
 
 from surae.quality.finding import Finding, Skipped, muscle_name
+from surae.quality.kinds import found
 from surae.quality.numeric import correlation, shifted, smooth
 from surae.quality.torque_model import LONGEST, TorqueModel
 from surae.quality.trial import CheckedTrial
@@ -36,16 +37,12 @@ def torque_lag(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
         return ()
     late = "late" if model.lag > 0.0 else "early"
     return (
-        Finding(
+        found(
             "emg-torque-lag",
-            "error",
             None,
-            trial.start,
-            trial.end,
+            (trial.start, trial.end),
             model.lag,
-            "s",
             f"The EMG is {1e3 * abs(model.lag):.0f} ms too {late} for the torque.",
-            "Check how the devices are synchronised, and shift the time of one file by that much.",
         ),
     )
 
@@ -70,17 +67,13 @@ def electrode_lag(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
 
 
 def _finding(trial: CheckedTrial, muscle: str, lag: float, beside: str) -> Finding:
-    return Finding(
+    return found(
         "electrode-lag",
-        "warning",
         f"emg_{muscle}",
-        trial.start,
-        trial.end,
+        (trial.start, trial.end),
         lag,
-        "s",
         f"The EMG of the {muscle_name(muscle)} is {1e3 * abs(lag):.0f} ms "
         f"{'later' if lag > 0.0 else 'earlier'} than {beside}.",
-        "Check the delay of that sensor, a wireless one above all, and shift its channel.",
     )
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from surae.quality.finding import Finding, Skipped, muscle_name, quantity
+from surae.quality.kinds import found
 from surae.quality.numeric import runs
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES, Channel
@@ -46,19 +47,16 @@ def hum(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
         if amplitude < SMALLEST * rms or amplitude == 0.0:
             continue
         findings.append(
-            Finding(
+            found(
                 "mains-hum",
-                "warning" if amplitude < rms else "error",
                 channel.role,
-                float(channel.time[0]),
-                float(channel.time[-1]),
+                (channel.time[0], channel.time[-1]),
                 amplitude,
-                channel.unit,
                 f"The EMG of the {muscle_name(muscle)} holds a hum of {frequency:.1f} Hz with an "
                 f"amplitude of {quantity(amplitude, channel)} ({amplitude / rms:.2g} of its "
                 "standard deviation).",
-                "Improve the reference electrode and keep cables from power lines; the high-pass "
-                "does not remove it.",
+                severity="warning" if amplitude < rms else "error",
+                unit=channel.unit,
             )
         )
     if slow is not None and not findings:
@@ -138,17 +136,14 @@ def _off(channel: Channel) -> Finding | None:
         return None  # one that hears its muscle again has not come off
     start = float(channel.time[first * size])
     muscle = muscle_name(channel.role.removeprefix("emg_"))
-    return Finding(
+    return found(
         "electrode-off",
-        "error",
         channel.role,
-        start,
-        float(channel.time[min(last * size, len(channel.time) - 1)]),
+        (start, channel.time[min(last * size, len(channel.time) - 1)]),
         now,
-        channel.unit,
         f"The electrode of the {muscle} seems to have come off at {start:.0f} s: from there it "
         f"hears little but the mains, {quantity(now, channel)} at {mains:.0f} Hz.",
-        "Fix the electrode, look at its signal while the muscle works, and record again.",
+        unit=channel.unit,
     )
 
 

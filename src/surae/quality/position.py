@@ -3,6 +3,7 @@
 import numpy as np
 
 from surae.quality.finding import Finding, Skipped
+from surae.quality.kinds import found
 from surae.quality.numeric import runs, smooth
 from surae.quality.trial import IMPOSSIBLE_ANGLE, CheckedTrial
 from surae.recording import Channel
@@ -56,8 +57,13 @@ def units(trial: CheckedTrial) -> tuple[Finding, ...]:
     else:
         return ()
     return (
-        Finding(
-            "angle-units", "error", "angle", trial.start, trial.end, value, "rad", text, advice
+        found(
+            "angle-units",
+            "angle",
+            (trial.start, trial.end),
+            value,
+            text,
+            advice=advice,
         ),
     )
 
@@ -85,17 +91,13 @@ def range_of_motion(trial: CheckedTrial) -> tuple[Finding, ...]:
     text = f"The angle covers {np.rad2deg(span):.0f}°, from {low:.2f} to {high:.2f} rad"
     text += f": {100 * part:.0f} % of what was commanded." if missed and part is not None else "."
     return (
-        Finding(
+        found(
             "rom-not-covered",
-            "warning" if span < SMALL_ROM or missed else "info",
             "angle",
-            trial.start,
-            trial.end,
+            (trial.start, trial.end),
             span,
-            "rad",
             text,
-            "Move through the subject's whole range: stiffness and optimal lengths show at its "
-            "ends.",
+            severity="warning" if span < SMALL_ROM or missed else "info",
         ),
     )
 
@@ -119,18 +121,13 @@ def steps(trial: CheckedTrial) -> tuple[Finding, ...]:
         return ()
     worst = int(jumps[np.argmax(size[jumps])])
     return (
-        Finding(
+        found(
             "position-steps",
-            "error",
             "angle",
-            float(channel.time[jumps[0]]),
-            float(channel.time[jumps[-1] + 1]),
+            (channel.time[jumps[0]], channel.time[jumps[-1] + 1]),
             float(size[worst]),
-            "rad",
             f"The angle jumps {len(jumps)} {'time' if len(jumps) == 1 else 'times'}, by up to "
             f"{size[worst]:.2g} rad within a sample, as when the device has lost its profile.",
-            "Record again with slower motion or less effort; the device followed steps instead of "
-            "the profile.",
         ),
     )
 
@@ -149,17 +146,14 @@ def overshoot(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     if count == 0:
         return ()
     return (
-        Finding(
+        found(
             "overshoot",
-            "warning",
             "angle",
-            first,
-            last,
+            (first, last),
             size,
-            "rad",
             f"{count} {'movement' if count == 1 else 'movements'} shot past where they came to "
             f"rest, by up to {size:.2g} rad.",
-            _ADVICE,
+            advice=_ADVICE,
         ),
     )
 
@@ -202,17 +196,15 @@ def _departure(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     where = np.flatnonzero(wrong)
     size = float(left[wrong].max())
     return (
-        Finding(
+        found(
             "overshoot",
-            "warning" if size < 0.1 * span else "error",
             "angle",
-            float(time[where[0]]),
-            float(time[where[-1]]),
+            (time[where[0]], time[where[-1]]),
             size,
-            "rad",
             f"The angle leaves {asked.name} by up to {size:.2g} rad ({100 * size / span:.2g} % of "
             "its range).",
-            _ADVICE,
+            severity="warning" if size < 0.1 * span else "error",
+            advice=_ADVICE,
         ),
     )
 

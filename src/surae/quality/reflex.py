@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.quality.finding import Finding, Skipped
+from surae.quality.kinds import found
 from surae.quality.numeric import BoolArray, correlation, quantile, shifted, smooth
 from surae.quality.trial import CheckedTrial
 from surae.recording import MUSCLES
@@ -61,18 +62,13 @@ def suspected(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     where = np.flatnonzero(reflexes.explained)
     first, last = (where[0], where[-1]) if where.size else (0, len(trial.time) - 1)
     return (
-        Finding(
+        found(
             "reflex-suspected",
-            "warning",
             f"emg_{trial.triceps[0]}",
-            float(trial.time[first]),
-            float(trial.time[last]),
+            (trial.time[first], trial.time[last]),
             reflexes.delay,
-            "s",
             f"The triceps answers stretches {1e3 * reflexes.delay:.0f} ms later "
             f"({reflexes.events} stretches): probably a reflex.",
-            "Stretch more slowly for passive parameters; with reflexes, activity and stretch are "
-            "not independent.",
         ),
     )
 

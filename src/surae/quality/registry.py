@@ -19,50 +19,37 @@ _SLOWEST = 5.0
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """A check: the codes of what it finds, a function, and what it looks for, in a few words."""
+    """A check: the codes of what it finds (see `KINDS`), and its function."""
 
     codes: tuple[str, ...]
     run: Callable[[CheckedTrial], tuple[Finding, ...] | Skipped]
-    looks_for: str
 
 
-#: Of the signals.
+#: Of the signals; those of the time axis need no signal that can be read, and quick fits make the
+#: rest (`surae.diagnosis`).
 CHECKS: tuple[Check, ...] = (
-    Check(("emg-kind",), emg.kind, "raw EMG declared an envelope, or the other way round"),
-    Check(("emg-missing",), emg.missing, "muscles without EMG"),
-    Check(("emg-flat",), emg.flat, "EMG that is constant, for a while or throughout"),
-    Check(("emg-clipped",), emg.clipped, "EMG at the amplifier's limit"),
-    Check(("emg-offset",), emg.offset, "EMG that does not rest at zero"),
-    Check(("emg-artefact",), emg.artefact, "spikes and swings of cables and skin"),
-    Check(("mains-hum",), mains.hum, "50 or 60 Hz in the EMG"),
-    Check(("electrode-off",), mains.off, "an electrode that comes off during the trial"),
-    Check(("electrode-lag",), lag.electrode_lag, "one electrode later than the others"),
-    Check(("emg-torque-lag",), lag.torque_lag, "EMG and torque out of step"),
-    Check(("torque-limit",), torque.limit, "torque at the device's limit"),
-    Check(("torque-artefact",), torque.artefact, "torque that neither EMG nor angle explain"),
-    Check(("torque-sign",), torque.sign, "torque of the wrong sign"),
-    Check(("torque-offset",), torque.offset, "torque that gravity does not explain"),
-    Check(("angle-units",), position.units, "degrees for radians, or another zero"),
-    Check(("rom-not-covered",), position.range_of_motion, "a small range of motion"),
-    Check(("position-steps",), position.steps, "steps instead of the profile"),
-    Check(("overshoot",), position.overshoot, "angles beside the commanded profile"),
-    Check(("passive-not-passive",), activity.passive_part, "activity while relaxed"),
-    Check(("active-not-active",), activity.active_part, "efforts that were not made"),
-    Check(("co-contraction",), activity.co_contraction, "both sides active throughout"),
-    Check(("reflex-suspected",), reflex.suspected, "bursts that follow stretches"),
-)
-
-#: Of the time axis, which need no signal that can be read.
-TIME_CODES = ("time-gap", "time-jitter", "samples-missing", "trial-too-short")
-
-#: What quick fits say, see `surae.diagnosis`.
-DIAGNOSED_CODES = ("angle-sign", "angle-still", "torque-unit", "emg-unit", "time-unit")
-
-#: Every code that a finding can have.
-CODES: tuple[str, ...] = (
-    *(code for check in CHECKS for code in check.codes),
-    *TIME_CODES,
-    *DIAGNOSED_CODES,
+    Check(("emg-kind",), emg.kind),
+    Check(("emg-missing",), emg.missing),
+    Check(("emg-flat",), emg.flat),
+    Check(("emg-clipped",), emg.clipped),
+    Check(("emg-offset",), emg.offset),
+    Check(("emg-artefact",), emg.artefact),
+    Check(("mains-hum",), mains.hum),
+    Check(("electrode-off",), mains.off),
+    Check(("electrode-lag",), lag.electrode_lag),
+    Check(("emg-torque-lag",), lag.torque_lag),
+    Check(("torque-limit",), torque.limit),
+    Check(("torque-artefact",), torque.artefact),
+    Check(("torque-sign",), torque.sign),
+    Check(("torque-offset",), torque.offset),
+    Check(("angle-units",), position.units),
+    Check(("rom-not-covered",), position.range_of_motion),
+    Check(("position-steps",), position.steps),
+    Check(("overshoot",), position.overshoot),
+    Check(("passive-not-passive",), activity.passive_part),
+    Check(("active-not-active",), activity.active_part),
+    Check(("co-contraction",), activity.co_contraction),
+    Check(("reflex-suspected",), reflex.suspected),
 )
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from surae.errors import InputError
 from surae.frozen import read_only
 from surae.quality.finding import Finding
+from surae.quality.kinds import found
 from surae.quality.numeric import quantile
 from surae.recording import Channel, Recording
 from surae.signals.timebase import GAP_STEPS, UNIFORM_STEPS, timing
@@ -54,18 +55,14 @@ def axis_findings(channel: Channel) -> list[Finding]:
     if gaps.size:
         worst = int(gaps[np.argmax(steps[gaps])])
         findings.append(
-            Finding(
+            found(
                 "time-gap",
-                "error",
                 _name(channel),
-                float(time[gaps[0]]),
-                float(time[gaps[-1] + 1]),
+                (time[gaps[0]], time[gaps[-1] + 1]),
                 lost,
-                "s",
                 f"{len(gaps)} {'gap' if len(gaps) == 1 else 'gaps'} in time, the longest from "
                 f"{time[worst]:.4f} to {time[worst + 1]:.4f} s where a sample every "
                 f"{1e3 * step:.3g} ms is expected.",
-                "Use a part without a gap, or record again: signals across a gap are not known.",
             )
         )
     back = int((steps <= 0.0).sum())
@@ -77,18 +74,14 @@ def axis_findings(channel: Channel) -> list[Finding]:
         jitter = _jitter(time, gaps)
     if jitter > JITTER * step:
         findings.append(
-            Finding(
+            found(
                 "time-jitter",
-                "warning" if jitter < BAD_JITTER * step else "error",
                 _name(channel),
-                float(time[0]),
-                float(time[-1]),
+                (time[0], time[-1]),
                 jitter,
-                "s",
                 f"Time stamps scatter by {1e3 * jitter:.2g} ms about even steps of "
                 f"{1e3 * step:.3g} ms ({100 * jitter / step:.2g} %).",
-                "Take the time from the sample counter of the device, not from the computer's "
-                "clock.",
+                severity="warning" if jitter < BAD_JITTER * step else "error",
             )
         )
     return findings
@@ -121,17 +114,16 @@ def _explained(channel: Channel) -> bool:
 
 
 def _disorder(channel: Channel, back: int, step: float) -> Finding:
-    return Finding(
+    return found(
         "time-jitter",
-        "error",
         _name(channel),
-        float(channel.time.min()),
-        float(channel.time.max()),
+        (channel.time.min(), channel.time.max()),
         float(back),
-        "1",
         f"Time does not increase at {back} of {len(channel.time)} samples"
         + (f", of which one is expected every {1e3 * step:.3g} ms." if step > 0.0 else "."),
-        "Sort out which samples are repeated or swapped; no fit reads such a file.",
+        severity="error",
+        unit="1",
+        advice="Sort out which samples are repeated or swapped; no fit reads such a file.",
     )
 
 
@@ -147,16 +139,14 @@ def too_short(recording: Recording) -> tuple[Finding, ...]:
     if seconds >= SHORT:
         return ()
     return (
-        Finding(
+        found(
             "trial-too-short",
-            "warning" if seconds >= TOO_SHORT else "error",
             None,
-            start,
-            end,
+            (start, end),
             seconds,
-            "s",
             f"The trial lasts {seconds:.3g} s: too short to see tissue relax with tau_rel, which "
             "is 1 to 10 s.",
-            f"Record {SHORT:g} s or more with holds, or fix tau_rel and k_rel.",
+            severity="warning" if seconds >= TOO_SHORT else "error",
+            advice=f"Record {SHORT:g} s or more with holds, or fix tau_rel and k_rel.",
         ),
     )

@@ -7,6 +7,7 @@ import numpy as np
 from surae.protocol import DEVICES
 from surae.quality.baseline import baseline
 from surae.quality.finding import Finding, Skipped
+from surae.quality.kinds import found
 from surae.quality.numeric import IndexArray, correlation, equal_runs, quantile
 from surae.quality.torque_model import passive_columns
 from surae.quality.trial import CheckedTrial
@@ -54,17 +55,12 @@ def limit(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
         top = float(side.max())
         device = f", the limit of {most:g} Nm" if abs(top - most) <= 4.0 * _BAND * most else ""
         return (
-            Finding(
+            found(
                 "torque-limit",
-                "error",
                 "torque",
-                float(channel.time[where[0]]),
-                float(channel.time[where[-1]]),
+                (channel.time[where[0]], channel.time[where[-1]]),
                 top,
-                "Nm",
                 f"The torque goes no further than {top:.3g} Nm{device}, in {len(where)} samples.",
-                "Ask for less effort or a slower motion and record again; at its limit the device "
-                "no longer follows the profile.",
             ),
         )
     return ()
@@ -119,16 +115,13 @@ def artefact(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
 
 def _artefact(trial: CheckedTrial, start: float, end: float, value: float, text: str) -> Finding:
     apart = end - start < 0.5 * (trial.end - trial.start)
-    return Finding(
+    return found(
         "torque-artefact",
-        "warning",
         "torque",
-        start,
-        end,
+        (start, end),
         value,
-        "Nm",
         text,
-        "Look at the torque there; "
+        advice="Look at the torque there; "
         + (
             "leave that time out with --exclude, or fit with --robust."
             if apart
@@ -164,17 +157,13 @@ def sign(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     if wrong is None:
         return ()
     return (
-        Finding(
+        found(
             "torque-sign",
-            "error",
             "torque",
-            trial.start,
-            trial.end,
+            (trial.start, trial.end),
             strength,
-            "Nm" if shown else "1",
             f"The torque has the wrong sign: {wrong}.",
-            "Write sign = -1 for the torque (positive when the triceps pulls), or for the angle "
-            "(positive in dorsiflexion) if that is turned.",
+            unit="Nm" if shown else "1",
         ),
     )
 
@@ -199,17 +188,12 @@ def offset(trial: CheckedTrial) -> tuple[Finding, ...] | Skipped:
     if beyond + UNCERTAIN < FOLLOWED * rest.spread:
         return Skipped("torque-offset", "EMG and angle explain too little of the torque to tell.")
     return (
-        Finding(
+        found(
             "torque-offset",
-            "warning",
             "torque",
-            trial.start,
-            trial.end,
+            (trial.start, trial.end),
             level,
-            "Nm",
             f"The constant part of the torque is {level:.2g} Nm; foot and footplate make 1.8 to "
             "4.4 Nm.",
-            "Set the sensor to zero with the empty footplate and record again, or give the torque "
-            "an offset in the TOML.",
         ),
     )
