@@ -39,7 +39,7 @@ from surae.live.pages import ServedRoom
 from surae.live.recorder import Recorder
 from surae.live.room import Room
 from surae.live.showing import Showing
-from surae.live.xdf import mended
+from surae.recording.xdf_writing import mended
 
 RATE, CHANNELS = 2048.0, 8
 #: Nothing is waited for longer [s].

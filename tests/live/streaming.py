@@ -15,9 +15,9 @@ from answering import Answering
 from surae.live.lsl import SESSION, outlet
 from surae.live.pages import ServedRoom, create_app
 from surae.live.recorder import Recorder
-from surae.live.xdf import XdfLog
 from surae.processes import End
 from surae.recording import Recording
+from surae.recording.xdf_writing import XdfLog
 from surae.web.security import Policy
 
 XML = (

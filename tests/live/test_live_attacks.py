@@ -21,8 +21,8 @@ from surae.live.room import Room
 from surae.live.showing import Showing
 from surae.live.stream import Stream
 from surae.live.trials import Trials, silent
-from surae.live.xdf import XdfLog
 from surae.recording import read
+from surae.recording.xdf_writing import XdfLog
 
 CODES = {"angle": 1.0, "torque": 2.0, "emg_sol": 3.0}
 UNITS = {"angle": "rad", "torque": "Nm", "emg_sol": "V"}
@@ -30,7 +30,10 @@ LABELS = ("angle", "torque", "emg_sol")
 
 
 class Device:
-    """A stream each of whose channels sends its own code; `source` is what LSL knows it by."""
+    """A stream each of whose channels sends its own code; `source` is what LSL knows it by.
+
+    It must outlive who records it: LSL may crash who ends a stream while it is sent.
+    """
 
     def __init__(self, lsl, labels=LABELS, units=None, rate=100.0, kind="double64", source="dev"):
         info = lsl.StreamInfo(source, "x", len(labels), rate, kind, source)
@@ -68,6 +71,15 @@ class Device:
 
 def of(recorder, name="dev") -> Stream | None:
     return next((s for s in recorder.streams.values() if s.name == name), None)
+
+
+def returned(recorder, device: Device) -> None:
+    """Have the stream lost and found again as another device's, which has its source."""
+    before = of(recorder)
+    time.sleep(0.5)  # it is known by then
+    lost = before.uid
+    recorder._lose(before)
+    device.until(lambda: heard(recorder) and of(recorder).uid != lost)
 
 
 def heard(recorder, name="dev") -> bool:
@@ -114,13 +126,9 @@ def test_a_stream_that_returns_with_another_layout_is_another_stream(lsl, tmp_pa
     with recording(tmp_path, told) as recorder:
         device = Device(lsl)
         device.until(lambda: heard(recorder))
-        first = of(recorder)
-        del device
-        waited(lambda: first.state == "lost")
         again = Device(lsl, **other)
-        again.until(lambda: heard(recorder))
+        returned(recorder, again)
         assert "came back as another stream" in of(recorder).health(recorder.clock())["remark"]
-        del again
     found = columns(tmp_path / "a.xdf")
     assert set(found) == {
         *(f"dev: {label}" for label in LABELS),
@@ -134,11 +142,10 @@ def test_a_stream_that_returns_with_another_layout_is_another_stream(lsl, tmp_pa
 def test_a_stream_that_returns_as_it_was_goes_on(lsl, tmp_path) -> None:
     told: list[tuple[str, dict]] = []
     with recording(tmp_path, told) as recorder:
-        for _ in range(2):
-            device = Device(lsl)
-            device.until(lambda: heard(recorder))
-            del device
-            waited(lambda: of(recorder).state == "lost")
+        device = Device(lsl)
+        device.until(lambda: heard(recorder))
+        again = Device(lsl)
+        returned(recorder, again)
     assert set(columns(tmp_path / "a.xdf")) == {f"dev: {label}" for label in LABELS}
     assert "layout" not in [event for event, _ in told]
 
@@ -169,15 +176,13 @@ def judged_at_once(lsl, tmp_path, monkeypatch):
 def test_a_trial_in_which_the_layout_changed_is_repeated(lsl, judged_at_once) -> None:
     trials = Trials(judged_at_once, joint=False)
     try:
-        device = Device(lsl)
-        device.until(lambda: heard(trials.recorder))
+        first = Device(lsl)
+        first.until(lambda: heard(trials.recorder))
         trials.start()
         before = of(trials.recorder).received
-        device.until(lambda: of(trials.recorder).received > before)
-        del device
-        waited(lambda: of(trials.recorder).state == "lost")
+        first.until(lambda: of(trials.recorder).received > before)
         device = Device(lsl, ("torque", "angle"))
-        device.until(lambda: heard(trials.recorder))
+        returned(trials.recorder, device)
         told = trials.stop().result(20)
         assert (told["verdict"], "came back as another stream" in told["advice"]) == (
             "repeat",

@@ -9,8 +9,8 @@ import pytest
 import pyxdf
 from streaming import described
 
-from surae.live.xdf import XdfLog, mended
 from surae.recording import read
+from surae.recording.xdf_writing import XdfLog, mended
 
 
 def written(path, *, chunks: int = 20, offset: float = 0.5) -> np.ndarray:

@@ -33,8 +33,8 @@ _OF_MOVEMENT = (
 
 def warm() -> None:
     """Judge a made-up trial, so that the first real one waits for nothing to be compiled."""
-    from surae.live.xdf import XdfLog
     from surae.protocol import Protocol, generate
+    from surae.recording.xdf_writing import XdfLog
     from surae.studies import virtual_recording, virtual_subject
 
     protocol = Protocol(profile="multiple-holds", task="active", duration=10.0, rate_hz=1024.0)

@@ -15,11 +15,11 @@ class Laboratory:
 
     Parameters
     ----------
-    seed, population : int, str
+    seed : int
         Whose leg it is.
     """
 
-    def __init__(self, seed: int = 1, population: str = "healthy") -> None:
+    def __init__(self, seed: int) -> None:
         self._words: Any = outlet("surae control", "Control", [], [], 0.0, CONTROL)
         self._child = Child(calls=None)
         self._told = threading.Condition()
@@ -27,8 +27,7 @@ class Laboratory:
         self._wanted: tuple[int, str] | None = None
         self._loaded: int | None = None
         self._end: End | None = None
-        arguments = {"seed": seed, "population": population}
-        threading.Thread(target=self._run, args=(arguments,), daemon=True).start()
+        threading.Thread(target=self._run, args=({"seed": seed},), daemon=True).start()
 
     @property
     def process(self) -> int | None:

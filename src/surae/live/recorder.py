@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from surae.live.lsl import lsl
 from surae.live.stream import Stream
-from surae.live.xdf import XdfLog
 from surae.processes import where
+from surae.recording.xdf_writing import XdfLog
 from surae.units import FloatArray
 
 #: Streams are asked for samples this often [s], and for their clocks: at first, and then.
@@ -313,6 +313,8 @@ class Recorder:
         """Take a stream, one that was lost or a new one; RuntimeError where it does not answer."""
         inlet = self._lsl.StreamInlet(info, max_buflen=60, recover=False)
         whole = inlet.info(2.0)
+        if whole.uid() != info.uid():  # another one answers at the address of one that has gone
+            return
         inlet.open_stream(2.0)
         with self._lock:
             before, stream = self.streams.get(key), Stream.of(next(self._numbers), whole)

@@ -36,13 +36,9 @@ _OFF, _HUM = 2e-3, 3e-4
 FAULTS = ("electrode-off", "hum", "torque-sign", "angle-sign", "dropout")
 
 
-def run(seed: int, population: str, emg: str = "raw") -> None:
-    """Stream until this process ends.
-
-    `seed` and `population` say whose leg it is, `emg` what the amplifier gives: "raw" or
-    "envelope".
-    """
-    laboratory = _Laboratory(seed, population, emg)
+def run(seed: int) -> None:
+    """Stream the virtual leg of a seed until this process ends."""
+    laboratory = _Laboratory(seed)
     from surae.protocol import Protocol, generate
 
     first = generate(Protocol(profile="sine", task="active", duration=5.0, rate_hz=256.0))
@@ -54,13 +50,12 @@ def run(seed: int, population: str, emg: str = "raw") -> None:
 class _Laboratory:
     """The device, the leg in it and the amplifier."""
 
-    def __init__(self, seed: int, population: str, emg: str) -> None:
+    def __init__(self, seed: int) -> None:
         from surae.studies import realistic_imperfections, virtual_subject
 
         self._lsl = lsl()
-        self._leg = virtual_subject(seed, population)
+        self._leg = virtual_subject(seed)
         self._imperfections = realistic_imperfections(self._leg)
-        self._raw = emg == "raw"
         self._device, self._emg = self._outlets()
         self._looking = self._lsl.ContinuousResolver(prop="source_id", value=CONTROL)
         self._rng = np.random.default_rng(seed)
@@ -90,7 +85,6 @@ class _Laboratory:
             _finer(trajectory),
             seed=trial,
             imperfections=self._imperfections,
-            raw=self._raw,
         )
         signals = np.column_stack([channel.values for channel in recording.channels.values()])
         late = round(_TORQUE_DELAY * _RATE)
@@ -178,8 +172,7 @@ class _Laboratory:
             signals[inside] = self._trial[index[inside]]
             signals[index >= len(self._trial)] = self._trial[-1] * [1, 1, 0, 0, 0, 0]
         signals[:, 1] += 0.05 * self._rng.standard_normal(len(times))
-        noise = 2e-6 * self._rng.standard_normal((len(times), 4))
-        signals[:, 2:] += noise if self._raw else np.abs(noise)
+        signals[:, 2:] += 2e-6 * self._rng.standard_normal((len(times), 4))
         return signals
 
     def _send(self, times: FloatArray, signals: FloatArray) -> None:

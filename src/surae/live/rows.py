@@ -14,13 +14,6 @@ from surae.web.rows import plain
 _LARGEST = 4 * 2**20
 
 
-class _Mark(BaseModel):
-    model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
-
-    at: float
-    text: str
-
-
 class _Trial(BaseModel):
     """Nothing is taken for what it is not; what a newer surae adds is left as it is."""
 
@@ -28,20 +21,18 @@ class _Trial(BaseModel):
 
     trial: int
     state: str
-    marks: list[_Mark]
+    marks: list[dict[str, Any]]
     effort: Literal["maximal", "passive"] | None = None
     protocol: str | None = None
     file: str | None = Field(None, min_length=1)
     note: str | None = None
     verdict: Literal["keep", "look", "repeat"] | None = None
-    use: str | None = None
     why: str | None = None
     advice: str | None = None
     grade: str | None = None
     vaf: float | None = None
     findings: list[dict[str, Any]] = []
     reasons: list[str] = []
-    recording: str | None = None
 
 
 def trial_of(path: Path, number: int) -> dict[str, Any] | None:

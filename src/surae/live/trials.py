@@ -25,9 +25,9 @@ from surae.live.recorder import Recorder, Show, Tell
 from surae.live.rows import trial_of
 from surae.live.stream import Stream
 from surae.live.target import KIND
-from surae.live.xdf import mended
 from surae.processes import Child, End
 from surae.recording import ROLES
+from surae.recording.xdf_writing import mended
 from surae.units import FACTORS, kind, plain
 
 #: After the end of a trial, the samples of its last moments are waited for so long at most [s].

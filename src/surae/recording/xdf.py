@@ -19,9 +19,9 @@ from surae.errors import InputError
 from surae.recording.foreign import Parsed, foreign_table, optional, packed, printable, untrusted
 from surae.recording.source import Source
 from surae.recording.table import Table
+from surae.recording.xdf_layout import MAGIC, WIDTHS, end_of_chunks, stamped_rows
 from surae.units import FloatArray
 
-_MAGIC = b"XDF:"
 #: A stamp further than this from a uniform axis [s] is no jitter.
 MOST_JITTER_S = 0.05
 #: A step of a clock's offset that stays for three measurements, and is larger than this [s] and
@@ -34,7 +34,7 @@ _STAY, _STEP, _STEP_PERIODS, _SCATTER = 0.5, 0.005, 3.0, 3.0
 
 def recognises(source: Source) -> bool:
     """Whether it begins as XDF does."""
-    return source.data.startswith(_MAGIC)
+    return source.data.startswith(MAGIC)
 
 
 def open_table(source: Source) -> Table:
@@ -71,13 +71,9 @@ def parse(data: bytes, shown: str) -> dict[str, Any]:
 
 def _require_whole(data: bytes, shown: str) -> None:
     """Check that the file ends where its last chunk does."""
-    at = len(_MAGIC)
-    while at < len(data):
-        width = data[at] if data[at] in (1, 4, 8) else 0
-        end = at + 1 + width + int.from_bytes(data[at + 1 : at + 1 + width], "little")
-        if not width or end > len(data) or end == at + 1 + width:
-            raise InputError(f"{shown}: the file is cut short or damaged at byte {at}")
-        at = end
+    at = end_of_chunks(io.BytesIO(data))
+    if at < len(data):
+        raise InputError(f"{shown}: the file is cut short or damaged at byte {at}")
 
 
 class _Complaints(logging.Handler):
@@ -141,13 +137,10 @@ def _chunk_at_once(slow: Callable[..., Any]) -> Callable[..., Any]:
     def chunk(file: Any, stream: Any) -> Any:
         begin = file.tell()
         width = file.read(1)[:1]
-        if stream.fmt != "string" and width in (b"\1", b"\4", b"\x08"):
+        if stream.fmt != "string" and width and width[0] in WIDTHS:
             count = int.from_bytes(file.read(width[0]), "little")
             kind = np.dtype(stream.dtype)
-            row = np.dtype(
-                [("bytes", "u1"), ("stamp", "<f8"),
-                 ("values", kind.newbyteorder("<"), (stream.nchns,))]
-            )  # fmt: skip
+            row = stamped_rows(kind, stream.nchns)
             data = file.read(count * row.itemsize)
             if count and len(data) == count * row.itemsize:
                 rows = np.frombuffer(data, row)

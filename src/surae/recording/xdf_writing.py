@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from surae.recording.xdf_layout import MAGIC, end_of_chunks, stamped_rows
 from surae.units import FloatArray
 
-_MAGIC = b"XDF:"
 _HEADER = b'<?xml version="1.0"?><info><version>1.0</version></info>'
 _FILE, _STREAM, _SAMPLES, _CLOCK, _BOUNDARY = 1, 2, 3, 4, 5
 #: Where readers find their way back after damage.
@@ -55,11 +55,7 @@ class XdfLog:
 
     def samples(self, number: int, stamps: FloatArray, values: npt.NDArray[Any]) -> None:
         """Add samples of numbers, shape (n, channels), with a stamp each [s]."""
-        kind = np.dtype(
-            [("bytes", "u1"), ("stamp", "<f8"),
-             ("values", values.dtype.newbyteorder("<"), values.shape[1:])]
-        )  # fmt: skip
-        rows = np.empty(len(stamps), kind)
+        rows = np.empty(len(stamps), stamped_rows(values.dtype, values.shape[1]))
         rows["bytes"], rows["stamp"], rows["values"] = 8, stamps, values
         head = struct.pack("<IBI", number, 4, len(stamps))
         self._append(_chunk(_SAMPLES, head + rows.tobytes()))
@@ -105,7 +101,7 @@ class XdfLog:
         """Write a whole chunk, or nothing of it: a full disk takes a part."""
         file = self._make() if self._file is None else self._file
         if not self._size:
-            chunk = _MAGIC + _chunk(_FILE, _HEADER) + chunk
+            chunk = MAGIC + _chunk(_FILE, _HEADER) + chunk
         done = 0
         try:
             while done < len(chunk):
@@ -124,26 +120,16 @@ def mended(path: Path) -> int:
     readers find their way back behind that. Such files are left as they are.
     """
     with path.open("r+b") as file:
-        size = file.seek(0, os.SEEK_END)
-        file.seek(0)
-        if file.read(len(_MAGIC)) != _MAGIC:
+        if file.read(len(MAGIC)) != MAGIC:
             return 0
-        at = len(_MAGIC)
-        while at < size:
-            file.seek(at)
-            head = file.read(9)
-            width = head[0] if head[0] in (1, 4, 8) else 0
-            end = at + 1 + width + int.from_bytes(head[1 : 1 + width], "little")
-            if not width or end > size or end == at + 1 + width:
-                break
-            at = end
-        if at < size:
-            file.seek(at)
-            if _SIGN in file.read():
-                return 0
+        at = file.seek(end_of_chunks(file))
+        torn = file.read()
+        if _SIGN in torn:
+            return 0
+        if torn:
             file.truncate(at)
             os.fsync(file.fileno())
-    return size - at
+    return len(torn)
 
 
 def _chunk(tag: int, content: bytes) -> bytes:
