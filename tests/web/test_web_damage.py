@@ -5,6 +5,7 @@ import errno
 import json
 import os
 import sqlite3
+import subprocess
 import threading
 import time
 from collections import Counter
@@ -15,6 +16,7 @@ import pytest
 
 from surae.errors import ComputationError, InputError
 from surae.processes import NO_ROOM, Child
+from surae.web import upkeep
 from surae.web.database import new_id
 from surae.web.events import Events
 from surae.web.http_errors import RefusedError
@@ -105,6 +107,54 @@ def test_a_database_that_others_share_is_refused(tmp_path) -> None:
     os.link(tmp_path / "p" / "project.db", tmp_path / "q" / "project.db")
     with pytest.raises(InputError, match="others share it"):
         Project(tmp_path / "q")
+
+
+@pytest.mark.parametrize(
+    ("name", "make", "says"),
+    [
+        ("fits", os.mkfifo, "its fits is no folder"),
+        ("uploads", Path.touch, "its uploads is no folder"),
+        ("recordings/x.h5", os.mkfifo, "is a pipe or a device"),
+        ("project.db-wal", os.mkfifo, "is no file of its own"),
+        ("uploads/" + "d/" * 1200, None, "lies too deep"),
+    ],
+)
+def test_what_no_folder_of_ours_holds_is_refused(tmp_path, name, make, says) -> None:
+    """Some of it once ended the program; a pipe would have it wait for ever."""
+    Project(tmp_path / "p").close()
+    path = tmp_path / "p" / name
+    if make is None:
+        at = os.open(tmp_path / "p" / "uploads", os.O_RDONLY)
+        for _ in range(1200):  # longer than a path may be
+            os.mkdir("d", dir_fd=at)
+            at, above = os.open("d", os.O_RDONLY, dir_fd=at), at
+            os.close(above)
+        os.close(at)
+    else:
+        if path.is_dir():
+            path.rmdir()
+        make(path)
+    for attempt in (Project, upkeep.check, upkeep.repair):
+        with pytest.raises(InputError, match=says):
+            attempt(tmp_path / "p")
+    subprocess.run(["rm", "-rf", tmp_path / "p"], check=True)
+
+
+def test_a_row_without_end_is_damaged_and_the_others_are_there(tmp_path) -> None:
+    """Of a stranger's project: 300 MB in one row."""
+    project = Project(tmp_path / "p")
+    project.database.add("subject", SUBJECT)
+    row = ("c" * 16, json.dumps({**SUBJECT, "notes": "x" * 17 * 2**20}))
+    long = "INSERT INTO thing VALUES (?, 'subject', 1.0, 0, ?)"
+    project.database.change("subject", "c" * 16, long, *row)
+    assert [subject["code"] for subject in project.database.all("subject")] == ["S01"]
+    assert project.database.damaged()[0]["problem"] == "it is longer than 16 MiB"
+    project.close()
+    upkeep.repair(tmp_path / "p")
+    assert upkeep.check(tmp_path / "p").problems == ()
+    trash = tmp_path / "p" / "trash"
+    assert (trash / "project.db-1").stat().st_size > 17 * 2**20  # it is there, not said again
+    assert (trash / "project.db-1-rows.json").stat().st_size < 200_000
 
 
 def test_a_link_that_came_while_it_ran_is_refused(tmp_path) -> None:

@@ -31,6 +31,8 @@ def plural(kind: str) -> str:
 
 #: What we put beside the folders, and nobody else does.
 _OURS = {DATABASE, *(f"{DATABASE}-{end}" for end in ("wal", "shm", "journal")), f"{DATABASE}.lock"}
+#: Folders within each other; ours are three at most.
+_DEEPEST = 8
 _KEY = re.compile(r"[0-9a-f]{32,64}")
 
 
@@ -61,11 +63,25 @@ def refuse_foreign(folder: Path, where: str) -> None:
                     "folder, and open the copy"
                 )
         if path.name in FOLDERS:
-            for at, folders, files in os.walk(path):
-                for name in (*folders, *files):
-                    inner = Path(at) / name
-                    if is_link(inner) or not (name in folders or inner.is_file()):
-                        raise _leads_out(cannot, inner, folder)
+            _refuse_within(cannot, path, folder)
+
+
+def _refuse_within(cannot: str, path: Path, folder: Path) -> None:
+    """Refuse what none of our folders holds: links, pipes, devices, and folders without end."""
+    if not path.is_dir():
+        raise InputError(f"{cannot}: its {path.name} is no folder; move it away")
+    within = [path]
+    while within:
+        for inner in within.pop().iterdir():
+            if is_link(inner):
+                raise _leads_out(cannot, inner, folder)
+            name = shown(inner.relative_to(folder))[:80]
+            if inner.is_dir():
+                if len(inner.relative_to(folder).parts) > _DEEPEST:
+                    raise InputError(f"{cannot}: its {name} lies too deep; move it away")
+                within.append(inner)
+            elif not inner.is_file():
+                raise InputError(f"{cannot}: its {name} is a pipe or a device; move it away")
 
 
 def _leads_out(cannot: str, path: Path, folder: Path) -> InputError:

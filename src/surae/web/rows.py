@@ -18,6 +18,8 @@ from surae.web.schemas import DraftChange, ProtocolSettings
 Thing = dict[str, Any]
 
 ID = re.compile(r"[0-9a-f]{16}")
+#: Longest content of a row [characters].
+_LONGEST = 16 * 2**20
 #: Until the year 9999 [s].
 _LAST = 253_402_300_799
 
@@ -208,6 +210,8 @@ def plain(text: object) -> Any:
     """
     if not isinstance(text, str):
         raise ValueError("it is no text")
+    if len(text) > _LONGEST:
+        raise ValueError(f"it is longer than {_LONGEST / 2**20:g} MiB")
     try:
         return _DECODER.decode(text)
     except (ValueError, RecursionError):

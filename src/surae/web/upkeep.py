@@ -26,6 +26,8 @@ from surae.web.places import (
 from surae.web.project import Project
 from surae.web.rows import KINDS, Thing, thing
 
+#: Of a cell that is set aside [characters]; the whole is in the database that is.
+_SHOWN = 100_000
 #: What the database of a copy is called until the copy is whole.
 _UNFINISHED = f"{DATABASE}.unfinished"
 
@@ -234,7 +236,10 @@ def _rebuilt(root: Path) -> list[str]:
     counts, bad, old = rebuild(root / DATABASE, DATABASE, FORMAT, root / "trash" / DATABASE, _wrong)
     lines = [f"{counts['thing']} things read into a new database; the old one is trash/{old.name}"]
     if bad:
-        rows = [{"problem": problem, "row": [repr(cell) for cell in row]} for problem, row in bad]
+        rows = [
+            {"problem": problem, "row": [repr(cell)[:_SHOWN] for cell in row]}
+            for problem, row in bad
+        ]
         write_json(old.with_name(f"{old.name}-rows.json"), {"rows": rows})
         lines.append(f"{len(bad)} damaged rows set aside in trash/{old.name}-rows.json")
     return lines
