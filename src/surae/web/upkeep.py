@@ -236,10 +236,8 @@ def _rebuilt(root: Path) -> list[str]:
     counts, bad, old = rebuild(root / DATABASE, DATABASE, FORMAT, root / "trash" / DATABASE, _wrong)
     lines = [f"{counts['thing']} things read into a new database; the old one is trash/{old.name}"]
     if bad:
-        rows = [
-            {"problem": problem, "row": [repr(cell)[:_SHOWN] for cell in row]}
-            for problem, row in bad
-        ]
+        said = [(problem, [repr(cell)[:_SHOWN] for cell in row]) for problem, row in bad]
+        rows = [{"problem": problem, "row": row} for problem, row in said]
         write_json(old.with_name(f"{old.name}-rows.json"), {"rows": rows})
         lines.append(f"{len(bad)} damaged rows set aside in trash/{old.name}-rows.json")
     return lines
