@@ -316,3 +316,11 @@ def test_a_missing_sample_is_no_rounding(tmp_path):
     (tmp_path / "t.csv").write_text("time_s,angle_rad\n" + rows, encoding="utf-8")
     with pytest.raises(InputError, match="not sampled uniformly"):
         write_bids(tmp_path / "bids", read(tmp_path / "t.csv"))
+
+
+def test_a_table_of_more_columns_than_a_recording_has_is_refused_at_its_header(tmp_path) -> None:
+    path = tmp_path / "x.csv"
+    names = ",".join(f"c{k}" for k in range(10_001))
+    path.write_text(f"time_s,{names}\n" + "0" + ",1" * 10_001 + "\n")
+    with pytest.raises(InputError, match="10001 columns, more than the 10000 that are read"):
+        inspect(path)

@@ -48,6 +48,8 @@ FORMATS: tuple[FormatModule, ...] = (
 )
 
 
+#: Columns of a file.
+_MOST = 10_000
 #: How the names of files end that can hold signals.
 ENDINGS = (
     ".h5", ".hdf5", ".csv", ".tsv", ".txt", ".mat", ".c3d", ".edf", ".bdf", ".xdf", ".poly5",
@@ -80,4 +82,10 @@ def open_table(source: Source) -> Table:
     InputError
         The file is of no supported format or its header is wrong.
     """
-    return next(form for form in FORMATS if form.recognises(source)).open_table(source)
+    table = next(form for form in FORMATS if form.recognises(source)).open_table(source)
+    if len(table.names) > _MOST:
+        raise InputError(
+            f"{source.shown}: {len(table.names)} columns, more than the {_MOST} that are read; "
+            "keep those of the recording"
+        )
+    return table
