@@ -2,14 +2,24 @@
 
 import math
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
 
 from surae.errors import InputError
+from surae.filed import FORMS, filed
 from surae.files import PathLike, read_bytes, shown
+from surae.records import from_plain
 
 
+@filed(
+    max_velocity="max_velocity_rad_s",
+    max_acceleration="max_acceleration_rad_s2",
+    max_torque="max_torque_Nm",
+    bandwidth="bandwidth_Hz",
+    inertia="inertia_kg_m2",
+    chirp_amplitudes="chirp_amplitudes_rad",
+    range_of_motion="range_rad",
+)
 @dataclass(frozen=True, slots=True)
 class Device:
     """A manipulator; None is a limit that isn't known.
@@ -76,17 +86,6 @@ class Device:
         return min(amplitude, dict(self.chirp_amplitudes).get(profile, math.inf))
 
 
-#: Keys of a device's file, and the fields they are.
-_KEYS = {
-    "max_velocity_rad_s": "max_velocity",
-    "max_acceleration_rad_s2": "max_acceleration",
-    "max_torque_Nm": "max_torque",
-    "bandwidth_Hz": "bandwidth",
-    "inertia_kg_m2": "inertia",
-}
-_OTHERS = ("name", "range_rad", "chirp_amplitudes_rad", "sources")
-
-
 def read_device(path: PathLike) -> Device:
     """Read a device's limits from a TOML file.
 
@@ -107,40 +106,23 @@ def read_device(path: PathLike) -> Device:
         toml = tomllib.loads(read_bytes(path).decode("utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{where}: not a TOML file ({error})") from None
-    unknown = [key for key in toml if key not in _KEYS and key not in _OTHERS]
-    if unknown:
-        known = ", ".join((*_OTHERS, *_KEYS))
-        raise InputError(f"{where}: {unknown[0]} is not known of a device; use: {known}")
-    name, sources = toml.get("name"), toml.get("sources", [])
-    if not isinstance(name, str) or not name:
+    keys = {FORMS[Device].names.get(field.name, field.name) for field in fields(Device)}
+    for key in toml.keys() - keys:
+        known = ", ".join(sorted(keys))
+        raise InputError(f"{where}: {key} is not known of a device; use: {known}")
+    if not toml.get("name"):
         raise InputError(f'{where}: give the device a name, e.g. name = "my robot"')
-    if not isinstance(sources, list) or not all(isinstance(text, str) for text in sources):
-        raise InputError(f"{where}: sources must be a list of texts")
     amplitudes = toml.get("chirp_amplitudes_rad", {})
     if not isinstance(amplitudes, dict):
         raise InputError(f"{where}: chirp_amplitudes_rad must be a table of profile = rad")
-    limits = {field: _number(where, key, toml[key]) for key, field in _KEYS.items() if key in toml}
-    span = toml.get("range_rad")
-    if span is not None:
-        if not isinstance(span, list) or len(span) != 2:
-            raise InputError(f"{where}: range_rad must be [low, high]")
-        low, high = (_number(where, "range_rad", end) for end in span)
-        if not low < high:
-            raise InputError(f"{where}: range_rad: low must be below high")
-        span = low, high
-    return Device(
-        name,
-        **limits,
-        chirp_amplitudes=tuple((k, _number(where, k, v)) for k, v in amplitudes.items()),
-        range_of_motion=span,
-        sources=tuple(sources),
-    )
-
-
-def _number(where: str, key: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError(f"{where}: {key} is {value!r}; give a number")
-    return float(value)
+    try:
+        device = from_plain(Device, {**toml, "chirp_amplitudes_rad": list(amplitudes.items())})
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from None
+    span = device.range_of_motion
+    if span is not None and not span[0] < span[1]:
+        raise InputError(f"{where}: range_rad: low must be below high")
+    return device
 
 
 #: Full plantarflexion and dorsiflexion [rad] of a healthy leg.

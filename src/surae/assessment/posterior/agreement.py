@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from surae.assessment.posterior.sample import Posterior
 from surae.errors import InputError
 from surae.files import PathLike, shown
-from surae.records import check_format, read_json
+from surae.records import check_format, from_plain, read_json
 
 #: Ends of intervals agree when they lie within this part of the credible interval's half-width;
 #: with enough draws, chance moves them by less than a third of it.
@@ -83,6 +83,19 @@ def agreements(
     }
 
 
+@dataclass(frozen=True, slots=True)
+class _KeptProfile:
+    value: float
+    interval: tuple[float | None, float | None]
+    variance_inflation: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    model: str
+    profiles: Mapping[str, _KeptProfile]
+
+
 def read_profile_intervals(
     path: PathLike, values: Mapping[str, float], model: str
 ) -> dict[str, ProfileInterval]:
@@ -104,20 +117,19 @@ def read_profile_intervals(
     """
     data = read_json(path)
     check_format(data, path)
-    intervals: dict[str, ProfileInterval] = {}
     try:
-        profiled = data["model"]
-        for name, profile in data["profiles"].items():
-            low, high = (None if end is None else float(end) for end in profile["interval"])
-            if profiled != model or float(profile["value"]) != values.get(name):
-                raise InputError(
-                    f"{shown(path)}: profiles of another fit; profile this one with `surae profile`"
-                )
-            intervals[name] = ProfileInterval((low, high), float(profile["variance_inflation"]))
-    except InputError:
-        raise
-    except (KeyError, TypeError, ValueError, AttributeError):
+        kept = from_plain(_Kept, data)
+    except InputError as error:
         raise InputError(
-            f"{shown(path)}: not a whole PROFILE.json; give one that `surae profile --output` wrote"
+            f"{shown(path)}: not a whole PROFILE.json ({error}); give one that "
+            "`surae profile --output` wrote"
         ) from None
-    return intervals
+    for name, profile in kept.profiles.items():
+        if kept.model != model or profile.value != values.get(name):
+            raise InputError(
+                f"{shown(path)}: profiles of another fit; profile this one with `surae profile`"
+            )
+    return {
+        name: ProfileInterval(own.interval, own.variance_inflation)
+        for name, own in kept.profiles.items()
+    }
