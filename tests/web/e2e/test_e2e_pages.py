@@ -76,6 +76,10 @@ def shut_out(page: Any, name: str, scheme: str, part: str = "html") -> list[str]
     ]
 
 
+#: What the server says of recordings where there are none.
+NONE = {"recordings": [], "also": [], "total": 0}
+
+
 def test_pages_shut_nobody_out_fit_the_screen_and_ask_nobody_else(
     desk: Desk, done: dict[str, str]
 ) -> None:
@@ -264,7 +268,7 @@ def test_a_running_comparison_is_seen_under_its_own_fit(desk: Desk, done: dict[s
 
 def test_the_virtual_subject_is_a_button_away(desk: Desk) -> None:
     page = desk.page
-    page.route("**/api/recordings", lambda route: route.fulfill(json={"recordings": []}))
+    page.route("**/api/recordings?*", lambda route: route.fulfill(json=NONE))
     desk.go("/")
     page.get_by_role("button", name="Try it with the virtual subject").click()
     page.wait_for_url("**/recordings/*")
