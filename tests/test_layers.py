@@ -37,6 +37,7 @@ LAYERS = (
         "threads",
         "units",
         "versions",
+        "words",
         "working_folder",
     ),
     ("recording",),

@@ -1,8 +1,15 @@
 """Answers as tables: text in a console, HTML in a notebook."""
 
+import re
+from importlib.resources import files
+
 import surae
-from surae.quality import Finding, Quality, Skipped
+from surae.assessment import Grade, Verdict
+from surae.measures.change import ChangeVerdict
+from surae.names import LANGUAGES
+from surae.quality import KINDS, SEVERITIES, Finding, Quality, Skipped
 from surae.tables import TextTable
+from surae.words import JUDGEMENTS, Text
 
 
 def test_text_is_aligned_and_numbers_stand_right() -> None:
@@ -29,6 +36,29 @@ def test_findings_are_a_table() -> None:
     assert lines[-1] == "not checked: emg-flat: There is no EMG."
     assert "mains-hum" in quality._repr_html_()
     assert repr(Quality("trial", ())) == "trial: nothing found"
+
+
+def test_every_verdict_and_finding_has_its_word_colour_and_advice() -> None:
+    """In every language of the clinical page, on the screen, on paper and in the workbench."""
+    css = (files("surae.web") / "static" / "css" / "parts.css").read_text(encoding="utf-8")
+    paper = (files("surae.report") / "templates" / "report.css").read_text(encoding="utf-8")
+    js = (files("surae.web") / "static" / "js" / "core" / "format.js").read_text(encoding="utf-8")
+    for word in (*Verdict, *ChangeVerdict):
+        assert JUDGEMENTS[word].clinic is not None
+        assert all(JUDGEMENTS[word].clinic)
+    for word in (*Verdict, *Grade, *SEVERITIES):
+        assert JUDGEMENTS[word].role
+    for word in Verdict:
+        assert f".mark.{word}" in css
+        assert f".verdict.{word}" in paper
+        assert re.search(rf'"?{word}"?: "', js)
+    for grade in Grade:
+        assert f".adequacy.{grade}" in css
+    assert Text._fields == LANGUAGES
+    for kind in KINDS.values():
+        assert kind.looks_for
+        assert kind.advice.endswith(".")
+        assert kind.severity in SEVERITIES
 
 
 def test_an_expectation_is_a_table() -> None:

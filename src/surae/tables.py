@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 from html import escape
 
-_GOOD, _WEAK, _BAD = "#1f8f4d", "#a86e00", "#c0392b"
+from surae.words import JUDGEMENTS
+
 #: Colours of words that judge, which can be told on white and on black.
-_COLOURS = {
-    "identified": _GOOD, "changed": _GOOD, "weak": _WEAK, "undetermined": _WEAK,
-    "warning": _WEAK, "at-bound": _BAD, "error": _BAD,
-}  # fmt: skip
+_COLOURS = {"good": "#1f8f4d", "weak": "#a86e00", "bad": "#c0392b", "quiet": "inherit"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +48,7 @@ class TextTable:
 
     def _cell(self, head: str, cell: str) -> str:
         side = "right" if head in self.numbers else "left"
-        colour = _COLOURS.get(cell, "inherit")
+        colour = _COLOURS[JUDGEMENTS[cell].role] if cell in JUDGEMENTS else "inherit"
         return f"<td style='text-align:{side};color:{colour}'>{escape(cell)}</td>"
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 from surae import api
 from surae.files import shown
 from surae.tables import TextTable
+from surae.words import JUDGEMENTS
 
 if TYPE_CHECKING:  # rich comes with the first table
     from rich.console import Console, OverflowMethod, RenderableType
@@ -17,14 +18,8 @@ if TYPE_CHECKING:  # rich comes with the first table
 
 #: What a table says: its headings, and the texts of its rows.
 Columns = tuple[tuple[str, ...], list[tuple[str, ...]]]
-#: Style of a verdict, by its text.
-_STYLES = {
-    "identified": "green", "weak": "yellow", "undetermined": "magenta", "at-bound": "red",
-    "fixed": "dim", "holds": "green", "differs": "red", "cannot be checked": "yellow",
-    "changed": "green", "no change shown": "yellow", "not comparable": "dim",
-}  # fmt: skip
-#: Style of the sentence on a whole fit, by its grade.
-_GRADES = {"adequate": "green", "doubtful": "yellow", "inadequate": "bold red"}
+#: Style of a word that judges.
+_STYLES = {"good": "green", "weak": "yellow", "bad": "red", "quiet": "dim"}
 #: How steps begin that are shown: what the user asked for, not what every fit does.
 _REQUESTS = ("Weights: ", "Mass m ", "EMG normalised: ")
 #: Width where stdout is no terminal and COLUMNS is not set.
@@ -95,7 +90,11 @@ def show_adequacy(adequacy: "api.Adequacy") -> None:
 
     words = api.adequacy_words(adequacy)
     reasons = (Padding(Text(f"– {reason}"), (0, 0, 0, 2)) for reason in words.reasons)
-    _print(_console(), Text(f"{words.mark} {words.sentence}", _GRADES[words.grade]), *reasons)
+    _print(
+        _console(),
+        Text(f"{words.mark} {words.sentence}", _STYLES[JUDGEMENTS[words.grade].role]),
+        *reasons,
+    )
 
 
 def _weighted(vaf: float | None) -> str:
@@ -279,7 +278,7 @@ def _unknown(fit: "api.Fit", width: int) -> list[str]:
 def _verdict(text: str) -> "Text":
     from rich.text import Text
 
-    return Text(text, _STYLES.get(text, ""))
+    return Text(text, _STYLES[JUDGEMENTS[text].role] if text in JUDGEMENTS else "")
 
 
 def _side(left: bool) -> Literal["left", "right"]:

@@ -9,15 +9,7 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from surae.model.parameters import OPTIONAL
-
-
-class Text(NamedTuple):
-    """One sentence in every language of the page for clinicians."""
-
-    en: str
-    nl: str
-    de: str
-    fr: str
+from surae.words import Text
 
 
 class Fill(NamedTuple):

@@ -38,6 +38,7 @@ from surae.report.document import (
     paragraphs,
     rows_of,
 )
+from surae.words import JUDGEMENTS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -56,6 +57,11 @@ class Words:
         """A sentence, filled in."""
         text = sentences()[key][self.language]
         return text.format(**given) if given else text
+
+    def judgement(self, verdict: str) -> str:
+        """What the page says for a verdict."""
+        text: str = getattr(JUDGEMENTS[verdict].clinic, self.language)
+        return text
 
     def number(self, text: str) -> str:
         """A number as it is written here."""
@@ -321,7 +327,7 @@ def _measured(m: Measure, adequacy: Adequacy, words: Words) -> ShownRow:
     interval = NO_NUMBER if low == NO_NUMBER else f"{low} … {high}"
     strong = m.verdict is Verdict.IDENTIFIED and adequacy.grade is not Grade.INADEQUATE
     return ShownRow(
-        words.measure(m.name), (f"{value}{unit}", interval), words(str(m.verdict)), strong
+        words.measure(m.name), (f"{value}{unit}", interval), words.judgement(m.verdict), strong
     )
 
 
@@ -338,7 +344,9 @@ def _differing(d: Difference, words: Words, *, legs: bool) -> ShownRow:
         change = (words.number(text.value), words.number(text.interval))
     strong = d.verdict is ChangeVerdict.CHANGED
     judged = d.smallest is not None or d.difference is None
-    verdict = words("differs" if strong and legs else str(d.verdict)) if judged else NO_NUMBER
+    verdict = NO_NUMBER
+    if judged:
+        verdict = words("differs") if strong and legs else words.judgement(d.verdict)
     return ShownRow(words.measure(d.name), (*both, *change), verdict, strong)
 
 
