@@ -31,6 +31,7 @@ LAYERS = (
         "processes",
         "progress",
         "records",
+        "requests",
         "runner",
         "setting",
         "tables",

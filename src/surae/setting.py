@@ -1,11 +1,13 @@
 """One record for each setting: option, form, schema, keyword and documentation are made from it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
+from inspect import Parameter, signature
 from types import NoneType, UnionType
 from typing import Any, TypeVar, get_args, get_origin
 
 T = TypeVar("T")
+F = TypeVar("F", bound=Callable[..., Any])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,15 +60,14 @@ def parts_of(annotation: Any) -> tuple[Any, ...]:
     return get_args(annotation) if isinstance(annotation, UnionType) else (annotation,)
 
 
-def described(kind: Any, indent: str, *, keywords: bool = False, without: str = "") -> str:
+def _described(kind: Any, *, keywords: bool = False, without: Collection[str] = ()) -> str:
     """The settings of a request as a numpydoc section has them; of keywords with their defaults."""
     from textwrap import wrap
 
-    lines = []
+    lines, inner = list[str](), " " * 8
     for each, record in settings_of(kind):
-        if each.name != without:
-            lines.append(f"{indent}{each.name} : {_type(each, record, keywords)}")
-            inner = f"{indent}    "
+        if each.name not in without:
+            lines.append(f"    {each.name} : {_type(each, record, keywords)}")
             lines += wrap(record.meaning, 100, initial_indent=inner, subsequent_indent=inner)
     return "\n".join(lines)
 
@@ -94,5 +95,30 @@ def _name(part: Any) -> str:
 
 def documented(kind: type[T]) -> type[T]:
     """Have the docstring of a request describe its settings, where it says ``{settings}``."""
-    kind.__doc__ = (kind.__doc__ or "").replace("    {settings}", described(kind, "    "))
+    kind.__doc__ = (kind.__doc__ or "").replace("    {settings}", _described(kind))
     return kind
+
+
+def takes(*requests: Any, defaults: bool = True) -> Callable[[F], F]:
+    """Have the keywords of a function stand for all settings of requests, for help and completion.
+
+    Where its docstring says ``{settings}``, it describes them. Without `defaults` they are None in
+    its signature: not given.
+    """
+
+    def decorate(function: F) -> F:
+        own = [p for p in signature(function).parameters.values() if p.kind is not p.VAR_KEYWORD]
+        there = {p.name for p in own}
+        added = [
+            Parameter(each.name, Parameter.KEYWORD_ONLY, annotation=each.type,
+                      default=default_of(each) if defaults else None)
+            for request in requests
+            for each, _ in settings_of(request)
+            if each.name not in there
+        ]  # fmt: skip
+        vars(function)["__signature__"] = signature(function).replace(parameters=[*own, *added])
+        text = "\n".join(_described(each, keywords=True, without=there) for each in requests)
+        function.__doc__ = (function.__doc__ or "").replace("    {settings}", text)
+        return function
+
+    return decorate

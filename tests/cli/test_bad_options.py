@@ -59,8 +59,8 @@ from .conftest import refused
         (["--integrator", "zz"], ("--integrator", "'zz'", "explicit-euler")),
         (["--theta-foot", "x"], ("--theta-foot x", "not a number")),
         (["--theta-foot", "nan"], ("theta_foot is nan", "finite")),
-        (["--vmax-factor", "0"], ("vmax_factor is 0", "positive")),
-        (["--x-ref-tri", "-1"], ("x_ref_tri is -1", "positive")),
+        (["--vmax-factor", "0"], ("--vmax-factor 0", "above zero")),
+        (["--x-ref-tri", "-1"], ("--x-ref-tri -1", "above zero")),
     ],
 )
 def test_a_wrong_option(run, files, options, says) -> None:

@@ -1,8 +1,7 @@
 """Fits: made from recordings, read from a file."""
 
-from collections.abc import Callable, Sequence
-from inspect import Parameter, signature
-from typing import Any, TypeVar
+from collections.abc import Sequence
+from typing import Any
 
 from surae.api.fitted import Fit
 from surae.api.quality import check, explained
@@ -19,32 +18,11 @@ from surae.model.laboratory import AUTO
 from surae.progress import SearchProgress
 from surae.quality import Quality
 from surae.recording import Recording
-from surae.setting import described, settings_of
+from surae.setting import takes
 from surae.signals import ModelInputs
 
-F = TypeVar("F", bound=Callable[..., Any])
-
-
-def asks_as_fit(function: F) -> F:
-    """Have ``**asked`` stand, for help and completion, for all settings of a fit.
-
-    Where its docstring says ``{settings}``, it describes them.
-    """
-    own = signature(function)
-    first = [p for p in own.parameters.values() if p.kind is not Parameter.VAR_KEYWORD]
-    shared = [
-        Parameter(each.name, Parameter.KEYWORD_ONLY, default=None, annotation=each.type)
-        for kind in (FitSettings, ModelOptions)
-        for each, _ in settings_of(kind)
-        if each.name not in own.parameters
-    ]
-    vars(function)["__signature__"] = own.replace(parameters=[*first, *shared])
-    text = "\n".join(
-        described(kind, "    ", keywords=True, without="model")
-        for kind in (FitSettings, ModelOptions)
-    )
-    function.__doc__ = (function.__doc__ or "").replace("    {settings}", text)
-    return function
+#: Has a function's ``**asked`` stand for all settings of a fit.
+asks_as_fit = takes(FitSettings, ModelOptions, defaults=False)
 
 
 @asks_as_fit

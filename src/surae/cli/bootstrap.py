@@ -6,23 +6,19 @@ from typing import Any
 import click
 
 from surae import api
-from surae.cli.options import MOST_FITS, SEED, Number, Whole, workers_option
+from surae.cli.options import settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import Columns, show_files, show_line, show_table
 from surae.files import shown
+from surae.requests import BootstrapSettings
 
 
 @click.command("bootstrap")
 @click.argument("fitted", metavar="FIT.json")
-@click.option("--replicates", type=Whole(1, MOST_FITS), default=1000, show_default=True,
-              metavar="N", help="Fits to make.")  # fmt: skip
-@SEED
-@click.option("--block", "block_s", type=Number(), metavar="SECONDS",
-              help="Length of the blocks.  [default: from the residual]")  # fmt: skip
-@workers_option("Fits")
+@settings_options(BootstrapSettings)
 @click.option("--output", metavar="B.json", help="Write the intervals; makes it resumable.")
-def command(fitted: str, output: str | None, **settings: Any) -> None:
+def command(fitted: str, output: str | None, options: dict[str, Any]) -> None:
     """Find intervals by fitting again and again with blocks of the residual as the noise.
 
     With --output B.json, every replicate is added to B.json.replicates as it is done: the same
@@ -34,7 +30,7 @@ def command(fitted: str, output: str | None, **settings: Any) -> None:
     fit = api.load(fitted)
     with work() as progress, compilation_notice():
         drawn = api.bootstrap(
-            fit, **settings, store=store, progress=partial(progress.parts, "bootstrap")
+            fit, **options, store=store, progress=partial(progress.parts, "bootstrap")
         )
 
     if output is not None:

@@ -6,25 +6,18 @@ from typing import Any
 import click
 
 from surae import api
-from surae.cli.options import SEED, Number, Whole, workers_option
+from surae.cli.options import settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import Columns, show_files, show_line, show_table
-
-#: More pairs than these are a slip of the keyboard.
-_MOST = 100_000
+from surae.requests import EmgBiasSettings
 
 
 @click.command("emg-bias")
 @click.argument("fitted", metavar="FIT.json")
-@click.option("--noise", "level", type=Number(), metavar="PART",
-              help="Of each EMG's mean, white.  [default: the EMG's quiet part]")  # fmt: skip
-@click.option("--pairs", type=Whole(1, _MOST), default=10, show_default=True, metavar="N",
-              help="Pairs of realisations, 8 fits each.")  # fmt: skip
-@SEED
-@workers_option("Fits")
+@settings_options(EmgBiasSettings)
 @click.option("--output", metavar="BIAS.json", help="Write the biases.")
-def command(fitted: str, output: str | None, **settings: Any) -> None:
+def command(fitted: str, output: str | None, options: dict[str, Any]) -> None:
     """Find how far noise of the EMG has shifted each parameter, which no interval shows.
 
     Ever more noise is added to the EMG, and what that does to the estimates is followed back to an
@@ -34,7 +27,7 @@ def command(fitted: str, output: str | None, **settings: Any) -> None:
 
     fit = api.load(fitted)
     with work() as progress, compilation_notice():
-        bias = api.emg_bias(fit, **settings, progress=partial(progress.parts, "pairs of EMG noise"))
+        bias = api.emg_bias(fit, **options, progress=partial(progress.parts, "pairs of EMG noise"))
 
     if output is not None:
         bias.save(output)

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 F = TypeVar("F", bound=Callable[..., Any])
 
 MODEL_NAMES = f"{', '.join(names.MODELS[:-1])} or {names.MODELS[-1]}"
-#: More fits or threads than these are slips of the keyboard.
-MOST_FITS, MOST_WORKERS = 1_000_000, 1000
+#: More threads than these are slips of the keyboard.
+MOST_WORKERS = 1000
 
 
 def number(where: str, text: str) -> float:
@@ -186,15 +186,6 @@ def table(_: click.Context, param: click.Parameter, entries: Any) -> dict[str, A
     return values
 
 
-def prior_option(help: str) -> Callable[[F], F]:
-    """What is known of parameters beforehand."""
-    (record,) = (r for each, r in settings_of(api.FitSettings) if each.name == "priors")
-    return click.option(
-        "--prior", type=Entry(record.metavar.lower(), record.example), multiple=True,
-        callback=table, metavar=f"NAME={record.metavar}", help=help,
-    )  # fmt: skip
-
-
 def flag(name: str) -> str:
     """The option of a setting of `surae fit`, by its field's name."""
     records = {each.name: record.option for each, record in settings_of(api.FitSettings)}
@@ -249,7 +240,7 @@ def _option(each: "Field[Any]", record: Setting) -> dict[str, Any]:
         most = None if record.most is None else int(record.most)
         how["type"] = Whole(int(record.least or 0), most)
     else:
-        how["type"] = Number()
+        how["type"] = Number(-math.inf if record.above is None else record.above)
     default = default_of(each)
     if default is not None:
         how["help"] += f"  [default: {f'{default:g}' if kind == 'number' else default}]"
@@ -335,9 +326,6 @@ def engine_of(dask: str | None, workers: int | None, kind: str | None = None) ->
 
 SEED = click.option("--seed", type=Whole(0), default=0, metavar="N",
                     help="Of what is random.  [default: 0]")  # fmt: skip
-INFLATION = click.option("--variance-inflation", type=Number(above=0.0), metavar="F",
-                         help="Factor on the variance of the noise.  [default: what the residual's "
-                         "correlation asks for]")  # fmt: skip
 
 
 def _collected(options: Sequence[Callable[[Any], Any]]) -> Callable[[F], F]:
@@ -360,8 +348,13 @@ def _collected(options: Sequence[Callable[[Any], Any]]) -> Callable[[F], F]:
     return decorate
 
 
+def settings_options(request: Any) -> Callable[[F], F]:
+    """Add options of all settings of a request; those that are used arrive as `options`."""
+    return _collected(options_of(request))
+
+
 #: Adds the switches of the models.
-model_options = _collected(options_of(api.ModelOptions))
+model_options = settings_options(api.ModelOptions)
 
 
 def request_options(*without: str) -> Callable[[F], F]:

@@ -1,51 +1,39 @@
 """`surae posterior`."""
 
+from typing import Any
+
 import click
 
 from surae import api
-from surae.cli.options import INFLATION, WORKERS, Picture, Whole, prior_option
+from surae.cli.options import Picture, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import Columns, ends_text, show_files, show_line, show_table
 from surae.errors import ComputationError
+from surae.requests import PosteriorSettings
 
-#: More of anything than this is a slip of the keyboard.
-_MOST_DRAWS, _MOST_CHAINS = 1_000_000, 100
-_DRAWS = Whole(10, _MOST_DRAWS)
 #: Variance inflations that differ by less than this part are the same.
 _SAME = 0.05
 
 
 @click.command("posterior")
 @click.argument("fitted", metavar="FIT.json")
-@click.option("--draws", type=_DRAWS, metavar="N", help="Draws of each chain.  [default: 1000]")
-@click.option("--tune", type=_DRAWS, metavar="N",
-              help="Draws that tune the sampler first.  [default: 300]")  # fmt: skip
-@click.option("--chains", type=Whole(2, _MOST_CHAINS), metavar="N",
-              help="Number of chains.  [default: 4]")  # fmt: skip
-@click.option("--seed", type=Whole(0, 2**63), metavar="N", help="Of the draws.  [default: 0]")
-@click.option("--cores", type=WORKERS, metavar="N",
-              help="Chains at a time.  [default: all processors]")  # fmt: skip
-@prior_option("Known beforehand, instead of the defaults.")
-@INFLATION
+@settings_options(PosteriorSettings)
 @click.option("--profile", "profiled", metavar="PROFILE.json", help="Show its intervals beside.")
 @click.option("--output", metavar="POSTERIOR.json", help="Write the posterior with its draws.")
 @click.option("--figure", type=Picture(), metavar="POSTERIOR.svg|pdf|png", help="Draw it.")
 def command(
     fitted: str,
-    prior: dict[str, tuple[float, float]],
-    variance_inflation: float | None,
     profiled: str | None,
     output: str | None,
     figure: str | None,
-    **numbers: int | None,
+    options: dict[str, Any],
 ) -> None:
     """Draw from the posterior of a fit: its recordings and prior knowledge together.
 
     Priors take the place of the fit's bounds; POSTERIOR.json says which. Needs the extra bayes:
     pip install "surae[bayes]". Ctrl-C keeps what is drawn.
     """
-    settings = {name: value for name, value in numbers.items() if value is not None}
     read = [fitted] if profiled is None else [fitted, profiled]
     check_outputs({"--output": output, "--figure": figure}, read)
 
@@ -59,9 +47,7 @@ def command(
             progress.describe(f"posterior: {100 * done / total:.0f} % drawn")
 
         tell(0, 1)
-        drawn = api.posterior(
-            fit, priors=prior, variance_inflation=variance_inflation, progress=tell, **settings
-        )
+        drawn = api.posterior(fit, progress=tell, **options)
 
     compared = api.agreements(drawn, intervals)
     if output is not None:

@@ -5,21 +5,25 @@ from typing import Any
 import click
 
 from surae import api
-from surae.cli.options import INFLATION, Picture, workers_option
+from surae.cli.options import Picture, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.screen import Columns, ends_text, show_files, show_line, show_table
+from surae.requests import ProfileSettings
 
 
 @click.command("profile")
 @click.argument("fitted", metavar="FIT.json")
 @click.argument("names", metavar="[NAME…]", nargs=-1)
-@workers_option("Profiles")
-@INFLATION
+@settings_options(ProfileSettings)
 @click.option("--output", metavar="PROFILE.json", help="Write the profiles; makes it resumable.")
 @click.option("--figure", type=Picture(), metavar="PROFILE.svg|pdf|png", help="Draw them.")
 def command(
-    fitted: str, names: tuple[str, ...], output: str | None, figure: str | None, **settings: Any
+    fitted: str,
+    names: tuple[str, ...],
+    output: str | None,
+    figure: str | None,
+    options: dict[str, Any],
 ) -> None:
     """Find how far each parameter can move before the fit gets worse.
 
@@ -35,7 +39,7 @@ def command(
     with work() as progress, compilation_notice():
         progress.describe("profiles")
         profiles = api.profile(
-            fit, names or None, **settings, store=store,
+            fit, names or None, **options, store=store,
             progress=lambda name, done, total: progress.describe(
                 f"profiles: {done} of {total} done, {name} last"
             ),
