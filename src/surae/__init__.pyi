@@ -11,7 +11,6 @@ from surae.api import cohort as cohort
 from surae.api import compare as compare
 from surae.api import design as design
 from surae.api import design_session as design_session
-from surae.api import emg_bias as emg_bias
 from surae.api import example as example
 from surae.api import expect as expect
 from surae.api import fit as fit

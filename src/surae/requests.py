@@ -81,21 +81,3 @@ class BootstrapSettings:
         help="Length of the blocks.  [default: from the residual]",
     )  # fmt: skip
     workers: int | None = _workers("Fits")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class EmgBiasSettings:
-    """How noise is added to the EMG of a fit; see `surae.emg_bias`."""
-
-    level: float | None = setting(
-        None, "Standard deviation of white EMG noise as a part of each channel's mean; by default "
-        "the noise is that of the EMG's quiet part.", option="noise", metavar="PART",
-        help="Standard deviation of white noise, as a part of each EMG's mean.  [default: that of "
-        "the EMG's quiet part]",
-    )  # fmt: skip
-    pairs: int = setting(
-        10, "Pairs of noise realisations, 8 fits each.", least=1, most=100_000,
-        help="Pairs of noise realisations, 8 fits each.",
-    )  # fmt: skip
-    seed: int = _seed("noise")
-    workers: int | None = _workers("Fits")

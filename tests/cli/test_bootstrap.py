@@ -1,4 +1,4 @@
-"""`surae bootstrap` and `surae emg-bias`, as a user would call them."""
+"""`surae bootstrap`, as a user would call them."""
 
 import json
 
@@ -39,24 +39,10 @@ def test_it_goes_on_where_it_was(run, files) -> None:
         (["bootstrap", "fit.json", "--block", "1000"], "at most half"),
         (["bootstrap", "fit.json", "--output", "fit.json"], "is read by this command"),
         (["bootstrap", "none.json"], "none.json"),
-        (["emg-bias", "fit.json", "--noise", "5"], "at most 1"),
-        (["emg-bias", "fit.json", "--noise", "little"], "--noise little"),
-        (["emg-bias", "fit.json", "--pairs", "0"], "--pairs 0"),
-        (["emg-bias", "fit.json", "--output", "fit.json"], "is read by this command"),
     ],
 )
 def test_wrong_use(run, files, arguments, says) -> None:
     refused(run(*arguments), says)
-
-
-def test_the_bias_is_shown_and_written(run, files) -> None:
-    done = run("emg-bias", "fit.json", "--noise", 0.05, "--pairs", 2, "--output", "bias.json")
-    assert (done.code, done.err) == (0, "")
-    assert "EMG noise: 5 % of each mean; 2 pairs" in done.out
-    data = json.loads((files / "bias.json").read_text(encoding="utf-8"))
-    assert set(data["noise"][0]) == {"ta", "gl", "sol", "gm"}
-    assert data["parameters"]["g1"]["error"] > 0
-    assert abs(data["parameters"]["g1"]["bias"]) < 0.01 * data["parameters"]["g1"]["value"]
 
 
 def test_the_fit_says_which_intervals_it_gives(run, files) -> None:

@@ -37,7 +37,6 @@ READ_ONLY = {
 QUICKER = {
     "surae fit": ["--model", "muscle", "--starts", "1"],
     "surae bootstrap": ["--replicates", "10", "--workers", "1"],
-    "surae emg-bias": ["--pairs", "2", "--workers", "1"],
     "surae cohort": ["--workers", "1"],
     "surae compare": ["--starts", "1"],
     "surae session": ["--model", "muscle", "--starts", "1"],

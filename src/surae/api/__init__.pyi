@@ -21,7 +21,6 @@ from surae.api.fitting import fit_inputs as fit_inputs
 from surae.api.fitting import inputs_for as inputs_for
 from surae.api.fitting import load as load
 from surae.api.intervals import bootstrap as bootstrap
-from surae.api.intervals import emg_bias as emg_bias
 from surae.api.intervals import posterior as posterior
 from surae.api.intervals import profile as profile
 from surae.api.quality import check as check
@@ -52,7 +51,6 @@ from surae.assessment.posterior.agreement import agreements as agreements
 from surae.assessment.posterior.agreement import read_profile_intervals as read_profile_intervals
 from surae.assessment.posterior.sample import Posterior as Posterior
 from surae.assessment.resampling.bootstrap import Bootstrap as Bootstrap
-from surae.assessment.resampling.emg_bias import EmgBias as EmgBias
 from surae.assessment.saved.parameters_json import read_parameters as read_parameters
 from surae.assessment.uncertainty.snsem import save_baseline as save_baseline
 from surae.estimation import make_problem as make_problem

@@ -1,4 +1,4 @@
-"""What a fit's parameters may be: profiles, a posterior, a bootstrap, the bias by EMG noise."""
+"""What a fit's parameters may be: profiles, a posterior, a bootstrap."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
@@ -10,11 +10,9 @@ from surae.assessment.likelihood.profiles import Profiles, profiles
 from surae.assessment.posterior.sample import Posterior, sample
 from surae.assessment.resampling.bootstrap import Bootstrap
 from surae.assessment.resampling.bootstrap import bootstrap as bootstrap_fit
-from surae.assessment.resampling.emg_bias import EmgBias
-from surae.assessment.resampling.emg_bias import emg_bias as emg_bias_of
 from surae.files import PathLike
 from surae.progress import NamedProgress, Progress
-from surae.requests import BootstrapSettings, EmgBiasSettings, PosteriorSettings, ProfileSettings
+from surae.requests import BootstrapSettings, PosteriorSettings, ProfileSettings
 from surae.setting import takes
 
 
@@ -134,28 +132,3 @@ def bootstrap(
     """
     asked = asdict(BootstrapSettings(**settings))
     return bootstrap_fit(fitted.result, **asked, store=store, progress=progress)
-
-
-@takes(EmgBiasSettings)
-def emg_bias(fitted: Fit, *, progress: Progress | None = None, **settings: Any) -> EmgBias:
-    """How far noise of the EMG has shifted each parameter, by simulation and extrapolation.
-
-    Parameters
-    ----------
-    fitted : Fit
-        The fit.
-    progress : callable, optional
-        Called after every pair with (done, all).
-    {settings}
-
-    Returns
-    -------
-    EmgBias
-        Ctrl-C keeps the pairs that are complete; `missing` counts the others.
-
-    Raises
-    ------
-    InputError
-        A number is out of range, or an EMG is too short to have a quiet part.
-    """
-    return emg_bias_of(fitted.result, **asdict(EmgBiasSettings(**settings)), progress=progress)

@@ -36,7 +36,6 @@ COMMANDS = {
     "profile": ("surae.cli.profile", "Find intervals that follow the model's own curves."),
     "posterior": ("surae.cli.posterior", "Draw parameters from data and prior knowledge."),
     "bootstrap": ("surae.cli.bootstrap", "Find intervals by fitting again and again."),
-    "emg-bias": ("surae.cli.emg_bias", "Find how far EMG noise has shifted the parameters."),
     "simulate": ("surae.cli.simulate", "Compute the torque that a model gives for a recording."),
     "protocol": ("surae.cli.protocol", "Make a measurement protocol for a device."),
     "expect": ("surae.cli.expect", "Tell what a protocol will tell of each parameter."),

@@ -290,17 +290,15 @@ def draw_blocks(residual: FloatArray, length: int, rng: np.random.Generator) -> 
 _EVALUATIONS = 60
 
 
-def refit(
-    problem: FitProblem, x: FloatArray, noise: float = 0.0, *, stall: float = 0.1
-) -> FloatArray | None:
+def refit(problem: FitProblem, x: FloatArray, noise: float) -> FloatArray | None:
     """Minimum next to a point, from that point only.
 
-    `noise` is the standard deviation [Nm] that priors are weighed against, `stall` the gain [noise
-    variances] that is not worth another evaluation. None where the model gives no finite numbers.
+    `noise` is the standard deviation [Nm] that priors are weighed against. None where the model
+    gives no finite numbers.
     """
     minimum = minimise(
         Residuals(problem, noise).rows, x, problem.lower, problem.upper,
-        move=curved_move(problem), max_iterations=_EVALUATIONS, stall=stall / problem.n,
+        move=curved_move(problem), max_iterations=_EVALUATIONS, stall=0.1 / problem.n,
     )  # fmt: skip
     if minimum.outcome is Outcome.INTERRUPTED:
         raise KeyboardInterrupt
