@@ -125,18 +125,3 @@ def test_the_report_names_them(fitted, tmp_path):
     for name in DRIVES:
         assert name in text
     assert "electromechanical delay" in text
-
-
-def test_models_can_be_compared_under_one_delay(clean):
-    short = replace(
-        clean,
-        **{
-            name: getattr(clean, name)[:1200]
-            for name in ("time", "angle", "velocity", "acceleration", "emg", "torque")
-        },
-    )
-    comparison = surae.compare(
-        [short], ["muscle", "muscle-tendon"], fixed={"emd": 0.03}, starts=1, prepared=True
-    )
-    assert comparison.settings.fixed == {"emd": 0.03}
-    assert not comparison.missing

@@ -84,7 +84,7 @@ def test_a_field_is_an_option_a_keyword_a_request_and_a_field_of_the_form(run) -
 
 
 def test_a_field_is_in_help_and_in_a_fit(run, tmp_path) -> None:
-    for command in ("fit", "compare"):
+    for command in ("fit", "session"):
         said = " ".join(run("-m", "surae", command, "--help").split())
         assert "--patience N How many searches may fail before a fit gives up. [default: 3]" in said
     motion = generate(Protocol(profile="multiple-holds", rate_hz=16.0))

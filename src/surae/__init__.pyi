@@ -8,7 +8,6 @@ from surae.api import bootstrap as bootstrap
 from surae.api import change as change
 from surae.api import check as check
 from surae.api import cohort as cohort
-from surae.api import compare as compare
 from surae.api import design as design
 from surae.api import design_session as design_session
 from surae.api import example as example
@@ -27,7 +26,6 @@ from surae.api import simulate_parts as simulate_parts
 from surae.api import simulate_tendon as simulate_tendon
 from surae.api import validate as validate
 from surae.assessment import Baseline as Baseline
-from surae.assessment import Comparison as Comparison
 from surae.errors import ComputationError as ComputationError
 from surae.errors import InputError as InputError
 from surae.errors import SuraeError as SuraeError

@@ -38,7 +38,6 @@ QUICKER = {
     "surae fit": ["--model", "muscle", "--starts", "1"],
     "surae bootstrap": ["--replicates", "10", "--workers", "1"],
     "surae cohort": ["--workers", "1"],
-    "surae compare": ["--starts", "1"],
     "surae session": ["--model", "muscle", "--starts", "1"],
     "surae profile": ["--workers", "1"],
     "surae design": ["--evaluations", "20"],

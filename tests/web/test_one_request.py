@@ -139,25 +139,15 @@ def test_weights_of_a_draft_may_be_given_in_part() -> None:
 
 
 @pytest.mark.parametrize("name", sorted(set(REACHED) - {"model"}))
-def test_comparisons_and_leave_one_out_take_every_field(name, trial, monkeypatch) -> None:
+def test_leave_one_out_takes_every_field(name, trial, monkeypatch) -> None:
     keywords, options, _ = REACHED[name]
-    for function, call, command in (
-        ("surae.api.validation.compare_models", surae.compare, ["compare", str(trial)]),
-        (
-            "surae.api.validation.leave_one_out_of",
-            lambda trial, **asked: surae.leave_one_out([trial], **asked),
-            ["validate", "--leave-one-out", str(trial), str(trial.with_name("second.csv"))],
-        ),
-    ):
-        of_python = asked(monkeypatch, function, lambda call=call: call(trial, **keywords))
-        line = [*command, *options.split()]
-        of_command = asked(
-            monkeypatch,
-            function,
-            lambda line=line: group.main(line, standalone_mode=False),
-        )
-        assert getattr(of_python, name) == getattr(FitSettings.of(**keywords), name)
-        assert of_command == of_python
+    function = "surae.api.validation.leave_one_out_of"
+    of_python = asked(monkeypatch, function, lambda: surae.leave_one_out([trial], **keywords))
+    line = ["validate", "--leave-one-out", str(trial), str(trial.with_name("second.csv"))]
+    line += options.split()
+    of_command = asked(monkeypatch, function, lambda: group.main(line, standalone_mode=False))
+    assert getattr(of_python, name) == getattr(FitSettings.of(**keywords), name)
+    assert of_command == of_python
 
 
 def together(names: set[str]) -> tuple[dict[str, Any], list[str], dict[str, Any]]:
@@ -222,7 +212,6 @@ def test_help_and_completion_name_every_field() -> None:
     every = {f.name for kind in (FitSettings, ModelOptions) for f in fields(kind)} - {"model"}
     for function in (
         surae.fit,
-        surae.compare,
         surae.leave_one_out,
         surae.Session.fit,
         surae.Session.fit_together,

@@ -347,14 +347,14 @@ def test_one_bad_row_is_one_bad_row(serve) -> None:
     damaged = browser.get("/api/damaged").json()["damaged"]
     assert Counter(name["kind"] for name in damaged) == dict.fromkeys(KINDS, len(BAD) + 2)
     for kind in (
-        "subjects", "recordings", "fits", "sessions", "jobs", "comparisons", "studies", "protocols",
+        "subjects", "recordings", "fits", "sessions", "jobs", "studies", "protocols",
     ):  # fmt: skip
         answer = browser.get(f"/api/{kind}")
         assert answer.status_code == 200, answer.text
         assert [entry["id"] for entry in answer.json()[kind]] == ["0" * 16], kind
     for path in ("cohort", "draft", "uploads", "jobs?active=true"):
         assert browser.get(f"/api/{path}").status_code == 200, path
-    for path in ("recordings", "fits", "sessions", "comparisons", "studies", "jobs"):
+    for path in ("recordings", "fits", "sessions", "studies", "jobs"):
         assert browser.get(f"/api/{path}/{'e' * 16}").status_code == 409
     server.close()
     Project(server.bench.project.folder).close()  # it still opens

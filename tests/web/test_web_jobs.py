@@ -177,30 +177,3 @@ def test_a_fit_is_understood(browser, recorded) -> None:
     assert short["images"]["curve"].startswith("data:image/svg+xml")
     assert browser.delete(f"/api/fits/{id_}").status_code == 204
     assert browser.get(f"/api/fits/{id_}").status_code == 404
-
-
-def test_models_are_compared(browser, recorded) -> None:
-    browser.change(recordings=[recorded], prepared=True)
-    same = browser.post("/api/comparisons", json={"models": ["muscle", "muscle-2010"]})
-    assert same.status_code == 400
-    job = browser.job(browser.post("/api/comparisons", json={}))
-    assert job["state"] == "done", job
-    answer = browser.get(f"/api/comparisons/{job['result']}").json()
-    assert [model["model"] for model in answer["models"]] == ["muscle", "muscle-tendon"]
-    assert answer["conclusion"] == job["message"]
-
-
-def test_a_comparison_belongs_to_its_fit(browser, recorded) -> None:
-    small(browser, recorded)
-    own, other = (browser.job(browser.post("/api/fits", json={}))["result"] for _ in range(2))
-    asked = browser.post("/api/comparisons", json={"fit": own})
-    assert asked.json()["fit"] == own
-    assert asked.json()["recordings"] == [recorded]
-    active = browser.get("/api/jobs", params={"active": True}).json()["jobs"]
-    assert [state["fit"] for state in active if state["kind"] == "compare"] == [own]
-    job = browser.job(asked)
-    comparisons = [browser.get(f"/api/fits/{id_}").json()["comparisons"] for id_ in (own, other)]
-    assert job["result"] in [comparison["id"] for comparison in comparisons[0]]
-    assert job["result"] not in [comparison["id"] for comparison in comparisons[1]]
-    unknown = browser.post("/api/comparisons", json={"fit": "0" * 16})
-    assert unknown.status_code == 404

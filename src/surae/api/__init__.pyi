@@ -35,14 +35,11 @@ from surae.api.sessions import session as session
 from surae.api.simulation import simulate as simulate
 from surae.api.simulation import simulate_parts as simulate_parts
 from surae.api.simulation import simulate_tendon as simulate_tendon
-from surae.api.validation import compare as compare
 from surae.api.validation import leave_one_out as leave_one_out
 from surae.api.validation import validate as validate
 from surae.assessment import Adequacy as Adequacy
-from surae.assessment import Comparison as Comparison
 from surae.assessment import PooledPrediction as PooledPrediction
 from surae.assessment import Prediction as Prediction
-from surae.assessment.comparison.compare import compare_models as compare_models
 from surae.assessment.likelihood.profile import check_profiled as check_profiled
 from surae.assessment.likelihood.profiles import Profiles as Profiles
 from surae.assessment.posterior.agreement import AGREEMENT_TOLERANCE as AGREEMENT_TOLERANCE

@@ -6,8 +6,6 @@ from typing import Any
 from surae.api.fitted import Fit
 from surae.api.fitting import asks_as_fit
 from surae.api.recordings import AnyRecording, as_in_fit, read_in, several
-from surae.assessment.comparison.compare import COMPARED, FEW_STARTS, compare_models
-from surae.assessment.comparison.finding import Comparison
 from surae.assessment.validation import LeaveOneOut, Prediction, predict_others
 from surae.assessment.validation import leave_one_out as leave_one_out_of
 from surae.estimation import FitSettings
@@ -80,50 +78,3 @@ def leave_one_out(
     measured = [read_in(recording) for recording in recordings]
     inputs = settings.inputs(measured, [read_in(recording) for recording in several(mvc)])
     return leave_one_out_of(inputs, settings, progress)
-
-
-@asks_as_fit
-def compare(
-    recordings: AnyRecording | Sequence[AnyRecording],
-    models: Sequence[str] = COMPARED,
-    settings: FitSettings | None = None,
-    *,
-    mvc: AnyRecording | Sequence[AnyRecording] = (),
-    progress: NamedProgress | None = None,
-    **asked: Any,
-) -> Comparison:
-    """Rigid or elastic: whether the data need tendons that give way, and what it changes.
-
-    Every model is fitted to all data, and again without each recording in turn (of a single one:
-    each quarter in turn), which it then predicts. `Comparison.rule` says how the finding follows.
-
-    Parameters
-    ----------
-    recordings : Recording, ModelInputs, path, or a sequence of them
-        Several share all parameters.
-    models : sequence of str
-        At least one without tendons and one with.
-    settings : FitSettings, optional
-        What every model is asked, as far as it has the parameters, e.g. ``fit.settings``; by
-        default what `fit` asks, from three starts.
-    mvc : Recording, ModelInputs, path, or a sequence of them
-        Maximum voluntary contractions, for ``normalise="mvc"``.
-    progress : callable, optional
-        Called before every fit with (what it is, fits done, all fits).
-    **asked
-        Keywords of `fit`: ``fixed``, ``priors``, ``weights``, ``starts``, model options, …
-
-    Returns
-    -------
-    Comparison
-        Ctrl-C keeps the fits that are complete; `missing` names the others.
-
-    Raises
-    ------
-    InputError
-        Something given is unknown, contradictory or unusable.
-    """
-    whole = FitSettings.of(settings or FitSettings(starts=FEW_STARTS), **asked)
-    measured = [read_in(recording) for recording in several(recordings)]
-    inputs = whole.inputs(measured, [read_in(recording) for recording in several(mvc)])
-    return compare_models(inputs, models, whole, progress)

@@ -6,9 +6,8 @@ from surae.assessment.assess import (
     RecordingQuality,
     assess,
 )
-from surae.assessment.comparison.finding import Comparison, TendonEvidence
 from surae.assessment.parameter import Interval, ParameterEstimate, Verdict
-from surae.assessment.residual import Whiteness, autocorrelation, rmse, vaf, whiteness
+from surae.assessment.residual import Whiteness, rmse, vaf, whiteness
 from surae.assessment.uncertainty.covariance import Covariance, covariance, half_width, ipde
 from surae.assessment.uncertainty.robust import RobustCovariance
 from surae.assessment.uncertainty.snsem import Baseline
@@ -18,7 +17,6 @@ __all__ = [
     "Adequacy",
     "Assessment",
     "Baseline",
-    "Comparison",
     "Covariance",
     "Grade",
     "Interval",
@@ -27,11 +25,9 @@ __all__ = [
     "Prediction",
     "RecordingQuality",
     "RobustCovariance",
-    "TendonEvidence",
     "Verdict",
     "Whiteness",
     "assess",
-    "autocorrelation",
     "covariance",
     "half_width",
     "ipde",

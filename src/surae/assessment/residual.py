@@ -197,32 +197,3 @@ def rmse(residual: FloatArray) -> float:
     with np.errstate(over="ignore", invalid="ignore"):
         mean = np.mean(residual**2)
     return float(np.sqrt(mean)) if np.isfinite(mean) else np.nan
-
-
-def autocorrelation(residual: FloatArray, lags: int) -> FloatArray:
-    """Autocorrelation of a residual at lags 0 … `lags` samples.
-
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        Residual; its mean is removed.
-    lags : int
-        Largest lag, below n.
-
-    Returns
-    -------
-    ndarray, shape (lags + 1,)
-        Biased estimate, 1 at lag 0; all zero but the first when the residual never changes, NaN
-        when it is not finite.
-    """
-    largest = float(np.abs(residual).max())
-    if not np.isfinite(largest):
-        return np.full(lags + 1, np.nan)
-    e = residual / (largest or 1.0)  # so that no square overflows
-    e -= e.mean()
-    size = 1 << (2 * len(e) - 1).bit_length()
-    spectrum = np.fft.rfft(e, size)
-    full = np.fft.irfft(np.abs(spectrum) ** 2, size)[: lags + 1]
-    if full[0] <= 0:
-        return np.concatenate([[1.0], np.zeros(lags)])
-    return np.asarray(full / full[0], dtype=np.float64)

@@ -32,7 +32,6 @@ COMMANDS = {
     "measures": ("surae.cli.measures", "Tell stiffness, torque and more in Nm and degrees."),
     "change": ("surae.cli.change", "Tell what has changed in a leg between two sessions."),
     "cohort": ("surae.cli.cohort", "Tell what many legs have in common, and how groups differ."),
-    "compare": ("surae.cli.compare", "Tell whether recordings ask for compliant tendons."),
     "profile": ("surae.cli.profile", "Find intervals that follow the model's own curves."),
     "posterior": ("surae.cli.posterior", "Draw parameters from data and prior knowledge."),
     "bootstrap": ("surae.cli.bootstrap", "Find intervals by fitting again and again."),

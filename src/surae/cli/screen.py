@@ -146,48 +146,6 @@ def _figures(prediction: "api.Prediction | api.PooledPrediction") -> tuple[str, 
     )
 
 
-def show_comparison(comparison: "api.Comparison") -> None:
-    """Figures of every model, what follows, what weakens it, and the parameters it changes."""
-    out = _console()
-    heads = ("model", "free", "VAF [%]", "RMSE [Nm]", "ΔAICc", "nominal", "held-out VAF [%]")
-    rows = []
-    for score in comparison.models:
-        held = score.held_out
-        rows.append((
-            score.model, str(score.n_free),
-            "–" if score.vaf is None else api.percentage(score.vaf),
-            "–" if score.rmse is None else api.significant(score.rmse, 3),
-            *("–" if d is None else f"{d:.1f}" for d in (score.delta, score.delta_plain)),
-            "–" if held is None else f"{api.percentage(held.vaf)} ± {held.spread:.2f}",
-        ))  # fmt: skip
-    _show_table(out, heads, rows, {"model"})
-    lines = [comparison.conclusion, *comparison.cautions]
-    if comparison.n_effective is not None:
-        lines.append(
-            f"ΔAICc counts the {comparison.n} samples as {comparison.n_effective:.0f} independent "
-            f"ones, as the residual is correlated over time; nominal: as {comparison.n}."
-        )
-    for line in (*lines, f"Held out: {comparison.scheme}"):
-        show_line("\n".join(textwrap.wrap(line, out.width, subsequent_indent="    ")))
-    _show_changes(comparison, out)
-
-
-def _show_changes(comparison: "api.Comparison", out: "Console") -> None:
-    """The parameters that the best muscle-tendon model changes by more than their intervals."""
-    model = None if comparison.compliant is None else comparison.compliant.model
-    rows = []
-    for c in comparison.changes:
-        if c.model == model:
-            percent = "–" if c.percent is None else f"{c.percent:+.1f} %".replace("-", "−")
-            half = f"{abs(100 * c.half_width / c.rigid):.1f} %" if c.rigid else "–"
-            values = (api.significant(c.rigid, 4), api.significant(c.compliant, 4))
-            rows.append((c.parameter, *values, c.unit, percent, half))
-    if rows:
-        show_line(f"\nParameters that {model} changes by more than their 95 % intervals:")
-        heads = ("parameter", "rigid", "compliant", "unit", "change", "±")
-        _show_table(out, heads, rows, {"parameter", "unit"})
-
-
 def show_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """A table of numbers between what they are of, on the left, and their unit, on the right."""
     _show_table(_console(), headings, rows, {headings[0], headings[-1]})

@@ -18,13 +18,12 @@ from surae._version import __version__
 from surae.database import UnavailableError
 from surae.errors import InputError, SuraeError
 from surae.processes import FULL, NO_ROOM, one_line, where
-from surae.web.fits import keep_comparison, keep_designs, keep_fit, keep_profile, keep_study
+from surae.web.fits import keep_designs, keep_fit, keep_profile, keep_study
 from surae.web.http_errors import RefusedError
 from surae.web.jobs import Kind
 from surae.web.request_workers import THREADS
 from surae.web.routes import (
     cohort,
-    comparisons,
     descriptions,
     draft,
     fits,
@@ -48,7 +47,6 @@ def _job_kinds(bench: Workbench) -> dict[str, Kind]:
         "fit": Kind("fits", lambda job, end: keep_fit(bench, job, end)),
         "profile": Kind("fits", lambda job, end: keep_profile(bench, job, end)),
         "session": Kind("fits", lambda job, end: sessions.keep_session(bench, job, end)),
-        "compare": Kind("fits", lambda job, end: keep_comparison(bench, job, end)),
         "design": Kind("studies", lambda job, end: keep_designs(bench, job, end)),
         "study": Kind("studies", lambda job, end: keep_study(bench, job, end)),
     }
@@ -93,7 +91,7 @@ def create_app(bench: Workbench, policy: Policy) -> ASGIApp:
     )
     app.state.workbench, app.state.policy = bench, policy
     for module in (
-        draft, uploads, recordings, descriptions, fits, sessions, jobs, comparisons, cohort,
+        draft, uploads, recordings, descriptions, fits, sessions, jobs, cohort,
         protocols, studies, pages,
     ):  # fmt: skip
         app.include_router(module.router)

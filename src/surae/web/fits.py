@@ -33,19 +33,6 @@ def submit_fit(
     return bench.jobs.submit("fit", label, session, task, task["recordings"][0])
 
 
-def submit_comparison(
-    bench: "Workbench",
-    session: BrowserSession,
-    draft: dict[str, Any],
-    models: list[str],
-    fit: str | None,
-) -> Thing:
-    """Ask whether the draft's recordings need tendons that give way; `fit` is what for."""
-    task, names = _task(bench, draft, models=models, fit=fit)
-    label = f"compare models · {names}"[:200]
-    return bench.jobs.submit("compare", label, session, task, task["recordings"][0])
-
-
 def _task(bench: "Workbench", draft: dict[str, Any], **more: Any) -> tuple[dict[str, Any], str]:
     """What a worker is given to do with a draft, and the names of its recordings."""
     recordings = bench.draft_recordings(draft)
@@ -132,15 +119,6 @@ def keep_profile(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
     return id_
 
 
-def keep_comparison(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
-    """Add a finished comparison to the project."""
-    task = job["task"]
-    about = {key: task.get(key) for key in ("recordings", "models", "fit")}
-    data = {**about, "conclusion": end["message"]}
-    bench.events.changed("comparisons")
-    return bench.project.add("comparison", data, job["id"])
-
-
 def keep_study(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
     """A study keeps itself."""
     del end
@@ -199,18 +177,6 @@ def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
         whole = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         raise InputError("the file of this fit is missing or damaged; fit again") from None
-    comparisons = [
-        {
-            **{key: comparison[key] for key in ("id", "conclusion")},
-            "created": when(comparison["created"]),
-        }
-        for comparison in bench.database.all("comparison")
-        if comparison.get("fit") == fit["id"]
-        or (
-            comparison.get("fit") is None
-            and set(comparison["recordings"]) == set(fit["recordings"])
-        )
-    ]
     steps = [trace["steps"] for trace in whole.get("traces", [])]
     return {
         "summary": fit_summary(bench, fit),
@@ -219,7 +185,6 @@ def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
         "steps": steps,
         "settings": shown(upgraded(fit["settings"])),
         "profiles": fit.get("profiles", {}),
-        "comparisons": comparisons,
     }
 
 

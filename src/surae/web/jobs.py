@@ -117,6 +117,8 @@ class Jobs:
         `label` is what lists call it; `task` is what the worker is given, kept so that the job can
         be restarted; `about` is the thing that it is about.
         """
+        if kind not in self._kinds:
+            raise RefusedError(409, f"this surae has no jobs of kind {kind!r}; it stays as it is")
         lane = self._lanes[self._kinds[kind].lane]
         with self._changed:
             if self._closed:

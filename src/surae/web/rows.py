@@ -113,7 +113,7 @@ class _Session(_Row):
     settings: dict[str, Any]
 
 
-class _Comparison(_Row):
+class _Comparison(_Row):  # of surae 0.1; kept as they are
     conclusion: str
     recordings: list[_Id]
     models: list[str]

@@ -261,14 +261,6 @@ class SessionRequest(TrialsRequest):
     draft: DraftChange | None = None
 
 
-class ComparisonRequest(Strict):
-    """Models to compare on a draft's recordings."""
-
-    draft: DraftChange | None = None
-    models: Annotated[list[Model], Field(min_length=2, max_length=5)] | None = None
-    fit: Id | None = None
-
-
 class NameRequest(Strict):
     """A new name."""
 

@@ -1,4 +1,4 @@
-"""What workers do: fits, profiles, comparisons, studies and designs, each by its kind; reports.
+"""What workers do: fits, profiles, studies and designs, each by its kind; reports.
 
 A job takes its task, which is plain data, tells what happens, and returns plain data.
 """
@@ -140,19 +140,6 @@ def profile(task: Task) -> dict[str, Any]:
         "message": f"stopped before {missing}" if missing else f"{len(profiles.profiles)} profiles",
         "interrupted": bool(profiles.missing),
     }
-
-
-def compare(task: Task) -> dict[str, Any]:
-    """Compare models with rigid and compliant tendons on the same recordings."""
-    settings, _, inputs = _asked(task)
-
-    def progress(what: str, done: int, total: int) -> None:
-        tell({"what": what, "done": done, "total": total})
-
-    with _compiling():
-        comparison = api.compare_models(inputs, task["models"], settings, progress)
-    comparison.save(_file(task, "comparisons", task["id"], ".json"))
-    return {"message": comparison.conclusion, "interrupted": bool(comparison.missing)}
 
 
 def _counting(before: int = 0, total: int | None = None) -> Callable[..., None]:

@@ -252,20 +252,6 @@ def test_the_report_is_downloaded_for_paper(desk: Desk, done: dict[str, str]) ->
     expect(page.locator("#error")).to_be_hidden()
 
 
-def test_a_running_comparison_is_seen_under_its_own_fit(desk: Desk, done: dict[str, str]) -> None:
-    (job,) = (job for job in desk.api("GET", "/api/jobs")["jobs"] if job["result"] == done["fit"])
-    running = {**job, "id": "f" * 16, "kind": "compare", "state": "running"}
-    page = desk.page
-    page.route("**/api/jobs?active=true", lambda route: route.fulfill(json={"jobs": [running]}))
-    for fit, seen in ((done["fit"], True), ("0" * 16, False)):
-        running["fit"] = fit
-        desk.go(f"/fits/{done['fit']}")
-        page.locator("#jobs a").wait_for()  # the frame of the page has asked, too
-        with page.expect_response("**/api/jobs?active=true"):
-            page.locator("#tab-models").click()
-        expect(page.locator("#models-stop")).to_be_visible(visible=seen)
-
-
 def test_the_virtual_subject_is_a_button_away(desk: Desk) -> None:
     page = desk.page
     page.route("**/api/recordings?*", lambda route: route.fulfill(json=NONE))

@@ -41,7 +41,7 @@ function showJobs() {
   const place = byId("jobs");
   place.hidden = running.size === 0;
   const first = [...running.values()][0];
-  const href = first && ({ fit: "/fit", study: "/studies", compare: "/" }[first.kind] ?? "/");
+  const href = first && ({ fit: "/fit", study: "/studies" }[first.kind] ?? "/");
   replace(place, first && h("a", { href }, running.size === 1 ? `${first.kind} ${first.state}` : `${running.size} jobs running`));
 }
 

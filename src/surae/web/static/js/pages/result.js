@@ -7,7 +7,6 @@ import { onChanged } from "../core/events.js";
 import { number, seconds, vaf, when } from "../core/format.js";
 import { attempt, headline, onClick } from "../core/notice.js";
 import { torquePlot } from "../plot/torque.js";
-import { showComparisons } from "../result/comparisons.js";
 import { showCorrelations } from "../result/correlations.js";
 import { showDetails } from "../result/details.js";
 import { estimates } from "../result/estimates.js";
@@ -113,6 +112,5 @@ tabs(byId("tabs"), {
   torque: filled(() => traces(id, result)),
   profiles: filled(() => profiles(id, () => result, read)),
   validation: filled(() => validation(id, result)),
-  models: filled(() => showComparisons(result)),
 });
 onChanged(["fits"], () => attempt(byId("error"), read));

@@ -1,1 +1,0 @@
-"""Rigid or elastic: several models on the same data."""
