@@ -1,18 +1,16 @@
-"""A SQLite file of ours: opened, recognised, brought up to date, copied, mended, locked.
+"""A SQLite file of ours: opened, recognised, brought up to date, copied, locked.
 
 A file may be a stranger's: links, tables and programs in it that are not ours are refused.
 """
 
-import os
-import shutil
 import sqlite3
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
-from surae.errors import ComputationError, InputError, SuraeError
+from surae.errors import ComputationError, InputError
 
 #: Beside a file, these are SQLite's and ours.
 BESIDE = ("-wal", "-shm", "-journal", ".lock")
@@ -20,8 +18,6 @@ BESIDE = ("-wal", "-shm", "-journal", ".lock")
 _LOOKED_AT = 1.0
 #: How long to wait for another program that writes [s].
 _PATIENCE = 30.0
-
-Row = tuple[object, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,126 +176,6 @@ def copy(file: sqlite3.Connection, to: Path) -> None:
         target.execute("PRAGMA journal_mode = DELETE")  # one file, and whole
 
 
-def rebuild(
-    path: Path, name: str, kind: Format, aside: Path, wrong: Callable[[str, Row], str]
-) -> tuple[dict[str, int], list[tuple[str, Row]], Path]:
-    """Make a file anew of what can be read of it; the damaged one stays, under another name.
-
-    Parameters
-    ----------
-    path, name, kind : Path, str, Format
-        The file; the caller has its lock.
-    aside : Path
-        Where the damaged file goes; a number is added.
-    wrong : callable
-        Says what is wrong with a row of a table; empty where nothing is.
-
-    Returns
-    -------
-    tuple
-        How many rows of each table are kept, what is wrong with each that is not, and the row; and
-        where the damaged file is.
-
-    Raises
-    ------
-    InputError
-        It is none of ours, or of a newer surae.
-    ComputationError
-        Nothing of it can be read.
-    """
-    fresh, counts = path.with_name(f".surae-{os.urandom(8).hex()}.part"), dict[str, int]()
-    refused: list[tuple[str, Row]] = []
-    try:
-        with (
-            told(name, kind),
-            closing(_readable(path, name, kind)) as old,
-            closing(sqlite3.connect(fresh, isolation_level=None)) as new,
-        ):
-            fresh.chmod(0o600)
-            make_tables(new, kind)
-            names = new.execute("SELECT name FROM sqlite_master WHERE type = 'table'")
-            tables = [str(row[0]) for row in names if not row[0].startswith("sqlite_")]
-            with transaction(new):
-                for table in tables:
-                    counts[table] = _fill(new, table, old, wrong, refused)
-        if not any(counts.values()):
-            raise ComputationError(f"nothing of {name} can be read any more; restore a backup")
-        number = 1
-        while (other := aside.with_name(f"{aside.name}-{number}")).exists():
-            number += 1
-        try:  # a name more first: the file is somewhere at any time
-            os.link(path, other)
-        except OSError:  # a file system without links
-            shutil.copy2(path, other)
-        for end in BESIDE[:3]:
-            with suppress(FileNotFoundError):
-                Path(f"{path}{end}").replace(f"{other}{end}")
-        fresh.replace(path)
-    finally:
-        fresh.unlink(missing_ok=True)
-    return counts, refused, other
-
-
-def _readable(path: Path, name: str, kind: Format) -> sqlite3.Connection:
-    """A file to read from as far as that can be done, whatever else is in it, if it is ours."""
-    try:
-        return open_to_read(path, name, kind)
-    except (SuraeError, sqlite3.Error):
-        file = connected(path, "ro")
-        try:
-            (application,) = file.execute("PRAGMA application_id").fetchone()
-            (version,) = file.execute("PRAGMA user_version").fetchone()
-            if (application, version) != (kind.application, kind.version):
-                raise
-        except BaseException:
-            file.close()
-            raise
-        return file
-
-
-def _fill(
-    new: sqlite3.Connection,
-    table: str,
-    old: sqlite3.Connection,
-    wrong: Callable[[str, Row], str],
-    refused: list[tuple[str, Row]],
-) -> int:
-    """Copy the good rows of a table; how many."""
-    columns = new.execute(f"PRAGMA table_info({table})").fetchall()
-    names = ", ".join(column[1] for column in columns)
-    keys = [column[1] for column in columns if column[5]] or ["rowid"]
-    statement = f"INSERT INTO {table} ({names}) VALUES ({', '.join('?' * len(columns))})"
-    count = 0
-    for row in _readable_rows(old, table, names, keys):
-        problem = wrong(table, row)
-        if not problem:
-            try:
-                new.execute(statement, row)
-                count += 1
-            except sqlite3.Error as error:
-                problem = str(error)
-        if problem:
-            refused.append((problem, row))
-    return count
-
-
-def _readable_rows(
-    file: sqlite3.Connection, table: str, names: str, keys: Sequence[str]
-) -> Iterator[Row]:
-    """The rows of a table that is damaged, from both ends as far as they can be read."""
-    seen, kind = set(), "SELECT type FROM sqlite_master WHERE name = ?"
-    for direction in ("", " DESC"):
-        order = ", ".join(key + direction for key in keys)
-        with suppress(sqlite3.DatabaseError):
-            if file.execute(kind, (table,)).fetchone() != ("table",):
-                return  # a stranger's view may never end
-            for row in file.execute(f"SELECT {names} FROM {table} ORDER BY {order}"):
-                if hash(row) in seen:
-                    break
-                seen.add(hash(row))
-                yield row
-
-
 def make_tables(file: sqlite3.Connection, kind: Format) -> None:
     """Make a new file one of a kind."""
     file.executescript(
@@ -363,7 +239,7 @@ def _recognised(file: sqlite3.Connection, name: str, kind: Format) -> int:
     if _schema(file) != _schema_of(kind.tables[version]):
         raise InputError(
             f"{name} holds tables or programs that are not surae's, or lacks some that are; use "
-            "another file, or its `repair` command"
+            "another file, or restore a backup"
         )
     return version
 

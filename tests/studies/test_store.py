@@ -271,9 +271,9 @@ def test_a_copy_is_whole_also_while_a_run_writes(path, tmp_path) -> None:
     assert {p.name for p in tmp_path.iterdir()} == {"s.db", "s.db.lock", "copy.db"}
 
 
-def test_a_damaged_store_is_told_and_saved_as_far_as_it_can_be_read(path) -> None:
+def test_a_damaged_store_is_told(path) -> None:
     text = TEXT.replace("subjects = 2", "subjects = 500")
-    keys = fill(path, text, most=10_000)
+    fill(path, text, most=10_000)
     data = bytearray(path.read_bytes())
     results = [place.start() // 4096 for place in re.finditer(b"all well", data)]
     for page in set(results[400:420]):
@@ -281,22 +281,8 @@ def test_a_damaged_store_is_told_and_saved_as_far_as_it_can_be_read(path) -> Non
     path.write_bytes(data)
     with Store(path) as store:
         assert store.damage()
-    with pytest.raises(ComputationError, match="`repair`"), Store(path) as store:
+    with pytest.raises(ComputationError, match="restore it from a copy"), Store(path) as store:
         list(store.rows())
-    saved, aside = Store.repair(path)
-    assert 0 < saved < len(keys)
-    assert aside.read_bytes() == bytes(data)  # nothing is thrown away
-    with Store(path) as store:
-        assert store.damage() == []
-    with Store(path, write=True) as store:
-        assert len(store.plan(parse_study(text))) == len(keys) - saved
-
-
-def test_a_store_in_use_is_not_repaired(path) -> None:
-    with Store(path, write=True) as store:
-        store.plan(parse_study(TEXT))
-        with pytest.raises(InputError, match="in use by another run"):
-            Store.repair(path)
 
 
 def test_a_store_without_a_study(path) -> None:

@@ -44,7 +44,7 @@ COMMANDS = {
     "baseline": ("surae.cli.baseline", "Simulate the standard errors to compare a fit's with."),
     "live": ("surae.live.command", "Record, show and judge trials as they are measured."),
     "serve": ("surae.web.command", "Open the workbench in the browser."),
-    "project": ("surae.web.project_command", "Copy, check or mend a project of the workbench."),
+    "project": ("surae.web.project_command", "Copy or check a project of the workbench."),
     "cite": ("surae.cli.cite", "Print the papers behind a fit's methods."),
     "completion": ("surae.cli.completion", "Print a shell's completion of surae."),
     "doctor": ("surae.cli.doctor", "Say what is installed, and test that it works."),

@@ -152,24 +152,12 @@ def check_command(store: str) -> int:
         show_line(line)
     if len(damage) > _MOST_LINES:
         show_line(f"… and {len(damage) - _MOST_LINES:,} more")
-    show_line(f"damaged: run `surae study repair {shown(store)}`" if damage else "nothing is wrong")
+    show_line(
+        "damaged results are computed again by `surae study run`; if that fails, restore a copy"
+        if damage
+        else "nothing is wrong"
+    )
     return 1 if damage else 0
-
-
-@command.command("repair", short_help="Save what can be read of its store.")
-@click.argument("store", metavar="S.db")
-def repair_command(store: str) -> None:
-    """Make a study's store anew of what can be read; the damaged one stays beside it.
-
-    What could not be read is computed by the next `surae study run`.
-    """
-    with api.Store(store) as opened:
-        whole = not opened.damage()
-    if whole:
-        show_line("nothing is wrong")
-        return
-    saved, aside = api.Store.repair(store)
-    show_line(f"{shown(store)}: {saved:,} fits saved; the damaged file is {shown(aside.name)}")
 
 
 def _drawn(opened: "api.Store", figure: str, x: str | None) -> bytes:

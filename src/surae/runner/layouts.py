@@ -68,6 +68,6 @@ FORMAT = Format(
     what="a store of surae",
     tables={1: _FIRST, 2: _TABLES},
     full="make room on its disk and run the same command again: what is finished is kept",
-    damaged="restore it from a copy, or save what can be read by its `repair` command",
+    damaged="restore it from a copy (`surae study backup` makes one)",
     upgrades={1: _second},
 )

@@ -235,7 +235,7 @@ class Ledger:
                 try:
                     yield json.loads(label), self._result(value, failed)
                 except (ValueError, TypeError, LookupError, RecursionError):
-                    continue  # damaged: the next run, or `repair`, computes it again
+                    continue  # damaged: the next run computes it again
 
     def status(self) -> LedgerStatus:
         """How far the plan is."""
@@ -294,36 +294,6 @@ class Ledger:
             ]
             (labels,) = self._row("SELECT count(*) FROM plan WHERE NOT json_valid(label)")
         return lines + ([f"{labels} rows of the plan are damaged"] if labels else [])
-
-    @classmethod
-    def repair(cls, path: PathLike) -> tuple[int, Path]:
-        """Make the file anew of what can be read of it; the damaged one stays, under another name.
-
-        Returns
-        -------
-        tuple of int and Path
-            How many results were saved, and where the damaged file is.
-
-        Raises
-        ------
-        InputError
-            It is none of ours, or in use.
-        """
-        target, name = Path(os.path.realpath(path)), shown(path)
-        if not target.is_file():
-            raise _missing(name)
-        with told(name, FORMAT):
-            lock = database.lock(target)
-        if lock is None:
-            raise _in_use(target, name)
-        with closing(lock), cls(None) as judge:
-            aside = target.with_name(f"{target.name}.damaged")
-            counts, _, aside = database.rebuild(target, name, FORMAT, aside, judge._wrong)
-        return counts["result"], aside
-
-    def _wrong(self, table: str, row: tuple[Any, ...]) -> str:
-        """What is wrong with a row as it is kept."""
-        return "" if table != "result" or self._whole(*row[1:3]) else "damaged"
 
     def _whole(self, value: object, failed: object) -> bool:
         """Whether a result as it is kept can be read."""

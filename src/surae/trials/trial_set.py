@@ -2,17 +2,15 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Self
 
 from surae.errors import InputError
 from surae.filed import filed
 from surae.frozen import FrozenDict
 from surae.quality import Quality
 from surae.recording import Recording, SourceFile
-from surae.recording.mapping import TrialDescription
 from surae.settings import FitSettings
 from surae.signals import EmgReference, ModelInputs, emg_reference, normalised
-from surae.trials.sorting import LEFT_OUT, Reading, Trial, sorted_trials
+from surae.trials.sorting import Reading, Trial
 
 
 @filed("trials", "mapping", "efforts")
@@ -96,35 +94,6 @@ class TrialSet:
         recordings = [t.recording for t in (maximal if kind == "mvc" else self.read)]
         inputs = [plain.prepare(r) for r in recordings if r is not None and _in_volts(r)]
         return emg_reference(inputs, kind) if inputs else None  # type: ignore[arg-type]
-
-    def adding(self, recording: Recording) -> Self:
-        """The session with one recording more, or with a newer one of the same name.
-
-        What each trial is, is decided anew.
-
-        Parameters
-        ----------
-        recording : Recording
-            The trial.
-
-        Returns
-        -------
-        TrialSet
-            Another one; a session is never changed.
-        """
-        said = {
-            t.name: TrialDescription(effort=t.effort if t.told else None, condition=t.condition,
-                         notes=t.notes, use=t.problem != LEFT_OUT)
-            for t in self.trials
-        }  # fmt: skip
-        readings = [
-            Reading(t.name, t.path, t.recording, "" if t.recording else t.problem, said[t.name])
-            for t in self.trials
-            if t.name != recording.name
-        ]
-        newer = reading_of(recording)
-        readings.append(replace(newer, said=said.get(newer.name, newer.said)))
-        return replace(self, trials=sorted_trials(readings, self.efforts))
 
     def to_fit(self, name: str) -> Recording:
         """The recording of a trial that can be fitted.

@@ -55,7 +55,7 @@ FORMAT = Format(
     "a surae project",
     {1: _TABLES},
     NO_ROOM,
-    "recordings and fits beside it are whole: `surae project repair`, or restore a backup",
+    "recordings and fits beside it are whole; restore a backup",
 )
 #: A row as it is kept: when it was made, its thing, and what is wrong with one that is damaged.
 _Kept = tuple[Any, Thing | None, dict[str, str]]
@@ -164,7 +164,7 @@ class Database:
             return None if row is None else thing(kind, *row)
         except ValueError as error:
             raise RefusedError(
-                409, f"this {kind} is damaged ({error}); `surae project repair` sets it aside"
+                409, f"this {kind} is damaged ({error}); a backup may have it whole"
             ) from None
 
     def all(self, kind: str) -> list[Thing]:

@@ -150,7 +150,7 @@ class Project:
             for id_, text in self.database.rows("SELECT id, data FROM thing WHERE kind='project'"):
                 own = str(id_)
                 if not ID.fullmatch(own):
-                    raise InputError("its own id is none; `surae project repair` gives it one")
+                    raise InputError("its own id is damaged; restore a backup")
                 with suppress(ValueError):
                     saved = dict(plain(text))
                 break

@@ -12,7 +12,7 @@ _FOLDER = click.argument("folder", metavar="DIR")
 
 @click.group("project")
 def command() -> None:
-    """Look after a project of the workbench: copy it, check it, mend it."""
+    """Look after a project of the workbench: copy it, check it."""
 
 
 @command.command("backup")
@@ -54,21 +54,6 @@ def check(folder: str) -> None:
     if seen.problems:
         count = len(seen.problems)
         raise ComputationError(
-            f"{count} {'thing is' if count == 1 else 'things are'} wrong; `surae project repair` "
-            "sets them aside, a backup may have them whole"
+            f"{count} {'thing is' if count == 1 else 'things are'} wrong; all others are usable; "
+            "a backup may have them whole"
         )
-
-
-@command.command("repair")
-@_FOLDER
-def repair(folder: str) -> None:
-    """Set aside what is wrong with the project in DIR, in its folder `trash`; nothing is deleted.
-
-    Stop `surae serve` first.
-    """
-    from surae.web import upkeep
-
-    done = upkeep.repair(folder)
-    for line in done:
-        click.echo(line)
-    click.echo(f"{folder}: {'mended' if done else 'nothing to mend'}")

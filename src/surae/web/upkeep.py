@@ -1,4 +1,4 @@
-"""Look after a project: a copy of it while it is in use, what is wrong with it, and its mending."""
+"""Look after a project: a copy of it while it is in use, and what is wrong with it."""
 
 import os
 import shutil
@@ -8,9 +8,9 @@ from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from surae.database import connected, copy, lock, open_to_read, rebuild, told
+from surae.database import connected, copy, open_to_read, told
 from surae.errors import ComputationError, InputError, SuraeError
-from surae.files import PathLike, sha256_of, shown, write_json
+from surae.files import PathLike, sha256_of, shown
 from surae.progress import Progress
 from surae.web.database import FORMAT, refuse_damage
 from surae.web.places import (
@@ -18,16 +18,12 @@ from surae.web.places import (
     FILES,
     FOLDERS,
     file_of,
-    move_to_trash,
     recording_suffix,
     refuse_foreign,
     uploads_of,
 )
-from surae.web.project import Project
 from surae.web.rows import KINDS, Thing, thing
 
-#: Of a cell that is set aside [characters]; the whole is in the database that is.
-_SHOWN = 100_000
 #: What the database of a copy is called until the copy is whole.
 _UNFINISHED = f"{DATABASE}.unfinished"
 
@@ -100,31 +96,6 @@ def backup(folder: PathLike, to: PathLike, progress: Progress | None = None) -> 
     finally:
         shutil.rmtree(part, ignore_errors=True)  # half a copy
     return seen
-
-
-def repair(folder: PathLike) -> tuple[str, ...]:
-    """Set aside what is wrong with a project; what was done, a line each. Nothing is deleted.
-
-    A database that is damaged, or holds more than ours, is read row by row into a new one; the old
-    one, damaged rows, and files that belong to nothing go to the trash.
-    """
-    root = _project(folder)
-    done: list[str] = []
-    before = check(root)
-    with _alone(root):
-        if before.problems:
-            done += _rebuilt(root)
-    project = Project(root)
-    try:
-        for name in check(root).orphans:
-            move_to_trash(root, root / name)
-            done.append(f"{name} belongs to nothing: in the trash")
-        for kind in FILES:
-            for row in project.database.all(kind):
-                done += _sealed(project, kind, row)
-    finally:
-        project.close()
-    return tuple(done)
 
 
 def _project(folder: PathLike) -> Path:
@@ -218,50 +189,3 @@ def _copy(source: Path, target: Path) -> None:
             place.parent.mkdir(parents=True, exist_ok=True)
             with suppress(FileNotFoundError):  # an upload that was just put into the trash
                 shutil.copy2(path, place)
-
-
-@contextmanager
-def _alone(root: Path) -> Iterator[None]:
-    """Have a project's lock, so that no server uses it meanwhile."""
-    own_lock = lock(root / DATABASE)
-    if own_lock is None:
-        raise InputError(f"{shown(root)} is in use by `surae serve`; stop it first")
-    with closing(own_lock):
-        yield
-
-
-def _rebuilt(root: Path) -> list[str]:
-    """Read whatever can be read of a database into a new one; the old one goes to the trash."""
-    (root / "trash").mkdir(mode=0o700, exist_ok=True)
-    counts, bad, old = rebuild(root / DATABASE, DATABASE, FORMAT, root / "trash" / DATABASE, _wrong)
-    lines = [f"{counts['thing']} things read into a new database; the old one is trash/{old.name}"]
-    if bad:
-        said = [(problem, [repr(cell)[:_SHOWN] for cell in row]) for problem, row in bad]
-        rows = [{"problem": problem, "row": row} for problem, row in said]
-        write_json(old.with_name(f"{old.name}-rows.json"), {"rows": rows})
-        lines.append(f"{len(bad)} damaged rows set aside in trash/{old.name}-rows.json")
-    return lines
-
-
-def _wrong(table: str, row: tuple[object, ...]) -> str:
-    """What is wrong with a row as it is kept."""
-    id_, kind, created, _, data = (*row, None, None)[:5]
-    if table == "thing" and kind in KINDS:
-        try:
-            thing(str(kind), id_, created, data)
-        except ValueError as error:
-            return str(error)
-    return ""
-
-
-def _sealed(project: Project, kind: str, row: Thing) -> Iterator[str]:
-    """Keep a checksum that is missing; set aside a thing whose file is."""
-    folder, suffix = FILES[kind]
-    path = project.path(folder, row["id"], suffix)
-    if kind == "study":
-        return
-    if not path.is_file():
-        project.discard(kind, row["id"])
-        yield f"{kind} {row['id']}: its file is missing; its entry is in the trash"
-    elif "sha256" not in row:
-        project.change(kind, row["id"], sha256=sha256_of(path))
