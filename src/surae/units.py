@@ -16,6 +16,7 @@ SI = {
     "emg": "V",
     "angular_velocity": "rad/s",
     "angular_acceleration": "rad/s2",
+    "length": "m",
     "time": "s",
 }
 
@@ -26,6 +27,7 @@ FACTORS: dict[str, dict[str, float]] = {
     "emg": {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "1": 1.0},
     "angular_velocity": {"rad/s": 1.0, "deg/s": math.pi / 180},
     "angular_acceleration": {"rad/s2": 1.0, "deg/s2": math.pi / 180},
+    "length": {"mm": 1e-3, "cm": 1e-2, "m": 1.0},
     "time": {"s": 1.0, "ms": 1e-3},
 }
 
@@ -41,9 +43,12 @@ _SPELLINGS = {
     **dict.fromkeys(("volt", "volts"), "V"),
     **dict.fromkeys(("millivolt", "millivolts"), "mV"),
     **dict.fromkeys(("microvolt", "microvolts"), "uV"),
+    **dict.fromkeys(("millimeter", "millimeters", "millimetre", "millimetres"), "mm"),
     **dict.fromkeys(("sec", "second", "seconds"), "s"),
     **dict.fromkeys(("msec", "millisecond", "milliseconds"), "ms"),
 }
+#: Kind of signal by the first word of roles that name a muscle.
+_KINDS = {"emg": "emg", "fascicle": "length", "pennation": "angle"}
 _KNOWN = {unit.casefold(): unit for units in FACTORS.values() for unit in units}
 
 
@@ -60,7 +65,7 @@ def spelled(text: str) -> str | None:
 
 def kind(role: str) -> str:
     """The kind of signal behind a channel's role: ``"emg"`` for ``"emg_ta"``, else the role."""
-    return "emg" if role.startswith("emg_") else role
+    return _KINDS.get(role.partition("_")[0], role)
 
 
 def to_si(role: str, unit: str, where: str) -> float:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.quality import activity, emg, lag, mains, position, reflex, timing, torque
+from surae.quality import activity, emg, film, lag, mains, position, reflex, timing, torque
 from surae.quality.commanded import Commanded
 from surae.quality.finding import SEVERITIES, Finding, Quality, Skipped
 from surae.quality.trial import CheckedTrial, trial_of
@@ -50,6 +50,11 @@ CHECKS: tuple[Check, ...] = (
     Check(("active-not-active",), activity.active_part),
     Check(("co-contraction",), activity.co_contraction),
     Check(("reflex-suspected",), reflex.suspected),
+    Check(("film-unit",), film.unit),
+    Check(("film-lost",), film.lost),
+    Check(("film-repeated",), film.repeated),
+    Check(("film-jump",), film.jumps),
+    Check(("film-clock", "film-drift"), film.against_the_robot),
 )
 
 
@@ -91,7 +96,7 @@ def ordered(findings: list[Finding]) -> tuple[Finding, ...]:
 
 def unfit(recording: Recording) -> str | None:
     """Why the signals cannot be compared; None where they can."""
-    channels = recording.channels
+    channels = recording.signals
     if "angle" not in channels:
         return "There is no angle."
     slowest = min(c.rate_hz for c in channels.values())

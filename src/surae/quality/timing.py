@@ -28,7 +28,7 @@ def time_axes(recording: Recording) -> tuple[Finding, ...]:
     """Gaps and jitter in the time stamps, once for channels that share them."""
     findings: list[Finding] = []
     seen: list[Channel] = []
-    for channel in recording.channels.values():
+    for channel in recording.signals.values():
         if any(np.array_equal(channel.time, other.time) for other in seen):
             continue
         seen.append(channel)
@@ -133,8 +133,8 @@ def _name(channel: Channel) -> str:
 
 def too_short(recording: Recording) -> tuple[Finding, ...]:
     """Trials in which the relaxation of tau_rel cannot show."""
-    start = max(float(c.time[0]) for c in recording.channels.values())
-    end = min(float(c.time[-1]) for c in recording.channels.values())
+    start = max(float(c.time[0]) for c in recording.signals.values())
+    end = min(float(c.time[-1]) for c in recording.signals.values())
     seconds = end - start
     if seconds >= SHORT:
         return ()

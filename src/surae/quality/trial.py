@@ -128,7 +128,7 @@ class Signals(NamedTuple):
 
 def signals_of(recording: Recording) -> Signals:
     """Signals at the instants of one axis, averaged over its step."""
-    channels = recording.channels
+    channels = recording.signals
     rate = min(RATE, *(c.rate_hz for c in channels.values()))
     start = max(float(c.time[0]) for c in channels.values())
     end = min(float(c.time[-1]) for c in channels.values())

@@ -6,10 +6,20 @@ from surae.recording.inspected import InspectedChannel, Inspection
 from surae.recording.inspection import inspect
 from surae.recording.mapping_text import mapping_text, write_mapping
 from surae.recording.reading import read
-from surae.recording.recording import MUSCLES, ROLES, Channel, Recording, SourceFile
+from surae.recording.recording import (
+    FILM_ROLES,
+    FILMED,
+    MUSCLES,
+    ROLES,
+    Channel,
+    Recording,
+    SourceFile,
+)
 from surae.recording.writing import csv_columns, write_csv, write_sto
 
 __all__ = [
+    "FILMED",
+    "FILM_ROLES",
     "MUSCLES",
     "ROLES",
     "Channel",

@@ -1,13 +1,13 @@
 """A raw column becomes a channel: its unit settled, its scaling applied, its samples checked."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from surae.errors import InputError
 from surae.frozen import freeze
-from surae.recording.recording import Channel
+from surae.recording.recording import FILM_ROLES, Channel
 from surae.recording.roles import heading_unit
 from surae.recording.samples import check_finite, check_samples
 from surae.recording.table import Column, Table
@@ -82,6 +82,7 @@ def settle_unit(table: Table, role: str, name: str, unit: str | None, where: str
 def channel(role: str, column: Column, scaling: Scaling, table: Table) -> Channel:
     """Check a column's samples and bring them to SI."""
     shown = f"column {column.name!r}"
+    column = _tracked(column) if role in FILM_ROLES else column
     check_samples(
         column.time,
         column.values,
@@ -101,6 +102,19 @@ def channel(role: str, column: Column, scaling: Scaling, table: Table) -> Channe
         values=freeze(values),
         unit="1" if scaling.unit == "1" else SI[kind(role)],
         source=f"{Path(table.file).name}: {column.name} {scaling.describe()}{remark}",
+    )
+
+
+def _tracked(column: Column) -> Column:
+    """A film's column without the frames in which its tracker found nothing: no number, or 0."""
+    kept = np.flatnonzero(np.isfinite(column.values) & (column.values != 0.0))
+    if len(kept) == len(column.values):
+        return column
+    return replace(
+        column,
+        time=freeze(column.time[kept]),
+        values=freeze(column.values[kept]),
+        position=lambda index: column.position(int(kept[index])),
     )
 
 

@@ -41,8 +41,8 @@ def recognises(source: Source) -> bool:
     return True
 
 
-def open_table(source: Source) -> Table:
-    """Read the header of a CSV file.
+def open_table(source: Source, *, timed: bool = True) -> Table:
+    """Read the header of a CSV file, which has a column of times unless `timed` is false.
 
     Text with no header, no time, or a comment that sets what isn't known is refused.
     """
@@ -54,7 +54,10 @@ def open_table(source: Source) -> Table:
             f"{where}: numbers where the names of the columns belong; the first line that is no "
             "comment must name them (time_s, angle_rad, ...)"
         )
-    time, factor = time_column(head.names, where)
+    if timed or any(map(is_time, head.names)):
+        time, factor = time_column(head.names, where)
+    else:
+        time, factor = "", 1.0
     if (unit := head.units.get(time)) is not None:
         factor = FACTORS["time"].get(spelled(unit) or "", factor)
     comma = head.delimiter != "," and _decimal_comma(source, head.row)

@@ -74,15 +74,19 @@ def data_files(folder: PathLike) -> list[Path]:
     )
 
 
-def open_table(source: Source) -> Table:
+def open_table(source: Source, *, timed: bool = True) -> Table:
     """The columns of a data file in any supported format.
+
+    A CSV without a column of times is read too where `timed` is false: its rows are then counted.
 
     Raises
     ------
     InputError
         The file is of no supported format or its header is wrong.
     """
-    table = next(form for form in FORMATS if form.recognises(source)).open_table(source)
+    form = next(form for form in FORMATS if form.recognises(source))
+    counted = form is delimited and not timed
+    table = delimited.open_table(source, timed=False) if counted else form.open_table(source)
     if len(table.names) > _MOST:
         raise InputError(
             f"{source.shown}: {len(table.names)} columns, more than the {_MOST} that are read; "

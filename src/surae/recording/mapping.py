@@ -15,6 +15,7 @@ from surae.errors import InputError
 from surae.files import PathLike, shown
 from surae.recording.mapping_reader import (
     TRIAL,
+    Clock,
     MappedChannel,
     Reader,
     brief,
@@ -35,7 +36,9 @@ from surae.recording.table import some
 _SESSION = ("date", "condition", "notes")
 _RECORDING = ("name", "emg", "fixed", "side", "device", "prepare")
 _TOP = (*_RECORDING, *_SESSION, "channels", "trials")
-_ENTRY = ("file", "column", "unit", "sign", "scale", "offset", "zero")
+#: What a channel with a clock of its own may say of it.
+_CLOCK = ("time", "start_s", "rate_hz")
+_ENTRY = ("file", "column", "unit", "sign", "scale", "offset", "zero", *_CLOCK)
 #: What a line of [trials] may say of one trial, beside what differs in its channels.
 _TRIAL = (*_RECORDING, *_SESSION, "effort", "use", *ROLES)
 _EMG = ("raw", "envelope")
@@ -278,6 +281,11 @@ def _entry(role: str, body: Any, where: str) -> MappedChannel:
         raise InputError(f"{where}: scale is 0, which would erase the signal")
     if "zero" in body and "offset" in body:
         raise InputError(f"{where}: zero and offset both say where the zero is; give one")
+    start, rate = (finite(body[k], f"{where}: {k}") if k in body else None for k in _CLOCK[1:])
+    if rate is not None and rate <= 0.0:
+        raise InputError(f"{where}: rate_hz is {rate:g}; it must be above 0")
+    if "time" in body and (start is not None or rate is not None):
+        raise InputError(f"{where}: time and start_s or rate_hz both say when; give one")
     return MappedChannel(
         role=role,
         where=where,
@@ -288,6 +296,7 @@ def _entry(role: str, body: Any, where: str) -> MappedChannel:
         scale=scale,
         offset=finite(body.get("offset", 0.0), f"{where}: offset"),
         zero=_zero_of(body.get("zero"), f"{where}: zero"),
+        clock=Clock(text_in(body, "time", where), start, rate),
     )
 
 

@@ -5,7 +5,7 @@ import difflib
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -13,12 +13,15 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.files import shown
+from surae.frozen import as_read_only
 from surae.recording.channels import Scaling, channel, settle_unit
 from surae.recording.formats import open_table
 from surae.recording.recording import Channel
+from surae.recording.roles import words_of
+from surae.recording.samples import instants
 from surae.recording.source import Source, open_source
 from surae.recording.table import Column, Table, some
-from surae.units import to_si
+from surae.units import FACTORS, spelled, to_si
 
 
 def parsed(source: Source) -> dict[str, Any]:
@@ -129,6 +132,28 @@ _PART, _QUIET, _REST = 0.1, 0.05, {"angle": 0.0175, "torque": 1.0}
 
 
 @dataclass(frozen=True, slots=True)
+class Clock:
+    """When the samples of a channel were taken, where its file does not say it."""
+
+    time: str | None = None  #: The column of its file that has their times.
+    start_s: float | None = None  #: Time of the first sample [s].
+    rate_hz: float | None = None  #: Samples a second.
+
+    def set(self, column: Column, columns: Mapping[str, Column], factor: float) -> Column:
+        """A column with these times; `factor` brings those of a column to seconds."""
+        seconds = column.time
+        if self.time is not None and self.time in columns:
+            seconds = as_read_only(columns[self.time].values * factor)
+            return replace(column, time=seconds, time_name=self.time)
+        if self.rate_hz is not None:
+            start = 0.0 if self.start_s is None else self.start_s
+            return replace(column, time=instants(start, self.rate_hz, len(seconds)))
+        if self.start_s is not None and len(seconds):
+            return replace(column, time=as_read_only(seconds - seconds[0] + self.start_s))
+        return column
+
+
+@dataclass(frozen=True, slots=True)
 class MappedChannel:
     """One channel's description, checked on its own."""
 
@@ -141,6 +166,7 @@ class MappedChannel:
     scale: float
     offset: float
     zero: str | tuple[float, float] | None
+    clock: Clock
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,18 +193,27 @@ class Reader:
                 table, entry.role, entry.column, entry.unit, entry.where
             )
             names = wanted.setdefault(paths[entry.role], [])
-            if entry.column not in names:
-                names.append(entry.column)
+            clock = entry.clock.time
+            if clock is not None and clock not in (*table.names, table.time_name):
+                raise InputError(
+                    f"{entry.where}: time: {table.file} has no column {some([clock])}; it has: "
+                    f"{some(table.names)}"
+                )
+            names += [
+                each for each in (entry.column, clock) if each in table.names and each not in names
+            ]
         columns = {path: self.tables[path].load(names) for path, names in wanted.items()}
         channels: dict[str, Channel] = {}
         for entry in entries:
             path = paths[entry.role]
-            column = columns[path][entry.column]
+            table = self.tables[path]
+            factor = _seconds(table, entry.clock.time)
+            column = entry.clock.set(columns[path][entry.column], columns[path], factor)
             offset, note = entry.offset, ""
             if entry.zero is not None:
                 offset, note = self._zero(entry, column, units[entry.role])
             scaling = Scaling(units[entry.role], entry.sign, entry.scale, offset, note)
-            channels[entry.role] = channel(entry.role, column, scaling, self.tables[path])
+            channels[entry.role] = channel(entry.role, column, scaling, table)
         return channels
 
     def _paths(self, entries: list[MappedChannel]) -> dict[str, Path]:
@@ -210,7 +245,8 @@ class Reader:
         if path not in self.tables:
             try:
                 self.sources[path] = open_source(path)
-                self.tables[path] = open_table(self.sources[path])
+                timed = entry.clock.rate_hz is None and entry.clock.time is None
+                self.tables[path] = open_table(self.sources[path], timed=timed)
             except InputError as error:
                 raise InputError(f"{entry.where}: {error}") from None
         table = self.tables[path]
@@ -259,6 +295,14 @@ class Reader:
                 )
         mean = entry.scale * float(values.mean())
         return -mean, f"zero {mean:.4g} ± {abs(entry.scale) * float(values.std()):.2g} of {origin}"
+
+
+def _seconds(table: Table, column: str | None) -> float:
+    """What brings the times in a column to seconds: by the file's word, or by its name's last."""
+    if column is None:
+        return 1.0
+    said = table.units.get(column) or words_of(column)[-1]
+    return FACTORS["time"].get(spelled(said) or "s", 1.0)
 
 
 def _named(file: str, trial: str | None) -> str:

@@ -9,7 +9,7 @@ from surae.errors import InputError
 from surae.files import PathLike, shown, write_atomic
 from surae.recording.emg_kind import amplified
 from surae.recording.inspected import InspectedChannel, Inspection
-from surae.recording.recording import MUSCLES, ROLES
+from surae.recording.recording import FILM_ROLES, MUSCLES, ROLES
 from surae.recording.roles import unit_is_volts
 from surae.units import FACTORS, kind
 
@@ -137,6 +137,11 @@ def _entry(
         lines.append('# zero = "FILE"  # a quiet trial, or [0.0, 2.0]: a quiet stretch of each [s]')
     elif role in _OFFSET:
         lines.append(f"# offset = 0.0  # {_OFFSET[role]}")
+    if role in FILM_ROLES:
+        lines.append("# start_s = 0.0  # check: when the recording's clock shows the first frame")
+        lines.append(
+            "# rate_hz = 30.0  # frames a second; or time = its column of times on that clock"
+        )
     # Of many trials each has its own; the preparation takes it away.
     if files is None and channel.look and channel.look.offset and inspection.emg == "raw":
         lines.append(f"offset = {channel.look.offset!r}  # check: {channel.look.rule}")

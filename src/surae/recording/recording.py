@@ -17,6 +17,9 @@ from surae.units import SI, FloatArray, kind
 #: gastrocnemius medialis (model equations 12 and 13).
 MUSCLES = ("ta", "gl", "sol", "gm")
 
+#: Muscles whose fascicles are filmed: the tibialis, and those of the triceps.
+FILMED = ("tib", "gl", "sol", "gm")
+
 #: Every role a channel can have, in the order in which they are listed.
 ROLES = (
     "angle",
@@ -24,7 +27,10 @@ ROLES = (
     *(f"emg_{muscle}" for muscle in MUSCLES),
     "angular_velocity",
     "angular_acceleration",
+    *(f"{seen}_{muscle}" for seen in ("fascicle", "pennation") for muscle in FILMED),
 )
+#: Roles that a film shows: it has a clock of its own, may lose frames and need not last.
+FILM_ROLES = tuple(role for role in ROLES if role.startswith(("fascicle_", "pennation_")))
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +78,11 @@ class Channel(Comparable):
     def rate_hz(self) -> float:
         """Mean sampling rate [Hz]."""
         return float((len(self.time) - 1) / (self.time[-1] - self.time[0]))
+
+    @property
+    def filmed(self) -> bool:
+        """Whether a film shows it."""
+        return self.role in FILM_ROLES
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,6 +142,16 @@ class Recording:
                     f"{self.where}: {emg[0].role} is in {emg[0].unit!r} but {channel.role} in "
                     f"{channel.unit!r}; give all EMG in volts or all normalised ('1')"
                 )
+
+    @property
+    def signals(self) -> Mapping[str, Channel]:
+        """The channels that the robot recorded, without what a film shows."""
+        return {role: each for role, each in self.channels.items() if not each.filmed}
+
+    @property
+    def films(self) -> Mapping[str, Channel]:
+        """What a film shows: fascicles' lengths and pennation."""
+        return {role: each for role, each in self.channels.items() if each.filmed}
 
     def __repr__(self) -> str:
         emg = {"raw": "raw EMG", "envelope": "EMG envelopes"}[self.emg]

@@ -14,6 +14,7 @@ capitals. In this order:
 4. Muscles: tibialis anterior, gastrocnemius lateralis and medialis and soleus, in full or as
    ``tib_ant``, ``lat_gas``, ``med_gas`` (*named*); as ``TA``, ``GL``, ``LG``, ``GM``, ``MG``,
    ``SOL`` (*likely*, *named* with the word EMG).
+   With ``fascicle``, ``FL`` or ``pennation``, ``PEN``, that of the muscle in a film.
 5. ``gas`` without its head, ``tibialis`` without anterior or posterior, EMG without a muscle: no
    role, but the channels that could be one.
 6. A unit of torque or angle alone: *possible*; never written into a mapping as if it were known.
@@ -28,7 +29,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from surae.errors import InputError
-from surae.recording.recording import ROLES
+from surae.recording.recording import FILMED, ROLES
 from surae.units import FACTORS, kind, plain, spelled, to_si
 
 #: Column names of the time, and their factor to seconds.
@@ -40,9 +41,17 @@ def _suffixes(role: str) -> dict[str, str]:
     return {unit.replace("/", "_"): unit for unit in FACTORS[kind(role)]}
 
 
+def _spellings(role: str) -> tuple[str, ...]:
+    """A role's own name, and where it is of the tibialis, that with the name of its EMG."""
+    return (role, f"{role[:-4]}_ta") if role.endswith("_tib") else (role,)
+
+
 #: Role and unit of every column name that is ours.
 NAMES: Mapping[str, tuple[str, str]] = {
-    f"{role}_{suffix}": (role, unit) for role in ROLES for suffix, unit in _suffixes(role).items()
+    f"{name}_{suffix}": (role, unit)
+    for role in ROLES
+    for name in _spellings(role)
+    for suffix, unit in _suffixes(role).items()
 }
 
 
@@ -57,16 +66,16 @@ def role_and_unit(name: str, where: str) -> tuple[str, str] | None:
     name = plain(name)
     if name in NAMES:
         return NAMES[name]
-    for role in ROLES:
-        if name.casefold() != role and not name.casefold().startswith(f"{role}_"):
+    for role, spelling in ((each, own) for each in ROLES for own in _spellings(each)):
+        if name.casefold() != spelling and not name.casefold().startswith(f"{spelling}_"):
             continue
         suffixes = _suffixes(role)
-        ours = [f"{role}_{suffix}" for suffix in suffixes]
-        suffix = name[len(role) + 1 :]
+        ours = [f"{spelling}_{suffix}" for suffix in suffixes]
+        suffix = name[len(spelling) + 1 :]
         if not suffix:
             raise InputError(f"{where}: the unit is missing; write one of: {', '.join(ours)}")
         if suffix in suffixes:
-            raise InputError(f"{where}: write it in small letters, {role}_{suffix}")
+            raise InputError(f"{where}: write it in small letters, {spelling}_{suffix}")
         if any(suffix.endswith(f"_{known}") for known in suffixes) or any(
             suffix.startswith(f"{known}_") for known in suffixes
         ):
@@ -108,6 +117,12 @@ _ANGLE = {
     "flexion", "winkel", "hoek", "rotation",
 }  # fmt: skip
 _EMG = {"emg", "semg", "bip", "bipolar", "emgenv", "envelope"}
+
+#: What a film shows of a muscle, by the words of trackers.
+_FILMS = {
+    "fascicle": {"fascicle", "fascicles", "fl", "fas"},
+    "pennation": {"pennation", "pennate", "pen"},
+}
 
 _LATERAL = {"lat", "lateral", "lateralis"}
 _MEDIAL = {"med", "medial", "medialis"}
@@ -152,7 +167,7 @@ _BETWEEN = re.compile(r"[^0-9A-Za-z]+")
 #: A unit that a heading ends with: "Angle (deg)", "Moment [N.m]", "TA,uV"; "ankle_angle_deg".
 _BRACKETED = re.compile(r".*\S\s*(?:\(\s*([^()]+?)\s*\)|\[\s*([^\[\]]+?)\s*\]|,\s*([^\s,]+))")
 _SUFFIXED = re.compile(
-    r".*[^\W_][_ ](deg|rad|Nm|mNm|Nmm|[mu\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}]V)"
+    r".*[^\W_][_ ](deg|rad|mm|cm|Nm|mNm|Nmm|[mu\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}]V)"
 )
 
 
@@ -189,7 +204,7 @@ def guess_role(name: str, unit: str | None = None) -> Guess | None:
     side = next((_SIDES[word] for word in words if word in _SIDES), None)
     vocabulary = set(words)
     suggested = unit_kind(unit)
-    match = _quantity(vocabulary, words) or _muscle(vocabulary, words)
+    match = _film(vocabulary, words) or _quantity(vocabulary, words) or _muscle(vocabulary, words)
     if match is not None:
         return _of_unit(*match, side, unit, _COORDINATE.fullmatch(name))
     known = vocabulary & (_OTHER_JOINTS | _OTHER_SENSORS | _OTHER_MUSCLES | _PLATE)
@@ -308,6 +323,20 @@ def _quantity(said: set[str], words: tuple[str, ...]) -> _Found | None:
     if ankle and not said & _OTHER_SENSORS:
         return ("angle", "torque"), "possible", "the ankle, but not whether angle or torque"
     return None
+
+
+def _film(said: set[str], words: tuple[str, ...]) -> _Found | None:
+    """A fascicle's length or pennation, of a muscle that the name may say."""
+    seen = next((seen for seen, vocabulary in _FILMS.items() if said & vocabulary), None)
+    if seen is None:
+        return None
+    word = next(word for word in words if word in _FILMS[seen])
+    found = _muscle(said, words)
+    muscles = FILMED if found is None else [role[4:].replace("ta", "tib") for role in found[0]]
+    roles = tuple(f"{seen}_{muscle}" for muscle in muscles)
+    if found is None or len(roles) > 1:
+        return roles, "possible", f"the word {word}; which muscle is not said"
+    return roles, "named", f"the word {word}, and {found[2]}"
 
 
 def _muscle(said: set[str], words: tuple[str, ...]) -> _Found | None:

@@ -15,6 +15,8 @@ from surae.recording.source import Source
 from surae.recording.table import Column, some
 from surae.units import FloatArray
 
+#: Columns of ours whose tracker may have lost a frame, which leaves its cell blank.
+_MAY_LACK = ("fascicle_", "pennation_")
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
 
 
@@ -43,13 +45,17 @@ class Rows:
         return self._load_fast(wanted, *first) if self._plain(first[1]) else self._load(wanted)
 
     def columns(self, wanted: Sequence[str], time: str, factor: float) -> dict[str, Column]:
-        """The named columns with the times in column `time`, multiplied by `factor` to seconds."""
+        """The named columns with the times in column `time`, multiplied by `factor` to seconds.
+
+        Where there is no such column, the times are the numbers of the rows.
+        """
         first = {name: index for index, name in reversed(list(enumerate(self.names)))}
-        data = self.load([first[name] for name in (time, *wanted)])
-        seconds = read_only(data[0] * factor)
+        timed = (time,) if time else ()
+        data = self.load([first[name] for name in (*timed, *wanted)])
+        seconds = read_only(data[0] * factor if time else np.arange(data.shape[1]))
         return {
             name: Column(name, seconds, read_only(values), time, self.position)
-            for name, values in zip(wanted, data[1:], strict=True)
+            for name, values in zip(wanted, data[len(timed) :], strict=True)
         }
 
     def position(self, index: int) -> str:
@@ -110,7 +116,9 @@ class Rows:
                 )
             for values, index in zip(columns, wanted, strict=True):
                 try:
-                    values.append(as_number(self._with_point(cells[index])))
+                    cell = self._with_point(cells[index])
+                    lost = not cell and self.names[index].startswith(_MAY_LACK)
+                    values.append(np.nan if lost else as_number(cell))
                 except ValueError as error:
                     raise InputError(
                         f"{self.source.shown}: column {some([self.names[index]])}, row {number}: "

@@ -1,6 +1,6 @@
 """Recordings to model inputs: filters, resampling, derivatives."""
 
-from surae.signals.inputs import EmgReference, ModelInputs, check_estimable, inputs_as_given
+from surae.signals.inputs import EmgReference, Film, ModelInputs, check_estimable, inputs_as_given
 from surae.signals.normalise import (
     emg_levels,
     emg_reference,
@@ -16,6 +16,7 @@ from surae.signals.weighting import Weighting, weighted
 
 __all__ = [
     "EmgReference",
+    "Film",
     "ModelInputs",
     "Preparation",
     "Weighting",

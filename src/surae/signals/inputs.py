@@ -38,7 +38,26 @@ class EmgReference:
     count: int = 1
 
 
-@filed(n="n")
+@dataclass(frozen=True, slots=True, eq=False)
+class Film(Comparable):
+    """A muscle's fascicle length over time, on the film's own clock; arrays read-only.
+
+    Attributes
+    ----------
+    channel : str
+        ``"fascicle_tib"``, or of one muscle of the triceps: ``"fascicle_gm"`` …
+    time : ndarray, shape (k,)
+        Times of the frames in which the tracker found it [s].
+    length : ndarray, shape (k,)
+        Its length [m].
+    """
+
+    channel: str
+    time: FloatArray
+    length: FloatArray
+
+
+@filed(n="n", sparse=("films",))
 @dataclass(frozen=True, slots=True, eq=False)
 class ModelInputs(Comparable):
     """Prepared signals of one recording, arrays read-only.
@@ -79,6 +98,8 @@ class ModelInputs(Comparable):
     lowpass : (float, int) or None
         Cut-off [Hz] and order of the Bessel low-pass that angle and torque went through, and the
         EMG did not; None for no such filter.
+    films : tuple of Film
+        Fascicles that were filmed while it was recorded.
     measured : tuple of str
         Which of ``"velocity"`` and ``"acceleration"`` were measured: no filter went over them.
     """
@@ -102,6 +123,7 @@ class ModelInputs(Comparable):
     emg_reference: EmgReference | None = None
     lowpass: tuple[float, int] | None = None
     measured: tuple[str, ...] = ()
+    films: tuple[Film, ...] = ()
 
     def __post_init__(self) -> None:
         """Make the mapping read-only; the arrays are made so by whoever prepares them."""

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from surae.errors import InputError
-from surae.frozen import read_only
+from surae.frozen import as_read_only, read_only
 from surae.recording import MUSCLES, Recording
 from surae.signals.emg import (
     envelope,
@@ -17,7 +17,7 @@ from surae.signals.emg import (
     refuse_not_raw,
 )
 from surae.signals.filters import HIGHEST_CUTOFF, bessel_lowpass
-from surae.signals.inputs import ModelInputs
+from surae.signals.inputs import Film, ModelInputs
 from surae.signals.kinematics import MINIMUM_SAMPLES, derivatives
 from surae.signals.resample import Uniform, antialias_step, needs_antialias, resample, uniform
 from surae.signals.settings import Preparation
@@ -97,10 +97,20 @@ def prepare(
         prepared=prepared,
         fixed=recording.fixed,
         files=recording.files,
+        films=films_of(recording),
         measured=tuple(name for name, role in _DERIVATIVES.items() if role in signals),
         lowpass=None
         if prepared or settings.bessel_hz is None
         else (settings.bessel_hz, settings.bessel_order),
+    )
+
+
+def films_of(recording: Recording) -> tuple[Film, ...]:
+    """The fascicles that were filmed, on the film's own clock."""
+    return tuple(
+        Film(role, as_read_only(channel.time), as_read_only(channel.values))
+        for role, channel in recording.films.items()
+        if role.startswith("fascicle_")
     )
 
 
@@ -164,7 +174,7 @@ class _Signals(NamedTuple):
 
 def _as_they_are(recording: Recording) -> _Signals:
     """Signals that need no preparation."""
-    name, channels = recording.where, recording.channels
+    name, channels = recording.where, recording.signals
     angle = channels["angle"]
     timings = {role: timing(channel, name) for role, channel in channels.items()}
     stamps = timings["angle"]
@@ -195,7 +205,7 @@ def _as_they_are(recording: Recording) -> _Signals:
 def _chain(recording: Recording, settings: Preparation) -> _Signals:
     """Filtered and resampled signals."""
     sources = {
-        role: uniform(channel, recording.where) for role, channel in recording.channels.items()
+        role: uniform(channel, recording.where) for role, channel in recording.signals.items()
     }
     axis = common_axis(
         [source.axis for source in sources.values()],

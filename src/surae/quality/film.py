@@ -1,0 +1,140 @@
+"""Films of fascicles: lost and repeated frames, jumps, drift, another unit or clock."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from surae.quality.finding import Finding
+from surae.quality.kinds import found
+from surae.quality.trial import CheckedTrial
+from surae.recording import Channel
+from surae.units import FloatArray
+
+#: Fascicles of the ankle's muscles are within these lengths [m].
+_LENGTHS = (0.01, 0.2)
+#: Frames that may be lost, as a part of all, and the longest pause that is none [frames].
+_LOST, _PAUSE = 0.02, 1.5
+#: Part of the frames that may repeat the one before where the fascicle moves by so much [m] within
+#: nine frames.
+_REPEATED, _MOVES = 0.1, 5e-4
+#: A jump is larger than this [m], and so many times the steps around it.
+_JUMP, _ALONE = 3e-3, 4.0
+#: A film that is this much [s] early or late is found where angle and torque leave more than this
+#: [m] of it, and the shift takes away this part of its square.
+_LATE, _LATEST, _LEFT, _LESS = 0.04, 0.5, 5e-4, 0.3
+#: Drift over the trial [m] that a fit's own drift of 1 to 2 mm no longer covers.
+_DRIFT = 4e-3
+_FEWEST = 32
+
+
+def _fascicles(trial: CheckedTrial) -> Iterator[Channel]:
+    for role, channel in trial.recording.films.items():
+        if role.startswith("fascicle_") and len(channel.time) >= _FEWEST:
+            yield channel
+
+
+def _of(channel: Channel) -> tuple[float, float]:
+    return float(channel.time[0]), float(channel.time[-1])
+
+
+def _likely(channel: Channel) -> bool:
+    return _LENGTHS[0] <= float(np.median(channel.values)) <= _LENGTHS[1]
+
+
+def unit(trial: CheckedTrial) -> tuple[Finding, ...]:
+    """Lengths that no muscle of the ankle has."""
+    findings = []
+    for channel in _fascicles(trial):
+        middle = float(np.median(channel.values))
+        if not _likely(channel):
+            text = f"The fascicle is {1e3 * middle:.4g} mm long: its unit is not what it says."
+            findings.append(found("film-unit", channel.role, _of(channel), middle, text))
+    return tuple(findings)
+
+
+def lost(trial: CheckedTrial) -> tuple[Finding, ...]:
+    """Frames without a length."""
+    findings = []
+    for channel in _fascicles(trial):
+        steps = np.diff(channel.time)
+        step = float(np.median(steps))
+        pauses = np.flatnonzero(steps > _PAUSE * step)
+        frames = float(np.sum(np.round(steps[pauses] / step) - 1))
+        part = frames / (len(channel.time) + frames)
+        if part > _LOST:
+            span = float(channel.time[pauses[0]]), float(channel.time[pauses[-1] + 1])
+            text = f"{frames:.0f} frames have no length ({100 * part:.0f} %)."
+            findings.append(found("film-lost", channel.role, span, part, text))
+    return tuple(findings)
+
+
+def repeated(trial: CheckedTrial) -> tuple[Finding, ...]:
+    """Frames that are those before, as when a film was exported faster than it was taken."""
+    findings = []
+    for channel in _fascicles(trial):
+        around = np.lib.stride_tricks.sliding_window_view(channel.values, 9)
+        moving = np.zeros(len(channel.values) - 1, dtype=bool)
+        moving[4:-3] = np.ptp(around, axis=1) > _MOVES
+        part = float(np.mean(np.diff(channel.values)[moving] == 0.0)) if moving.any() else 0.0
+        if part > _REPEATED:
+            text = f"{100 * part:.0f} % of the frames of a moving fascicle repeat the one before."
+            findings.append(found("film-repeated", channel.role, _of(channel), part, text))
+    return tuple(findings)
+
+
+def jumps(trial: CheckedTrial) -> tuple[Finding, ...]:
+    """Steps from one frame to the next that stand alone."""
+    findings = []
+    for channel in _fascicles(trial):
+        size = np.abs(np.diff(channel.values))
+        beside = np.lib.stride_tricks.sliding_window_view(np.pad(size, 4, mode="edge"), 9)
+        others = np.delete(beside, (3, 4, 5), axis=1).max(axis=1)
+        at = np.flatnonzero((size > _JUMP) & (size > _ALONE * others))
+        at = at[np.diff(channel.time)[at] < _PAUSE * float(np.median(np.diff(channel.time)))]
+        if at.size:
+            worst, times = float(size[at].max()), f"{at.size} time{'s' * (at.size > 1)}"
+            span = float(channel.time[at[0]]), float(channel.time[at[-1] + 1])
+            text = f"The fascicle jumps {times}, by up to {1e3 * worst:.1f} mm within a frame."
+            findings.append(found("film-jump", channel.role, span, worst, text))
+    return tuple(findings)
+
+
+def against_the_robot(trial: CheckedTrial) -> tuple[Finding, ...]:
+    """A film that is early, late or drifts, by what angle and torque say of the length."""
+    findings: list[Finding] = []
+    for channel in _fascicles(trial):
+        if trial.torque is None or not _likely(channel):
+            continue
+        inside = (channel.time > trial.time[0] + _LATEST) & (
+            channel.time < trial.time[-1] - _LATEST
+        )
+        if inside.sum() < _FEWEST:
+            continue
+        time, length = channel.time[inside], channel.values[inside]
+        late = np.arange(-_LATEST, _LATEST + 1e-9, 0.01)
+        left = np.array([np.sum(_left(trial, time - by, length) ** 2) for by in late])
+        here, best = float(left[np.argmin(np.abs(late))]), int(np.argmin(left))
+        by = float(late[best])
+        if abs(by) > _LATE and here > len(time) * _LEFT**2 and left[best] < (1.0 - _LESS) * here:
+            word = "late" if by > 0.0 else "early"
+            text = f"The film is {1e3 * abs(by):.0f} ms {word}, by what angle and torque say."
+            findings.append(found("film-clock", channel.role, _of(channel), by, text))
+            continue
+        since = (time - time[0]) / (time[-1] - time[0])
+        drift = float(np.polyfit(since, _left(trial, time, length), 1)[0])
+        if abs(drift) > _DRIFT:
+            text = (
+                f"The fascicle drifts by {1e3 * drift:+.1f} mm over the trial at like angles and "
+                "torques."
+            )
+            findings.append(found("film-drift", channel.role, _of(channel), drift, text))
+    return tuple(findings)
+
+
+def _left(trial: CheckedTrial, time: FloatArray, length: FloatArray) -> FloatArray:
+    """What angle and torque leave of a length [m]: the path is bent, the tendon stretches."""
+    assert trial.torque is not None
+    angle = np.interp(time, trial.time, trial.angle)
+    torque = np.interp(time, trial.time, trial.torque)
+    known = np.column_stack([np.ones(len(time)), angle, angle**2, torque])
+    return np.asarray(length - known @ np.linalg.lstsq(known, length, rcond=None)[0])
