@@ -246,8 +246,9 @@ def test_drives_are_data_of_the_model(name) -> None:
     assert both.linear == (*spec.linear, *added)
     assert with_optional(spec, ("emd",)).names == (*spec.names, "emd")
     everything = with_optional(spec, [group[0] for group in OPTIONAL.values()])
-    assert everything.parameters == (*spec.parameters, *OPTIONAL_PARAMETERS)
-    linear = (*added, "torque_zero") if spec.linear else ()
+    own = [p for p in OPTIONAL_PARAMETERS if spec.parent or p.name not in OPTIONAL["curves"]]
+    assert everything.parameters == (*spec.parameters, *own)
+    linear = (*added, "torque_zero", *OPTIONAL["plate"]) if spec.linear else ()
     assert everything.linear == (*spec.linear, *linear)
 
 

@@ -27,6 +27,8 @@ _TERMS = 14
 _SMALL = 0.5
 #: Where φ1 is summed, and the factors of its series: 12 terms at ¼ leave 1e-17.
 _NEAR = 0.25
+#: Effort below which a power of it is taken for that of this part of the reference.
+_SMALLEST_EFFORT = 0.03
 _FACTORS = tuple(1.0 / math.factorial(j + 1) for j in range(11, -1, -1))
 
 # p·I + q·A with A = [[0, 1], [−1, −2β]], and the derivatives of p and q by h and by β. Every
@@ -211,7 +213,7 @@ class ActivationFilter:
     def _respond(self, signal: FloatArray, delay: float | None, rows: list[FloatArray]) -> None:
         """Response to one input, and if there are three rows its derivatives, each (L, n)."""
         first = 0.0 if delay is None else float(signal[0])
-        for lag, (steps, back) in enumerate(self._instants(delay or 0.0)):
+        for lag, (steps, back) in enumerate(self.instants(delay or 0.0)):
             if len(rows) == 1:
                 _respond(signal, first, steps, back, 0, rows[0][lag])
             else:
@@ -230,11 +232,12 @@ class ActivationFilter:
 
     def _by_delay(self, drive: Drive, out: FloatArray) -> None:
         """Derivative of the response by the drive's delay, −α', into (L, n)."""
-        for row, (steps, back) in zip(out, self._instants(drive.delay or 0.0), strict=True):
+        for row, (steps, back) in zip(out, self.instants(drive.delay or 0.0), strict=True):
             _respond(drive.signal, float(drive.signal[0]), steps, back, 1, row)
         out *= -2.0 * math.pi * self._f0
 
-    def _instants(self, delay: float) -> list[tuple[FloatArray, int]]:
+    def instants(self, delay: float) -> list[tuple[FloatArray, int]]:
+        """Steps to what is wanted of every sample, and whole samples to go back, for each lag."""
         if delay not in self._steps:
             self._steps[delay] = [
                 _steps(self._f0, self._beta, self._dt, lag + delay) for lag in self._lags
@@ -340,12 +343,13 @@ def _phi1(z: float) -> tuple[float, float]:
 
 @jit
 def shaped(
-    envelopes: FloatArray, smooth: FloatArray, reference: FloatArray, shape: float
+    envelopes: FloatArray, smooth: FloatArray, reference: FloatArray, shape: float, power: float
 ) -> FloatArray:
     """Envelopes curved over effort so that 0 and the reference level stay what they are.
 
-    ê = e·φ1(A·s/e_ref)/φ1(A), which is e_ref·(exp(A·e/e_ref) − 1)/(exp(A) − 1) where e is as smooth
-    as s; exact at A = 0 too.
+    ê = e·φ1(A·s/e_ref)/φ1(A)·((s²/e_ref² + ε²)/(1 + ε²))^(P/2), which is
+    e_ref·(exp(A·e/e_ref) − 1)/(exp(A) − 1) at P = 0, and e_ref·(e/e_ref)^(1 + P) at A = 0, where e
+    is as smooth as s and above ε = 0.03 of the reference.
 
     Parameters
     ----------
@@ -353,22 +357,26 @@ def shaped(
         e and s.
     reference : ndarray, shape (k,)
         e_ref, in their unit.
-    shape : float
-        A.
+    shape, power : float
+        A and P.
 
     Returns
     -------
-    ndarray, shape (4, k, n)
-        ê and its derivatives by e, by s and by A.
+    ndarray, shape (5, k, n)
+        ê and its derivatives by e, by s, by A and by P.
     """
-    out = np.empty((4, *envelopes.shape))
+    out = np.empty((5, *envelopes.shape))
     whole, d_whole = _phi1(shape)
     for c in range(envelopes.shape[0]):
         for i in range(envelopes.shape[1]):
             e, u = envelopes[c, i], smooth[c, i] / reference[c]
             part, d_part = _phi1(shape * u)
-            out[0, c, i] = e * part / whole
-            out[1, c, i] = part / whole
-            out[2, c, i] = e * shape * d_part / (whole * reference[c])
-            out[3, c, i] = e * (u * d_part - part * d_whole / whole) / whole
+            level = u * u + _SMALLEST_EFFORT**2
+            grown = 0.5 * math.log(level / (1.0 + _SMALLEST_EFFORT**2))
+            raised, steeper = math.exp(power * grown), power * u / level
+            out[0, c, i] = e * part / whole * raised
+            out[1, c, i] = part / whole * raised
+            out[2, c, i] = e * (shape * d_part + part * steeper) / (whole * reference[c]) * raised
+            out[3, c, i] = e * (u * d_part - part * d_whole / whole) / whole * raised
+            out[4, c, i] = out[0, c, i] * grown
     return out

@@ -12,17 +12,30 @@ with the parameters. An underdamped activation filter swings below zero; no musc
 negative active state would leave the balance without a solution, so it counts as none.
 """
 
+import math
+
 import numpy as np
 
 from surae.model.activation import IntArray
+from surae.model.contraction import (
+    FECC,
+    MVSH,
+    shaped_force_length_partials,
+    shaped_force_velocity_partials,
+)
 from surae.model.equilibrium import solve
 from surae.model.jit import jit
 from surae.model.rigid import K_REL, L0, TAU, X0, K
 from surae.model.tendon import tendon_curve, tendon_partials, tendon_shape
 from surae.units import FloatArray
 
-#: A group's own parameters: those of `surae.model.rigid`, then its tendon's.
+#: A group's own parameters: those of `surae.model.rigid`, its tendon's, and what shapes its curves:
+#: logarithms over (16) and (17), 0 where they are as printed.
 EPS0, TOE, K_TOE, F_MAX = 5, 6, 7, 8
+SHORT, LONG, FASTEST, BEND, GAIN = 9, 10, 11, 12, 13
+OWN = 14
+#: Rows of what `drive_columns` needs of every stage.
+BY_START, BY_HELD, BY_ACTIVE, TAKEN, STIFFNESS = 0, 1, 2, 3, 4
 
 #: Rows of a group's states.
 LENGTH, SPEED, ELONGATION, FORCE, TISSUE = 0, 1, 2, 3, 4
@@ -38,6 +51,7 @@ def compliant_states(
     p: FloatArray, slots: IntArray, strain_length: float, arm: FloatArray, lengths: FloatArray,
     alphas: FloatArray, alpha_slopes: FloatArray, alpha_slots: IntArray, length_slopes: FloatArray,
     length_slots: IntArray, factor: float, dt: float, states: FloatArray, jacobian: FloatArray,
+    linear: FloatArray,
 ) -> int:  # fmt: skip
     """States of a muscle group, by (2) to (21), (25), (26), and derivatives of its torque.
 
@@ -45,9 +59,10 @@ def compliant_states(
 
     Parameters
     ----------
-    p : ndarray, shape (9,)
-        The group's parameters: k, x0, l0, tau_rel, k_rel, then ε0, F̄toe, ktoe and Fmax.
-    slots : ndarray of int, shape (9,)
+    p : ndarray, shape (14,)
+        The group's parameters: k, x0, l0, tau_rel, k_rel, then ε0, F̄toe, ktoe and Fmax, then the
+        logarithms of the widths below and above l0, of vmax, mvsh and fecc − 1 over (16) and (17).
+    slots : ndarray of int, shape (14,)
         Row of the jacobian that belongs to each; its last row is of those that are not wanted.
     strain_length : float
         What ε0 is multiplied by to be an elongation in metres: 1, or the slack length.
@@ -70,6 +85,8 @@ def compliant_states(
         force F_elas [N].
     jacobian : ndarray, shape (rows, n)
         Is added to: derivatives of arm times tendon force, the arm held.
+    linear : ndarray, shape (2, 5, n), or (0, 5, 0)
+        Is filled, if there is room: what `drive_columns` needs of every stage.
 
     Returns
     -------
@@ -77,7 +94,14 @@ def compliant_states(
         First sample whose force balance could not be solved, −1 where there is none.
     """
     k, x0, l0, tau, k_rel = p[K], p[X0], p[L0], p[TAU], p[K_REL]
-    own = (k, x0, l0, factor * l0)
+    vmax = factor * l0 * math.exp(p[FASTEST])
+    short, long = p[SHORT], p[LONG]
+    bend, gain = MVSH * math.exp(p[BEND]), (FECC - 1.0) * math.exp(p[GAIN])
+    own = (k, x0, l0, vmax, short, long, bend, gain)
+    linearised = len(linear) > 0
+    shapes = False
+    for j in range(SHORT, OWN):
+        shapes = shapes or slots[j] != len(jacobian) - 1
     eps0, toe = p[EPS0] * strain_length, p[TOE]
     curve = tendon_curve(eps0, toe, p[K_TOE], p[F_MAX])
     shape = tendon_shape(eps0, toe, p[K_TOE], p[F_MAX])
@@ -109,6 +133,8 @@ def compliant_states(
     direct, pulled, relaxed, driven = terms[0], terms[1], terms[2], terms[3]
     i_k, i_x0, i_tau, i_rel, i_l0 = place[K], place[X0], place[TAU], place[K_REL], place[L0]
     i_eps, i_toe, i_bend, i_max = place[EPS0], place[TOE], place[K_TOE], place[F_MAX]
+    i_short, i_long, i_fast = place[SHORT], place[LONG], place[FASTEST]
+    i_curve, i_gain = place[BEND], place[GAIN]
 
     # The start is one stage too: relaxation in its steady state, no active force.
     dc = 1.0 / (1.0 + k_rel)
@@ -161,6 +187,12 @@ def compliant_states(
                 states[LENGTH, i], states[ELONGATION, i], states[FORCE, i] = x, e, force
                 states[SPEED, i] = speed if i > 0 else 0.0
                 states[TISSUE, i] = max(elastic - z, 0.0)
+            if linearised:
+                linear[stage, BY_START, i] = alpha * fl * fv_v * per_h / G_e
+                linear[stage, BY_HELD, i] = taut * keep / G_e
+                linear[stage, BY_ACTIVE, i] = pulling * fl * fv / G_e
+                linear[stage, TAKEN, i] = take * k * elastic
+                linear[stage, STIFFNESS, i] = slope
             if size == 0:
                 continue
 
@@ -172,6 +204,13 @@ def compliant_states(
             direct[i_x0] = taut * (relaxed[i_x0] + stiff)
             direct[i_tau], direct[i_rel] = taut * relaxed[i_tau], taut * relaxed[i_rel]
             direct[i_l0] = alpha * (fl_x * fv * x + fl * fv_v * speed) / l0
+            if shapes:
+                by_width = alpha * fv * shaped_force_length_partials(x, l0, short, long)[3]
+                _, _, by_bend, by_gain = shaped_force_velocity_partials(speed, vmax, bend, gain)
+                direct[i_short], direct[i_long] = 0.0, 0.0
+                direct[i_short if x < l0 else i_long] = -by_width
+                direct[i_fast] = alpha * fl * fv_v * speed
+                direct[i_curve], direct[i_gain] = -alpha * fl * by_bend, -alpha * fl * by_gain
             by_eps0, by_toe, by_k_toe, by_max = tendon_partials(e, force, slope, curve, shape)
             pulled[i_eps], pulled[i_toe] = by_eps0 * strain_length, by_toe
             pulled[i_bend], pulled[i_max] = by_k_toe, by_max
@@ -194,3 +233,91 @@ def compliant_states(
                     x_n[j], z_n[j] = x_s[j], z_s[j]
                     jacobian[rows[j], i] += arm[i] * (pulled[j] - slope * x_s[j])
     return -1
+
+
+@jit
+def drive_columns(
+    inputs: FloatArray, first: IntArray, steps: FloatArray, back: IntArray, linear: FloatArray,
+    arm: FloatArray, keep: float, out: FloatArray,
+) -> None:  # fmt: skip
+    """How short changes of a group's excitation change its torque, to first order.
+
+    Each goes through the activation filter and the linearised force balance (`compliant_states`).
+
+    Parameters
+    ----------
+    inputs : ndarray, shape (c, w)
+        Changes of the excitation [N] from sample `first` on; none before and after.
+    first : ndarray of int, shape (c,)
+        Their first samples.
+    steps : ndarray, shape (2, 2, 3, 2, 4)
+        Of `surae.model.activation` at both stages, and `back` their whole samples, shape (2,).
+    linear : ndarray, shape (2, 5, n)
+        From `compliant_states`.
+    arm : ndarray, shape (n,)
+        Signed moment arm [m].
+    keep : float
+        What a stage keeps of the relaxation's state.
+    out : ndarray, shape (c, l)
+        Is filled: the change of the torque [Nm] from sample `first` on.
+    """
+    n = len(arm)
+    for c in range(len(first)):
+        begin, width = first[c], inputs.shape[1]
+        v0 = w0 = v1 = w1 = 0.0  # the filter's state, for each stage's own delay
+        x_n = z_n = 0.0
+        for t in range(out.shape[1]):
+            i = begin + t
+            out[c, t] = 0.0
+            if i >= n:
+                continue
+            j = t - back[0]
+            before = inputs[c, j - 1] if 0 < j <= width else 0.0
+            now = inputs[c, j] if 0 <= j < width else 0.0
+            a0 = 0.0
+            if j >= 0:
+                s = steps[0]
+                a0 = s[1, 0, 0, 0] * v0 + s[1, 0, 0, 1] * w0 + s[1, 0, 0, 2] * before
+                a0 += s[1, 0, 0, 3] * now
+                v0, w0 = (
+                    s[0, 0, 0, 0] * v0
+                    + s[0, 0, 0, 1] * w0
+                    + s[0, 0, 0, 2] * before
+                    + s[0, 0, 0, 3] * now,
+                    s[0, 0, 1, 0] * v0
+                    + s[0, 0, 1, 1] * w0
+                    + s[0, 0, 1, 2] * before
+                    + s[0, 0, 1, 3] * now,
+                )
+            j = t - back[1]
+            before = inputs[c, j - 1] if 0 < j <= width else 0.0
+            now = inputs[c, j] if 0 <= j < width else 0.0
+            a1 = 0.0
+            if j >= 0:
+                s = steps[1]
+                a1 = s[1, 0, 0, 0] * v1 + s[1, 0, 0, 1] * w1 + s[1, 0, 0, 2] * before
+                a1 += s[1, 0, 0, 3] * now
+                v1, w1 = (
+                    s[0, 0, 0, 0] * v1
+                    + s[0, 0, 0, 1] * w1
+                    + s[0, 0, 0, 2] * before
+                    + s[0, 0, 0, 3] * now,
+                    s[0, 0, 1, 0] * v1
+                    + s[0, 0, 1, 1] * w1
+                    + s[0, 0, 1, 2] * before
+                    + s[0, 0, 1, 3] * now,
+                )
+            if i == 0:
+                continue
+            x_s = (
+                linear[0, BY_START, i] * x_n + linear[0, BY_HELD, i] * z_n
+                - linear[0, BY_ACTIVE, i] * a0
+            )  # fmt: skip
+            z_s = keep * z_n + linear[0, TAKEN, i] * x_s
+            x_b, z_b = x_n + _RHO * (x_s - x_n), z_n + _RHO * (z_s - z_n)
+            x_n = (
+                linear[1, BY_START, i] * x_b + linear[1, BY_HELD, i] * z_b
+                - linear[1, BY_ACTIVE, i] * a1
+            )  # fmt: skip
+            z_n = keep * z_b + linear[1, TAKEN, i] * x_n
+            out[c, t] = -arm[i] * linear[1, STIFFNESS, i] * x_n

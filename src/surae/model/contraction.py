@@ -13,6 +13,8 @@ CF = 0.1
 MVSH = 0.25
 MVSHL = 0.5
 FECC = 1.5
+#: (16) and (17) as what `surae.model.equilibrium` calls a muscle's curves.
+CURVES = (0.0, 0.0, MVSH, FECC - 1.0)
 
 
 @jit
@@ -120,3 +122,63 @@ def contraction(length: FloatArray, speed: FloatArray, l0: float, factor: float)
         fv, fv_v, _ = force_velocity_partials(speed[i], factor * l0)
         out[0, i], out[1, i], out[2, i] = fl * fv, fl_x * fv, fl * fv_v
     return out
+
+
+@jit
+def shaped_force_length_partials(
+    x: float, l0: float, short: float, long: float
+) -> tuple[float, float, float, float]:
+    """Force-length factor (16) with a width of its own on either side of l0.
+
+    f_l = exp(−u²/cf'), u = (x − l0)/l0, cf' = cf·exp(2·w): w is `short` where x < l0, else `long`.
+
+    Parameters
+    ----------
+    x, l0 : float
+        Muscle length and optimal length [m].
+    short, long : float
+        Logarithms of the widths over that of (16) [-]; at 0 it is (16) itself.
+
+    Returns
+    -------
+    tuple of float
+        f_l, ∂f_l/∂x, ∂f_l/∂l0 [1/m] and ∂f_l/∂w.
+    """
+    u = (x - l0) / l0
+    width = CF * math.exp(2.0 * (short if u < 0.0 else long))
+    f = math.exp(-u * u / width)
+    d_x = -2.0 * u / (width * l0) * f
+    return f, d_x, -d_x * x / l0, 2.0 * u * u / width * f
+
+
+@jit
+def shaped_force_velocity_partials(
+    speed: float, vmax: float, bend: float, gain: float
+) -> tuple[float, float, float, float]:
+    """Force-velocity factor (17) with another bend and another force in stretch.
+
+    Parameters
+    ----------
+    speed, vmax : float
+        Lengthening speed and maximum shortening speed [m/s].
+    bend : float
+        mvsh, 0.25 in (17); mvshl stays.
+    gain : float
+        fecc − 1, 0.5 in (17).
+
+    Returns
+    -------
+    tuple of float
+        f_v, ∂f_v/∂speed [s/m], ∂f_v/∂ln mvsh, ∂f_v/∂ln(fecc − 1); that by vmax follows from the
+        second, since f_v depends on speed/vmax alone.
+    """
+    if speed < 0.0:
+        below = vmax - speed / bend
+        f = (speed + vmax) / below
+        return f, (1.0 + f / bend) / below, -f * speed / (bend * below), 0.0
+    a = bend * MVSHL
+    below = a * vmax + speed
+    slope = (1.0 + a) * gain
+    above = slope * speed / below
+    by_a = gain * speed * (speed - vmax) / (below * below)
+    return 1.0 + above, slope * a * vmax / (below * below), by_a * a, above

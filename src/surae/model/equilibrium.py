@@ -20,11 +20,9 @@ ends the muscle yields in a jump, which is what the equations say.
 import math
 
 from surae.model.contraction import (
-    FECC,
-    MVSH,
     MVSHL,
-    force_length_partials,
-    force_velocity_partials,
+    shaped_force_length_partials,
+    shaped_force_velocity_partials,
 )
 from surae.model.jit import jit
 from surae.model.tendon import TendonCurve, tendon_force
@@ -36,7 +34,7 @@ TOLERANCE = 1e-7
 NEWTON_STEPS = 8
 SEARCH_STEPS = 400
 
-Muscle = tuple[float, float, float, float]
+Muscle = tuple[float, float, float, float, float, float, float, float]
 Step = tuple[float, float, float, float, float, float]
 Balance = tuple[float, float, float, float, float, float, float, float, float, float]
 
@@ -50,7 +48,8 @@ def balance(e: float, muscle: Muscle, curve: TendonCurve, step: Step) -> Balance
     e : float
         Elongation of the tendon [m].
     muscle : tuple
-        k [1/m], x0 [m], l0 [m], vmax [m/s].
+        k [1/m], x0 [m], l0 [m], vmax [m/s]; then what shapes its curves: logarithms of the widths
+        below and above l0, mvsh and fecc − 1.
     curve : tuple
         From `surae.model.tendon.tendon_curve`.
     step : tuple
@@ -62,13 +61,13 @@ def balance(e: float, muscle: Muscle, curve: TendonCurve, step: Step) -> Balance
         G [N]; ∂G/∂e [N/m]; F_t [N]; ∂F_t/∂e [N/m]; F0 [N]; 1 where the tissue pulls, else 0; f_l;
         ∂f_l/∂x [1/m]; f_v; ∂f_v/∂x' [s/m].
     """
-    k, x0, l0, vmax = muscle
+    k, x0, l0, vmax, short, long, bend, gain = muscle
     rigid, start, per_h, w, held, alpha = step
     x = rigid - e
     force, slope = tendon_force(e, curve)
     elastic = math.exp(k * (x - x0))
-    fl, fl_x, _ = force_length_partials(x, l0)
-    fv, fv_v, _ = force_velocity_partials((x - start) * per_h, vmax)
+    fl, fl_x, _, _ = shaped_force_length_partials(x, l0, short, long)
+    fv, fv_v, _, _ = shaped_force_velocity_partials((x - start) * per_h, vmax, bend, gain)
     G = force - alpha * fl * fv
     G_e = slope + alpha * (fl_x * fv + fl * fv_v * per_h)
     pulls = 0.0
@@ -105,7 +104,7 @@ def solve(
     here : tuple
         As from `balance`, at the root to within the last Newton step, forces corrected for it.
     """
-    scale = min(1.0 / curve[1], 1.0 / muscle[0], MVSH * MVSHL * muscle[3] / step[2])
+    scale = min(1.0 / curve[1], 1.0 / muscle[0], muscle[6] * MVSHL * muscle[3] / step[2])
     tolerance = TOLERANCE * scale
     e = guess
     for _ in range(NEWTON_STEPS):
@@ -114,7 +113,7 @@ def solve(
             break
         # Halley's step, which saves about every fourth evaluation; Newton's where it would not be
         G, square = here[0], here[1] * here[1]
-        bent = 0.5 * G * _curvature(here, step)
+        bent = 0.5 * G * _curvature(here, step, muscle)
         if abs(bent) > 0.5 * square:
             bent = 0.0
         change = -G * here[1] / (square - bent)
@@ -125,12 +124,12 @@ def solve(
 
 
 @jit
-def _curvature(here: Balance, step: Step) -> float:
+def _curvature(here: Balance, step: Step, muscle: Muscle) -> float:
     """Second derivative of the residual, as far as it is the force-velocity curve's [N/m²]."""
     fl, fv, fv_v = here[6], here[8], here[9] * step[2]
     if fv < 1.0:  # both branches of (17) are hyperbolas: f'' follows from f and f'
-        return -step[5] * fl * 2.0 * fv_v * fv_v / (MVSH + fv)
-    top = 1.0 + (1.0 + MVSH * MVSHL) * (FECC - 1.0)
+        return -step[5] * fl * 2.0 * fv_v * fv_v / (muscle[6] + fv)
+    top = 1.0 + (1.0 + muscle[6] * MVSHL) * muscle[7]
     return step[5] * fl * 2.0 * fv_v * fv_v / (top - fv)
 
 

@@ -17,7 +17,7 @@ from surae.model.compliant import (
     TISSUE,
     TOE,
 )
-from surae.model.contraction import FECC, MVSH, MVSHL, force_length
+from surae.model.contraction import CURVES, FECC, MVSH, MVSHL, force_length
 from surae.model.equilibrium import solve
 from surae.model.jit import jit
 from surae.model.passive import elastic_force, relaxation_step
@@ -90,7 +90,7 @@ def explicit_states(
     dc = p[K_REL] / (1.0 + p[K_REL])
 
     start = (lengths[0], lengths[0], 1.0, 1.0 - dc, 0.0, 0.0)
-    solved, e, _ = solve(0.0, (k, x0, l0, vmax), curve, start)
+    solved, e, _ = solve(0.0, (k, x0, l0, vmax, *CURVES), curve, start)
     if not solved:
         return 0
     x = lengths[0] - e

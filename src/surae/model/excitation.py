@@ -8,9 +8,9 @@ Every muscle's own envelope ê is that of its electrode but for what the laborat
 a level at rest r (`emg_rest_…`), a contact that drifts by d from the recording's begin to its end
 (`emg_drift_…`), what electrodes hear of other muscles (`xt_ta_gl`: that of the tibialis of the
 gastrocnemius lateralis), and a force that does not grow as EMG does (`emg_shape` A, Lloyd and
-Besier 2003; −3 to 0 there, 0 is linear):
+Besier 2003; −3 to 0 there, 0 is linear; and `emg_power` P, 0 is linear):
 
-    u = M⁻¹·(1 − d·τ)·(e − r),   ê = u·e_ref/s·(exp(A·s/e_ref) − 1)/(exp(A) − 1)
+    u = M⁻¹·(1 − d·τ)·(e − r),   ê = u·e_ref/s·(exp(A·s/e_ref) − 1)/(exp(A) − 1)·(s/e_ref)^P
 
 τ goes from −½ to ½ over the whole recording; M is 1 on its diagonal; s is u made of envelopes that
 are as smooth as effort is (`surae.signals.smooth_effort`): rectified EMG fluctuates by as much as
@@ -54,9 +54,9 @@ class _Envelopes:
     """Envelopes of the muscles themselves, shape (4, n), and what their derivatives are made of.
 
     `weighted` are ê, `own` are u and `active` are e − r; `gain` is 1 − d·τ, of one sample where
-    nothing drifts, and `unmixing` is M⁻¹. `steep` is ∂ê/∂u and `by_shape` is ∂ê/∂A, None where the
-    force grows as EMG does; where it does not, all but ê and `by_shape` are followed by the same of
-    the smooth envelopes, shape (4, 2n).
+    nothing drifts, and `unmixing` is M⁻¹. `steep` is ∂ê/∂u, `by_shape` is ∂ê/∂A and `by_power`
+    ∂ê/∂P, None where the force grows as EMG does; where it does not, all but ê and `by_shape` are
+    followed by the same of the smooth envelopes, shape (4, 2n).
     """
 
     weighted: FloatArray
@@ -66,6 +66,7 @@ class _Envelopes:
     unmixing: FloatArray
     steep: FloatArray | None = None
     by_shape: FloatArray | None = None
+    by_power: FloatArray | None = None
 
 
 class Excitation:
@@ -85,7 +86,8 @@ class Excitation:
         weights: tuple[str, ...],
         emg: FloatArray,
     ) -> None:
-        elapsed, curved = np.linspace(-0.5, 0.5, inputs.n), "emg_shape" in at
+        elapsed = np.linspace(-0.5, 0.5, inputs.n)
+        curved = "emg_shape" in at or "emg_power" in at
         if curved:
             emg = np.concatenate([emg, smooth_effort(emg, inputs.rate_hz)], axis=1)
         self._emg = np.array(emg, dtype=np.float64, order="C")
@@ -96,6 +98,8 @@ class Excitation:
         self._present = np.array([m not in inputs.missing_emg for m in MUSCLES], dtype=float)
         self._reference = _reference(inputs, options, self._present) if curved else None
         self.has_reflex = "reflex_delay" in at
+        #: Logarithmic gain of each muscle's drive over time, shape (4, n); None where it has none.
+        self.log_gain: FloatArray | None = None
 
     def drives(
         self, values: FloatArray, leg: LegMovement, wanted: frozenset[int]
@@ -132,13 +136,18 @@ class Excitation:
             own = np.einsum("ij,jn->in", unmixing, own)
         if self._reference is None:
             return _Envelopes(own, own, active, gain, unmixing)
-        column, n = self._at["emg_shape"], own.shape[1] // 2
-        curved, by_own, by_smooth, by_shape = shaped(
+        n = own.shape[1] // 2
+        curved, by_own, by_smooth, by_shape, by_power = shaped(
             np.ascontiguousarray(own[:, :n]), np.ascontiguousarray(own[:, n:]), self._reference,
-            float(values[column]),
+            self._value(values, "emg_shape"), self._value(values, "emg_power"),
         )  # fmt: skip
         steep = np.concatenate([by_own, by_smooth], axis=1)
-        return _Envelopes(curved, own, active, gain, unmixing, steep, by_shape)
+        return _Envelopes(curved, own, active, gain, unmixing, steep, by_shape, by_power)
+
+    def weighted(self, values: FloatArray) -> FloatArray:
+        """What each of the four muscles adds to its group's excitation [N], shape (4, n)."""
+        drives: FloatArray = values[self._weights][:, None] * self._envelopes(values).weighted
+        return drives if self.log_gain is None else drives * np.exp(self.log_gain)
 
     def _of_emg(
         self, group: int, values: FloatArray, envelopes: _Envelopes, wanted: frozenset[int]
@@ -146,21 +155,32 @@ class Excitation:
         channels, at = GROUPS[group], self._at
         columns = self._weights[channels]
         weights = values[columns]
+        grown = None if self.log_gain is None else np.exp(self.log_gain[channels])
+        weighted = envelopes.weighted[channels]
+        weighted = weighted if grown is None else weighted * grown
         # einsum, not BLAS: its threads cost more than they save on so few rows
-        signal = np.einsum("c,cn->n", weights, envelopes.weighted[channels])
+        signal = np.einsum("c,cn->n", weights, weighted)
         slopes = [
             (column, envelope)
-            for column, envelope in zip(columns, envelopes.weighted[channels], strict=True)
+            for column, envelope in zip(columns, weighted, strict=True)
             if column in wanted
         ]
-        if envelopes.by_shape is not None and at["emg_shape"] in wanted:
-            bent = np.einsum("c,cn->n", weights, envelopes.by_shape[channels])
-            slopes.append((at["emg_shape"], bent))
+        for name, by in (("emg_shape", envelopes.by_shape), ("emg_power", envelopes.by_power)):
+            if by is not None and at.get(name, -1) in wanted:
+                own = by[channels] if grown is None else by[channels] * grown
+                slopes.append((at[name], np.einsum("c,cn->n", weights, own)))
         if self._corrections.intersection(wanted):
             # ∂E/∂e of each electrode but for its gain: what takes from it takes so much of E
             steep = np.ones((4, 1)) if envelopes.steep is None else envelopes.steep
+            if grown is not None:
+                times = steep.shape[1] // grown.shape[1]
+                steep = steep[channels] * (np.tile(grown, times) if times > 1 else grown)
+            else:
+                steep = steep[channels]
             unmixing = weights[:, None] * envelopes.unmixing[channels]
-            heard = np.einsum("ci,cn->in", unmixing, steep[channels])
+            heard = np.einsum(
+                "ci,cn->in", unmixing, np.broadcast_to(steep, (len(weights), steep.shape[1]))
+            )
             heard *= -self._present[:, None]
             for i, name in enumerate(_RESTS):
                 if at.get(name, -1) in wanted and heard[i].any():

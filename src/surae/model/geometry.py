@@ -101,8 +101,8 @@ class Path:
     speed: FloatArray
     slope: FloatArray  #: dx/dθ, lengthening with the angle [m/rad].
     #: `bend`, `arm_slope`: derivatives by the angle of `slope` [m/rad²] and of `arm` [m/rad].
-    bend: float
-    arm_slope: float
+    bend: FloatArray | float
+    arm_slope: FloatArray | float
 
 
 def paths(*, angle: FloatArray, velocity: FloatArray, options: ModelOptions) -> tuple[Path, Path]:

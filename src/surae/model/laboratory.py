@@ -6,8 +6,8 @@ from surae.errors import InputError
 from surae.model.sources import NUISANCES, Belief, Nuisance
 
 __all__ = [
-    "ALL", "AUTO", "COMPLIANT", "EACH_MOUNTING", "EACH_TRIAL", "GROUPS", "NONE", "OUTSIDE", "RIGID",
-    "Belief", "group_of", "laboratory", "richest",
+    "ALL", "AUTO", "COMPLIANT", "DEPARTURES", "EACH_MOUNTING", "EACH_TRIAL", "GROUPS",
+    "NONE", "OUTSIDE", "RIGID", "Belief", "group_of", "laboratory", "richest",
 ]  # fmt: skip
 
 #: The name under which the family of models is asked for, and its rigid and compliant member.
@@ -22,6 +22,8 @@ GROUPS = {group: nuisance.parameters for group, nuisance in _NUISANCES.items()}
 EACH_TRIAL = tuple(group for group, n in _NUISANCES.items() if n.anew == "trial")
 EACH_MOUNTING = tuple(group for group, n in _NUISANCES.items() if n.anew == "mounting")
 OUTSIDE = tuple(group for group, n in _NUISANCES.items() if not n.of_leg)
+#: Groups that are in a model only where the data ask for them.
+DEPARTURES = tuple(group for group, n in _NUISANCES.items() if n.departs)
 
 
 def richest(model: str) -> str:
@@ -48,7 +50,7 @@ def laboratory(
     """
     if nuisances == NONE:
         return {}
-    beliefs = {name: n.prior for n in _NUISANCES.values() for name in n.parameters}
+    beliefs = {name: n.prior_of(name) for n in _NUISANCES.values() for name in n.parameters}
     if isinstance(nuisances, str):
         if nuisances != ALL:
             raise InputError(f"nuisances is {nuisances!r}; use 'all', 'none' or a mapping")

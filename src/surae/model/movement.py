@@ -1,8 +1,10 @@
 """What a recording's movement does to limb and muscles, as far as its sensors can be believed.
 
 The angle that is measured is that of the device, and of its zero: the joint's is that of
-`surae.model.geometry` at θ + angle_zero, with the ankle's axis at (axis_forward, axis_up).
-Everything in the leg follows the joint, and all its torque is felt by the device times dθ_joint/dθ.
+`surae.model.geometry` at θ + angle_zero − plate_give·T, with the ankle's axis at (axis_forward,
+axis_up). T is the measured torque, or the model's own where that is given: the noise of the
+measured one would be followed by the angle that it turns. Everything in the leg follows the joint,
+and all its torque is felt by the device times dθ_joint/dθ.
 """
 
 from collections.abc import Collection, Mapping
@@ -13,7 +15,7 @@ import numpy as np
 from surae.model.geometry import AnkleAxis, JointAngle, Path, paths
 from surae.model.options import ModelOptions
 from surae.model.parameters import OPTIONAL
-from surae.signals import ModelInputs
+from surae.signals import ModelInputs, smooth_effort
 from surae.units import FloatArray
 
 #: Distance of the point mass from the ankle axis [m], equation (6).
@@ -62,9 +64,18 @@ def gravity_slope(*, angle: FloatArray, theta_foot: float) -> FloatArray:
     return slope
 
 
-_AXIS = OPTIONAL["axis"]
-#: What they are to `AnkleAxis`.
-_TURNING = {"angle_zero": "angle", **dict(zip(_AXIS, ("forward", "up"), strict=True))}
+_AXIS, _GIVE = OPTIONAL["axis"], "plate_give"
+#: What turns the joint, and what it is to `AnkleAxis`.
+_TURNING = {"angle_zero": "angle", **dict(zip(_AXIS, ("forward", "up"), strict=True)), _GIVE: ""}
+#: What changes a muscle's path, by group.
+_PATH = tuple(
+    tuple(
+        f"{of}_{group}"
+        for of in ("arm_scale", "arm_slope", "arm_bend", "path_scale", "length_zero")
+    )
+    for group in ("tri", "tib")
+)
+_MOVING = (*_TURNING, *_PATH[0], *_PATH[1])
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,13 +115,21 @@ class Movement:
 
     def __init__(self, inputs: ModelInputs, options: ModelOptions, at: Mapping[str, int]) -> None:
         self._inputs, self._options = inputs, options
-        self._at = {name: at[name] for name in _TURNING if name in at}
+        self._at = {name: at[name] for name in _MOVING if name in at}
+        self._pull = self._pull_rate = np.zeros(inputs.n)
+        if _GIVE in at and inputs.torque is not None:
+            self.pulled_by(inputs.torque)
         self._fixed = None if self._at else self._moved({}, {})
 
     @property
     def is_fixed(self) -> bool:
         """Whether no parameter touches it."""
         return self._fixed is not None
+
+    def pulled_by(self, torque: FloatArray) -> None:
+        """Let a plate that gives way be turned by this torque [Nm], as smooth as effort is."""
+        self._pull = smooth_effort(torque[None], self._inputs.rate_hz)[0]
+        self._pull_rate = np.gradient(self._pull, 1.0 / self._inputs.rate_hz)
 
     def at(self, values: FloatArray, wanted: Collection[int] = ()) -> LegMovement:
         """The movement at these parameters, with its derivatives by the wanted columns."""
@@ -120,46 +139,100 @@ class Movement:
         columns = {name: column for name, column in self._at.items() if column in wanted}
         return self._moved(turns, columns)
 
-    def _moved(self, turns: Mapping[str, float], columns: Mapping[str, int]) -> LegMovement:
+    def _moved(self, given: Mapping[str, float], columns: Mapping[str, int]) -> LegMovement:
         inputs, options = self._inputs, self._options
         velocity, acceleration = inputs.velocity, inputs.acceleration
-        angle = inputs.angle + turns.get("angle_zero", 0.0)
-        if _AXIS[0] in turns:
-            forward, up = (turns[name] for name in _AXIS)
-            axis = AnkleAxis(angle=angle, forward=forward, up=up)
-            joint, slopes = axis.joint, [axis.slope(_TURNING[name]) for name in columns]
-        else:
-            still, same = np.zeros_like(angle), np.ones_like(angle)
-            joint = JointAngle(angle, same, still)
-            slopes = [JointAngle(same, still, still)] * len(columns)
-        turning = joint.factor * velocity
+        angle = inputs.angle + given.get("angle_zero", 0.0)
+        if _GIVE in given:
+            angle = angle - given[_GIVE] * self._pull
+            velocity = velocity - given[_GIVE] * self._pull_rate
+        still, same = np.zeros_like(angle), np.ones_like(angle)
+        turning = [name for name in columns if name in _TURNING]
+        joint, slopes = (
+            JointAngle(angle, same, still),
+            [JointAngle(same, still, still)] * len(turning),
+        )
+        if _AXIS[0] in given:
+            axis = AnkleAxis(angle=angle, forward=given[_AXIS[0]], up=given[_AXIS[1]])
+            joint = axis.joint
+            slopes = [axis.slope(_TURNING[name] or "angle") for name in turning]
+        rates = [still] * len(turning)  # what the device's own speed changes by
+        if _GIVE in turning:
+            at, back = turning.index(_GIVE), -self._pull
+            by = slopes[at]
+            slopes[at] = JointAngle(by.angle * back, by.factor * back, by.bend * back)
+            rates[at] = -self._pull_rate
         swinging = joint.factor * acceleration + joint.bend * velocity**2
         inertia = inertia_torque(acceleration=swinging)
         gravity = gravity_torque(angle=joint.angle, theta_foot=options.theta_foot)
         falling = gravity_slope(angle=joint.angle, theta_foot=options.theta_foot)
-        limb_slopes = np.empty((len(columns), inputs.n))
-        for row, by in enumerate(slopes):
+        limb_slopes = np.zeros((len(columns), inputs.n))
+        for name, by, rate in zip(turning, slopes, rates, strict=True):
             swung = by.factor * acceleration + by.bend * velocity**2
-            limb_slopes[row] = by.factor * (inertia + gravity)
-            limb_slopes[row] += joint.factor * (
-                inertia_torque(acceleration=swung) + falling * by.angle
+            swung = swung + 2.0 * joint.bend * velocity * rate
+            row = limb_slopes[list(columns).index(name)]
+            row += by.factor * (inertia + gravity)
+            row += joint.factor * (inertia_torque(acceleration=swung) + falling * by.angle)
+        plain = paths(angle=joint.angle, velocity=joint.factor * velocity, options=options)
+        rest = paths(angle=np.zeros(1), velocity=np.zeros(1), options=options)
+        muscles = []
+        for group, path in enumerate(plain):
+            bent, by_own = _own_path(path, float(rest[group].length[0]), joint.angle, given, group)
+            arm, length, speed = np.zeros((3, len(columns), inputs.n))
+            for row, name in enumerate(columns):
+                if name in by_own:
+                    arm[row], length[row], speed[row] = by_own[name]
+                    arm[row] *= joint.factor
+                elif name in turning:
+                    by, rate = slopes[turning.index(name)], rates[turning.index(name)]
+                    arm[row] = by.factor * bent.arm + joint.factor * bent.arm_slope * by.angle
+                    length[row] = bent.slope * by.angle
+                    speed[row] = (
+                        bent.bend * by.angle * joint.factor + bent.slope * by.factor
+                    ) * velocity
+                    speed[row] += bent.slope * joint.factor * rate
+            muscles.append(
+                MusclePath(joint.factor * bent.arm, bent.length, bent.speed, arm, length, speed)
             )
-        tri, tib = paths(angle=joint.angle, velocity=turning, options=options)
         return LegMovement(
             inertia=joint.factor * inertia,
             gravity=joint.factor * gravity,
-            muscles=(_muscle(tri, joint, slopes, velocity), _muscle(tib, joint, slopes, velocity)),
+            muscles=(muscles[0], muscles[1]),
             columns=tuple(columns.values()),
             limb_slopes=limb_slopes,
         )
 
 
-def _muscle(
-    path: Path, joint: JointAngle, slopes: list[JointAngle], velocity: FloatArray
-) -> MusclePath:
-    arm, length, speed = np.empty((3, len(slopes), len(path.arm)))
-    for row, by in enumerate(slopes):
-        arm[row] = by.factor * path.arm + joint.factor * path.arm_slope * by.angle
-        length[row] = path.slope * by.angle
-        speed[row] = (path.bend * by.angle * joint.factor + path.slope * by.factor) * velocity
-    return MusclePath(joint.factor * path.arm, path.length, path.speed, arm, length, speed)
+def _own_path(
+    path: Path, at_rest: float, angle: FloatArray, given: Mapping[str, float], group: int
+) -> tuple[Path, dict[str, tuple[FloatArray, FloatArray, FloatArray]]]:
+    """A group's path with an arm and a length of its own, and its derivatives by what they are.
+
+    r' = r·e^scale·(1 + slope·θ + bend·θ²),  x' = x(0) + length_zero + e^path·(x − x(0)).
+
+    Derivatives are of arm, length and speed.
+    """
+    names = _PATH[group]
+    if not any(name in given for name in names):
+        return path, {}
+    scale, slope, bend, longer, zero = (given.get(name, 0.0) for name in names)
+    grown, still = np.exp(scale), np.zeros_like(angle)
+    bent = grown * (1.0 + slope * angle + bend * angle**2)
+    arm, stretch = bent * path.arm, np.exp(longer)
+    travel, speed = stretch * (path.length - at_rest), stretch * path.speed
+    own = Path(
+        arm,
+        at_rest + zero + travel,
+        speed,
+        stretch * path.slope,
+        stretch * path.bend,
+        path.arm_slope * bent + grown * path.arm * (slope + 2.0 * bend * angle),
+    )
+    by = (
+        (arm, still, still),
+        (grown * angle * path.arm, still, still),
+        (grown * angle**2 * path.arm, still, still),
+        (still, travel, speed),
+        (still, np.ones_like(angle), still),
+    )
+    return own, {name: slopes for name, slopes in zip(names, by, strict=True) if name in given}

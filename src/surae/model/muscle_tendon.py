@@ -1,11 +1,13 @@
 """The muscle-tendon models tied to a recording (thesis 2.4): one model, whatever is freed of it."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from surae.errors import InputError
 from surae.frozen import read_only
-from surae.model.activation import ActiveState
+from surae.model.activation import ActiveState, IntArray
 from surae.model.compliant import (
     ELONGATION,
     EPS0,
@@ -15,6 +17,7 @@ from surae.model.compliant import (
     SPEED,
     TISSUE,
     compliant_states,
+    drive_columns,
 )
 from surae.model.euler import explicit_states
 from surae.model.movement import MusclePath
@@ -26,6 +29,7 @@ from surae.model.parameters import (
     OPTIONAL_PARAMETERS,
     TENDON_PARAMETERS,
 )
+from surae.model.rigid import K_REL, TAU
 from surae.model.simulator import TendonLaw, TendonState
 from surae.model.tendon import SLACK_TIB, SLACK_TRI, tendon_curve
 from surae.model.tied import Sums, TiedModel
@@ -45,6 +49,55 @@ _COLUMNS = tuple(
     np.concatenate([own, [_NAMES.index(f"{of}_{group}") for of in ("dlt", "pt", "kt", "fmax")]])
     for own, group in zip(GROUP_COLUMNS, ("tri", "tib"), strict=True)
 )
+#: What shapes the curves of each group, in the same order.
+_CURVES = tuple(
+    (f"fl_short_{group}", f"fl_long_{group}", "fv_speed", "fv_curve", "fv_stretch")
+    for group in ("tri", "tib")
+)
+
+
+@dataclass(frozen=True, slots=True)
+class DriveResponse:
+    """What short changes of the muscles' drives do to the torque of one recording."""
+
+    drives: FloatArray  #: What each muscle adds to its group's excitation [N], shape (4, n).
+    #: `steps`, `back`, `linear`, `arms`, `keep`: as `surae.model.compliant.drive_columns` takes
+    #: them; the last two but one of both groups, (2, 2, 5, n) and (2, n).
+    steps: FloatArray
+    back: IntArray
+    linear: FloatArray
+    arms: FloatArray
+    keep: float
+
+    def columns(self, muscle: int, shapes: FloatArray, first: IntArray, size: int) -> FloatArray:
+        """Derivatives of the torque by logarithmic gains of a muscle's drive.
+
+        Parameters
+        ----------
+        muscle : int
+            Of TA, GL, SOL, GM.
+        shapes : ndarray, shape (c, w)
+            The gains' courses, each from its `first` sample on.
+        first : ndarray of int, shape (c,)
+            At least 0.
+        size : int
+            Samples that each is followed.
+
+        Returns
+        -------
+        ndarray, shape (c, size)
+            [Nm], from `first` on.
+        """
+        group = int(muscle == 0)
+        n, width = self.drives.shape[1], shapes.shape[1]
+        at = np.minimum(first[:, None] + np.arange(width), n - 1)
+        inputs = np.where(first[:, None] + np.arange(width) < n, self.drives[muscle][at], 0.0)
+        out = np.empty((len(first), size))
+        drive_columns(
+            inputs * shapes, first, self.steps, self.back, self.linear[group], self.arms[group],
+            self.keep, out,
+        )  # fmt: skip
+        return out
 
 
 class MuscleTendonSimulator(TiedModel):
@@ -63,10 +116,13 @@ class MuscleTendonSimulator(TiedModel):
             inputs, options, own=_NAMES, optional=optional, weights=("g1", "g2", "g3", "g4"),
             lags=lags,
         )  # fmt: skip
+        self._n = inputs.n
+        self._linear: FloatArray | None = None
         self._slack = np.array([SLACK_TRI, SLACK_TIB])
         in_metres = options.tendon_strain == "thesis"
         self._strain_lengths = np.ones(2) if in_metres else self._slack
         self._staged: dict[int, tuple[FloatArray, FloatArray]] = {}
+        self._curves = [[self._at.get(name, -1) for name in names] for names in _CURVES]
 
     def tendon(self, values: FloatArray) -> TendonState:  # type: ignore[override]
         """Lengths, velocities and forces of muscles and tendons over time."""
@@ -124,15 +180,40 @@ class MuscleTendonSimulator(TiedModel):
     def _integrate(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState, into: Sums
     ) -> FloatArray:
-        columns = _COLUMNS[group]
         lengths, slopes = self._stages(group, muscle)
         states = np.full((5, len(muscle.length)), np.nan)
+        # the last value and the last row are of what the model does not have
+        columns = np.concatenate([_COLUMNS[group], self._curves[group]])
+        linear = np.empty((0, 5, 0)) if self._linear is None else self._linear[group]
         compliant_states(
-            p[columns], into.slots[columns], float(self._strain_lengths[group]), muscle.arm,
-            lengths, active.alpha, active.slopes, into.slots[active.columns], slopes, into.turned,
-            self._factor, self._dt, states, into.jacobian,
+            np.append(p, 0.0)[columns], np.append(into.slots, len(into.jacobian) - 1)[columns],
+            float(self._strain_lengths[group]), muscle.arm, lengths, active.alpha, active.slopes,
+            into.slots[active.columns], slopes, into.turned, self._factor, self._dt, states,
+            into.jacobian, linear,
         )  # fmt: skip
         return states
+
+    def drive_response(self, values: FloatArray) -> "DriveResponse":
+        """How changes of what drives the muscles change the torque here, to first order."""
+        p, n = np.array(values, dtype=np.float64), self._n
+        leg = self._movement.at(p)
+        linear = self._linear = np.zeros((2, 2, 5, n))
+        try:
+            for group, active in enumerate(self._active(p, leg)):
+                self._states(p, group, leg.muscles[group], active)
+        finally:
+            self._linear = None
+        delay = float(p[self._at["emd"]]) if "emd" in self._at else 0.0
+        instants = self.activation(p).instants(delay)
+        k_rel, tau = p[_COLUMNS[0][K_REL]], p[_COLUMNS[0][TAU]]
+        return DriveResponse(
+            drives=self._excitation.weighted(p),
+            steps=np.stack([steps for steps, _ in instants]),
+            back=np.array([back for _, back in instants], dtype=np.int64),
+            linear=linear,
+            arms=np.stack([muscle.arm for muscle in leg.muscles]),
+            keep=1.0 / (1.0 + GAMMA * self._dt * (1.0 + k_rel) / tau),
+        )
 
     def _stages(self, group: int, muscle: MusclePath) -> tuple[FloatArray, FloatArray]:
         """Lengths and their slopes at the stages; once, where no parameter touches them."""
@@ -199,6 +280,10 @@ def muscle_tendon_simulator(
 ) -> MuscleTendonSimulator:
     """The simulator whose integrator `options` name, with these optional parameters."""
     if options.integrator == "explicit-euler":
+        if set(OPTIONAL["curves"]).intersection(optional):
+            raise InputError(
+                "integrator explicit-euler has no fl_ and fv_ parameters; use implicit"
+            )
         return ThesisSimulator(inputs, options, optional)
     return MuscleTendonSimulator(inputs, options, optional)
 

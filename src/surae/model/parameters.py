@@ -111,6 +111,7 @@ CROSSTALK: dict[tuple[int, int], str] = {
     if i != j
 }
 _NAMES = tuple(_ELECTRODES)
+_GROUPS = {"tri": "triceps surae", "tib": "tibialis anterior"}
 
 
 def _measurement(name: str, unit: str, meaning: str, lower: float, upper: float) -> Parameter:
@@ -143,6 +144,33 @@ OPTIONAL_PARAMETERS: tuple[Parameter, ...] = (
     _measurement("angle_zero", "rad", "zero of the angle", -0.35, 0.35),
     _measurement("axis_forward", "m", "ankle's axis before the device's", -0.03, 0.03),
     _measurement("axis_up", "m", "ankle's axis above the device's", -0.03, 0.03),
+    _measurement("plate_inertia", "kg·m²", "inertia of the plate beside the foot's", -0.1, 0.1),
+    _measurement("plate_cos", "Nm", "weight of the plate, times cos θ", -20.0, 20.0),
+    _measurement("plate_sin", "Nm", "weight of the plate, times sin θ", -20.0, 20.0),
+    _measurement("plate_give", "rad/Nm", "angle by which the foot plate gives way", 0.0, 4e-3),
+    *(
+        _measurement(f"{name}_{group}", unit, f"{meaning}, {muscle}", -limit, limit)
+        for name, unit, meaning, limit in (
+            ("arm_scale", "-", "logarithm of the moment arm over the assumed one", 0.4),
+            ("arm_slope", "1/rad", "slope of the moment arm over the assumed one", 0.6),
+            ("arm_bend", "1/rad²", "curvature of the moment arm over the assumed one", 0.8),
+            ("path_scale", "-", "logarithm of the path's slope over the assumed one", 0.5),
+            ("length_zero", "m", "muscle length at θ = 0 beyond the assumed one", 0.02),
+        )
+        for group, muscle in _GROUPS.items()
+    ),
+    *(
+        _measurement(f"{name}_{group}", "-", f"{meaning}, {muscle}", -1.5, 1.5)
+        for name, meaning in (
+            ("fl_short", "logarithm of the force–length curve's width below l0"),
+            ("fl_long", "logarithm of the force–length curve's width above l0"),
+        )
+        for group, muscle in _GROUPS.items()
+    ),
+    _measurement("fv_speed", "-", "logarithm of the greatest speed over the assumed", -1.0, 1.0),
+    _measurement("fv_curve", "-", "logarithm of the force–velocity curve's bend", -1.0, 1.0),
+    _measurement("fv_stretch", "-", "logarithm of the force gained in stretch", -1.0, 1.0),
+    _measurement("emg_power", "-", "power of force over EMG, less one", -0.7, 1.0),
 )
 #: The same by the name under which all parameters of a group are freed.
 OPTIONAL: dict[str, tuple[str, ...]] = {
@@ -155,7 +183,18 @@ OPTIONAL: dict[str, tuple[str, ...]] = {
     "torque_zero": ("torque_zero",),
     "angle_zero": ("angle_zero",),
     "axis": ("axis_forward", "axis_up"),
-}
+    "plate": ("plate_inertia", "plate_cos", "plate_sin"),
+    "plate_give": ("plate_give",),
+    "arm": tuple(
+        f"{of}_{g}" for of in ("arm_scale", "arm_slope", "arm_bend", "path_scale") for g in _GROUPS
+    ),
+    "length_zero": tuple(f"length_zero_{g}" for g in _GROUPS),
+    "curves": (
+        *(f"fl_{of}_{g}" for of in ("short", "long") for g in _GROUPS),
+        "fv_speed", "fv_curve", "fv_stretch",
+    ),
+    "emg_power": ("emg_power",),
+}  # fmt: skip
 
 #: Parameters that are off at 0: what they stand for is then not there.
 OFF_AT_ZERO = frozenset(

@@ -26,7 +26,7 @@ from surae.units import FloatArray
 _WEIGHTS = ("g1", "g2", "g3", "g4")
 _WEIGHTS_2010 = ("e1", "e2", "e3", "e4")
 #: Optional parameters in which the torque is linear.
-_LINEAR = ("reflex_tri", "reflex_tib", "torque_zero")
+_LINEAR = ("reflex_tri", "reflex_tib", "torque_zero", *OPTIONAL["plate"])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,7 +124,13 @@ def with_optional(spec: ModelSpec, names: Iterable[str]) -> ModelSpec:
         `spec` itself where nothing is to be added.
     """
     mentioned = {*names, *spec.optional}
-    wanted = {p for group in OPTIONAL.values() if mentioned.intersection(group) for p in group}
+    curves = spec.parent is not None  # the rigid kernels have (16) and (17) as they are printed
+    wanted = {
+        p
+        for name, group in OPTIONAL.items()
+        if mentioned.intersection(group) and (curves or name != "curves")
+        for p in group
+    }
     added = tuple(p for p in OPTIONAL_PARAMETERS if p.name in wanted)
     optional = tuple(p.name for p in added)
     if optional == spec.optional:

@@ -5,9 +5,11 @@ them along with the leg. Their priors are what a careful laboratory knows that d
 not what some recording showed; all can be changed (`nuisances` of `surae.fit`).
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
+from surae.frozen import FrozenDict
 from surae.model.parameters import OPTIONAL
 from surae.words import Text
 
@@ -41,6 +43,13 @@ class Nuisance:
     #: What makes it another: the next trial, or electrodes and foot mounted anew.
     anew: Literal["never", "trial", "mounting"] = "never"
     of_leg: bool = False  #: Whether it belongs to the leg, and not to what measures it.
+    #: Priors of single parameters that differ from `prior`.
+    own: Mapping[str, Belief] = field(default_factory=FrozenDict)
+    departs: bool = False  #: Whether it is in the model only where the data ask for it.
+
+    def prior_of(self, parameter: str) -> Belief:
+        """What is known of one of its parameters."""
+        return self.own.get(parameter, self.prior)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +73,18 @@ class UncertaintySource:
         return (*self.leg, *(self.nuisance.parameters if self.nuisance else ()))
 
     @property
+    def anew(self) -> float:
+        """Part of its variance that another trial of the leg has anew."""
+        return self.anew_when(mounted=False)
+
+    def anew_when(self, *, mounted: bool) -> float:
+        """Part of its variance that another trial has anew, electrodes and foot mounted or not."""
+        when = self.nuisance.anew if self.nuisance else "trial" if self.fresh else "never"
+        if when == "trial" or (mounted and when == "mounting"):
+            return 1.0
+        return 0.0 if self.name == "lengths" else 0.5
+
+    @property
     def advice(self) -> str:
         """The remedy as an imperative within an English sentence."""
         return self.remedy.en[0].lower() + self.remedy.en[1:].rstrip(".")
@@ -78,10 +99,10 @@ _SOURCES = (
             "Länger messen, oder mit mehr Bewegung und Anstrengung.",
             "Mesurer plus longtemps, ou avec plus de mouvement et d’effort.",
         ),
-        Fill("measured"),
+        Fill("measured"), fresh=True,
     ),
     UncertaintySource(
-        "emg_noise", "noise of the EMG", "scatter of the EMG’s envelope",
+        "emg_noise", "error of the EMG", "how far the EMG is from the effort at each moment",
         Text(
             "Improve the contact of the electrodes, or ask for more effort.",
             "Verbeter het contact van de elektroden, of vraag meer inspanning.",
@@ -89,16 +110,6 @@ _SOURCES = (
             "Améliorer le contact des électrodes, ou demander plus d’effort.",
         ),
         Fill("surface", "x"), fresh=True,
-    ),
-    UncertaintySource(
-        "emg_bias", "bias by noise of the EMG", "by how much noise of the EMG shifts a value",
-        Text(
-            "Improve the contact of the electrodes, or ask for more effort.",
-            "Verbeter het contact van de elektroden, of vraag meer inspanning.",
-            "Den Kontakt der Elektroden verbessern, oder mehr Anstrengung verlangen.",
-            "Améliorer le contact des électrodes, ou demander plus d’effort.",
-        ),
-        Fill("measured", "x"),
     ),
     UncertaintySource(
         "zero", "torque zero", "what the sensor shows without torque",
@@ -153,7 +164,7 @@ _SOURCES = (
         Fill("surface", "|"),
         Nuisance(
             "axis", OPTIONAL["axis"], Belief(0.0, 0.01), "m",
-            "torques 5 to 9 % off (Arampatzis et al. 2007)", anew="mounting",
+            "torques 5 to 9 % off (Arampatzis et al. 2007)", anew="mounting", departs=True,
         ),
     ),
     UncertaintySource(
@@ -164,11 +175,7 @@ _SOURCES = (
             "Die Verstärkung der Elektroden konstant halten, oder vorher und nachher messen.",
             "Maintenir constant le gain des électrodes, ou le mesurer avant et après.",
         ),
-        Fill("surface", "-"),
-        Nuisance(
-            "drift", OPTIONAL["emg_drift"], Belief(0.0, 0.1), "",
-            "skin and gel warm within a trial; the size is assumed", anew="trial",
-        ),
+        Fill("surface", "-"), fresh=True,
     ),
     UncertaintySource(
         "emg_rest", "EMG at rest", "what an electrode shows of a muscle that rests",
@@ -195,8 +202,9 @@ _SOURCES = (
         ),
         Fill("surface", "."),
         Nuisance(
-            "shape", OPTIONAL["emg_shape"], Belief(-0.5, 1.0), "",
-            "between −3 and 0 (Lloyd and Besier 2003)",
+            "shape", (*OPTIONAL["emg_shape"], *OPTIONAL["emg_power"]), Belief(-0.5, 1.0), "",
+            "between −3 and 0, and powers of 0.5 to 1 (Lloyd and Besier 2003)", departs=True,
+            own=FrozenDict({"emg_power": Belief(0.0, 0.25)}),
         ),
     ),
     UncertaintySource(
@@ -255,14 +263,121 @@ _SOURCES = (
         Fill("series-6"), fresh=True, knowable=False,
     ),
     UncertaintySource(
-        "integration", "integration", "error of the integrator’s steps",
+        "torque_drift", "drift of the torque", "change of the torque’s zero within the trial",
         Text(
-            "Sample at a higher rate.",
-            "Meet met een hogere bemonsteringsfrequentie.",
-            "Mit höherer Abtastrate messen.",
-            "Échantillonner à une fréquence plus élevée.",
+            "Let the torque sensor warm up, and measure its zero before and after.",
+            "Laat de momentsensor opwarmen, en meet het nulpunt voor en na.",
+            "Den Momentsensor warmlaufen lassen und seinen Nullpunkt vorher und nachher messen.",
+            "Laisser chauffer le capteur de moment, et mesurer son zéro avant et après.",
         ),
-        Fill("surface", "+"),
+        Fill("ink", "/"), fresh=True,
+    ),
+    UncertaintySource(
+        "plate", "foot plate", "inertia and weight of a plate that was not tared",
+        Text(
+            "Record the moving plate without the foot, and subtract it.",
+            "Meet de bewegende voetplaat zonder voet, en trek dat af.",
+            "Die bewegte Fußplatte ohne Fuß aufzeichnen und abziehen.",
+            "Enregistrer la plaque en mouvement sans le pied, et la soustraire.",
+        ),
+        Fill("ink", "x"),
+        Nuisance(
+            "plate", OPTIONAL["plate"], Belief(0.0, 5.0), "Nm",
+            "plates of 1 to 3 kg, their centre 5 to 15 cm from the axis; assumed", departs=True,
+            own=FrozenDict({"plate_inertia": Belief(0.0, 0.03)}),
+        ),
+    ),
+    UncertaintySource(
+        "give", "give of the plate", "how far the foot turns on its plate under load",
+        Text(
+            "Strap the foot tighter, or measure the angle at the ankle.",
+            "Zet de voet strakker vast, of meet de hoek aan de enkel.",
+            "Den Fuß fester fixieren, oder den Winkel am Gelenk messen.",
+            "Fixer le pied plus fermement, ou mesurer l’angle à la cheville.",
+        ),
+        Fill("series-6", "/"),
+        Nuisance(
+            "give", OPTIONAL["plate_give"], Belief(0.0, 8e-4), "rad/Nm",
+            "a heel lifts by 2 to 6° in strong contractions (Karamanidis et al. 2005)",
+            anew="mounting", departs=True,
+        ),
+    ),
+    UncertaintySource(
+        "arms", "moment arms", "how far the leg’s moment arms differ from the assumed ones",
+        Text(
+            "Give the leg’s own geometry, from images or a scaled model.",
+            "Geef de eigen geometrie van het been, uit beelden of een geschaald model.",
+            "Die eigene Geometrie des Beins angeben, aus Bildern oder einem skalierten Modell.",
+            "Donner la géométrie propre de la jambe, d’images ou d’un modèle à l’échelle.",
+        ),
+        Fill("series-2"),
+        Nuisance(
+            "arm", OPTIONAL["arm"], Belief(0.0, 0.15), "",
+            "moment arms differ by 6 to 12 % between adults (Maganaris et al. 1998, 1999)",
+            of_leg=True, departs=True,
+            own=FrozenDict(
+                {f"arm_scale_{g}": Belief(0.0, 0.06) for g in ("tri", "tib")}
+                | {f"path_scale_{g}": Belief(0.0, 0.1) for g in ("tri", "tib")}
+            ),
+        ),
+    ),
+    UncertaintySource(
+        "lengths", "muscle lengths", "how much longer the leg’s muscles are than assumed",
+        Text(
+            "Film the muscle’s fascicles, or give the leg’s own geometry.",
+            "Film de spiervezels met echografie, of geef de eigen geometrie van het been.",
+            "Die Muskelfasern filmen, oder die eigene Geometrie des Beins angeben.",
+            "Filmer les fascicules du muscle, ou donner la géométrie propre de la jambe.",
+        ),
+        Fill("series-2", "-"),
+        Nuisance(
+            "length", OPTIONAL["length_zero"], Belief(0.0, 0.005), "m",
+            "fascicles are 10 to 20 % off what size predicts (Ward et al. 2009)", of_leg=True,
+        ),
+    ),
+    UncertaintySource(
+        "curves", "muscle curves", "widths of force over length, bend of force over velocity",
+        Text(
+            "Record more angles and velocities under effort.",
+            "Meet meer hoeken en snelheden onder inspanning.",
+            "Mehr Winkel und Geschwindigkeiten unter Anstrengung aufzeichnen.",
+            "Enregistrer plus d’angles et de vitesses sous effort.",
+        ),
+        Fill("series-3", "x"),
+        Nuisance(
+            "curves", OPTIONAL["curves"], Belief(0.0, 0.35), "",
+            "widths and asymptotes of human muscles differ by a third (Zajac 1989; Thelen 2003)",
+            of_leg=True, departs=True,
+            own=FrozenDict(
+                {"fv_speed": Belief(0.0, 0.25)}
+                | {name: Belief(0.0, 0.3) for name in ("fv_curve", "fv_stretch")}
+            ),
+        ),
+    ),
+    UncertaintySource(
+        "reflex", "stretch reflex", "force that answers a stretch and that no electrode shows",
+        Text(
+            "Record a slow and a quick stretch at rest.",
+            "Meet een langzame en een snelle rek in rust.",
+            "Eine langsame und eine schnelle Dehnung in Ruhe aufzeichnen.",
+            "Enregistrer un étirement lent et un rapide au repos.",
+        ),
+        Fill("series-1", "|"),
+        Nuisance(
+            "reflex", OPTIONAL["reflex"], Belief(0.0, 2000.0), "N·s/m",
+            "some Nm at a stretch of 3 rad/s; assumed", of_leg=True, departs=True,
+            own=FrozenDict({"reflex_delay": Belief(0.05, 0.015, off=0.05)}),
+        ),
+    ),
+    UncertaintySource(
+        "population", "what is known of legs", "what is known of people’s legs beforehand",
+        Text(
+            "Measure longer, or with more movement and effort.",
+            "Meet langer, of met meer beweging en inspanning.",
+            "Länger messen, oder mit mehr Bewegung und Anstrengung.",
+            "Mesurer plus longtemps, ou avec plus de mouvement et d’effort.",
+        ),
+        Fill("surface", "+"), knowable=False,
     ),
 )  # fmt: skip
 #: All of them by name, in the order in which they are shown.

@@ -1,6 +1,7 @@
 """A model tied to a recording: what all models have in common, whatever their muscles do.
 
-    T = m·(T_inertia + T_gravity) + Σ r·(F_tissue + F_active) + torque_zero        (1)
+    T = m·(T_inertia + T_gravity) + Σ r·(F_tissue + F_active) + torque_zero + T_plate        (1)
+    T_plate = plate_inertia·θ'' + plate_cos·cos θ + plate_sin·sin θ
 
 A model gives the forces of a muscle group, and its torque with derivatives; movement, excitation
 and activation are the same for all.
@@ -15,6 +16,7 @@ from surae.model.activation import ActivationFilter, ActiveState, IntArray
 from surae.model.excitation import Excitation
 from surae.model.movement import LegMovement, Movement, MusclePath
 from surae.model.options import ModelOptions
+from surae.model.parameters import OPTIONAL
 from surae.model.simulator import TorqueParts
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -59,6 +61,15 @@ class TiedModel:
         self._factor = float(options.vmax_factor)
         self._cutoff, self._damping = self._at[cutoff], self._at.get(damping, -1)
         self._zero = self._at.get("torque_zero")
+        self._plate = {
+            self._at[name]: row
+            for name, row in zip(
+                OPTIONAL["plate"],
+                (inputs.acceleration, np.cos(inputs.angle), np.sin(inputs.angle)),
+                strict=True,
+            )
+            if name in self._at
+        }
         self._movement = Movement(inputs, options, self._at)
         self._excitation = Excitation(
             inputs, options, at=self._at, weights=weights, emg=inputs.emg.T if emg is None else emg
@@ -71,6 +82,8 @@ class TiedModel:
         torque: FloatArray = p[0] * (leg.inertia + leg.gravity)
         if self._zero is not None:
             torque += p[self._zero]
+        for column, row in self._plate.items():
+            torque += p[column] * row
         for group, active in enumerate(self._active(p, leg)):
             muscle = leg.muscles[group]
             torque += muscle.arm * self._force(p, group, muscle, active)
@@ -92,6 +105,9 @@ class TiedModel:
         if self._zero is not None:
             torque += p[self._zero]
             jacobian[slots[self._zero]] = 1.0
+        for column, row in self._plate.items():
+            torque += p[column] * row
+            jacobian[slots[column]] = row
         turned = slots[np.array(leg.columns, dtype=np.int64)]
         for row, slope in zip(turned, leg.limb_slopes, strict=True):
             jacobian[row] = p[0] * slope
@@ -113,13 +129,14 @@ class TiedModel:
                 share = np.divide(by_reflex, alpha, out=np.zeros_like(alpha), where=alpha != 0.0)
                 reflex.append(share * split[-1][1])
         (tissue_tri, neural_tri), (tissue_tib, neural_tib) = split
+        swung, *weighed = [p[column] * row for column, row in self._plate.items()] or [0.0]
         return TorqueParts(
             tissue_tri=tissue_tri,
             tissue_tib=tissue_tib,
             neural_tri=neural_tri,
             neural_tib=neural_tib,
-            inertial=p[0] * leg.inertia,
-            gravitational=p[0] * leg.gravity,
+            inertial=p[0] * leg.inertia + swung,
+            gravitational=p[0] * leg.gravity + sum(weighed),
             reflex_tri=reflex[0] if reflex else None,
             reflex_tib=reflex[1] if reflex else None,
             zero=None if self._zero is None else np.full(len(tissue_tri), p[self._zero]),
@@ -138,15 +155,27 @@ class TiedModel:
     ) -> list[ActiveState]:
         """Active states of both groups, with their derivatives by `columns`."""
         wanted = frozenset(columns)
+        step = self.activation(p, wanted)
+        return [step.active_state(drives) for drives in self._excitation.drives(p, leg, wanted)]
+
+    def activation(self, p: FloatArray, wanted: frozenset[int] = frozenset()) -> ActivationFilter:
+        """The activation filter, with its derivatives by the wanted columns."""
         f0, beta = self._cutoff, self._damping
-        step = ActivationFilter(
+        return ActivationFilter(
             f0=p[f0],
             beta=1.0 if beta < 0 else p[beta],
             dt=self._dt,
             lags=self._lags,
             columns=(f0 if f0 in wanted else -1, beta if beta in wanted else -1),
         )
-        return [step.active_state(drives) for drives in self._excitation.drives(p, leg, wanted)]
+
+    def pulled_by(self, torque: FloatArray) -> None:
+        """Let a foot plate that gives way be turned by this torque [Nm], shape (n,)."""
+        self._movement.pulled_by(torque)
+
+    def with_log_gain(self, gain: FloatArray | None) -> None:
+        """Let the drives of TA, GL, SOL, GM have these logarithmic gains, shape (4, n)."""
+        self._excitation.log_gain = gain
 
     def _force(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState
