@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from surae.estimation.member import level_where_filtered
-from surae.estimation.mode import Target, white_noise
 from surae.estimation.noise import noise_behind, noise_of
-from surae.estimation.problem import make_problem
+from surae.estimation.posterior import level_where_filtered
 from surae.frozen import read_only
 from surae.protocol import Protocol, generate
-from surae.settings import FitSettings
 from surae.signals.prepare import smoothed
 from surae.studies import virtual_subject, virtual_trial
 
@@ -55,17 +52,15 @@ def test_a_fit_of_nothing_takes_nothing():
 
 def test_no_frequency_that_a_filter_emptied_is_trusted_more():
     motion = generate(Protocol(profile="multiple-holds", rate_hz=128.0, duration=20.0))
-    subject = virtual_subject(1)
-    clean = virtual_trial(subject, motion, noise=0.0)
+    clean = virtual_trial(virtual_subject(1), motion, noise=0.0)
     white = 0.1 * np.random.default_rng(2).standard_normal(clean.n)
-    filtered = smoothed(replace(clean, torque=read_only(white), lowpass=(20.0, 4))).torque
-    trial = replace(clean, torque=read_only(clean.torque + filtered))
+    filtered = smoothed(replace(clean, torque=read_only(white), lowpass=(20.0, 4)))
+    assert filtered.torque is not None
 
     def believed(lowpass):
-        problem = make_problem((replace(trial, lowpass=lowpass),), FitSettings.of(model="muscle"))
-        target = Target(problem, {}, white_noise(problem, 0.01))
-        (model,) = target.noise_at(target.start(dict(subject.parameters)))
-        return np.sqrt(level_where_filtered(model, problem.inputs[0]).spectrum(256))
+        model = noise_of(filtered.torque, 30)
+        recording = replace(clean, lowpass=lowpass)
+        return np.sqrt(level_where_filtered(model, recording).spectrum(256))
 
     assert believed(None)[-20:].max() < 0.01  # nothing says that it went through a filter
     np.testing.assert_allclose(believed((20.0, 4)), 0.1, rtol=0.25)

@@ -38,7 +38,9 @@ def test_stiffness_is_far_better_known_than_what_it_is_made_of(fitted) -> None:
     stiffness = fit.measures()["passive_stiffness_tri@10deg"]
     part = (stiffness.ci95[1] - stiffness.ci95[0]) / stiffness.value
     x0 = fit.parameters["x0_tri"]
-    assert part < 0.5 * (x0.ci95[1] - x0.ci95[0]) / x0.value
+    k = fit.parameters["k_tri"]
+    made_of = np.hypot(k.value * (x0.ci95[1] - x0.ci95[0]), k.ci95[1] - k.ci95[0])
+    assert part < 0.5 * made_of  # of exp(−k·x0), which is most of it
 
 
 def test_a_saved_fit_has_the_same_measures(fitted, tmp_path) -> None:

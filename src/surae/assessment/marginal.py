@@ -9,14 +9,17 @@ from surae.assessment.adequacy import Adequacy, Grade
 from surae.assessment.parameter import IDENTIFIED, Interval, ParameterEstimate, Verdict, percent
 from surae.assessment.uncertainty.budget import Budget, budgets
 from surae.estimation import FitProblem
-from surae.estimation.mode import straight
+from surae.estimation.posterior import straight
 from surae.estimation.residuals import stiffness_valleys
 from surae.estimation.result import Family
+from surae.model.laboratory import group_of
 from surae.model.sources import SOURCES
 
 _NORMAL = 1.959964
 #: Share of the variance from which a source is worth a remedy.
 _WORTH = 0.25
+#: Part of the population's standard deviation below which an estimate is news.
+_NARROWER = 0.5
 
 
 def marginal(
@@ -26,7 +29,8 @@ def marginal(
     adequacy: Adequacy,
 ) -> dict[str, ParameterEstimate]:
     """The estimated parameters of the leg with everything that makes them unsure."""
-    withheld = adequacy.grade is Grade.INADEQUATE
+    at_bound = any(p.at_bound for p in table.values() if group_of(p.name) is None)
+    withheld = adequacy.grade is Grade.INADEQUATE or at_bound
     judged = {}
     longest = {x0: length for _, x0, length in stiffness_valleys(problem)}
     for name, budget in budgets(family, problem.free).items():
@@ -38,6 +42,9 @@ def marginal(
         again = _interval(p, budget.repeat, longest.get(name))
         repeatable = (again[1] - again[0]) / 2.0 <= IDENTIFIED * abs(p.value) and not withheld
         verdict, note = _judge(p, half, budget, repeatable=repeatable, withheld=withheld)
+        known = family.population.get(name)
+        if verdict is Verdict.IDENTIFIED and known and budget.sd > _NARROWER * known:
+            verdict, note = Verdict.WEAK, f"{note}, but hardly better than before any measurement"
         judged[name] = replace(
             p,
             sem=budget.sd,

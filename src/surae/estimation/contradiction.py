@@ -8,24 +8,34 @@ says, since what a model leaves out is slow. What filters did to a fast movement
 either, and is let free in both.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from surae.estimation.evidence import Quadratic
-from surae.estimation.member import TENDONS, counted_alike
-from surae.estimation.mode import Target, whitened
-from surae.estimation.result import FitResult
+from surae.estimation.noise import NoiseModel, noise_behind, whitened
+from surae.estimation.posterior import STRAIGHT
+from surae.estimation.problem import FitProblem
+from surae.estimation.result import FitResult, is_at_bound
 from surae.frozen import FrozenDict
 from surae.model import adapted, get_model, with_optional
 from surae.model.laboratory import COMPLIANT, RIGID, Belief, group_of, laboratory
+from surae.model.parameters import OPTIONAL
 from surae.signals import ModelInputs
 from surae.signals.prepare import sharpened, smoothed
 from surae.units import FloatArray
 
 #: Groups of nuisances that a named model is held against.
 _HELD_AGAINST = ("zero", "delay", "crosstalk")
+#: What is known of the tendons, as they are searched.
+TENDONS = {"dlt_tri": Belief(np.log(0.025), 1.0), "dlt_tib": Belief(np.log(0.010), 1.0)}
+#: Parameters that are not on a logarithm: none is no contradiction.
+_STRAIGHT = {*STRAIGHT, *OPTIONAL["emd"], *OPTIONAL["crosstalk"], "pt_tri", "pt_tib"}
+#: Standard deviation of what has no prior: of the logarithm, or in parts of its bounds' distance.
+_VAGUE = 3.0
+#: Largest order of the noise's autoregression, and what is slow of it [Hz].
+_ORDER, _SLOW = 30, 2.0
 #: Gain of −2 ln Z from which an alternative is supported: odds of 150 to 1 ("very strong", Kass and
 #: Raftery 1995). Legs of the model itself have −60 to −7, richer ones 3 to 290 (decision 16).
 _SUPPORTED = 10.0
@@ -77,7 +87,8 @@ def contradiction(result: FitResult) -> Contradiction | None:
         stiff = limits[free.index(name)][0]
         base[name] = stiff
         tendons[name] = Belief(float(np.log(stiff)), float(np.exp(tendons[name].mean)) / stiff)
-    named = replace(problem, inputs=tuple(sharpened(trial) for trial in problem.inputs))
+    inputs = tuple(sharpened(trial) for trial in problem.inputs)
+    named = replace(problem, inputs=inputs)
     richer = replace(
         named,
         spec=spec,
@@ -87,48 +98,119 @@ def contradiction(result: FitResult) -> Contradiction | None:
         upper=np.array([high for _, high in limits]),
     )
     with np.errstate(all="ignore"):  # a damaged file may hold anything; it is found out below
-        own = Target(named, {}, ())
-        there = own.start(result.values)
-        noise = counted_alike(own, own.noise_at(there))
-        target = Target(richer, beliefs, noise, tendons)
-        z, left = target.start(base), own.residuals(there)
+        own = _Linear(named, result.values, {})
+        target = _Linear(richer, base, {**beliefs, **tendons})
         off = {
-            j: float(z[j])
-            for j, n in enumerate(target.names)
+            j: float(target.z[j])
+            for j, n in enumerate(free)
             if n in beliefs or n not in result.values
         }
-        off |= dict.fromkeys(range(len(target.names), len(z)), 0.0)
-        gain, better = _gain(_quadratic(target, z, left), off)
+        zero = beliefs.get("torque_zero") if len(inputs) > 1 else None  # each has its own
+        off |= dict.fromkeys(range(len(free), len(free) + len(inputs) * (zero is not None)), 0.0)
+        gain, better = _gain(_quadratic(target, own, zero), off)
     if not (gain > _SUPPORTED and np.isfinite(better).all()):
         return None
-    own_names = len(target.names)
-    away = np.abs(better[:own_names] - z[:own_names]) * target.scale(z)
-    shift = {n: float(d) for n, d in zip(target.names, away, strict=True) if n in problem.free}
+    away = np.abs(better[: len(free)] - target.z) * target.scale
+    shift = {n: float(d) for n, d in zip(free, away, strict=True) if n in problem.free}
     missing = [g for g in _HELD_AGAINST if any(group_of(n) == g for n in beliefs)]
     if name != problem.spec.name:
         missing.append("tendons")
     return Contradiction(tuple(missing), gain, FrozenDict(shift))
 
 
-def _quadratic(target: Target, z: FloatArray, left: Sequence[FloatArray]) -> Quadratic:
+class _Linear:
+    """A model at a point: its rows of derivatives and residual, and its priors, as searched.
+
+    What is positive by nature is on a logarithm; a nuisance, which may be none, as it is.
+    """
+
+    def __init__(
+        self, problem: FitProblem, values: Mapping[str, float], priors: Mapping[str, Belief]
+    ) -> None:
+        self.problem, names = problem, problem.spec.names
+        base = dict(zip(names, problem.base.tolist(), strict=True))
+        self.values = np.array([values.get(n, base[n]) for n in names])
+        own = self.values[problem.columns]
+        log = np.array([n not in _STRAIGHT for n in problem.free])
+        self.scale = np.where(log, own, 1.0)
+        self.z = np.where(log, np.log(np.maximum(own, 1e-300)), own)
+        vague = np.where(log, _VAGUE, _VAGUE * (problem.upper - problem.lower))
+        given = [
+            priors.get(n, Belief(float(z), float(sd)))
+            for n, z, sd in zip(problem.free, self.z, vague, strict=True)
+        ]
+        self.mean = np.array([belief.mean for belief in given])
+        self.weight = np.array([1.0 / belief.sd for belief in given])
+        for j, (x, low, high) in enumerate(zip(own, problem.lower, problem.upper, strict=True)):
+            if group_of(problem.free[j]) is None and is_at_bound(float(x), low, high):
+                width = np.log(high / max(low, 1e-2 * x)) if log[j] else high - low
+                self.weight[j] = max(self.weight[j], np.sqrt(12.0) / width)
+
+    def rows(self, recording: ModelInputs) -> FloatArray:
+        """Derivatives by the searched coordinates and, last, the torque [Nm], shape (q + 1, n)."""
+        problem = self.problem
+        simulator = problem.spec.simulator(recording, problem.options)
+        torque, jacobian = simulator.torque_jacobian(self.values, problem.columns)
+        return np.concatenate([jacobian * self.scale[:, None], torque[None]])
+
+    def torque(self, recording: ModelInputs) -> FloatArray:
+        """The model's torque [Nm] of a recording."""
+        problem = self.problem
+        return problem.spec.simulator(recording, problem.options).torque(self.values)
+
+    def noise(self) -> list[tuple[FloatArray, NoiseModel]]:
+        """Residual of each recording, and noise as strong as its slow part.
+
+        Samples count for as little as that says.
+        """
+        blocks = []
+        for recording in self.problem.inputs:
+            rows = self.rows(recording)
+            rows[-1] -= 0.0 if recording.torque is None else recording.torque
+            counted = recording.counts
+            root = 1.0 if recording.weight is None else np.sqrt(recording.weight)
+            blocks.append((rows[-1], (rows * root)[:, counted], recording))
+        total = sum(rows.shape[1] for _, rows, _ in blocks)
+        lost = total / max(total - len(self.z), 1)
+        sd = [max(float(np.mean(rows[-1] ** 2)) * lost, 1e-30) for _, rows, _ in blocks]
+        information = np.diag(self.weight**2)
+        for (_, rows, _), variance in zip(blocks, sd, strict=True):
+            information = information + rows[:-1] @ rows[:-1].T / variance
+        if not np.isfinite(information).all():
+            raise np.linalg.LinAlgError
+        scale = 1.0 / np.sqrt(np.diag(information))
+        values, vectors = np.linalg.eigh(information * scale * scale[:, None])
+        known = values > len(values) * np.finfo(float).eps * values[-1]
+        back = (vectors[:, known] / np.sqrt(values[known])).T * scale
+        models = []
+        for (e, rows, recording), variance in zip(blocks, sd, strict=True):
+            taken = back @ rows[:-1] / np.sqrt(variance)
+            behind = noise_behind(rows[-1], taken, min(_ORDER, rows.shape[1] // 10))
+            level = max(behind.below(_SLOW / recording.rate_hz), behind.variance)
+            models.append((e, replace(behind, coefficients=np.zeros(0), variance=level)))
+        return models
+
+
+def _quadratic(target: _Linear, own: _Linear, zero: Belief | None) -> Quadratic:
     """What data say around the named model: its own residual, and what the richer one can do.
 
-    The richer model's residual is another there: its stiffest tendons are none that are rigid. The
-    last coordinates are how much of what filters did is in the residual.
+    The richer model's residual is another there: its stiffest tendons are none that are rigid.
+    Behind the parameters come zeros of several recordings, and last how much of what filters did is
+    in the residual.
     """
-    more = len(_BLUR)
-    information = np.zeros((len(z) + more, len(z) + more))
-    gradient, cost = np.zeros(len(z) + more), 0.0
-    values = target.values(z)
-    blocks = zip(
-        target.problem.inputs, target.data_rows(z, raw=True), left, target.noise, strict=True
-    )
-    for recording, rows, e, noise in blocks:
-        torque = rows[-1] + (0.0 if recording.torque is None else recording.torque)
+    zeros = [] if zero is None else [zero] * len(target.problem.inputs)
+    more = [*zeros, *_BLUR]
+    q = len(target.z) + len(more)
+    information, gradient, cost = np.zeros((q, q)), np.zeros(q), 0.0
+    for number, (recording, (e, noise)) in enumerate(
+        zip(target.problem.inputs, own.noise(), strict=True)
+    ):
+        rows = target.rows(recording)
         again = smoothed(recording)
-        blurred = _blurred(target, values, recording, torque)
-        twice = _blurred(target, values, again, _torque(target, values, again))
-        block = np.stack([*rows[:-1], -blurred, twice - blurred, e])
+        blurred = _blurred(target, recording, rows[-1])
+        twice = _blurred(target, again, target.torque(again))
+        lifts = [np.full(recording.n, float(number == i)) for i in range(len(zeros))]
+        block = np.stack([*rows[:-1], *lifts, -blurred, twice - blurred, e])
         if recording.weight is not None:
             block *= np.sqrt(recording.weight)
         block = whitened(block, noise)
@@ -139,20 +221,13 @@ def _quadratic(target: Target, z: FloatArray, left: Sequence[FloatArray]) -> Qua
         information,
         gradient,
         cost,
-        z=np.append(z, np.zeros(more)),
-        mean=np.append(target.mean, [belief.mean for belief in _BLUR]),
-        weight=np.append(target.weight_at(z), [1.0 / belief.sd for belief in _BLUR]),
+        z=np.append(target.z, np.zeros(len(more))),
+        mean=np.append(target.mean, [belief.mean for belief in more]),
+        weight=np.append(target.weight, [1.0 / belief.sd for belief in more]),
     )
 
 
-def _torque(target: Target, values: FloatArray, recording: ModelInputs) -> FloatArray:
-    """The model's torque [Nm] of a recording."""
-    return target.problem.spec.simulator(recording, target.problem.options).torque(values)
-
-
-def _blurred(
-    target: Target, values: FloatArray, recording: ModelInputs, torque: FloatArray
-) -> FloatArray:
+def _blurred(target: _Linear, recording: ModelInputs, torque: FloatArray) -> FloatArray:
     """What filtering changes of the torque that it does not change of the model's [Nm].
 
     A fast movement's torque is not the one at what filters leave of the movement, though that was
@@ -162,7 +237,7 @@ def _blurred(
     """
     again = sharpened(smoothed(replace(recording, torque=torque)))
     wanted = torque if again.torque is None else again.torque
-    error: FloatArray = _torque(target, values, again) - wanted
+    error: FloatArray = target.torque(again) - wanted
     return error if np.isfinite(error).all() else np.zeros(recording.n)
 
 

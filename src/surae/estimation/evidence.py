@@ -30,6 +30,13 @@ def factor_of(scaled: FloatArray) -> FloatArray:
         return np.asarray(np.linalg.cholesky(scaled + _ROUNDING * np.eye(len(scaled))))
 
 
+def root(covariance: FloatArray) -> FloatArray:
+    """Shifts whose outer products add up to a covariance, shape (r, q)."""
+    values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
+    kept = values > 1e-12 * max(float(values[-1]), 1e-300)
+    return np.asarray((vectors[:, kept] * np.sqrt(values[kept])).T)
+
+
 @dataclass(frozen=True, slots=True)
 class Quadratic:
     """−2 ln p of the data around a point, and the priors."""

@@ -1,73 +1,80 @@
-"""`model="auto"`: the family of models searched from simple to rich, and what the data support.
+"""`model="auto"`: the mode of one posterior, and which departures the data ask for.
 
-The family has rigid and compliant tendons, each with every subset of the laboratory's nuisances.
-
-1. Thinned data, all nuisances in, noise taken for much greater than it is and the population for
-   known: a surface with one valley. The noise is lowered to what it is and the population let go
-   (continuation). From a fast and from a slow relaxation, for those are two valleys.
-2. All data. Crosstalk that is too great takes a muscle's activation below zero, where it has no
-   gradient: the search begins again from less crosstalk, and keeps the best.
-3. The noise's own correlation, an autoregressive model of the residual; the mode under it.
-4. The evidence of each subset of nuisances; the best one is solved anew.
-5. The other kind of tendons, from the values found, under the same noise.
-
-Alternatives that the data do not reject, other valleys, other subsets and the other kind of
-tendons, widen the intervals by how far they are (`surae.estimation.summed`).
+1. Thinned data without departures, noise taken for much greater than it is: a surface with one
+   valley. The noise is lowered to what the residual says (continuation). From a fast and from a
+   slow relaxation, for those are two valleys.
+2. All departures, their sizes and that of the latents learnt from the data.
+3. The evidence of every set of departures, from one quadratic at the mode; the best is solved anew.
+4. Where the residual under effort is much greater than at rest, the size of the drive's error is
+   sought by evidence, before the departures are chosen.
+5. The mode of all data under the noise that the residual has, and what makes it unsure.
 """
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from surae.estimation.evidence import Subset, subsets
 from surae.estimation.fit import fit_problem
 from surae.estimation.interrupt import postponed_interrupt
+from surae.estimation.latent import SOURCES, Latents
 from surae.estimation.least_squares import Outcome
-from surae.estimation.member import ODDS, Member, under_noise
-from surae.estimation.mode import Mode, Target, straight, thinned_problem, white_noise
 from surae.estimation.noise import NoiseModel
-from surae.estimation.population import population_priors
+from surae.estimation.population import wide_priors
+from surae.estimation.posterior import STRAIGHT, Block, LogPosterior, Point
 from surae.estimation.problem import FitProblem
-from surae.estimation.result import FitResult
-from surae.estimation.summed import REJECTED, WhiteModes, summed
+from surae.estimation.result import Candidate, Family, FitResult, OfRecording, Start, is_at_bound
+from surae.estimation.uncertainty import (
+    UNSUPPORTED,
+    between_subsets,
+    between_trials,
+    covariance_at,
+    dynamics,
+    shifts_by_source,
+)
+from surae.frozen import FrozenDict, read_only
 from surae.model import adapted, get_model, with_optional
-from surae.model.laboratory import COMPLIANT, RIGID, Belief, group_of, laboratory
+from surae.model.anthropometry import MASSES
+from surae.model.laboratory import COMPLIANT, DEPARTURES, NONE, RIGID, Belief, group_of, laboratory
 from surae.progress import SearchProgress
 from surae.recording import MUSCLES
-from surae.signals import emg_levels, quiet_levels
+from surae.signals import ModelInputs, emg_levels, quiet_levels
 from surae.signals.prepare import sharpened
+from surae.signals.resample import thinned, thinning_factor
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
+from surae.versions import versions
 
-#: Data of the first search: rate [Hz] and samples of each recording.
-_THIN_RATE, _THIN_SAMPLES = 32.0, 400
-#: Relaxation times [s] and factor that are tried.
+#: Rates [Hz] of the search's stages, and the samples that each recording keeps at least.
+_RATES, _SAMPLES = (32.0, 64.0, 64.0), 400
+#: Relaxation times [s] and factor from which a search begins.
 _RELAXATIONS, _RELAXED = (0.4, 4.0), 0.3
-#: Points of a search that differ by less, as they are searched, lead to one valley.
-_SAME = 0.1
 #: Noise of the continuation, as parts of the torque's changes.
 _TEMPERS = (0.1, 0.03)
-#: By how much the population's spread is widened while it helps the search.
-_WIDENED = 1.5
-#: Crosstalk from which the search begins again, as parts of what it found.
-_LESS_CROSSTALK = (0.3, 0.0)
-#: A model whose −2 ln p is greater by more after some steps is not followed to its end.
-_HOPELESS = 300.0
-_POPULATION = "healthy"
-#: Groups that no sensor is free of: they are in whatever the evidence; those that are tried alone;
-#: and those whose valleys are many, for they bend the curves that other parameters place.
-_ALWAYS, _BENDS = ("zero", "delay", "rest"), ("toe", "shape")
-_CORE = (*_ALWAYS, "crosstalk")
+#: Standard deviations of the latents before anything is learnt, and those below which none is
+#: taken.
+_BEGIN = {"gain": 0.03, "drift": 0.1, "misfit": 0.01}
+_LEAST = {"gain": 0.003, "drift": 0.02, "misfit": 0.002}
+_NEARLY_NONE = {"gain": 1e-3, "drift": 1e-2, "misfit": 1e-3}
+#: Slow residual under effort over that at rest from which errors of the drive are sought, and their
+#: standard deviations that are tried.
+_LOUDER, _ERRORS = 1.6, (0.06, 0.11, 0.15, 0.21)
+#: Odds beforehand that a leg or laboratory has a departure.
+_ODDS = 0.3
+#: Evaluations of each of the last steps.
+_STEPS = 5
+#: Bounds that are wider than those of a named model's search.
+_WIDER = {"m": MASSES, "dlt_tri": (5e-4, 0.3), "dlt_tib": (2e-4, 0.3)}
 
 
 def fit_family(problem: FitProblem, *, progress: SearchProgress | None = None) -> FitResult:
-    """Fit the family to a problem and choose.
+    """Find the mode of a leg's posterior and all that makes it unsure.
 
-    The problem is of the family's compliant model; which nuisances are in, its settings say.
-    `progress` is told of stages that are done, how many there are, and the sum of squares. Ctrl-C
-    keeps the rigid model, without `family`.
+    The problem is of the family's compliant model; which nuisances may be in, its settings say.
+    `progress` is called with stages that are done, how many there are, and −2 ln p. Ctrl-C keeps
+    the rigid model, without `family`.
     """
     begin = time.perf_counter()
     search = _Search(problem, progress)
@@ -78,278 +85,398 @@ def fit_family(problem: FitProblem, *, progress: SearchProgress | None = None) -
             return search.stopped(begin)
 
 
+@dataclass(frozen=True, slots=True)
+class _Choice:
+    """A set of departures with its mode."""
+
+    posterior: LogPosterior
+    point: Point
+    scored: tuple[Subset, ...]  #: All sets, the chosen one first.
+    names: tuple[str, ...]  #: What their modes are of.
+
+
 class _Search:
-    """One search through the family."""
+    """One search."""
 
     def __init__(self, problem: FitProblem, progress: SearchProgress | None) -> None:
-        inputs = tuple(sharpened(recording) for recording in problem.inputs)
-        self._asked, self._progress = replace(problem, inputs=inputs), progress
-        self._inputs = problem.inputs
-        beliefs = laboratory(problem.settings.nuisances, quiet_levels(problem.inputs))
+        self._progress, self._inputs = progress, problem.inputs
+        self._asked = replace(problem, inputs=tuple(sharpened(r) for r in problem.inputs))
         held = {*problem.settings.fixed, *(n for trial in problem.inputs for n in trial.fixed)}
-        missing = {m for trial in problem.inputs for m in trial.missing_emg}
-        silent = missing | {
+        self._silent = frozenset(m for trial in problem.inputs for m in trial.missing_emg) | {
             muscle
             for muscle, weight in zip(MUSCLES, problem.spec.weights, strict=True)
             if weight in held and not problem.base[problem.spec.names.index(weight)]
         }
         self._beliefs = {
             name: belief
-            for name, belief in beliefs.items()
-            if name not in held and not _needless(name, silent)
+            for name, belief in laboratory(
+                problem.settings.nuisances, quiet_levels(problem.inputs)
+            ).items()
+            if name not in held and not _needless(name, self._silent)
         }
         self._options = problem.options
-        if "emg_shape" in self._beliefs and self._options.emg_ref is None:
+        if self._options.emg_ref is None:
             self._options = replace(self._options, emg_ref=emg_levels(problem.inputs))
-        self._extra = {
-            name: _as_searched(name, prior.median, prior.spread)
-            for name, prior in problem.priors.items()
-        }
-        self._modes: list[Mode] = []
-        self._met: tuple[str, ...] = ()
+        self._weights = _weights(problem)
+        self._perfect = problem.settings.nuisances == NONE
+        self._starts: list[tuple[Point, dict[str, float]]] = []
 
     def result(self, begin: float) -> FitResult:
         """Search, choose, and sum up."""
-        full = self._problem(COMPLIANT, tuple(self._beliefs))
-        target, mode = self._valleys(full, self._first(full))
-        self._told(2, mode)
-        target, mode = under_noise(target, mode)
-        compliant = self._member(target, mode)
-        target, mode = under_noise(compliant.target, compliant.mode)
-        self._told(3, mode)
-        compliant = replace(compliant, target=target, mode=mode, quadratic=target.quadratic(mode))
-        rigid = self._rigid(compliant)
-        better = self._again(compliant, rigid)
-        if better is not compliant:
-            compliant, rigid = better, self._rigid(better)
-        self._told(4, mode)
-        return summed(
-            compliant, rigid, WhiteModes(tuple(self._modes), self._met), self._inputs, begin
-        )
+        values, noise = self._first()
+        self._say(1)
+        choice = self._choose(values, noise)
+        self._say(2)
+        choice = self._last(choice)
+        self._say(3)
+        return _summed(choice, self._inputs, self._asked, begin, self._starts)
 
     def stopped(self, begin: float) -> FitResult:
         """What is kept where the user stopped: the rigid model, nothing weighed."""
-        plain = fit_problem(
-            replace(self._problem(RIGID, ()), priors={}, inputs=self._inputs), starts=1
-        )
+        plain = fit_problem(self._rigid(), starts=1)
         without = ", without priors," if self._asked.priors else ""
         return replace(
             plain,
-            message=f"stopped by the user: the rigid model alone{without} is kept; fit again to "
-            "weigh the family",
+            message=f"stopped by the user: the rigid model alone{without} is kept; fit again for "
+            "the whole",
             starts=(replace(plain.starts[0], outcome=str(Outcome.INTERRUPTED)),),
             seconds=time.perf_counter() - begin,
         )
 
-    def _told(self, stage: int, mode: Mode) -> None:
-        if self._progress is not None:
-            self._progress(stage, 4, mode.cost)
-
-    def _problem(self, model: str, nuisances: Sequence[str]) -> FitProblem:
-        """The problem of a model of the family with these nuisances free."""
-        asked = self._asked
-        spec = get_model(model)
-        wanted = [n for n in (*nuisances, *asked.spec.optional) if n not in spec.names]
-        spec = with_optional(spec, wanted)
-        nuisances = [n for n in nuisances if n in spec.names]
-        table = adapted(spec.parameters, self._options, asked.inputs[0].emg_unit)
-        limits = {name: (p.lower, p.upper) for name, p in table.items()}
-        limits |= dict(
-            zip(asked.free, zip(asked.lower.tolist(), asked.upper.tolist(), strict=True),
-                strict=True)
-        )  # fmt: skip
+    def _rigid(self) -> FitProblem:
+        asked, spec = self._asked, get_model(RIGID)
+        table = adapted(spec.parameters, asked.options, asked.inputs[0].emg_unit)
         values = dict(zip(asked.spec.names, asked.base.tolist(), strict=True))
-        values |= {n: w for n, w in _weights(asked).items() if n not in asked.settings.start}
-        free = tuple(n for n in spec.names if n in asked.free or n in nuisances)
+        limits = dict(zip(asked.free, zip(asked.lower, asked.upper, strict=True), strict=True))
+        free = tuple(n for n in spec.names if n in asked.free)
         return replace(
-            asked,
-            spec=spec,
-            options=self._options,
-            free=free,
-            base=np.array([values.get(name, p.start) for name, p in table.items()]),
-            lower=np.array([limits[name][0] for name in free]),
-            upper=np.array([limits[name][1] for name in free]),
+            asked, spec=spec, free=free, inputs=self._inputs, priors=FrozenDict(),
+            base=np.array([values.get(n, p.start) for n, p in table.items()]),
+            lower=np.array([limits[n][0] for n in free]),
+            upper=np.array([limits[n][1] for n in free]),
+        )  # fmt: skip
+
+    def _say(self, stage: int) -> None:
+        if self._progress is not None and self._starts:
+            self._progress(stage, 3, min(point.cost for point, _ in self._starts))
+
+    def _posterior(
+        self, groups: Sequence[str], rate_hz: float, noise: Sequence[NoiseModel],
+        sizes: Mapping[str, float], like: LogPosterior | None = None,
+    ) -> LogPosterior:  # fmt: skip
+        """The posterior of the data at a rate with these departures."""
+        asked = self._asked
+        if like is not None and like.rate_hz == rate_hz:
+            inputs, latents = like.problem.inputs, like.latents
+        else:
+            inputs = tuple(thinned(r, thinning_factor(r, rate_hz, _SAMPLES)) for r in asked.inputs)
+            latents = tuple(
+                Latents.of(r, self._silent, whole.n / whole.rate_hz, perfect=self._perfect)
+                for r, whole in zip(inputs, asked.inputs, strict=True)
+            )
+        beliefs = {
+            name: belief
+            for name, belief in self._beliefs.items()
+            if (group := group_of(name)) not in DEPARTURES or group in groups
+        }
+        spec = get_model(COMPLIANT)
+        spec = with_optional(
+            spec, [n for n in (*beliefs, *asked.spec.optional) if n not in spec.names]
+        )
+        table = adapted(spec.parameters, self._options, asked.inputs[0].emg_unit)
+        limits = {n: (p.lower, p.upper) for n, p in table.items()}
+        limits |= dict(zip(asked.free, zip(asked.lower, asked.upper, strict=True), strict=True))
+        for name, pair in _WIDER.items():  # priors hold them, and not the bounds of a search
+            if name in asked.free and name not in asked.settings.bounds:
+                limits[name] = pair
+        free = tuple(n for n in spec.names if n in asked.free or n in beliefs)
+        base = dict(zip(asked.spec.names, asked.base.tolist(), strict=True))
+        problem = replace(
+            asked, spec=spec, options=self._options, free=free, inputs=inputs,
+            base=np.array([base.get(n, p.start) for n, p in table.items()]),
+            lower=np.array([limits[n][0] for n in free], dtype=float),
+            upper=np.array([limits[n][1] for n in free], dtype=float),
+        )  # fmt: skip
+        priors = self._leg(problem) | {n: _searched(n, b) for n, b in beliefs.items()}
+        return LogPosterior(
+            problem, priors, noise, latents, sizes, beliefs=beliefs, rate_hz=rate_hz
         )
 
-    def _target(self, problem: FitProblem, noise: Sequence[NoiseModel]) -> Target:
-        beliefs = {n: b for n, b in self._beliefs.items() if n in problem.free}
-        return Target(problem, beliefs, noise, self._extra)
+    def _leg(self, problem: FitProblem) -> dict[str, Belief]:
+        """What is known of the leg's own parameters, as they are searched."""
+        wide = wide_priors(problem.options, problem.inputs[0].emg_unit)
+        wide |= {name: (weight, 1.0) for name, weight in self._weights.items()}
+        wide |= {n: (p.median, p.spread) for n, p in problem.priors.items()}
+        return {
+            name: Belief(median, spread * median)
+            if name in STRAIGHT
+            else Belief(float(np.log(median)), spread)
+            for name, (median, spread) in wide.items()
+            if name in problem.free
+        }
 
-    def _first(self, full: FitProblem) -> list[Mode]:
-        """Minima of thinned data, from both relaxations, the best first."""
-        thin = thinned_problem(full, _THIN_RATE, _THIN_SAMPLES)
-        helped = {**_population(thin), **self._extra}
-        beliefs = {n: b for n, b in self._beliefs.items() if n in thin.free}
-        begin = self._begin(thin, helped)
-        ends: list[Mode] = []
-        warm: list[FloatArray] = []
+    def _first(self) -> tuple[dict[str, float], tuple[NoiseModel, ...]]:
+        """Values without departures from thinned data, and the noise they leave."""
+        rate, best = _RATES[0], None
+        post: LogPosterior | None = None
         for relaxation in _RELAXATIONS:
-            target = Target(thin, beliefs, white_noise(thin, _TEMPERS[0]), helped)
-            leg = [j for j, name in enumerate(target.names) if group_of(name) is None]
-            values = {**begin, "tau_rel": relaxation, "k_rel": _RELAXED, **thin.settings.start}
-            z = target.start(values)
-            for part in _TEMPERS:
-                target = target.with_noise(white_noise(thin, part))
-                z = target.descend(z, evaluations=8, tolerance=0.1).z
-            if any(np.abs((z - other)[leg]).max() < _SAME for other in warm):
-                continue  # both relaxations have come to one valley
-            warm.append(z)
-            target = self._target(thin, white_noise(thin, _TEMPERS[-1]))
-            for evaluations in (15, 15, 20):
-                target = target.with_noise(target.noise_at(z, white=True))
-                z = target.descend(z, evaluations=evaluations, tolerance=0.1).z
-            ends.append(Mode(z, sum(float(e @ e) for e in target.residuals(z))))
-        return sorted(ends, key=lambda mode: mode.cost)
+            post = self._posterior((), rate, _white(self._asked, _TEMPERS[0]), _NEARLY_NONE, post)
+            given = {"tau_rel": relaxation, "k_rel": _RELAXED, **self._asked.settings.start}
+            point = post.descend(post.start(given), evaluations=10, tolerance=0.3)
+            post = post.having(noise=_white(self._asked, _TEMPERS[1]))
+            point = post.descend(point.z, point.c, evaluations=10, tolerance=0.3)
+            post = post.having(sizes=_BEGIN)
+            for _ in range(2):
+                post = post.having(noise=post.learnt_noise(point, white=True))
+                point = post.descend(point.z, point.c, evaluations=12, tolerance=0.3)
+            spent = point.cost + sum(
+                recording.n * np.log(noise.variance)
+                for recording, noise in zip(post.problem.inputs, post.noise, strict=True)
+            )
+            self._starts.append((replace(point, cost=spent), post.by_name(point.z)))
+            if best is None or spent < best[0]:
+                best = (spent, post.by_name(point.z), post.noise)
+        assert best is not None
+        return best[1], best[2]
 
-    def _begin(self, problem: FitProblem, helped: Mapping[str, Belief]) -> dict[str, float]:
-        """Where a search begins: the population, weights that fit the torque's size, nuisances."""
-        values = dict(zip(problem.spec.names, problem.base.tolist(), strict=True))
-        for name, belief in helped.items():
-            if name in problem.free:
-                straight_ = straight([name])[0]
-                values[name] = belief.mean if straight_ else float(np.exp(belief.mean))
-        for name, belief in self._beliefs.items():
-            if name in problem.free:
-                values[name] = belief.off if group_of(name) == "shape" else belief.mean
-        return values
+    def _learnt(
+        self, post: LogPosterior, point: Point, rounds: int, *, white: bool = False,
+        evaluations: int = 10,
+    ) -> tuple[LogPosterior, Point]:  # fmt: skip
+        """Noise and sizes of the latents in turn with the mode."""
+        for _ in range(rounds):
+            sizes = _LEAST
+            if not self._perfect:
+                learnt = post.learnt_sizes(point)
+                sizes = {source: max(learnt[source], _LEAST[source]) for source in SOURCES}
+            post = post.having(noise=post.learnt_noise(point, white=white), sizes=sizes)
+            point = post.descend(point.z, point.c, point.w, evaluations=evaluations, tolerance=0.1)
+        return post, point
 
-    def _valleys(self, full: FitProblem, ends: Sequence[Mode]) -> tuple[Target, Mode]:
-        """The best mode of all data under white noise; the others that were met are kept."""
-        target = self._target(full, white_noise(full, _TEMPERS[-1]))
-        z = ends[0].z
-        for _ in range(2):
-            target = target.with_noise(target.noise_at(z, white=True))
-            z = target.descend(z, evaluations=10, tolerance=0.1).z
-        modes = [target.descend(z, evaluations=10, tolerance=0.03)]
-        points = [
-            end.z for end in ends[1:] if end.cost < ends[0].cost * (1.0 + REJECTED / full.n)
-            and np.abs(end.z - ends[0].z).max() > 0.05
-        ]  # fmt: skip
-        heard = [j for j, name in enumerate(target.names) if group_of(name) == "crosstalk"]
-        for part in _LESS_CROSSTALK if heard else ():
-            point = min(modes, key=lambda mode: mode.cost).z.copy()
-            point[heard] *= part
-            points.append(point)
-        for point in points:
-            modes.append(target.descend(point, evaluations=15, tolerance=0.03))
-        modes.sort(key=lambda mode: mode.cost)
-        self._modes, self._met = modes, target.names
-        return target, modes[0]
-
-    def _groups(self, target: Target) -> dict[str, list[int]]:
-        """Positions of each group's parameters among the searched ones."""
-        groups: dict[str, list[int]] = {}
-        for j, name in enumerate(target.names):
-            group = group_of(name)
-            if group is not None and name in target.beliefs:
-                groups.setdefault(group, []).append(j)
-        if target.own_zeros:
-            first = len(target.names)
-            groups["zero"] = list(range(first, first + target.zeros))
-        return groups
-
-    def _member(self, target: Target, mode: Mode) -> Member:
-        """The best supported subset of nuisances, solved anew.
-
-        The quadratic at the mode of all nuisances may be that of another valley: the subset that
-        it prefers, that without what only bends curves, and the core are solved and compared.
-        """
-        scored, names = self._subsets(target, mode), target.names
-        members: dict[tuple[str, ...], Member] = {}
-        best = scored[0].groups
-        for groups in (best, tuple(g for g in best if g not in _BENDS),
-                       tuple(g for g in best if g in _CORE)):  # fmt: skip
-            key = tuple(sorted(groups))
-            if key not in members:
-                own, there = self._reduced(target, mode, groups)
-                subsets_ = sorted(scored, key=lambda s: tuple(sorted(s.groups)) != key)
-                members[key] = Member(own, there, tuple(subsets_), names, own.quadratic(there))
-        return min(members.values(), key=lambda member: member.evidence)
-
-    def _subsets(self, target: Target, mode: Mode) -> tuple[Subset, ...]:
-        groups = self._groups(target)
+    def _choose(self, values: Mapping[str, float], noise: Sequence[NoiseModel]) -> _Choice:
+        """The set of departures that the data ask for."""
+        possible = tuple(g for g in DEPARTURES if any(group_of(n) == g for n in self._beliefs))
+        post = self._posterior(possible, _RATES[0], noise, _BEGIN)
+        point = post.descend(post.start(values), evaluations=20, tolerance=0.3)
+        post, point = self._learnt(post, point, 2, white=True, evaluations=12)
+        full = self._posterior(possible, _RATES[1], post.noise, post.sizes)
+        point = full.descend(
+            full.start(post.by_name(point.z)), point.c, evaluations=10, tolerance=0.3
+        )
+        full, point = self._learnt(full, point, 2)
+        if full.effort_ratio(point) > _LOUDER:  # which departures there are would hide behind it
+            full, point = self._with_drive_errors(full, point, _ERRORS)
+        positions: dict[str, list[int]] = {}
         off: dict[int, float] = {}
-        for group, positions in groups.items():
-            value = next(b.off for n, b in target.beliefs.items() if group_of(n) == group)
-            off |= dict.fromkeys(positions, value)
-        always = tuple(group for group in _ALWAYS if group in groups)
-        return subsets(target.quadratic(mode), groups, off, always, ODDS)
+        for j, name in enumerate(full.names):
+            group = group_of(name)
+            if group in possible and name in self._beliefs:
+                positions.setdefault(group, []).append(j)
+                off[j] = self._beliefs[name].off
+        odds = dict.fromkeys(possible, _ODDS)
+        scored = subsets(full.quadratic(point), positions, off, odds=odds)
+        own = self._posterior(scored[0].groups, _RATES[1], full.noise, full.sizes, full)
+        own = own.having(fast=full.fast)
+        best = own.descend(
+            own.start(full.by_name(point.z)), point.c, point.w, evaluations=15, tolerance=0.1
+        )
+        own, best = self._learnt(own, best, 2)
+        if own.fast is None and not self._perfect:
+            own, best = self._with_drive_errors(own, best, ())
+        return _Choice(own, best, scored, full.names)
 
-    def _reduced(self, target: Target, mode: Mode, groups: Sequence[str]) -> tuple[Target, Mode]:
-        """The target with these groups of nuisances alone, and its mode."""
-        present = [n for n in target.beliefs if group_of(n) in groups]
-        if len(present) == len(target.beliefs):
-            return target, mode
-        problem = self._problem(target.problem.spec.name, present)
-        values = dict(zip(target.problem.spec.names, target.values(mode.z).tolist(), strict=True))
-        for name, belief in target.beliefs.items():
-            if name not in present:
-                values[name] = belief.off
-        reduced = self._target(problem, target.noise)
-        return reduced, reduced.descend(reduced.start(values), evaluations=25, tolerance=0.03)
+    def _with_drive_errors(
+        self, own: LogPosterior, point: Point, sizes: Sequence[float]
+    ) -> tuple[LogPosterior, Point]:
+        """The errors of the drives, at the muscles' frequencies as great as the data ask for."""
+        best: tuple[float, LogPosterior, Point] | None = None
+        for size in (0.0, *sizes):
+            post = own.having(fast=size)
+            there = post.descend(point.z, point.c, evaluations=12, tolerance=0.1)
+            post, there = self._learnt(post, there, 2 if sizes else 1, evaluations=8)
+            evidence = post.evidence(there) if sizes else 0.0
+            if best is not None and evidence > best[0]:
+                break
+            best = (evidence, post, there)
+        assert best is not None
+        return best[1], best[2]
 
-    def _rigid(self, compliant: Member) -> Member:
-        """The rigid model with what the compliant one's data ask for, under the same noise."""
-        start = compliant.target.values(compliant.mode.z)
-        values = dict(zip(compliant.target.problem.spec.names, start.tolist(), strict=True))
-        target = self._target(self._problem(RIGID, tuple(self._beliefs)), compliant.target.noise)
-        mode = target.descend(target.start(values), evaluations=15, tolerance=0.03)
-        mode = min(mode, self._plain(target), key=lambda end: end.cost)
-        if mode.cost > compliant.mode.cost + _HOPELESS:
-            subsets_ = (Subset(tuple(self._groups(target)), 1.0, 0.0, mode.z, 0.0 * mode.z),)
-            return Member(target, mode, subsets_, target.names, target.quadratic(mode))
-        return self._member(target, target.descend(mode.z, evaluations=45, tolerance=0.03))
-
-    def _plain(self, target: Target) -> Mode:
-        """The mode from least squares of the rigid model without any nuisance."""
-        bare = self._problem(RIGID, ())
-        plain = fit_problem(replace(bare, priors={}), starts=2, seed=bare.settings.seed)
-        values = {**{name: b.off for name, b in target.beliefs.items()}, **plain.values}
-        return target.descend(target.start(values), evaluations=25, tolerance=0.03)
-
-    def _again(self, compliant: Member, rigid: Member) -> Member:
-        """The compliant member from where the rigid one is better, if that helps."""
-        if rigid.mode.cost >= compliant.mode.cost:
-            return compliant
-        values = rigid.target.values(rigid.mode.z)
-        start = dict(zip(rigid.target.problem.spec.names, values.tolist(), strict=True))
-        full = self._target(self._problem(COMPLIANT, tuple(self._beliefs)), compliant.target.noise)
-        start = {n: b.off for n, b in self._beliefs.items()} | start
-        mode = full.descend(full.start(start), evaluations=30, tolerance=0.03)
-        member = self._member(full, mode)
-        target, mode = under_noise(member.target, member.mode)
-        member = replace(member, target=target, mode=mode, quadratic=target.quadratic(mode))
-        less = target.sum_of_squares(mode.z)
-        return member if less < compliant.target.sum_of_squares(compliant.mode.z) else compliant
+    def _last(self, choice: _Choice) -> _Choice:
+        """The mode of all data."""
+        post, point = choice.posterior, choice.point
+        whole = self._posterior(choice.scored[0].groups, _RATES[-1], post.noise, post.sizes)
+        if whole.problem.n == post.problem.n:
+            return choice
+        whole = whole.having(fast=post.fast)
+        point = whole.descend(
+            whole.start(post.by_name(point.z)), point.c, evaluations=_STEPS, tolerance=0.1
+        )
+        whole = whole.having(noise=whole.learnt_noise(point))
+        point = whole.descend(point.z, point.c, point.w, evaluations=_STEPS, tolerance=0.1)
+        return replace(choice, posterior=whole, point=point)
 
 
-def _needless(name: str, silent: set[str]) -> bool:
+def _summed(
+    choice: _Choice, inputs: tuple[ModelInputs, ...], asked: FitProblem, begin: float,
+    met: Sequence[tuple[Point, dict[str, float]]],
+) -> FitResult:  # fmt: skip
+    """The fit at a mode, and what makes it unsure."""
+    post, point = choice.posterior, choice.point
+    blocks = post.blocks(point.z, point.c, point.w)
+    V = covariance_at(post, point, blocks)
+    shifts = shifts_by_source(post, blocks, V)
+    shifts["model"] = np.concatenate(
+        [
+            between_subsets(choice.scored, choice.names, post, V),
+            dynamics(post, V, unheard=False),
+        ]
+    )
+    if any(recording.missing_emg for recording in inputs):
+        shifts["unheard"] = dynamics(post, V, unheard=True)
+    shifts["trials"] = between_trials(blocks, V)
+    problem = replace(post.problem, inputs=inputs)
+    change = _natural(post, point)
+    spread = {source: read_only(by @ change.T) for source, by in shifts.items() if len(by)}
+    covariance = sum((by.T @ by for by in spread.values()), np.zeros((len(problem.free),) * 2))
+    values = dict(zip(problem.spec.names, post.values(point.z).tolist(), strict=True))
+    residuals = tuple(
+        read_only(-post.plain_residual(point.z, recording, number))
+        for number, recording in enumerate(inputs)
+    )
+    roots = [1.0 if recording.weight is None else recording.weight for recording in inputs]
+    sse = sum(float(np.sum(w * e**2)) for w, e in zip(roots, residuals, strict=True))
+    finite = bool(np.isfinite(sse) and np.isfinite(covariance).all())
+    bound = [
+        name
+        for name, low, high in zip(problem.free, problem.lower, problem.upper, strict=True)
+        if group_of(name) is None and is_at_bound(values[name], low, high)
+    ]
+    status = "failed" if not finite else "at-bounds" if bound else "converged"
+    free = {name: values[name] for name in problem.free}
+    initial = dict(zip(problem.free, problem.start.tolist(), strict=True))
+    starts = [
+        Start(initial, {n: by.get(n, free[n]) for n in free}, sse, "converged", 1) for _, by in met
+    ]
+    best = min(end.cost for end, _ in met)
+    return FitResult(
+        problem=problem,
+        status=status,
+        message=_message(choice, bound, finite),
+        values=values,
+        residuals=residuals,
+        sse=sse,
+        R=read_only(_factor(covariance, sse, problem) if finite else covariance * np.nan),
+        starts=(Start(initial, free, sse, "converged", 1), *starts[1:]),
+        agreeing=int(sum(end.cost - best < 2.0 for end, _ in met)),
+        seed=asked.settings.seed,
+        seconds=time.perf_counter() - begin,
+        versions=versions(),
+        family=Family(
+            candidates=tuple(
+                Candidate(
+                    COMPLIANT, s.groups, s.evidence, s.weight,
+                    FrozenDict(values) if s is choice.scored[0] else {},
+                )
+                for s in choice.scored[:6]
+                if s.weight > UNSUPPORTED or s is choice.scored[0]
+            ),
+            beliefs=FrozenDict(post.beliefs),
+            noise=post.noise,
+            zeros=tuple(point.z[len(post.names) :].tolist()),
+            covariance=read_only(covariance),
+            spread=FrozenDict(spread),
+            sizes=FrozenDict({**post.sizes, "drive": post.fast or 0.0}),
+            population=FrozenDict(
+                {
+                    n: float(post.priors[n].sd * (1.0 if n in STRAIGHT else values[n]))
+                    for n in post.names
+                    if group_of(n) is None
+                }
+            ),
+            recordings=_each(post, point, blocks, change) if len(inputs) > 1 else (),
+        ),
+    )  # fmt: skip
+
+
+def _each(
+    post: LogPosterior, point: Point, blocks: Sequence[Block], change: FloatArray
+) -> tuple[OfRecording, ...]:
+    """What each recording says by itself, from its quadratic at the common mode."""
+    own = []
+    prior = post.weight**2
+    for b in blocks:
+        V = np.linalg.inv(b.A - b.B @ b.solved + np.diag(prior))
+        z = point.z - V @ (b.g - b.solved.T @ b.gc + prior * (point.z - post.mean))
+        sd = np.sqrt(np.diag(change @ V @ change.T))
+        values = post.by_name(np.clip(z, post.lower, post.upper))
+        leg = [j for j, n in enumerate(post.problem.free) if group_of(n) is None]
+        names = [post.problem.free[j] for j in leg]
+        own.append(
+            OfRecording(
+                FrozenDict({n: values[n] for n in names}),
+                FrozenDict({n: float(sd[j]) for n, j in zip(names, leg, strict=True)}),
+            )
+        )
+    return tuple(own)
+
+
+def _factor(covariance: FloatArray, sse: float, problem: FitProblem) -> FloatArray:
+    """R whose σ²(RᵀR)⁻¹ is the covariance, σ² being the residual's variance."""
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    scaled = covariance * scale * scale[:, None]
+    lower = np.linalg.cholesky(scaled + 1e-10 * np.eye(len(scale)))
+    root = np.linalg.inv(lower) * scale
+    dof = max(problem.n - len(problem.free), 1)
+    return np.asarray(np.sqrt(max(sse, 1e-300) / dof) * np.linalg.qr(root)[1])
+
+
+def _natural(post: LogPosterior, point: Point) -> FloatArray:
+    """The problem's free parameters, in their units, by what is searched, shape (p, q)."""
+    free = post.problem.free
+    change, scale = np.zeros((len(free), len(point.z))), post.scale(point.z)
+    for i, name in enumerate(free):
+        if name in post.names:
+            j = post.names.index(name)
+            change[i, j] = scale[j]
+        else:  # the mean of the recordings' zeros
+            change[i, len(post.names) :] = 1.0 / post.zeros
+    return change
+
+
+def _message(choice: _Choice, bound: Sequence[str], finite: bool) -> str:
+    if not finite:
+        return "no minimum reached: the model has no finite numbers; give another start or bounds"
+    groups = choice.scored[0].groups
+    text = "the muscle-tendon model"
+    text += f" with departures: {', '.join(groups)}" if groups else " without any departure"
+    if choice.scored[0].weight < 0.99:
+        text += f" (probability {100 * choice.scored[0].weight:.0f} %)"
+    return text + (f"; at a bound: {', '.join(bound)}" if bound else "")
+
+
+def _white(problem: FitProblem, part: float) -> tuple[NoiseModel, ...]:
+    """White noise of a part of each recording's torque changes, for the beginning of a search."""
+    models = []
+    for recording in problem.inputs:
+        deviation = part * float(np.std(recording.torque)) if recording.torque is not None else 1.0
+        variance = max(deviation, 1e-9) ** 2
+        models.append(NoiseModel(np.zeros(0), variance, np.array([variance]), float(recording.n)))
+    return tuple(models)
+
+
+def _searched(name: str, belief: Belief) -> Belief:
+    """A nuisance's prior as it is searched: of what is on a logarithm, with its mean and sd."""
+    if name in STRAIGHT:
+        return belief
+    spread = float(np.sqrt(np.log1p((belief.sd / belief.mean) ** 2)))
+    return Belief(float(np.log(belief.mean)) - 0.5 * spread**2, spread)
+
+
+def _needless(name: str, silent: frozenset[str]) -> bool:
     """Whether a nuisance touches nothing, since a muscle is silent or has no EMG."""
     if name.startswith("xt_"):
         return bool(set(name.split("_")[1:]) & silent)
-    return (
-        name.startswith(("emg_drift_", "emg_rest_")) and name.rsplit("_", maxsplit=1)[-1] in silent
-    )
-
-
-def _as_searched(name: str, median: float, spread: float) -> Belief:
-    """A prior on a logarithm, as the parameter is searched."""
-    if straight([name])[0]:
-        return Belief(median, spread * median)
-    return Belief(float(np.log(median)), spread)
-
-
-def _population(problem: FitProblem) -> dict[str, Belief]:
-    """What a search believes of a leg at first, weights by the torque's and the EMG's size."""
-    known = population_priors(_POPULATION, problem.options)
-    beliefs = {
-        name: _as_searched(name, median, _WIDENED * spread)
-        for name, (median, spread) in known.items()
-        if name in problem.free and group_of(name) is None
-    }
-    for name, weight in _weights(problem).items():
-        beliefs[name] = Belief(float(np.log(weight)), 1.0)
-    return beliefs
+    return name.startswith("emg_rest_") and name.rsplit("_", maxsplit=1)[-1] in silent
 
 
 def _weights(problem: FitProblem) -> dict[str, float]:

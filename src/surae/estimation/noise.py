@@ -138,18 +138,10 @@ def level_above(noise: NoiseModel, part: float) -> NoiseModel:
     return autoregressive(covariance, noise.samples)
 
 
-def level_above_half(noise: NoiseModel) -> NoiseModel:
-    """The noise with a spectrum that falls no further where half of its power lies below."""
-    density = noise.spectrum(2 * _GRID)
-    half = int(np.searchsorted(np.cumsum(density), 0.5 * density.sum()))
-    return level_above(noise, half / (2 * _GRID))
-
-
-def drawn_by(rows: FloatArray, noise: NoiseModel) -> FloatArray:
-    """Rows times a factor of the noise's covariance: their products are rowsᵀ·Σ·rows."""
+def whitened(rows: FloatArray, noise: NoiseModel) -> FloatArray:
+    """Rows behind the filter that makes their noise white and of variance 1."""
     from scipy.signal import lfilter
 
-    filtered = rows[:, ::-1]
     if noise.order:
-        filtered = lfilter([1.0], np.concatenate([[1.0], -noise.coefficients]), filtered, axis=1)
-    return np.asarray(filtered * np.sqrt(noise.variance))
+        rows = lfilter(np.concatenate([[1.0], -noise.coefficients]), [1.0], rows, axis=1)
+    return np.asarray(rows / np.sqrt(noise.variance))

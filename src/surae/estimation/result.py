@@ -82,12 +82,15 @@ class Family(Comparable):
     beliefs: Mapping[str, Belief]  #: Priors of the nuisances that are in the chosen model.
     noise: tuple[NoiseModel, ...]  #: Of each recording's torque.
     zeros: tuple[float, ...]  #: Torque zero of each recording [Nm]; empty where they share one.
-    #: Of the problem's free parameters: nuisances are estimated along, shape (p, p).
-    covariance: FloatArray
-    #: What else makes the free parameters unsure, by source: rows of shifts of all of them
-    #: together, in their units, whose outer products add up to the source's covariance, shape (r,
-    #: p).
+    covariance: FloatArray  #: Of the problem's free parameters, everything included, shape (p, p).
+    #: What makes it, by source: rows of shifts of all of them together, in their units, whose outer
+    #: products add up to the source's covariance, shape (r, p).
     spread: Mapping[str, FloatArray] = field(default_factory=FrozenDict)
+    #: Standard deviations of what differs from moment to moment, as they were learnt: of gains
+    #: [-], the torque's drift [Nm], what no model has [-] and the drive's error [-].
+    sizes: Mapping[str, float] = field(default_factory=FrozenDict)
+    #: Standard deviations of the leg's free parameters before anything is measured.
+    population: Mapping[str, float] = field(default_factory=FrozenDict)
     #: Of each recording, in the order of the problem's; empty for a single one.
     recordings: tuple[OfRecording, ...] = ()
 

@@ -15,7 +15,7 @@ import numpy as np
 from surae.errors import ComputationError
 from surae.estimation import FitResult
 from surae.model import ModelOptions, ModelSpec, Simulator, TorqueParts, get_model
-from surae.model.contraction import CF
+from surae.model.contraction import CF, CURVES
 from surae.model.equilibrium import solve
 from surae.model.geometry import paths
 from surae.model.tendon import SLACK_TIB, SLACK_TRI, TendonCurve, tendon_curve, tendon_force
@@ -110,16 +110,24 @@ class Leg:
 
     def rigid_length(self, group: str, degrees: float) -> float:
         """Length of muscle and tendon together beyond the tendon's slack length [m]."""
-        return _length(_straight_path(group, self.options), degrees * _DEGREE)
+        return self._path(group).length(degrees * _DEGREE)
+
+    def _path(self, group: str) -> "_StraightPath":
+        """Path of a group, with an arm and a length of its own where the leg has them."""
+        own = (
+            self.values.get(f"{name}_{group}", 0.0)
+            for name in ("arm_scale", "arm_slope", "arm_bend", "path_scale", "length_zero")
+        )
+        return _straight_path(group, self.options)._replace(own=tuple(own))
 
     def angle_of(self, group: str, length: float) -> float:
         """Angle [deg] at which muscle and tendon, but for its slack length, are so long."""
-        path = _straight_path(group, self.options)
-        ends = [_length(path, sign * _TURN * _DEGREE) - length for sign in (-1.0, 1.0)]
+        path = self._path(group)
+        ends = [path.length(sign * _TURN * _DEGREE) - length for sign in (-1.0, 1.0)]
         if not ends[0] * ends[1] < 0.0:
             raise NotDefinedError("no angle of the ankle makes the muscle so long")
         # Of both roots of the quadratic, that between which and 0 the length turns nowhere.
-        missing, slope = length - path.length, path.slope
+        missing, slope = (length - path.length(0.0)) / math.exp(path.own[3]), path.slope
         root = math.sqrt(slope * slope + 2.0 * path.bend * missing)
         return 2.0 * missing / (slope + math.copysign(root, slope)) / _DEGREE
 
@@ -138,7 +146,7 @@ class Leg:
                 eps0 = v[f"dlt_{group}"] * (1.0 if in_metres else slack_length(group))
                 curve = tendon_curve(eps0, v[f"pt_{group}"], v[f"kt_{group}"], v[f"fmax_{group}"])
             self._muscles[group] = _Muscle(
-                _straight_path(group, self.options),
+                self._path(group),
                 v[f"k_{group}"] if pulls else 0.0,
                 v[f"x0_{group}"] if pulls else math.inf,
                 self.optimal_length(group),
@@ -158,15 +166,17 @@ class Leg:
     def _held(self, group: str, degrees: float, alpha: float) -> MuscleHold:
         path, k, x0, l0, relaxed, shift, curve = muscle = self._muscle(group)
         angle = degrees * _DEGREE
-        x, slope = _length(path, angle), path.slope + path.bend * angle
-        arm = path.arm + path.arm_slope * angle
+        x, slope = path.length(angle), path.lengthening(angle)
+        arm, arm_slope = path.arm_at(angle)
         if curve is None:
             elastic, (lift, lift_slope) = muscle.elastic(x), _force_length(x, l0)
             own, force = alpha * lift_slope, relaxed * elastic + shift + alpha * lift
             slow, quick = relaxed * k * elastic + own, k * elastic + own
-            return MuscleHold(force, slow, quick, x, 1.0, arm, slope, path.arm_slope)
+            return MuscleHold(force, slow, quick, x, 1.0, arm, slope, arm_slope)
         step = (x, x, _STILL, relaxed, 0.0, alpha)
-        solved, e, here = solve(0.0, (k, x0, l0, self.options.vmax_factor * l0), curve, step)
+        solved, e, here = solve(
+            0.0, (k, x0, l0, self.options.vmax_factor * l0, *CURVES), curve, step
+        )
         if not solved:
             raise ComputationError("muscle and tendon have no finite balance with these parameters")
         force, stiff, elastic = here[2], here[3], muscle.elastic(x - e)
@@ -174,7 +184,7 @@ class Leg:
         slow, quick = relaxed * k * elastic + own, k * elastic + own
         return MuscleHold(
             force, _series(stiff, slow), _series(stiff, quick), x - e, stiff / (stiff + slow), arm,
-            slope, path.arm_slope,
+            slope, arm_slope,
         )  # fmt: skip
 
     def active_torque(self, group: str, degrees: float, alpha: float) -> float:
@@ -257,15 +267,35 @@ def _turned(
 
 
 class _StraightPath(NamedTuple):
-    """Path of a muscle group about 0 rad: its arm is a straight line, its length a parabola."""
+    """Path of a muscle group: its assumed arm is a straight line, its length a parabola."""
 
-    #: `length`, `slope`, `bend`: length of muscle and tendon [m] at 0 rad and its derivatives.
-    length: float
+    #: `rest`, `slope`, `bend`: length of muscle and tendon [m] at 0 rad and its derivatives.
+    rest: float
     slope: float
     bend: float
     #: `arm`, `arm_slope`: moment arm [m] at 0 rad and its derivative.
     arm: float
     arm_slope: float
+    #: What the leg's own differ by, as of `surae.model.movement`: scale, slope and bend of the arm,
+    #: scale of the path, and the length's zero.
+    own: tuple[float, ...] = (0.0,) * 5
+
+    def length(self, angle: float) -> float:
+        """Length of muscle and tendon beyond the tendon's slack length [m]."""
+        travel = (self.slope + 0.5 * self.bend * angle) * angle
+        return self.rest + self.own[4] + math.exp(self.own[3]) * travel
+
+    def lengthening(self, angle: float) -> float:
+        """Its derivative by the angle [m/rad]."""
+        return math.exp(self.own[3]) * (self.slope + self.bend * angle)
+
+    def arm_at(self, angle: float) -> tuple[float, float]:
+        """Moment arm [m] and its derivative by the angle [m/rad]."""
+        scale, slope, bend = self.own[:3]
+        grown, assumed = math.exp(scale), self.arm + self.arm_slope * angle
+        bent = 1.0 + (slope + bend * angle) * angle
+        turned = self.arm_slope * bent + assumed * (slope + 2.0 * bend * angle)
+        return grown * assumed * bent, grown * turned
 
 
 @lru_cache(maxsize=64)
@@ -273,12 +303,9 @@ def _straight_path(group: str, options: ModelOptions) -> _StraightPath:
     still = np.zeros(1)
     path = paths(angle=still, velocity=still, options=options)[GROUPS.index(group)]
     return _StraightPath(
-        float(path.length[0]), float(path.slope[0]), path.bend, float(path.arm[0]), path.arm_slope
-    )
-
-
-def _length(path: _StraightPath, angle: float) -> float:
-    return path.length + (path.slope + 0.5 * path.bend * angle) * angle
+        float(path.length[0]), float(path.slope[0]), float(path.bend), float(path.arm[0]),
+        float(path.arm_slope),
+    )  # fmt: skip
 
 
 class _Muscle(NamedTuple):

@@ -4,19 +4,17 @@ A measure is made of several parameters that trade off, so that their covariance
 their intervals: stiffness and slack length apart are weak where the torque they make is well known.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from surae.assessment import Assessment, Interval
+from surae.assessment.uncertainty.budget import drawn_anew
 from surae.assessment.uncertainty.covariance import inverse_root
 from surae.estimation import FitResult
-from surae.estimation.mode import straight
+from surae.estimation.posterior import straight
 from surae.frozen import Comparable
-from surae.model.laboratory import EACH_MOUNTING, EACH_TRIAL, group_of
-from surae.model.sources import FRESH
 from surae.units import FloatArray
 
 #: Half of a 95 % interval, in standard deviations.
@@ -83,29 +81,15 @@ def spread_of(result: FitResult, assessment: Assessment) -> Spread:
         total, lost = _of_named(result, assessment)
         total = both * total
         return replace(bare, total=total, repeat=total, session=total, lost=lost)
-    V = both * result.family.covariance
-    added = {source: both * (by.T @ by) for source, by in result.family.spread.items()}
-    fresh = sum((added[s] for s in FRESH if s in added), np.zeros_like(V))
+    family = result.family
+    by = family.spread.get("model", np.zeros((0, len(names))))
     return replace(
         bare,
-        total=V + sum(added.values(), np.zeros_like(V)),
-        repeat=_drawn_anew(result, V, scale, EACH_TRIAL) + fresh,
-        session=_drawn_anew(result, V, scale, (*EACH_TRIAL, *EACH_MOUNTING)) + fresh,
-        model=added.get("model", np.zeros_like(V)),
+        total=both * family.covariance,
+        repeat=both * drawn_anew(family),
+        session=both * drawn_anew(family, mounted=True),
+        model=both * (by.T @ by),
     )
-
-
-def _drawn_anew(
-    result: FitResult, V: FloatArray, scale: FloatArray, anew: Sequence[str]
-) -> FloatArray:
-    """Covariance of the estimates without what is the same again; see `assessment.uncertainty`."""
-    assert result.family is not None
-    shared = np.zeros(len(V))
-    for j, name in enumerate(result.problem.free):
-        belief = result.family.beliefs.get(name)
-        if belief is not None and group_of(name) not in anew:
-            shared[j] = 1.0 / (belief.sd * scale[j]) ** 2
-    return np.asarray(V - V @ (shared[:, None] * V))
 
 
 def _of_named(result: FitResult, assessment: Assessment) -> tuple[FloatArray, tuple[str, ...]]:

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from surae.assessment.parameter import IDENTIFIED, Verdict, judge_interval, judge_singular
-from surae.assessment.uncertainty.budget import variance_given
 from surae.assessment.uncertainty.covariance import Covariance, half_width
 from surae.filed import filed
 from surae.formatting import part
@@ -272,8 +271,17 @@ def _shares(known: Covariance, own: tuple[str, ...]) -> dict[str, dict[str, floa
             continue
         j = names.index(name)
         marginal = float(V[j, j])
-        parts = {"noise": variance_given(V, j, everything)}
-        parts |= {s: max(marginal - variance_given(V, j, at), 0.0) for s, at in sources.items()}
+        parts = {"noise": _variance_given(V, j, everything)}
+        parts |= {s: max(marginal - _variance_given(V, j, at), 0.0) for s, at in sources.items()}
         total = sum(parts.values())
         shares[name] = {s: part / total for s, part in parts.items()} if total > 0.0 else {}
     return shares
+
+
+def _variance_given(V: FloatArray, j: int, known: list[int]) -> float:
+    """Variance of a parameter with others known; a parameter does not make itself known."""
+    known = [i for i in known if i != j]
+    if not known:
+        return float(V[j, j])
+    cross = V[j, known]
+    return float(max(V[j, j] - cross @ np.linalg.pinv(V[np.ix_(known, known)]) @ cross, 0.0))

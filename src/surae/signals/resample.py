@@ -99,8 +99,9 @@ def _spline(x: FloatArray, y: FloatArray, at: FloatArray, where: str) -> FloatAr
 def thinned(inputs: ModelInputs, factor: int) -> ModelInputs:
     """Every `factor`-th sample of the inputs.
 
-    EMG is averaged over the samples it stands for, which a low-pass activation filter cannot tell
-    from the whole; motion and torque are taken as they are at the kept instants.
+    EMG is averaged over the samples around each kept instant, which a low-pass activation filter
+    cannot tell from the whole, and which comes neither early nor late; motion and torque are taken
+    as they are at the kept instants.
 
     Parameters
     ----------
@@ -109,8 +110,12 @@ def thinned(inputs: ModelInputs, factor: int) -> ModelInputs:
     factor : int
         At least 1; samples that do not fill the last group are left out.
     """
-    groups = inputs.n // factor
-    used = groups * factor
+    from scipy.ndimage import correlate1d
+
+    used = inputs.n // factor * factor
+    around = np.ones(factor if factor % 2 else factor + 1)
+    if factor % 2 == 0:
+        around[[0, -1]] = 0.5
 
     def kept(signal: FloatArray) -> FloatArray:
         return read_only(signal[factor // 2 : used : factor])
@@ -122,7 +127,7 @@ def thinned(inputs: ModelInputs, factor: int) -> ModelInputs:
         angle=kept(inputs.angle),
         velocity=kept(inputs.velocity),
         acceleration=kept(inputs.acceleration),
-        emg=read_only(inputs.emg[:used].reshape(groups, factor, -1).mean(axis=1)),
+        emg=kept(correlate1d(inputs.emg, around / factor, axis=0, mode="nearest")),
         torque=None if inputs.torque is None else kept(inputs.torque),
         weight=None if inputs.weight is None else kept(inputs.weight),
         steps=(*inputs.steps, f"Thinned to every {factor}th sample."),

@@ -73,6 +73,11 @@ OPTIONAL_ADVICE: dict[str, str] = {
     **dict.fromkeys(
         OPTIONAL["axis"], "measure where the ankle lies from the device's axis, and fix it"
     ),
+    **dict.fromkeys(OPTIONAL["plate"], "move the plate without the foot, and take its torque away"),
+    "plate_give": "strap the foot tighter, or measure the angle at the ankle",
+    **dict.fromkeys((*OPTIONAL["arm"], *OPTIONAL["length_zero"]), "give the leg's own geometry"),
+    **dict.fromkeys(OPTIONAL["curves"], "efforts at more angles and velocities"),
+    "emg_power": "weak and strong efforts of the same muscle",
 }
 
 

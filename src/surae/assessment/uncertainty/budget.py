@@ -1,14 +1,12 @@
 """The uncertainty budget of a fit that knows its laboratory: what makes a parameter unsure.
 
-The covariance V of all that was estimated, nuisances with their priors included, is the parameters'
-marginal one. With one group of nuisances known the rest has the conditional covariance, and what a
-variance loses by that is the group's part; what is left with all of them known is noise. Other
-parts, of the EMG's noise, the integrator, and models that the data do not reject, add to it. The
-parts of the nuisances overlap; shares are scaled so that they add up to 1 (as in the GUM's tables).
+The covariance of a posterior is the sum of what each source makes of the estimates, exactly
+(`surae.estimation.uncertainty`), so that shares of the variance add up to 1.
 
-Another trial of the same leg would be wrong alike in what trials share. With the true crosstalk,
-delay and axis fixed, the mode under priors P scatters by V·(V⁻¹ − P)·V from trial to trial; a
-torque zero is drawn anew each time.
+Another trial of the same leg has noise, drift, zero and errors of the EMG anew. What a leg and its
+mounting share is wrong alike only as far as both trials ask the same: a wrong arm shifts another
+parameter where movement and effort differ. It counts with half of its variance in each of them.
+What is added to a length is wrong alike in both.
 """
 
 from collections.abc import Mapping
@@ -18,8 +16,8 @@ import numpy as np
 
 from surae.estimation.result import Family
 from surae.frozen import FrozenDict
-from surae.model.laboratory import EACH_TRIAL, group_of
-from surae.model.sources import FRESH, SOURCES, source_of
+from surae.model.laboratory import group_of
+from surae.model.sources import SOURCES
 from surae.units import FloatArray
 
 
@@ -38,66 +36,30 @@ def budgets(family: Family, free: tuple[str, ...]) -> dict[str, Budget]:
 
     `free` are the estimated parameters, as its covariance has them.
     """
-    V = family.covariance
-    groups: dict[str, list[int]] = {}
-    for j, name in enumerate(free):
-        if (of := source_of(name)) is not None:
-            groups.setdefault(of.name, []).append(j)
-    everything = sorted({j for positions in groups.values() for j in positions})
-    repeat, deviations = _repeat(family, free), family.deviations()
-    table = {}
-    for j, name in enumerate(free):
-        if group_of(name) is not None:
-            continue
-        marginal = float(V[j, j])
-        parts = {"noise": variance_given(V, j, everything)}
-        without = {}
-        for source, positions in groups.items():
-            left = variance_given(V, j, positions)
-            parts[source] = max(marginal - left, 0.0)
-            without[source] = left
-        scale = marginal / sum(parts.values()) if marginal > 0 else 0.0
-        parts = {source: scale * part for source, part in parts.items()}
-        added = {source: float(by[j]) ** 2 for source, by in deviations.items()}
-        total = marginal + sum(added.values())
-        if not total > 0.0:
-            continue
-        parts |= added
-        again = sum(added.get(source, 0.0) for source in FRESH)
-        table[name] = Budget(
-            sd=float(np.sqrt(total)),
-            repeat=float(np.sqrt(2.0 * (max(float(repeat[j]), 0.0) + again))),
-            shares=FrozenDict({source: part / total for source, part in parts.items()}),
+    parts = {source: np.sum(by**2, axis=0) for source, by in family.spread.items()}
+    total = sum(parts.values(), np.zeros(len(free)))
+    repeat = sum((2.0 * SOURCES[s].anew * part for s, part in parts.items()), np.zeros(len(free)))
+    return {
+        name: Budget(
+            sd=float(np.sqrt(total[j])),
+            repeat=float(np.sqrt(repeat[j])),
+            shares=FrozenDict({s: float(part[j] / total[j]) for s, part in parts.items()}),
             without=FrozenDict(
                 {
-                    source: float(np.sqrt(left + sum(added.values())))
-                    for source, left in without.items()
-                }
-                | {
-                    s: float(np.sqrt(total - part))
-                    for s, part in added.items()
+                    s: float(np.sqrt(max(total[j] - part[j], 0.0)))
+                    for s, part in parts.items()
                     if SOURCES[s].knowable
                 }
             ),
         )
-    return table
+        for j, name in enumerate(free)
+        if group_of(name) is None and total[j] > 0.0
+    }
 
 
-def variance_given(V: FloatArray, j: int, known: list[int]) -> float:
-    """Variance of a parameter with others known; a parameter does not make itself known."""
-    known = [i for i in known if i != j]
-    if not known:
-        return float(V[j, j])
-    cross = V[j, known]
-    return float(max(V[j, j] - cross @ np.linalg.pinv(V[np.ix_(known, known)]) @ cross, 0.0))
-
-
-def _repeat(family: Family, free: tuple[str, ...]) -> FloatArray:
-    """Variance of each estimate from trial to trial of one leg, shape (p,)."""
-    shared = np.zeros(len(free))
-    for j, name in enumerate(free):
-        belief = family.beliefs.get(name)
-        if belief is not None and group_of(name) not in EACH_TRIAL:
-            shared[j] = 1.0 / belief.sd**2
-    V = family.covariance
-    return np.asarray(np.diag(V) - np.einsum("ij,j,ij->i", V, shared, V))
+def drawn_anew(family: Family, *, mounted: bool = False) -> FloatArray:
+    """Covariance of the estimates in another trial, or with electrodes and foot mounted anew."""
+    return sum(
+        (SOURCES[s].anew_when(mounted=mounted) * by.T @ by for s, by in family.spread.items()),
+        np.zeros_like(family.covariance),
+    )
