@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from surae.assessment.likelihood.profiles import profiles
-from surae.assessment.posterior.agreement import AGREEMENT_TOLERANCE, agreements
 from surae.assessment.posterior.sample import sample
 from surae.errors import InputError
 from surae.estimation import fit_problem, make_problem
@@ -16,6 +15,7 @@ from surae.studies import virtual_trial
 
 pytestmark = pytest.mark.usefixtures("sampler")
 FEW = {"draws": 250, "tune": 150, "chains": 2}
+MANY = {"draws": 1000, "tune": 300, "chains": 4}
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +36,7 @@ def quantiles(grid, log_density):
 @pytest.mark.parametrize("prior", [None, (2.4, 0.002)])
 def test_one_parameter_has_the_posterior_of_a_quadrature(one, prior):
     known = {} if prior is None else {"f0": prior}
-    found = sample(one, draws=1000, tune=200, priors=known)
+    found = sample(one, draws=1000, tune=200, chains=4, priors=known)
     assert found.status == "converged", found.message
     residuals, estimate = Residuals(one.problem), one.values["f0"]
     grid = np.linspace(0.98 * estimate, 1.08 * estimate, 1201)
@@ -87,30 +87,29 @@ def test_a_whole_fit_in_a_few_draws_is_the_same_on_any_number_of_cores(fitted, t
 
 def test_what_has_no_posterior(one):
     with pytest.raises(InputError, match="no residual"):
-        sample(replace(one, sse=0.0))
+        sample(replace(one, sse=0.0), **FEW)
     with pytest.raises(InputError, match="without a finite torque"):
-        sample(replace(one, sse=np.inf))
+        sample(replace(one, sse=np.inf), **FEW)
     with pytest.raises(InputError, match="variance inflation is 0"):
-        sample(one, variance_inflation=0)
+        sample(one, variance_inflation=0, **FEW)
     with pytest.raises(InputError, match="not estimated"):
-        sample(one, priors={"m": (2.0, 0.1)})
+        sample(one, priors={"m": (2.0, 0.1)}, **FEW)
 
 
 @pytest.mark.slow
 def test_where_the_model_is_nearly_linear_all_three_intervals_agree(fitted):
-    found = sample(fitted)
+    found = sample(fitted, **MANY)
     assert found.status == "converged", found.message
     profiled = profiles(fitted)
-    compared = agreements(found)
-    for name, one in compared.items():
-        half = (one.credible[1] - one.credible[0]) / 2
-        off = np.abs(np.subtract(profiled[name].interval, one.credible)).max() / half
+    for name, one in found.marginals.items():
+        half = (one.ci95[1] - one.ci95[0]) / 2
+        off = np.abs(np.subtract(profiled[name].interval, one.ci95)).max() / half
         if name in ("k_tib", "x0_tib"):  # the passive tibialis: bent, and its prior has a say
             assert found[name].prior_part > 0.3
             assert not found[name].of_prior
         else:
-            assert off < AGREEMENT_TOLERANCE, name
-            assert one.off_covariance < AGREEMENT_TOLERANCE, name
+            assert off < 0.25, name
+            assert one.off_covariance < 0.25, name
 
 
 @pytest.mark.slow
@@ -121,12 +120,12 @@ def test_strain_and_toe_force_of_the_tibialis_do_not_part(subject, trajectory):
     problem = make_problem([trial], "muscle-tendon", free=["dlt_tib", "pt_tib"], fixed=fixed)
     # Around the tendon that the trial has, the thesis's, which is more compliant than in health.
     tendon = {"dlt_tib": (0.04, 0.5), "pt_tib": (0.3, 0.4)}
-    found = sample(fit_problem(problem, starts=2), priors=tendon)
+    found = sample(fit_problem(problem, starts=2), priors=tendon, **MANY)
     assert found.status == "converged", found.message
     toe = found["pt_tib"]
     assert toe.of_prior
     assert toe.ci95[0] > 0.1  # where the covariance's interval reaches to zero
     assert toe.from_covariance[0] < 0.02
-    assert agreements(found)["pt_tib"].off_covariance > 2 * AGREEMENT_TOLERANCE
-    assert agreements(found)["m"].off_covariance < AGREEMENT_TOLERANCE
+    assert toe.off_covariance > 0.5
+    assert found["m"].off_covariance < 0.25
     assert found["dlt_tib"].ci95[0] < 0.04 < found["dlt_tib"].ci95[1]

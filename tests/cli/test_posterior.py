@@ -11,9 +11,8 @@ FEW = ("--draws", 60, "--tune", 80, "--chains", 2)
 
 
 @pytest.mark.slow
-def test_the_posterior_beside_covariance_and_profile(run, files, sampler) -> None:
-    assert run("profile", "fit.json", "m", "f0", "--output", "profile.json").code == 0
-    done = run("posterior", "fit.json", *FEW, "--seed", 3, "--profile", "profile.json",
+def test_the_posterior_beside_the_covariance(run, files, sampler) -> None:
+    done = run("posterior", "fit.json", *FEW, "--seed", 3,
                "--output", "posterior.json", "--figure", "posterior.svg")  # fmt: skip
     content = json.loads((files / "posterior.json").read_text(encoding="utf-8"))
     assert (done.code, bool(done.err)) == (
@@ -21,9 +20,7 @@ def test_the_posterior_beside_covariance_and_profile(run, files, sampler) -> Non
     )
     lines = done.out.splitlines()
     assert "95 % credible" in lines[1]
-    assert "95 % profile" in lines[1]
     assert lines[3].split()[0] == "m"
-    assert "—" in next(line for line in lines if line.startswith("k_tri"))  # not profiled
     assert f"{content['status']}: {content['message']}" in done.out
     noise = surae.load(files / "fit.json").assessment.interval_note
     assert f"variance of the noise ×1: {noise}" in lines
@@ -40,7 +37,6 @@ def test_too_few_draws_are_not_believed(run, files, sampler) -> None:
     done = run("posterior", "fit.json", "--draws", 10, "--tune", 20, "--chains", 2)
     assert done.code == 1
     assert done.err.startswith("surae: not converged: ")
-    assert "95 % profile" not in done.out
 
 
 @pytest.mark.parametrize(
@@ -54,19 +50,10 @@ def test_too_few_draws_are_not_believed(run, files, sampler) -> None:
         (["--prior", "nope=2:1"], "not estimated"),
         (["--figure", "p.txt"], "must end in .svg, .pdf or .png"),
         (["--output", "fit.json"], "is read by this command"),
-        (["--profile", "true.json"], "not a whole PROFILE.json"),
-        (["--profile", "none.json"], "no such file"),
     ],
 )
 def test_wrong_use(run, files, sampler, arguments, says) -> None:
     refused(run("posterior", "fit.json", *arguments), says)
-
-
-def test_profiles_of_another_fit(run, files, sampler) -> None:
-    marginal = {"value": 2.5, "interval": [2.0, None], "variance_inflation": 1.0}
-    content = {"model": "muscle", "profiles": {"m": marginal}}
-    (files / "p.json").write_text(json.dumps(content), encoding="utf-8")
-    refused(run("posterior", "fit.json", "--profile", "p.json"), "p.json", "another fit")
 
 
 def test_without_the_extra(run, files, monkeypatch) -> None:

@@ -3,7 +3,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surae.assessment.posterior.agreement import agreements
 from surae.assessment.posterior.sample import sample
 from surae.estimation import fit_problem, make_problem
 from surae.report.figures import png, svg
@@ -24,14 +23,14 @@ def titles(figure):
 
 
 def test_a_panel_for_each_parameter_and_the_correlated_pairs(posterior):
-    figure = posterior_figure(posterior, {"f0": (2.0, None)})
+    figure = posterior_figure(posterior)
     drawn = titles(figure)
     assert drawn[:4] == ["tau_rel", "k_rel", "f0", "beta"]
     assert all(title.startswith("correlation") for title in drawn[4:])
     assert len(drawn) > 4
     assert figure.get_supxlabel() == posterior.noise == "variance of the noise ×1"
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert labels == ["posterior", "covariance", "prior", "95 % credible", "95 % profile"]
+    assert labels == ["posterior", "covariance", "prior", "95 % credible"]
     assert png(figure).startswith(b"\x89PNG")
     assert svg(posterior_figure(posterior)) == svg(posterior_figure(posterior))
 
@@ -61,4 +60,4 @@ def test_a_parameter_without_variance_has_no_gaussian(posterior):
     )
     drawn = posterior_figure(less).axes[0]
     assert "covariance" not in [line.get_label() for line in drawn.get_lines()]
-    assert agreements(less)["tau_rel"].off_covariance is None
+    assert less["tau_rel"].off_covariance is None

@@ -42,10 +42,6 @@ from surae.assessment import PooledPrediction as PooledPrediction
 from surae.assessment import Prediction as Prediction
 from surae.assessment.likelihood.profile import check_profiled as check_profiled
 from surae.assessment.likelihood.profiles import Profiles as Profiles
-from surae.assessment.posterior.agreement import AGREEMENT_TOLERANCE as AGREEMENT_TOLERANCE
-from surae.assessment.posterior.agreement import Agreement as Agreement
-from surae.assessment.posterior.agreement import agreements as agreements
-from surae.assessment.posterior.agreement import read_profile_intervals as read_profile_intervals
 from surae.assessment.posterior.sample import Posterior as Posterior
 from surae.assessment.resampling.bootstrap import Bootstrap as Bootstrap
 from surae.assessment.saved.parameters_json import read_parameters as read_parameters

@@ -35,8 +35,6 @@ from surae.units import FloatArray
 from surae.versions import versions
 
 Status = Literal["converged", "not converged"]
-#: Draws of each chain unless told otherwise: kept, and before them to tune the sampler.
-DRAWS, TUNE, CHAINS = 1000, 300, 4
 #: Width of a posterior, as a part of its prior's, from which the data are said to add little.
 _LITTLE = 0.7
 
@@ -64,6 +62,14 @@ class Marginal:
     def of_prior(self) -> bool:
         """Whether the recordings add little to the prior."""
         return self.prior_part > _LITTLE
+
+    @property
+    def off_covariance(self) -> float | None:
+        """How far the covariance's ends lie from the credible ones, in half-widths of these."""
+        if self.from_covariance is None:
+            return None
+        ends = zip(self.ci95, self.from_covariance, strict=True)
+        return 2 * max(abs(a - b) for a, b in ends) / (self.ci95[1] - self.ci95[0])
 
 
 @filed(
@@ -178,9 +184,9 @@ class Posterior(Comparable):
 def sample(
     result: FitResult,
     *,
-    draws: int = DRAWS,
-    tune: int = TUNE,
-    chains: int = CHAINS,
+    draws: int,
+    tune: int,
+    chains: int,
     seed: int = 0,
     priors: Mapping[str, tuple[float, float]] | None = None,
     variance_inflation: float = 1.0,

@@ -29,8 +29,6 @@ from surae.units import FloatArray
 from surae.versions import versions
 
 #: Replicates unless told otherwise: the ends of a 95 % interval are then known to about a tenth
-#: of its half-width.
-REPLICATES = 1000
 #: Fewer replicates than this have no 2.5th percentile.
 _FEWEST = 40
 #: What its file holds.
@@ -97,7 +95,7 @@ class Bootstrap(Comparable, Saved):
 def bootstrap(
     result: FitResult,
     *,
-    replicates: int = REPLICATES,
+    replicates: int,
     seed: int = 0,
     block_s: float | None = None,
     workers: int | None = None,

@@ -1,6 +1,6 @@
 """A posterior: every parameter's draws beside the covariance's Gaussian, and bent pairs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,7 +14,6 @@ from surae.report.figures.style import (
     INK,
     MUTED,
     OCHRE,
-    RED,
     WIDTH,
     dress,
     footnote,
@@ -40,26 +39,20 @@ _BEYOND = 0.002
 _HALF, _ELLIPSE = 1.96, 2.448
 
 
-def posterior_figure(
-    posterior: Posterior,
-    profiles: Mapping[str, tuple[float | None, float | None]] | None = None,
-) -> Figure:
+def posterior_figure(posterior: Posterior) -> Figure:
     """One panel for each parameter, then the most correlated pairs.
 
     Parameters
     ----------
     posterior : Posterior
         The draws.
-    profiles : mapping of str to (low, high), optional
-        Profile intervals by parameter, an open end None.
 
     Returns
     -------
     Figure
         Histogram of the draws (grey), the Gaussian of the covariance (dark line), the prior
-        (dotted) where it reaches in, the credible interval (bar below), the profile's (thin bar
-        with caps); clouds of draws with the Gaussian's 95 % ellipse; below, what the noise was
-        taken for.
+        (dotted) where it reaches in, the credible interval (bar below); clouds of draws with the
+        Gaussian's 95 % ellipse; below, what the noise was taken for.
     """
     names, pairs = posterior.names, _pairs(posterior)
     columns = min(_COLUMNS, max(len(names), len(pairs)))
@@ -70,8 +63,7 @@ def posterior_figure(
     grid = figure.add_gridspec(len(heights), columns, height_ratios=heights)
     for number, marginal in enumerate(posterior.marginals.values()):
         axes = figure.add_subplot(grid[divmod(number, columns)])
-        _marginal(axes, marginal, posterior.of(marginal.name), (profiles or {}).get(marginal.name),
-                  leftmost=number % columns == 0)  # fmt: skip
+        _marginal(axes, marginal, posterior.of(marginal.name), leftmost=number % columns == 0)
     for column, pair in enumerate(pairs):
         _pair(figure.add_subplot(grid[rows, column]), posterior, *pair)
     shared_legend(figure, figure.axes[: len(names)], 5, "outside upper right")
@@ -79,21 +71,13 @@ def posterior_figure(
     return figure
 
 
-def _marginal(
-    axes: Axes,
-    marginal: Marginal,
-    draws: FloatArray,
-    profile: tuple[float | None, float | None] | None,
-    *,
-    leftmost: bool,
-) -> None:
+def _marginal(axes: Axes, marginal: Marginal, draws: FloatArray, *, leftmost: bool) -> None:
     dress(axes, "Density" if leftmost else "", f"[{marginal.unit}]", grid=False)
     heading(axes, marginal.name)
     shown = " … ".join(significant(end, 4) for end in marginal.ci95)
     axes.set_title(shown, loc="right", fontsize=8, color=MUTED)
     low, high = np.quantile(draws, [_BEYOND, 1 - _BEYOND]).tolist()
-    closed = [end for end in profile or () if end is not None]
-    shared = [low, high, *closed, *(marginal.from_covariance or ())]
+    shared = [low, high, *(marginal.from_covariance or ())]
     room = 0.5 * (high - low)
     lowest, highest = max(min(shared), low - room), min(max(shared), high + room)
     axes.set_xlim(lowest - 0.03 * (highest - lowest), highest + 0.03 * (highest - lowest))
@@ -113,12 +97,7 @@ def _marginal(
               label="prior")  # fmt: skip
     axes.plot(marginal.ci95, [-0.08 * top] * 2, color=INK, linewidth=3.2, solid_capstyle="butt",
               label="95 % credible")  # fmt: skip
-    if profile is not None:
-        edges = axes.get_xlim()
-        ends = [edge if end is None else end for end, edge in zip(profile, edges, strict=True)]
-        axes.plot(ends, [-0.2 * top] * 2, color=RED, linewidth=1.2, marker="|", markersize=6,
-                  label="95 % profile")  # fmt: skip
-    axes.set_ylim((-0.28 if profile is not None else -0.15) * top, 1.08 * top)
+    axes.set_ylim(-0.15 * top, 1.08 * top)
     axes.set_yticks([])
     axes.spines["left"].set_visible(False)
     powers_of_ten(axes, "x", 4)
