@@ -147,7 +147,7 @@ def test_ctrl_c_keeps_what_is_done(leg, tmp_path, monkeypatch):
     assert list(result.fits) == calls[:1]
     assert result.joint is None
     assert surae.load_session(tmp_path / "out").interrupted
-    assert "The user stopped this run" in (tmp_path / "out" / "report.html").read_text()
+    assert "This run was stopped" in (tmp_path / "out" / "report.html").read_text()
     monkeypatch.setattr(session_run, "fit_inputs", whole)
     assert not surae.session(leg).run(tmp_path / "out", **QUICK).interrupted
 
@@ -250,11 +250,37 @@ def test_figures_of_a_session_and_of_what_it_says(done, tmp_path, run):
     assert refused.code == 2
 
 
-def test_the_report_answers_in_the_clinics_units(done):
-    page = (done[0] / "report.html").read_text()
-    assert "In the clinic’s units: all together" in page
-    assert "the torque of the relaxed ankle" in page or "relaxed ankle’s torque" in page
+QUESTIONS = ("How stiff is it?", "Tissue, muscle or tendon?", "Did it change?", "Can I trust it?")
+
+
+def test_the_report_answers_four_questions_first(done):
+    page = (done[0] / "report.html").read_text().split("</style>")[1]
+    places = [page.index(text) for text in (*QUESTIONS, "Details", "Research", "by-trial")]
+    assert places == sorted(places)
+    assert "Nm/°</strong>" in page
+    assert "One visit" in page
     assert page.count("<h1>") == 1
+
+
+@pytest.mark.usefixtures("words_alone")
+def test_an_earlier_visit_is_compared_in_three_measures(done, tmp_path):
+    _, result = done
+    result.report(tmp_path / "x.html", before=result)
+    page = (tmp_path / "x.html").read_text()
+    card = page[page.index('id="change"') : page.index('id="trust"')]
+    assert card.count('<th scope="row"') == 3
+    if result.joint.adequacy.grade == "doubtful":
+        assert "no change is claimed" in card  # a doubtful fit never says Yes
+    else:
+        assert "Not shown" in card
+        assert "could have shown a change" in card
+
+
+def test_a_notebook_shows_the_legs_page(done):
+    with blank_figures():
+        shown = done[1]._repr_html_()
+    assert all(f">{text}</h2>" in shown for text in QUESTIONS)
+    assert "<script" not in shown
 
 
 def test_the_report_on_paper_says_what_the_page_says(done, tmp_path, run, monkeypatch):
@@ -272,20 +298,19 @@ def test_the_report_on_paper_says_what_the_page_says(done, tmp_path, run, monkey
     with blank_figures():
         result.report(tmp_path / "session.pdf")
     page = html.unescape((folder / "report.html").read_text())
-    sections = {block["title"]: block["blocks"] for block in seen["blocks"]}
-    assert sections["Summary"][0]["grade"] == str(result.joint.adequacy.grade)
+    first, details, research = seen["blocks"]
+    assert [card["title"] for card in first["blocks"]] == list(QUESTIONS)
+    assert first["blocks"][3]["blocks"][0]["grade"] == str(result.joint.adequacy.grade)
+    sections = {b["title"]: b["blocks"] for part in (details, research) for b in part["blocks"]}
     ((_, rows),) = sections["Trials"][0]["groups"]
     assert [row[0] for row in rows] == [t.name for t in result.session.trials]
-    assert "In the clinic’s units: all together" in sections
-    content = result.content()
-    told = [content.adequacy.sentence, *content.adequacy.reasons, *content.summary]
-    told += [row.why for row in content.trials]
-    told += [text for _, rows in content.findings for row in rows for text in row]
+    said = [trial.why for trial in result.session.trials if trial.why]
+    said += [name for name in result.joint.parameters if result.joint.parameters[name].free]
     printed = repr(seen["blocks"])
-    for text in told:
+    for text in said:
         assert text in page
         assert text in printed
-    assert {"torques.svg", "trials.svg", "curve.svg"} <= seen["files"]
+    assert {"torques.svg", "trials.svg", "stiffness.svg"} <= seen["files"]
     assert page.count('<details class="explore">') == len(result.joined)
     refused = run("session", folder, "--output", tmp_path / "o", "--report", "r.docx")
     assert (refused.code, ".html or .pdf" in refused.err) == (2, True)
@@ -335,12 +360,13 @@ def test_trials_that_contradict_each_other_are_told(done, leg, other_leg, tmp_pa
     surae.SessionResult(session, joint.settings, alone, joint, joined).report(tmp_path / "x.html")
     page = (tmp_path / "x.html").read_text()
     assert "contradict each other" in page
-    disputed = re.findall(r"([a-z0-9_]+) of [^<]* contradict each other", page)
+    disputed = re.findall(r"([a-z0-9_]+): [^<]* contradict each other", page)
     rows = dict(re.findall(r'<code title="[^"]*">(\w+)</code>(.*)', page))
     assert disputed
     assert all('"number identified"' not in rows[name] for name in disputed)
-    assert "they do not tell together how stiff or strong this leg is" in page
-    assert "relaxed ankle" not in page
+    assert "With caution: trials disagree about" in page
+    if {"k_tri", "x0_tri", "k_tib", "x0_tib", "k_rel"} & set(disputed):
+        assert "relaxed · 95 %" not in page  # no stiffness of a model that trials contradict
     alike = (done[0] / "report.html").read_text()  # of trials of one leg
     assert alike.count("contradict each other") == 0
 

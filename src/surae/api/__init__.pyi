@@ -1,6 +1,7 @@
 """Every public function and type, one line each, and where it is made."""
 
 from surae.api.answers import change as change
+from surae.api.answers import change_part as change_part
 from surae.api.answers import check_clinical_page as check_clinical_page
 from surae.api.answers import clinical_page as clinical_page
 from surae.api.answers import cohort as cohort
@@ -125,6 +126,8 @@ from surae.recording.table import some as some
 from surae.recording.writing import shared_time as shared_time
 from surae.report import check_report as check_report
 from surae.report import has_typst as has_typst
+from surae.report import part_of as part_of
+from surae.report import style as style
 from surae.report.budget import budget_section as budget_section
 from surae.report.budget import what_would_help as what_would_help
 from surae.report.figures import figure_bytes as figure_bytes

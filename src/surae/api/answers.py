@@ -170,6 +170,31 @@ def write_clinical_page(
     write_atomic(path, clinical_html(page))
 
 
+def change_part(before: Fit | PathLike, after: Fit | PathLike) -> str:
+    """What changed between two visits, as a part of the leg's page.
+
+    Parameters
+    ----------
+    before, after : Fit or path
+        Of the leg: fits, files of fits, or folders of sessions.
+
+    Returns
+    -------
+    str
+        HTML.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read.
+    """
+    from surae.report import part_of
+    from surae.report.leg import change_blocks  # matplotlib
+
+    first, second = ((fit.result, fit.assessment) for fit in map(fit_of, (before, after)))
+    return part_of(change_blocks(first, second), {})
+
+
 def write_curve_figure(
     path: PathLike,
     fit: Fit,

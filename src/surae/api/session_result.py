@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from datetime import datetime
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -32,9 +32,6 @@ from surae.trials.folder import (
     results_in,
     set_aside,
 )
-
-if TYPE_CHECKING:
-    from surae.report.session import SessionContent
 
 
 @filed("session", "fits", "joint")
@@ -132,13 +129,15 @@ class SessionResult:
         rows = self.rows()
         write_table(path, list(dict.fromkeys(name for row in rows for name in row)), rows)
 
-    def report(self, path: PathLike) -> None:
-        """Write the report: one self-contained HTML file, or a PDF where `path` ends so.
+    def report(self, path: PathLike, *, before: "SessionResult | None" = None) -> None:
+        """Write the leg's page: one self-contained HTML file, or a PDF where `path` ends so.
 
         Parameters
         ----------
         path : path
             Where to.
+        before : SessionResult, optional
+            An earlier visit of the leg, to say what has changed since.
 
         Raises
         ------
@@ -147,16 +146,29 @@ class SessionResult:
         """
         from surae.report.rendering import write_session_report
 
-        write_session_report(path, **self._told())
+        write_session_report(path, **self._told(before))
 
-    def content(self) -> "SessionContent":
-        """What the report says, as texts."""
-        from surae.report.session import session_content
+    def blocks(self) -> dict[str, Any]:
+        """The leg's page as plain data: its blocks, and its images as data URLs."""
+        from surae.report.rendering import session_blocks
 
-        return session_content(**self._told())
+        return session_blocks(**self._told(None))
 
-    def _told(self) -> dict[str, Any]:
+    def _repr_html_(self) -> str:
+        """The leg's page, as a notebook's cell shows it."""
+        from surae.report import part_of, style
+
+        shown = part_of(**self.blocks())
+        return f'<style>{style()}</style><div class="report">{shown}</div>'
+
+    @property
+    def main(self) -> Fit | None:
+        """The fit that stands for the leg: that of all together, or the only one."""
+        return self.joint or (next(iter(self.fits.values())) if len(self.fits) == 1 else None)
+
+    def _told(self, before: "SessionResult | None") -> dict[str, Any]:
         """What a report is made of."""
+        earlier = None if before is None else before.main
         about = ("side", "date", "condition", "notes")
         joint = None if self.joint is None else (self.joint.result, self.joint.assessment)
         return {
@@ -172,6 +184,7 @@ class SessionResult:
             "joint_predictions": self.joint_predictions,
             "created": datetime.now().astimezone(),
             "interrupted": self.interrupted,
+            "before": None if earlier is None else (earlier.result, earlier.assessment),
         }
 
     def figure(self, path: PathLike, *, width: float = 170.0) -> None:

@@ -25,6 +25,7 @@ from surae.files import shown
 @request_options()
 @click.option("--output", required=True, metavar="OUT/", help="Folder of the fits and the report.")
 @click.option("--report", metavar="R.pdf", help="Write the report here too: HTML or PDF.")
+@click.option("--before", metavar="DIR", help="Results of an earlier visit, to show what changed.")
 @figure_options
 def command(
     recordings: tuple[str, ...],
@@ -33,6 +34,7 @@ def command(
     mvc: tuple[str, ...],
     output: str,
     report: str | None,
+    before: str | None,
     figure: str | None,
     width: float,
 ) -> None:
@@ -56,6 +58,7 @@ def command(
 
     if report is not None:
         api.check_report(report)
+    earlier = None if before is None else api.load_session(before)
 
     with work() as progress:
         progress.describe("reading and sorting the trials")
@@ -64,8 +67,10 @@ def command(
         with compilation_notice():
             result = trials.run(output, settings, told=lambda step: _tell(progress, step))
     _show(result, output)
+    if earlier is not None:
+        result.report(Path(output, "report.html"), before=earlier)
     if report is not None:
-        result.report(report)
+        result.report(report, before=earlier)
     if figure is not None and result.fits:
         result.figure(figure, width=width)
     show_files({"report": report, "figure": figure if result.fits else None})

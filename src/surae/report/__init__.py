@@ -2,9 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 from datetime import datetime
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
-from surae.files import PathLike, write_atomic
+from surae.files import PathLike, template, write_atomic
 from surae.report.typeset import check_report, has_typst, is_pdf, typeset
 
 if TYPE_CHECKING:  # modules of this package are also used where nothing is computed
@@ -12,7 +13,7 @@ if TYPE_CHECKING:  # modules of this package are also used where nothing is comp
     from surae.estimation import FitResult
     from surae.quality import Quality
 
-__all__ = ["check_report", "has_typst", "typeset", "write_report"]
+__all__ = ["check_report", "has_typst", "part_of", "style", "typeset", "write_report"]
 
 
 def write_report(
@@ -44,3 +45,18 @@ def write_report(
 
     report = (render_pdf if is_pdf(path) else render)(result, assessment, predictions, **about)
     write_atomic(path, report)
+
+
+def style() -> str:
+    """The style sheet of reports, of what stands within an element of class ``report``."""
+    text = files("surae.report").joinpath("templates", "report.css").read_text(encoding="utf-8")
+    return f".report {{\n{text.replace(':root', '&', 1)}}}\n"
+
+
+def part_of(blocks: Sequence[Any], images: Mapping[str, str]) -> str:
+    """Blocks of a report as a part of another page, whose headings begin at the second level.
+
+    All texts are escaped; blocks may be as they were or plain data, `images` are data URLs.
+    """
+    macros: Any = template("blocks.html.j2", "surae.report").module
+    return str(macros.show_all(blocks, images, 2))

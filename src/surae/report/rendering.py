@@ -1,10 +1,8 @@
 """Reports of fits and sessions: one HTML file that asks nothing of the outside, or a PDF."""
 
 import tempfile
-from base64 import b64decode
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
-from datetime import datetime
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -13,7 +11,6 @@ from surae.assessment import Assessment, Prediction
 from surae.estimation import FitResult
 from surae.files import PathLike, template, write_atomic
 from surae.report.budget import BudgetSection, budget_section
-from surae.report.clinical import fit_page
 from surae.report.content import fit_document
 from surae.report.document import Document
 from surae.report.explore import explorer
@@ -29,10 +26,9 @@ from surae.report.figures import (
     torque_figure,
 )
 from surae.report.figures.budget import budget_figure
-from surae.report.session import AssessedFit, session_content, session_document, session_drawings
+from surae.report.session import session_report
 from surae.report.traces import Traces, traces_of
 from surae.report.typeset import check_report, is_pdf, require_typst, typeset
-from surae.trials import Crossed, Trial
 
 __all__ = [
     "drawings",
@@ -40,6 +36,7 @@ __all__ = [
     "paper_of",
     "render",
     "render_pdf",
+    "session_blocks",
     "write_session_report",
 ]
 
@@ -126,26 +123,10 @@ def paper_of(document: Document, images: Mapping[str, bytes]) -> bytes:
         return typeset(markup, Path(folder), asdict(document) | {"images": list(images)})
 
 
-def write_session_report(
-    path: PathLike,
-    name: str,
-    about: Mapping[str, str | None],
-    trials: Sequence[Trial],
-    fits: Mapping[str, AssessedFit],
-    joint: AssessedFit | None,
-    *,
-    joint_predictions: Mapping[str, Crossed],
-    created: datetime,
-    **others: Any,
-) -> None:
+def write_session_report(path: PathLike, **about: Any) -> None:
     """Write the report of a session to `path`, a PDF where it ends in ``.pdf``.
 
-    Parameters
-    ----------
-    path : path
-        Where to; a page asks nothing of the outside.
-    name, about, trials, fits, joint, joint_predictions, created, **others
-        As of `surae.report.session.session_content`.
+    `about` is as of `surae.report.session.session_report`.
 
     Raises
     ------
@@ -155,20 +136,22 @@ def write_session_report(
         Typst cannot set the PDF.
     """
     check_report(path)
-    content = session_content(
-        name, about, trials, fits, joint,
-        joint_predictions=joint_predictions, created=created, **others,
-    )  # fmt: skip
-    figures = session_drawings(trials, fits, joint, joint_predictions)
-    images = {name: svg(figure) for name, figure in figures.items()}
-    page = None
-    if joint is not None and not content.contradictions:
-        page = fit_page(*joint, created=created)
-    document = session_document(content, page)
-    urls = {} if page is None else dict(page.images)
+    report = session_report(**about)
+    images = {name: svg(figure) for name, figure in report.figures.items()}
     if is_pdf(path):
-        images |= {name: b64decode(url.partition(",")[2]) for name, url in urls.items()}
-        write_atomic(path, paper_of(document, images))
+        write_atomic(path, paper_of(report.document, images))
         return
-    urls |= {name: data_url(drawn) for name, drawn in images.items()}
-    write_atomic(path, page_of(document, urls, () if joint is None else traces_of(joint[0])))
+    joint = about["joint"]
+    urls = {name: data_url(drawn) for name, drawn in images.items()}
+    traces = () if joint is None else traces_of(joint[0])
+    write_atomic(path, page_of(report.document, urls, traces))
+
+
+def session_blocks(**about: Any) -> dict[str, Any]:
+    """The report of a session as plain data for `surae.report.part_of`.
+
+    `about` is as of `write_session_report`.
+    """
+    report = session_report(**about)
+    urls = {name: data_url(svg(figure)) for name, figure in report.figures.items()}
+    return {"blocks": asdict(report.document)["blocks"], "images": urls}

@@ -1,4 +1,4 @@
-"""The report of a session: what each trial is, each fit beside all together, who predicts whom."""
+"""A session's report: the leg's page first, then its trials, measures and fits."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -7,12 +7,11 @@ from datetime import datetime
 import numpy as np
 
 from surae.assessment import Assessment, ParameterEstimate, Verdict
-from surae.estimation import FitResult
 from surae.formatting import NO_NUMBER, estimate, percentage, signed, significant
-from surae.quality import Quality
-from surae.report.clinical import ClinicalPage, blocks_of
+from surae.measures import Measure, measures
+from surae.quality import Finding, Quality
+from surae.report.budget import budget_blocks, budget_section
 from surae.report.document import (
-    AdequacyWords,
     Block,
     Document,
     PictureBlock,
@@ -25,17 +24,17 @@ from surae.report.document import (
     columns,
     paragraphs,
     rows_of,
+    verdict,
 )
 from surae.report.figures import Figure
-from surae.report.figures.session import holds_figure, trials_figure
+from surae.report.figures.budget import budget_figure
+from surae.report.figures.session import trials_figure
 from surae.report.figures.style import WIDTH
 from surae.report.figures.torques import fit_figure
-from surae.report.parameters import shown_parameters
-from surae.report.wording import adequacy_words
+from surae.report.leg import AssessedFit, is_known, leg_answers
+from surae.report.parameters import parameters_section, shown_parameters
 from surae.trials import Crossed, Trial, common_errors
-from surae.units import FloatArray
 
-AssessedFit = tuple[FitResult, Assessment]
 _USES = {
     "fit": "fitted",
     "hold": "angle and torque of a hold",
@@ -60,41 +59,14 @@ class TrialRow:
 
 
 @dataclass(frozen=True, slots=True)
-class SessionParameter:
-    """A parameter in all fits: together, then each trial; and how far the trials spread."""
+class SessionReport:
+    """A session's report: its document, and its figures by name."""
 
-    name: str
-    meaning: str
-    unit: str
-    joint: TableCell
-    trials: tuple[TableCell, ...]
-    spread: str
+    document: Document
+    figures: Mapping[str, Figure]
 
 
-@dataclass(frozen=True, slots=True)
-class SessionContent:
-    """Everything that the page says, as text; see `session_content`."""
-
-    name: str
-    about: str
-    created: str
-    summary: tuple[str, ...]
-    interrupted: bool
-    adequacy: AdequacyWords | None
-    common: tuple[str, ...]
-    contradictions: tuple[str, ...]
-    no_joint: str
-    joined: tuple[str, ...]
-    trials: tuple[TrialRow, ...]
-    fitted: tuple[str, ...]
-    parameters: tuple[SessionParameter, ...]
-    crossed: tuple[tuple[str, tuple[TableCell, ...]], ...]
-    crossed_names: tuple[str, ...]
-    holds: tuple[tuple[str, str, str, str, str], ...]
-    findings: tuple[tuple[str, tuple[tuple[str, str, str, str], ...]], ...]
-
-
-def session_content(
+def session_report(
     name: str,
     about: Mapping[str, str | None],
     trials: Sequence[Trial],
@@ -108,8 +80,9 @@ def session_content(
     joint_predictions: Mapping[str, Crossed],
     created: datetime,
     interrupted: bool = False,
-) -> SessionContent:
-    """What the report of a session says.
+    before: AssessedFit | None = None,
+) -> SessionReport:
+    """The leg's page: four answers, then details, then research.
 
     Parameters
     ----------
@@ -133,100 +106,82 @@ def session_content(
         When the report is made.
     interrupted : bool
         Whether the user stopped before the end.
+    before : (FitResult, Assessment), optional
+        The fit of an earlier visit.
+
+    Returns
+    -------
+    SessionReport
+        For a page, for paper, or for a part of another page.
     """
     alone = {trial: assessment for trial, (_, assessment) in fits.items()}
-    together = None if joint is None else joint[1]
-    contradicted = contradictions(alone, together)
-    return SessionContent(
-        name=name,
-        about=", ".join(text for text in about.values() if text),
-        created=created.strftime("%Y-%m-%d %H:%M %Z").strip(),
-        summary=_summary(trials, fits, joined),
-        interrupted=interrupted,
-        adequacy=None if together is None else adequacy_words(together.adequacy),
-        common=common_errors(quality[trial] for trial in fits if trial in quality),
-        contradictions=tuple(
-            f"{parameter} of {', '.join(apart)} and of all together contradict each other: their "
-            "95 % intervals do not touch. Take neither as known."
-            for parameter, apart in contradicted.items()
-        ),
-        no_joint=failed.get("joint", ""),
-        joined=tuple(joined),
-        trials=tuple(
-            trial_row(t, alone.get(t.name), joint_predictions.get(t.name), failed, quality)
-            for t in trials
-        ),
-        fitted=tuple(alone),
-        parameters=_parameters(alone, together, contradicted),
-        crossed=_crossings(predictions, joint_predictions, trials),
-        crossed_names=tuple(t.name for t in trials if t.moves and not t.problem),
-        holds=tuple(_hold(t, joint_predictions.get(t.name)) for t in trials if t.hold),
-        findings=tuple(_findings(t.name, quality) for t in trials if t.name in quality),
-    )
-
-
-def session_document(content: SessionContent, page: ClinicalPage | None) -> Document:
-    """The report of a session; `page` is what its joint fit says in the clinic's units."""
-    about = f"{content.about}. " if content.about else ""
-    sections = (
-        SectionBlock("Summary", tuple(_opening(content)), "summary"),
-        _trials_section(content),
-        _torques_section(content),
-        _parameters_section(content),
-        _crossed_section(content),
-        _holds_section(content),
-        _clinical_section(page),
-        _findings_section(content),
-    )  # fmt: skip
-    shown = {
-        "torques": content.adequacy is not None,
-        "parameters": bool(content.parameters),
-        "crossed": bool(content.crossed),
-        "holds": bool(content.holds),
-        "clinical": page is not None or bool(content.contradictions),
-    }
-    return Document(
-        kicker="Ankle muscle parameters: a session",
-        heading=content.name,
-        under=f"{about}Report of {content.created}.",
-        title=f"Session: {content.name}",
-        blocks=tuple(section for section in sections if shown.get(section.anchor, True)),
-        footer=(
-            "Every fit is beside this page as FIT.json: fits/TRIAL.json, joint.json; the numbers "
-            "as table.csv. surae fit and surae validate take them further."
-        ),
-    )
-
-
-def _opening(content: SessionContent) -> Iterator[Block]:
-    """What the fit of all together is worth, what is wrong in common, and what was done."""
-    if content.interrupted:
-        yield TextBlock(
-            "The user stopped this run: what follows is of the fits that were complete. The same "
-            "command goes on where it stopped.",
-            "warning",
+    shown = joint or (next(iter(fits.values())) if len(fits) == 1 else None)
+    contradicted = contradictions(alone, None if joint is None else joint[1])
+    answers = leg_answers(trials, fits, shown, contradicted=tuple(contradicted), before=before)
+    figures: dict[str, Figure] = dict(answers.figures)
+    warnings = []
+    if interrupted:
+        warnings.append("This run was stopped: only fits that were complete are used. The same "
+                        "command continues it.")  # fmt: skip
+    if joint is None and failed.get("joint"):
+        warnings.append(f"No fit of all trials together: {failed['joint']}.")
+    warnings += common_errors(quality[trial] for trial in fits if trial in quality)
+    details = [_trials_section(trials, alone, failed, quality, joint_predictions)]
+    research: list[SectionBlock] = []
+    if shown is not None:
+        figures["torques"] = fit_figure(
+            shown[0], [f"R² {percentage(each.r2)} %" for each in shown[1].recordings]
         )
-    if content.adequacy is not None:
-        together = f"All together ({len(content.joined)} trials): {content.adequacy.sentence}"
-        yield replace(content.adequacy, sentence=together)
-    elif content.no_joint:
-        yield TextBlock(f"No fit of all together: {content.no_joint}.", "warning")
-    yield from paragraphs((*content.common, *content.contradictions), "warning")
-    yield from paragraphs(content.summary)
+        details += [_torques_section(), _measures_section(shown)]
+        budget = budget_section(*shown)
+        if budget.rows:
+            figures["budget"] = budget_figure(budget)
+        research += [parameters_section(*shown, next_anchor=""), budget_blocks(budget)]
+    details.append(_findings_section(quality))
+    if rows := _parameters(alone, None if joint is None else joint[1], contradicted):
+        figures["trials"] = session_figure(alone, None if joint is None else joint[1], width=WIDTH)
+        research.append(_by_trial_section(rows, tuple(alone), contradicted, has_joint=bool(joint)))
+    if predictions:
+        research.append(_crossed_section(predictions, joint_predictions, trials))
+    if joined:
+        research.append(_signals_section(joined))
+    side = f"{about['side']} leg" if about.get("side") else ""
+    told = [side, *(text for key, text in about.items() if text and key != "side")]
+    document = Document(
+        kicker=", ".join(filter(None, told)),
+        heading=name,
+        under=f"{_summary(trials, fits, joined)} Report of {created:%Y-%m-%d %H:%M}.",
+        title=name,
+        blocks=(
+            *paragraphs(warnings, "warning"),
+            SectionBlock("", answers.blocks, look="leg"),
+            SectionBlock("Details", tuple(details), "details", "more"),
+            SectionBlock("Research", tuple(research), "research", "more"),
+        ),
+        footer="Made by surae for research.",
+    )
+    return SessionReport(document, figures)
 
 
-def _trials_section(content: SessionContent) -> SectionBlock:
-    rows = (
+def _trials_section(
+    trials: Sequence[Trial],
+    alone: Mapping[str, Assessment],
+    failed: Mapping[str, str],
+    quality: Mapping[str, Quality],
+    joint: Mapping[str, Crossed],
+) -> SectionBlock:
+    every = [trial_row(t, alone.get(t.name), joint.get(t.name), failed, quality) for t in trials]
+    rows: Iterator[TableRow] = (
         (
             row.name,
-            TableCell(row.what, meaning=row.why, why=row.problem),
+            TableCell(row.what, meaning=row.problem or row.why),
             row.use,
             TableCell(badge=(f"severity {row.worst}", row.worst)
                  if row.worst in ("error", "warning") else None, meaning=row.findings),
             row.alone,
             row.together,
         )
-        for row in content.trials
+        for row in every
     )  # fmt: skip
     heads = columns("Trial", "What it is", "Used for", "Check", "Alone, R² [%]",
                     "All together, R² [%]", numbers=(4, 5), wide=(1, 3),
@@ -236,49 +191,79 @@ def _trials_section(content: SessionContent) -> SectionBlock:
         "fit: following it proves nothing."
     )
     table = TableBlock("What each trial is, and how it is followed", heads, rows_of(rows))
-    return SectionBlock("Trials", (table, TextBlock(note, "note")), "trials")
+    holds = [t for t in trials if t.hold is not None]
+    blocks: list[Block] = [table, TextBlock(note, "note")]
+    if holds:
+        heads = columns("Held", "Effort", "Angle [°]", "Torque [Nm]", "Predicted [Nm]",
+                        numbers=(2, 3, 4))  # fmt: skip
+        points = rows_of(_hold(t, joint.get(t.name)) for t in holds)
+        blocks.append(TableBlock("Torque of trials that hold still", heads, points))
+    return SectionBlock("Trials", tuple(blocks), "trials")
 
 
-def _torques_section(content: SessionContent) -> SectionBlock:
+def _torques_section() -> SectionBlock:
     picture = PictureBlock(
         "torques",
-        "Measured torque of each trial, and as the fit of all together has it.",
-        "Measured torque (wide, pale) and that of the fit of all together (thin, dark), with its "
-        "R².",
+        "Measured torque of each trial, and the model’s.",
+        "Measured torque (wide, pale) and the model’s (thin, dark), with its R².",
     )
-    signals = (
-        SignalsBlock(
-            number,
-            f"Signals of {name}, and its torque as the fit of all together has it",
-            summary=f"{name}: its signals, to zoom into",
-        )
-        for number, name in enumerate(content.joined)
-    )
-    return SectionBlock("Torque: all together", (picture, *signals), "torques")
+    return SectionBlock("Torque", (picture,), "torques")
 
 
-def _parameters_section(content: SessionContent) -> SectionBlock:
-    joint = content.adequacy is not None
+def _signals_section(joined: Sequence[str]) -> SectionBlock:
+    blocks = tuple(
+        SignalsBlock(number, f"Signals of {name}, and the model’s torque", summary=name)
+        for number, name in enumerate(joined)
+    )
+    return SectionBlock("Signals", blocks, "signals", "explorer")
+
+
+def _measures_section(fit: AssessedFit) -> SectionBlock:
+    """Every measure that is known, and how many are not."""
+    every = list(measures(*fit).values())
     rows: Iterator[TableRow] = (
         (
-            TableCell(row.name, kind="code", meaning=row.meaning),
-            row.unit,
-            *([row.joint] if joint else []),
-            *row.trials,
-            row.spread,
+            TableCell(m.name, kind="code", meaning=m.meaning),
+            *_measured(m),
+            "" if m.unit == "-" else m.unit,
+            verdict(m.verdict),
         )
-        for row in content.parameters
+        for m in every
+        if is_known(m)
     )
-    names = (*(["All together"] if joint else []), *content.fitted)
+    heads = columns("Measure", "Value", "95 % interval", "Unit", "", numbers=(1, 2), wide=(0,))
+    unknown = sum(not is_known(m) for m in every)
+    note = f"{unknown} other measures are not known from these trials; surae measures lists why."
+    table = TableBlock("Measures that are known", heads, rows_of(rows))
+    return SectionBlock("Measures", (table, TextBlock(note, "note")), "measures")
+
+
+def _measured(m: Measure) -> tuple[str, str]:
+    assert m.value is not None
+    assert m.ci95 is not None
+    text = estimate(m.value, (m.ci95[1] - m.ci95[0]) / 3.92, m.ci95)
+    return text.value, text.interval
+
+
+def _by_trial_section(
+    parameters: Sequence[tuple[TableCell, str, TableCell, tuple[TableCell, ...], str]],
+    fitted: Sequence[str],
+    contradicted: Mapping[str, list[str]],
+    *,
+    has_joint: bool,
+) -> SectionBlock:
+    rows: Iterator[TableRow] = (
+        (name, unit, *([joint] if has_joint else []), *own, spread)
+        for name, unit, joint, own, spread in parameters
+    )
+    names = (*(["All together"] if has_joint else []), *fitted)
     heads = columns("Parameter", "Unit", *names, "Spread", numbers=(len(names) + 2,),
                     looks={1: "unit"} | {k + 2: "number column" for k in range(len(names))},
                     )  # fmt: skip
     note = (
-        "Value, and below it the 95 % interval, which holds what is not known of the laboratory "
-        "and of the model; bold is identified and contradicted by no trial. Spread: standard "
-        "deviation between the trials that say anything of it, as a part of their mean. What all "
-        "trials of a leg share, such as crosstalk, is not in a spread: agreement between trials "
-        "does not exclude a shared bias."
+        "Value and 95 % interval; bold is identified, and no trial contradicts it. Spread: "
+        "standard deviation between the trials that inform a value, as a part of their mean. "
+        "Agreement between trials does not exclude a shared bias."
     )
     table = TableBlock("Every parameter in every fit", heads, rows_of(rows), "small", repeated=2)
     picture = PictureBlock(
@@ -287,111 +272,75 @@ def _parameters_section(content: SessionContent) -> SectionBlock:
         "Each parameter by trial, with its 95 % interval: dark where it is identified, open where "
         "there is no interval. Blue: all together. Intervals end at the bounds of the search.",
     )
-    blocks = (TextBlock(note, "note"), table, picture)
-    return SectionBlock("Parameters by trial", blocks, "parameters", "page")
+    warnings = paragraphs(
+        (
+            f"{parameter}: {', '.join(apart)} and all together contradict each other; their 95 % "
+            "intervals do not touch. Neither value can be trusted."
+            for parameter, apart in contradicted.items()
+        ),
+        "warning",
+    )
+    blocks: tuple[Block, ...] = (*warnings, TextBlock(note, "note"), table, picture)
+    return SectionBlock("Parameters by trial", blocks, "by-trial", "page")
 
 
-def _crossed_section(content: SessionContent) -> SectionBlock:
+def _crossed_section(
+    predictions: Mapping[str, Mapping[str, Crossed]],
+    joint: Mapping[str, Crossed],
+    trials: Sequence[Trial],
+) -> SectionBlock:
     note = (
         "R² [%] with which the parameters of a row’s trial predict the torque of a column’s; below "
         "it the mean of measured minus predicted torque. The zero of the sensor is that of the "
         "row’s trial, so a drifted zero shows as bias. Adequate: as well as the fit promises; "
         "doubtful, inadequate: less, or far less."
     )
-    heads = columns("Parameters of", *content.crossed_names, looks={0: "column"} | {
-        k + 1: "number column" for k in range(len(content.crossed_names))})  # fmt: skip
-    rows = rows_of((name, *cells) for name, cells in content.crossed)
+    moving = [trial.name for trial in trials if trial.moves and not trial.problem]
+    heads = columns("Parameters of", *moving, looks={0: "column"} | {
+        k + 1: "number column" for k in range(len(moving))})  # fmt: skip
+    rows = rows_of((name, *cells) for name, cells in _crossings(predictions, joint, trials))
     table = TableBlock("Cross-prediction", heads, rows, "small", repeated=1)
     return SectionBlock("Each predicted by the others", (TextBlock(note, "note"), table), "crossed")
 
 
-def _holds_section(content: SessionContent) -> SectionBlock:
-    note = (
-        "Nothing moves in them, so none of them tells a parameter; passive ones show the torque of "
-        "relaxed tissue, gravity and the sensor’s zero together at one angle."
-    )
-    heads = columns("Trial", "Effort", "Angle [°]", "Torque [Nm]",
-                    "Predicted by all together [Nm]", numbers=(2, 3, 4))  # fmt: skip
-    table = TableBlock("Torque of trials that hold still", heads, rows_of(content.holds))
-    alt = (
-        "Mean torque of the holds against their angle, with what the fit of all together predicts."
-    )
-    blocks = (TextBlock(note, "note"), table, PictureBlock("holds", alt, width=80))
-    return SectionBlock("Trials that hold still", blocks, "holds")
-
-
-def _clinical_section(page: ClinicalPage | None) -> SectionBlock:
-    if page is None:
-        text = (
-            "The trials contradict each other, so they do not tell together how stiff or strong "
-            "this leg is. surae measures fits/TRIAL.json tells it of one trial."
-        )
-        warning = (TextBlock(text, "warning"),)
-        return SectionBlock("In the clinic’s units", warning, "clinical")
-    answer = (TextBlock(page.question, "question"), TextBlock(page.answer, "answer"))
-    title = "In the clinic’s units: all together"
-    return SectionBlock(title, (*answer, *blocks_of(page)), "clinical", "page clinical")
-
-
-def _findings_section(content: SessionContent) -> SectionBlock:
-    blocks = tuple(
-        SectionBlock(name, (TableBlock(f"Findings in {name}", columns("", "", wide=(1,)), rows_of(
-            (TableCell(code, kind="code", badge=(f"severity {severity}", severity)),
-             TableCell(message, why=advice))
-            for severity, code, message, advice in rows
-        ), "findings"),))
-        for name, rows in content.findings
-        if rows
-    )  # fmt: skip
-    nothing = (TextBlock("Nothing that speaks against them."),)
-    return SectionBlock("What was found in the recordings", blocks or nothing, "checks")
-
-
-def session_drawings(
-    trials: Sequence[Trial],
-    fits: Mapping[str, AssessedFit],
-    joint: AssessedFit | None,
-    joint_predictions: Mapping[str, Crossed],
-) -> dict[str, Figure]:
-    """The figures of the report by name; arguments as of `session_content`."""
-    figures: dict[str, Figure] = {}
-    if joint is not None:
-        notes = [f"R² {percentage(each.r2)} %" for each in joint[1].recordings]
-        figures["torques"] = fit_figure(joint[0], notes)
-    alone = {trial: assessment for trial, (_, assessment) in fits.items()}
-    if alone and _estimated([*([] if joint is None else [joint[1]]), *alone.values()]):
-        figures["trials"] = session_figure(alone, None if joint is None else joint[1], width=WIDTH)
-    holds = [t for t in trials if t.hold is not None]
-    if holds:
-        figures["holds"] = holds_figure(holds, joint_predictions, _passive(trials, fits))
-    return figures
+def _findings_section(quality: Mapping[str, Quality]) -> SectionBlock:
+    """Each finding once, with the trials that have it."""
+    found: dict[tuple[str, str], list[tuple[str, Finding]]] = {}
+    for trial, checked in quality.items():
+        for finding in checked.findings:
+            if finding.severity != "info":
+                found.setdefault((finding.severity, finding.code), []).append((trial, finding))
+    every = sorted(found.items(), key=lambda item: item[0])  # errors come before warnings
+    rows: list[TableRow] = []
+    for (severity, code), those in every:
+        names = list(dict.fromkeys(trial for trial, _ in those))
+        where = names[0] if len(names) == 1 else f"{len(names)} trials: {', '.join(names)}"
+        messages = dict.fromkeys(finding.message for _, finding in those)
+        first, *others = messages
+        more = f" (and {len(others)} alike)" if others else ""
+        mark = TableCell(code, kind="code", badge=(f"severity {severity}", severity), under=where)
+        rows.append((mark, TableCell(f"{first}{more}", why=those[0][1].advice)))
+    if not rows:
+        return SectionBlock("Checks", (TextBlock("Nothing was found."),), "checks")
+    table = TableBlock("What was found in the recordings", columns("", "", wide=(1,)),
+                       rows_of(rows), "findings")  # fmt: skip
+    return SectionBlock("Checks", (table,), "checks")
 
 
 def _summary(
     trials: Sequence[Trial], fits: Mapping[str, AssessedFit], joined: Sequence[str]
-) -> tuple[str, ...]:
-    """What there was and what was done with it, in sentences."""
-    holds = [t for t in trials if t.use == "hold"]
-    passive = sum(t.effort == "passive" for t in holds)
-    unread = sum(bool(t.problem) for t in trials)
-    lines = [
-        f"{len(trials)} trials were given. {len(fits)} of them moved and were fitted each"
-        + (f", {len(joined)} of these together." if joined else ".")
+) -> str:
+    """What there was and what was done with it."""
+    uses = [(f"{len(fits)} fitted" + (f" ({len(joined)} together)" if joined else ""), 1)]
+    uses += [
+        (f"{count} {words}", count)
+        for words, count in (
+            ("held still", sum(t.use == "hold" for t in trials)),
+            ("of maximal effort", sum(t.effort == "maximal" for t in trials)),
+            ("not used", sum(bool(t.problem) for t in trials)),
+        )
     ]
-    if holds:
-        lines.append(
-            f"{len(holds)} hold still ({passive} passive): one hold can’t show stiffness, "
-            "lengths or relaxation and is not fitted; its torque at one angle is compared with "
-            "what the fits predict."
-        )
-    if references := [t.name for t in trials if t.effort == "maximal"]:
-        lines.append(
-            f"Of maximal effort: {', '.join(references)}. Their EMG is the session's reference "
-            "where one is asked for (normalise)."
-        )
-    if unread:
-        lines.append(f"{unread} could not be used; the table says why.")
-    return tuple(lines)
+    return f"{len(trials)} trials: {', '.join(text for text, count in uses if count)}."
 
 
 def trial_row(
@@ -450,24 +399,21 @@ def _parameters(
     alone: Mapping[str, Assessment],
     joint: Assessment | None,
     contradicted: Mapping[str, list[str]],
-) -> tuple[SessionParameter, ...]:
+) -> list[tuple[TableCell, str, TableCell, tuple[TableCell, ...], str]]:
     """The parameters that any fit estimated; none that is contradicted stands as identified."""
     every = [*([] if joint is None else [joint]), *alone.values()]
     rows = []
     for name, p in _estimated(every).items():
         cell = _disputed if name in contradicted else _estimate
         own = [assessment.parameters.get(name) for assessment in alone.values()]
-        rows.append(
-            SessionParameter(
-                name=name,
-                meaning=p.meaning,
-                unit="" if p.unit == "-" else p.unit,
-                joint=cell(None if joint is None else joint.parameters.get(name)),
-                trials=tuple(map(cell, own)),
-                spread=_spread([each for each in own if each is not None]),
-            )
-        )
-    return tuple(rows)
+        rows.append((
+            TableCell(name, kind="code", meaning=p.meaning),
+            "" if p.unit == "-" else p.unit,
+            cell(None if joint is None else joint.parameters.get(name)),
+            tuple(map(cell, own)),
+            _spread([each for each in own if each is not None]),
+        ))  # fmt: skip
+    return rows
 
 
 def _estimated(every: Iterable[Assessment]) -> dict[str, ParameterEstimate]:
@@ -551,23 +497,3 @@ def _hold(trial: Trial, crossed: Crossed | None) -> tuple[str, str, str, str, st
         f"{signed(hold.torque, 1)} ± {signed(hold.sd, 1)}",
         NO_NUMBER if bias is None else signed(hold.torque - bias, 1),
     )
-
-
-def _passive(
-    trials: Sequence[Trial], fits: Mapping[str, AssessedFit]
-) -> list[tuple[FloatArray, FloatArray]]:
-    """Angle and torque of passive trials that move."""
-    names = [trial.name for trial in trials if trial.effort == "passive" and trial.name in fits]
-    inputs = [fits[name][0].problem.inputs[0] for name in names]
-    return [(each.angle, each.torque) for each in inputs if each.torque is not None]
-
-
-def _findings(
-    name: str, quality: Mapping[str, Quality]
-) -> tuple[str, tuple[tuple[str, str, str, str], ...]]:
-    rows = tuple(
-        (finding.severity, finding.code, finding.message, finding.advice)
-        for finding in quality[name].findings
-        if finding.severity != "info"
-    )
-    return name, rows

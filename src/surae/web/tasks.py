@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from surae import api
+from surae.files import write_json
 from surae.processes import tell
 from surae.web import imports, sliders
 from surae.web.draft import settings_of, upgraded
@@ -89,13 +90,15 @@ def session(task: Task) -> dict[str, Any]:
         fitted.save(_file(task, "fits", task["fits"][name], ".json"))
     for suffix in (".html", *((".pdf",) if api.has_typst() else ())):
         result.report(_file(task, "sessions", task["id"], suffix))
+    write_json(_file(task, "sessions", task["id"], ".json"), result.blocks())
+    graded = None if result.main is None else {"grade": str(result.main.adequacy.grade)}
     return {
         "message": f"{len(result.fits)} of {len(recordings)} trials fitted"
         + ("" if result.joint is None else f", {len(result.joined)} together"),
         "interrupted": result.interrupted,
         "summaries": {name: summary(fitted) for name, fitted in fits.items()},
         "joined": list(result.joined),
-        "content": asdict(result.content()),
+        "content": {"adequacy": graded},
     }
 
 
@@ -191,6 +194,11 @@ def report(fit: str, output: str, language: str | None = None) -> None:
         api.load(fit).report(output)
     else:
         api.write_clinical_page(output, [api.load(fit)], language=language)
+
+
+def change(before: str, after: str) -> str:
+    """What changed between two visits, as the leg's page shows it."""
+    return api.change_part(before, after)
 
 
 def short(fit: str, language: str) -> dict[str, Any]:

@@ -1,8 +1,7 @@
-"""Figures of a session: a parameter over the trials, and the torque of trials that hold still."""
+"""A figure of a session: each parameter over the trials."""
 
 from collections.abc import Collection, Mapping, Sequence
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -15,11 +14,8 @@ from surae.report.figures.style import (
     WIDTH,
     dress,
     heading,
-    legend,
     new_figure,
 )
-from surae.trials import Crossed, Trial
-from surae.units import FloatArray
 
 #: Width of a panel, and height of a trial in it [inch].
 _PANEL, _HEIGHT = 2.1, 0.16
@@ -86,48 +82,3 @@ def _within(p: ParameterEstimate) -> tuple[float, float]:
     """An estimate's interval, cut off at the bounds: beyond them nothing was looked for."""
     assert p.ci95 is not None
     return max(p.ci95[0], p.lower), min(p.ci95[1], p.upper)
-
-
-def holds_figure(
-    trials: Sequence[Trial],
-    predicted: Mapping[str, Crossed],
-    moving: Sequence[tuple[FloatArray, FloatArray]],
-) -> Figure:
-    """Mean torque of trials that hold still, against the angle.
-
-    `trials` are those with a hold, `predicted` is how the joint fit follows them, `moving` are
-    angle and torque of passive trials that move [rad, Nm]. Passive holds are full marks, others
-    squares, what the joint fit says crosses.
-    """
-    figure = new_figure(3.4)
-    axes = figure.add_subplot()
-    dress(axes, "Torque [Nm]", "Ankle angle [°], dorsiflexion positive")
-    heading(axes, "Trials that hold still")
-    for number, (angle, torque) in enumerate(moving):
-        axes.plot(
-            np.degrees(angle), torque, color=GREY, linewidth=0.8, zorder=1,
-            label="_" if number else "passive movement",
-        )  # fmt: skip
-    styles = {"passive": ("o", INK, "passive hold"), "": ("s", "white", "other hold")}
-    labelled: set[str] = set()
-    for trial in trials:
-        if trial.hold is None:
-            continue
-        degrees = float(np.degrees(trial.hold.angle))
-        marker, face, label = styles["passive" if trial.effort == "passive" else ""]
-        axes.errorbar(
-            [degrees], [trial.hold.torque], [trial.hold.sd], marker=marker, color=INK, capsize=2,
-            markerfacecolor=face, markersize=5, linestyle="none", zorder=3,
-            label="_" if label in labelled else label,
-        )  # fmt: skip
-        labelled.add(label)
-        crossed = predicted.get(trial.name)
-        if crossed is not None and crossed.bias is not None:
-            axes.plot(
-                [degrees], [trial.hold.torque - crossed.bias], marker="x", color=BLUE,
-                markersize=7, markeredgewidth=1.8, linestyle="none", zorder=4,
-                label="_" if "joint" in labelled else "predicted by all together",
-            )  # fmt: skip
-            labelled.add("joint")
-    legend(axes, 4)
-    return figure

@@ -1,10 +1,15 @@
 """The pages: a frame each, which scripts fill from the API."""
 
+import json
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
+from jinja2 import UndefinedError
+from markupsafe import Markup
 
+from surae import api
 from surae._version import __version__
 from surae.files import template
 from surae.web.glossary import symbols, terms
@@ -51,7 +56,6 @@ for _page in (
     ("/fit", "fit", ""),
     ("/fits/{id}", "result", "fit"),
     ("/session", "session", ""),
-    ("/sessions/{id}", "session_result", "session"),
     ("/compare", "compare", ""),
     ("/cohort", "cohort", ""),
     ("/protocol", "protocol", ""),
@@ -59,6 +63,23 @@ for _page in (
     ("/studies/{id}", "study", "study"),
 ):
     _offer(*_page)
+
+
+@router.get("/sessions/{id}", name="session_result")
+def session_page(id: PathId, request: Request, bench: Bench, browser: Browser) -> Response:
+    """A leg: what its report shows."""
+    bench.project.need("session", id)
+    kept, shown = bench.project.path("sessions", id, ".json"), ""
+    with suppress(OSError, ValueError, KeyError, TypeError, UndefinedError):  # missing, or damaged
+        blocks = json.loads(kept.read_text(encoding="utf-8"))
+        shown = api.part_of(blocks["blocks"], blocks["images"])
+    return page(request, "session_result", browser, id=id, report=Markup(shown))
+
+
+@router.get("/report.css")
+def report_style() -> Response:
+    """The style of reports that stand within a page."""
+    return Response(api.style(), media_type="text/css")
 
 
 @router.get("/glossary")

@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Query
 from fastapi.responses import FileResponse
 
 from surae import api
@@ -64,6 +64,20 @@ def get_sessions(bench: Bench) -> dict[str, Any]:
 def get_session(id: PathId, bench: Bench) -> dict[str, Any]:
     """What the report of one says, and its fits."""
     return session_detail(bench, bench.project.need("session", id))
+
+
+@router.get("/{id}/change")
+def get_change(
+    id: PathId, before: Annotated[str, Query(max_length=16)], bench: Bench
+) -> dict[str, str]:
+    """What changed since another visit, as the report shows it."""
+    files = []
+    for each in (before, id):
+        fit = _main(bench, bench.project.need("session", each))
+        if fit is None:
+            raise RefusedError(404, "this visit has no fit of all trials to compare")
+        files.append(str(bench.project.path("fits", fit, ".json")))
+    return {"html": bench.workers.ask("tasks:change", before=files[0], after=files[1])}
 
 
 @router.patch("/{id}")
@@ -193,15 +207,32 @@ def session_summary(bench: Workbench, session: Thing) -> dict[str, Any]:
         "trials": len(session["recordings"]),
         "fits": len([name for name in session["fits"] if name != "joint"]),
         "grade": None if adequacy is None else adequacy["grade"],
+        "fit": _main(bench, session),
     }
 
 
+def _main(bench: Workbench, session: Thing) -> str | None:
+    """The fit that stands for the leg, if it is still there: of all together, or the only one."""
+    fits = session["fits"]
+    id_ = fits.get("joint") or (next(iter(fits.values())) if len(fits) == 1 else None)
+    return id_ if id_ and bench.database.get("fit", id_) else None
+
+
 def session_detail(bench: Workbench, session: Thing) -> dict[str, Any]:
-    """What the report says, and the fits that are still there."""
+    """The fits that are still there, and other visits of the leg."""
     fits = {name: bench.database.get("fit", id_) for name, id_ in session["fits"].items()}
+    own = session_summary(bench, session)
+    visits = [session_summary(bench, each) for each in bench.database.all("session")]
     return {
-        "summary": session_summary(bench, session),
-        "content": session["content"],
+        "summary": own,
+        "visits": [
+            each
+            for each in visits
+            if each["id"] != own["id"]
+            and each["fit"]
+            and own["fit"]
+            and (each["subject"], each["side"]) == (own["subject"], own["side"])
+        ],
         "fits": {name: fit_summary(bench, fit) for name, fit in fits.items() if fit is not None},
         "paper": bench.project.path("sessions", session["id"], ".pdf").is_file(),
     }
