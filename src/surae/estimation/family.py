@@ -53,10 +53,11 @@ _RATES, _SAMPLES = (32.0, 64.0, 64.0), 400
 _RELAXATIONS, _RELAXED = (0.4, 4.0), 0.3
 #: Noise of the continuation, as parts of the torque's changes.
 _TEMPERS = (0.1, 0.03)
-#: Standard deviations of the latents before anything is learnt, and those below which none is
-#: taken.
+#: Standard deviations of the latents before anything is learnt, those below which none is taken,
+#: and those above which parameters have to explain the torque.
 _BEGIN = {"gain": 0.03, "drift": 0.1, "misfit": 0.01}
 _LEAST = {"gain": 0.003, "drift": 0.02, "misfit": 0.002}
+_MOST = {"gain": 0.15, "drift": 1.0, "misfit": 0.06}
 _NEARLY_NONE = {"gain": 1e-3, "drift": 1e-2, "misfit": 1e-3}
 #: Slow residual under effort over that at rest from which errors of the drive are sought, and their
 #: standard deviations that are tried.
@@ -65,6 +66,8 @@ _LOUDER, _ERRORS = 1.6, (0.06, 0.11, 0.15, 0.21)
 _ODDS = 0.3
 #: Evaluations of each of the last steps.
 _STEPS = 5
+#: How far EMG at rest may be from what is expected, in standard deviations.
+_REST = 6.0
 #: Bounds that are wider than those of a named model's search.
 _WIDER = {"m": MASSES, "dlt_tri": (5e-4, 0.3), "dlt_tib": (2e-4, 0.3)}
 
@@ -189,6 +192,9 @@ class _Search:
         for name, pair in _WIDER.items():  # priors hold them, and not the bounds of a search
             if name in asked.free and name not in asked.settings.bounds:
                 limits[name] = pair
+        for name, belief in beliefs.items():
+            if group_of(name) == "rest":  # amplifiers differ a thousandfold
+                limits[name] = (belief.mean - _REST * belief.sd, belief.mean + _REST * belief.sd)
         free = tuple(n for n in spec.names if n in asked.free or n in beliefs)
         base = dict(zip(asked.spec.names, asked.base.tolist(), strict=True))
         problem = replace(
@@ -248,7 +254,7 @@ class _Search:
             sizes = _LEAST
             if not self._perfect:
                 learnt = post.learnt_sizes(point)
-                sizes = {source: max(learnt[source], _LEAST[source]) for source in SOURCES}
+                sizes = {s: float(np.clip(learnt[s], _LEAST[s], _MOST[s])) for s in SOURCES}
             post = post.having(noise=post.learnt_noise(point, white=white), sizes=sizes)
             point = post.descend(point.z, point.c, point.w, evaluations=evaluations, tolerance=0.1)
         return post, point

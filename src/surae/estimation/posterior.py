@@ -48,7 +48,8 @@ STRAIGHT = {
 }  # fmt: skip
 #: Least value of a parameter on a logarithm whose bound is zero, as a part of its prior's median.
 _FLOOR = 1e-2
-_ORDER = 30
+#: Largest order of the autoregression that tells the noise's slow part, and what is slow [Hz].
+_ORDER, _COUNTED = 30, 2.0
 #: Part of the torque's changes below which no noise is taken: the integrator's steps err by as
 #: much.
 _EXACT = 2e-3
@@ -513,7 +514,13 @@ class LogPosterior:
         return {s: float(np.sqrt(squares[s] / max(counts[s], 1.0))) for s in SOURCES}
 
     def learnt_noise(self, point: Point, *, white: bool = False) -> tuple[NoiseModel, ...]:
-        """The noise of each recording, of its residual and what estimates have taken of it."""
+        """The noise of each recording, of its residual and what estimates have taken of it.
+
+        Fast gains can follow nearly all that is slow. What is seen of the EMG's noise leaves the
+        torque's as it is, which counts some of it twice; of greater errors the noise is white.
+        """
+        if self.fast == 0.0:
+            return self.noise
         blocks = self.blocks(point.z, point.c, point.w)
         H, _ = self.reduced(point.z, blocks)
         V = np.linalg.inv(H + np.diag(self.weight**2))
@@ -529,10 +536,13 @@ class LogPosterior:
             U = np.concatenate([Uz, solve_triangular(b.factor[0], Jc, trans="T", lower=False)])
             if quick is not None:
                 U = np.concatenate([U, self._drawn(quick, b, len(e))])
-            model = noise_behind(e, U, 0 if white else min(_ORDER, len(e) // 10))
-            model = level_where_filtered(model, recording)
+            model = noise_behind(e, U, 0 if white or self.fast else min(_ORDER, len(e) // 10))
+            # samples count for as little as the slow part says, in which parameters act: a noise
+            # model that is correlated itself lets the torque go where the model is wrong
+            slow = level_where_filtered(model, recording).below(_COUNTED / recording.rate_hz)
             least = (_EXACT * float(np.std(_measured(recording)))) ** 2
-            models.append(replace(model, variance=max(model.variance, least, 1e-30)))
+            level = max(slow, model.variance, least, 1e-30)
+            models.append(replace(model, coefficients=np.zeros(0), variance=level))
         return tuple(models)
 
     def _drawn(self, quick: tuple[FloatArray, IntArray], b: Block, n: int) -> FloatArray:
