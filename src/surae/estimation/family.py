@@ -7,7 +7,7 @@
 3. The evidence of every set of departures, from one quadratic at the mode; the best is solved anew.
 4. Where the residual under effort is much greater than at rest, the size of the drive's error is
    sought by evidence, before the departures are chosen.
-5. The mode of all data under the noise that the residual has, and what makes it unsure.
+5. What makes the mode unsure, source by source (`surae.estimation.uncertainty`).
 """
 
 import time
@@ -48,7 +48,7 @@ from surae.units import FloatArray
 from surae.versions import versions
 
 #: Rates [Hz] of the search's stages, and the samples that each recording keeps at least.
-_RATES, _SAMPLES = (32.0, 64.0, 64.0), 400
+_RATES, _SAMPLES = (32.0, 64.0), 400
 #: Relaxation times [s] and factor from which a search begins.
 _RELAXATIONS, _RELAXED = (0.4, 4.0), 0.3
 #: Noise of the continuation, as parts of the torque's changes.
@@ -64,8 +64,6 @@ _NEARLY_NONE = {"gain": 1e-3, "drift": 1e-2, "misfit": 1e-3}
 _LOUDER, _ERRORS = 1.6, (0.06, 0.11, 0.15, 0.21)
 #: Odds beforehand that a leg or laboratory has a departure.
 _ODDS = 0.3
-#: Evaluations of each of the last steps.
-_STEPS = 5
 #: How far EMG at rest may be from what is expected, in standard deviations.
 _REST = 6.0
 #: Bounds that are wider than those of a named model's search.
@@ -130,8 +128,6 @@ class _Search:
         self._say(1)
         choice = self._choose(values, noise)
         self._say(2)
-        choice = self._last(choice)
-        self._say(3)
         return _summed(choice, self._inputs, self._asked, begin, self._starts)
 
     def stopped(self, begin: float) -> FitResult:
@@ -161,7 +157,7 @@ class _Search:
 
     def _say(self, stage: int) -> None:
         if self._progress is not None and self._starts:
-            self._progress(stage, 3, min(point.cost for point, _ in self._starts))
+            self._progress(stage, 2, min(point.cost for point, _ in self._starts))
 
     def _posterior(
         self, groups: Sequence[str], rate_hz: float, noise: Sequence[NoiseModel],
@@ -306,20 +302,6 @@ class _Search:
             best = (evidence, post, there)
         assert best is not None
         return best[1], best[2]
-
-    def _last(self, choice: _Choice) -> _Choice:
-        """The mode of all data."""
-        post, point = choice.posterior, choice.point
-        whole = self._posterior(choice.scored[0].groups, _RATES[-1], post.noise, post.sizes)
-        if whole.problem.n == post.problem.n:
-            return choice
-        whole = whole.having(fast=post.fast)
-        point = whole.descend(
-            whole.start(post.by_name(point.z)), point.c, evaluations=_STEPS, tolerance=0.1
-        )
-        whole = whole.having(noise=whole.learnt_noise(point))
-        point = whole.descend(point.z, point.c, point.w, evaluations=_STEPS, tolerance=0.1)
-        return replace(choice, posterior=whole, point=point)
 
 
 def _summed(
