@@ -100,6 +100,10 @@ def contradiction(result: FitResult) -> Contradiction | None:
     with np.errstate(all="ignore"):  # a damaged file may hold anything; it is found out below
         own = _Linear(named, result.values, {})
         target = _Linear(richer, base, {**beliefs, **tendons})
+        try:
+            noise = own.noise()
+        except np.linalg.LinAlgError:  # the model overflows
+            return None
         off = {
             j: float(target.z[j])
             for j, n in enumerate(free)
@@ -107,7 +111,7 @@ def contradiction(result: FitResult) -> Contradiction | None:
         }
         zero = beliefs.get("torque_zero") if len(inputs) > 1 else None  # each has its own
         off |= dict.fromkeys(range(len(free), len(free) + len(inputs) * (zero is not None)), 0.0)
-        gain, better = _gain(_quadratic(target, own, zero), off)
+        gain, better = _gain(_quadratic(target, noise, zero), off)
     if not (gain > _SUPPORTED and np.isfinite(better).all()):
         return None
     away = np.abs(better[: len(free)] - target.z) * target.scale
@@ -191,7 +195,9 @@ class _Linear:
         return models
 
 
-def _quadratic(target: _Linear, own: _Linear, zero: Belief | None) -> Quadratic:
+def _quadratic(
+    target: _Linear, own: list[tuple[FloatArray, NoiseModel]], zero: Belief | None
+) -> Quadratic:
     """What data say around the named model: its own residual, and what the richer one can do.
 
     The richer model's residual is another there: its stiffest tendons are none that are rigid.
@@ -202,9 +208,7 @@ def _quadratic(target: _Linear, own: _Linear, zero: Belief | None) -> Quadratic:
     more = [*zeros, *_BLUR]
     q = len(target.z) + len(more)
     information, gradient, cost = np.zeros((q, q)), np.zeros(q), 0.0
-    for number, (recording, (e, noise)) in enumerate(
-        zip(target.problem.inputs, own.noise(), strict=True)
-    ):
+    for number, (recording, (e, noise)) in enumerate(zip(target.problem.inputs, own, strict=True)):
         rows = target.rows(recording)
         again = smoothed(recording)
         blurred = _blurred(target, recording, rows[-1])

@@ -31,7 +31,6 @@ _TOLD, _PARTLY = 0.5, 0.8
 #: Standard deviations from what was assumed that are worth a word.
 _UNUSUAL = 2.0
 #: Probabilities from which a model is supported, and from which it is favoured.
-_SUPPORTED, _FAVOURED = 0.99, 0.75
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,21 +181,15 @@ def _candidate(candidate: Candidate) -> tuple[str, str, str]:
 
 
 def _support(family: Family, grade: Grade) -> str:
-    chosen, *others = family.candidates
-    other = next((each for each in others if each.model != chosen.model), None)
-    title = _title(chosen.model)
-    if other is None:
-        return f"The {title} is the only model that was tried."
-    rival = _title(other.model)
     if grade is Grade.INADEQUATE:
-        return f"The {title} comes nearest, but the fit is inadequate: that supports no model."
-    if chosen.weight >= _SUPPORTED:
-        return f"The data support the {title}; the {rival} is a hundred times less likely or more."
-    if chosen.weight >= _FAVOURED:
-        text = f"The data favour the {title} ({_chance(chosen.weight)}) over the {rival}."
-    else:
-        text = f"The data cannot tell the {title} from the {rival}; values are the former’s."
-    return f"{text} How far the two are apart is in the intervals."
+        return "The fit is inadequate: what the data ask for means nothing."
+    chosen = family.candidates[0]
+    departures = ", ".join(NUISANCES[group].label for group in chosen.groups)
+    asked = f"The data ask for {departures}" if departures else "The data ask for no departure"
+    return (
+        f"{asked} (probability {_chance(chosen.weight)}). What other sets of departures would "
+        "change is in the intervals."
+    )
 
 
 def trials_section(result: FitResult, assessment: Assessment) -> TrialsSection | None:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 from surae.assessment import Assessment
 from surae.estimation import FitResult, Prior
@@ -115,8 +116,8 @@ def prior_span(prior: Prior) -> tuple[float, float, float]:
     return prior.median / factor, prior.median, prior.median * factor
 
 
-def _option(value: str | float | tuple[float, ...]) -> str:
-    if isinstance(value, tuple):
+def _option(value: Any) -> str:
+    if isinstance(value, list | tuple):
         return " / ".join(short(level) for level in value)
     return value if isinstance(value, str) else short(value)
 
