@@ -119,6 +119,7 @@ from surae.recording.formats import open_table as open_table
 from surae.recording.inspected_trials import InspectedTrials as InspectedTrials
 from surae.recording.inspected_trials import inspect_trials as inspect_trials
 from surae.recording.inspected_trials import trials_text as trials_text
+from surae.recording.mapping_text import toml_value as toml_value
 from surae.recording.reading import is_mapping as is_mapping
 from surae.recording.source import open_source as open_source
 from surae.recording.table import load_each as load_each

@@ -11,7 +11,7 @@ from surae.files import PathLike, shown
 from surae.recording.inspected import Inspection
 from surae.recording.inspection import inspect
 from surae.recording.mapping_reader import TRIAL
-from surae.recording.mapping_text import mapping_text, quoted
+from surae.recording.mapping_text import mapping_text, toml_value
 from surae.recording.table import some
 
 #: Rates [Hz] that are the same but for rounding, relatively.
@@ -142,7 +142,7 @@ def trials_text(inspected: InspectedTrials, folder: PathLike) -> str:
             "# What differs in a single trial is a line in [trials], such as:",
             "# [trials]",
         ]
-        lines.append(f"# {quoted(inspected.trials[-1])}.torque.sign = -1")
+        lines.append(f"# {toml_value(inspected.trials[-1])}.torque.sign = -1")
     return "\n".join(lines) + "\n"
 
 
@@ -176,14 +176,14 @@ def _differences(
     name: str, trial: Inspection, typical: Inspection, like: str
 ) -> list[TrialDifference]:
     differences: list[TrialDifference] = []
-    key = quoted(name)
+    key = toml_value(name)
     columns = {channel.column for channel in trial.channels if channel.usable}
     for role, channel in typical.roles.items():
         own = next((c for c in trial.channels if c.column == channel.column and c.usable), None)
         if own is None and (own := trial.roles.get(role)) is not None:
             text = f"{role} is column {own.column!r}, not {channel.column!r}"
             differences.append(
-                TrialDifference(name, text, f"{key}.{role}.column = {quoted(own.column)}")
+                TrialDifference(name, text, f"{key}.{role}.column = {toml_value(own.column)}")
             )
         if own is None:
             text = f"no column {channel.column!r}"
@@ -195,7 +195,9 @@ def _differences(
         unit = own.known_unit
         if unit is not None and channel.known_unit is not None and unit != channel.known_unit:
             text = f"{role} is in {unit}, that of {like} in {channel.known_unit}"
-            differences.append(TrialDifference(name, text, f"{key}.{role}.unit = {quoted(unit)}"))
+            differences.append(
+                TrialDifference(name, text, f"{key}.{role}.unit = {toml_value(unit)}")
+            )
         if not _same_rate(own.rate_hz, channel.rate_hz):
             rates = [f"{r:.6g} Hz" if r else "no rate" for r in (own.rate_hz, channel.rate_hz)]
             differences.append(
@@ -203,7 +205,7 @@ def _differences(
             )
     if None not in (trial.emg, typical.emg) and trial.emg != typical.emg:
         text = f"EMG looks {trial.emg}, that of {like} {typical.emg}"
-        differences.append(TrialDifference(name, text, f"{key}.emg = {quoted(str(trial.emg))}"))
+        differences.append(TrialDifference(name, text, f"{key}.emg = {toml_value(trial.emg)}"))
     return differences
 
 

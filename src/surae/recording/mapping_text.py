@@ -68,11 +68,11 @@ def mapping_text(
         "# Which channel is which signal, as `surae inspect` found it by the channels' names.",
         "# Lines that say check are yours to confirm. Then: "
         + ("surae fit this file" if files is None else "surae session FILES --mapping this file"),
-        f"name = {quoted(name or _title(inspection))}",
+        f"name = {toml_value(name or _title(inspection))}",
         *_emg_lines(inspection),
     ]
     if inspection.side is not None:
-        lines.append(f"side = {quoted(inspection.side)}  # {inspection.side_rule}")
+        lines.append(f"side = {toml_value(inspection.side)}  # {inspection.side_rule}")
     silent = [role for role in inspection.missing if role.startswith("emg_")]
     if silent:
         weights = (f"g{MUSCLES.index(role[4:]) + 1} = 0.0" for role in silent)
@@ -107,7 +107,7 @@ def _emg_lines(inspection: Inspection) -> list[str]:
     if inspection.emg is None:
         why = inspection.emg_rule or "no EMG was settled"
         return [f'# emg = "raw"  # state it: raw or envelope ({_line(why)})']
-    return [f"emg = {quoted(inspection.emg)}  # {inspection.emg_rule}"]
+    return [f"emg = {toml_value(inspection.emg)}  # {inspection.emg_rule}"]
 
 
 def _entry(
@@ -124,7 +124,7 @@ def _entry(
     lines = [
         f"[channels.{role}]  # {why}",
         *_file_lines(channel.file, folder, files),
-        f"column = {quoted(channel.column)}",
+        f"column = {toml_value(channel.column)}",
         *_unit_lines(role, channel, inspection),
     ]
     if role in _SIGN:
@@ -151,8 +151,8 @@ def _entry(
 def _file_lines(file: str, folder: PathLike, files: Mapping[str, str] | None) -> list[str]:
     """Say where a channel is: a file, one of each trial, or nothing where a trial is one file."""
     if files is None:
-        return [f"file = {quoted(_relative(file, folder))}"]
-    return [f"file = {quoted(files[file])}"] if file in files else []
+        return [f"file = {toml_value(_relative(file, folder))}"]
+    return [f"file = {toml_value(files[file])}"] if file in files else []
 
 
 def _unit_lines(role: str, channel: InspectedChannel, inspection: Inspection) -> list[str]:
@@ -160,7 +160,7 @@ def _unit_lines(role: str, channel: InspectedChannel, inspection: Inspection) ->
     sort = kind(role)
     known = ", ".join(FACTORS[sort])
     if channel.known_unit is not None:
-        lines = [f"unit = {quoted(channel.known_unit)}  # as the file states"]
+        lines = [f"unit = {toml_value(channel.known_unit)}  # as the file states"]
         if sort == "emg" and channel.high is not None and channel.low is not None:
             volts = FACTORS["emg"][channel.known_unit]
             if channel.known_unit != "1" and amplified(channel.high, channel.low, volts):
@@ -188,7 +188,7 @@ def _unit_lines(role: str, channel: InspectedChannel, inspection: Inspection) ->
         channel.unit
     ) and sort != "emg" else []  # fmt: skip
     first = next(iter(FACTORS[sort]))
-    return [f"# unit = {quoted(first)}  # state it: {known} ({_line(statement)})", *scale]
+    return [f"# unit = {toml_value(first)}  # state it: {known} ({_line(statement)})", *scale]
 
 
 def _within(high: float | None) -> bool:
@@ -232,15 +232,14 @@ def _relative(file: str, folder: PathLike) -> str:
     return Path(os.path.relpath(target, base)).as_posix()
 
 
-def quoted(text: str) -> str:
-    """A text as TOML's basic string."""
+def toml_value(value: object) -> str:
+    """A text, number, switch or list as TOML says it, which is as JSON does."""
     try:
+        text = json.dumps(value, ensure_ascii=False, allow_nan=False)
         text.encode()
-    except UnicodeEncodeError:
-        raise InputError(
-            f"{shown(text)}: its name is no text that TOML can hold; rename it"
-        ) from None
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+    except ValueError:  # a character that is none, or a number
+        raise InputError(f"{shown(str(value))}: TOML cannot hold it; rename it") from None
+    return text.replace("\x7f", "\\u007f")
 
 
 def _line(text: str) -> str:

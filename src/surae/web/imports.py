@@ -317,53 +317,36 @@ def findings(recording: api.Recording) -> list[dict[str, Any]]:
 
 def _toml(mapping: Mapping[str, Any], names: Mapping[str, str]) -> str:
     """The mapping as the TOML that the readers take."""
-    lines = [f"name = {_text(mapping['name'])}"]
-    if mapping.get("emg") is not None:
-        lines.append(f"emg = {_text(mapping['emg'])}")
-    elif any(role.startswith("emg_") for role in mapping["channels"]):
+    channels = mapping["channels"]
+    if mapping.get("emg") is None and any(role.startswith("emg_") for role in channels):
         raise InputError("EMG is raw or an envelope: choose which, its samples do not say")
-    if mapping.get("side") is not None:
-        lines.append(f"side = {_text(mapping['side'])}")
+    lines = _lines({key: mapping.get(key) for key in ("name", "emg", "side")})
     for table in ("fixed", "prepare"):
-        if mapping.get(table):
-            lines.append(f"[{table}]")
-            lines += [f"{_text(key)} = {_value(v)}" for key, v in mapping[table].items()]
-    for role, channel in mapping["channels"].items():
+        lines += [f"[{table}]", *_lines(mapping.get(table) or {})]
+    for role, channel in channels.items():
         if channel["upload"] not in names:
             raise InputError(f"channels.{role}: its file is not among the uploads; upload it")
-        lines += [
-            f"[channels.{_text(role)}]",
-            f"file = {_text(names[channel['upload']])}",
-            f"column = {_text(channel['column'])}",
-            f"sign = {int(channel['sign'])}",
-            f"scale = {_value(float(channel['scale']))}",
-            f"offset = {_value(float(channel['offset']))}"
-            if channel.get("zero") is None
-            else f"zero = {_zero(channel['zero'])}",
+        kept = [
+            "column",
+            "unit",
+            "sign",
+            "scale",
+            "offset" if channel.get("zero") is None else "zero",
         ]
-        if channel.get("unit") is not None:
-            lines.append(f"unit = {_text(channel['unit'])}")
+        lines += [
+            f"[channels.{api.toml_value(role)}]",
+            f"file = {api.toml_value(names[channel['upload']])}",
+        ]
+        lines += _lines({key: channel.get(key) for key in kept})
     return "\n".join(lines) + "\n"
 
 
-def _zero(zero: object) -> str:
-    """A quiet file, or a quiet stretch [s]; what is neither is refused where it is read."""
-    return f"[{', '.join(map(_value, zero))}]" if isinstance(zero, list) else _value(zero)
-
-
-def _text(text: str) -> str:
-    """A basic string of TOML."""
-    plain = text.replace("\\", "\\\\").replace('"', '\\"')
-    escaped = (c if c.isprintable() else f"\\U{ord(c):08x}" for c in plain)
-    return '"' + "".join(escaped) + '"'
-
-
-def _value(value: object) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, int | float):
-        return repr(value)
-    return _text(str(value))
+def _lines(table: Mapping[str, Any]) -> list[str]:
+    return [
+        f"{api.toml_value(key)} = {api.toml_value(value)}"
+        for key, value in table.items()
+        if value is not None
+    ]
 
 
 def preview(time: FloatArray, values: FloatArray) -> dict[str, Any]:
