@@ -125,13 +125,14 @@ def test_pairs_are_counted_by_what_changed_in_truth(
     table = tmp_path / "changes.csv"
     pairs = ["1,2,{}@10deg,changed", "1,3,{}@10deg,no change shown", "1,4,{}@0deg,changed"]
     pairs += ["1,4,g1,changed", "1,7,{}@10deg,changed", "1,7,m,changed"]
+    pairs += ["1,3,bandwidth,changed", "1,7,bandwidth,changed"]  # of no known truth
     head = "family,seed,before,after,measure,verdict\n"
     rows = [f"a,2,{pair.format('passive_stiffness')}\n" for pair in pairs]
     table.write_text(head + "".join(rows))
     path = answers(tmp_path / "answers.csv", [])
     assert main(["score", str(path), "--changes", str(table)]) == 0
     words = capsys.readouterr().out.splitlines()[-1]
-    assert "1 of 2, 1 of 1" in words
+    assert "2 of 2, 1 of 1" in words
     assert "1 of 1 that changed, 1 of 1 that did not" in words
 
 

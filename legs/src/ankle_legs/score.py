@@ -136,24 +136,25 @@ def change_table(path: Path) -> str:
     """Count pairs of trials: what is called changed, and what is.
 
     A quantity has changed where its truth differs by more than 10 %, and has not where it is the
-    same; what lies between, or depends on the electrodes, is not counted.
+    same; what lies between, or depends on the electrodes, is not counted. A measure whose truth is
+    not known counts in unchanged pairs alone.
     """
     pairs: dict[str, dict[str, dict[tuple[str, ...], bool]]] = {}
     treated: dict[str, list[int]] = {}
     for row in rows(path, CHANGES):
         family, first, second = row["family"], int(row["before"]), int(row["after"])
-        before, after = (_truth(row, key)[row["measure"]] for key in ("before", "after"))
+        before, after = (_truth(row, key).get(row["measure"], 0.0) for key in ("before", "after"))
         anew = (first in MOUNTED_ANEW) != (second in MOUNTED_ANEW)
         if before is None or after is None or (anew and row["measure"] in GAINS):
             continue
-        difference, said = abs(after / before - 1), row["verdict"] == "changed"
+        said = row["verdict"] == "changed"
         found = treated.setdefault(family, [0, 0, 0, 0])
         if (first > 6) == (second > 6):
             kinds = pairs.setdefault(family, {"movement": {}, "mounting": {}})
             pair = (row["seed"], row["before"], row["after"])
             same = kinds["mounting" if anew else "movement"]
             same[pair] = same.get(pair, False) or said
-        elif difference > 0.1 or difference < 1e-9:
+        elif before and not 1e-9 <= (difference := abs(after / before - 1)) <= 0.1:
             found[0 if difference > 0.1 else 2] += 1
             found[1 if difference > 0.1 else 3] += said
     lines = [
