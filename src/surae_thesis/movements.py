@@ -1,13 +1,11 @@
 """The movements and efforts of the thesis: Figures 2, 3, 6 to 9 and 36 to 38."""
 
-from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
 
 from surae.protocol import (
     L0_TRI,
-    PROFILES,
     Adaptation,
     Protocol,
     Trajectory,
@@ -19,9 +17,10 @@ from surae.protocol import (
 )
 from surae.recording import MUSCLES
 from surae.report.figures import BLUE, GREY, INK, OCHRE, RED
-from surae_thesis.claims import Claim, Ruling, judge_all
+from surae.studies import POPULATIONS
+from surae_thesis.claims import Ruling, judge_all
 from surae_thesis.plots import Panel, PlotLine, draw
-from surae_thesis.section import Context, Drawing, Result, Table
+from surae_thesis.section import Context, Drawing, Result
 
 #: The five basic profiles of the simulation study (2.5.1) after the one in use before it (2.1).
 NAMES = (
@@ -37,7 +36,7 @@ _REACHED = 0.001
 #: Speed that a muscle cannot exceed [l0/s], equation (17), and what Figure 38 shows of it.
 _VMAX, _SHOWN = 8.0, 5.0
 #: The factors of the grid end at the one that the thesis calls the highest possible.
-_HIGHEST, _STEP = 0.6, 0.025
+_HIGHEST = 0.6
 
 
 @cache
@@ -74,87 +73,53 @@ def adaptation(profile: str) -> Adaptation:
     return changed
 
 
-@dataclass(frozen=True, slots=True)
-class Numbers:
-    """What the claims compare."""
-
-    span: float
-    peaks: dict[float, float]
-    beyond: float
-    shares: dict[str, float] = field(default_factory=dict)
-
-
-def _numbers() -> Numbers:
-    spans = []
-    for motion in [*map(basic, NAMES), *map(chirped, CHOSEN)]:
-        low, high = motion.settings.range_of_motion
-        spans.append(float(np.ptp(motion.angle)) / (high - low))
-    motions = {
-        "before": basic("ramp-and-hold"),
-        "after": chirped("multi-sine-holds"),
-        "filtered": for_achilles("multi-sine-holds"),
-    }
-    return Numbers(
-        min(spans),
-        {a: max(_peak(name, a, _HIGHEST) for name in CHOSEN) for a in (0.1, 0.2, 0.3)},
-        max(_peak(name, AMPLITUDE, _HIGHEST + _STEP) for name in CHOSEN),
-        {name: triceps_path(motion).coverage.share for name, motion in motions.items()},
-    )
-
-
 def _peak(profile: str, amplitude: float, factor: float) -> float:
     """Highest lengthening or shortening speed of the triceps [l0/s]."""
     return float(np.abs(triceps_path(chirped(profile, amplitude, factor)).velocity).max())
 
 
-def span(n: Numbers) -> Ruling:
+def span(_: None) -> Ruling:
     """Every profile's part of the range."""
-    return Ruling(n.span >= 1 - 2 * _REACHED, f"{100 * n.span:.2f} % of the range at least")
+    spans = []
+    for motion in [*map(basic, NAMES), *map(chirped, CHOSEN)]:
+        low, high = motion.settings.range_of_motion
+        spans.append(float(np.ptp(motion.angle)) / (high - low))
+    least = min(spans)
+    return Ruling(least >= 1 - 2 * _REACHED, f"{100 * least:.2f} % of the range at least")
 
 
-def highest_factor(n: Numbers) -> Ruling:
-    """The triceps's speed at the highest factor, and above it."""
-    text = ", ".join(f"{value:.1f} l0/s at {a:g} rad" for a, value in n.peaks.items())
-    holds = n.peaks[AMPLITUDE] <= _VMAX < n.beyond
-    return Ruling(holds, f"at 0.6: {text} (l0 {1e3 * L0_TRI:g} mm)")
+def highest_factor(_: None, near: float) -> Ruling:
+    """The speed that the fastest of the simulated triceps reach at the highest factor."""
+    fastest = max(_peak(name, 0.3, _HIGHEST) for name in CHOSEN) * L0_TRI
+    speed = {name: fastest / POPULATIONS[name]["l0_tri"][0] for name in ("healthy", "patient")}
+    text = ", ".join(f"{value:.1f} l0/s ({name})" for name, value in speed.items())
+    holds = near * _VMAX <= speed["patient"] <= _VMAX
+    return Ruling(holds, f"at 0.6 and 0.3 rad, shortest muscles: {text}")
 
 
-def limits_of_speed(n: Numbers, _: Claim) -> str:
-    """Say where the limit lies."""
-    return (
-        f"At 0.2 rad the triceps stays below 8 l0/s up to a factor of about "
-        f"{_HIGHEST * _VMAX / n.peaks[AMPLITUDE]:.1f}, and with an l0 of "
-        f"{1e3 * L0_TRI * n.peaks[AMPLITUDE] / _VMAX:.0f} mm it would reach the limit at 0.6: the "
-        "thesis does not say with which amplitude and optimal length it found it. Figure 38 ends "
-        "at ±5 l0/s, which the chosen chirp does not pass."
-    )
-
-
-def plane_visited(n: Numbers) -> Ruling:
-    """Part of the length–velocity plane."""
-    low, high = n.shares["before"], n.shares["after"]
+def plane_visited(_: None) -> Ruling:
+    """Part of the length–velocity plane, as simulated, and as the manipulator can follow."""
+    low, high, filtered = (
+        triceps_path(motion).coverage.share
+        for motion in (
+            basic("ramp-and-hold"), chirped("multi-sine-holds"), for_achilles("multi-sine-holds"),
+        )
+    )  # fmt: skip
     return Ruling(
         high >= 5 * low,
-        f"{100 * low:.1f} % by ramp and hold, {100 * high:.1f} % by multi-sine with holds",
+        f"{100 * low:.1f} % by ramp and hold, {100 * high:.1f} % by multi-sine with holds "
+        f"({100 * filtered:.1f} % filtered for the manipulator)",
     )
 
 
-def plane_when_filtered(n: Numbers, _: Claim) -> str:
-    """Say what part of the plane is visited by what the manipulator can follow."""
-    return (
-        "As simulated, with the chirp of 0.2 rad and factor 0.5. Filtered for the manipulator it "
-        f"visits {100 * n.shares['filtered']:.1f} %."
-    )
-
-
-def within_axes(_: Numbers) -> Ruling:
+def within_axes(_: None) -> Ruling:
     """The triceps's speed with the chosen chirp."""
     velocity = triceps_path(chirped("multi-sine-holds")).velocity
     low, high = float(velocity.min()), float(velocity.max())
     return Ruling(low >= -_SHOWN and high <= _SHOWN, f"{low:.1f} … {high:.1f} l0/s")
 
 
-def overshoot(_: Numbers) -> Ruling:
+def overshoot(_: None) -> Ruling:
     """Peak velocities before and after filtering."""
     peaks = {name: adaptation(name).peak_velocity for name in CHOSEN}
     return Ruling(
@@ -163,7 +128,7 @@ def overshoot(_: Numbers) -> Ruling:
     )
 
 
-def fades(_: Numbers) -> Ruling:
+def fades(_: None) -> Ruling:
     """The chirp's amplitude at its beginning and end."""
     ends = {
         name: (adaptation(name).chirp_amplitude[1], adaptation(name).chirp_end_amplitude)
@@ -301,36 +266,12 @@ def _adapted(name: str, profile: str, title: str) -> Drawing:
     )  # fmt: skip
 
 
-def _durations() -> Table:
-    """What the profiles are, as numbers."""
-    paths = {name: triceps_path(basic(name)) for name in NAMES}
-    return Table(
-        name="profiles",
-        title="The basic profiles, without a chirp",
-        columns=(
-            "profile", "duration [s]", "peak velocity [rad/s]", "peak triceps speed [l0/s]",
-            "length–velocity plane visited [%]",
-        ),
-        rows=tuple(
-            (
-                name, PROFILES[name].duration,
-                round(float(np.abs(basic(name).velocity).max()), 3),
-                round(float(np.abs(path.velocity).max()), 3),
-                round(100 * path.coverage.share, 2),
-            )
-            for name, path in paths.items()
-        ),
-    )  # fmt: skip
-
-
 def run(context: Context) -> Result:
     """Generate every movement and effort, judge and draw them."""
     context.progress("protocols", 0, 1)
-    numbers = _numbers()
     return Result(
-        findings=judge_all("protocols", {"": numbers}, __name__),
+        findings=judge_all("protocols", {"": None}, __name__),
         figures=drawings(),
-        tables=(_durations(),),
         notes=(
             "The thesis prints its movements as figures without tables. Where an instant, a speed "
             "or a hold's position cannot be read from them it is our choice; the durations, the "

@@ -36,20 +36,10 @@ class PlotLine:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """Lines on one axis.
+    """Lines on one axis, labels with units.
 
-    Attributes
-    ----------
-    ylabel, xlabel, title : str
-        With units; a panel above another may leave out the second.
-    lines : sequence of Line
-        In this order.
-    at : mapping
-        Of `matplotlib.axes.Axes.set`: limits, scales and ticks.
-    across, down : sequence of float
-        Quiet lines at these heights, and at these places.
-    legend : int
-        Columns of its own legend; none with 0.
+    `at` is of `matplotlib.axes.Axes.set`; `across` and `down` are quiet lines at these places;
+    `legend` has the columns of its own legend, none with 0.
     """
 
     ylabel: str

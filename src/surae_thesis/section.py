@@ -23,8 +23,6 @@ Progress = Callable[[str, int, int], None]
 Cell = str | float | int | None
 #: Plain data that JSON holds without loss: numbers finite, keys texts.
 Plain = Any
-#: A row of a study's table, by column.
-Row = dict[str, Any]
 
 
 def silent(what: str, done: int, total: int) -> None:
@@ -36,18 +34,8 @@ def silent(what: str, done: int, total: int) -> None:
 class Context:
     """What a section is given, and how it keeps what takes long: a stopped run goes on.
 
-    Attributes
-    ----------
-    folder : Path
-        The output; a section writes into it only by `study`, by `calls` and by what it returns.
-    seed : int
-        Of everything random; never chosen for its results.
-    quick : bool
-        Minutes over all sections: fewer cells, subjects or repeats by the same code.
-    workers : int
-        Processes at a time.
-    progress : callable
-        To be called with what is computed, how much of it is done and how much there is.
+    The seed is of everything random and never chosen for its results; quick is minutes over all
+    sections, fewer cells and subjects by the same code.
     """
 
     folder: Path
@@ -65,17 +53,6 @@ class Context:
         folder = self.folder / name
         folder.mkdir(parents=True, exist_ok=True)
         return folder
-
-    def study(self, name: str, text: str) -> list[Row]:
-        """The table of a study by its STUDY.toml but for the name; errors as of `study_rows`."""
-        from surae.studies import study_rows
-
-        return study_rows(
-            f'name = "{name}"\n{text}',
-            self.store(name),
-            workers=self.workers,
-            progress=lambda done, total: self.progress(name, done, total),
-        )
 
     def calls(
         self,
@@ -109,10 +86,7 @@ class Context:
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """A figure of a section, None where it is in its file; `alt` is for those who do not see it.
-
-    Its name, unique over all sections, is that of its file, e.g. ``"figure-11"``.
-    """
+    """A figure, None where it is in the file of its name; `alt` is for those who do not see it."""
 
     name: str
     title: str
@@ -123,10 +97,7 @@ class Drawing:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table of a section; its name, unique over all sections, is that of its file.
-
-    A long one is written as a CSV file only: it would not fit on the page.
-    """
+    """A table; a long one is written as a CSV file of its name only."""
 
     name: str
     title: str
@@ -139,8 +110,7 @@ class Table:
 class Result:
     """What a section returns; everything on the page in the order given here.
 
-    Insights say what we find about the thesis, with numbers; notes what was done, with which
-    settings and limits.
+    Insights say what we find about the thesis, with numbers; notes what was done and how.
     """
 
     insights: tuple[str, ...] = ()
@@ -157,10 +127,7 @@ class Result:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Section:
-    """A part of the thesis that is reproduced: name for ``--only``, heading, place in the thesis.
-
-    What runs it is pure but for its stores: the same seed gives the same result.
-    """
+    """A part of the thesis that is reproduced: name for ``--only``, heading and place there."""
 
     name: str
     title: str
@@ -183,13 +150,13 @@ SECTIONS = (
     _section("protocols", "movements", "Movements and efforts",
              "2.1, 2.5, 4.1.5; Figures 2, 3, 6–9, 36–38"),
     _section("tendons", "tendons", "Models and tendons",
-             "2.3, 2.4, 4.4, appendix B; Tables 1 and 2, Figures 10, 39, 44 and 45"),
+             "2.3, 2.4, 4.4, appendix B; Figures 39, 44 and 45"),
     _section("simulation", "simulation", "Simulation study", "2.5, 3.1, 4.1; Figures 11–16"),
     _section("subjects", "cohort.subjects", "Subjects: a virtual cohort",
              "3.2, 4.2, 4.4; Figures 17 to 35 and 40"),
     _section("beyond", "cohort.beyond", "Beyond: joint fits of the cohort", "4.4, 4.5"),
     _section("appendix", "appendix", "What a covariance matrix shows",
-             "Appendix A; Figures 41 to 43"),
+             "Appendix A; Figures 42 and 43"),
 )  # fmt: skip
 
 
@@ -295,8 +262,8 @@ def _settings(context: Context) -> dict[str, Any]:
 
 
 def _result(
-    insights: list[str], notes: list[str], findings: list[Row], figures: list[Row],
-    tables: list[Row],
+    insights: list[str], notes: list[str], findings: list[Plain], figures: list[Plain],
+    tables: list[Plain],
 ) -> Result:  # fmt: skip
     """What `keep` wrote."""
     return Result(

@@ -1,10 +1,10 @@
-"""The folder of a reproduction: the page, its PDF, and the verdicts as CSV and Markdown."""
+"""The folder of a reproduction: the page, its PDF, and the verdicts as Markdown."""
 
 from collections.abc import Sequence
 from pathlib import Path
 
 from surae import __version__
-from surae.files import csv_row, read_bytes, write_atomic
+from surae.files import read_bytes, write_atomic
 from surae.report import has_typst
 from surae.report.document import (
     Block,
@@ -26,16 +26,13 @@ from surae_thesis.section import Cell as Value
 from surae_thesis.section import Chapters, Context, Result, Section, causes, chapters, counts
 
 #: Names of what is written, beside a PDF where there is typst.
-PAGE, PDF, CSV, MARKDOWN = "reproduction.html", "reproduction.pdf", "verdicts.csv", "verdicts.md"
+PAGE, PDF, MARKDOWN = "reproduction.html", "reproduction.pdf", "verdicts.md"
 #: Classes of the verdicts in the style sheet.
 CLASSES = {
     "holds": "holds", "holds under a reading": "partly", "differs": "differs",
     "holds with the thesis's integrator": "partly", "cannot be checked": "unchecked",
 }  # fmt: skip
 _TITLE = "The thesis’s results, computed again"
-_COLUMNS = (
-    "section", "claim", "source", "text", "thesis", "ours", "verdict", "reason", "rule", "figure",
-)  # fmt: skip
 
 
 def write(context: Context) -> list[Path]:
@@ -49,7 +46,6 @@ def write(context: Context) -> list[Path]:
     there = chapters(context)
     texts: dict[str, str | bytes | None] = {
         PAGE: page(context, there),
-        CSV: verdicts_csv(there),
         MARKDOWN: markdown(there),
         PDF: pdf(context, there),
     }
@@ -73,10 +69,10 @@ def document(context: Context, there: Chapters) -> Document:
         KeyFigures(tuple((verdict, str(n), "") for verdict, n in counts(there).items())),
         *paragraphs(filter(None, [_causes(there)])),
         TextBlock(
-            "Each claim has a numeric rule for when it holds, printed with it, and is judged in "
-            "every column: under each reading of what the thesis leaves open, and with its "
-            "integrator, ✓ where it holds. What is random has one seed, which was not chosen for "
-            "its results."
+            "Each claim has a numeric rule for when it holds, printed with it. The first column "
+            "that it is judged in is how we read the thesis, and decides; the others show, ✓ where "
+            "it holds, what another reading or the thesis's integrator changes. What is random has "
+            "one seed, which was not chosen for its results."
         ),
         contents,
     )
@@ -139,7 +135,7 @@ def _claim_rows(finding: JudgedClaim, views: Sequence[str]) -> tuple[TableRow, T
             finding.statement,
             finding.number,
             *(_view(finding, name) for name in views),
-            TableCell(badge=badge, link=finding.figure),
+            TableCell(badge=badge),
         ),
         (TableCell(meaning=f"Holds when: {finding.rule}", why=finding.reason),),
     )
@@ -170,19 +166,6 @@ def _figures(context: Context, there: Chapters, ending: str) -> dict[str, bytes]
         for _, result in there
         for drawing in result.figures
     }
-
-
-def verdicts_csv(there: Chapters) -> str:
-    """All findings as CSV."""
-    rows = [
-        (
-            section.name, f.id, f.source, f.statement, f.number, _ours(f), f.said, f.reason,
-            f.rule, f.figure,
-        )
-        for section, result in there
-        for f in result.findings
-    ]  # fmt: skip
-    return "".join(map(csv_row, (_COLUMNS, *rows)))
 
 
 def markdown(there: Chapters) -> str:
@@ -216,9 +199,7 @@ def _causes(there: Chapters) -> str:
     causes_text = ", ".join(
         f"{number} by {cause}" for cause, number in causes(there).items() if number
     )
-    causes_text = causes_text.replace(
-        "by not published", "because what decides it is not published"
-    )
+    causes_text = causes_text.replace("by unexplained", "unexplained")
     return f"Of those that differ, {causes_text}." if causes_text else ""
 
 
@@ -228,11 +209,6 @@ def _view(finding: JudgedClaim, name: str) -> str:
         return "–"
     holds, text = finding.ours[name]
     return f"✓ {text}" if holds else text
-
-
-def _ours(finding: JudgedClaim) -> str:
-    """All our numbers in a line."""
-    return "; ".join(f"{n}: {text}" if n else text for n, (_, text) in finding.ours.items())
 
 
 def _plain(text: str) -> str:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from surae.assessment import Verdict, assess, predict
+from surae.assessment.assess import _noise_share
 from surae.assessment.parameter import IDENTIFIED, judge_interval
 from surae.assessment.uncertainty.covariance import half_width
 from surae.errors import InputError
@@ -284,3 +285,8 @@ def test_half_the_noise_half_the_standard_error(subject, trajectory):
         found = assess(quick([virtual_trial(subject, trajectory, noise=noise)]))
         sems.append(np.array([p.sem / p.value for p in found.parameters.values()]))
     np.testing.assert_allclose(sems[0] / sems[1], 2.0, rtol=0.2)
+
+
+def test_the_share_of_noise_is_finite_however_wide_an_interval_is():
+    assert _noise_share(3.0, 1.0) == pytest.approx(9.0 / 16.0)
+    assert _noise_share(3e200, 1e200) == pytest.approx(9.0 / 16.0)

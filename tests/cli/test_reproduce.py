@@ -11,7 +11,10 @@ def rule(value: float) -> Ruling:
     return Ruling(value > 1, f"{value:g}")
 
 
-CLAIM = Claim("rises", "3.1", "It rises.", "2", "Above 1.", rule, "The seed is small.")
+CLAIM = Claim(
+    id="rises", source="3.1", statement="It rises.", number="2", rule="Above 1.", ours=rule,
+    why="The seed is small.",
+)  # fmt: skip
 
 
 def small(context: Context) -> Result:

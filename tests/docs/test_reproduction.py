@@ -25,10 +25,9 @@ COUNTS = Counter(
 def test_the_table_counts_its_own_rows() -> None:
     (line,) = re.findall(r"^Verdicts: (.*)\.$", TABLE, flags=re.MULTILINE)
     assert line == ", ".join(f"{COUNTS[verdict]} {verdict}" for verdict in VERDICTS)
-    for cause in CAUSES:
-        assert sum(said == f"differs: {cause}" for said in EVERY) in map(
-            int, re.findall(r"\d+", TABLE.split("Of those that differ")[1].split("\n")[0])
-        )
+    given = re.findall(r"\d+", TABLE.split("Of those that differ")[1].split("\n")[0])
+    counts = [sum(said == f"differs: {cause}" for said in EVERY) for cause in CAUSES]
+    assert [count for count in counts if count] == list(map(int, given))
 
 
 def test_everything_that_differs_says_why() -> None:

@@ -13,7 +13,7 @@ from surae.errors import ComputationError
 from surae.estimation import fit_problem, make_problem
 from surae.protocol import Protocol, generate
 from surae.studies import tasks as study_tasks
-from surae.studies import virtual_subject, virtual_trial
+from surae.studies import virtual, virtual_subject, virtual_trial
 from surae.studies.study import parse_study
 from surae.studies.tasks import BOOKKEEPING, TaskOutcome, outcome_of, planned, run_task
 
@@ -25,11 +25,11 @@ def tasks(text):
 
 
 def test_an_outcome_is_that_of_the_same_fit_by_hand() -> None:
-    (task,) = tasks(TEXT + "seed = 4\nsubjects = [2]\nrepeats = [3]\n")
+    (task,) = tasks(TEXT + "seed = 4\nsubjects = [2]\nnoise = 0\n")
     outcome = run_task(task)
     settings = Protocol(profile="ramp-and-hold", rate_hz=50.0, chirp_amplitude=0.2)
     subject = virtual_subject(4_000_002)
-    trial = virtual_trial(subject, generate(settings), noise=0.05, seed=3)
+    trial = virtual_trial(subject, generate(settings), noise=0.0)
     by_hand = fit_problem(make_problem([trial]), starts=1, seed=4)
     worth = assess(by_hand)
     assert (outcome.status, outcome.vaf, outcome.ipde) == (by_hand.status, worth.vaf, worth.ipde)
@@ -39,6 +39,22 @@ def test_an_outcome_is_that_of_the_same_fit_by_hand() -> None:
     }
     assert {e.name: e.true for e in outcome.estimates} == dict(subject.parameters)
     assert outcome.seconds > 0
+
+
+def test_the_noise_is_another_in_every_cell_and_repeat_and_the_same_for_all_models(monkeypatch):
+    seeds = {}
+    trial = virtual.virtual_trial
+
+    def noted(*args, **settings):
+        seeds.setdefault(settings["model"], []).append(settings["seed"])
+        return trial(*args, **settings)
+
+    monkeypatch.setattr(virtual, "virtual_trial", noted)
+    cells = 'model = ["muscle", "muscle-tendon"]\ntask = ["active", "part-passive"]\nrepeats = 2\n'
+    for task in tasks(TEXT + cells + "chirp_rate = [0.1, 0.2]\n"):
+        run_task(task)
+    assert len(set(seeds["muscle"])) == 8
+    assert seeds["muscle"] == seeds["muscle-tendon"]
 
 
 def test_the_same_task_gives_the_same_bits_again() -> None:

@@ -26,6 +26,7 @@ SIZES = {
     "knee_motion": 0.05,
     "effort_variation": 0.2,
     "unmeasured": 0.15,
+    "gain_variation": 0.3,
     "reflex_gain": 0.3,
 }
 
@@ -75,7 +76,8 @@ def test_each_changes_what_it_should_and_is_told(trajectory, name):
 
 
 @pytest.mark.parametrize(
-    "other", ["knee_motion", "effort_variation", "unmeasured", "reflex_gain", "axis_up"]
+    "other",
+    ["knee_motion", "effort_variation", "gain_variation", "unmeasured", "reflex_gain", "axis_up"],
 )
 def test_one_does_not_move_the_draws_of_another(trajectory, other):
     size = {other: SIZES[other]}

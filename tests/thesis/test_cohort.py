@@ -9,15 +9,18 @@ from surae.assessment import vaf
 from surae.errors import ComputationError, InputError
 from surae.model import ModelOptions, get_model
 from surae.protocol import generate, named_device
-from surae.studies import virtual_subject
+from surae.studies import Imperfections
 from surae_thesis.cohort import members as cohort
-from surae_thesis.cohort.members import COMPLETED, SUBJECTS, cohort_protocol, make_cohort
-from surae_thesis.cohort.trials import (
-    REMOVABLE,
-    TRUE_MODEL,
-    cohort_inputs,
-    cohort_recording,
+from surae_thesis.cohort.members import (
+    COMPLETED,
+    GAIN,
+    SUBJECTS,
+    cohort_protocol,
+    make_cohort,
 )
+from surae_thesis.cohort.trials import TRUE_MODEL, cohort_recording
+from surae_thesis.cohort.work import inputs_of
+from surae_thesis.legs import thesis_leg
 
 PASSIVE, HOLDS, FAST = COMPLETED
 COHORT = make_cohort(1)
@@ -46,6 +49,15 @@ def test_a_seed_is_a_cohort_and_fewer_are_the_first_of_it():
     assert len(seeds) == 2 * SUBJECTS
 
 
+def test_a_wandering_gain_changes_the_torque_and_nothing_else_of_the_cohort():
+    steady, wandering = make_cohort(1, 2)[1], make_cohort(1, 2, GAIN)[1]
+    assert wandering.imperfections == replace(steady.imperfections, gain_variation=GAIN)
+    assert wandering.subject == steady.subject
+    before, after = (inputs_of(who, HOLDS, 1, 64.0) for who in (steady, wandering))
+    np.testing.assert_array_equal(before.angle, after.angle)
+    assert np.std(after.torque - before.torque) > 0.1 * np.std(before.torque)
+
+
 @pytest.mark.parametrize("subjects", [0, 15])
 def test_there_are_fourteen_at_most(subjects):
     with pytest.raises(InputError, match="use 1 to 14"):
@@ -63,6 +75,8 @@ def test_every_leg_is_richer_than_the_models():
         assert 0.10 <= flaws.unmeasured <= 0.20
         assert 0.02 <= flaws.reflex_gain <= 0.10
         assert 0.03 <= flaws.crosstalk <= 0.10
+        assert 0.06 <= flaws.torque_noise <= 0.20  # Figure 18 leaves 0.15 Nm
+        assert flaws.gain_variation == 0.0
         assert ("knee moves" in member.remarks) == (flaws.knee_motion >= 0.08)
     share = np.mean([member.imperfections.knee_motion >= 0.08 for member in many])
     assert share == pytest.approx(3 / 14, abs=0.08)
@@ -70,7 +84,7 @@ def test_every_leg_is_richer_than_the_models():
 
 def test_weights_are_for_compliant_tendons_women_are_weaker_and_nothing_else():
     for member in COHORT:
-        drawn = virtual_subject(member.subject.seed).parameters
+        drawn = thesis_leg(member.subject.seed).parameters
         ratio = {name: value / drawn[name] for name, value in member.subject.parameters.items()}
         strength = [ratio.pop(name) for name in ("g1", "g2", "g3", "g4")]
         assert strength == pytest.approx([1.5 if member.sex == "female" else 2.0] * 4)
@@ -104,7 +118,7 @@ def test_a_recording_does_not_depend_on_the_ones_before():
 
 
 def test_repetitions_share_the_motion_and_differ_in_effort():
-    first, second = (cohort_inputs(TWO, HOLDS, r, rate_hz=64.0) for r in (1, 2))
+    first, second = (inputs_of(TWO, HOLDS, r, 64.0) for r in (1, 2))
     np.testing.assert_array_equal(first.angle, second.angle)
     active = first.time > 12.0
     levels = first.emg[active].mean(axis=0) / second.emg[active].mean(axis=0)
@@ -114,44 +128,21 @@ def test_repetitions_share_the_motion_and_differ_in_effort():
 
 
 def test_the_passive_protocol_has_no_effort():
-    relaxed = cohort_inputs(TWO, PASSIVE, 1, rate_hz=64.0)
-    active = cohort_inputs(TWO, HOLDS, 1, rate_hz=64.0)
+    relaxed = inputs_of(TWO, PASSIVE, 1, 64.0)
+    active = inputs_of(TWO, HOLDS, 1, 64.0)
     assert relaxed.emg.max() < 0.2 * active.emg.max()
 
 
-@pytest.mark.parametrize(
-    ("member", "protocol", "repetition", "without", "says"),
-    [
-        (TWO, FAST, 1, (), "did not complete"),
-        (TWO, HOLDS, 0, (), "they count from 1"),
-        (TWO, HOLDS, 1, ("gravity",), "cannot leave out 'gravity'; use one of: tendons"),
-    ],
-)
-def test_what_is_not_there_is_refused(member, protocol, repetition, without, says):
-    with pytest.raises(InputError, match=says):
-        cohort_recording(member, protocol, repetition, without=without)
+def test_a_protocol_that_was_not_completed_is_refused():
+    with pytest.raises(InputError, match="did not complete"):
+        cohort_recording(TWO, FAST, 1)
 
 
-@pytest.fixture(scope="module")
-def full():
-    return signals(cohort_recording(TWO, PASSIVE, 1))
-
-
-@pytest.mark.parametrize("name", REMOVABLE)
-def test_each_imperfection_can_be_left_out_alone(full, name):
-    spared = signals(cohort_recording(TWO, PASSIVE, 1, without=(name,)))
-    np.testing.assert_array_equal(full["angle"], spared["angle"])
-    same_torque = np.array_equal(full["torque"], spared["torque"])
-    same_emg = np.array_equal(full["emg_sol"], spared["emg_sol"])
-    assert same_torque == (name in ("emg-noise", "crosstalk"))
-    # The reflex is triggered by the ankle's motion, which is not the plate's.
-    assert same_emg == (name not in ("emg-noise", "crosstalk", "reflex", "alignment"))
-
-
-def test_without_all_of_them_the_leg_is_the_muscle_tendon_model():
-    inputs = cohort_inputs(TWO, HOLDS, 1, rate_hz=256.0, without=tuple(REMOVABLE))
+def test_without_imperfections_the_leg_is_the_muscle_tendon_model():
+    who = replace(TWO, imperfections=Imperfections())
+    inputs = inputs_of(who, PASSIVE, 1)
     spec, options = get_model(TRUE_MODEL), ModelOptions()
-    truth = spec.vector(dict(TWO.subject.parameters), options)
+    truth = spec.vector({**TWO.subject.parameters, **TWO.subject.tendons}, options)
     torque = spec.simulator(inputs, options).torque(truth)
     # What is left: the preparation's filters, which smooth the motion and the torque.
     assert vaf(inputs.torque, inputs.torque - torque) > 99.5

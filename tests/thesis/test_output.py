@@ -1,5 +1,3 @@
-import csv
-import io
 import json
 import re
 
@@ -22,7 +20,7 @@ from surae_thesis.section import (
     reproduce,
     sections,
 )
-from surae_thesis.writers import cell_text, markdown, verdicts_csv, write
+from surae_thesis.writers import cell_text, markdown, write
 
 #: Markup of HTML, Markdown and typst at once.
 NASTY = "<script>alert(1)</script> | #panic() *b* $x$ [a](b) `c` \\"
@@ -36,7 +34,10 @@ def finding_of(name: str, *views: bool | None, ours: str = NASTY) -> JudgedClaim
             raise NotThereError(NASTY)
         return Ruling(holds, ours)
 
-    claim = Claim(name, "3.1", NASTY, NASTY, NASTY, rule, NASTY, "curve", cause="our cohort")
+    claim = Claim(
+        id=name, source="3.1", statement=NASTY, number=NASTY, rule=NASTY, ours=rule, why=NASTY,
+        cause="our cohort",
+    )  # fmt: skip
     names = ["", NASTY][: len(views)]
     return judge(claim, dict(zip(names, views, strict=True)))
 
@@ -49,7 +50,7 @@ def result(context: Context) -> Result:
             finding_of("one", True),
             finding_of("two", False, ours=f"seed {context.seed}"),
             finding_of("three", None),
-            finding_of("four", True, False),
+            finding_of("four", False, True),
         ),
         insights=(NASTY,),
         figures=(Drawing("curve", NASTY, NASTY, NASTY, figure),),
@@ -109,21 +110,7 @@ def test_the_pdf_takes_texts_as_texts(context) -> None:
 def test_without_typst_there_is_a_page_and_no_pdf(context, monkeypatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "typst", None)
     names = [path.name for path in reproduce(context, [SECTION])]
-    assert names == ["reproduction.html", "verdicts.csv", "verdicts.md"]
-
-
-def test_the_verdicts_as_csv_are_complete(context) -> None:
-    keep(context, SECTION, result(context))
-    rows = list(csv.DictReader(io.StringIO(verdicts_csv(chapters(context)))))
-    assert [row["verdict"] for row in rows] == [
-        "holds",
-        "differs: our cohort",
-        "cannot be checked",
-        "holds under ",
-    ]
-    assert rows[0]["text"] == rows[0]["ours"] == rows[2]["reason"] == NASTY
-    assert rows[3]["ours"] == f"{NASTY}; {NASTY}: {NASTY}"
-    assert rows[0]["figure"] == "curve"
+    assert names == ["reproduction.html", "verdicts.md"]
 
 
 def test_markdown_keeps_its_table_whatever_the_texts_hold(context) -> None:

@@ -3,7 +3,16 @@
 import numpy as np
 import pytest
 
-from surae_thesis.movements import CHOSEN, basic, chirped, drawings, for_achilles, run
+from surae_thesis import movements
+from surae_thesis.movements import (
+    CHOSEN,
+    basic,
+    chirped,
+    drawings,
+    for_achilles,
+    highest_factor,
+    run,
+)
 from surae_thesis.section import Context
 
 
@@ -22,9 +31,16 @@ def test_what_the_device_does_to_the_motions_is_seen(verdicts: dict[str, str]) -
 
 def test_the_chirp_stays_within_the_axes_of_figure_38(verdicts: dict[str, str]) -> None:
     assert verdicts["within-axes"] == "holds"
-    assert verdicts["highest-chirp-factor"] == "differs"
+    assert verdicts["highest-chirp-factor"] == "holds"
     for name in CHOSEN:
         assert 7.0 < np.abs(chirped(name).velocity).max() < 10.0
+
+
+def test_the_highest_factor_is_that_of_muscles_that_approach_their_limit(monkeypatch) -> None:
+    assert highest_factor(None, 0.9).holds
+    for fastest in (0.5, 1.5):
+        monkeypatch.setattr(movements, "_peak", lambda *_, v=fastest: v * 6.0)
+        assert not highest_factor(None, 0.9).holds
 
 
 def test_the_sine_has_the_thesis_frequency() -> None:

@@ -3,29 +3,29 @@
 from dataclasses import replace
 from itertools import product
 
+import numpy as np
 import pytest
 
+from surae.studies import virtual_trial
 from surae_thesis.claims import INTEGRATOR, NotThereError, judge, read_claims
+from surae_thesis.legs import NOISE, fit_cell, fit_explicit, motion, thesis_leg, thesis_trial
 from surae_thesis.simulation import RULES
 from surae_thesis.simulation.cells import (
     AMPLITUDES,
-    EQUAL,
     MAGNITUDE,
     MODELS,
-    NOISE,
     PROFILES,
     SIGNED,
     TASKS,
     GridCell,
     Study,
-    TorqueSize,
     along_factor,
     cells,
-    level,
     scores,
     select,
-    under,
+    with_magnitude,
 )
+from surae_thesis.simulation.grid import place, places
 
 CLAIMS = read_claims("simulation", *RULES)
 NAMES = ("m", "k_tri", "tau_rel", "k_rel", "g1")
@@ -88,8 +88,7 @@ def grid(sem=thesis_sem, ipde=thesis_ipde, vaf=thesis_vaf, off=thesis_off, subje
                 **place, repeat=1, vaf=vaf(place), ipde=ipde(place),
                 sem={name: sem(place, name) for name in NAMES},
                 off={name: off(place) if name == "g1" else 0.0 for name in NAMES},
-                truth={"l0_tri": 0.045, "l0_tib": 0.08},
-                torque=TorqueSize(10.0, 8.0, 12.0),
+                torque=(10.0, 8.0, 12.0),
             )
         )  # fmt: skip
     return tuple(made)
@@ -105,13 +104,13 @@ def of_model(model, value):
 def study(grid_, noise=(), patients=None) -> Study:
     sick = select(grid_, task="part-passive") if patients is None else patients
     others = select(grid_, task="part-passive")
-    return Study(grid_, tuple(noise), sick, others, {1000: others})
+    return Study(grid_, tuple(noise), sick, others)
 
 
 def everything(grid_, noise=None, patients=None) -> dict[str, str]:
     """Verdicts of every claim, in one view."""
     numbers = study(grid_, noisy() if noise is None else noise, patients)
-    findings = [judge(claim, {MAGNITUDE: numbers}) for claim in CLAIMS]
+    findings = [judge(claim, {SIGNED: numbers}) for claim in CLAIMS]
     assert len({finding.id for finding in findings}) == len(findings)
     return {finding.id: finding.verdict for finding in findings}
 
@@ -150,6 +149,7 @@ SPOILT = [
     ("ipde-tendon-amplitude", {"ipde": lambda place: 3.0 + place["amplitude"]}),
     ("chosen-profiles", {"ipde": lambda place: 6.0 - IPDE[place["model"]][place["profile"]]}),
     ("chosen-chirp", {"sem": lambda place, __: 1.0 + place["amplitude"]}),
+    ("chosen-chirp", {"sem": of_model("muscle", lambda place, __: 1.0 + place["amplitude"])}),
     ("chosen-task", {"sem": lambda place, __: 2.0 - (place["task"] == "active")}),
 ]
 
@@ -166,7 +166,7 @@ def noisy(vaf=0.0, sem=0.0, ipde=0.0, profile="multiple-holds"):
             model="muscle", profile=profile, task="part-passive", amplitude=0.1, factor=factor,
             subject=1, repeat=repeat, vaf=99.9 + vaf * (repeat == 5),
             ipde=2.6 + ipde * (repeat == 5), sem={"k_tri": 1.0 + sem * (repeat == 5)},
-            off={"k_tri": 0.0}, truth={"k_tri": 1.0},
+            off={"k_tri": 0.0}, torque=(10.0, 8.0, 12.0),
         )
         for factor in (0.3, 0.6)
         for repeat in range(1, 6)
@@ -196,49 +196,119 @@ def test_patients_follow_the_healthy_or_do_not() -> None:
     assert {v for name, v in said.items() if name.startswith("patient-")} == {"differs"}
 
 
-def test_another_reading_takes_the_noise_that_was_added_for_its_own() -> None:
-    torque = TorqueSize(magnitude=10.0, mean=4.0, rms=12.0)
-    added = NOISE * torque.magnitude
-    fitted = replace(
-        grid()[0], torque=torque, vaf=100.0 * (1.0 - added**2 / (torque.rms**2 + added**2))
-    )
-    assert under(fitted, MAGNITUDE, 1.0) is fitted
-    for reading, noise in ((SIGNED, 0.2), (EQUAL, 1.0)):
-        assert level(torque, reading, 1.0) == pytest.approx(noise)
-        other = under(fitted, reading, 1.0)
-        assert other.vaf == pytest.approx(100.0 * (1.0 - noise**2 / (144.0 + noise**2)))
-        assert other.sem["m"] == pytest.approx(fitted.sem["m"] * noise / added)
-        assert other.ipde == fitted.ipde
+def test_the_mean_magnitude_takes_the_noise_that_was_added_for_its_own() -> None:
+    magnitude, mean, rms = 10.0, 4.0, 12.0
+    added, other = NOISE * mean, NOISE * magnitude
+    vaf = 100.0 * (1.0 - added**2 / (rms**2 + added**2))
+    fitted = replace(grid()[0], torque=(magnitude, mean, rms), vaf=vaf)
+    changed = with_magnitude(fitted)
+    assert changed.vaf == pytest.approx(100.0 * (1.0 - other**2 / (rms**2 + other**2)))
+    assert changed.sem["m"] == pytest.approx(fitted.sem["m"] * other / added)
+    assert changed.ipde == fitted.ipde
 
 
-def test_a_claim_that_holds_in_some_columns_names_them() -> None:
+def test_a_claim_that_holds_in_another_column_names_it() -> None:
     (claim,) = [claim for claim in CLAIMS if claim.id == "tendon-fails-at-multi-sine"]
     fine = study(grid(vaf=lambda _: 99.9))
-    assert judge(claim, {MAGNITUDE: fine, SIGNED: study(grid())}).said == (
-        "holds under the signed mean"
+    assert judge(claim, {SIGNED: fine, MAGNITUDE: study(grid())}).said == (
+        "holds under the mean magnitude"
     )
-    assert judge(claim, {MAGNITUDE: fine, INTEGRATOR: study(grid())}).verdict == (
+    assert judge(claim, {SIGNED: fine, INTEGRATOR: study(grid())}).verdict == (
         "holds with the thesis's integrator"
     )
 
 
 def test_a_claim_without_its_cells_says_so() -> None:
-    with pytest.raises(NotThereError, match="muscle-tendon model with multiple-holds"):
+    with pytest.raises(NotThereError, match="muscle-tendon, multiple-holds"):
         along_factor(select(grid(), model="muscle"), "muscle-tendon")
     said = everything(select(grid(), task="active"), noise=())
     assert said["task-sem"] == said["noise-vaf"] == said["factor-sem"] == "cannot be checked"
 
 
-def test_rows_become_cells_once_without_failed_ones() -> None:
-    row = {
-        "model": "muscle", "protocol": "sine", "task": "active", "chirp_amplitude": 0.0,
-        "chirp_factor": 0.1, "subject": 1, "repeat": 1, "status": "converged", "vaf": 99.0,
-        "ipde": None, "m": 1.0, "m_sem": None, "m_true": 2.0, "dlt_tri": None,
-        "dlt_tri_sem": None, "dlt_tri_true": None,
-    }  # fmt: skip
-    failed = row | {"status": "failed", "vaf": None, "task": "part-passive"}
-    (cell,) = cells([row, row | {"chirp_factor": 0.2}, failed])
-    assert (cell.factor, cell.sem, cell.off, cell.worst) == (None, {}, {"m": -0.5}, ("m", 0.5))
+def test_the_grid_is_that_of_the_thesis() -> None:
+    every = places(quick=False)
+    assert len(every["grid"]) == 1400  # 1,840 combinations: without a chirp its factor is nothing
+    assert len(every["noise"]) == 5 * 13 * 5
+    labels = [" ".join(map(str, at.values())) for at in every["grid"]]
+    assert len(set(labels)) == len(labels)
+    assert sum(map(len, places(quick=True).values())) < 800
+
+
+def test_failed_fits_are_no_cells() -> None:
+    at = place("muscle", "sine", 0.0, 0.1)
+    fit = {"vaf": 99.0, "ipde": None, "sem": {}, "off": {"m": -0.5}, "torque": [1.0, 1.0, 2.0]}
+    (cell,) = cells([at, at], [fit, None])
+    assert (cell.factor, cell.sem, cell.worst) == (None, {}, ("m", 0.5))
+    assert cell.floor == pytest.approx(100.0 * (1.0 - 0.025**2))
+
+
+def test_the_active_task_is_what_follows_the_passive_seconds() -> None:
+    whole = motion("multiple-holds", "part-passive", 0.2, 0.5, 64.0)
+    active = motion("multiple-holds", "active", 0.2, 0.5, 64.0)
+    assert (whole.time[-1], active.time[-1]) == (35.0, 24.0)
+    np.testing.assert_array_equal(active.angle, whole.angle[11 * 64 :])
+    assert not whole.effort[: 11 * 64].any()
+    assert active.effort[: 2 * 64].any()
+
+
+def test_heads_that_take_turns_pull_alone_and_as_hard() -> None:
+    together = motion("sine", "part-passive", 0.0, None, 64.0).effort
+    alone = motion("sine", "part-passive", 0.0, None, 64.0, in_turn=True).effort
+    assert ((alone[:, 1:] > 0.0).sum(axis=1) <= 1).all()
+    assert ((together[:, 1:] > 0.0).sum(axis=1) > 1).any()
+    np.testing.assert_array_equal(alone[:, 0], together[:, 0])
+    kept = alone > 0.0
+    np.testing.assert_array_equal(alone[kept], together[kept])
+    assert all((alone[:, head] > 0.0).any() for head in (1, 2, 3))
+
+
+def test_the_noise_is_of_the_signed_mean_and_another_in_every_cell() -> None:
+    leg = thesis_leg(1)
+    trajectory = motion("sine", "part-passive", 0.0, None, 64.0)
+    clean = virtual_trial(leg, trajectory, noise=0.0).torque
+    first, again, other = (
+        thesis_trial(leg, t, "muscle", r)[0].torque
+        for t, r in ((trajectory, 1), (trajectory, 1), (trajectory, 2))
+    )
+    np.testing.assert_array_equal(first, again)
+    noise = first - clean
+    assert noise.std() == pytest.approx(0.05 * abs(clean.mean()), rel=0.1)
+    assert abs(np.corrcoef(noise, other - clean)[0, 1]) < 0.1
+
+
+@pytest.mark.parametrize(("population", "low", "high"), [("healthy", 3, 5), ("patient", 6, 10)])
+def test_the_tibialis_resists_as_the_figures_show(population, low, high) -> None:
+    stiffness, slack = [], []
+    for number in range(20):
+        leg = thesis_leg(number, population).parameters
+        length = 0.136 - 1.56 * (0.0393 - 0.0171 * 0.9)
+        force = np.exp(leg["k_tib"] * (length - leg["x0_tib"]))
+        assert low <= force * (0.0393 - 0.0171 * 0.9) <= high
+        stiffness.append(leg["k_tib"])
+        slack.append(leg["x0_tib"])
+    if population == "patient":  # stiffer and shorter than in health (2.5.4)
+        healthy = [thesis_leg(number).parameters for number in range(20)]
+        assert np.mean(stiffness) > np.mean([leg["k_tib"] for leg in healthy])
+        assert np.mean(slack) < np.mean([leg["x0_tib"] for leg in healthy])
+
+
+def test_the_thesis_s_optimiser_stops_in_the_chatter_and_a_wide_step_passes_it() -> None:
+    trajectory = motion("sine", "part-passive", 0.0, None, 1000.0)
+    scheme = {"integrator": "explicit-euler"}
+    inputs, _ = thesis_trial(thesis_leg(1), trajectory, "muscle-tendon", 1, **scheme)
+    usual, _ = fit_explicit(inputs, "muscle-tendon")
+    wide, _ = fit_explicit(inputs, "muscle-tendon", step=0.01)
+    assert usual["vaf"] < 97.0
+    assert wide["vaf"] > 99.5
+
+
+def test_a_cell_is_the_fit_beside_its_truth() -> None:
+    at = place("muscle", "sine", 0.0, None)
+    fit = fit_cell(seed=1, **at)
+    assert fit is not None
+    assert fit["vaf"] > 99.8
+    assert max(map(abs, fit["off"].values())) < 0.2
+    assert set(fit["sem"]) == set(fit["off"])
 
 
 def test_scores_leave_out_what_no_cell_could_tell() -> None:

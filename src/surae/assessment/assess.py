@@ -244,6 +244,11 @@ def _counted(
     return torque[counted], residual[counted], recording.weight[counted]
 
 
+def _noise_share(half: float, shift: float) -> float:
+    """What noise has of a variance that a model's bias shares, whatever size both have."""
+    return (half / (half + shift)) ** 2
+
+
 def _parameters(
     result: FitResult,
     estimated: Covariance,
@@ -289,7 +294,7 @@ def _parameters(
             repeatable = half <= IDENTIFIED * abs(value) and not withheld
             shift = against.shift.get(name, 0.0) if against is not None else 0.0
             if against is not None and shift > 0.0:
-                budget = {"noise": half**2 / (half + shift) ** 2}
+                budget = {"noise": _noise_share(half, shift)}
                 budget["model"] = 1.0 - budget["noise"]
                 half += shift
             ci95 = (value - half, value + half)

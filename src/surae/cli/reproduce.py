@@ -37,7 +37,7 @@ def command(
     """Compute the thesis's results again: each claim beside ours, with a verdict.
 
     The folder holds a page with every claim, figure and table, a PDF where typst is installed, and
-    the verdicts as CSV and Markdown. A stopped run goes on where it was.
+    the verdicts as Markdown. A stopped run goes on where it was.
     """
     if not output:
         raise InputError("--output is empty; give the name of a folder")

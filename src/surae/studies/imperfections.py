@@ -44,6 +44,10 @@ class Imperfections:
     effort_variation : float
         Coefficient of variation of the effort: what each muscle does is the target times a gain of
         mean 1, log-normal, that wanders within seconds and differs from trial to trial.
+    gain_variation : float
+        Coefficient of variation of the force that a muscle makes of its EMG: a gain of mean 1,
+        log-normal, that wanders within seconds and differs from trial to trial, as by fatigue or
+        an electrode that sees a part of the muscle.
     unmeasured : float
         Torque of muscles without electrodes (deep plantarflexors, toe extensors), as a part of that
         of the measured muscles that they help. Their activity follows that of their helpers only
@@ -71,6 +75,7 @@ class Imperfections:
     axis_up: float = 0.0
     knee_motion: float = 0.0
     effort_variation: float = 0.0
+    gain_variation: float = 0.0
     unmeasured: float = 0.0
     reflex_gain: float = 0.0
     reflex_delay: float = 0.042
@@ -98,6 +103,7 @@ class Imperfections:
         """One plain sentence for each disturbance that is on."""
         sentences = {
             "effort_variation": f"Effort varies by {100 * self.effort_variation:g} %.",
+            "gain_variation": f"Force for the same EMG varies by {100 * self.gain_variation:g} %.",
             "unmeasured": f"Muscles without electrodes: {100 * self.unmeasured:g} % of the "
             "activity of the others, following it roughly.",
             "reflex_gain": f"Stretch reflex of the triceps: {self.reflex_gain:g} of full effort "

@@ -113,9 +113,15 @@ def drive(
 ) -> FloatArray:
     """What drives the torque, shape (n, 4) [V]: the envelopes, and the muscles without electrodes.
 
-    Those that help the triceps, and those that help the tibialis, each do a share of its activity
-    that wanders about its mean within seconds, log-normal (`UNMEASURED_VARIATION`).
+    Each muscle's force for its EMG wanders within seconds, log-normal. Those that help the
+    triceps, and those that help the tibialis, each do a share of its activity that wanders about
+    its mean within seconds, log-normal (`UNMEASURED_VARIATION`).
     """
+    if imperfections.gain_variation > 0.0:
+        gains = wandering(
+            trajectory.time, EFFORT_PERIOD, len(MUSCLES), stream(subject, "gain", trial)
+        )
+        envelopes = envelopes * _log_normal(gains, imperfections.gain_variation)
     if imperfections.unmeasured == 0.0:
         return envelopes
     values = wandering(trajectory.time, EFFORT_PERIOD, 2, stream(subject, "unmeasured", trial))

@@ -4,6 +4,7 @@ import hashlib
 import json
 import math
 import time
+import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache, lru_cache
@@ -175,7 +176,7 @@ def _fit(task: FitTask) -> TaskOutcome:
         model=task.model,
         options=options,
         noise=task.noise,
-        seed=task.repeat,
+        seed=_noise_seed(task),
     )
     settings = FitSettings(task.model, options, starts=task.starts, seed=task.seed)
     result = solve(make_problem([trial], settings))
@@ -194,6 +195,12 @@ def _fit(task: FitTask) -> TaskOutcome:
             if p.free
         ),
     )
+
+
+def _noise_seed(task: FitTask) -> int:
+    """Another noise in every motion, effort and repeat; models and their options share it."""
+    cell = [task.protocol, task.task, task.chirp_amplitude, task.chirp_rate, task.rate_hz]
+    return zlib.crc32(json.dumps([*cell, task.repeat]).encode())
 
 
 def _finite(value: float | None) -> float | None:

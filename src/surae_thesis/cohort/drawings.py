@@ -1,11 +1,9 @@
 """The figures of the cohort: one function for each kind, with the captions."""
 
-from collections.abc import Callable, Iterator, Sequence
-from itertools import combinations
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
+import surae
 from surae.report.figures import (
     BLUE,
     GREY,
@@ -18,17 +16,24 @@ from surae.report.figures import (
     traces_of,
 )
 from surae.units import FloatArray
-from surae_thesis.cohort import plan, work
-from surae_thesis.cohort.boxes import Box, BoxPanel, snsem_figure, vaf_figure
+from surae_thesis.claims import rows
+from surae_thesis.cohort.boxes import Box, snsem_figure, vaf_figure
 from surae_thesis.cohort.members import (
     ACTIVE_PROTOCOL,
     FAST_PROTOCOL,
     PASSIVE_PROTOCOL,
-    CohortSubject,
 )
-from surae_thesis.cohort.results import Fits, Point
-from surae_thesis.cohort.rules import ACTIVE, PASSIVE, PROTOCOLS, thesis_means
-from surae_thesis.cohort.trials import RECORDED_HZ, cohort_inputs, cohort_recording
+from surae_thesis.cohort.results import Fits, Point, Ways
+from surae_thesis.cohort.rules import (
+    ACTIVE,
+    PASSIVE,
+    PROTOCOLS,
+    example,
+    points_of,
+    spectra_of,
+    thesis_means,
+)
+from surae_thesis.cohort.work import MODELS, inputs_of
 from surae_thesis.plots import Panel, PlotLine, draw
 from surae_thesis.section import Drawing
 
@@ -41,6 +46,19 @@ _SNSEM = {
     21: ("1.0", ACTIVE_PROTOCOL), 22: ("1.0", FAST_PROTOCOL), 26: ("2.0", ACTIVE_PROTOCOL),
     27: ("2.0", FAST_PROTOCOL), 33: ("2.1", ACTIVE_PROTOCOL), 34: ("2.2", ACTIVE_PROTOCOL),
 }  # fmt: skip
+#: Titles, captions and lower ends of the figures of VAF, by their numbers.
+_VAF = {
+    "17": ("VAF of model 1.0", "Fits of model 1.0 to one recording each", 80.0),
+    "23": ("VAF of model 2.0", "Fits of model 2.0 to one recording each", 75.0),
+    "29": ("VAF of repetitions that were predicted",
+           "Parameters from repetition 1 predict the others of the same protocol", 50.0),
+    "30": ("the ramp and hold, predicted from the multiple holds",
+           "Parameters from the active multiple holds, repetition 1, predict the passive ramp and "
+           "hold", 65.0),
+    "32": ("VAF of fits with a free tendon parameter", "Models 2.1 and 2.2", 75.0),
+    "35": ("VAF of repetitions predicted with it",
+           "Models 2.1 and 2.2: repetition 1 predicts the others", 50.0),
+}  # fmt: skip
 _BOXES = (
     "Boxes: 25th to 75th percentile, whiskers to 1.5 times their distance, every recording a dot. "
     "Triangles: the thesis's means."
@@ -50,8 +68,6 @@ _LOOKS: tuple[dict[str, Any], ...] = (
     {"color": INK}, {"color": RED, "linestyle": (0, (5, 1.5))},
     {"color": BLUE, "linestyle": (0, (1.2, 1.0)), "linewidth": 1.3}, {"color": OCHRE},
 )  # fmt: skip
-#: Length of the segments whose spectra are averaged [s].
-_SEGMENT = 8.0
 
 
 def noted(fits: Fits) -> list[str]:
@@ -59,89 +75,39 @@ def noted(fits: Fits) -> list[str]:
     return [member.id for member in fits.members if member.remarks]
 
 
-def example(fits: Fits) -> tuple[int, CohortSubject]:
-    """Number and data of the subject of the example figures: the first of whom nothing was noted.
-
-    Of those who completed all three protocols, if there is one.
-    """
-    return min(
-        enumerate(fits.members), key=lambda who: (-len(who[1].completed), bool(who[1].remarks))
-    )
-
-
 def vaf_drawings(fits: Fits) -> Iterator[Drawing]:
-    """Figures 17, 23, 29, 30, 32 and 35."""
-
-    def boxes(
-        kind: str, points: Callable[..., list[Point]], *cases: tuple[str, str, str]
-    ) -> list[Box]:
-        return [Box(label, points(m, p), thesis_means().get((kind, m, p))) for m, p, label in cases]
-
-    def cases(model: str, *protocols: str) -> list[tuple[str, str, str]]:
-        return [(model, p, PROTOCOLS[p].replace(" ", "\n", 1)) for p in protocols]
-
-    def onto(model: str, protocol: str) -> list[Point]:
-        del protocol
-        return fits.onto_passive(model)
-
-    tendons = [("2.1", ACTIVE_PROTOCOL, "strain\nfactor [2.1]"),
-               ("2.2", ACTIVE_PROTOCOL, "toe\nforce [2.2]")]  # fmt: skip
-    rows: list[tuple[int, str, str, list[BoxPanel]]] = [
-        *(
-            (number, f"VAF of model {model}", f"VAF of fits of model {model} to one recording each",
-             [BoxPanel("Passive", boxes("fit", fits.vaf, *cases(model, PASSIVE_PROTOCOL)), 90.0),
-              BoxPanel("Active", boxes("fit", fits.vaf, *cases(model, *plan.ACTIVE)), 75.0)])
-            for number, model in ((17, "1.0"), (23, "2.0"))
-        ),
-        (29, "VAF of repetitions that were predicted",
-         "Parameters from repetition 1 predict the other repetitions of the same protocol",
-         [BoxPanel(f"Model {m}",
-                   boxes("validation", fits.predicted, *cases(m, *plan.ACTIVE)), 50.0)
-          for m in ("1.0", "2.0")]),
-        (30, "the ramp and hold, predicted from the multiple holds",
-         "Parameters from the active multiple holds, repetition 1, predict the passive ramp and "
-         "hold",
-         [BoxPanel("Ramp and hold",
-                   boxes("onto", onto, *((m, PASSIVE_PROTOCOL, f"model {m}")
-                                         for m in ("1.0", "2.0"))), 65.0)]),
-        (32, "VAF of fits with a free tendon parameter",
-         "VAF of fits with a free tendon parameter, models 2.1 and 2.2",
-         [BoxPanel("Multiple holds", boxes("fit", fits.vaf, *tendons), 75.0)]),
-        (35, "VAF of repetitions predicted with it",
-         "VAF of repetitions predicted with a free tendon parameter, models 2.1 and 2.2",
-         [BoxPanel("Multiple holds", boxes("validation", fits.predicted, *tendons), 50.0)]),
-    ]  # fmt: skip
-    for number, title, caption, panels in rows:
-        ylabel = "VAF [%]" if number in (17, 23, 32) else "Validation VAF [%]"
+    """Figures 17, 23, 29, 30, 32 and 35: the levels of the claims, by the figure that they name."""
+    figures: dict[str, list[Mapping[str, Any]]] = {}
+    for row in rows("subjects"):
+        if row["ours"] == "vaf_level":
+            figures.setdefault(row["of"], []).append(row["given"])
+    for number, (title, caption, lowest) in _VAF.items():
+        boxes = [
+            Box(f"{PROTOCOLS[g['protocol']]}\n[{g['model']}]".replace(" ", "\n", 1),
+                points_of(fits, g["kind"], g["model"], g["protocol"]), g["mean"])
+            for g in figures[number]
+        ]  # fmt: skip
         yield Drawing(
             f"figure-{number}", f"Figure {number}: {title}", f"{caption}. {_BOXES}",
-            f"Box plots. {caption}.", vaf_figure(panels, noted(fits), ylabel),
+            f"Box plots. {caption}.", vaf_figure(boxes, lowest, noted(fits)),
         )  # fmt: skip
 
 
-def explicit_drawing(fits: Fits, explicit: Fits) -> Drawing:
-    """Model 2.0 by both integrators."""
-    panels = [
-        BoxPanel(
-            title,
-            [
-                Box(name.replace(" ", "\n", 1),
-                    [point for point in several.vaf("2.0", p) if point.repetition == 1],
-                    thesis_means().get(("fit", "2.0", p)))
-                for p, name in PROTOCOLS.items()
-            ],
-            70.0,
-        )
-        for title, several in (
-            ("Implicit (ours)", fits), ("Explicit Euler, 1000 Hz (thesis)", explicit),
-        )
-    ]  # fmt: skip
+def integrator_drawing(ways: Ways) -> Drawing:
+    """Model 2.0 on the multiple holds by both integrators."""
+    wide = [Point(subject, 1, value) for subject, value in ways.wide.items()]
+    first = [p for p in ways.wandering.vaf("2.0") if p.repetition == 1]
+    boxes = [
+        Box("implicit", first, thesis_means()["fit", "2.0", ACTIVE_PROTOCOL]),
+        Box("explicit,\nusual differences", ways.explicit.vaf("2.0")),
+        Box("explicit,\nwide differences", wide),
+    ]
     return Drawing(
         "figure-23-integrator", "Model 2.0, the same recordings by two integrators",
-        "VAF of fits of model 2.0 to repetition 1: implicit integration of the tendon, and the "
-        f"thesis's explicit one at the thesis's rate. {_BOXES}",
-        "Box plots of the VAF of model 2.0 for two integrators on three protocols.",
-        vaf_figure(panels, noted(fits)),
+        "VAF of fits of model 2.0 to repetition 1 of the multiple holds: implicit integration of "
+        f"the tendon, and the thesis's explicit one with an optimiser of its kind. {_BOXES}",
+        "Box plots of the VAF of model 2.0 for two integrators.",
+        vaf_figure(boxes, 60.0, noted(ways.wandering)),
     )  # fmt: skip
 
 
@@ -153,20 +119,21 @@ def snsem_drawings(fits: Fits) -> Iterator[Drawing]:
         caption = f"snSEM of model {model}, {PROTOCOLS[protocol]}"
         yield Drawing(
             f"figure-{number}", f"Figure {number}: {caption}",
-            "Standard error, equation (34), of every recording over the mean of "
-            f"{fits.size.baseline} simulated subjects at the same rate. Logarithmic, unlike the "
-            "thesis's axis.", f"Box plots of the {caption}.",
+            "Standard error, equation (34), of every recording over the mean of simulated subjects "
+            "at the same rate. Logarithmic, unlike the thesis's axis.",
+            f"Box plots of the {caption}.",
             snsem_figure(ratios, {n: fitted - len(several) for n, several in ratios.items()}),
         )  # fmt: skip
 
 
 def trace_drawings(fits: Fits) -> Iterator[Drawing]:
     """Figures 18 to 20, 24, 25 and 28: one subject's fits; 31: a prediction."""
-    number, who = example(fits)
+    _, who = example(fits.members)
     for figure, (model, protocol) in _TRACES.items():
         if protocol not in who.completed:
             continue
-        fit = work.fitted(**plan.fit_settings(fits.size, number, [(protocol, 1)], model))
+        inputs = inputs_of(who, protocol, 1)
+        fit = surae.fit(inputs, MODELS[model], starts=2, quality=())
         fitted = f"model {model}, {PROTOCOLS[protocol]}"
         yield Drawing(
             f"figure-{figure}", f"Figure {figure}: torque of {fitted}",
@@ -176,7 +143,7 @@ def trace_drawings(fits: Fits) -> Iterator[Drawing]:
             torque_figure(traces_of(fit.result)[0]),
         )  # fmt: skip
         if figure == 19:
-            passive = cohort_inputs(who, PASSIVE_PROTOCOL, 1, rate_hz=fits.size.rate_hz)
+            passive = inputs_of(who, PASSIVE_PROTOCOL, 1)
             prediction = fit.predict(passive)
             measured = PlotLine(prediction.time, prediction.measured, "measured",
                             {"color": GREY, "linewidth": 3.0})  # fmt: skip
@@ -205,36 +172,15 @@ def trace_drawings(fits: Fits) -> Iterator[Drawing]:
             )  # fmt: skip
 
 
-def spectra_drawing(fits: Fits) -> tuple[Drawing, list[float]]:
-    """Figure 40, and the mean absolute difference of each pair of repetitions [dB]."""
-    _, who = example(fits)
-    spectra = [
-        spectrum(
-            np.asarray(cohort_recording(who, ACTIVE_PROTOCOL, r).channels["torque"].values),
-            RECORDED_HZ,
-        )
-        for r in range(1, fits.size.repetitions + 1)
-    ]
-    drawing = Drawing(
+def spectra_drawing(fits: Fits) -> Drawing:
+    """Figure 40."""
+    _, who = example(fits.members)
+    return Drawing(
         "figure-40", "Figure 40: power spectra of one subject's repetitions",
         f"Subject {who.id}, torque of the multiple holds as recorded, Welch's method.",
         "Power spectral density of the torque of the repetitions of one subject.",
-        spectra_figure(spectra),
+        spectra_figure(spectra_of(who)),
     )  # fmt: skip
-    frequency = spectra[0][0]
-    band = (frequency >= 0.25) & (frequency <= 5.0)
-    return drawing, [
-        float(np.mean(np.abs(a[1][band] - b[1][band]))) for a, b in combinations(spectra, 2)
-    ]
-
-
-def spectrum(signal: FloatArray, rate_hz: float) -> tuple[FloatArray, FloatArray]:
-    """Frequency [Hz] and power density (Welch, Hann windows of 8 s) of a signal, in dB."""
-    from scipy.signal import welch
-
-    n = min(int(_SEGMENT * rate_hz), len(signal))
-    frequency, power = welch(signal - signal.mean(), rate_hz, nperseg=n)
-    return frequency, 10.0 * np.log10(np.maximum(power, 1e-300))
 
 
 def spectra_figure(spectra: Sequence[tuple[FloatArray, FloatArray]]) -> Figure:

@@ -7,12 +7,41 @@ from typing import Any
 import numpy as np
 
 from surae.units import FloatArray
-from surae_thesis.cohort import members, plan, trials, work
-from surae_thesis.cohort.members import ACTIVE_PROTOCOL, PASSIVE_PROTOCOL, CohortSubject
+from surae_thesis import legs
+from surae_thesis.cohort import members, trials, work
+from surae_thesis.cohort.members import (
+    ACTIVE_PROTOCOL,
+    FAST_PROTOCOL,
+    GAIN,
+    PASSIVE_PROTOCOL,
+    REPETITIONS,
+    SUBJECTS,
+    CohortSubject,
+    make_cohort,
+)
 from surae_thesis.section import Context
 
-#: One outcome of `work.fit_job`.
+#: One outcome of `work.member_job`.
 Fit = Mapping[str, Any]
+#: What generates the recordings and fits them.
+MADE_BY = (members, trials, legs)
+
+
+@dataclass(frozen=True, slots=True)
+class Size:
+    """How much is computed: subjects whose gain wanders, of a constant gain, and joint fits."""
+
+    seed: int
+    subjects: int = SUBJECTS
+    constant: int = SUBJECTS
+    joint: int = 5
+    repetitions: int = REPETITIONS
+    baseline: int = 6
+
+    @classmethod
+    def of(cls, context: Context) -> "Size":
+        """Make the size of the whole cohort, or of fewer fits that check every claim."""
+        return cls(context.seed, 2, 2, 1, 2, 2) if context.quick else cls(context.seed)
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,22 +55,22 @@ class Point:
 
 @dataclass(frozen=True, slots=True)
 class Fits:
-    """The thesis's fits of a cohort, of one recording each, by label.
+    """The thesis's fits of a cohort, of one recording each, by model, protocol and repetition.
 
-    The baselines are mean standard errors of simulations, by label.
+    `single` has them by subject and label; the baselines are mean standard errors of simulations.
     """
 
-    size: plan.Size
     members: tuple[CohortSubject, ...]
-    single: Mapping[str, Fit]
+    single: Mapping[str, Mapping[str, Fit]]
     baselines: Mapping[str, Mapping[str, float]]
 
     def of(self, model: str, protocol: str) -> Iterator[tuple[str, int, Fit]]:
         """Subject, repetition and fit of every recording of a protocol."""
-        for label, fit in self.single.items():
-            of_model, subject, of_protocol, repetition = label.split()
-            if (of_model, of_protocol) == (model, protocol):
-                yield subject, int(repetition), fit
+        for subject, fits in self.single.items():
+            for label, fit in fits.items():
+                of_model, of_protocol, repetition = label.split()
+                if (of_model, of_protocol) == (model, protocol):
+                    yield subject, int(repetition), fit
 
     def vaf(self, model: str, protocol: str = ACTIVE_PROTOCOL) -> list[Point]:
         """VAF of every recording [%]."""
@@ -62,7 +91,7 @@ class Fits:
             if prediction["protocol"] == (target or protocol) and prediction["vaf"] is not None
         ]
 
-    def onto_passive(self, model: str) -> list[Point]:
+    def onto_passive(self, model: str, _: str = "") -> list[Point]:
         """The ramp and hold as predicted from repetition 1 of the multiple holds."""
         return self.predicted(model, target=PASSIVE_PROTOCOL)
 
@@ -72,49 +101,75 @@ class Fits:
         ratios: dict[str, list[float]] = {}
         for _, _, fit in self.of(model, protocol):
             for name, p in fit["parameters"].items():
-                if p["free"]:
-                    of_name = ratios.setdefault(name, [])
-                    if p["sem"] is not None and name in baseline:
-                        of_name.append(p["sem"] / baseline[name])
+                of_name = ratios.setdefault(name, [])
+                if p["sem"] is not None and name in baseline:
+                    of_name.append(p["sem"] / baseline[name])
         return ratios
 
 
-#: What generates the recordings.
-_MADE_BY = (members, trials)
+@dataclass(frozen=True, slots=True)
+class Ways:
+    """Fits of the cohort whose gain wanders and of the one whose does not, and by the thesis.
+
+    The latter with the thesis's integrator and optimiser; `wide` has its VAF of model 2.0 on the
+    multiple holds with finite differences that look past the chatter, by subject.
+    """
+
+    wandering: Fits
+    constant: Fits
+    explicit: Fits
+    wide: Mapping[str, float]
 
 
-def fitted(context: Context, name: str, jobs: Mapping[str, plan.Settings]) -> dict[str, Fit]:
-    """What `work.fit_job` makes of jobs, kept under a name."""
-    return context.calls(f"cohort-{name}", work.fit_job, jobs, also=_MADE_BY)
-
-
-def thesis_fits(context: Context) -> Fits:
+def thesis_fits(context: Context) -> Ways:
     """Fit as the thesis did: every model to every recording alone."""
-    size = plan.Size.of(context)
-    single = fitted(context, "fits", plan.single_fits(size))
-    jobs = plan.baselines(size)
-    baselines = context.calls("cohort-baselines", work.baseline_job, jobs, also=_MADE_BY)
-    return Fits(size, size.members, single, baselines)
+    size = Size.of(context)
+    jobs = {
+        f"{m} {p}": {"seed": size.seed, "protocol": p, "model": m, "subjects": size.baseline}
+        for p in (ACTIVE_PROTOCOL, FAST_PROTOCOL)
+        for m in work.MODELS
+        if p == ACTIVE_PROTOCOL or m in ("1.0", "2.0")
+    }
+    baselines = context.calls("cohort-baselines", work.baseline_job, jobs, also=MADE_BY)
+    kept = {"seed": size.seed, "repetitions": size.repetitions}
+    made = context.calls(
+        "cohort-fits",
+        work.member_job,
+        {
+            f"{name} {n}": {**kept, "member": n, "gain": gain, "explicit": gain > 0.0}
+            for name, gain, count in (
+                ("wandering", GAIN, size.subjects), ("constant", 0.0, size.constant),
+            )
+            for n in range(count)
+        },
+        also=MADE_BY,
+    )  # fmt: skip
 
+    def fits(cohort: str, way: str, gain: float, count: int) -> Fits:
+        those = make_cohort(size.seed, count, gain)
+        single = {
+            who.id: {
+                label.removeprefix(f"{way} "): fit
+                for label, fit in made[f"{cohort} {number}"].items()
+                if label.startswith(way)
+            }
+            for number, who in enumerate(those)
+        }
+        return Fits(those, single, baselines)
 
-def strengths(context: Context) -> Mapping[str, Mapping[str, float]]:
-    """Largest torques by subject, measured and on printed tendons; see `work.strength_job`."""
-    jobs = plan.strengths(plan.Size.of(context))
-    return context.calls("cohort-strengths", work.strength_job, jobs, also=_MADE_BY)
-
-
-def fair_fits(context: Context, fits: Fits) -> Mapping[str, Mapping[str, float | None]]:
-    """What a fair optimiser makes of the explicit scheme, by subject; see `work.explicit_job`."""
-    jobs = {}
-    for number, member in enumerate(fits.members[: fits.size.closer]):
-        fit = fits.single[f"2.0 {member.id} {ACTIVE_PROTOCOL} 1"]
-        if fit["status"] != "failed":
-            jobs[member.id] = {
-                "seed": fits.size.seed, "member": number, "protocol": ACTIVE_PROTOCOL,
-                "rate_hz": plan.EXPLICIT_HZ,
-                "implicit": {n: p["value"] for n, p in fit["parameters"].items() if p["free"]},
-            }  # fmt: skip
-    return context.calls("cohort-fair", work.explicit_job, jobs, also=_MADE_BY)
+    wandering = fits("wandering", "implicit", GAIN, size.subjects)
+    explicit = fits("wandering", "explicit", GAIN, size.subjects)
+    rigid = {
+        who: {k: f for k, f in of.items() if k.startswith("1.0 ")} | dict(explicit.single[who])
+        for who, of in wandering.single.items()
+    }
+    wide = fits("wandering", "wide", GAIN, size.subjects).vaf("2.0")
+    return Ways(
+        wandering,
+        fits("constant", "implicit", 0.0, size.constant),
+        Fits(wandering.members, rigid, baselines),
+        {point.subject: point.value for point in wide},
+    )
 
 
 def values(points: Iterable[Point]) -> FloatArray:

@@ -1,7 +1,9 @@
-"""One job of the cohort, from plain settings to plain numbers."""
+"""One subject of the cohort: every recording made once, and all its fits as plain numbers."""
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -10,35 +12,128 @@ import surae
 from surae import ComputationError, ModelInputs
 from surae.assessment import vaf
 from surae.model import get_model
-from surae.protocol import Protocol, chirp_rate
-from surae.studies import make_baseline
-from surae_thesis.cohort.members import CohortSubject, make_cohort
-from surae_thesis.cohort.trials import cohort_inputs
+from surae.signals import Preparation, prepare
+from surae.units import FloatArray
+from surae_thesis.cohort.members import (
+    ACTIVE_PROTOCOL,
+    PASSIVE_PROTOCOL,
+    CohortSubject,
+    make_cohort,
+)
+from surae_thesis.cohort.trials import cohort_recording
+from surae_thesis.legs import (
+    EXPLICIT_HZ,
+    RATE_HZ,
+    fit_explicit,
+    fit_trial,
+    motion,
+    thesis_leg,
+    thesis_trial,
+)
 
+#: Models of the thesis by its numbers.
+MODELS = {
+    "1.0": "muscle",
+    "2.0": "muscle-tendon",
+    "2.1": "muscle-tendon-strain",
+    "2.2": "muscle-tendon-toe",
+}
+#: Ways to fit several recordings together: model, and what it frees beside its own parameters.
+JOINT: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "joint 1.0": ("1.0", ()),
+    "joint 2.0": ("2.0", ()),
+    "joint + ε0": ("2.0", ("dlt_tri",)),
+    "joint + tendons": ("2.0", ("dlt_tri", "dlt_tib", "pt_tri")),
+}
 #: Samples of the largest torque that count as its peaks.
 PEAK = 0.05
-#: Steps of the finite differences that look past a torque's chatter, as parts of the parameters,
-#: and evaluations of the torque's derivatives.
-_STEP, _EVALUATIONS = 0.01, 25
+#: Step of finite differences that look past the chatter of the explicit scheme.
+_WIDE = 0.01
+#: The EMG weights have no truth: crosstalk and muscles without electrodes are part of them.
+_WEIGHTS = ("g1", "g2", "g3", "g4")
+
+Plain = dict[str, Any]
 
 
-def fit_job(**settings: Any) -> dict[str, Any]:
-    """Fit recordings of one subject, judge the fit and let it predict others; see `fitted`.
+class _Subject:
+    """A subject and its recordings as a model reads them, each made once."""
+
+    def __init__(self, who: CohortSubject) -> None:
+        self.who = who
+        self.recording = cache(lambda protocol, r: cohort_recording(who, protocol, r))
+        self.inputs = cache(
+            lambda protocol, r, rate: prepare(
+                self.recording(protocol, r), Preparation(rate_hz=rate)
+            )
+        )
+
+
+def inputs_of(
+    who: CohortSubject, protocol: str, repetition: int, rate_hz: float = RATE_HZ
+) -> ModelInputs:
+    """A recording of the cohort after the default preparation (2.1)."""
+    return prepare(cohort_recording(who, protocol, repetition), Preparation(rate_hz=rate_hz))
+
+
+def member_job(
+    *, seed: int, member: int, gain: float, repetitions: int, explicit: bool
+) -> dict[str, Plain]:
+    """Fit every model to every recording alone, as the thesis did, and let them predict others.
 
     Returns
     -------
     dict
-        Status, VAF, parameters beside the truth, correlation, predictions, sizes of torque parts.
+        Fits by way, model, protocol and repetition, the way ``"implicit"``, or with `explicit`
+        ``"explicit"`` too, repetition 1 by `fit_explicit`, and ``"wide"``, the same with wide
+        finite differences.
     """
-    who, without = make_cohort(settings["seed"])[settings["member"]], settings["without"]
-    fit = fitted(**settings)
-    truth = _truth(who, without)
+    subject = _Subject(make_cohort(seed, gain=gain)[member])
+    fits = {}
+    for protocol in subject.who.completed:
+        for model, name in MODELS.items():
+            if model in ("2.1", "2.2") and protocol != ACTIVE_PROTOCOL:
+                continue
+            for r in range(1, repetitions + 1):
+                targets = _targets(protocol, repetitions) if r == 1 else ()
+                label = f"{model} {protocol} {r}"
+                fits[f"implicit {label}"] = _implicit(subject, name, protocol, r, targets, seed)
+                if explicit and model != "1.0" and r == 1:
+                    fits[f"explicit {label}"] = _explicit(subject, name, protocol, targets)
+                    if (model, protocol) == ("2.0", ACTIVE_PROTOCOL):
+                        fits[f"wide {label}"] = _explicit(subject, name, protocol, (), _WIDE)
+    return fits
+
+
+def _targets(protocol: str, repetitions: int) -> tuple[tuple[str, int], ...]:
+    """What repetition 1 predicts: the others, and from the multiple holds the ramp and hold."""
+    others = tuple((protocol, r) for r in range(2, repetitions + 1))
+    if protocol != ACTIVE_PROTOCOL:
+        return others
+    return others + tuple((PASSIVE_PROTOCOL, r) for r in range(1, repetitions + 1))
+
+
+def _implicit(
+    subject: _Subject, model: str, protocol: str, r: int, targets: Sequence[tuple[str, int]],
+    seed: int,
+) -> Plain:  # fmt: skip
+    inputs = subject.inputs(protocol, r, RATE_HZ)
+    fit = surae.fit(inputs, model, starts=2, seed=seed, quality=())
+    return fit_record(fit, subject.who, [(p, k, subject.inputs(p, k, RATE_HZ)) for p, k in targets])
+
+
+def fit_record(
+    fit: surae.Fit, who: CohortSubject, targets: Sequence[tuple[str, int, ModelInputs]]
+) -> Plain:
+    """A fit as plain numbers beside the truth, with what it predicts of other recordings."""
+    truth = {**who.subject.parameters, **who.subject.tendons}
     sums = [start.sse for start in fit.result.starts]
+    parts = [fit.parts(number) for number in range(len(fit.result.problem.inputs))]
+    measured = np.concatenate([_measured(inputs) for inputs in fit.result.problem.inputs])
+    missing = np.concatenate(fit.result.residuals)
     return {
         "status": fit.status,
         "n": fit.result.problem.n,
         "vaf": _finite(fit.vaf),
-        "ipde": _finite(fit.ipde),
         # Whether the default start alone finds the best minimum, to a thousandth of its sum.
         "first_start": bool(sums[0] <= 1.001 * min(sums)),
         "parameters": {
@@ -46,143 +141,103 @@ def fit_job(**settings: Any) -> dict[str, Any]:
                 "value": _finite(p.value),
                 "sem": _finite(p.sem),
                 "ci95": None if p.ci95 is None else [_finite(end) for end in p.ci95],
-                "free": p.free,
                 "at_bound": p.at_bound,
-                "true": _finite(truth.get(name)),
+                "true": None if name in _WEIGHTS else _finite(truth.get(name)),
             }
             for name, p in fit.parameters.items()
+            if p.free
         },
         "correlation": {
             "names": list(fit.covariance.names),
             "matrix": np.round(fit.correlation, 6).tolist(),
         },
         "predicted": [
-            {"protocol": protocol, "repetition": repetition, "vaf": _predicted(fit, inputs)}
-            for protocol, repetition in settings["predicted"]
-            for inputs in [
-                cohort_inputs(
-                    who, protocol, repetition, rate_hz=settings["rate_hz"], without=without
-                )
-            ]
+            {"protocol": protocol, "repetition": r, "vaf": _predicted(fit, inputs)}
+            for protocol, r, inputs in targets
         ],
-        "sizes": _sizes(fit),
+        "sizes": {
+            **{
+                name: _finite(max(_largest(getattr(part, name)) for part in parts))
+                for name in ("neural", "tissue", "inertial")
+            },
+            "short_at_peaks": _short(measured, missing),
+        },
     }
 
 
-def fitted(
-    *,
-    seed: int,
-    member: int,
-    trials: Sequence[tuple[str, int]],
-    model: str,
-    free: Sequence[str],
-    without: Sequence[str],
-    predicted: Sequence[tuple[str, int]],
-    rate_hz: float,
-    starts: int,
-    options: Mapping[str, Any],
-) -> surae.Fit:
-    """Fit recordings, protocol and repetition each, of a member of the cohort, counted from 0.
+def _explicit(
+    subject: _Subject, model: str, protocol: str, targets: Sequence[tuple[str, int]],
+    step: float | None = None,
+) -> Plain:  # fmt: skip
+    """A fit by the thesis's scheme in the same form."""
+    inputs = subject.inputs(protocol, 1, EXPLICIT_HZ)
+    fit, above = fit_explicit(inputs, model, **({} if step is None else {"step": step}))
+    predicted = []
+    for other, r in targets:
+        target = subject.inputs(other, r, EXPLICIT_HZ)
+        try:
+            torque = surae.simulate(model, fit["values"], target, integrator="explicit-euler")
+            share = _finite(vaf(_measured(target), _measured(target) - torque))
+        except ComputationError:
+            share = None
+        predicted.append({"protocol": other, "repetition": r, "vaf": share})
+    return {
+        "status": "converged",
+        "vaf": _finite(fit["vaf"]),
+        "parameters": {
+            name: {
+                "value": value, "sem": _finite(fit["sem"].get(name)),
+                "at_bound": name in fit["bounded"],
+            }
+            for name, value in fit["values"].items()
+        },
+        "correlation": fit["correlation"],
+        "predicted": predicted,
+        "sizes": {"short_at_peaks": _short(_measured(inputs), -above)},
+    }  # fmt: skip
 
-    Several are one joint fit. Beside the model's own free parameters it estimates `free`; all
-    recordings are spared the imperfections `without`; the options are those of the model. What it
-    is to predict does not matter to the fit.
-    """
-    del predicted
+
+def joint_job(*, seed: int, member: int, repetitions: int, rate_hz: float) -> dict[str, Plain]:
+    """Fit all but the last repetition of all protocols together, by every way, and predict it."""
     who = make_cohort(seed)[member]
-    inputs = [
-        cohort_inputs(who, protocol, repetition, rate_hz=rate_hz, without=without)
-        for protocol, repetition in trials
-    ]
-    return surae.fit(
-        inputs, model, free=tuple(free), starts=starts, seed=seed, quality=(), **options
-    )
+    inputs = {
+        (p, r): inputs_of(who, p, r, rate_hz)
+        for p in who.completed
+        for r in range(1, repetitions + 1)
+    }
+    last = [(p, r, one) for (p, r), one in inputs.items() if r == repetitions]
+    several = [one for (_, r), one in inputs.items() if r < repetitions]
+    return {
+        way: fit_record(
+            surae.fit(several, MODELS[model], free=free, starts=2, seed=seed, quality=()), who, last
+        )
+        for way, (model, free) in JOINT.items()
+    }
 
 
-def baseline_job(
-    *, seed: int, protocol: str, model: str, subjects: int, rate_hz: float
-) -> dict[str, float]:
+def baseline_job(*, seed: int, protocol: str, model: str, subjects: int) -> dict[str, float]:
     """Mean standard errors of simulations of the protocol that the thesis chose (4.1.5).
 
     That is the motion before it was adapted to the device: chirp of 0.2 rad and factor 0.5.
     """
-    protocol_ = Protocol(
-        profile=protocol, chirp_amplitude=0.2, chirp_rate=chirp_rate(0.5), rate_hz=rate_hz
-    )
-    return dict(make_baseline(protocol_, model, subjects, seed).sem)
+    trajectory, spec = motion(protocol, "part-passive", 0.2, 0.5, RATE_HZ), get_model(MODELS[model])
+    errors: dict[str, list[float]] = {}
+    for number in range(1, subjects + 1):
+        drawn = thesis_leg(1_000_000 * seed + number, tendons=True)
+        # A tendon of the subject's own only where it is estimated.
+        own = {name: value for name, value in drawn.tendons.items() if name in spec.free}
+        inputs, _ = thesis_trial(replace(drawn, tendons=own), trajectory, MODELS[model], 1)
+        for name, sem in (fit_trial(inputs, MODELS[model], 2, seed) or {"sem": {}})["sem"].items():
+            errors.setdefault(name, []).append(sem)
+    return {name: float(np.mean(several)) for name, several in errors.items()}
 
 
-def strength_job(*, seed: int, member: int, protocol: str, rate_hz: float) -> dict[str, float]:
+def strength_job(*, seed: int, member: int) -> dict[str, float]:
     """Largest torque [Nm]: measured, and of the leg on Table 2's tendons with ε0 in metres."""
     who = make_cohort(seed)[member]
-    inputs = cohort_inputs(who, protocol, 1, rate_hz=rate_hz)
+    inputs = inputs_of(who, ACTIVE_PROTOCOL, 1)
     printed = surae.simulate("muscle-tendon", who.subject.parameters, inputs)
     return {"measured": _largest(_measured(inputs)), "printed": _largest(printed)}
-
-
-def explicit_job(
-    *,
-    seed: int,
-    member: int,
-    protocol: str,
-    rate_hz: float,
-    implicit: Mapping[str, float],
-) -> dict[str, float | None]:
-    """What a fair optimiser makes of the thesis's explicit scheme, model 2.0, repetition 1.
-
-    Least squares whose finite differences are wider than the chatter of the torque, as a
-    general-purpose solver would be used, from the default start and from the parameters of the
-    implicit fit.
-
-    Returns
-    -------
-    dict
-        VAF [%] ``"replayed"`` of the explicit scheme with the implicit fit's parameters, and
-        fitted from either start: ``"default"``, ``"warm"``.
-    """
-    from scipy.optimize import least_squares
-
-    inputs = cohort_inputs(make_cohort(seed)[member], protocol, 1, rate_hz=rate_hz)
-    parameters = [p for p in get_model("muscle").parameters if p.name in implicit]
-    low, high = (np.array([getattr(p, end) for p in parameters]) for end in ("lower", "upper"))
-    measured = _measured(inputs)
-    size = np.maximum(np.abs([p.start for p in parameters]), 1e-9)
-
-    def residual(scaled: np.ndarray[Any, Any]) -> Any:
-        values = dict(zip([p.name for p in parameters], (scaled * size).tolist(), strict=True))
-        try:
-            torque = surae.simulate("muscle-tendon", values, inputs, integrator="explicit-euler")
-        except ComputationError:
-            return np.full(inputs.n, 1e3)
-        return torque - measured
-
-    def followed(start: Sequence[float], evaluations: int) -> float | None:
-        inside = np.clip(np.array(start), low + 1e-6 * (high - low), high - 1e-6 * (high - low))
-        if not evaluations:
-            return _finite(vaf(measured, residual(inside / size)))
-        end = least_squares(
-            residual, inside / size, bounds=(low / size, high / size), x_scale=0.1,
-            diff_step=_STEP, max_nfev=evaluations,
-        )  # fmt: skip
-        return _finite(vaf(measured, end.fun))
-
-    warm = [implicit[p.name] for p in parameters]
-    return {
-        "replayed": followed(warm, 0),
-        "default": followed([p.start for p in parameters], _EVALUATIONS),
-        "warm": followed(warm, _EVALUATIONS),
-    }
-
-
-def _truth(who: CohortSubject, without: Sequence[str]) -> dict[str, float]:
-    """What the leg really has of the parameters of a fit.
-
-    Not its EMG weights: there the electrodes' crosstalk and the muscles without electrodes are
-    part of what a weight stands for.
-    """
-    tendons = {} if "tendons" in without else dict(who.subject.tendons)
-    rest = {n: v for n, v in who.subject.parameters.items() if n not in ("g1", "g2", "g3", "g4")}
-    return {**rest, **tendons}
 
 
 def _predicted(fit: surae.Fit, inputs: ModelInputs) -> float | None:
@@ -193,26 +248,14 @@ def _predicted(fit: surae.Fit, inputs: ModelInputs) -> float | None:
         return None
 
 
-def _sizes(fit: surae.Fit) -> dict[str, float | None]:
-    """Largest size of each part of the torque [Nm], and what is missing at the peaks."""
-    inputs = fit.result.problem.inputs
-    parts = [fit.parts(number) for number in range(len(inputs))]
-    sizes: dict[str, float | None] = {
-        name: _finite(max(_largest(getattr(part, name)) for part in parts))
-        for name in ("neural", "tissue", "inertial", "gravitational")
-    }
-    measured = np.concatenate([_measured(recording) for recording in inputs])
-    missing = np.concatenate(fit.result.residuals)
+def _short(measured: FloatArray, missing: FloatArray) -> float | None:
+    """What is missing at the largest torques, as a part of them."""
     high = np.abs(measured) >= np.quantile(np.abs(measured), 1.0 - PEAK)
     short = float(np.mean(np.sign(measured[high]) * missing[high]))
-    return {
-        **sizes,
-        "measured": _largest(measured),
-        "short_at_peaks": _finite(short / float(np.mean(np.abs(measured[high])))),
-    }
+    return _finite(short / float(np.mean(np.abs(measured[high]))))
 
 
-def _measured(inputs: ModelInputs) -> Any:
+def _measured(inputs: ModelInputs) -> FloatArray:
     assert inputs.torque is not None  # every recording of the cohort has one
     return inputs.torque
 

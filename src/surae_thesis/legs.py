@@ -1,0 +1,196 @@
+"""Virtual legs and trials as the thesis simulates them (2.5), and two ways to fit them."""
+
+import math
+import zlib
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from surae import ComputationError, ModelInputs
+from surae.assessment import assess, covariance, ipde, vaf
+from surae.estimation import FitSettings, make_problem, solve
+from surae.model import ModelOptions, get_model
+from surae.protocol import DIRECTIONS, TASKS, Protocol, Trajectory, chirp_rate, generate
+from surae.recording import MUSCLES
+from surae.studies import VirtualSubject, stream, virtual_subject, virtual_trial
+from surae.units import FloatArray
+
+#: Noise, a part of each signal's mean (2.5.3).
+NOISE = 0.05
+#: Sampling rates [Hz]: of the muscle model (2.1), and of the thesis's explicit scheme (4.4).
+RATE_HZ, EXPLICIT_HZ = 256.0, 1000.0
+#: Passive torque of the tibialis at full plantarflexion [Nm]: the axis of Figure 31 reaches −10 Nm,
+#: where `surae.studies` has 1 Nm in health; a patient's muscles are stiffer and shorter (2.5.4).
+_TIBIALIS = {"healthy": (1.0, (3.0, 5.0)), "patient": (0.85, (6.0, 10.0))}
+#: Moment arm and length of the tibialis there [m], equations (5) and (9) at −0.9 rad.
+_ARM = 0.0393 - 0.0171 * 0.9
+_LENGTH = 0.136 - 1.56 * _ARM
+#: Defaults of MATLAB's lsqnonlin: relative step of its forward differences, and tolerances.
+STEP, _TOLERANCE, _ITERATIONS = 1.5e-8, 1e-6, 100
+
+
+def thesis_leg(
+    number: int, population: str = "healthy", *, tendons: bool = False
+) -> VirtualSubject:
+    """A leg of `surae.studies` whose tibialis resists as the thesis's figures show."""
+    drawn = virtual_subject(number, population, tendons=tendons)
+    stiffness, torque = _TIBIALIS[population]
+    k = stiffness * drawn.parameters["k_tib"]
+    force = stream(drawn, "passive tibialis").uniform(*torque) / _ARM
+    own = {"k_tib": k, "x0_tib": _LENGTH - math.log(force) / k}
+    return replace(drawn, parameters={**drawn.parameters, **own})
+
+
+def fit_cell(
+    *, seed: int, model: str, profile: str, task: str, amplitude: float, factor: float | None,
+    population: str, subject: int, repeat: int, explicit: bool, in_turn: bool,
+) -> dict[str, Any] | None:  # fmt: skip
+    """Simulate a trial, fit it with the model that made it, and compare with the truth."""
+    leg = thesis_leg(1_000_000 * seed + subject, population)
+    rate = EXPLICIT_HZ if explicit else RATE_HZ
+    options = {"integrator": "explicit-euler"} if explicit else {}
+    trajectory = motion(profile, task, amplitude, factor, rate, in_turn)
+    inputs, torque = thesis_trial(leg, trajectory, model, repeat, **options)
+    fit = fit_explicit(inputs, model)[0] if explicit else fit_trial(inputs, model, 2, seed)
+    if fit is None:
+        return None
+    off = {name: value / leg.parameters[name] - 1.0 for name, value in fit["values"].items()}
+    return {"torque": torque, "off": off, **{key: fit[key] for key in ("vaf", "ipde", "sem")}}
+
+
+@lru_cache(4)
+def motion(
+    profile: str, task: str, amplitude: float, factor: float | None, rate_hz: float,
+    in_turn: bool = False,
+) -> Trajectory:  # fmt: skip
+    """Motion and effort of a trial; the active task is what follows the passive 11 s (Figure 9).
+
+    In turn: each burst of the triceps is of one head instead of all three.
+    """
+    whole = generate(
+        Protocol(
+            profile=profile,
+            task="part-passive",
+            chirp_amplitude=amplitude,
+            chirp_rate=chirp_rate(factor or 0.5),
+            rate_hz=rate_hz,
+        )
+    )
+    effort = _in_turn(whole.effort) if in_turn else whole.effort
+    first = 0
+    if task == "active":
+        first = int(np.searchsorted(whole.time, TASKS["part-passive"].passive_until))
+    return replace(
+        whole,
+        time=whole.time[: len(whole.time) - first],
+        effort=effort[first:],
+        **{name: getattr(whole, name)[first:] for name in ("angle", "velocity", "acceleration")},
+    )
+
+
+def _in_turn(effort: FloatArray) -> FloatArray:
+    """Effort of which every burst of the triceps keeps one head, the next one each time."""
+    heads = [MUSCLES.index(muscle) for muscle in DIRECTIONS[0]]
+    pulls = (effort[:, heads] > 0.0).any(axis=1)
+    burst = np.cumsum(np.diff(pulls.astype(int), prepend=0) == 1) - 1
+    alone = effort.copy()
+    for number, head in enumerate(heads):
+        alone[burst % len(heads) != number, head] = 0.0
+    return alone
+
+
+def thesis_trial(
+    subject: VirtualSubject, trajectory: Trajectory, model: str, repeat: int, **options: str
+) -> tuple[ModelInputs, list[float]]:
+    """A trial with the thesis's noise, and the clean torque's mean magnitude, mean and RMS [Nm].
+
+    White noise of 5 % of each signal's mean, the torque's with its sign, is added to EMG and
+    torque; it is another in every cell and repeat.
+    """
+    chosen = ModelOptions.of(**options)
+    clean = virtual_trial(subject, trajectory, model=model, options=chosen, noise=0.0)
+    assert clean.torque is not None  # a simulation has one
+    settings = trajectory.settings
+    assert isinstance(settings, Protocol)  # `motion` has made it
+    cell = f"{settings.profile} {settings.chirp_amplitude} {settings.chirp_rate} {clean.n}"
+    rng = np.random.default_rng([subject.seed, repeat, zlib.crc32(cell.encode())])
+    emg = clean.emg + NOISE * clean.emg.mean(axis=0) * rng.standard_normal(clean.emg.shape)
+    mean = float(clean.torque.mean())
+    torque = clean.torque + NOISE * abs(mean) * rng.standard_normal(clean.n)
+    size = [float(np.abs(clean.torque).mean()), abs(mean), float(np.sqrt(np.mean(clean.torque**2)))]
+    return replace(clean, emg=emg, torque=torque), size
+
+
+def fit_trial(inputs: ModelInputs, model: str, starts: int, seed: int) -> dict[str, Any] | None:
+    """Fit by surae: VAF [%], IPDE, estimates, standard errors; None where it failed."""
+    problem = make_problem([inputs], FitSettings(model, starts=starts, seed=seed))
+    result = solve(problem)
+    if result.status == "failed":
+        return None
+    judged = assess(result)
+    free = {name: p for name, p in judged.parameters.items() if p.free}
+    return {
+        "vaf": float(judged.vaf),
+        "ipde": None if judged.ipde is None else float(judged.ipde),
+        "values": {name: float(p.value) for name, p in free.items()},
+        "sem": {name: float(p.sem) for name, p in free.items() if p.sem is not None},
+    }
+
+
+def fit_explicit(
+    inputs: ModelInputs, model: str, step: float = STEP
+) -> tuple[dict[str, Any], FloatArray]:
+    """Fit by the thesis's explicit scheme and its kind of optimiser, from the default start.
+
+    Least squares with forward differences (2.2), as MATLAB's lsqnonlin by its defaults; a `step`
+    wider than the torque's chatter looks past it.
+
+    Returns
+    -------
+    dict
+        As of `fit_trial`, which estimates are at a bound, and the correlation of the others.
+    ndarray, shape (n,)
+        What the modelled torque has above the measured one [Nm].
+    """
+    from scipy.optimize import least_squares
+
+    spec, options = get_model(model), ModelOptions.of(integrator="explicit-euler")
+    parameters = [p for p in spec.parameters if p.name in spec.free]
+    names = tuple(p.name for p in parameters)
+    low, high, start = (
+        np.array([getattr(p, key) for p in parameters]) for key in ("lower", "upper", "start")
+    )
+    torque, simulator = inputs.torque, spec.simulator(inputs, options)
+    assert torque is not None
+
+    def residual(scaled: FloatArray) -> FloatArray:
+        values = dict(zip(names, (scaled * start).tolist(), strict=True))
+        try:
+            return np.asarray(simulator.torque(spec.vector(values, options)) - torque)
+        except ComputationError:
+            return np.full(inputs.n, 1e3)
+
+    end = least_squares(
+        residual, np.ones(len(start)), bounds=(low / start, high / start), diff_step=step,
+        ftol=_TOLERANCE, xtol=_TOLERANCE, max_nfev=_ITERATIONS,
+    )  # fmt: skip
+    # The standard deviation of what may be between the bounds.
+    bounded = {
+        p.name: (p.upper - p.lower) / math.sqrt(12.0)
+        for p, active in zip(parameters, end.active_mask, strict=True)
+        if active
+    }
+    jacobian = end.jac / start
+    known = covariance(np.linalg.qr(jacobian)[1], names, 2.0 * float(end.cost), inputs.n, bounded)
+    errors = np.sqrt(np.diag(known.matrix)).tolist()
+    fit = {
+        "vaf": float(vaf(torque, end.fun)),
+        "ipde": float(ipde(known.correlation)),
+        "values": dict(zip(names, (end.x * start).tolist(), strict=True)),
+        "sem": dict(zip(known.names, errors, strict=True)),
+        "bounded": list(bounded),
+        "correlation": {"names": list(known.names), "matrix": known.correlation.tolist()},
+    }
+    return fit, np.asarray(end.fun)
