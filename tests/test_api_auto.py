@@ -59,7 +59,7 @@ def test_what_is_identified_of_a_filtered_recording_is_true(legs) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("drifting", [False, True])
 def test_what_is_identified_of_richer_legs_is_true(tmp_path, drifting) -> None:
-    """Twelve legs richer than every model, as files; `benchmarks/trust.py` counts more."""
+    """Twelve legs that `auto` can describe, as files; `benchmarks/trust.py` counts on others."""
     free = claimed = true = 0
     for seed in range(900, 912):
         leg = richer_leg(seed, drifting=drifting)

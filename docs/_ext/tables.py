@@ -6,6 +6,7 @@ from pathlib import Path
 import quality_table
 from sphinx.application import Sphinx
 
+from surae.estimation.population import KNOWN, WIDENED
 from surae.measures import DEFINITIONS
 from surae.model.parameters import (
     MUSCLE_2010_PARAMETERS,
@@ -14,7 +15,7 @@ from surae.model.parameters import (
     TENDON_PARAMETERS,
     Parameter,
 )
-from surae.model.sources import SOURCES
+from surae.model.sources import SOURCES, source_of
 
 PARAMETERS: dict[str, Iterable[Parameter]] = {
     "muscle": MUSCLE_PARAMETERS,
@@ -42,12 +43,23 @@ def sources() -> str:
     rows = []
     for s in SOURCES.values():
         prior, because = "", ""
-        if s.nuisance is not None:
-            belief, because = s.nuisance.prior, s.nuisance.because
-            prior = f"`{s.nuisance.group}`: {belief.mean:g} ± {belief.sd:g} {s.nuisance.unit}"
+        if n := s.nuisance:
+            prior = f"`{n.group}`: {n.prior.mean:g} ± {n.prior.sd:g} {n.unit}"
+            prior += "".join(f"; `{of}` {b.mean:g} ± {b.sd:g}" for of, b in n.own.items())
+            because = f"{n.because}{'; *a departure*' if n.departs else ''}"
         rows.append(f"| {s.label} | {s.meaning} | {prior} | {because} | {s.advice} |\n")
     head = "| source | what it is | prior in `nuisances` | because | what makes it smaller |\n"
     return f"{head}|---|---|---|---|---|\n" + "".join(rows)
+
+
+def priors() -> str:
+    """A table in Markdown: what is known of a leg's parameters before it is measured."""
+    head = "| parameter | median | spread | source |\n|---|--:|--:|---|\n"
+    return head + "".join(
+        f"| `{name}` | {known.median:g} | {WIDENED * known.spread:.2g} | {known.source} |\n"
+        for name, known in KNOWN["healthy"].items()
+        if source_of(name) is None or name in SOURCES["tendon"].leg
+    )
 
 
 def of_parameters(parameters: Iterable[Parameter]) -> str:
@@ -64,6 +76,7 @@ def write(app: Sphinx) -> None:
     texts = {
         "methods/measure-table.md": measures(),
         "methods/source-table.md": sources(),
+        "methods/prior-table.md": priors(),
         "how-to/quality-codes.md": quality_table.table(),
         **{f"models/parameters-{name}.md": of_parameters(p) for name, p in PARAMETERS.items()},
     }

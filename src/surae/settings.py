@@ -58,9 +58,9 @@ class FitSettings:
     """
 
     model: str = setting(
-        AUTO, '``"auto"``: the family of rigid and compliant tendons with the imperfections of a '
-        "laboratory, chosen by the evidence. Or the name of one model; `surae.model.MODELS` lists "
-        "them.", type="str", choices=FITTED, metavar="M",
+        AUTO, '``"auto"``: muscles on compliant tendons with the imperfections of a laboratory, '
+        "and the departures of real legs that the data ask for. Or the name of one model; "
+        "`surae.model.MODELS` lists them.", type="str", choices=FITTED, metavar="M",
         help=f"auto: what the data support; or {', '.join(FITTED[1:-1])} or {FITTED[-1]}.",
         label="Model", first=True,
     )  # fmt: skip

@@ -44,10 +44,10 @@ def fit(
     recordings : Recording, ModelInputs, path, or a sequence of them
         Several are one joint fit with shared parameters.
     model : str or FitSettings
-        ``"auto"``: the family of rigid and compliant tendons with the laboratory's imperfections,
-        chosen by the evidence. Or the name of one model; `surae.model.MODELS` lists them. Or
-        everything that is asked, as ``other.settings`` of another fit; keywords that are given too
-        go before it.
+        ``"auto"``: muscles on compliant tendons with the laboratory's imperfections, and the
+        departures of real legs that the data ask for. Or the name of one model;
+        `surae.model.MODELS` lists them. Or everything that is asked, as ``other.settings`` of
+        another fit; keywords that are given too go before it.
     baseline : Baseline or path, optional
         Simulations to compare the standard errors with (snSEM, thesis 2.7).
     mvc : Recording, ModelInputs, path, or a sequence of them
