@@ -145,7 +145,7 @@ def part(value: float | None) -> str:
     """A part in percent, to two digits."""
     if value is None:
         return NO_NUMBER
-    return f"{100 * value:.2g} %" if value < 1 else f"{100 * value:.0f} %"
+    return f"{100 * value:.2g} %" if value < 0.995 else f"{100 * value:.0f} %"
 
 
 def chance(p_value: float) -> str:

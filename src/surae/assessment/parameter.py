@@ -89,7 +89,7 @@ def _interval(value: float, half: float, unit: str) -> str:
 
 def percent(part: float) -> str:
     """A part in percent to two digits, or as many as tell it from the threshold of a verdict."""
-    if part >= 1:
+    if part >= 0.995:
         return f"{100 * part:.0f} %"
     text = f"{100 * part:.2g} %"
     same = text == f"{100 * IDENTIFIED:.2g} %"

@@ -227,9 +227,11 @@ class LogPosterior:
 
     def plain_residual(self, z: FloatArray, recording: ModelInputs, number: int) -> FloatArray:
         """Modelled minus measured torque by the parameters alone [Nm], shape (n,)."""
-        spec = self.problem.spec
-        torque = spec.simulator(recording, self.problem.options).torque(self.values(z, number))
-        return np.asarray(torque - _measured(recording))
+        simulator: Any = self.problem.spec.simulator(recording, self.problem.options)
+        values = self.values(z, number)
+        if "plate_give" in self.problem.spec.names:
+            simulator.pulled_by(simulator.torque(values))
+        return np.asarray(simulator.torque(values) - _measured(recording))
 
     def effort_ratio(self, point: Point) -> float:
         """Size of the slow residual under effort over that at rest; 0 where one of them is rare.

@@ -82,13 +82,17 @@ class UncertaintySource:
         when = self.nuisance.anew if self.nuisance else "trial" if self.fresh else "never"
         if when == "trial" or (mounted and when == "mounting"):
             return 1.0
-        return 0.0 if self.name == "lengths" else 0.5
+        return 0.0 if self.name == "lengths" else SHARED
 
     @property
     def advice(self) -> str:
         """The remedy as an imperative within an English sentence."""
         return self.remedy.en[0].lower() + self.remedy.en[1:].rstrip(".")
 
+
+#: Part of the variance by what two trials share that differs between them: it shifts estimates
+#: otherwise where movement and effort differ. Set on twelve virtual legs (decision 16).
+SHARED = 0.15
 
 _SOURCES = (
     UncertaintySource(

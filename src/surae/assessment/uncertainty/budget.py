@@ -5,8 +5,8 @@ The covariance of a posterior is the sum of what each source makes of the estima
 
 Another trial of the same leg has noise, drift, zero and errors of the EMG anew. What a leg and its
 mounting share is wrong alike only as far as both trials ask the same: a wrong arm shifts another
-parameter where movement and effort differ. It counts with half of its variance in each of them.
-What is added to a length is wrong alike in both.
+parameter where movement and effort differ. It counts with a part of its variance (`SHARED`) in each
+of them. What is added to a length is wrong alike in both.
 """
 
 from collections.abc import Mapping
