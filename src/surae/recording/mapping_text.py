@@ -233,7 +233,23 @@ def _relative(file: str, folder: PathLike) -> str:
 
 
 def toml_value(value: object) -> str:
-    """A text, number, switch or list as TOML says it, which is as JSON does."""
+    """A text, number, switch or list as TOML says it, which is as JSON does.
+
+    Parameters
+    ----------
+    value : object
+        The value.
+
+    Returns
+    -------
+    str
+        On one line.
+
+    Raises
+    ------
+    InputError
+        TOML cannot hold it.
+    """
     try:
         text = json.dumps(value, ensure_ascii=False, allow_nan=False)
         text.encode()
