@@ -2,7 +2,7 @@
 
 A parameter of a model that does not follow the torque is known precisely and means nothing, and so
 is one of a leg that did not move. What is looked at, and from where on it matters, was chosen on
-virtual legs (decision 16):
+virtual legs of the family:
 
 ================== =================================================================================
 centred R²         of the torque's changes, not of its offset, which any gravity or zero explains

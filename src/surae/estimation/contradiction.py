@@ -37,7 +37,7 @@ _VAGUE = 3.0
 #: Largest order of the noise's autoregression, and what is slow of it [Hz].
 _ORDER, _SLOW = 30, 2.0
 #: Gain of −2 ln Z from which an alternative is supported: odds of 150 to 1 ("very strong", Kass and
-#: Raftery 1995). Legs of the model itself have −60 to −7, richer ones 3 to 290 (decision 16).
+#: Raftery 1995). Legs of the model itself have −60 to −7, richer ones 3 to 290.
 _SUPPORTED = 10.0
 #: How much of what filtering once more does, and of what it does less than that when done again,
 #: has been done already.
