@@ -236,6 +236,22 @@ class Fit(Tabular):
         inputs = as_in_fit(self.result.problem, [recording], prepared)
         return predict_others(self.result, inputs)[0]
 
+    @property
+    def fascicles(self) -> Any:
+        """Filmed fascicles over time, measured and modelled [m], as a pandas DataFrame."""
+        from surae.assessment.fascicles import fascicles_of
+        from surae.recording.frames import frame
+
+        return frame(
+            [
+                {"recording": f.recording, "channel": f.channel, "time": t, "measured": y,
+                 "modelled": x}
+                for f in fascicles_of(self.result)
+                for t, y, x in zip(f.time, f.measured, f.modelled, strict=True)
+            ],
+            {"time": "s", "measured": "m", "modelled": "m"},
+        )  # fmt: skip
+
     def measures(self, angles: Sequence[float] = (-10.0, 0.0, 10.0)) -> "Measures":
         """Torque, stiffness and more in a clinician's units, with intervals and verdicts.
 

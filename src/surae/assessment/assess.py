@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from surae.assessment.adequacy import Adequacy, Grade, judge_adequacy
+from surae.assessment.fascicles import FascicleQuality, fascicles_of
 from surae.assessment.marginal import marginal
 from surae.assessment.parameter import (
     IDENTIFIED,
@@ -36,7 +37,7 @@ _MARGINAL = (
 )
 
 
-@filed(rmse="rmse_Nm", bias="bias_Nm")
+@filed(sparse=("fascicles",), rmse="rmse_Nm", bias="bias_Nm")
 @dataclass(frozen=True, slots=True, eq=False)
 class RecordingQuality(Comparable):
     """How well one recording is followed where its samples count: VAF, R² [%], RMSE, bias [Nm].
@@ -55,6 +56,7 @@ class RecordingQuality(Comparable):
     bias: float
     vaf_weighted: float | None
     r2: float
+    fascicles: tuple[FascicleQuality, ...] = ()
 
 
 @filed("baseline", "robust", rmse="rmse_Nm", covariance="correlation")
@@ -139,6 +141,7 @@ def assess(
     if result.family is not None:
         interval, why = Interval.MARGINAL, _MARGINAL
     pairs = [_counted(*pair) for pair in zip(problem.inputs, result.residuals, strict=True)]
+    filmed = fascicles_of(result)
     recordings = tuple(
         RecordingQuality(
             name=recording.name,
@@ -151,6 +154,7 @@ def assess(
             bias=float(residual.mean()),
             vaf_weighted=weighted_vaf([(torque, residual, weight)]),
             r2=centred_r2([(torque, residual)]),
+            fascicles=tuple(f.quality for f in filmed if f.recording == recording.name),
         )
         for recording, (torque, residual, weight) in zip(problem.inputs, pairs, strict=True)
     )

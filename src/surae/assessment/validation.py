@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surae.assessment.adequacy import Adequacy, judge_prediction
+from surae.assessment.fascicles import Fascicles, followed
 from surae.assessment.residual import rmse, vaf
 from surae.errors import InputError
 from surae.estimation import FitResult, FitSettings, make_problem, solve
@@ -39,6 +40,8 @@ class Prediction(Comparable):
         Of the samples; those of weight 0 are in no figure. None: all count.
     adequacy : Adequacy or None
         Whether it is as good as the fit promises; None where the parameters are of no fit.
+    fascicles : tuple of Fascicles
+        Filmed lengths, measured and predicted.
     """
 
     name: str
@@ -51,6 +54,7 @@ class Prediction(Comparable):
     measured: FloatArray
     weight: FloatArray | None = None
     adequacy: Adequacy | None = None
+    fascicles: tuple[Fascicles, ...] = ()
 
     @property
     def errors(self) -> tuple[FloatArray, FloatArray]:
@@ -94,8 +98,13 @@ def predict_others(result: FitResult, inputs: Sequence[ModelInputs]) -> tuple[Pr
                     f"estimated; add the channel emg_{muscle}"
                 )
     predicted = predict(problem.spec, problem.options, result.values, inputs)
+    seen = {} if result.family is None else result.family.films
     return tuple(
-        replace(prediction, adequacy=judge_prediction(result, recording, prediction.torque))
+        replace(
+            prediction,
+            adequacy=judge_prediction(result, recording, prediction.torque),
+            fascicles=followed(problem.spec, problem.options, result.values, recording, seen),
+        )
         for prediction, recording in zip(predicted, inputs, strict=True)
     )
 

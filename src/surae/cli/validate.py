@@ -13,6 +13,7 @@ from surae.cli.progress import compilation_notice, work
 from surae.cli.screen import show_files, show_line, show_predictions
 from surae.errors import InputError
 from surae.files import shown, write_json
+from surae.records import to_plain
 
 
 @click.command("validate")
@@ -129,9 +130,14 @@ def _leave_one_out(
 
 def _table(paths: Sequence[str], predictions: Sequence["api.Prediction"]) -> list[dict[str, Any]]:
     return [
-        {"path": path, **_figures(prediction), **_judged(prediction)}
+        {"path": path, **_figures(prediction), **_judged(prediction), **_filmed(prediction)}
         for path, prediction in zip(paths, predictions, strict=True)
     ]
+
+
+def _filmed(prediction: "api.Prediction") -> dict[str, Any]:
+    each = [to_plain(film.quality) for film in prediction.fascicles]
+    return {"fascicles": each} if each else {}
 
 
 def _judged(prediction: "api.Prediction") -> dict[str, Any]:

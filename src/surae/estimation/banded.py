@@ -37,11 +37,9 @@ def band_products(columns: FloatArray, first: IntArray, band: FloatArray) -> Non
 def border_products(
     columns: FloatArray, first: IntArray, rows: FloatArray, out: FloatArray
 ) -> None:
-    """Products of short columns, (k, l), with long ones, (n, p), into (k, p)."""
+    """Products of short columns, (k, l), with long ones, (n, p), are added to (k, p)."""
     n, p = rows.shape
     for j in range(len(first)):
-        for a in range(p):
-            out[j, a] = 0.0
         for t in range(columns.shape[1]):
             i = first[j] + t
             if i >= n:

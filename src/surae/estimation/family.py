@@ -251,7 +251,8 @@ class _Search:
             if not self._perfect:
                 learnt = post.learnt_sizes(point)
                 sizes = {s: float(np.clip(learnt[s], _LEAST[s], _MOST[s])) for s in SOURCES}
-            post = post.having(noise=post.learnt_noise(point, white=white), sizes=sizes)
+            noise, latents = post.learnt_noise(point, white=white), post.learnt_films(point)
+            post = post.having(noise=noise, sizes=sizes, latents=latents)
             point = post.descend(point.z, point.c, point.w, evaluations=evaluations, tolerance=0.1)
         return post, point
 
@@ -382,6 +383,7 @@ def _summed(
                 }
             ),
             recordings=_each(post, point, blocks, change) if len(inputs) > 1 else (),
+            films=FrozenDict(post.films_seen(point)),
         ),
     )  # fmt: skip
 

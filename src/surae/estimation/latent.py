@@ -12,9 +12,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import solveh_banded
+from scipy.linalg import block_diag, solveh_banded
 
 from surae.estimation.banded import add_hats
+from surae.estimation.film import FilmView, slices_of, views
 from surae.model.activation import IntArray
 from surae.recording import MUSCLES
 from surae.signals import ModelInputs, smooth_effort
@@ -45,6 +46,7 @@ class Latents:
     slices: Mapping[str, slice]
     inverses: Mapping[str, FloatArray]
     fast: "Fast"
+    films: tuple[FilmView, ...] = ()
 
     @classmethod
     def of(
@@ -82,12 +84,22 @@ class Latents:
             "drift": _inverse_correlation(at_drift, DRIFT_S),
             "misfit": np.eye(sizes[2]),
         }
-        return cls(gain, drift, misfit, muscles, slices, inverses, Fast.of(recording, muscles))
+        films = views(recording)
+        seen = slices_of(films, int(ends[-1]))
+        if films:
+            slices["film"] = slice(seen[0].start, seen[-1].stop)
+            inverses["film"] = block_diag(*(film.inverse for film in films))
+        fast = Fast.of(recording, muscles)
+        return cls(gain, drift, misfit, muscles, slices, inverses, fast, films)
+
+    def own_of_films(self) -> tuple[slice, ...]:
+        """Where the latent values of each film are."""
+        return slices_of(self.films, self.slices[SOURCES[-1]].stop)
 
     @property
     def size(self) -> int:
         """Number of latent values."""
-        return int(self.slices[SOURCES[-1]].stop)
+        return max(int(at.stop) for at in self.slices.values())
 
     def log_gain(self, c: FloatArray) -> FloatArray:
         """Logarithmic gain of the four muscles over time, shape (4, n)."""
@@ -101,7 +113,7 @@ class Latents:
         """Inverse of the values' covariance, shape (m, m), for these standard deviations."""
         whole = np.zeros((self.size, self.size))
         for source, at in self.slices.items():
-            whole[at, at] = self.inverses[source] / sizes[source] ** 2
+            whole[at, at] = self.inverses[source] / sizes.get(source, 1.0) ** 2
         return whole
 
 

@@ -29,12 +29,14 @@ from surae.estimation.banded import (
     solve_band_transposed,
 )
 from surae.estimation.evidence import Quadratic, root
+from surae.estimation.film import OWN, noise_of_film
 from surae.estimation.interrupt import checkpoint
 from surae.estimation.latent import SOURCES, TAIL_S, Latents
 from surae.estimation.least_squares import box_quadratic
 from surae.estimation.noise import NoiseModel, level_above, noise_behind, whitened
 from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import simulators, stiffness_valleys
+from surae.estimation.result import Seen
 from surae.model.activation import IntArray
 from surae.model.laboratory import Belief
 from surae.model.parameters import CROSSTALK, OPTIONAL_PARAMETERS
@@ -268,6 +270,8 @@ class LogPosterior:
             total += self.problem.inputs[number].n * float(np.log(noise.variance))
             total += 2.0 * float(np.log(np.abs(np.diag(b.factor[0]))).sum())
             total -= np.linalg.slogdet(self._precisions[number])[1]
+            for film in self.latents[number].films:
+                total += len(film.length) * float(np.log(film.noise.variance))
             if b.band is not None:
                 prior = cholesky_banded(self._fast[number][0], lower=True)
                 total += 2.0 * float(np.log(b.band[0]).sum() - np.log(prior[0]).sum())
@@ -317,10 +321,8 @@ class LogPosterior:
         """Derivatives by the fast gains, whitened, (k, l), and their first samples, (k,)."""
         _, recording, latents = self._of(number)
         fast, m = latents.fast, len(latents.muscles)
-        f0 = float(values[self.problem.spec.names.index("f0")])
-        tail = min(TAIL_S, 0.25 + 1.2 / f0)
         order = self.noise[number].order
-        size = fast.shapes.shape[1] + int(tail * recording.rate_hz)
+        size = fast.shapes.shape[1] + int(self._tail(values) * recording.rate_hz)
         columns = np.zeros((len(fast.first), m, size + order))
         for at, muscle in enumerate(latents.muscles):
             columns[:, at, :size] = response.columns(muscle, fast.shapes, fast.first, size)
@@ -334,10 +336,64 @@ class LogPosterior:
         columns[past] = 0.0
         return np.ascontiguousarray(columns), first
 
+    def film_rows(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> list[_Rows]:
+        """The same as `rows`, of the fascicles' lengths in each of a recording's films."""
+        if not self.latents[number].films:
+            return []
+        simulator, recording, latents, values = self._set(z, c, w, number)
+        with np.errstate(over="ignore", invalid="ignore"):
+            lengths, jacobians = simulator.length_jacobian(values, self._columns)
+        response = simulator.drive_response(values)
+        q, each = len(self.names), []
+        for film, at in zip(latents.films, latents.own_of_films(), strict=True):
+            grown = 1.0 + c[at][0]
+            rows = np.zeros((len(z) + latents.size + 1, recording.n))
+            rows[:q] = jacobians[film.group] * self.scale(z)[:, None]
+            self._gain_rows(response, recording, latents, rows[len(z) : -1], film.group)
+            rows = grown * film.at_frames(rows)
+            length = film.at_frames(lengths[film.group])
+            rows[len(z) + at.start : len(z) + at.stop] = film.rows(length)
+            rows[-1] = film.residual(length, c[at])
+            rows = whitened(rows, film.noise)
+            quick = None
+            if self.fast is not None:
+                columns, first = self._fast_lengths(response, values, number, film.group)
+                quick = film.short(grown * columns, first)
+            each.append((rows[: len(z)], rows[len(z) : -1], rows[-1], quick))
+        return each
+
+    def _fast_lengths(
+        self, response: Any, values: FloatArray, number: int, group: int
+    ) -> tuple[FloatArray, IntArray]:
+        """Derivatives of a group's length by the fast gains, (k, l), and first samples, (k,)."""
+        _, recording, latents = self._of(number)
+        fast, m = latents.fast, len(latents.muscles)
+        size = fast.shapes.shape[1] + int(self._tail(values) * recording.rate_hz)
+        columns = np.zeros((len(fast.first), m, size))
+        for at, muscle in enumerate(latents.muscles):
+            if group == int(muscle == 0):
+                columns[:, at] = response.columns(
+                    muscle, fast.shapes, fast.first, size, lengths=True
+                )
+        return columns.reshape(-1, size), np.repeat(fast.first, m)
+
+    def _tail(self, values: FloatArray) -> float:
+        """How long a fast gain is followed [s]."""
+        f0 = float(values[self.problem.spec.names.index("f0")])
+        return min(TAIL_S, 0.25 + 1.2 / f0)
+
     def _gain_rows(
-        self, response: Any, recording: ModelInputs, latents: Latents, own: FloatArray
+        self,
+        response: Any,
+        recording: ModelInputs,
+        latents: Latents,
+        own: FloatArray,
+        group: int | None = None,
     ) -> None:
-        """Derivatives by the slow gains, each followed for as long as it changes anything."""
+        """Derivatives by the slow gains, each followed for as long as it changes anything.
+
+        Of the torque, or of the length of a muscle `group`.
+        """
         hats = latents.gain
         k, n = hats.shape
         spacing = int(np.ceil(n / (k - 1)))
@@ -349,21 +405,23 @@ class LogPosterior:
             shapes[j, : len(piece)] = piece
         size = min(n, width + int(TAIL_S * recording.rate_hz))
         for at, muscle in enumerate(latents.muscles):
-            columns = response.columns(muscle, shapes, first, size)
+            if group not in (None, int(muscle == 0)):
+                continue
+            columns = response.columns(muscle, shapes, first, size, lengths=group is not None)
             for j in range(k):
                 end = min(n, first[j] + size)
                 own[at * k + j, first[j] : end] = columns[j, : end - first[j]]
 
     def block(self, z: FloatArray, c: FloatArray, w: FloatArray, number: int) -> Block:
         """A recording's normal equations, its latents eliminated, the fast ones first."""
-        Jz, Jc, e, quick = self.rows(z, c, w, number)
+        seen = [self.rows(z, c, w, number), *self.film_rows(z, c, w, number)]
         P = self._precisions[number]
-        both = np.concatenate([Jz, Jc, e[None]])
+        each = [np.concatenate([Jz, Jc, e[None]]) for Jz, Jc, e, _ in seen]
         with np.errstate(over="ignore", invalid="ignore"):
-            H = both @ both.T
+            H = np.sum([both @ both.T for both in each], axis=0)
         if not np.isfinite(H).all():
             raise FloatingPointError
-        q, m = len(Jz), len(Jc)
+        q, m, quick = len(z), len(c), seen[0][3]
         H[q : q + m, q : q + m] += P
         H[q : q + m, -1] += P @ c
         cost = float(H[-1, -1] + c @ P @ c)
@@ -376,14 +434,16 @@ class LogPosterior:
             spacing = float(first[-1]) / (len(first) // muscles - 1)
             reach = muscles * (int(np.ceil(columns.shape[1] / spacing)) + 2)
             band = np.zeros((min(reach, len(first) - 1) + 1, len(first)))
-            band_products(columns, first, band)
+            border = np.zeros((len(first), len(H)))
+            for both, (*_, short) in zip(each, seen, strict=True):
+                assert short is not None
+                band_products(*short, band)
+                border_products(*short, np.ascontiguousarray(both.T), border)
             band[0] += prior[0]
             band[muscles] += prior[muscles]
             away = w - mean
             pull = self.fast_product(number, away[:, None])[:, 0]
             cost += float(away @ pull)
-            border = np.empty((len(first), len(both)))
-            border_products(columns, first, np.ascontiguousarray(both.T), border)
             border[:, -1] += pull
             band = cholesky_banded(band, lower=True, check_finite=False)
             solved_w = cho_solve_banded((band, True), border, check_finite=False)
@@ -509,11 +569,46 @@ class LogPosterior:
         V = np.linalg.inv(H + np.diag(self.weight**2))
         for c, b, latents in zip(point.c, blocks, self.latents, strict=True):
             cov = cho_solve(b.factor, np.eye(len(c))) + b.solved @ V @ b.solved.T
-            for source, at in latents.slices.items():
-                K = latents.inverses[source]
+            for source in SOURCES:
+                at, K = latents.slices[source], latents.inverses[source]
                 squares[source] += float(c[at] @ K @ c[at] + np.sum(K * cov[at, at]))
                 counts[source] += len(K)
         return {s: float(np.sqrt(squares[s] / max(counts[s], 1.0))) for s in SOURCES}
+
+    def learnt_films(self, point: Point) -> tuple[Latents, ...]:
+        """The latents with what residuals say of the noise of each film."""
+        if not any(latents.films for latents in self.latents):
+            return self.latents
+        blocks = self.blocks(point.z, point.c, point.w)
+        H, _ = self.reduced(point.z, blocks)
+        root = np.linalg.cholesky(np.linalg.inv(H + np.diag(self.weight**2)))
+        learnt = []
+        for number, (c, w, b) in enumerate(zip(point.c, point.w, blocks, strict=True)):
+            latents, films = self.latents[number], []
+            lower = np.linalg.cholesky(cho_solve(b.factor, np.eye(len(c))))
+            rows, lengths = self.film_rows(point.z, c, w, number), self.lengths(point, number)
+            for film, at, (Jz, Jc, _, _) in zip(
+                latents.films, latents.own_of_films(), rows, strict=True
+            ):
+                taken = np.concatenate([root.T @ (Jz - b.solved.T @ Jc), lower.T @ Jc])
+                e = film.residual(film.at_frames(lengths[film.group]), c[at])
+                films.append(replace(film, noise=noise_of_film(e, taken)))
+            learnt.append(replace(latents, films=tuple(films)))
+        return tuple(learnt)
+
+    def films_seen(self, point: Point) -> dict[str, Seen]:
+        """Scale and zero of the films, by channel; of several recordings the mean."""
+        found: dict[str, list[FloatArray]] = {}
+        for latents, c in zip(self.latents, point.c, strict=True):
+            for film, at in zip(latents.films, latents.own_of_films(), strict=True):
+                found.setdefault(film.channel, []).append(c[at][:OWN])
+        means = {channel: np.mean(own, axis=0).tolist() for channel, own in found.items()}
+        return {channel: Seen(*mean) for channel, mean in means.items()}
+
+    def lengths(self, point: Point, number: int) -> FloatArray:
+        """Lengths of a recording's muscle groups [m], shape (2, n)."""
+        simulator, _, _, values = self._set(point.z, point.c[number], point.w[number], number)
+        return np.asarray(simulator.tendon(values).muscle_length)
 
     def learnt_noise(self, point: Point, *, white: bool = False) -> tuple[NoiseModel, ...]:
         """The noise of each recording, of its residual and what estimates have taken of it.

@@ -21,7 +21,7 @@ from surae.units import FloatArray
 #: muscles without an electrode move that: all were set on virtual legs (decision 16).
 _DYNAMICS, _ORDER, _ERRING, _UNHEARD = ("f0", "beta"), 0.02, 0.05, 0.10
 #: What the latents are called among the sources.
-_CALLED = {"gain": "emg_gain", "drift": "torque_drift", "misfit": "left_out"}
+_CALLED = {"gain": "emg_gain", "drift": "torque_drift", "misfit": "left_out", "film": "film"}
 #: Weight below which a set of departures is not looked at.
 UNSUPPORTED = 0.005
 
@@ -46,7 +46,7 @@ def shifts_by_source(
         rows.setdefault("population" if of is None else of.name, []).append(V[j] * weight)
     shifts |= {source: np.stack(each) for source, each in rows.items()}
     total = sum((by.T @ by for by in shifts.values()), np.zeros_like(V))
-    latent = {source: np.zeros_like(V) for source in (*SOURCES, "fast")}
+    latent = {source: np.zeros_like(V) for source in (*SOURCES, "fast", "film")}
     for number, b in enumerate(blocks):
         P = posterior.precision(number)
         for source, at in posterior.latents[number].slices.items():

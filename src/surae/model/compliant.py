@@ -51,7 +51,7 @@ def compliant_states(
     p: FloatArray, slots: IntArray, strain_length: float, arm: FloatArray, lengths: FloatArray,
     alphas: FloatArray, alpha_slopes: FloatArray, alpha_slots: IntArray, length_slopes: FloatArray,
     length_slots: IntArray, factor: float, dt: float, states: FloatArray, jacobian: FloatArray,
-    linear: FloatArray,
+    linear: FloatArray, seen: FloatArray,
 ) -> int:  # fmt: skip
     """States of a muscle group, by (2) to (21), (25), (26), and derivatives of its torque.
 
@@ -87,6 +87,8 @@ def compliant_states(
         Is added to: derivatives of arm times tendon force, the arm held.
     linear : ndarray, shape (2, 5, n), or (0, 5, 0)
         Is filled, if there is room: what `drive_columns` needs of every stage.
+    seen : ndarray, shape (rows, n), or (0, 0)
+        Is added to, if there is room: derivatives of the length x.
 
     Returns
     -------
@@ -232,6 +234,9 @@ def compliant_states(
                 for j in range(size):
                     x_n[j], z_n[j] = x_s[j], z_s[j]
                     jacobian[rows[j], i] += arm[i] * (pulled[j] - slope * x_s[j])
+                if len(seen) > 0:
+                    for j in range(size):
+                        seen[rows[j], i] += x_s[j]
     return -1
 
 

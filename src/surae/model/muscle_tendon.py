@@ -15,6 +15,7 @@ from surae.model.compliant import (
     GAMMA,
     LENGTH,
     SPEED,
+    STIFFNESS,
     TISSUE,
     compliant_states,
     drive_columns,
@@ -69,7 +70,9 @@ class DriveResponse:
     arms: FloatArray
     keep: float
 
-    def columns(self, muscle: int, shapes: FloatArray, first: IntArray, size: int) -> FloatArray:
+    def columns(
+        self, muscle: int, shapes: FloatArray, first: IntArray, size: int, *, lengths: bool = False
+    ) -> FloatArray:
         """Derivatives of the torque by logarithmic gains of a muscle's drive.
 
         Parameters
@@ -82,21 +85,26 @@ class DriveResponse:
             At least 0.
         size : int
             Samples that each is followed.
+        lengths : bool
+            Whether to give those of the length of the muscle's group, not of the torque.
 
         Returns
         -------
         ndarray, shape (c, size)
-            [Nm], from `first` on.
+            [Nm], or [m], from `first` on.
         """
         group = int(muscle == 0)
         n, width = self.drives.shape[1], shapes.shape[1]
         at = np.minimum(first[:, None] + np.arange(width), n - 1)
         inputs = np.where(first[:, None] + np.arange(width) < n, self.drives[muscle][at], 0.0)
         out = np.empty((len(first), size))
+        arm = self.arms[group]
+        if lengths:  # the torque is −arm·stiffness times the length
+            stiffness = self.linear[group, 1, STIFFNESS]
+            arm = np.divide(-1.0, stiffness, out=np.zeros(n), where=stiffness > 0.0)
         drive_columns(
-            inputs * shapes, first, self.steps, self.back, self.linear[group], self.arms[group],
-            self.keep, out,
-        )  # fmt: skip
+            inputs * shapes, first, self.steps, self.back, self.linear[group], arm, self.keep, out
+        )
         return out
 
 
@@ -177,9 +185,26 @@ class MuscleTendonSimulator(TiedModel):
         for row, slot in enumerate(into.turned):
             into.jacobian[slot] += muscle.arm_slopes[row] * force
 
+    def length_jacobian(
+        self, values: FloatArray, columns: Sequence[int]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Lengths of both muscle groups [m], (2, n), and derivatives, (2, len(columns), n)."""
+        p = np.array(values, dtype=np.float64)
+        slots = np.full(len(p), len(columns))
+        slots[list(columns)] = np.arange(len(columns))
+        leg = self._movement.at(p, columns)
+        turned = slots[np.array(leg.columns, dtype=np.int64)]
+        lengths, jacobian = np.empty((2, self._n)), np.zeros((2, len(columns) + 1, self._n))
+        for group, active in enumerate(self._active(p, leg, columns)):
+            into = Sums(np.empty(0), np.zeros((len(columns) + 1, self._n)), slots, turned)
+            states = self._integrate(p, group, leg.muscles[group], active, into, jacobian[group])
+            lengths[group] = states[LENGTH]
+        return lengths, jacobian[:, :-1]
+
     def _integrate(
-        self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState, into: Sums
-    ) -> FloatArray:
+        self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState, into: Sums,
+        seen: FloatArray | None = None,
+    ) -> FloatArray:  # fmt: skip
         lengths, slopes = self._stages(group, muscle)
         states = np.full((5, len(muscle.length)), np.nan)
         # the last value and the last row are of what the model does not have
@@ -189,7 +214,7 @@ class MuscleTendonSimulator(TiedModel):
             np.append(p, 0.0)[columns], np.append(into.slots, len(into.jacobian) - 1)[columns],
             float(self._strain_lengths[group]), muscle.arm, lengths, active.alpha, active.slopes,
             into.slots[active.columns], slopes, into.turned, self._factor, self._dt, states,
-            into.jacobian, linear,
+            into.jacobian, linear, np.empty((0, 0)) if seen is None else seen,
         )  # fmt: skip
         return states
 

@@ -247,6 +247,16 @@ _SOURCES = (
         Fill("series-3", "|"), knowable=False,
     ),
     UncertaintySource(
+        "film", "film of the muscle", "which fascicle is seen, and how its tracker drifts",
+        Text(
+            "Film a longer piece of the muscle, and correct the tracker at key frames.",
+            "Film een langer stuk van de spier, en corrigeer de tracker bij sleutelbeelden.",
+            "Ein längeres Stück filmen und den Tracker an Schlüsselbildern korrigieren.",
+            "Filmer une plus longue partie du muscle et corriger le suivi sur des images clés.",
+        ),
+        Fill("series-1", "."), fresh=True,
+    ),
+    UncertaintySource(
         "unheard", "muscles without EMG", "what muscles do that no electrode records",
         Text(
             "Record the EMG of all four muscles.",

@@ -1,0 +1,126 @@
+"""What a film adds to the posterior: the length of a muscle's fascicles, as its tracker sees them.
+
+    y = (1 + scale)·l + zero + drift(t) + noise
+
+l is the length of the muscle group in the model, path and tendon included. A fascicle is one of
+many, deeper or shallower and pennate: it has a scale and a zero of its own. Trackers drift by a
+millimetre or two within seconds; what is left is correlated from frame to frame and is whitened as
+the noise of the torque is.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from surae.estimation.noise import NoiseModel, noise_behind, whitened
+from surae.model.activation import IntArray
+from surae.signals import Film, ModelInputs
+from surae.units import FloatArray
+
+#: Standard deviations of a fascicle's scale and zero [m], by how well the group's length is its
+#: own: the tibialis has one belly, the triceps is three muscles.
+_SCALE, _ZERO = {0: 0.06, 1: 0.03}, {0: 6e-3, 1: 4e-3}
+#: A tracker's drift [m], its correlation time and the distance of its hats [s].
+_DRIFT, _DRIFT_S, _STEP_S, _MOST = 1e-3, 5.0, 2.5, 40
+#: Noise from which a search begins, and the least [m]; largest order of its model; frames a second
+#: that are used, and the fewest of a film.
+_BEGIN, _LEAST, _ORDER, _RATE, _FEWEST = 1.5e-3, 1e-4, 8, 40.0, 20
+#: Latent values before those of the drift: the scale, then the zero.
+OWN = 2
+
+
+@dataclass(frozen=True, slots=True)
+class FilmView:
+    """A film on the samples of a model."""
+
+    channel: str
+    group: int  #: 0 is the triceps, 1 the tibialis.
+    length: FloatArray  #: What was measured [m], shape (k,).
+    before: IntArray  #: The sample before each frame, shape (k,).
+    part: FloatArray  #: How far each frame is from there to the next sample, shape (k,).
+    drift: FloatArray  #: Hats over time, shape (h, k).
+    inverse: FloatArray  #: Inverse covariance of scale, zero and drift, shape (2 + h, 2 + h).
+    noise: NoiseModel
+
+    @classmethod
+    def of(cls, film: Film, recording: ModelInputs) -> "FilmView | None":
+        """A recording's film; None where too few of its frames fall into the recording."""
+        inside = (film.time >= recording.time[0]) & (film.time <= recording.time[-1])
+        frames = np.flatnonzero(inside)
+        if len(frames) < _FEWEST:
+            return None
+        seconds = float(film.time[frames[-1]] - film.time[frames[0]])
+        frames = frames[:: max(1, round((len(frames) - 1) / seconds / _RATE))]
+        time, length = film.time[frames], film.length[frames]
+        at = (time - recording.time[0]) * recording.rate_hz
+        before = np.clip(at.astype(np.int64), 0, recording.n - 2)
+        first, last = float(film.time[0]), float(film.time[-1])  # the same at every rate
+        knots = np.linspace(first, last, min(max(2, round((last - first) / _STEP_S) + 1), _MOST))
+        group = int(film.channel.endswith("_tib"))
+        inverse = np.zeros((OWN + len(knots), OWN + len(knots)))
+        inverse[0, 0], inverse[1, 1] = _SCALE[group] ** -2, _ZERO[group] ** -2
+        apart = np.abs(knots[:, None] - knots) / _DRIFT_S
+        drift = _DRIFT**2 * (np.exp(-apart) + 1e-6 * np.eye(len(knots)))
+        inverse[OWN:, OWN:] = np.linalg.inv(drift)
+        return cls(
+            film.channel, group, length, before, at - before,
+            np.stack([np.interp(time, knots, row) for row in np.eye(len(knots))]), inverse,
+            NoiseModel(np.zeros(0), _BEGIN**2, np.array([_BEGIN**2]), float(len(frames))),
+        )  # fmt: skip
+
+    @property
+    def size(self) -> int:
+        """Number of latent values."""
+        return len(self.inverse)
+
+    def at_frames(self, rows: FloatArray) -> FloatArray:
+        """What is known at the samples, (…, n), at the frames, (…, k)."""
+        here = rows[..., self.before]
+        return np.asarray(here + self.part * (rows[..., self.before + 1] - here))
+
+    def residual(self, length: FloatArray, c: FloatArray) -> FloatArray:
+        """Modelled minus measured length [m], of the muscle's at the frames."""
+        return np.asarray((1.0 + c[0]) * length + c[1] + c[OWN:] @ self.drift - self.length)
+
+    def rows(self, length: FloatArray) -> FloatArray:
+        """Derivatives by the latent values, shape (2 + h, k)."""
+        return np.concatenate([length[None], np.ones((1, len(length))), self.drift])
+
+    def short(self, columns: FloatArray, first: IntArray) -> tuple[FloatArray, IntArray]:
+        """Columns that begin at samples `first`, (j, size), at the frames from their first on.
+
+        They get as long as the noise model needs, and are whitened.
+        """
+        size = columns.shape[1]
+        position = self.before + self.part
+        begin = np.searchsorted(position, first)
+        frames = int(np.ceil((size - 1) * len(position) / max(position[-1] - position[0], 1.0)))
+        at = begin[:, None] + np.arange(frames)
+        since = position[np.minimum(at, len(position) - 1)] - first[:, None]
+        inside = (at < len(position)) & (since <= size - 1)
+        low = np.clip(since.astype(np.int64), 0, size - 2)
+        here = np.take_along_axis(columns, low, axis=1)
+        after = np.take_along_axis(columns, low + 1, axis=1)
+        values = np.where(inside, here + (since - low) * (after - here), 0.0)
+        values = whitened(values, self.noise)
+        return np.ascontiguousarray(np.where(at < len(position), values, 0.0)), begin
+
+
+def views(recording: ModelInputs) -> tuple[FilmView, ...]:
+    """The films of a recording."""
+    each = (FilmView.of(film, recording) for film in recording.films)
+    return tuple(view for view in each if view is not None)
+
+
+def noise_of_film(residual: FloatArray, taken: FloatArray) -> NoiseModel:
+    """The noise behind a film's residual [m]; `taken` is as of `noise_behind`."""
+    model = noise_behind(residual, taken, min(_ORDER, len(residual) // 10))
+    return replace(model, variance=max(model.variance, _LEAST**2))
+
+
+def slices_of(films: Sequence[FilmView], start: int) -> tuple[slice, ...]:
+    """Where the latent values of each film are, from `start` on."""
+    ends = start + np.cumsum([film.size for film in films], dtype=int)
+    each = zip(films, ends.tolist(), strict=True)
+    return tuple(slice(end - film.size, end) for film, end in each)

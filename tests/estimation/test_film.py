@@ -1,0 +1,132 @@
+"""Filmed fascicles in the posterior: exact derivatives, the film's noise, what is reported."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from surae.assessment.fascicles import followed
+from surae.estimation import make_problem
+from surae.estimation.family import _BEGIN, _Search, _white
+from surae.estimation.posterior import LogPosterior
+from surae.estimation.result import Seen
+from surae.frozen import read_only
+from surae.model import ModelOptions, get_model
+from surae.protocol import Protocol, generate
+from surae.signals import Film
+from surae.studies import virtual_subject, virtual_trial
+
+TIBIALIS = Seen(scale=0.02, zero=3e-3)
+
+
+@pytest.fixture(scope="module")
+def filmed():
+    """A short virtual trial with both muscle groups filmed at 30 frames a second."""
+    subject = virtual_subject(3)
+    protocol = generate(Protocol(profile="multiple-holds", duration=12.0, rate_hz=64.0))
+    plain = virtual_trial(subject, protocol, noise=0.02, model="muscle-tendon")
+    options = ModelOptions()
+    spec = get_model("muscle-tendon")
+    values = {n: subject.parameters[n] for n in spec.names if n in subject.parameters}
+    state = spec.simulator(plain, options).tendon(spec.vector(values, options))
+    time = np.arange(1.5, plain.time[-1] - 0.1, 1 / 30.0)
+    rng = np.random.default_rng(1)
+    films = []
+    for channel, length in zip(("fascicle_gm", "fascicle_tib"), state.muscle_length, strict=True):
+        seen = (1.0 + TIBIALIS.scale) * np.interp(time, plain.time, length) + TIBIALIS.zero
+        noisy = seen + rng.normal(0.0, 2e-4, len(time))
+        films.append(Film(channel, read_only(time), read_only(noisy)))
+    return replace(plain, films=tuple(films)), values
+
+
+@pytest.fixture(scope="module")
+def posterior(filmed) -> LogPosterior:
+    search = _Search(make_problem([filmed[0]], "auto"), None)
+    return search._posterior(("arm", "curves"), 64.0, _white(search._asked, 0.05), _BEGIN)
+
+
+@pytest.fixture(scope="module")
+def point(posterior):
+    rng = np.random.default_rng(2)
+    posterior = posterior.having(fast=0.1)
+    inside = 1e-3 * (posterior.upper - posterior.lower)
+    z = np.clip(posterior.start({}), posterior.lower + inside, posterior.upper - inside)
+    c = tuple(0.02 * rng.standard_normal(len(own)) for own in posterior.still())
+    for own, latents in zip(c, posterior.latents, strict=True):
+        for at in latents.own_of_films():
+            own[at] *= 0.05
+    w = tuple(0.05 * rng.standard_normal(len(own)) for own in posterior.expected())
+    return posterior, z, c[0], w[0]
+
+
+def _residuals(posterior, z, c, w):
+    return np.concatenate([rows[2] for rows in posterior.film_rows(z, c, w, 0)])
+
+
+@pytest.mark.parametrize("of", ["z", "c"])
+def test_derivatives_are_those_of_the_residual(point, of) -> None:
+    posterior, z, c, w = point
+    exact = np.concatenate(
+        [rows[0 if of == "z" else 1] for rows in posterior.film_rows(z, c, w, 0)], axis=1
+    )
+    own = {"z": z, "c": c}
+    for j in range(0, len(own[of]), 1 if of == "z" else 7):
+        step = min(1e-4 / posterior.weight[j], 1e-5) if of == "z" else 1e-5
+        ends = []
+        for sign in (-1.0, 1.0):
+            moved = own[of].copy()
+            moved[j] += sign * step
+            ends.append(_residuals(posterior, **{"z": z, "c": c, "w": w, of: moved}))
+        numeric = (ends[1] - ends[0]) / (2 * step)
+        size = max(np.abs(numeric).max(), 1e-3 * np.abs(exact).max())
+        # the gains are followed to first order through the force balance, for a limited time
+        np.testing.assert_allclose(
+            exact[j], numeric, rtol=0, atol=(1e-4 if of == "z" else 1e-2) * size
+        )
+
+
+def test_fast_gains_reach_the_frames(point) -> None:
+    posterior, z, c, w = point
+    films = posterior.film_rows(z, c, w, 0)
+    j = len(w) // 2
+    moved = w.copy()
+    moved[j] += 1e-3
+    after = _residuals(posterior, z, c, moved)
+    before = _residuals(posterior, z, c, w)
+    exact = []
+    for _, _, residual, (columns, first) in films:
+        whole = np.zeros(len(residual))
+        stop = min(len(residual), first[j] + columns.shape[1])
+        whole[first[j] : stop] = columns[j, : stop - first[j]]
+        exact.append(whole)
+    numeric = (after - before) / 1e-3
+    np.testing.assert_allclose(
+        np.concatenate(exact), numeric, rtol=0, atol=0.05 * np.abs(numeric).max()
+    )
+
+
+def test_a_film_tells_the_length_of_its_muscle(filmed, posterior) -> None:
+    recording, _ = filmed
+    search = _Search(make_problem([replace(recording, films=())], "auto"), None)
+    blind = search._posterior(("arm", "curves"), 64.0, posterior.noise, _BEGIN)
+    spread = []
+    for each in (blind, posterior):
+        z = each.start({})
+        H, _ = each.reduced(z, each.blocks(z, each.still(), each.expected()))
+        V = np.linalg.inv(H + np.diag(each.weight**2))
+        spread.append(np.sqrt(V[each.names.index("dlt_tib"), each.names.index("dlt_tib")]))
+    assert spread[1] < 0.7 * spread[0]
+
+
+def test_what_is_followed_is_reported_in_millimetres(filmed) -> None:
+    recording, values = filmed
+    spec, options = get_model("muscle-tendon"), ModelOptions()
+    seen = {"fascicle_gm": TIBIALIS, "fascicle_tib": TIBIALIS}
+    own = followed(spec, options, values, recording, seen)
+    assert [film.channel for film in own] == ["fascicle_gm", "fascicle_tib"]
+    for film in own:
+        assert film.quality.n == len(recording.films[0].time)
+        assert film.quality.rmse_mm == pytest.approx(0.2, rel=0.15)
+    other = followed(spec, options, values, recording, {})[1]
+    assert other.quality.bias_mm == pytest.approx(3.0 + 0.02 * 1e3 * 0.06, abs=1.0)
+    assert followed(get_model("muscle"), options, values, recording, seen) == ()
