@@ -52,9 +52,8 @@ STRAIGHT = {
 _FLOOR = 1e-2
 #: Largest order of the autoregression that tells the noise's slow part, and what is slow [Hz].
 _ORDER, _COUNTED = 30, 2.0
-#: Part of the torque's changes below which no noise is taken: the integrator's steps err by as
-#: much.
-_EXACT = 2e-3
+#: Part of the torque's changes below which no noise is taken: sensors and integrator err as much.
+_EXACT = 5e-3
 #: Draws that show what fast gains take of the noise.
 _DRAWS = 16
 #: Slow frequencies [Hz], efforts that are rest and effort, as parts of the greatest, and samples
