@@ -32,6 +32,7 @@ from surae.errors import SuraeError as SuraeError
 from surae.measures import Measures as Measures
 from surae.measures.change import Change as Change
 from surae.measures.cohort import Cohort as Cohort
+from surae.measures.package import measures as measures
 from surae.model.anthropometry import foot_mass as foot_mass
 from surae.quality import Finding as Finding
 from surae.quality import Quality as Quality

@@ -1,5 +1,9 @@
-"""What a clinician asks of a fit: measures in Nm and degrees, changes, norms, cohorts."""
+"""What a clinician asks of a fit: measures in Nm and degrees, changes, norms, cohorts.
 
+The package itself may be called: ``surae.measures(fit)`` is ``fit.measures()``.
+"""
+
+from surae.measures import package as package
 from surae.measures.compute import ANGLES, measures, measures_of_values
 from surae.measures.measure import Measure, Measures
 from surae.measures.table import DEFINITIONS, Definition

@@ -1,8 +1,8 @@
 """A recording as measured: channels with their own time axes, in SI units, never changed."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy.typing as npt
 
@@ -12,6 +12,9 @@ from surae.frozen import Comparable, FrozenDict, read_only
 from surae.recording.samples import check_samples
 from surae.records import FileName
 from surae.units import SI, FloatArray, kind
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 #: Muscles in the order of the equations: tibialis anterior, gastrocnemius lateralis, soleus,
 #: gastrocnemius medialis (model equations 12 and 13).
@@ -166,6 +169,18 @@ class Recording:
         if self.fixed:
             lines.append(f"  fixed: {dict(self.fixed)}")
         return "\n".join(lines)
+
+    def plot(self) -> "Sequence[Axes]":
+        """Draw the signals against time: angle, torque, EMG, one below the other.
+
+        Returns
+        -------
+        sequence of matplotlib.axes.Axes
+            A panel for each kind of signal.
+        """
+        from surae.recording.plotting import plotted
+
+        return plotted(self.name, self.channels)
 
     def to_dataframe(self) -> Any:
         """The channels as a pandas DataFrame with the columns of our CSV.

@@ -172,12 +172,14 @@ def like(wanted: Mapping[str, Any], own: Mapping[str, Any], name: str) -> dict[s
     }  # fmt: skip
 
 
-def proposals(findings: Sequence[Mapping[str, Any]], row: Thing) -> list[dict[str, Any]]:
-    """Findings, with what mends each in one click where the check says it for certain.
+def proposals(
+    findings: Sequence[Mapping[str, Any]], channels: Mapping[str, Mapping[str, Any]]
+) -> list[dict[str, Any]]:
+    """Findings, with what mends each in one click where the check is certain.
 
-    A finding then has ``mend``: a label, and what changes of the channels.
+    `channels` are those of the description; a finding then has ``mend``: a label, and what changes
+    of the channels.
     """
-    channels = present_mapping(row)["channels"]
     return [{**finding, "mend": _mend(finding, channels)} for finding in findings]
 
 

@@ -31,7 +31,7 @@ FILLED = {
     "/fits/{fit}": "#parameter-table tbody tr",
     "/compare?fits={fit}": "#side tbody tr",
     "/session": "#trials tbody tr",
-    "/sessions/{session}": "#trials tbody tr",
+    "/sessions/{session}": ".report .card",
     "/cohort": "#table tbody tr",
     "/protocol": "#prediction tbody tr",
     "/studies": "#list tbody tr",

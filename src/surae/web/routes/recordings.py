@@ -13,7 +13,7 @@ from surae import api
 from surae.web.curves import Pyramid, Window
 from surae.web.http_errors import RefusedError
 from surae.web.project import when
-from surae.web.remap import proposals
+from surae.web.remap import present_mapping, proposals
 from surae.web.routes.common import (
     ERRORS,
     Bench,
@@ -187,7 +187,8 @@ def get_quality(id: PathId, bench: Bench) -> dict[str, Any]:
         path = str(bench.project.recording_path(recording))
         findings = bench.workers.ask("imports:quality", path=path)
         recording = bench.project.change("recording", id, findings=findings)
-    return {"findings": proposals(recording["findings"], recording)}
+    channels = present_mapping(recording)["channels"]
+    return {"findings": proposals(recording["findings"], channels)}
 
 
 @router.get(

@@ -13,6 +13,7 @@ from surae.web.database import new_id
 from surae.web.http_errors import RefusedError, not_found
 from surae.web.imports import file_name, row_of
 from surae.web.project import unique_name, when
+from surae.web.remap import proposals
 from surae.web.routes.common import ERRORS, Bench, Browser, PathId
 from surae.web.routes.recordings import shown_recording
 from surae.web.rows import Thing
@@ -145,8 +146,9 @@ def get_units() -> dict[str, Any]:
 @router.post("/imports/preview")
 def preview_import(body: ImportRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
     """What a mapping makes of the files."""
-    result = _imported(body, bench, browser, None)
-    return {**result, "twin": _twin(bench, result["files"], body.mapping.model_dump(mode="json"))}
+    result, mapping = _imported(body, bench, browser, None), body.mapping.model_dump(mode="json")
+    findings = proposals(result["findings"], mapping["channels"])
+    return {**result, "findings": findings, "twin": _twin(bench, result["files"], mapping)}
 
 
 @router.post("/imports", status_code=201)

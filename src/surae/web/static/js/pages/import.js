@@ -4,7 +4,7 @@ import { get, post, query, remove, upload } from "../core/api.js";
 import { button, byId, h, replace, select, tick } from "../core/dom.js";
 import { onChanged } from "../core/events.js";
 import { change } from "../core/draft.js";
-import { bytes, seconds } from "../core/format.js";
+import { EMG, bytes, roleText, seconds } from "../core/format.js";
 import { attempt, calm, complain, tell } from "../core/notice.js";
 import { latest, settled } from "../core/pace.js";
 import { editSubject } from "../ui/dialog.js";
@@ -106,10 +106,11 @@ async function inspect(given = null) {
   showUploads();
   trials = trialsAmong(read);
   const together = trials.length ? trials[0] : read.length > 1 ? await both() : read[0];
-  const several = trials.length > 0 && `Each file holds an angle, so each is a trial and becomes a recording, by one description: ${trials.map((one) => one.name).join(", ")}.`;
+  const several = trials.length > 0 && `The settings below apply to all: ${trials.map((one) => one.name).join(", ")}.`;
   const notes = [several, ...(together?.notes ?? read.flatMap((one) => one.notes))].filter(Boolean);
   byId("notes").hidden = notes.length === 0;
   replace(byId("notes"), notes.map((line) => h("li", {}, line)));
+  byId("offer-card").hidden = true;
   byId("mapping-card").hidden = read.length === 0;
   if (!read.length) return keep();
   mapping = given ?? (together ? { ...emptyMapping(), ...together.mapping } : joined(read));
@@ -172,15 +173,44 @@ function body() {
   };
 }
 
+/** What was found, in a line, with the one click that mends it. */
+function offer(findings) {
+  byId("offer-card").hidden = !trials.length;
+  const mend = findings.find((one) => /-sign$/.test(one.code) && one.mend)?.mend;
+  const muscles = EMG.filter((role) => mapping.channels[role]).map(roleText);
+  const signs = mend && (mend.label === "Turn both" ? "both signs look turned" : `the sign of the ${Object.keys(mend.channels)[0]} looks turned`);
+  byId("offer").textContent = `${[`${trials.length} trials found`, muscles.length ? `${muscles.join(", ")}` : "no EMG", signs].filter(Boolean).join(", ")}.`;
+  byId("turn").hidden = !mend;
+  byId("turn").textContent = mend?.label ?? "";
+  byId("turn").onclick = () => {
+    for (const [role, change] of Object.entries(mend.channels)) Object.assign(mapping.channels[role], change);
+    byId("turn").hidden = true;
+    changed();
+  };
+}
+
+/** Of several trials the first that moves: a hold shows no sign. */
+async function seenAs(asked) {
+  let seen = null;
+  for (const one of trials.length ? trials : [null]) {
+    const mapped = one ? forTrial(one, asked.mapping) : asked.mapping;
+    const here = await post("/api/imports/preview", { ...asked, mapping: mapped });
+    seen ??= { ...here, name: one?.name };
+    if (!one || !here.findings.some((f) => f.code === "angle-still")) return { ...here, name: one?.name };
+  }
+  return seen;
+}
+
 const preview = latest(async () => {
   const asked = body();
   keep();
   calm(box.mapping);
   try {
-    const seen = await post("/api/imports/preview", asked);
+    const seen = await seenAs(asked);
+    offer(seen.findings);
     replace(
       byId("preview"),
-      h("h3", {}, `As ${trials.length ? trials[0].name : "it"} will be imported: ${seconds(seen.duration_s)}`),
+      h("h3", {}, `As ${seen.name ?? "it"} will be imported: ${seconds(seen.duration_s)}`),
       seen.twin && h("p", { class: "note" }, "These files are in the project already, as ", h("a", { href: `/recordings/${seen.twin.id}` }, seen.twin.name), ". There, what they mean can be changed; to import them again makes a second recording."),
       ranges(seen.channels),
       findingsTable(seen.findings, null),
@@ -208,35 +238,39 @@ byId("subject").addEventListener("change", async () => {
 });
 
 /** Every trial by the one description; those that move and are sound are then chosen for a fit. */
-async function importTrials() {
+async function importTrials(analyse = false) {
   const asked = body();
   const failed = [];
   const fit = [];
+  const all = [];
   calm(box.mapping);
-  byId("import").disabled = true;
+  byId("import").disabled = byId("analyse").disabled = true;
   for (const one of trials) {
     byId("upload-progress").textContent = `Importing ${one.name} …`;
     try {
       const own = forTrial(one, asked.mapping);
       const made = await post("/api/imports", { ...asked, mapping: own, trial: own.name });
+      all.push(made.id);
+      included.delete(one.id);
+      if (analyse) continue; // the session sorts them
       const { findings } = await get(`/api/recordings/${made.id}/quality`);
       const reason = whyNot(findings);
       if (reason) rememberLeftOut({ [made.id]: reason });
       else fit.push(made.id);
-      included.delete(one.id);
     } catch (error) {
       failed.push(`${one.name}: ${error.message}`);
     }
   }
-  byId("import").disabled = false;
+  byId("import").disabled = byId("analyse").disabled = false;
   byId("upload-progress").textContent = "";
+  if (analyse && all.length && !(await attempt(byId("offer-error"), () => post("/api/sessions", { recordings: all })))) return;
   if (fit.length) await attempt(box.mapping, () => change({ recordings: fit }, `fit ${fit.length} trials`));
   if (failed.length) {
     await inspect();
     return complain(box.mapping, new Error(failed.join("; ")));
   }
   sessionStorage.removeItem(KEPT);
-  location.href = fit.length ? "/fit" : "/";
+  location.href = analyse ? "/session" : fit.length ? "/fit" : "/";
 }
 
 byId("mapping-card").addEventListener("submit", async (event) => {
@@ -248,6 +282,7 @@ byId("mapping-card").addEventListener("submit", async (event) => {
   tell(`Imported ${made.name}`);
   location.href = `/recordings/${made.id}`;
 });
+byId("analyse").addEventListener("click", () => importTrials(true));
 byId("check").addEventListener("click", () => preview());
 for (const id of ["name", "emg", "side", "trial", "condition"]) byId(id).addEventListener("change", () => check());
 byId("files").addEventListener("change", async (event) => {
@@ -266,8 +301,19 @@ addEventListener("dragleave", (event) => event.relatedTarget || drop.classList.r
 addEventListener("drop", (event) => {
   event.preventDefault();
   drop.classList.remove("over");
-  receive([...event.dataTransfer.files]);
+  const entries = [...event.dataTransfer.items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean);
+  if (entries.some((entry) => entry.isDirectory)) Promise.all(entries.map(filesOf)).then((found) => receive(found.flat()));
+  else receive([...event.dataTransfer.files]);
 });
+
+/** The files of what was dropped, those of a folder too. */
+async function filesOf(entry) {
+  if (entry.isFile) return [await new Promise((resolve, fail) => entry.file(resolve, fail))];
+  const reader = entry.createReader();
+  const found = [];
+  for (let some; (some = await new Promise((resolve, fail) => reader.readEntries(resolve, fail))).length; ) found.push(...some);
+  return (await Promise.all(found.filter((one) => one.isFile && !one.name.startsWith(".")).map(filesOf))).flat();
+}
 onChanged(["subjects"], () => attempt(box.mapping, () => listSubjects()));
 
 const ready = attempt(box.upload, async () => {

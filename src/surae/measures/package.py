@@ -1,0 +1,42 @@
+"""The package of measures as ``surae.measures``, which may be called with a fit."""
+
+import sys
+from collections.abc import Sequence
+from types import ModuleType
+from typing import Protocol, cast
+
+from surae.measures.compute import ANGLES
+from surae.measures.measure import Measures
+
+
+class _Measured(Protocol):
+    """What has measures: a fit."""
+
+    def measures(self, angles: Sequence[float]) -> Measures:
+        """Its measures at these angles [deg]."""
+
+
+class _Package(ModuleType):
+    """A package that may be called like a function."""
+
+    def __call__(self, fit: _Measured, angles: Sequence[float] = ANGLES) -> Measures:
+        """Torque, stiffness and more of a fit, in a clinician's units.
+
+        Parameters
+        ----------
+        fit : Fit
+            As `surae.fit` and `surae.load` return it.
+        angles : sequence of float
+            Where torque and stiffness are given [deg], dorsiflexion positive.
+
+        Returns
+        -------
+        Measures
+            By name, e.g. ``"passive_stiffness@10deg"``.
+        """
+        return fit.measures(angles)
+
+
+# Python puts an imported package in the place of a function of its name.
+sys.modules["surae.measures"].__class__ = _Package
+measures = cast(_Package, sys.modules["surae.measures"])
