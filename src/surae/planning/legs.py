@@ -108,7 +108,7 @@ def fit_legs(result: FitResult, assessment: Assessment, count: int, *, seed: int
     """Legs that a fit leaves possible: its estimate first, then draws of what it left open."""
     problem = result.problem
     if result.status == "failed":
-        raise InputError("the fit failed, so it says nothing of a leg; name a population instead")
+        raise InputError("the fit failed and describes no leg; name a population instead")
     beliefs = {} if result.family is None else dict(result.family.beliefs)
     own = tuple(name for name in problem.free if name not in beliefs)
     centre = problem.spec.vector(result.values, problem.options)

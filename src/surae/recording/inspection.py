@@ -319,7 +319,8 @@ def _advice(inspection: Inspection) -> list[str]:
         )
     if "angle" in inspection.roles or "torque" in inspection.roles:
         lines.append(
-            "the directions of angle and torque show in no name: check sign in the mapping "
+            "we can’t tell which direction of angle and torque is positive: check sign in the "
+            "mapping "
             "(dorsiflexion positive; torque positive when the triceps pulls)"
         )
     if inspection.direction:

@@ -50,7 +50,8 @@ def write_report(
 def style() -> str:
     """The style sheet of reports, of what stands within an element of class ``report``."""
     text = files("surae.report").joinpath("templates", "report.css").read_text(encoding="utf-8")
-    return f".report {{\n{text.replace(':root', '&', 1)}}}\n"
+    light = "& { background: #fff; color: var(--ink); padding: .2rem; }"
+    return f".report {{\n{text.replace(':root', '&', 1)}{light}\n}}\n"
 
 
 def part_of(blocks: Sequence[Any], images: Mapping[str, str]) -> str:

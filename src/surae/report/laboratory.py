@@ -145,7 +145,7 @@ def _told(p: ParameterEstimate, belief: Belief) -> str:
     """Whether a value comes from the data or from what was assumed."""
     if p.at_bound:
         none = p.value == belief.off
-        return "none, say the data" if none else "at the end of what is allowed: see the set-up"
+        return "no sign of this" if none else "at the end of what is allowed: see the set-up"
     if p.sem is None:
         return NO_NUMBER
     part = p.sem / belief.sd
@@ -231,7 +231,7 @@ def laboratory_blocks(section: LaboratorySection | None) -> tuple[SectionBlock, 
         groups = "; ".join(f"{group}: {meaning}" for group, meaning in section.groups)
         blocks.append(TextBlock(f"{groups}.", "note"))
         heads = columns("Imperfection", "Assumed", "Estimate", "95 % interval", "Unit",
-                        "Who says so", numbers=(1, 3), wide=(0, 5),
+                        "Source", numbers=(1, 3), wide=(0, 5),
                         looks={2: "number value", 4: "unit"})  # fmt: skip
         rows = (
             (TableCell(row.name, kind="code", meaning=row.meaning), row.prior, row.value,

@@ -152,7 +152,7 @@ def snsem_section(assessment: Assessment) -> tuple[SectionBlock, ...]:
     text = (
         "snSEM: the SEM of equation (34) over the mean SEM of simulated trials, in which the "
         f"parameters were found correctly ({baseline.about}). Below 1, a parameter had more "
-        "influence on this torque than on the simulated one; above 1, less. It says nothing of "
+        "influence on this torque than on the simulated one; above 1, less. It does not show "
         "whether the model fits this torque."
     )
     table = TableBlock(

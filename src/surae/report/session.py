@@ -123,7 +123,7 @@ def session_report(
     if interrupted:
         warnings.append("This run was stopped: only fits that were complete are used. The same "
                         "command continues it.")  # fmt: skip
-    if joint is None and failed.get("joint"):
+    if joint is None and len(fits) > 1 and failed.get("joint"):
         warnings.append(f"No fit of all trials together: {failed['joint']}.")
     warnings += common_errors(quality[trial] for trial in fits if trial in quality)
     details = [_trials_section(trials, alone, failed, quality, joint_predictions)]

@@ -138,8 +138,8 @@ def _counted(assessment: Assessment) -> str:
     if assessment.interval is Interval.MARGINAL and adequate:
         repeatable = sum(p.repeatable for p in free)
         text += (
-            f" {_share(repeatable, len(free))} repeatable, which is another claim: that a second "
-            "trial of this leg would give the same value, right or wrong."
+            f" {_share(repeatable, len(free))} repeatable: a second trial of this leg "
+            "should give the same value, and both could be biased."
         )
     if weak or unknown or bound:
         text += " The parameter table says what to do about each."

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .conftest import MUSCLES, Desk, Server, expect
+from .conftest import MUSCLES, WHOLE, Desk, Server, expect
 
 PARAMETERS = 15
 
@@ -83,7 +83,7 @@ def test_the_trials_of_a_leg_come_in_at_once(desk: Desk, csv: Path, tmp_path: Pa
         (tmp_path / f"{name}.csv").write_text("\n".join(lines) + "\n")
     page = desk.go("/import")
     page.set_input_files("#files", sorted(tmp_path.glob("*.csv"), reverse=True))
-    page.get_by_text("each is a trial and becomes a recording").wait_for()
+    page.get_by_text("The settings below apply to all").wait_for()
     page.get_by_role("button", name="Import 3 recordings").click()
     page.wait_for_url("**/fit")
     recordings = desk.api("GET", "/api/recordings")["recordings"]
@@ -273,6 +273,24 @@ def test_all_survives_a_restart_of_the_server(browser: Any, csv: Path, tmp_path:
     expect(page.locator("#recordings input:checked")).to_have_count(1)
     desk.close()
     second.stop()
+
+
+def test_from_files_to_the_leg_are_two_clicks(desk: Desk, shared: Path) -> None:
+    """Measured trials whose signs are both turned in their files: turn both, analyse."""
+    page = desk.go("/import")
+    desk.api("PATCH", "/api/draft", {"change": WHOLE, "label": "quick"})
+    names = ("dynamometer/Pas_10", "repeats/Pas_20", "repeats/PL_0_01", "repeats/Pas_-15")
+    page.set_input_files("#files", [shared / f"{name}.mat" for name in names])
+    page.get_by_text("4 trials found, EMG tibialis anterior, both signs look turned.").wait_for()
+    page.get_by_role("button", name="Turn both").click()
+    page.get_by_text("4 trials found, EMG tibialis anterior.").wait_for()
+    page.get_by_role("button", name="Analyse").click()
+    page.wait_for_url("**/sessions/*")
+    page.get_by_text("How stiff is it?").wait_for()
+    said = page.locator(".report .card").first.text_content()
+    assert "Nm/°" in said
+    assert "3 held angles" in said
+    assert page.evaluate("getComputedStyle(document.querySelector('.leg')).display") == "grid"
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from datetime import date
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
@@ -174,8 +175,8 @@ def submit_session(
 
 def _usual_name(bench: Workbench, rows: Sequence[Thing]) -> str:
     subject = bench.database.get("subject", rows[0]["subject"]) if rows[0]["subject"] else None
-    parts = ["session", None if subject is None else subject["code"], rows[0]["side"]]
-    return " ".join(filter(None, parts))
+    who = "Leg" if subject is None else subject["code"]
+    return ", ".join(filter(None, (who, rows[0]["side"], f"{date.today():%Y-%m-%d}")))
 
 
 def keep_session(bench: Workbench, job: Thing, end: Mapping[str, Any]) -> str:

@@ -131,7 +131,7 @@ async function edit() {
   const { subjects } = await get("/api/subjects");
   const name = h("input", { type: "text", required: true, maxlength: 120, value: recording.name });
   const person = select({}, [["", "none"], ...subjects.map((one) => [one.id, one.code])], recording.subject ?? "");
-  const side = select({}, [["", "not told"], ["left", "left"], ["right", "right"]], recording.side ?? "");
+  const side = select({}, [["", "unknown"], ["left", "left"], ["right", "right"]], recording.side ?? "");
   const trial = h("input", { type: "text", maxlength: 60, value: recording.trial ?? "" });
   const condition = h("input", { type: "text", maxlength: 60, value: recording.condition ?? "" });
   const content = h("div", { class: "fields" }, field("Name", name), field("Subject", person), field("Side", side), field("Trial", trial), field("Condition", condition));

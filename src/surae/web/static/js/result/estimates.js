@@ -13,7 +13,7 @@ const UNFELT = /^(xt_|emg_|pt_|axis_|emd$|torque_zero$|angle_zero$)/;
 export function estimates({ fit }) {
   const head = ["Parameter", "Estimate", meant("sem", "Standard error"), meant("interval-95", "95 % interval"), "Repeatable", h("span", {}, meant("identified", "Verdict"), ", and why"), "Interval and bounds"];
   const known = Object.entries(fit.parameters).filter(([name, p]) => p.free || !(fit.family && UNFELT.test(name)));
-  const caption = ["Estimates. In the drawings: the dot is the estimate, the bar its 95 % interval, dashed lines the bounds of the fit. Repeatable: another trial of this leg would give the same within 10 %, right or wrong.", fit.interval_note ? ` ${KINDS[fit.interval] ?? "Intervals"}: ${fit.interval_note}.` : ""];
+  const caption = ["Estimates. In the drawings: the dot is the estimate, the bar its 95 % interval, dashed lines the bounds of the fit. Repeatable: a repeat should agree within 10 %; both could be biased.", fit.interval_note ? ` ${KINDS[fit.interval] ?? "Intervals"}: ${fit.interval_note}.` : ""];
   return table("Estimates", head, known.map(([name, p]) => cells(name, p)), { caption, numbers: [1, 2] });
 }
 

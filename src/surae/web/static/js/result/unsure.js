@@ -9,7 +9,7 @@ export function showUnsure({ budget, laboratory, family, trials }, id) {
   card("laboratory", laboratory, "The laboratory’s imperfections", () => [
     laboratory.rows.length > 0 && [
       h("p", { class: "muted small" }, `${laboratory.groups.map((pair) => pair.join(": ")).join("; ")}.`),
-      texts("Imperfections", ["Imperfection", "Meaning", "Assumed", "Estimate", "95 % interval", "Unit", "Who says so"], laboratory.rows.map((r) => [r.name, r.meaning, r.prior, r.value, r.interval, r.unit || "–", r.told])),
+      texts("Imperfections", ["Imperfection", "Meaning", "Assumed", "Estimate", "95 % interval", "Unit", "Source"], laboratory.rows.map((r) => [r.name, r.meaning, r.prior, r.value, r.interval, r.unit || "–", r.told])),
     ],
     laboratory.zeros.length > 0 && h("p", {}, `Torque zero of each recording: ${laboratory.zeros.map((pair) => pair.join(" ")).join(", ")}.`),
   ]);

@@ -30,7 +30,7 @@ export function ask(title, content, { confirm = "OK", danger = false } = {}) {
 /** Ask for a subject: a code, never a name; null when cancelled. */
 export async function editSubject(person = null) {
   const code = h("input", { type: "text", required: true, maxlength: 40, value: person?.code ?? "" });
-  const group = select({}, [["", "not told"], ["healthy", "healthy"], ["patient", "patient"]], person?.group ?? "");
+  const group = select({}, [["", "unknown"], ["healthy", "healthy"], ["patient", "patient"]], person?.group ?? "");
   const mass = h("input", { type: "number", min: 10, max: 300, step: "any", value: person?.body_mass ?? "" });
   const notes = h("input", { type: "text", maxlength: 500, value: person?.notes ?? "" });
   const content = h(

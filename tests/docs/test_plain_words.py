@@ -1,0 +1,48 @@
+"""What users read has no phrase that nobody understood at the first reading."""
+
+import ast
+from pathlib import Path
+
+import surae
+
+ROOT = Path(surae.__file__).parent
+REFUSED = (
+    "says nothing of", "the same of", "imperfections: taken in", "say the data",
+    "before the data object", "each for itself", "not told", "less noisily",
+    "for what the form has not", "show in no name", "right or wrong", "becomes a recording",
+    "who says so",
+)  # fmt: skip
+
+
+def texts(path):
+    """The texts of a file that users may read: no comments, and of Python no descriptions."""
+    source = path.read_text(encoding="utf-8")
+    if path.suffix != ".py":
+        for line in source.splitlines():
+            if not line.lstrip().startswith(("//", "/*", "*", "#", "{#")):
+                yield line
+        return
+    tree = ast.parse(source)
+    said = {id(n.value) for n in ast.walk(tree) if isinstance(n, ast.Expr)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in said:
+            yield node.value
+
+
+def refused(path):
+    return [(path.name, phrase, text) for text in texts(path) for phrase in REFUSED
+            if phrase in text.lower()]  # fmt: skip
+
+
+def test_no_phrase_that_nobody_understood():
+    files = [p for kind in ("py", "js", "j2", "toml") for p in ROOT.rglob(f"*.{kind}")]
+    assert len(files) > 300
+    assert [found for path in files for found in refused(path)] == []
+
+
+def test_a_refused_phrase_is_found(tmp_path):
+    for name, text in (("a.py", 'x = f"a hold says nothing of {1}"'), ("b.js", 'h("not told")')):
+        (tmp_path / name).write_text(text)
+        assert refused(tmp_path / name)
+    (tmp_path / "c.py").write_text('"""It says nothing of it."""')
+    assert not refused(tmp_path / "c.py")
