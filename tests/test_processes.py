@@ -200,6 +200,7 @@ def test_errors_of_a_call(child) -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows counts by the clock alone")
 def test_work_is_limited_and_not_the_wait_for_a_busy_machine(child) -> None:
+    assert child.call(f"{ME}:pause", {"seconds": 0.0}).how == "done"  # it has started
     assert child.call(f"{ME}:pause", {"seconds": 1.2}, seconds=1.0).how == "done"
     late = child.call(f"{ME}:work", {"seconds": 30.0}, seconds=1.0)
     assert (late.how, late.message[:16]) == ("killed", "it took too long")

@@ -20,13 +20,13 @@ def _parameters(files, change) -> str:
         (lambda p: p.clear(), ("no parameters",)),
         (lambda p: p.pop("f0"), ("needs a value for: f0",)),
         (lambda p: p.update(zz=1.0), ("'zz'", "k_tri")),
-        (lambda p: p.update(m="2"), ("'m' is \"2\"", "number")),
-        (lambda p: p.update(m=None), ("'m' is null", "number")),
-        (lambda p: p.update(m=True), ("'m' is true", "number")),
-        (lambda p: p.update(m=[2]), ("'m' is [2]", "number")),
+        (lambda p: p.update(m="2"), ("parameters.m: '2'", "number")),
+        (lambda p: p.update(m=None), ("parameters.m: None", "number")),
+        (lambda p: p.update(m=True), ("parameters.m: True", "number")),
+        (lambda p: p.update(m=[2]), ("parameters.m: [2]", "number")),
         (lambda p: p.update(l0_tri=-1), ("l0_tri is -1 m", "above zero")),
-        (lambda p: p.update(m=float("nan")), ("m is nan", "finite")),
-        (lambda p: p.update(m=10**400), ("'m'", "too large")),
+        (lambda p: p.update(m=float("nan")), ("parameters.m: nan", "finite")),
+        (lambda p: p.update(m=10**400), ("parameters.m: ", "too large")),
     ],
 )
 def test_wrong_parameters(run, files, change, says) -> None:
@@ -72,7 +72,8 @@ def _set(*keys_and_value):
 
 
 @pytest.mark.parametrize(
-    ("layout", "says"), [(99, ("format 99", "newer", "upgrade")), ("x", ("damaged",))]
+    ("layout", "says"),
+    [(99, ("format 99", "newer", "upgrade")), ("x", ("format: 'x'", "whole number"))],
 )
 def test_a_fit_in_a_newer_layout(run, edit_fit, layout, says) -> None:
     edit_fit("f.json", _set("format", layout))
@@ -91,9 +92,9 @@ def test_a_fit_of_a_newer_version_in_this_layout_is_read(run, edit_fit) -> None:
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        (lambda f: f.pop("R"), ("'R' is missing",)),
-        (lambda f: f.pop("model"), ("'model' is missing",)),
-        (lambda f: f["parameters"].pop("m"), ("'m' is missing",)),
+        (lambda f: f.pop("R"), ("R: it is missing",)),
+        (lambda f: f.pop("model"), ("model: it is missing",)),
+        (lambda f: f["parameters"].pop("m"), ("parameters.m: it is missing",)),
         (_set("R", "!!!"), ("damaged",)),
         (_set("R", "data", "!!!"), ("damaged",)),
         (_set("model", "zz"), ("'zz'", "muscle")),
@@ -103,7 +104,7 @@ def test_a_fit_of_a_newer_version_in_this_layout_is_read(run, edit_fit) -> None:
         (_set("parameters", "m", "value", "x"), ("damaged",)),
         (_set("parameters", "m", "value", -5), ("m is -5 kg",)),
         (_set("parameters", "m", "lower", None), ("damaged",)),
-        (_set("traces", 0, "n", 3), ("damaged",)),
+        (_set("traces", 0, "n", 3), ("traces[0].n: 3",)),
     ],
 )
 def test_a_damaged_fit(run, edit_fit, change, says) -> None:

@@ -1,7 +1,6 @@
 """What each trial of a session is: decided from the data, said, and overruled where told."""
 
 import shutil
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -124,30 +123,6 @@ def test_without_emg_nobody_knows_the_effort():
     angle = 0.2 * np.sin(time)
     session = surae.session([Recording.from_arrays(time, angle, 10 * angle, name="a")])
     assert session["a"].effort == "unknown"
-
-
-def test_a_session_grows_by_a_recording():
-    session = surae.session([synthetic("a", 0.2, 1e-4)])
-    more = session.adding(synthetic("b", 0.2, 1e-3))
-    assert session.fitted == ("a",)
-    assert more.fitted == ("a", "b")
-    assert session["a"].effort == "active"
-    assert more["a"].effort == "passive"  # a tenth of what the leg does since
-    again = more.adding(synthetic("b", 0.0))
-    assert len(again.trials) == 2
-    assert again["b"].use == "hold"
-
-
-def test_a_growing_session_remembers_what_was_told(measured, tmp_path):
-    (tmp_path / "m.toml").write_text(DYNAMOMETER + "[trials]\nPL_0_01.effort = 'maximal'\n")
-    session = surae.session(
-        [measured / f"{name}.mat" for name in ("PL_0_01", "Pas_5")], mapping=tmp_path / "m.toml"
-    )
-    more = session.adding(synthetic("b", 0.2, 1e-3))
-    assert more["PL_0_01"].effort == "maximal"
-    assert more["Pas_5"].effort == "passive"
-    newer = more.adding(replace(more["PL_0_01"].recording, side=None))
-    assert newer["PL_0_01"].effort == "maximal"
 
 
 def test_files_of_one_name_in_two_folders_are_described_apart(measured, tmp_path):

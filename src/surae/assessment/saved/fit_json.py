@@ -93,6 +93,7 @@ class _Starts:
 @dataclass(frozen=True, slots=True)
 class _Left:
     residual: FloatArray
+    n: int | None = None  #: Number of samples.
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,9 +133,13 @@ def load_saved(path: PathLike) -> SavedFit:
 def _result(file: _File, data: Mapping[str, Any]) -> FitResult:
     table, starts = {**file.parameters, **file.nuisances}, file.starts.all
     spec = with_optional(get_model(file.model), table)
+    ModelOptions.of(**data["options"])  # what this surae does not know is another model
     for name in spec.names:
         if name not in table:
             raise InputError(f"parameters.{name}: it is missing")
+    for i, (recording, left) in enumerate(zip(file.inputs, file.left, strict=True)):
+        if left.n not in (None, recording.n):
+            raise InputError(f"traces[{i}].n: {left.n}, but its time has {recording.n} samples")
     free = tuple(name for name in spec.names if table[name].free)
     values = {name: table[name].value for name in spec.names}
     if not file.inputs or not starts or not free:
