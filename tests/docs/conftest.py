@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 import surae
 from surae.protocol import Protocol, generate
@@ -78,6 +79,10 @@ def prepared(tmp_path_factory) -> Path:
     for name in ("map", "corrected"):
         (folder / f"{name}.toml").write_text(_mapping())
     write_hdf5(folder / "recording.h5", surae.read(folder / "trial.csv"))
+    shown = np.arange(0.0, 18.0, 0.03)
+    region = np.empty(2, [("FL", object), ("Time", object)])
+    region[:] = [(60.0 + np.sin(shown), shown)] * 2
+    savemat(folder / "trial_tracked.mat", {"Fdat": {"Region": region}})
     (folder / "study.toml").write_text(_STUDY)
     (folder / "p.json").write_text(json.dumps({"parameters": dict(subject.parameters)}))
     fit = surae.fit(folder / "trial.csv", "muscle", starts=1)

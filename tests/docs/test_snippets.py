@@ -163,6 +163,8 @@ def _read_toml(text: str) -> None:
     elif "[channels." in text:
         from surae import read
 
+        if "[channels.angle]" not in text:  # one channel more for a mapping
+            text = Path("corrected.toml").read_text(encoding="utf-8") + text
         Path("printed.toml").write_text(text, encoding="utf-8")
         alone = "file =" in text  # else it is of many files
         mapped = read("printed.toml") if alone else read("leg/trial1.csv", mapping="printed.toml")

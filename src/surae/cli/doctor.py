@@ -71,7 +71,7 @@ def _self_test() -> int:
     with work() as progress, compilation_notice():
         progress.describe("fitting a small trial")
         begin = perf_counter()
-        fitted = api.fit(trial, starts=2, progress=progress.starts)
+        fitted = api.fit(trial, model="muscle", starts=2, progress=progress.starts)
         seconds = perf_counter() - begin
     off = {
         name: abs(fitted.values[name] / truth - 1.0) for name, truth in subject.parameters.items()
