@@ -104,10 +104,6 @@ class Family(Comparable):
     #: How each film sees its muscle, by channel: the mean of the recordings.
     films: Mapping[str, Seen] = field(default_factory=FrozenDict)
 
-    def deviations(self) -> dict[str, FloatArray]:
-        """Standard deviations of the free parameters by source of `spread`, shape (p,)."""
-        return {source: np.sqrt(np.sum(by**2, axis=0)) for source, by in self.spread.items()}
-
 
 @filed("problem", "values", "residuals")
 @dataclass(frozen=True, slots=True, eq=False)
