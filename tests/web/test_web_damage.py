@@ -204,7 +204,7 @@ def test_a_damaged_project_is_told_in_a_line(tmp_path) -> None:
     path = tmp_path / "p" / "project.db"
     data = path.read_bytes()
     path.write_bytes(data[:4096] + os.urandom(len(data) - 4096))
-    with pytest.raises(ComputationError, match="or restore a backup"):
+    with pytest.raises(ComputationError, match="whole; restore a backup"):
         Project(tmp_path / "p")
 
 
