@@ -16,7 +16,7 @@ subject = virtual_subject(seed=1)
 protocol = Protocol(profile="multiple-holds", chirp_amplitude=0.1, rate_hz=125.0)
 trial = virtual_trial(subject, generate(protocol))
 
-fit = surae.fit(trial)
+fit = surae.fit(trial, "muscle")  # the model that made the trial
 print(f"{fit.status}, VAF {fit.vaf:.2f} %")
 for p in fit.parameters.values():
     truth = subject.parameters[p.name]
