@@ -13,7 +13,6 @@ from surae.cli.progress import compilation_notice, work
 from surae.cli.screen import show_files, show_line, show_predictions
 from surae.errors import InputError
 from surae.files import shown, write_json
-from surae.records import to_plain
 
 
 @click.command("validate")
@@ -136,6 +135,8 @@ def _table(paths: Sequence[str], predictions: Sequence["api.Prediction"]) -> lis
 
 
 def _filmed(prediction: "api.Prediction") -> dict[str, Any]:
+    from surae.records import to_plain  # numpy, only when it is used
+
     each = [to_plain(film.quality) for film in prediction.fascicles]
     return {"fascicles": each} if each else {}
 

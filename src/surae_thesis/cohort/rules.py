@@ -219,12 +219,13 @@ def peaks(fits: Fits, model: str) -> Ruling:
 
 def mass_at_bound(fits: Fits) -> Ruling:
     """Share of the multiple holds in which the mass ends at its bound, by model."""
-    share = {
-        model: fmean(
-            f["parameters"]["m"]["at_bound"] for _, _, f in fits.of(model, ACTIVE_PROTOCOL)
-        )
+    bound = {
+        model: [f["parameters"]["m"]["at_bound"] for _, _, f in fits.of(model, ACTIVE_PROTOCOL)]
         for model in ("1.0", "2.0", "2.1")
     }
+    if not bound["1.0"]:
+        raise NotThereError("No such fit is there.")
+    share = {model: fmean(each) for model, each in bound.items() if each}
     text = ", ".join(f"{100 * part:.0f} % by {model}" for model, part in share.items())
     return Ruling(share.get("1.0", 0.0) > 0.5, text)
 

@@ -194,7 +194,7 @@ def test_a_protocol_is_designed(desk: Desk) -> None:
     page = desk.go("/protocol")
     page.get_by_text("Worked out in").wait_for()
     figures = page.locator("#figures")
-    assert page.locator("#prediction tbody tr").count() == PARAMETERS
+    assert page.locator("#prediction tbody tr").count() == PARAMETERS + 2  # auto: the tendons
     before = figures.text_content()
     page.get_by_label("Chirp amplitude").fill("0")
     expect(figures).not_to_have_text(before)
@@ -275,6 +275,7 @@ def test_all_survives_a_restart_of_the_server(browser: Any, csv: Path, tmp_path:
     second.stop()
 
 
+@pytest.mark.slow
 def test_from_files_to_the_leg_are_two_clicks(desk: Desk, shared: Path) -> None:
     """Measured trials whose signs are both turned in their files: turn both, analyse."""
     page = desk.go("/import")
