@@ -22,7 +22,7 @@ import httpx
 
 from surae.errors import InputError
 from surae.studies.store import Store
-from surae.web import upkeep
+from surae_workbench.web import upkeep
 from web import made
 
 SURAE = [sys.executable, "-P", "-m", "surae"]

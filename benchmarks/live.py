@@ -34,12 +34,12 @@ import psutil
 import pyxdf
 
 import surae
-from surae.live.lsl import SESSION, lsl, outlet
-from surae.live.pages import ServedRoom
-from surae.live.recorder import Recorder
-from surae.live.room import Room
-from surae.live.showing import Showing
-from surae.recording.xdf_writing import mended
+from surae.recording.xdf_writing import mended_xdf
+from surae_workbench.live.lsl import SESSION, lsl, outlet
+from surae_workbench.live.pages import ServedRoom
+from surae_workbench.live.recorder import Recorder
+from surae_workbench.live.room import Room
+from surae_workbench.live.showing import Showing
 
 RATE, CHANNELS = 2048.0, 8
 #: Nothing is waited for longer [s].
@@ -213,7 +213,7 @@ def kills(count: int, seed: int = 1) -> list[float]:
                 recorder.send_signal(signal.SIGKILL)
                 ended = lsl().local_clock()
                 recorder.wait()
-            mended(path)
+            mended_xdf(path)
             numbers = numbers_in(path)
             assert (np.diff(numbers) == 1).all()
             lost.append(ended - numbers[-1] / RATE)

@@ -12,9 +12,11 @@ import pytest
 
 import surae
 import surae.api
+import surae_workbench
 
 PACKAGE = Path(surae.__file__).parent
 THESIS = PACKAGE.parent / "surae_thesis"
+WORKBENCH = Path(surae_workbench.__file__).parent
 
 #: From the bottom to the top; modules on one line may use each other, never in a circle.
 LAYERS = (
@@ -57,8 +59,6 @@ LAYERS = (
     ("report",),
     ("api",),
     ("cli", "__main__"),
-    ("web",),
-    ("live",),
 )
 RANK = {name: rank for rank, layer in enumerate(LAYERS) for name in layer}
 #: Light enough to run a command that computes nothing without a pause.
@@ -168,14 +168,13 @@ def test_every_import_of_the_package_leads_somewhere() -> None:
     assert missing == set()
 
 
-@pytest.mark.parametrize("front_end", ["cli", "web"])
-def test_front_ends_are_built_on_the_api(front_end) -> None:
-    """What they compute with is `surae.api`; beside it they take files, processes and the like."""
-    allowed = {*LAYERS[0], "api", "cli", front_end}
+def test_the_command_line_is_built_on_the_api() -> None:
+    """What it computes with is `surae.api`; beside it it takes files, processes and the like."""
+    allowed = {*LAYERS[0], "api", "cli"}
     inner = {
         f"{module} imports {name}: offer it in api/__init__.pyi"
         for module, imported in surae_graph().items()
-        if module.split(".")[1:2] == [front_end]
+        if module.split(".")[1:2] == ["cli"]
         for name in imported
         if name != "surae" and (name.split(".")[1] not in allowed or name.startswith("surae.api."))
     }
@@ -234,6 +233,28 @@ def test_the_thesis_is_built_on_what_is_public() -> None:
             if name not in getattr(importlib.import_module(module), "__all__", ()):
                 inner.add(f"{source.name}: {module}.{name}")
     assert inner == set()
+
+
+def test_the_workbench_is_built_on_the_api() -> None:
+    """It takes `surae.api` by its names, files and the like, and for its commands the options."""
+    sources = sorted(WORKBENCH.rglob("*.py"))
+    assert len(sources) > 50
+    allowed = {*(f"surae.{name}" for name in LAYERS[0]), "surae", "surae.api"}
+    commands = {"surae.cli.options", "surae.cli.progress"}
+    inner = {
+        f"{source.relative_to(WORKBENCH)}: {module}.{name}: offer it in api/__init__.pyi"
+        for source in sources
+        for module, name in from_surae(source)
+        if module not in allowed | (commands if source.name.endswith("command.py") else set())
+        or (module == "surae.api" and name not in surae.api.__all__)
+        or (module == "surae" and name not in ("api", "names"))
+    }
+    assert inner == set()
+
+
+def test_nothing_of_surae_needs_the_workbench() -> None:
+    users = [path for path in PACKAGE.rglob("*.py") if "surae_workbench" in path.read_text("utf-8")]
+    assert [path.relative_to(PACKAGE).as_posix() for path in users] == ["cli/doctor.py"]
 
 
 def test_only_its_command_knows_the_thesis() -> None:

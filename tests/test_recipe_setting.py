@@ -21,8 +21,8 @@ RECIPES = PACKAGE.parents[1] / "CONTRIBUTING.md"
 SEEN = """
 import inspect, json, sys
 import surae
-from surae.web.form import form
-from surae.web.schemas import DraftChange
+from surae_workbench.web.form import form
+from surae_workbench.web.schemas import DraftChange
 
 def refused(value):
     try:

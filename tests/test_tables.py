@@ -40,9 +40,13 @@ def test_findings_are_a_table() -> None:
 
 def test_every_verdict_and_finding_has_its_word_colour_and_advice() -> None:
     """In every language of the clinical page, on the screen, on paper and in the workbench."""
-    css = (files("surae.web") / "static" / "css" / "parts.css").read_text(encoding="utf-8")
+    css = (files("surae_workbench.web") / "static" / "css" / "parts.css").read_text(
+        encoding="utf-8"
+    )
     paper = (files("surae.report") / "templates" / "report.css").read_text(encoding="utf-8")
-    js = (files("surae.web") / "static" / "js" / "core" / "format.js").read_text(encoding="utf-8")
+    js = (files("surae_workbench.web") / "static" / "js" / "core" / "format.js").read_text(
+        encoding="utf-8"
+    )
     for word in (*Verdict, *ChangeVerdict):
         assert JUDGEMENTS[word].clinic is not None
         assert all(JUDGEMENTS[word].clinic)

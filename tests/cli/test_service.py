@@ -59,14 +59,14 @@ def test_bash_completes_commands_and_options() -> None:
 def test_the_doctor_finds_this_installation_well(run: Run) -> None:
     done = run("doctor")
     assert done.code == 0
-    for said in ("versions: surae", "processors:", "extra web:", "self-test: passed"):
+    for said in ("versions: surae", "processors:", "workbench:", "self-test: passed"):
         assert said in done.out
 
 
 def test_the_doctor_says_what_is_missing(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("surae.cli.doctor.find_spec", lambda _: None)
     monkeypatch.setattr("surae.cli.doctor._self_test", lambda: 0)
-    assert 'pip install "surae[web]"' in run("doctor").out
+    assert 'pip install "surae-workbench[live]"' in run("doctor").out
 
 
 @pytest.mark.slow

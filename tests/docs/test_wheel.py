@@ -1,4 +1,4 @@
-"""The wheel holds all of the package and nothing else."""
+"""The wheels hold all of their packages and nothing else."""
 
 import zipfile
 from pathlib import Path
@@ -9,34 +9,41 @@ from hatchling.build import build_wheel
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.fixture(scope="module")
-def names(tmp_path_factory) -> set[str]:
-    """What a wheel of this tree holds."""
-    folder = tmp_path_factory.mktemp("wheel")
+def held(project: Path, folder: Path) -> set[str]:
+    """What a wheel of a project holds."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(ROOT)
+        patch.chdir(project)
         name = build_wheel(str(folder))
     with zipfile.ZipFile(folder / name) as wheel:
         return set(wheel.namelist())
 
 
-def test_it_holds_every_file_of_the_package(names):
-    source = ROOT / "src"
+@pytest.fixture(scope="module", params=["surae", "workbench"])
+def wheel(request, tmp_path_factory) -> tuple[Path, set[str]]:
+    """The folder of a distribution's source, and what its wheel holds."""
+    project = ROOT if request.param == "surae" else ROOT / request.param
+    return project / "src", held(project, tmp_path_factory.mktemp("wheel"))
+
+
+def test_it_holds_every_file_of_its_packages(wheel):
+    source, names = wheel
     files = {
         path.relative_to(source).as_posix()
-        for package in ("surae", "surae_thesis")
-        for path in (source / package).rglob("*")
+        for path in source.rglob("*")
         if path.is_file() and "__pycache__" not in path.parts
     }
-    held = {name for name in names if not name.split("/")[0].endswith(".dist-info")}
-    assert held == files
-    for needed in ("py.typed", "report/templates/page.html.j2", "web/static/icon.svg"):
-        assert f"surae/{needed}" in held
+    assert {name for name in names if not name.split("/")[0].endswith(".dist-info")} == files
+    needed = {
+        ROOT / "src": ("surae/py.typed", "surae/report/templates/page.html.j2"),
+        ROOT / "workbench" / "src": ("surae_workbench/web/static/icon.svg",),
+    }
+    assert set(needed[source]) <= names
 
 
-def test_it_holds_the_licences(names):
-    assert any(name.endswith(".dist-info/licenses/LICENSE") for name in names)
+def test_it_holds_the_licences(wheel):
+    source, names = wheel
     vendored = {name.rsplit("/", 1)[0] for name in names if "/static/vendor/" in name}
     folders = {folder for folder in vendored if not folder.endswith("/vendor")}
-    assert folders
+    assert bool(folders) == (source.parent.name == "workbench")
     assert [folder for folder in folders if f"{folder}/LICENSE" not in names] == []
+    assert any("/licenses/" in name for name in names)

@@ -37,8 +37,8 @@ def lsl():
         if os.environ.get("CI"):
             pytest.fail(f"pylsl does not work here: {error}")
         pytest.skip(f"LIVE STREAMS NOT TESTED, pylsl does not work here: {error} (extra live)")
-    from surae.live.lsl import SESSION
-    from surae.live.lsl import lsl as configured
+    from surae_workbench.live.lsl import SESSION
+    from surae_workbench.live.lsl import lsl as configured
 
     # Tests that run beside these ones must not hear them.
     os.environ[SESSION] = f"test-{os.getpid()}"

@@ -12,13 +12,13 @@ from pathlib import Path
 import numpy as np
 
 from answering import Answering
-from surae.live.lsl import SESSION, outlet
-from surae.live.pages import ServedRoom, create_app
-from surae.live.recorder import Recorder
 from surae.processes import End
 from surae.recording import Recording
 from surae.recording.xdf_writing import XdfLog
-from surae.web.security import Policy
+from surae_workbench.live.lsl import SESSION, outlet
+from surae_workbench.live.pages import ServedRoom, create_app
+from surae_workbench.live.recorder import Recorder
+from surae_workbench.web.security import Policy
 
 XML = (
     "<info><name>{name}</name><type>x</type><channel_count>{n}</channel_count>"

@@ -15,14 +15,14 @@ import pyxdf
 from streaming import Quick, described, waited
 
 from surae.errors import InputError
-from surae.live.pages import ServedRoom
-from surae.live.recorder import Recorder
-from surae.live.room import Room
-from surae.live.showing import Showing
-from surae.live.stream import Stream
-from surae.live.trials import Trials, silent
 from surae.recording import read
 from surae.recording.xdf_writing import XdfLog
+from surae_workbench.live.pages import ServedRoom
+from surae_workbench.live.recorder import Recorder
+from surae_workbench.live.room import Room
+from surae_workbench.live.showing import Showing
+from surae_workbench.live.stream import Stream
+from surae_workbench.live.trials import Trials, silent
 
 CODES = {"angle": 1.0, "torque": 2.0, "emg_sol": 3.0}
 UNITS = {"angle": "rad", "torque": "Nm", "emg_sol": "V"}
@@ -168,7 +168,7 @@ def test_two_streams_of_one_source_are_both_recorded(lsl, tmp_path) -> None:
 @pytest.fixture
 def judged_at_once(lsl, tmp_path, monkeypatch):
     """A folder whose trials are judged without computing."""
-    monkeypatch.setattr("surae.live.trials.Child", Quick)
+    monkeypatch.setattr("surae_workbench.live.trials.Child", Quick)
     (tmp_path / "mapping.toml").write_text("[channels]\n")
     return tmp_path
 
@@ -449,7 +449,7 @@ def test_a_damaged_trial_is_judged_anew_or_named(judged_at_once, what, source) -
 
 def test_what_describes_streams_is_never_dropped_on_a_full_disk(lsl, tmp_path, monkeypatch) -> None:
     """The disk is full for longer than samples are kept, while a file and a stream begin."""
-    monkeypatch.setattr("surae.live.recorder._WAITING", 0.2)
+    monkeypatch.setattr("surae_workbench.live.recorder._WAITING", 0.2)
     write, full = os.write, [False]
 
     def writing(file: int, data: bytes) -> int:
@@ -482,7 +482,7 @@ def test_a_target_that_finds_no_room_ends_no_trial(judged_at_once, monkeypatch) 
         def full(*what: object) -> None:
             raise InputError("cannot write it: no space left on device")
 
-        monkeypatch.setattr("surae.live.room.write_protocol_csv", full)
+        monkeypatch.setattr("surae_workbench.live.room.write_protocol_csv", full)
         assert room.start() == 1
         assert room.begin is not None
         told = room.stop().result(20)
@@ -493,7 +493,7 @@ def test_a_target_that_finds_no_room_ends_no_trial(judged_at_once, monkeypatch) 
 
 KILLED = """
 import sys, time
-from surae.live import trials
+from surae_workbench.live import trials
 from streaming import Quick
 trials.Child = Quick
 made = trials.Trials(sys.argv[1], joint=False)

@@ -9,9 +9,9 @@ import pytest
 from playwright import sync_api
 from streaming import rehearsing, serving
 
-from surae.live.lsl import outlet
-from surae.live.pages import ServedRoom
-from surae.web.security import Policy
+from surae_workbench.live.lsl import outlet
+from surae_workbench.live.pages import ServedRoom
+from surae_workbench.web.security import Policy
 
 pytestmark = pytest.mark.slow  # a rehearsal in real time; what the pages are told is tested beside
 expect = sync_api.expect

@@ -7,8 +7,8 @@ import httpx
 import pytest
 from streaming import serving
 
-from surae.live.pages import ServedRoom
-from surae.web.security import Policy
+from surae_workbench.live.pages import ServedRoom
+from surae_workbench.web.security import Policy
 
 OPERATOR, SUBJECT = "operator-token", "subject-token"
 

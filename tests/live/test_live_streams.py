@@ -11,12 +11,12 @@ from streaming import Quick, Sender, waited
 from benchmark_files import load
 from surae import fit, read
 from surae.errors import InputError
-from surae.live.recorder import Recorder
-from surae.live.showing import Showing
-from surae.live.stream import Stream
-from surae.live.target import TargetStream
-from surae.live.trials import Trials, silent
 from surae.recording import MUSCLES
+from surae_workbench.live.recorder import Recorder
+from surae_workbench.live.showing import Showing
+from surae_workbench.live.stream import Stream
+from surae_workbench.live.target import TargetStream
+from surae_workbench.live.trials import Trials, silent
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +73,7 @@ def test_samples_wait_for_room_on_a_full_disk(endings, tmp_path, monkeypatch) ->
 def test_a_trial_that_ends_on_a_full_disk_is_whole_and_judged_once_there_is_room(
     endings, tmp_path, monkeypatch
 ) -> None:
-    monkeypatch.setattr("surae.live.trials.Child", Quick)
+    monkeypatch.setattr("surae_workbench.live.trials.Child", Quick)
     (tmp_path / "mapping.toml").write_text("[channels]\n")
     came, write = [], os.write
     with endings.process("send", "disk"):
@@ -171,7 +171,7 @@ def test_crosstalk_of_a_muscle_that_has_not_worked_yet_is_no_effort_of_it() -> N
 def test_the_network_is_asked_for_once_and_for_all(monkeypatch) -> None:
     import pylsl
 
-    from surae.live import lsl as module
+    from surae_workbench.live import lsl as module
 
     told = []
     monkeypatch.setattr(pylsl, "set_config_content", told.append)

@@ -11,15 +11,15 @@ import pytest
 from streaming import Quick, waited
 
 from surae.errors import InputError
-from surae.live.judge import verdict
-from surae.live.room import Room, _files
-from surae.live.stream import Stream
-from surae.live.trials import Trials, mapping_of
 from surae.processes import End
 from surae.protocol import Protocol, generate
 from surae.quality import Finding, Quality
 from surae.recording import write_hdf5
 from surae.studies import virtual_recording, virtual_subject
+from surae_workbench.live.judge import verdict
+from surae_workbench.live.room import Room, _files
+from surae_workbench.live.stream import Stream
+from surae_workbench.live.trials import Trials, mapping_of
 
 
 def finding(code: str, severity: str) -> Finding:
@@ -109,7 +109,7 @@ def watched(tmp_path):
 
 
 def test_a_file_that_appears_in_the_watched_folder_is_a_trial(lsl, watched, monkeypatch) -> None:
-    monkeypatch.setattr("surae.live.trials.Child", Quick)
+    monkeypatch.setattr("surae_workbench.live.trials.Child", Quick)
     (watched / "made.h5").write_bytes(b"something")
     room = Room(watched / "out", watch=watched / "in", joint=False)
     told = appeared(room, watched, watched / "made.h5")
@@ -144,7 +144,7 @@ def test_a_file_that_appears_is_judged_as_a_stream_is(lsl, watched) -> None:
 def test_efforts_that_were_asked_for_are_told_to_the_judge_and_to_the_joint_fit(
     lsl, tmp_path, monkeypatch
 ) -> None:
-    monkeypatch.setattr("surae.live.trials.Child", Quick)
+    monkeypatch.setattr("surae_workbench.live.trials.Child", Quick)
     (tmp_path / "mapping.toml").write_text("[channels]\n")
     trials = Trials(tmp_path, limits={"device": "achilles", "span": None})
     try:
@@ -189,7 +189,7 @@ class Held(Quick):
 @pytest.fixture
 def held(lsl, tmp_path, monkeypatch):
     """Trials of which two were made, and the first is being fitted while the second waits."""
-    monkeypatch.setattr("surae.live.trials.Child", Held)
+    monkeypatch.setattr("surae_workbench.live.trials.Child", Held)
     (tmp_path / "mapping.toml").write_text("[channels]\n")
     trials = Trials(tmp_path)
     made(trials).result(20)
@@ -256,7 +256,7 @@ def test_a_trial_that_is_judged_when_all_ends_is_judged_at_the_next_start(
 ) -> None:
     GOING.clear()
     CLOSED.clear()
-    monkeypatch.setattr("surae.live.trials.Child", Gone)
+    monkeypatch.setattr("surae_workbench.live.trials.Child", Gone)
     (tmp_path / "mapping.toml").write_text("[channels]\n")
     (tmp_path / "other.h5").write_bytes(b"a recording")
     trials = Trials(tmp_path, joint=False)
@@ -267,7 +267,7 @@ def test_a_trial_that_is_judged_when_all_ends_is_judged_at_the_next_start(
     assert GOING.wait(20.0)
     trials.close()
     assert "verdict" not in trials.trials[1]
-    monkeypatch.setattr("surae.live.trials.Child", Quick)
+    monkeypatch.setattr("surae_workbench.live.trials.Child", Quick)
     again = Trials(tmp_path, joint=False)
     try:
         told = again.verdicts[1].result(20)
@@ -288,7 +288,7 @@ max_acceleration_rad_s2 = 100.0
 @pytest.fixture
 def short(lsl, tmp_path, monkeypatch):
     """A room whose device reaches from -0.5 to -0.1 rad."""
-    monkeypatch.setattr("surae.live.trials.Child", Quick)
+    monkeypatch.setattr("surae_workbench.live.trials.Child", Quick)
     (tmp_path / "short.toml").write_text(DEVICE)
     room = Room(tmp_path / "out", device=str(tmp_path / "short.toml"))
     yield room
@@ -313,7 +313,7 @@ def test_a_proposal_of_another_day_is_not_loaded(short) -> None:
 
 
 def test_a_range_is_the_subjects_and_the_device_must_reach_it(lsl, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("surae.live.trials.Child", Quick)
+    monkeypatch.setattr("surae_workbench.live.trials.Child", Quick)
     room = Room(tmp_path / "out", span=(-0.2, 0.1))
     try:
         room.load(profile="sine", task="active", duration=20.0)

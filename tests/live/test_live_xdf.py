@@ -10,7 +10,7 @@ import pyxdf
 from streaming import described
 
 from surae.recording import read
-from surae.recording.xdf_writing import XdfLog, mended
+from surae.recording.xdf_writing import XdfLog, mended_xdf
 
 
 def written(path, *, chunks: int = 20, offset: float = 0.5) -> np.ndarray:
@@ -42,11 +42,11 @@ def test_pyxdf_reads_what_was_written(tmp_path) -> None:
 def test_a_file_that_broke_off_anywhere_is_mended_to_its_last_whole_chunk(tmp_path) -> None:
     values = written(tmp_path / "a.xdf")
     whole = (tmp_path / "a.xdf").read_bytes()
-    assert mended(tmp_path / "a.xdf") == 0
+    assert mended_xdf(tmp_path / "a.xdf") == 0
     torn = tmp_path / "torn.xdf"
     for end in np.random.default_rng(2).integers(900, len(whole) - 60, 8):
         torn.write_bytes(whole[:end])
-        cut = mended(torn)
+        cut = mended_xdf(torn)
         assert 0 <= cut < 300  # less than a chunk of 10 samples
         streams, _ = pyxdf.load_xdf(torn, dejitter_timestamps=False)
         kept = streams[0]["time_series"]
@@ -56,7 +56,7 @@ def test_a_file_that_broke_off_anywhere_is_mended_to_its_last_whole_chunk(tmp_pa
 @pytest.mark.parametrize("content", [b"", b"XD", b"time_s,angle_rad\n0,0\n", b"\0" * 500])
 def test_what_is_no_xdf_is_left_as_it_is(tmp_path, content) -> None:
     (tmp_path / "trial-01.xdf").write_bytes(content)
-    assert mended(tmp_path / "trial-01.xdf") == 0
+    assert mended_xdf(tmp_path / "trial-01.xdf") == 0
     assert (tmp_path / "trial-01.xdf").read_bytes() == content
 
 
@@ -65,7 +65,7 @@ def test_damage_before_the_end_costs_nothing_behind_it(tmp_path) -> None:
     whole = bytearray((tmp_path / "a.xdf").read_bytes())
     whole[1500:1510] = b"\xff" * 10
     (tmp_path / "a.xdf").write_bytes(whole)
-    assert mended(tmp_path / "a.xdf") == 0
+    assert mended_xdf(tmp_path / "a.xdf") == 0
     assert (tmp_path / "a.xdf").read_bytes() == whole
 
 
@@ -88,7 +88,7 @@ def test_a_full_disk_leaves_whole_chunks_and_goes_on_where_there_is_room(tmp_pat
     room[0] = 10**6
     log.samples(1, np.arange(10, 20) / 100.0, np.ones((10, 1)))
     log.close()
-    assert mended(tmp_path / "a.xdf") == 0
+    assert mended_xdf(tmp_path / "a.xdf") == 0
     streams, _ = pyxdf.load_xdf(tmp_path / "a.xdf", dejitter_timestamps=False)
     np.testing.assert_allclose(streams[0]["time_stamps"], np.arange(10, 20) / 100.0)
 

@@ -216,7 +216,9 @@ def test_every_source_has_its_words_advice_and_look():
     from surae.report.budget import css
     from surae.report.figures.budget import _COLOURS
 
-    tokens = (files("surae.web") / "static" / "css" / "tokens.css").read_text(encoding="utf-8")
+    tokens = (files("surae_workbench.web") / "static" / "css" / "tokens.css").read_text(
+        encoding="utf-8"
+    )
     assert len({source.look for source in SOURCES.values()}) == len(SOURCES)
     assert len({css(source.look) for source in SOURCES.values()}) == len(SOURCES)
     for source in SOURCES.values():

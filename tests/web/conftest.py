@@ -13,9 +13,9 @@ import pytest
 
 from answering import Answering
 from surae.processes import Child, End
-from surae.web.app import create_app
-from surae.web.security import Policy
-from surae.web.workbench import Workbench
+from surae_workbench.web.app import create_app
+from surae_workbench.web.security import Policy
+from surae_workbench.web.workbench import Workbench
 
 #: Seconds that anything may take on a computer that is busy with other things.
 PATIENCE = 300.0
@@ -161,7 +161,7 @@ def lent() -> Iterator[None]:
     """Servers within this process lend each other their children."""
     with pytest.MonkeyPatch.context() as patched:
         for module in ("jobs", "request_workers"):
-            patched.setattr(f"surae.web.{module}.Child", LentChild)
+            patched.setattr(f"surae_workbench.web.{module}.Child", LentChild)
         yield
     LentChild.end()
 

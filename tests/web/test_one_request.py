@@ -18,8 +18,8 @@ from surae.recording import MUSCLES
 from surae.settings import FitSettings
 from surae.signals import Weighting
 from surae.studies import virtual_subject, virtual_trial
-from surae.web.draft import changed, empty_draft, settings_of
-from surae.web.schemas import DraftChange
+from surae_workbench.web.draft import changed, empty_draft, settings_of
+from surae_workbench.web.schemas import DraftChange
 
 WEIGHTS = Weighting(((-math.inf, 1.0, 0.0), (3.0, 4.0, 2.0)), 4.0, "emg")
 #: How each field is reached: keywords of `surae.fit`, options of `surae fit`, keys of a draft.

@@ -5,7 +5,6 @@ from click.testing import CliRunner
 
 from surae.cli import group
 from surae.errors import InputError
-from surae.web import command as module
 
 
 def refused(*arguments: str) -> str:
@@ -30,14 +29,14 @@ def test_wrong_use_is_one_line(arguments, says, tmp_path, monkeypatch) -> None:
     assert says in refused(*arguments)
 
 
-def test_without_its_libraries_it_says_how_to_get_them(monkeypatch) -> None:
-    monkeypatch.setattr(module, "find_spec", lambda name: None if name == "fastapi" else object())
-    assert 'pip install "surae[web]"' in refused()
+def test_without_its_package_it_says_how_to_get_it(monkeypatch) -> None:
+    monkeypatch.setattr("importlib.metadata.entry_points", lambda **_: ())
+    assert 'run pip install "surae-workbench"' in refused()
 
 
 def test_a_token_need_not_be_seen_in_the_list_of_processes(tmp_path, monkeypatch) -> None:
     given: dict[str, object] = {}
-    monkeypatch.setattr("surae.web.server.serve", lambda _, **told: given.update(told))
+    monkeypatch.setattr("surae_workbench.web.server.serve", lambda _, **told: given.update(told))
     (tmp_path / "token").write_text("out of a file\n")
     CliRunner().invoke(group, ["serve", "--token-file", str(tmp_path / "token")])
     assert given["token"] == "out of a file"

@@ -16,13 +16,13 @@ import pytest
 
 from surae.errors import ComputationError, InputError
 from surae.processes import NO_ROOM, Child
-from surae.web import upkeep
-from surae.web.database import new_id
-from surae.web.events import Events
-from surae.web.http_errors import RefusedError
-from surae.web.project import Project
-from surae.web.rows import KINDS
-from surae.web.sessions import BrowserSessions
+from surae_workbench.web import upkeep
+from surae_workbench.web.database import new_id
+from surae_workbench.web.events import Events
+from surae_workbench.web.http_errors import RefusedError
+from surae_workbench.web.project import Project
+from surae_workbench.web.rows import KINDS
+from surae_workbench.web.sessions import BrowserSessions
 
 SUBJECT = {"code": "S01", "group": "", "notes": "", "body_mass": None}
 
@@ -222,7 +222,7 @@ def test_a_new_project_is_for_its_owner(tmp_path) -> None:
 
 def reopened(folder: Path, days: int, monkeypatch, start: float = 0.0) -> None:
     """Open a project on so many days, one after the other."""
-    from surae.web import project
+    from surae_workbench.web import project
 
     begin = start or time.time()
     for day in range(days):
@@ -407,7 +407,9 @@ def held(server) -> sqlite3.Connection:
 
 
 def test_a_program_that_holds_the_database_keeps_nobody_from_reading(serve, monkeypatch) -> None:
-    monkeypatch.setattr("surae.web.database._PATIENCE", 60.0)  # reads on a busy computer take less
+    monkeypatch.setattr(
+        "surae_workbench.web.database._PATIENCE", 60.0
+    )  # reads on a busy computer take less
     server = serve()
     browser = server.browser()
     browser.change(seed=5)
@@ -424,7 +426,7 @@ def test_a_program_that_holds_the_database_keeps_nobody_from_reading(serve, monk
 
 
 def test_a_program_that_goes_on_holding_the_database_is_told(serve, monkeypatch) -> None:
-    monkeypatch.setattr("surae.web.database._PATIENCE", 0.1)
+    monkeypatch.setattr("surae_workbench.web.database._PATIENCE", 0.1)
     server = serve()
     browser = server.browser()
     browser.change(seed=5)
@@ -458,7 +460,7 @@ def test_a_full_disk_is_told(serve, monkeypatch) -> None:
     def full(*arguments: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("surae.web.routes.uploads._keep", full)
+    monkeypatch.setattr("surae_workbench.web.routes.uploads._keep", full)
     answer = browser.post("/api/uploads", params={"name": "a.csv"}, content=b"x")
     assert (answer.status_code, answer.json()["error"]) == (503, NO_ROOM)
     folder = server.bench.project.folder / "uploads"
@@ -475,7 +477,7 @@ def test_a_full_disk_is_told(serve, monkeypatch) -> None:
 
 def test_a_mistake_of_ours_tells_no_values() -> None:
     child = Child()
-    end = child.call("surae.web.imports:quality", {"path": ["name of a patient"]})
+    end = child.call("surae_workbench.web.imports:quality", {"path": ["name of a patient"]})
     child.close()
     assert end.how == "failed"
     assert "patient" not in str(end)

@@ -5,7 +5,7 @@ import pytest
 
 import surae
 from surae.studies import virtual_subject
-from surae.web.routes.common import attachment
+from surae_workbench.web.routes.common import attachment
 
 
 def test_the_virtual_subject_can_be_tried(serve) -> None:

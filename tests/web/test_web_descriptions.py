@@ -4,8 +4,8 @@ import numpy as np
 import pandas
 import pytest
 
-from surae.web.routes import descriptions
-from surae.web.upkeep import check
+from surae_workbench.web.routes import descriptions
+from surae_workbench.web.upkeep import check
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from surae.protocol import Protocol, generate
 from surae.settings import FitSettings
 from surae.signals import thinned, thinning_factor
 from surae.studies import virtual_subject, virtual_trial
-from surae.web.fit_progress import FitProgress
+from surae_workbench.web.fit_progress import FitProgress
 
 REFLEX = ("reflex_tri", "reflex_tib", "reflex_delay")
 
@@ -85,7 +85,7 @@ def chirped():
 def told(monkeypatch) -> list[dict[str, Any]]:
     """What the process that makes a fit tells its parent."""
     messages: list[dict[str, Any]] = []
-    monkeypatch.setattr("surae.web.fit_progress.tell", messages.append)
+    monkeypatch.setattr("surae_workbench.web.fit_progress.tell", messages.append)
     return messages
 
 

@@ -4,8 +4,8 @@ import re
 from pathlib import Path
 
 from surae.model import MODELS
-from surae.web import glossary
-from surae.web.routes.pages import STATIC
+from surae_workbench.web import glossary
+from surae_workbench.web.routes.pages import STATIC
 
 
 def test_every_entry_of_the_glossary_is_read() -> None:

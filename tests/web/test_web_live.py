@@ -6,7 +6,7 @@ import pytest
 import surae
 from surae.settings import FitSettings
 from surae.signals import Weighting
-from surae.web.draft import changed, empty_draft, settings_of, shown, upgraded
+from surae_workbench.web.draft import changed, empty_draft, settings_of, shown, upgraded
 
 from .conftest import least
 

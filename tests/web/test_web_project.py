@@ -14,7 +14,7 @@ import httpx
 import pytest
 
 from surae.errors import InputError
-from surae.web.project import Project
+from surae_workbench.web.project import Project
 
 from .conftest import PATIENCE, Browser
 from .test_web_damage import SUBJECT, recording
@@ -109,7 +109,7 @@ def test_a_folder_that_cannot_be_used(tmp_path) -> None:
 
 def test_what_was_read_is_kept_until_it_is_written(serve, monkeypatch) -> None:
     """Of 10,000 recordings one more once took 19 s: each was read again at every step."""
-    from surae.web import database as module
+    from surae_workbench.web import database as module
 
     server = serve()
     database, browser, reads = server.bench.database, server.browser(), []

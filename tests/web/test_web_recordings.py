@@ -9,7 +9,7 @@ import pytest
 
 import surae
 from surae.recording import write_csv
-from surae.web.curves import Pyramid
+from surae_workbench.web.curves import Pyramid
 
 
 def test_an_upload_is_looked_into_and_imported(browser, trial) -> None:

@@ -16,11 +16,11 @@ import httpx
 import pytest
 
 from answering import Answering
-from surae.web import server as module
-from surae.web.app import create_app
-from surae.web.imports import file_name
-from surae.web.security import Policy, is_loopback
-from surae.web.workbench import Workbench
+from surae_workbench.web import server as module
+from surae_workbench.web.app import create_app
+from surae_workbench.web.imports import file_name
+from surae_workbench.web.security import Policy, is_loopback
+from surae_workbench.web.workbench import Workbench
 
 from .conftest import Browser
 from .test_web_damage import OTHERS, SUBJECT, recording
@@ -313,7 +313,7 @@ def status(connection: socket.socket) -> int:
 
 def test_uploads_that_drip_lock_nobody_out(tmp_path, monkeypatch) -> None:
     """256 of them once did, for as long as they liked."""
-    monkeypatch.setattr("surae.web.bodies._PATIENCE", 3.0)
+    monkeypatch.setattr("surae_workbench.web.bodies._PATIENCE", 3.0)
     with answering_as_served(tmp_path / "p") as (_, answering), contextlib.ExitStack() as stack:
         dripping = [Browser(answering.address) for _ in range(4)]
         for each in dripping:

@@ -11,9 +11,9 @@ from click.testing import CliRunner
 from surae.cli import group
 from surae.errors import ComputationError, InputError
 from surae.files import sha256
-from surae.web import upkeep
-from surae.web.database import new_id
-from surae.web.project import Project
+from surae_workbench.web import upkeep
+from surae_workbench.web.database import new_id
+from surae_workbench.web.project import Project
 
 from .test_web_damage import OTHERS, SUBJECT, files, recording
 
@@ -102,7 +102,7 @@ def test_a_strangers_triggers_are_refused(filled) -> None:
 
 def test_a_copy_that_was_killed_is_seen_and_is_no_project(filled, tmp_path) -> None:
     code = (
-        "import os, signal, sys\nfrom surae.web import upkeep\n"
+        "import os, signal, sys\nfrom surae_workbench.web import upkeep\n"
         "upkeep.sha256_of = lambda path: os.kill(os.getpid(), signal.SIGKILL)\n"
         "upkeep.backup(sys.argv[1], sys.argv[2])"
     )

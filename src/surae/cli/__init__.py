@@ -21,7 +21,8 @@ from surae._version import __version__
 from surae.cli.progress import StoppedError
 from surae.errors import InputError, SuraeError
 
-#: Command → module and its one-line help.
+#: Command → its module, or the distribution that offers it as an entry point of the group
+#: `surae.commands`; and its one-line help.
 COMMANDS = {
     "demo": ("surae.cli.demo", "Fit an embedded virtual subject and write its report."),
     "inspect": ("surae.cli.inspect", "List a file's channels and guess which signal each is."),
@@ -42,9 +43,9 @@ COMMANDS = {
     "study": ("surae.cli.study", "Fit thousands of virtual trials over crossed factors."),
     "reproduce": ("surae.cli.reproduce", "Compute the thesis's results again, claim by claim."),
     "baseline": ("surae.cli.baseline", "Simulate the standard errors to compare a fit's with."),
-    "live": ("surae.live.command", "Record, show and judge trials as they are measured."),
-    "serve": ("surae.web.command", "Open the workbench in the browser."),
-    "project": ("surae.web.project_command", "Copy or check a project of the workbench."),
+    "live": ("surae-workbench[live]", "Record, show and judge trials as they are measured."),
+    "serve": ("surae-workbench", "Open the workbench in the browser."),
+    "project": ("surae-workbench", "Copy or check a project of the workbench."),
     "cite": ("surae.cli.cite", "Print the papers behind a fit's methods."),
     "completion": ("surae.cli.completion", "Print a shell's completion of surae."),
     "doctor": ("surae.cli.doctor", "Say what is installed, and test that it works."),
@@ -61,15 +62,28 @@ class _Lazy(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         del ctx
-        if cmd_name not in COMMANDS:
-            return None
-        command: click.Command = import_module(COMMANDS[cmd_name][0]).command
+        home, _ = COMMANDS.get(cmd_name, ("", ""))
+        if not home.startswith("surae."):
+            return _offered(cmd_name, home)
+        command: click.Command = import_module(home).command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         del ctx
         with formatter.section("Commands"):
             formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
+
+
+def _offered(name: str, distribution: str) -> click.Command | None:
+    """The command that another distribution offers; `distribution` is where it should be."""
+    from importlib.metadata import entry_points
+
+    for point in entry_points(group="surae.commands", name=name):
+        command: click.Command = point.load()
+        return command
+    if distribution:
+        raise InputError(f'surae {name} is not installed; run pip install "{distribution}"')
+    return None
 
 
 @click.group(cls=_Lazy, context_settings={"help_option_names": ["-h", "--help"]})

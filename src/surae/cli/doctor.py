@@ -13,12 +13,11 @@ from surae.cli.screen import show_line
 #: Extra → packages that it brings, as imported and as distributed.
 EXTRAS = {
     "formats": (("edfio", "edfio"), ("pyarrow", "pyarrow"), ("pyxdf", "pyxdf")),
-    "web": (("fastapi", "fastapi"), ("uvicorn", "uvicorn"), ("pydantic", "pydantic")),
-    "live": (("pylsl", "pylsl"),),
     "pdf": (("typst", "typst"),),
     "bayes": (("nutpie", "nutpie"), ("arviz_stats", "arviz-stats")),
     "cluster": (("distributed", "distributed"),),
 }
+WORKBENCH = (("surae_workbench", "surae-workbench"), ("pylsl", "pylsl"))
 #: Part of a parameter's true value within which it counts as found back.
 _CLOSE = 0.01
 
@@ -34,7 +33,8 @@ def command() -> int:
     show_line("versions: " + ", ".join(f"{name} {text}" for name, text in versions().items()))
     show_line(f"processors: {_processors()}")
     for name, packages in EXTRAS.items():
-        show_line(f"extra {name}: {_extra(name, packages)}")
+        show_line(f"extra {name}: {_extra(f'surae[{name}]', packages)}")
+    show_line(f"workbench: {_extra('surae-workbench[live]', WORKBENCH)}")
 
     folder = api.cache_folder()
     sizes = [path.stat().st_size for path in folder.rglob("*") if path.is_file()]
@@ -47,10 +47,10 @@ def _processors() -> str:
     return f"{usable} usable of {os.cpu_count()}"
 
 
-def _extra(name: str, packages: tuple[tuple[str, str], ...]) -> str:
+def _extra(requirement: str, packages: tuple[tuple[str, str], ...]) -> str:
     missing = [package for module, package in packages if find_spec(module) is None]
     if missing:
-        return f'not installed (no {", ".join(missing)}): pip install "surae[{name}]"'
+        return f'not installed (no {", ".join(missing)}): pip install "{requirement}"'
     return ", ".join(f"{package} {_version(package)}" for _, package in packages)
 
 

@@ -55,7 +55,13 @@ def is_mapping(source: Source) -> bool:
 
 
 def open_mapping(path: PathLike) -> Source:
-    """A TOML mapping's file."""
+    """Open a TOML mapping's file.
+
+    Raises
+    ------
+    InputError
+        It is no mapping.
+    """
     source = open_source(path)
     if not is_mapping(source):
         raise InputError(

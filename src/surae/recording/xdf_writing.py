@@ -2,7 +2,7 @@
 
 A chunk is written in one go and unbuffered, so that it survives the end of this process at once;
 `XdfLog.sync`, called every second, makes it survive the end of the power. A file without an end is
-a valid file: `mended` cuts off the chunk that was being written.
+a valid file: `mended_xdf` cuts off the chunk that was being written.
 """
 
 import os
@@ -113,7 +113,7 @@ class XdfLog:
         self._size += done
 
 
-def mended(path: Path) -> int:
+def mended_xdf(path: Path) -> int:
     """Cut off the chunk that was being written when a recording broke off; how many bytes it had.
 
     0 where the file is whole; where it is no XDF; and where it is damaged before its end, since

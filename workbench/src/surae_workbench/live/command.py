@@ -1,0 +1,80 @@
+"""`surae live`."""
+
+import os
+from pathlib import Path
+
+import click
+
+from surae.cli.options import Number, Whole, range_option, server_options
+from surae.errors import InputError
+
+
+@click.command("live")
+@click.option("--rehearse", is_flag=True, help="Practise with a simulated manipulator and leg.")
+@click.option("--unattended", is_flag=True, help="With --rehearse: no person and no browser.")
+@click.option("--trials", type=Whole(1, 1000), default=1, show_default=True, metavar="N",
+              help="With --unattended: how many.")  # fmt: skip
+@click.option("--seconds", type=Number(above=1.0, below=3600.0), default=35.0, show_default=True,
+              metavar="S", help="With --unattended: how long each.")  # fmt: skip
+@click.option("--fault", "faults", multiple=True, metavar="KIND@SECONDS[@TRIAL]",
+              help="With --unattended: a fault, e.g. electrode-off@12.")  # fmt: skip
+@click.option("--seed", type=Whole(0), default=1, show_default=True, metavar="N",
+              help="With --rehearse: whose leg it is.")  # fmt: skip
+@click.option("--mapping", metavar="MAP.toml", help="Which channel of the streams is which signal.")
+@click.option("--device", default="achilles", show_default=True, metavar="NAME|FILE.toml",
+              help="What moves the leg.")  # fmt: skip
+@range_option("-0.9:0.6, as far as the device")
+@click.option("--output", default="surae-live", show_default=True, metavar="DIR",
+              help="Where the trials are kept.")  # fmt: skip
+@server_options(8766)
+@click.option("--watch", metavar="DIR", help="Files that appear in DIR are trials too.")
+@click.option("--network", is_flag=True, help="Take streams of other computers too.")
+def command(
+    rehearse: bool,
+    unattended: bool,
+    trials: int,
+    seconds: float,
+    faults: tuple[str, ...],
+    seed: int,
+    mapping: str | None,
+    device: str,
+    range: tuple[float, float] | None,
+    output: str,
+    host: str,
+    port: int,
+    token: str | None,
+    open_: bool,
+    watch: str | None,
+    network: bool,
+) -> None:
+    """Record streams of the Lab Streaming Layer, show them, and judge every trial as it ends.
+
+    DIR is made where it is missing; trials that are in it are kept. surae commands no motor and is
+    no medical device: the manipulator's own safety applies.
+    """
+    if unattended and not rehearse:
+        raise InputError("--unattended goes with --rehearse; leave it away, or add that")
+    if watch is not None and not Path(watch).is_dir():
+        raise InputError(f"--watch {watch}: there is no such folder; make it first")
+    from surae.api import open_mapping
+    from surae_workbench.live.lsl import SESSION, lsl
+
+    if mapping is not None:
+        open_mapping(mapping)
+    if rehearse:  # two rehearsals on one computer must not hear each other
+        os.environ.setdefault(SESSION, f"rehearsal-{os.getpid()}")
+    lsl(network and not rehearse)
+    if unattended:
+        from surae_workbench.live.unattended import unattended as run_unattended
+
+        run_unattended(
+            output, trials=trials, seconds=seconds, faults=faults, mapping=mapping, leg=seed,
+            joint=False, device=device, span=range,
+        )  # fmt: skip
+        return
+    from surae_workbench.live.pages import serve
+
+    serve(
+        output, mapping=mapping, network=network, watch=watch, leg=seed if rehearse else None,
+        device=device, span=range, host=host, port=port, token=token, open_browser=open_,
+    )  # fmt: skip

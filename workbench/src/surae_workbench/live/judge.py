@@ -1,0 +1,213 @@
+"""What a trial is worth, said by a child process so that nothing else waits: first quickly."""
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from surae import api
+from surae.api import (
+    FitSettings,
+    Quality,
+    Recording,
+    assess,
+    commanded_file,
+    make_problem,
+    read,
+    solve,
+    write_hdf5,
+)
+from surae.errors import SuraeError
+from surae.files import write_atomic
+from surae.frozen import read_only
+
+if TYPE_CHECKING:
+    from surae.api import Measure, ParameterEstimate
+
+#: The model of the first answer: it takes a second. What is identified, the second answer says.
+_QUICK = FitSettings.of("muscle", starts=3)
+#: What is said of movement and of a fit, which a trial that holds still has no part in.
+_OF_MOVEMENT = (
+    "angle-still", "rom-not-covered", "trial-too-short", "position-steps", "overshoot",
+    "active-not-active", "torque-sign", "torque-offset", "torque-artefact", "angle-sign",
+)  # fmt: skip
+
+
+def warm() -> None:
+    """Judge a made-up trial, so that the first real one waits for nothing to be compiled."""
+    from surae.api import Protocol, XdfLog, generate, virtual_recording, virtual_subject
+
+    protocol = Protocol(profile="multiple-holds", task="active", duration=10.0, rate_hz=1024.0)
+    channels = virtual_recording(virtual_subject(1), generate(protocol)).channels
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder)
+        log = XdfLog(place / "warm.xdf")
+        described = "".join(
+            f"<channel><label>{role}</label><unit>{channel.unit}</unit></channel>"
+            for role, channel in channels.items()
+        )
+        log.stream(
+            1,
+            f"<info><name>w</name><channel_count>{len(channels)}</channel_count><nominal_srate>"
+            "1024</nominal_srate><channel_format>double64</channel_format><desc><channels>"
+            f"{described}</channels></desc></info>",
+        )
+        time = channels["angle"].time
+        log.samples(1, time, np.column_stack([c.values for c in channels.values()]))
+        log.clock(1, float(time[0]), 0.0)
+        log.close()
+        mapping = (f'[channels.{role}]\ncolumn = "w: {role}"\n' for role in channels)
+        write_atomic(place / "map.toml", "".join(mapping))
+        judge(str(log.path), str(place / "warm.h5"), mapping=str(place / "map.toml"))
+
+
+def judge(
+    file: str,
+    output: str,
+    earlier: Sequence[str] = (),
+    mapping: str | None = None,
+    efforts: Mapping[str, str] | None = None,
+    target: str | None = None,
+    begin: float = 0.0,
+) -> dict[str, Any]:
+    """Read, check and, where it moves, fit a trial; write it as our HDF5.
+
+    `earlier` are recordings of the session's other trials: what is rest and what is effort shows in
+    them. `mapping` is the file of the session's mapping, `target` that of what was asked for, which
+    began at `begin` [s] from the first sample, the recording's time 0; `efforts` were asked for in
+    this trial and the others, by name, as `surae.session` takes them. Said are findings, use,
+    grade, vaf, reasons, verdict, advice; None for what there is not, with `why`.
+    """
+    recording = replace(read(file, mapping=mapping), name=Path(output).stem)
+    if begin:  # times are those that the operator saw: from where the target began
+        recording = replace(
+            recording,
+            channels={
+                role: replace(channel, time=read_only(channel.time - begin))
+                for role, channel in recording.channels.items()
+            },
+        )
+    write_hdf5(output, recording)
+    commanded = None if target is None else commanded_file(target)
+    quality = api.check(recording, commanded=commanded)
+    trial = _session([recording, *earlier], efforts)[recording.name]
+    if not trial.moves:
+        quality = replace(
+            quality, findings=tuple(f for f in quality.findings if f.code not in _OF_MOVEMENT)
+        )
+    judgement: dict[str, Any] = {
+        "findings": quality.as_dict()["findings"],
+        "seconds": max(float(c.time[-1] - c.time[0]) for c in recording.channels.values()),
+        "use": trial.use, "effort": trial.effort, "why": trial.problem or trial.why,
+        "grade": None, "vaf": None, "reasons": [],
+    }  # fmt: skip
+    if trial.use == "fit":
+        try:
+            # What intervals would have to be widened by, which takes as long again, nobody asks.
+            problem = make_problem(_QUICK.inputs([recording]), _QUICK)
+            quick = assess(solve(problem), alternatives=False)
+        except SuraeError as error:
+            judgement |= {"use": "none", "why": str(error).replace(file, recording.name)}
+        else:
+            judgement |= {
+                "grade": quick.adequacy.grade,
+                "vaf": quick.vaf,
+                "reasons": list(quick.adequacy.reasons),
+            }
+    return judgement | verdict(quality, judgement)
+
+
+def verdict(quality: Quality, judgement: Mapping[str, Any]) -> dict[str, str]:
+    """One word on a trial, and what to do.
+
+    Doubts of the quick fit alone ask for no repetition: the joint fit of the session judges them.
+    """
+    # The hum of an electrode that came off is no second fault.
+    causes_first = sorted(quality.findings, key=lambda finding: finding.code != "electrode-off")
+    errors, warnings = (
+        [f"{f.message} {f.advice}" for f in causes_first if f.severity == severity]
+        for severity in ("error", "warning")
+    )
+    if errors:
+        return {"verdict": "repeat", "advice": errors[0]}
+    if judgement["use"] == "none":
+        return {"verdict": "repeat", "advice": judgement["why"]}
+    if judgement["grade"] == "inadequate":
+        return {"verdict": "repeat", "advice": "; ".join(judgement["reasons"])}
+    if warnings:
+        return {"verdict": "look", "advice": warnings[0]}
+    if judgement["grade"] is None:
+        return {"verdict": "keep", "advice": f"Nothing to fit: {judgement['why']}."}
+    doubts = "; ".join(judgement["reasons"])
+    return {"verdict": "keep", "advice": f"Alone it is doubtful: {doubts}." if doubts else ""}
+
+
+def _session(
+    recordings: Sequence[Recording | str], efforts: Mapping[str, str] | None
+) -> api.Session:
+    """The session of some recordings; of others, efforts are not told."""
+    read_in = [_read(each) if isinstance(each, str) else each for each in recordings]
+    names = {recording.name for recording in read_in}
+    own_efforts = {name: effort for name, effort in (efforts or {}).items() if name in names}
+    return api.session(read_in, efforts=own_efforts)
+
+
+@lru_cache(maxsize=16)
+def _read(file: str) -> Recording:
+    """A trial of before, which nobody changes; its file is read once."""
+    return read(file)
+
+
+def together(
+    recordings: Sequence[str],
+    output: str,
+    target: str,
+    efforts: Mapping[str, str] | None = None,
+    device: str = "achilles",
+    span: tuple[float, float] | None = None,
+) -> dict[str, Any]:
+    """Fit all trials of the session jointly, as `surae.fit` does by itself.
+
+    The fit goes to `output`, and what to measure next to `target`; `efforts` are as of `judge`,
+    `device` and `span` as ``device`` and ``range`` of `surae.measure_next`. Said are grade, vaf,
+    reasons, parameters, measures; and next, sentences on what to measure next, which is `proposed`.
+    """
+    fit = _session(recordings, efforts).fit_together()
+    fit.save(output)
+    measures = fit.measures(angles=(0.0, 10.0))
+    return {
+        "grade": fit.adequacy.grade,
+        "vaf": fit.vaf,
+        "reasons": list(fit.adequacy.reasons),
+        "parameters": [_row(name, p) for name, p in fit.parameters.items()],
+        "measures": [{**_row(name, m), "meaning": m.meaning} for name, m in measures.items()],
+        **_next(fit, target, device, span),
+    }
+
+
+def _row(name: str, estimate: "Measure | ParameterEstimate") -> dict[str, Any]:
+    ci95 = estimate.ci95
+    return {
+        "name": name, "value": estimate.value, "unit": estimate.unit,
+        "verdict": str(estimate.verdict),
+        "ci95": None if ci95 is None else [float(end) for end in ci95],
+    }  # fmt: skip
+
+
+def _next(
+    fit: api.Fit, target: str, device: str, span: tuple[float, float] | None
+) -> dict[str, Any]:
+    """What to measure next, in sentences, and what the trial is called; its target is written."""
+    try:
+        following = api.measure_next(
+            fit, device=device, range=None if span is None else (span[0], span[1])
+        )
+    except SuraeError as error:
+        return {"next": [str(error)], "proposed": None}
+    if following.trajectory is not None:
+        following.write(target)
+    return {"next": list(following.sentences), "proposed": following.protocol}

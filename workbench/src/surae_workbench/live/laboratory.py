@@ -1,0 +1,93 @@
+"""The simulated laboratory as its user holds it: a child process that hears words over LSL."""
+
+import json
+import threading
+from typing import Any
+
+from surae.errors import ComputationError
+from surae.processes import Child, End
+from surae_workbench.live.lsl import outlet
+from surae_workbench.live.rehearsal import CONTROL
+
+
+class Laboratory:
+    """A running `surae_workbench.live.rehearsal`.
+
+    Parameters
+    ----------
+    seed : int
+        Whose leg it is.
+    """
+
+    def __init__(self, seed: int) -> None:
+        self._words: Any = outlet("surae control", "Control", [], [], 0.0, CONTROL)
+        self._child = Child(calls=None)
+        self._told = threading.Condition()
+        self._hears = False
+        self._wanted: tuple[int, str] | None = None
+        self._loaded: int | None = None
+        self._end: End | None = None
+        threading.Thread(target=self._run, args=({"seed": seed},), daemon=True).start()
+
+    @property
+    def process(self) -> int | None:
+        """The number of its process."""
+        return self._child.process
+
+    @property
+    def ready(self) -> bool:
+        """Whether it hears, and has what was loaded last."""
+        return self._hears and (self._wanted is None or self._loaded == self._wanted[0])
+
+    def load(self, path: str, trial: int) -> None:
+        """Have it go to where a target begins, and compute what the leg will do."""
+        with self._told:
+            self._wanted, self._loaded = (trial, path), None
+            if self._hears:
+                self._say("load", path=path, trial=trial)
+
+    def wait(self, patience: float) -> None:
+        """Wait until it streams, hears, and has what was loaded last."""
+        with self._told:
+            self._told.wait_for(lambda: self.ready or self._end is not None, patience)
+            if not self.ready:
+                why = self._end.message if self._end is not None else "it does not answer"
+                raise ComputationError(f"the simulated laboratory: {why}; try again")
+
+    def start(self, at: float) -> None:
+        """Have the trial begin at a time of LSL's clock [s]."""
+        self._say("start", at=at)
+
+    def stop(self) -> None:
+        """Have the trial end."""
+        self._say("stop")
+
+    def fault(self, **fault: Any) -> None:
+        """Have something go wrong, see `rehearsal.FAULTS`; ``kind="none"`` mends all."""
+        self._say("fault", **fault)
+
+    def close(self) -> None:
+        """End it, and the stream of words."""
+        with self._told:
+            self._words = None
+        self._child.close()
+
+    def _say(self, word: str, **more: Any) -> None:
+        with self._told:
+            if self._words is not None:
+                self._words.push_sample([json.dumps({"do": word, **more})])
+
+    def _run(self, arguments: dict[str, Any]) -> None:
+        end = self._child.call("surae_workbench.live.rehearsal:run", arguments, hear=self._hear)
+        with self._told:
+            self._end = end
+            self._told.notify_all()
+
+    def _hear(self, message: Any) -> None:
+        with self._told:
+            if "hears" in message:
+                self._hears = True
+                if self._wanted is not None:
+                    self._say("load", path=self._wanted[1], trial=self._wanted[0])
+            self._loaded = message.get("loaded", self._loaded)
+            self._told.notify_all()

@@ -1,0 +1,284 @@
+"""The room of a measurement: what is asked for, what is recorded, and, in a rehearsal, the leg."""
+
+import threading
+from concurrent.futures import Future
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, Unpack
+
+import numpy as np
+
+from surae.api import (
+    DEVICES,
+    MUSCLES,
+    PROFILES,
+    TASKS,
+    Given,
+    Protocol,
+    Trajectory,
+    allowed_range,
+    as_device,
+    generate,
+    read_protocol,
+    smooth_step,
+    write_protocol_csv,
+)
+from surae.errors import InputError, SuraeError
+from surae.files import PathLike, shown
+from surae.frozen import read_only
+from surae_workbench.live import rehearsal
+from surae_workbench.live.laboratory import Laboratory
+from surae_workbench.live.recorder import Show, Tell
+from surae_workbench.live.target import TargetStream
+from surae_workbench.live.trials import Trials, TrialsOptions, silent
+
+#: The name of the target of maximum contractions.
+MAXIMUM = "maximum"
+#: Rate of a target's file [Hz].
+_RATE = 256.0
+#: A trial goes on after its movement for so long [s].
+_AFTER = 0.5
+#: A watched folder is looked at this often [s].
+_WATCH = 1.0
+#: Endings of files that a program is still writing.
+_UNFINISHED = (".tmp", ".part", ".partial", ".crdownload")
+#: The simulated laboratory is waited for so long [s]: the first time, all is compiled.
+_PATIENCE = 180.0
+
+
+class RoomOptions(TrialsOptions, total=False):
+    """What a room may be made with beside the folder of its trials, see `Room`."""
+
+    watch: PathLike | None
+    leg: int | None
+    device: str
+    span: tuple[float, float] | None
+
+
+class Room:
+    """Trials with a target; see `Trials` for the parameters.
+
+    Parameters
+    ----------
+    folder, mapping, show, tell, network, joint
+        As of `Trials`.
+    watch : path or None
+        A folder: files that appear in it are trials too.
+    leg : int or None
+        In a rehearsal, whose leg it is; None: the streams are real.
+    device : str
+        What moves the leg: a name, or the TOML file of a device.
+    span : (float, float), optional
+        The subject's full plantarflexion and dorsiflexion [rad]; by default those of a healthy leg,
+        as far as the device reaches.
+
+    Raises
+    ------
+    InputError
+        There is no such device, or it does not reach so far.
+    """
+
+    def __init__(
+        self,
+        folder: PathLike,
+        *,
+        show: Show = silent,
+        tell: Tell = silent,
+        leg: int | None = None,
+        watch: PathLike | None = None,
+        device: str = "achilles",
+        span: tuple[float, float] | None = None,
+        **trials: Unpack[TrialsOptions],
+    ) -> None:
+        limits = as_device(device)
+        assert limits is not None
+        self.device = limits
+        self.range = allowed_range(self.device, span)
+        place = str(Path(device).resolve()) if device not in DEVICES else device
+        self.laboratory = None if leg is None else Laboratory(leg)
+        try:
+            self.trials = Trials(
+                folder,
+                **trials,
+                show=show,
+                tell=tell,
+                but=(rehearsal.CONTROL,),
+                limits={"device": place, "span": span},
+            )
+        except BaseException:
+            if self.laboratory is not None:
+                self.laboratory.close()
+            raise
+        self.target = TargetStream()
+        self.trajectory: Trajectory | None = None
+        self.asked: dict[str, Any] = {}
+        self.begin: float | None = None
+        self._tell = tell
+        self._timer: threading.Timer | None = None
+        self._lock = threading.Lock()
+        self._ended = threading.Event()
+        if watch is not None:
+            threading.Thread(
+                target=self._watch, args=(Path(watch),), daemon=True, name="live-watch"
+            ).start()
+
+    def load(self, path: PathLike | None = None, name: str = "", **protocol: Any) -> None:
+        """Load what is asked for in the next trial.
+
+        It is a file as `surae protocol` writes it, called `name` if not as the file; else a
+        `surae.protocol.Protocol` without device and range, which are the room's.
+        """
+        with self._lock:
+            if self.trials.running is not None:
+                raise InputError("a trial is running; stop it before another protocol is loaded")
+            effort = None
+            if path is None and protocol.get("profile") == MAXIMUM:
+                trajectory, name, effort = _maximum(self.range), MAXIMUM, "maximal"
+            elif path is None:
+                settings = Protocol(
+                    device=self.device, range_of_motion=self.range, rate_hz=_RATE, **protocol
+                )
+                trajectory = generate(settings)
+                name = f"{protocol.get('profile', '')} {protocol.get('task', '')}".strip()
+                effort = "passive" if protocol.get("task") == "passive" else None
+            else:
+                trajectory, name = read_protocol(path), name or Path(path).stem
+            write_protocol_csv(trajectory, self._file)
+            self.trajectory = trajectory
+            self.asked = {"protocol": shown(name), "seconds": float(trajectory.time[-1])}
+            if effort is not None:
+                self.asked["effort"] = effort
+            self.target.load(trajectory)
+            self._go_back()
+            self._tell("protocol", self.asked)
+
+    @property
+    def _file(self) -> Path:
+        """What is asked for in the next trial."""
+        return self.trials.file("next-target.csv")
+
+    def _go_back(self) -> None:
+        """Send the device of a rehearsal to where the next trial begins."""
+        if self.laboratory is not None and self.trajectory is not None:
+            self.laboratory.load(str(self._file.resolve()), max([*self.trials.trials, 0]) + 1)
+
+    @property
+    def ready(self) -> bool:
+        """Whether a trial can begin: nothing is being loaded, and all are warm and in place."""
+        return (
+            not self._lock.locked()
+            and self.trials.warm.done()
+            and (self.laboratory is None or self.laboratory.ready)
+        )
+
+    def load_next(self) -> None:
+        """Load what was found best to measure next."""
+        proposed = self.trials.session.get("proposed")
+        if not proposed:  # a file that is there may be of another day
+            raise InputError("nothing says yet what to measure next; fit a trial first")
+        self.load(self.trials.file("measure-next.csv"), name=f"next: {proposed}")
+
+    def start(self, countdown: float = 0.5) -> int:
+        """Begin a trial; the target moves after a countdown [s]. Returns the trial's number."""
+        with self._lock:
+            if self.laboratory is not None:
+                self.laboratory.wait(_PATIENCE)
+            number = self.trials.start(**self.asked)
+            if self.trajectory is not None:
+                with suppress(SuraeError):  # on a full disk the trial goes on, and is judged
+                    file = self.trials.path(number, "-target.csv")
+                    write_protocol_csv(self.trajectory, file)
+                self.begin = self.trials.recorder.clock() + countdown
+                self.target.begin(self.begin)
+                if self.laboratory is not None:
+                    self.laboratory.start(self.begin)
+                seconds = countdown + self.asked["seconds"] + _AFTER
+                self._timer = threading.Timer(seconds, self._over, (number,))
+                self._timer.daemon = True
+                self._timer.start()
+            return number
+
+    def stop(self) -> "Future[dict[str, Any]]":
+        """End the trial, and have it judged."""
+        with self._lock:
+            if self._timer is not None:
+                self._timer.cancel()
+            verdict = self.trials.stop(self.begin)
+            self.target.end()
+            self.begin = None
+            if self.laboratory is not None:
+                self.laboratory.stop()
+                self._go_back()
+            return verdict
+
+    def close(self) -> None:
+        """End all."""
+        self._ended.set()
+        if self._timer is not None:
+            self._timer.cancel()
+        self.trials.close()
+        self.target.close()
+        if self.laboratory is not None:
+            self.laboratory.close()
+
+    def _watch(self, folder: Path) -> None:
+        """Take files that appear, once they do not grow any more."""
+        known = set(_files(folder))
+        growing: dict[Path, int] = {}
+        while not self._ended.wait(_WATCH):
+            for path, size in _files(folder).items():
+                if path not in known and size > 0 and growing.get(path) == size:
+                    known.add(path)
+                    self.trials.take(path)
+                growing[path] = size
+
+    def _over(self, number: int) -> None:
+        if self.trials.running == number:
+            with suppress(InputError):  # somebody stopped it at this moment
+                self.stop()
+
+
+def _files(folder: Path) -> dict[Path, int]:
+    """The files in a folder with their sizes, in order; none where it cannot be read now.
+
+    Programs that copy write under another name first: such a file may be gone when it is looked at.
+    """
+    sizes: dict[Path, int] = {}
+    with suppress(OSError):
+        for path in sorted(folder.iterdir()):
+            if path.name.startswith(".") or path.suffix.lower() in _UNFINISHED:
+                continue
+            with suppress(OSError):
+                if path.is_file():
+                    sizes[path] = path.stat().st_size
+    return sizes
+
+
+def known() -> dict[str, list[str]]:
+    """Names of profiles and tasks that can be loaded."""
+    return {"profiles": [*PROFILES, MAXIMUM], "tasks": list(TASKS)}
+
+
+def _maximum(allowed: tuple[float, float]) -> Trajectory:
+    """Maximum contractions: first all push down, then pull up.
+
+    The foot is held still, level where the device reaches that.
+    """
+    time = np.arange(round(18.0 * _RATE) + 1) / _RATE
+    level_angle = min(max(0.0, allowed[0]), allowed[1])
+    still = np.zeros(len(time))
+    effort = np.zeros((len(time), len(MUSCLES)))
+    for muscles, begins in ((("gl", "sol", "gm"), 3.0), (("ta",), 11.0)):
+        level = smooth_step((time - begins) / 0.5) * smooth_step((begins + 4.0 - time) / 0.5)
+        for muscle in muscles:
+            effort[:, MUSCLES.index(muscle)] = level
+    around = (level_angle - 0.01, level_angle + 0.01)
+    settings = Given(profile=MAXIMUM, task="maximal", range_of_motion=around, rate_hz=_RATE)
+    return Trajectory(
+        settings=settings,
+        time=read_only(time),
+        angle=read_only(still + level_angle),
+        velocity=read_only(still),
+        acceleration=read_only(still),
+        effort=read_only(effort),
+    )

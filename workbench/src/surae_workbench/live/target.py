@@ -1,0 +1,88 @@
+"""What is asked for, as a stream: where the device should be and how hard each muscle should work.
+
+It commands no motor. A manipulator's controller may follow it, with its own safety; and it is
+recorded beside what was measured.
+"""
+
+import threading
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from surae.api import MUSCLES, Trajectory
+from surae.units import FloatArray
+from surae_workbench.live.lsl import lsl, outlet
+
+SOURCE, KIND = "surae-live-target", "Target"
+#: Rate [Hz], and how much of it is sent at a time [s].
+_RATE, _STEP = 100.0, 0.02
+
+
+@dataclass(frozen=True, slots=True)
+class _Plan:
+    """A trajectory, and when it begins, in LSL's time [s]; None while it waits."""
+
+    trajectory: Trajectory | None = None
+    begin: float | None = None
+
+    def at(self, times: FloatArray) -> FloatArray:
+        """Angle [rad] and the four efforts at some times, shape (n, 5)."""
+        wanted = np.zeros((len(times), 1 + len(MUSCLES)))
+        if self.trajectory is None:
+            return wanted
+        path = self.trajectory
+        own = times - self.begin if self.begin is not None else np.zeros(len(times))
+        wanted[:, 0] = np.interp(own, path.time, path.angle)
+        if self.begin is not None:
+            for i in range(len(MUSCLES)):
+                wanted[:, 1 + i] = np.interp(own, path.time, path.effort[:, i], left=0.0, right=0.0)
+        return wanted
+
+
+class TargetStream:
+    """The stream of what is asked for, until it is closed."""
+
+    def __init__(self) -> None:
+        labels = ["angle", *(f"emg_{muscle}" for muscle in MUSCLES)]
+        units = ["rad", *["1"] * len(MUSCLES)]
+        self._clock = lsl().local_clock
+        self._plan = _Plan()
+        self._ended = threading.Event()
+        # The stream ends with the thread that alone holds it, not when memory is tidied some day.
+        sent = outlet("surae target", KIND, labels, units, _RATE, SOURCE)
+        self._thread = threading.Thread(
+            target=self._send, args=(sent,), name="live-target", daemon=True
+        )
+        self._thread.start()
+
+    def load(self, trajectory: Trajectory) -> None:
+        """Ask for the first position of a trajectory."""
+        self._plan = _Plan(trajectory)
+
+    def begin(self, at: float) -> None:
+        """Ask for all of it from a time of LSL's clock on [s]."""
+        self._plan = _Plan(self._plan.trajectory, at)
+
+    def end(self) -> None:
+        """Ask for nothing more than its first position."""
+        self._plan = _Plan(self._plan.trajectory)
+
+    def now(self) -> FloatArray:
+        """What is asked for now: angle [rad] and the four efforts."""
+        wanted: FloatArray = self._plan.at(np.array([float(self._clock())]))[0]
+        return wanted
+
+    def close(self) -> None:
+        """End the stream."""
+        self._ended.set()
+        self._thread.join(5.0)
+
+    def _send(self, stream: Any) -> None:
+        sent, start = 0, float(self._clock())
+        while not self._ended.wait(_STEP):
+            due = int((float(self._clock()) - start) * _RATE)
+            if due > sent:
+                times = start + np.arange(sent, due) / _RATE
+                stream.push_chunk(self._plan.at(times), float(times[-1]))
+                sent = due

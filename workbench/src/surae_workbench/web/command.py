@@ -1,0 +1,58 @@
+"""`surae serve`."""
+
+import os
+
+import click
+
+from surae.cli.options import Whole, server_options
+from surae.errors import InputError
+from surae.files import read_bytes
+
+_MIB = 2**20
+
+
+@click.command("serve")
+@click.argument("project", metavar="[PROJECT]", default="surae-project")
+@server_options(8765)
+@click.option("--token-file", metavar="FILE", help="A file that holds the token.")
+@click.option(
+    "--workers",
+    type=Whole(1, 256),
+    metavar="N",
+    help="Fits at a time.  [default: one for each core but one]",
+)
+@click.option("--max-upload", type=Whole(1, 4096), default=512, show_default=True, metavar="MIB",
+              help="Largest file that is taken.")  # fmt: skip
+def command(
+    project: str,
+    host: str,
+    port: int,
+    token: str | None,
+    token_file: str | None,
+    workers: int | None,
+    max_upload: int,
+    open_: bool,
+) -> None:
+    """Open the workbench: a web page on this computer, over the project in a folder.
+
+    PROJECT is a folder, made where it is missing; it can be copied and opened elsewhere. Nothing
+    is asked of the network. Ctrl-C ends it; fits at work can be restarted the next time.
+    """
+    os.environ.pop("SURAE_TOKEN", None)  # no worker needs it
+    if token_file is not None:
+        token = read_bytes(token_file, 4096).decode("utf-8", "replace").strip()
+    if token is not None and len(token) < 8:
+        raise InputError("the token is too short; give at least 8 characters, or leave it away")
+    if not project:
+        raise InputError("the project's folder has no name; give one")
+    from surae_workbench.web.server import serve
+
+    serve(
+        project,
+        host=host,
+        port=port,
+        token=token,
+        workers=workers or max(1, (os.cpu_count() or 2) - 1),
+        upload_bytes=max_upload * _MIB,
+        open_browser=open_,
+    )

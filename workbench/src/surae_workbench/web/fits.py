@@ -1,0 +1,241 @@
+"""What becomes of finished jobs, and what is shown of fits."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from surae import api
+from surae.errors import InputError
+from surae.names import AUTO
+from surae_workbench.web.curves import plain, within
+from surae_workbench.web.draft import settings_of, shown, upgraded
+from surae_workbench.web.project import unique_name, when
+from surae_workbench.web.rows import Thing
+from surae_workbench.web.sessions import BrowserSession
+from surae_workbench.web.sliders import PARTS
+
+if TYPE_CHECKING:
+    from surae_workbench.web.workbench import Workbench
+
+#: Of a FIT.json, what pages do not need: it is long.
+_LONG = ("R", "traces", "outliers")
+
+
+def submit_fit(
+    bench: "Workbench", session: BrowserSession, draft: dict[str, Any], name: str | None
+) -> Thing:
+    """Ask for the fit that a draft describes; wrong settings are refused now, not in the job."""
+    task, names = _task(bench, draft, name=name)
+    label = (name or f"{model_title(draft['model'])} · {names}")[:200]
+    return bench.jobs.submit("fit", label, session, task, task["recordings"][0])
+
+
+def _task(bench: "Workbench", draft: dict[str, Any], **more: Any) -> tuple[dict[str, Any], str]:
+    """What a worker is given to do with a draft, and the names of its recordings."""
+    recordings = bench.draft_recordings(draft)
+    check_draft(bench, draft)
+    ids = [recording["id"] for recording in recordings]
+    task = {**more, "draft": draft, "recordings": ids, "versions": versions_of(bench, draft)}
+    return task, ", ".join(recording["name"] for recording in recordings)
+
+
+def versions_of(bench: "Workbench", draft: Mapping[str, Any]) -> dict[str, int]:
+    """Which descriptions of its recordings a draft is about."""
+    ids = [*draft["recordings"], *draft["mvc"]]
+    return {id_: bench.project.need("recording", id_).get("version", 0) for id_ in ids}
+
+
+def check_draft(bench: "Workbench", draft: dict[str, Any]) -> None:
+    """Refuse a draft that no fit can be made of, with the line that the fit would give."""
+    settings, inputs = prepared_draft(bench, draft)
+    api.make_problem(inputs, settings)
+
+
+def prepared_draft(
+    bench: "Workbench", draft: dict[str, Any]
+) -> "tuple[api.FitSettings, tuple[api.ModelInputs, ...]]":
+    """What a draft asks, and what a model reads of its recordings."""
+    settings = settings_of(draft, draft["recordings"])
+    inputs, contractions = (
+        [bench.prepared(id_, settings) for id_ in draft[key]] for key in ("recordings", "mvc")
+    )
+    return settings, settings.inputs(inputs, contractions)
+
+
+def keep_fit(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
+    """Add a finished fit to the project."""
+    task, summary = job["task"], end["summary"]
+    name = task["name"] or f"{model_title(summary['model'])} · {', '.join(summary['names'])}"
+    id_ = add_fit(bench, job["id"], name, summary, task["recordings"], task)
+    bench.events.changed("fits")
+    return id_
+
+
+def add_fit(
+    bench: "Workbench", id_: str, name: str, summary: Mapping[str, Any], recordings: list[str],
+    task: Mapping[str, Any],
+) -> str:  # fmt: skip
+    """Add a fit whose file is there; `summary` is what lists show of it, `task` what made it."""
+    versions, used = task.get("versions", {}), {*recordings, *task["draft"]["mvc"]}
+    data = {
+        **summary,
+        "name": unique_name(bench.database.all("fit"), name),
+        "recordings": recordings,
+        "versions": {key: versions[key] for key in versions if key in used},
+        "settings": {**task["draft"], "recordings": recordings},
+    }
+    return bench.project.add("fit", data, id_)
+
+
+def keep_designs(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str | None:
+    """Keep the protocols that were designed; the id of the last."""
+    id_ = None
+    for design in end["designs"]:
+        name = unique_name(bench.database.all("protocol"), design["name"], 120)
+        settings = {
+            **job["task"]["settings"], "profile": "designed",
+            "plan": design["plan"] | {key: job["task"][key] for key in ("model", "population")},
+            "limits": design["limits"], "duration": None,
+        }  # fmt: skip
+        id_ = bench.database.add("protocol", {"name": name, "settings": settings})
+    bench.events.changed("protocols")
+    return id_
+
+
+def keep_profile(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
+    """Add finished profiles to those of their fit."""
+    del end
+    id_ = str(job["about"])
+    path = bench.project.path("fits", job["id"], ".profiles.json")
+    profile = json.loads(path.read_text(encoding="utf-8"))["profiles"]
+    path.unlink(missing_ok=True)
+    fit = bench.project.need("fit", id_)
+    profiles = {**fit.get("profiles", {}), **{name: _profile(row) for name, row in profile.items()}}
+    bench.project.change("fit", id_, profiles=profiles)
+    bench.events.changed("fits")
+    return id_
+
+
+def keep_study(bench: "Workbench", job: Thing, end: Mapping[str, Any]) -> str:
+    """A study keeps itself."""
+    del end
+    bench.events.changed("studies")
+    return str(job["about"])
+
+
+def _profile(row: Mapping[str, Any]) -> dict[str, Any]:
+    """What a page draws of a profile."""
+    low, high = row["interval"]
+    return {
+        "values": row["grid"],
+        "delta": row["delta_chi2"],
+        "threshold": row["threshold"],
+        "lower": low,
+        "upper": high,
+        "status": row["status"],
+        "note": row["message"],
+        "open": row["open"],
+    }
+
+
+def model_title(name: str) -> str:
+    """What people call a model."""
+    return "automatic" if name == AUTO else api.MODELS[name].title
+
+
+def fit_summary(bench: "Workbench", fit: Thing) -> dict[str, Any]:
+    """A fit in lists."""
+    first = bench.database.get("recording", fit["recordings"][0], deleted=True)
+    keys = ("name", "model", "status", "vaf", "ipde", "seconds", "recordings", "names", "starts",
+            "agreeing")  # fmt: skip
+    return {
+        "id": fit["id"],
+        **{key: fit[key] for key in keys},
+        "title": model_title(fit["model"]),
+        "created": when(fit["created"]),
+        "older": _older(bench, fit),
+        "subject": None if first is None else first["subject"],
+    }
+
+
+def _older(bench: "Workbench", fit: Thing) -> list[str]:
+    """Names of its recordings that have been described anew since."""
+    rows = (bench.database.get("recording", id_) for id_ in fit["recordings"])
+    made_of = fit.get("versions", {})
+    return [
+        row["name"] for row in rows if row and row.get("version", 0) != made_of.get(row["id"], 0)
+    ]
+
+
+def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
+    """All that is shown of a fit but its curves."""
+    path = bench.project.path("fits", fit["id"], ".json")
+    try:
+        whole = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        raise InputError("the file of this fit is missing or damaged; fit again") from None
+    steps = [trace["steps"] for trace in whole.get("traces", [])]
+    return {
+        "summary": fit_summary(bench, fit),
+        **_report_sections(bench.fit(fit["id"])),
+        "fit": {key: value for key, value in whole.items() if key not in _LONG},
+        "steps": steps,
+        "settings": shown(upgraded(fit["settings"])),
+        "profiles": fit.get("profiles", {}),
+    }
+
+
+def _report_sections(fit: "api.Fit") -> dict[str, Any]:
+    """What the report says of the whole fit, of what makes it unsure, and of what was searched."""
+    result, assessment = fit.result, fit.assessment
+    sections: dict[str, Any] = {
+        "adequacy": api.adequacy_words(fit.adequacy),
+        "budget": api.budget_section(result, assessment),
+        "laboratory": api.laboratory_section(result, assessment),
+        "family": api.family_section(result, assessment),
+        "trials": api.trials_section(result, assessment),
+    }
+    texts = {name: None if each is None else asdict(each) for name, each in sections.items()}
+    made = api.fit_settings(result, assessment)
+    return texts | {"made": [{"label": label, "value": value} for label, value in made]}
+
+
+def fit_traces(
+    fitted: "api.Fit", number: int, start: float | None, end: float | None, points: int
+) -> dict[str, Any]:
+    """The curves of one recording of a fit, at common instants."""
+    parts = fitted.parts(number)  # refuses a wrong number
+    recording = fitted.result.problem.inputs[number]
+    residual = fitted.result.residuals[number]
+    measured = np.zeros(recording.n) if recording.torque is None else recording.torque
+    modelled = measured - residual
+    inside = within(recording.time, start, end)
+    # Every point is a sample: parts add up to the torque, and no swing of a chirp is lost.
+    shown = inside.start + api.extremes(
+        [each[inside] for each in (measured, modelled, recording.angle)], points
+    )
+    return {
+        "name": recording.name,
+        "n": recording.n,
+        "rate_hz": recording.rate_hz,
+        "t": plain(recording.time[shown]),
+        "measured": plain(measured[shown]),
+        "modelled": plain(modelled[shown]),
+        "residual": plain(residual[shown]),
+        "angle": plain(recording.angle[shown]),
+        "emg": [plain(recording.emg[shown, column]) for column in range(recording.emg.shape[1])],
+        "emg_unit": recording.emg_unit,
+        "parts": {name: plain(getattr(parts, name)[shown]) for name in PARTS},
+        "excluded": _excluded(recording.time, recording.weight),
+    }
+
+
+def _excluded(time: Any, weight: Any) -> list[list[float]]:
+    """Spans that were left out [s]."""
+    if weight is None:
+        return []
+
+    return [[float(time[a]), float(time[b])] for a, b in api.excluded_spans(weight)]

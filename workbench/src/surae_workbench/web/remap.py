@@ -1,0 +1,221 @@
+"""A recording described anew after its import: other columns, units, signs, zeros.
+
+What was imported stays as it was. Each description makes a version of the recording beside it, so
+that undo has only to point at the one before, and a fit says which one it was made of.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from surae import api
+from surae.errors import InputError
+from surae.frozen import read_only
+from surae.units import FACTORS, SI, FloatArray, kind
+from surae_workbench.web.imports import Upload, described, imported, preview, read_recording
+from surae_workbench.web.rows import Thing
+
+#: What of a recording's row belongs to its description.
+FIELDS = (
+    "version",
+    "version_sha256",
+    "mapping",
+    "emg",
+    "fixed",
+    "channels",
+    "duration_s",
+    "findings",
+)
+_UNIT = re.compile(r"\[([^\]]+)\]")
+_ADVISED = re.compile(r'unit = "([^"]+)"')
+_FILE = "the file is needed to choose another column; drop it on the page Import again"
+
+
+def first_mapping(row: Thing) -> dict[str, Any]:
+    """The description with which a recording was imported; one of its own where there was none."""
+    first = row.get("first") or row["mapping"]
+    if first is None:
+        first = {"name": row["name"], "emg": row["emg"], "side": row["side"], "channels": {},
+                 "fixed": row["fixed"], "prepare": {}}  # fmt: skip
+    channels_now = {channel["role"]: channel for channel in row["channels"]}
+    plain = {"upload": row["id"], "sign": 1, "scale": 1.0, "offset": 0.0}
+    channels = first["channels"] or {
+        role: {**plain, "column": role, "unit": channel["unit"]}
+        for role, channel in channels_now.items()
+    }
+    units = {
+        role: channel["unit"] or _said_unit(channels_now[role]["source"], role)
+        for role, channel in channels.items()
+    }
+    return {
+        **first,
+        "channels": {role: {**channels[role], "unit": units[role]} for role in channels},
+    }
+
+
+def present_mapping(row: Thing) -> dict[str, Any]:
+    """The description that a recording has now."""
+    return dict(row["mapping"]) if row.get("version") else first_mapping(row)
+
+
+def _said_unit(source: str, role: str) -> str:
+    """The unit that a channel's file gave by itself."""
+    match = _UNIT.search(source)
+    return match[1] if match and match[1] in FACTORS[kind(role)] else SI[kind(role)]
+
+
+def described_anew(
+    recording: api.Recording, first: Mapping[str, Any], wanted: Mapping[str, Any]
+) -> api.Recording:
+    """The recording as imported, with another description of the same columns.
+
+    `first` is the description that it was imported with, `wanted` the one that it shall have.
+    """
+    roles = {(each["upload"], each["column"]): role for role, each in first["channels"].items()}
+    channels = {}
+    for role, new in wanted["channels"].items():
+        source = roles.get((new["upload"], new["column"]))
+        if source is None:
+            raise InputError(f"{role}: {new['column']!r} was not imported: {_FILE}")
+        old, measured = first["channels"][source], recording.channels[source]
+        unit = new["unit"] or SI[kind(role)]
+        if new["scale"] == 0:
+            raise InputError(f"{role}: scale is 0, which would erase the signal")
+        raw = (measured.values / (_factor(source, old["unit"]) * old["sign"]) - old["offset"]) / (
+            old["scale"]
+        )
+        values: FloatArray = (
+            new["sign"] * (new["scale"] * raw + new["offset"]) * _factor(role, unit)
+        )
+        source_text = f"{measured.source.partition(' (')[0]} ({_told(new, unit)})"
+        channels[role] = api.Channel(
+            role, measured.time, read_only(values), "1" if unit == "1" else SI[kind(role)],
+            source_text,
+        )  # fmt: skip
+    return replace(
+        recording,
+        channels=channels,
+        emg=wanted["emg"] or recording.emg,
+        fixed=dict(wanted["fixed"]),
+        prepare=dict(wanted["prepare"]),
+    )
+
+
+def _factor(role: str, unit: str) -> float:
+    factors = FACTORS[kind(role)]
+    if unit not in factors:
+        raise InputError(f"{role}: {unit!r} is no unit of it; use {', '.join(factors)}")
+    return factors[unit]
+
+
+def _told(channel: Mapping[str, Any], unit: str) -> str:
+    return (
+        f"described as {unit}, sign {channel['sign']:+d}, scale {channel['scale']:g}, offset "
+        + (f"{channel['offset']:g}")
+    )
+
+
+def redescribed(
+    path: str,
+    files: Sequence[Upload] | None,
+    first: Mapping[str, Any],
+    wanted: Mapping[str, Any],
+    output: str | None,
+) -> dict[str, Any]:
+    """Describe an imported recording anew, from its own file or, for other columns, the uploads."""
+    if files is not None:
+        return imported(files, wanted, output)
+    recording = described_anew(read_recording(path), first, wanted)
+    if output is not None:
+        api.write_hdf5(output, recording)
+    return described(recording)
+
+
+def imported_columns(path: str, first: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The columns that a recording was imported from, in their files' own numbers."""
+    recording = read_recording(path)
+    columns = []
+    for role, channel in first["channels"].items():
+        plain = {**channel, "sign": 1, "scale": 1.0, "offset": 0.0}
+        raw = described_anew(recording, first, {**first, "channels": {role: plain}})
+        values = raw.channels[role].values / _factor(role, channel["unit"])
+        columns.append(
+            {
+                "upload": channel["upload"], "name": channel["column"], "unit": channel["unit"],
+                "low": float(values.min()), "high": float(values.max()), "usable": True,
+                "preview": preview(recording.channels[role].time, values),
+            }
+        )  # fmt: skip
+    return columns
+
+
+def needs_files(first: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
+    """Whether a description names columns that were not imported."""
+    known = {(each["upload"], each["column"]) for each in first["channels"].values()}
+    return any(
+        (each["upload"], each["column"]) not in known for each in wanted["channels"].values()
+    )
+
+
+def like(wanted: Mapping[str, Any], own: Mapping[str, Any], name: str) -> dict[str, Any]:
+    """The description of another recording of the session, changed in the same way."""
+    columns = {channel["column"]: channel for channel in own["channels"].values()}
+    channels = {}
+    for role, channel in wanted["channels"].items():
+        if channel["column"] not in columns:
+            raise InputError(f"{name} has no column {channel['column']!r}; leave it out")
+        channels[role] = {**channel, "upload": columns[channel["column"]]["upload"]}
+    return {
+        **own, "channels": channels, "emg": wanted["emg"], "fixed": wanted["fixed"],
+        "prepare": wanted["prepare"],
+    }  # fmt: skip
+
+
+def proposals(
+    findings: Sequence[Mapping[str, Any]], channels: Mapping[str, Mapping[str, Any]]
+) -> list[dict[str, Any]]:
+    """Findings, with what mends each in one click where the check is certain.
+
+    `channels` are those of the description; a finding then has ``mend``: a label, and what changes
+    of the channels.
+    """
+    return [{**finding, "mend": _mend(finding, channels)} for finding in findings]
+
+
+def _mend(
+    finding: Mapping[str, Any], channels: Mapping[str, Mapping[str, Any]]
+) -> dict[str, Any] | None:
+    role, code = finding["channel"], finding["code"]
+    if role is None and code == "emg-unit":
+        roles = [role for role in channels if role.startswith("emg_")]
+    else:
+        roles = [role] if role in channels else []
+    if not roles:
+        return None
+    if code in ("angle-sign", "torque-sign") and finding["advice"].startswith("Write sign = -1"):
+        both = "for the angle and the torque" in finding["advice"]
+        if both and code == "torque-sign":
+            return None  # the finding on the angle turns both
+        turned = ["angle", "torque"] if both else [role]
+        return {
+            "label": "Turn both" if both else f"Turn the {role}",
+            "channels": {each: {"sign": -channels[each]["sign"]} for each in turned},
+        }
+    if (
+        code == "torque-offset"
+        and finding["value"] is not None
+        and "zero is off" in finding["message"]
+    ):
+        channel = channels[role]
+        shift = finding["value"] / (_factor(role, channel["unit"]) * channel["sign"])
+        return {
+            "label": f"Take {finding['value']:.3g} Nm away".replace("-", "−"),
+            "channels": {role: {"offset": channel["offset"] - shift}},
+        }
+    advised = _ADVISED.search(finding["advice"])
+    unit = advised[1].replace("µ", "u") if advised else None
+    if code in ("angle-units", "torque-unit", "emg-unit") and unit in FACTORS[kind(roles[0])]:
+        return {"label": f"It is {advised[1] if advised else ''}",
+                "channels": {each: {"unit": unit} for each in roles}}  # fmt: skip
+    return None

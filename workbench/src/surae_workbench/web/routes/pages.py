@@ -1,0 +1,88 @@
+"""The pages: a frame each, which scripts fill from the API."""
+
+import json
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from fastapi import APIRouter, Request, Response
+from jinja2 import UndefinedError
+from markupsafe import Markup
+
+from surae import api
+from surae._version import __version__
+from surae.files import template
+from surae_workbench.web.glossary import symbols, terms
+from surae_workbench.web.routes.common import Bench, Browser, PathId
+from surae_workbench.web.sessions import BrowserSession
+
+router = APIRouter(include_in_schema=False)
+
+STATIC = Path(__file__).resolve().parents[1] / "static"
+
+
+def page(
+    request: Request, name: str, browser: BrowserSession | None, code: int = 200, **more: Any
+) -> Response:
+    """A page of a template."""
+    text = template(f"{name}.html.j2", "surae_workbench.web").render(
+        csrf="" if browser is None else browser.csrf,
+        version=__version__,
+        page=name,
+        project=request.app.state.workbench.project.name,
+        **more,
+    )
+    return Response(text, status_code=code, media_type="text/html")
+
+
+def _offer(path: str, name: str, kind: str) -> None:
+    """Have a path show a template: by itself, or for a thing of a kind that has to be there."""
+
+    def frame(request: Request, browser: Browser) -> Response:
+        return page(request, name, browser)
+
+    def frame_of(id: PathId, request: Request, bench: Bench, browser: Browser) -> Response:
+        bench.project.need(kind, id)
+        return page(request, name, browser, id=id)
+
+    router.add_api_route(path, frame_of if kind else frame, name=name)
+
+
+#: Path, template, and the kind of thing that it is about, if it is about one.
+for _page in (
+    ("/", "project", ""),
+    ("/import", "import", ""),
+    ("/recordings/{id}", "recording", "recording"),
+    ("/fit", "fit", ""),
+    ("/fits/{id}", "result", "fit"),
+    ("/session", "session", ""),
+    ("/compare", "compare", ""),
+    ("/cohort", "cohort", ""),
+    ("/protocol", "protocol", ""),
+    ("/studies", "studies", ""),
+    ("/studies/{id}", "study", "study"),
+):
+    _offer(*_page)
+
+
+@router.get("/sessions/{id}", name="session_result")
+def session_page(id: PathId, request: Request, bench: Bench, browser: Browser) -> Response:
+    """A leg: what its report shows."""
+    bench.project.need("session", id)
+    kept, shown = bench.project.path("sessions", id, ".json"), ""
+    with suppress(OSError, ValueError, KeyError, TypeError, UndefinedError):  # missing, or damaged
+        blocks = json.loads(kept.read_text(encoding="utf-8"))
+        shown = api.part_of(blocks["blocks"], blocks["images"])
+    return page(request, "session_result", browser, id=id, report=Markup(shown))
+
+
+@router.get("/report.css")
+def report_style() -> Response:
+    """The style of reports that stand within a page."""
+    return Response(api.style(), media_type="text/css")
+
+
+@router.get("/glossary")
+def glossary_page(request: Request, browser: Browser) -> Response:
+    """What terms and symbols mean."""
+    return page(request, "glossary", browser, terms=terms(), symbols=symbols())

@@ -1,0 +1,289 @@
+"""The protocol designer: a motion before anybody is measured, its limits, what it will tell."""
+
+import time
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Response
+
+from surae import api
+from surae.errors import InputError
+from surae.names import AUTO, FITTED
+from surae_workbench.web.curves import plain
+from surae_workbench.web.fits import model_title
+from surae_workbench.web.project import when
+from surae_workbench.web.routes.common import (
+    ERRORS,
+    Bench,
+    Browser,
+    PathId,
+    Responses,
+    attachment,
+    made_file,
+    offer_deletion,
+)
+from surae_workbench.web.rows import Thing
+from surae_workbench.web.schemas import (
+    ProtocolDesign,
+    ProtocolFile,
+    ProtocolPlan,
+    ProtocolPreview,
+    ProtocolRequest,
+    ProtocolSettings,
+)
+
+router = APIRouter(prefix="/api/protocols", responses=ERRORS, tags=["protocols"])
+
+#: Points of a drawn curve.
+_POINTS = 2000
+#: Samples of the torque that the prediction is made of; more tell it nothing else.
+_PREDICTED = 60_000
+#: Legs that a preview is an average over.
+_LEGS = 6
+#: What the page opens on: within what its device can do.
+_START = ProtocolPreview(
+    settings=ProtocolSettings(
+        profile="everything-35", chirp_amplitude=0.2, rate_hz=125.0, device="achilles"
+    ),
+    model=AUTO,
+)
+_CSV: Responses = {200: {"content": {"text/csv": {}}}}
+
+
+@router.get("/choices")
+def get_choices() -> dict[str, Any]:
+    """The profiles, tasks and devices."""
+    return {
+        "profiles": [
+            {
+                "name": r.name,
+                "duration_s": r.seconds,
+                "description": r.description,
+                "designed": True,
+            }
+            for r in api.ready_protocols().values()
+        ]
+        + [
+            {"name": choice.name, "duration_s": choice.duration, "description": choice.description}
+            for choice in api.PROFILES.values()
+        ],
+        "tasks": [
+            {"name": choice.name, "description": choice.description}
+            for choice in api.TASKS.values()
+        ],
+        "devices": [asdict(choice) for choice in api.DEVICES.values()],
+        "populations": ["healthy", "patient"],
+        "models": [{"name": name, "title": model_title(name)} for name in FITTED],
+        "start": _START.model_dump(),
+    }
+
+
+@router.post("/preview")
+def post_preview(body: ProtocolPreview) -> dict[str, Any]:
+    """The motion, its limits, what it covers, and what it will tell of virtual legs."""
+    return preview(body.settings, body.model, body.population, body.noise)
+
+
+@router.post("/side-by-side")
+def post_side_by_side(body: ProtocolPreview, bench: Bench) -> dict[str, Any]:
+    """What every protocol, of the thesis and designed, will tell of the same legs."""
+    saved = {
+        row["name"]: ProtocolSettings(**row["settings"]) for row in bench.database.all("protocol")
+    }
+    rows = side_by_side(body.settings, body.model, body.population, body.noise, saved)
+    return {"protocols": rows}
+
+
+@router.post("/design", status_code=202)
+def post_design(body: ProtocolDesign, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Search a protocol of each duration; the answer is the job, which keeps them."""
+    device = None if body.settings.device is None else api.named_device(body.settings.device)
+    api.allowed_range(device, body.settings.range)
+    lengths = ", ".join(f"{seconds:g}" for seconds in body.durations)
+    task = body.model_dump(mode="json")
+    job = bench.jobs.submit("design", f"design of {lengths} s", browser, task, None)
+    return bench.jobs.shown(job, browser)
+
+
+@router.post("/csv", response_class=Response, responses=_CSV)
+def post_csv(body: ProtocolFile) -> Response:
+    """The protocol as the file for a device, within its limits or for a reason."""
+    return _file(body.settings, body.settings.profile, body.reason)
+
+
+@router.get("")
+def get_protocols(bench: Bench) -> dict[str, Any]:
+    """List the protocols that are kept."""
+    return {"protocols": [_shown(row) for row in bench.database.all("protocol")]}
+
+
+@router.post("", status_code=201)
+def post_protocol(body: ProtocolRequest, bench: Bench) -> dict[str, Any]:
+    """Keep a protocol."""
+    trajectory_of(body.settings)
+    id_ = bench.database.add("protocol", body.model_dump(mode="json"))
+    bench.events.changed("protocols")
+    return _shown(bench.project.need("protocol", id_))
+
+
+offer_deletion(router, "/{id}", "protocol")
+
+
+@router.get("/{id}/protocol.csv", response_class=Response, responses=_CSV)
+def get_csv(
+    id: PathId, bench: Bench, reason: Annotated[str, Query(max_length=300)] = ""
+) -> Response:
+    """It as the file for a device, as `surae protocol` writes it, in limits or for a reason."""
+    row = bench.project.need("protocol", id)
+    return _file(ProtocolSettings(**row["settings"]), row["name"], reason)
+
+
+def _file(settings: ProtocolSettings, name: str, reason: str) -> Response:
+    trajectory = for_export(settings, reason)
+    note = f"without limits: {' '.join(reason.split())}" if reason.strip() else ""
+    data = made_file(
+        "protocol.csv", lambda path: api.write_protocol_csv(trajectory, path, note=note)
+    )
+    return Response(data, media_type="text/csv", headers=attachment(name, ".csv"))
+
+
+def _shown(row: Thing) -> dict[str, Any]:
+    about = {key: row[key] for key in ("id", "name", "settings")}
+    return {**about, "created": when(row["created"])}
+
+
+def trajectory_of(settings: ProtocolSettings) -> api.Trajectory:
+    """The trajectory of some settings: a designed protocol, or a profile of the thesis."""
+    device = None if settings.device is None else api.named_device(settings.device)
+    if settings.plan is not None:
+        limits = settings.limits or (*settings.range, 1e6, 1e6)
+        api.allowed_range(device, limits[:2])
+        return api.Plan.sampled(_plain(settings.plan), limits, settings.rate_hz, device)
+    if settings.profile in api.ready_protocols():
+        return api.ready_trajectory(settings.profile, device, settings.range, settings.rate_hz)
+    protocol = api.Protocol(
+        profile=settings.profile,
+        task=settings.task,
+        chirp_amplitude=settings.chirp_amplitude,
+        chirp_rate=settings.chirp_rate,
+        range_of_motion=settings.range,
+        duration=settings.duration,
+        rate_hz=settings.rate_hz,
+        device=device,
+        adapt=settings.adapt,
+    )
+    return api.protocol_trajectory(protocol)
+
+
+def for_export(settings: ProtocolSettings, reason: str) -> api.Trajectory:
+    """The trajectory, if it may be written: within a device's limits, or for a reason."""
+    trajectory = trajectory_of(settings)
+    exceeded = [limit for limit in limits(settings, trajectory) if limit["exceeded"]]
+    if exceeded and not reason.strip():
+        limits_exceeded = "; ".join(limit["text"] for limit in exceeded)
+        raise InputError(
+            f"{limits_exceeded}; nothing is exported without a reason: type it, or change this"
+        )
+    return trajectory
+
+
+def limits(settings: ProtocolSettings, trajectory: api.Trajectory) -> list[dict[str, Any]]:
+    """Every limit of the device, whether it is exceeded by those it is for, and by how much."""
+    if trajectory.settings.device is None:
+        return [{"text": "No device: no limit is kept", "exceeded": True}]
+    model, population = "muscle", None
+    if settings.plan is not None:
+        model, population = settings.plan.model, settings.plan.population
+    elif settings.profile in api.ready_protocols():
+        model = api.ready_protocols()[settings.profile].model
+    asked = api.asked_limits(trajectory, model, population)
+    return [{"text": limit.text, "exceeded": limit.exceeded} for limit in asked]
+
+
+def _plain(plan: ProtocolPlan) -> dict[str, Any]:
+    """The plan, without whom it is for."""
+    return plan.model_dump(exclude={"model", "population"})
+
+
+def preview(
+    settings: ProtocolSettings, model: str, population: str, noise: float
+) -> dict[str, Any]:
+    """The motion, the effort, the limits, the coverage, and the standard errors to expect."""
+    begin = time.perf_counter()
+    trajectory = trajectory_of(settings)
+    if len(trajectory.time) > _PREDICTED:
+        raise InputError(
+            f"{len(trajectory.time)} samples at {settings.rate_hz:g} Hz are too many to predict "
+            "from; use a rate of 125 Hz: it tells as much"
+        )
+    path, adaptation = api.triceps_path(trajectory), trajectory.adaptation
+    expectation = api.expect(trajectory, model, population=population, noise=noise, legs=_LEGS)
+    shown = api.extremes([trajectory.angle, trajectory.velocity], _POINTS)
+    step = max(-(-len(trajectory.time) // _POINTS), 1)
+    return {
+        "t": plain(trajectory.time[shown]),
+        "angle": plain(trajectory.angle[shown]),
+        "velocity": plain(trajectory.velocity[shown]),
+        "effort": [plain(trajectory.effort[shown, i]) for i in range(4)],
+        "seconds": float(trajectory.time[-1]),
+        "samples": len(trajectory.time),
+        "limits": limits(settings, trajectory),
+        "adaptation": None if adaptation is None else list(adaptation.steps),
+        "coverage": {
+            "share": path.coverage.share,
+            "outside": path.coverage.outside,
+            "length_edges": plain(path.coverage.length_edges),
+            "velocity_edges": plain(path.coverage.velocity_edges),
+            "time_share": [plain(row) for row in path.coverage.time_share],
+        },
+        "path": {"length": plain(path.length[::step]), "velocity": plain(path.velocity[::step])},
+        "prediction": expectation.to_json() | {"identified": expectation.identified},
+        "milliseconds": round(1e3 * (time.perf_counter() - begin), 3),
+    }
+
+
+def side_by_side(
+    settings: ProtocolSettings,
+    model: str,
+    population: str,
+    noise: float,
+    saved: Mapping[str, ProtocolSettings],
+) -> list[dict[str, Any]]:
+    """Every protocol: of the thesis, those that come designed, and those that are kept.
+
+    The legs and the noise are the same; those that are kept move over their own range.
+    """
+    rows = []
+    short = [name for name, profile in api.PROFILES.items() if profile.duration < 20.0]
+    fresh = {"rate_hz": 128.0, "duration": None, "plan": None, "limits": None}
+    compared = {
+        name: settings.model_copy(
+            update={**fresh, "profile": name, **({"task": "passive"} if name in short else {})}
+        )
+        for name in (*api.ready_protocols(), *api.PROFILES)
+    } | {name: own.model_copy(update={"rate_hz": 128.0}) for name, own in saved.items()}
+    for name, asked in compared.items():
+        designed = name in api.ready_protocols() or asked.plan is not None
+        row: dict[str, Any] = {"name": name, "designed": designed}
+        try:
+            trajectory = trajectory_of(asked)
+            expectation = api.expect(
+                trajectory, model, population=population, noise=noise, legs=_LEGS
+            )
+        except InputError as refusal:
+            rows.append(row | {"refused": str(refusal)})
+            continue
+        rows.append(
+            row
+            | {
+                "seconds": expectation.seconds,
+                "worst": expectation.worst,
+                "weakest": expectation.weakest,
+                "geometric_mean": expectation.geometric_mean,
+                "identified": expectation.identified,
+                "of": len(expectation.parameters),
+                "exceeded": [x["text"] for x in limits(asked, trajectory) if x["exceeded"]],
+            }
+        )
+    return rows

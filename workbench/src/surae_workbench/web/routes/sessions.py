@@ -1,0 +1,239 @@
+"""Sessions: the trials of one leg, sorted, fitted each and together, predicted by each other."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from datetime import date
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query
+from fastapi.responses import FileResponse
+
+from surae import api
+from surae_workbench.web.database import new_id
+from surae_workbench.web.fits import add_fit, check_draft, fit_summary, versions_of
+from surae_workbench.web.http_errors import RefusedError
+from surae_workbench.web.project import unique_name, when
+from surae_workbench.web.routes.common import (
+    ERRORS,
+    Bench,
+    Browser,
+    PathId,
+    attachment,
+    chosen_draft,
+    offer_deletion,
+)
+from surae_workbench.web.rows import Thing
+from surae_workbench.web.schemas import NameRequest, SessionRequest, TrialsRequest
+from surae_workbench.web.sessions import BrowserSession
+from surae_workbench.web.workbench import Workbench
+
+router = APIRouter(prefix="/api/sessions", responses=ERRORS, tags=["sessions"])
+
+_TYPES = {".html": "text/html", ".pdf": "application/pdf"}
+
+
+@router.post("/trials")
+def post_trials(body: TrialsRequest, bench: Bench) -> dict[str, Any]:
+    """What each trial is and is used for, as its signals and the others tell."""
+    return {"trials": sorted_as(bench, body.recordings, body.efforts)}
+
+
+@router.post("", status_code=202)
+def post_session(body: SessionRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Ask for the fits of a session; the answer is their job."""
+    draft = chosen_draft(bench, browser, body.draft)
+    moving = [
+        each["recording"]
+        for each in sorted_as(bench, body.recordings, body.efforts)
+        if each["fitted"]
+    ]
+    if not moving:
+        raise RefusedError(400, "none of these trials moves: nothing can be fitted")
+    check_draft(bench, {**draft, "recordings": moving[:1], "mvc": [], "normalise": None})
+    job = submit_session(bench, browser, draft, body.recordings, body.efforts, body.name)
+    return bench.jobs.shown(job, browser)
+
+
+@router.get("")
+def get_sessions(bench: Bench) -> dict[str, Any]:
+    """Sessions, the newest first."""
+    every = reversed(bench.database.all("session"))
+    return {"sessions": [session_summary(bench, each) for each in every]}
+
+
+@router.get("/{id}")
+def get_session(id: PathId, bench: Bench) -> dict[str, Any]:
+    """What the report of one says, and its fits."""
+    return session_detail(bench, bench.project.need("session", id))
+
+
+@router.get("/{id}/change")
+def get_change(
+    id: PathId, before: Annotated[str, Query(max_length=16)], bench: Bench
+) -> dict[str, str]:
+    """What changed since another visit, as the report shows it."""
+    files = []
+    for each in (before, id):
+        fit = _main(bench, bench.project.need("session", each))
+        if fit is None:
+            raise RefusedError(404, "this visit has no fit of all trials to compare")
+        files.append(str(bench.project.path("fits", fit, ".json")))
+    return {"html": bench.workers.ask("tasks:change", before=files[0], after=files[1])}
+
+
+@router.patch("/{id}")
+def patch_session(id: PathId, body: NameRequest, bench: Bench) -> dict[str, Any]:
+    """Give it another name."""
+    changed = bench.project.change("session", id, name=body.name)
+    bench.events.changed("sessions")
+    return session_summary(bench, changed)
+
+
+offer_deletion(router, "/{id}", "session")
+
+
+@router.get("/{id}/report.html", response_class=FileResponse)
+def get_page(id: PathId, bench: Bench) -> FileResponse:
+    """Its report: one file to keep."""
+    return _report(bench, id, ".html")
+
+
+@router.get("/{id}/report.pdf", response_class=FileResponse)
+def get_paper(id: PathId, bench: Bench) -> FileResponse:
+    """Its report for paper."""
+    return _report(bench, id, ".pdf")
+
+
+def _report(bench: Bench, id_: str, suffix: str) -> FileResponse:
+    row = bench.project.need("session", id_)
+    path = bench.project.path("sessions", id_, suffix)
+    if not path.is_file():
+        raise RefusedError(404, "this file of the session is missing; fit the session again")
+    headers = attachment(row["name"], suffix)
+    return FileResponse(path, media_type=_TYPES[suffix], headers=headers)
+
+
+_TOGETHER = "all together"
+
+
+def sorted_as(
+    bench: Workbench, recordings: Sequence[str], efforts: Mapping[str, str]
+) -> list[dict[str, Any]]:
+    """What each trial is, and what it is used for, in the words of the report."""
+    rows = {id_: bench.project.need("recording", id_) for id_ in dict.fromkeys(recordings)}
+    leg = api.session(
+        [replace(bench.recording(id_), name=row["name"]) for id_, row in rows.items()],
+        efforts={rows[id_]["name"]: effort for id_, effort in efforts.items() if id_ in rows},
+    )
+    trials = {trial.name: trial for trial in leg.trials}
+    return [
+        {
+            "recording": id_, "name": row["name"], "effort": trials[row["name"]].effort,
+            "told": trials[row["name"]].told, "fitted": trials[row["name"]].use == "fit",
+            **{
+                key: getattr(api.trial_row(trials[row["name"]], None, None, {}, {}), key)
+                for key in ("what", "why", "use", "problem")
+            },
+        }
+        for id_, row in rows.items()
+    ]  # fmt: skip
+
+
+def submit_session(
+    bench: Workbench,
+    browser: BrowserSession,
+    draft: dict[str, Any],
+    recordings: Sequence[str],
+    efforts: Mapping[str, str],
+    name: str | None,
+) -> Thing:
+    """Ask for the fits of a session; what cannot be kept is refused now, not in the job."""
+    rows = [bench.project.need("recording", id_) for id_ in dict.fromkeys(recordings)]
+    cut = [row["name"] for row in rows if draft["exclusions"].get(row["id"])]
+    if cut:
+        raise RefusedError(
+            400,
+            f"stretches of {', '.join(cut)} are left out: a session fits trials whole; take that "
+            "back on the page of the recording, or fit without a session",
+        )
+    if len({row["side"] for row in rows if row["side"]}) > 1:
+        raise RefusedError(400, "the trials are of both legs; a session is of one")
+    chosen = [row["id"] for row in rows]
+    draft = {**draft, "recordings": chosen, "mvc": [], "sliders": {}, "exclusions": {}}
+    called = unique_name(bench.database.all("session"), name or _usual_name(bench, rows), 120)
+    task = {
+        "draft": draft,
+        "name": called,
+        "recordings": chosen,
+        "names": {row["id"]: row["name"] for row in rows},
+        "efforts": {id_: effort for id_, effort in efforts.items() if id_ in chosen},
+        "versions": versions_of(bench, draft),
+        "fits": {name: new_id() for name in (*(row["name"] for row in rows), "joint")},
+    }
+    return bench.jobs.submit("session", called, browser, task, chosen[0])
+
+
+def _usual_name(bench: Workbench, rows: Sequence[Thing]) -> str:
+    subject = bench.database.get("subject", rows[0]["subject"]) if rows[0]["subject"] else None
+    who = "Leg" if subject is None else subject["code"]
+    return ", ".join(filter(None, (who, rows[0]["side"], f"{date.today():%Y-%m-%d}")))
+
+
+def keep_session(bench: Workbench, job: Thing, end: Mapping[str, Any]) -> str:
+    """Add a session to the project, and its fits as fits like any other."""
+    task, ids = job["task"], {}
+    by_name = {name: id_ for id_, name in task["names"].items()}
+    for name, summary in end["summaries"].items():
+        joint = name == "joint"
+        recordings = [by_name[each] for each in (end["joined"] if joint else [name])]
+        label = f"{task['name']} · {_TOGETHER if joint else name}"
+        ids[name] = add_fit(bench, task["fits"][name], label, summary, recordings, task)
+    about = {"fits": ids, "content": end["content"], "settings": task["draft"]}
+    data = {"name": task["name"], "recordings": task["recordings"], **about}
+    id_ = bench.project.add("session", data, job["id"])
+    for what in ("fits", "sessions"):
+        bench.events.changed(what)
+    return id_
+
+
+def session_summary(bench: Workbench, session: Thing) -> dict[str, Any]:
+    """A session in lists."""
+    first = bench.database.get("recording", session["recordings"][0], deleted=True)
+    adequacy = session["content"].get("adequacy")
+    leg = {key: None if first is None else first[key] for key in ("subject", "side")}
+    return {
+        **{key: session[key] for key in ("id", "name")},
+        **leg,
+        "created": when(session["created"]),
+        "trials": len(session["recordings"]),
+        "fits": len([name for name in session["fits"] if name != "joint"]),
+        "grade": None if adequacy is None else adequacy["grade"],
+        "fit": _main(bench, session),
+    }
+
+
+def _main(bench: Workbench, session: Thing) -> str | None:
+    """The fit that stands for the leg, if it is still there: of all together, or the only one."""
+    fits = session["fits"]
+    id_ = fits.get("joint") or (next(iter(fits.values())) if len(fits) == 1 else None)
+    return id_ if id_ and bench.database.get("fit", id_) else None
+
+
+def session_detail(bench: Workbench, session: Thing) -> dict[str, Any]:
+    """The fits that are still there, and other visits of the leg."""
+    fits = {name: bench.database.get("fit", id_) for name, id_ in session["fits"].items()}
+    own = session_summary(bench, session)
+    visits = [session_summary(bench, each) for each in bench.database.all("session")]
+    return {
+        "summary": own,
+        "visits": [
+            each
+            for each in visits
+            if each["id"] != own["id"]
+            and each["fit"]
+            and own["fit"]
+            and (each["subject"], each["side"]) == (own["subject"], own["side"])
+        ],
+        "fits": {name: fit_summary(bench, fit) for name, fit in fits.items() if fit is not None},
+        "paper": bench.project.path("sessions", session["id"], ".pdf").is_file(),
+    }

@@ -1,0 +1,266 @@
+"""Files come in: uploaded to the session, looked into, mapped, imported as recordings."""
+
+import hashlib
+import re
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Request, Response
+
+from surae import api
+from surae.units import FACTORS, kind
+from surae_workbench.web.database import new_id
+from surae_workbench.web.http_errors import RefusedError, not_found
+from surae_workbench.web.imports import file_name, row_of
+from surae_workbench.web.project import unique_name, when
+from surae_workbench.web.remap import proposals
+from surae_workbench.web.routes.common import ERRORS, Bench, Browser, PathId
+from surae_workbench.web.routes.recordings import shown_recording
+from surae_workbench.web.rows import Thing
+from surae_workbench.web.schemas import ImportRequest
+from surae_workbench.web.sessions import BrowserSession
+from surae_workbench.web.workbench import Workbench
+
+router = APIRouter(prefix="/api", responses=ERRORS, tags=["import"])
+
+#: Files that a session may have uploaded at a time.
+MOST_UPLOADS = 64
+#: The code of the subject that is not real, and all else about it.
+_VIRTUAL = "virtual"
+_VIRTUAL_SUBJECT = {
+    "code": _VIRTUAL,
+    "group": "healthy",
+    "notes": "simulated, not measured",
+    "body_mass": None,
+}
+_IDS = re.compile(r"^[0-9a-f]{16}(,[0-9a-f]{16}){0,15}$")
+
+
+@router.post(
+    "/uploads",
+    status_code=201,
+    openapi_extra={
+        "requestBody": {
+            "required": True,
+            "content": {
+                "application/octet-stream": {"schema": {"type": "string", "format": "binary"}}
+            },
+        }
+    },
+)
+async def post_upload(
+    request: Request,
+    bench: Bench,
+    browser: Browser,
+    name: Annotated[str, Query(min_length=1, max_length=300)],
+) -> dict[str, Any]:
+    """Take one file, streamed to disk as it comes."""
+    from starlette.concurrency import run_in_threadpool
+
+    await run_in_threadpool(_refuse_more, bench, browser)
+    id_, count, digest = new_id(), 0, hashlib.sha256()
+    folder = await run_in_threadpool(bench.project.uploads, browser.key)
+    path, whole = folder / id_, False
+    try:
+        with path.open("xb") as file:
+            async for chunk in request.stream():
+                count += len(chunk)
+                digest.update(chunk)
+                await run_in_threadpool(file.write, chunk)
+        whole = count > 0
+    finally:
+        if not whole:
+            path.unlink(missing_ok=True)
+    if not whole:
+        raise RefusedError(400, "the file is empty; choose another")
+    data = {
+        "name": file_name(name),
+        "bytes": count,
+        "sha256": digest.hexdigest(),
+        "session": browser.key,
+    }
+    try:
+        await run_in_threadpool(_keep, bench, browser, data, id_)
+    except BaseException:
+        path.unlink(missing_ok=True)
+        raise
+    return _shown({**data, "id": id_, "created": None})
+
+
+def _refuse_more(bench: Workbench, browser: BrowserSession) -> None:
+    if len(_uploads(bench, browser)) >= MOST_UPLOADS:
+        raise RefusedError(409, f"{MOST_UPLOADS} files are uploaded already; delete some first")
+
+
+def _keep(bench: Workbench, browser: BrowserSession, data: Thing, id_: str) -> None:
+    """Note a file, unless others came in at the same time and there are now too many."""
+    with bench.database.transaction():
+        _refuse_more(bench, browser)
+        bench.database.add("upload", data, id_)
+
+
+@router.get("/uploads")
+def get_uploads(bench: Bench, browser: Browser) -> dict[str, Any]:
+    """List the files of the browser's session."""
+    return {"uploads": [_shown(upload) for upload in _uploads(bench, browser)]}
+
+
+@router.delete("/uploads/{id}", status_code=204)
+def delete_upload(id: PathId, bench: Bench, browser: Browser) -> Response:
+    """Put one into the trash."""
+    _upload(bench, browser, id)
+    bench.project.discard("upload", id)
+    return Response(status_code=204)
+
+
+@router.get("/uploads/{id}/inspect")
+def inspect_upload(
+    id: PathId,
+    bench: Bench,
+    browser: Browser,
+    also: Annotated[str | None, Query(max_length=300)] = None,
+) -> dict[str, Any]:
+    """What is in a file, and in others that belong to it, and a guess of what each column is."""
+    if also is not None and not _IDS.match(also):
+        raise RefusedError(400, "also: give ids with commas")
+    upload = _upload(bench, browser, id)
+    others = [] if also is None else [_upload(bench, browser, other) for other in also.split(",")]
+    files = _files(bench, browser, [upload, *others])
+    result = bench.workers.ask("imports:inspected", files=files)
+    if not result["columns"]:  # a mapping: what it names may be among all uploads
+        rest = [u for u in _uploads(bench, browser) if u["id"] != upload["id"]]
+        files = _files(bench, browser, [upload, *rest])
+        result = bench.workers.ask("imports:inspected", files=files)
+    return {"id": upload["id"], "name": upload["name"], **result}
+
+
+@router.get("/units")
+def get_units() -> dict[str, Any]:
+    """The roles that a channel can have, and the units of each."""
+    return {
+        "roles": list(api.ROLES),
+        "units": {role: list(FACTORS[kind(role)]) for role in api.ROLES},
+    }
+
+
+@router.post("/imports/preview")
+def preview_import(body: ImportRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """What a mapping makes of the files."""
+    result, mapping = _imported(body, bench, browser, None), body.mapping.model_dump(mode="json")
+    findings = proposals(result["findings"], mapping["channels"])
+    return {**result, "findings": findings, "twin": _twin(bench, result["files"], mapping)}
+
+
+@router.post("/imports", status_code=201)
+def post_import(body: ImportRequest, bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Keep what a mapping makes of the files as a recording."""
+    if body.subject is not None:
+        bench.project.need("subject", body.subject)
+    id_ = new_id()
+    result = _imported(body, bench, browser, str(bench.project.path("recordings", id_, ".h5")))
+    return _added(
+        bench, id_, result, body.subject, body.trial or "", body.condition or "",
+        body.mapping.model_dump(mode="json"),
+    )  # fmt: skip
+
+
+@router.post("/demo", status_code=201)
+def post_demo(bench: Bench, browser: Browser) -> dict[str, Any]:
+    """Make a recording of the virtual subject, of whom there is one more trial each time."""
+    del browser
+    id_, known = new_id(), _virtual(bench)
+    trial = 1 + sum(
+        known is not None and recording["subject"] == known
+        for recording in bench.database.all("recording")
+    )
+    path = str(bench.project.path("recordings", id_, ".h5"))
+    result = bench.workers.ask("tasks:demo", trial=trial, output=path)
+    with bench.database.transaction():
+        subject = _virtual(bench) or bench.database.add("subject", _VIRTUAL_SUBJECT)
+    bench.events.changed("subjects")
+    return _added(bench, id_, result, subject, f"T{trial}", "", None)
+
+
+def _twin(
+    bench: Workbench, files: list[Mapping[str, str]], mapping: Mapping[str, Any]
+) -> dict[str, str] | None:
+    """The recording that was made of the same columns of the same files before."""
+    sums = {file["sha256"] for file in files}
+    columns = {channel["column"] for channel in mapping["channels"].values()}
+    for recording in bench.database.all("recording"):
+        known = (recording.get("first") or recording["mapping"] or {"channels": {}})["channels"]
+        if {file["sha256"] for file in recording["files"]} == sums and {
+            channel["column"] for channel in known.values()
+        } & columns:
+            return {"id": recording["id"], "name": recording["name"]}
+    return None
+
+
+def _virtual(bench: Workbench) -> str | None:
+    """The subject that is not real, where it has been made."""
+    ids = [
+        subject["id"] for subject in bench.database.all("subject") if subject["code"] == _VIRTUAL
+    ]
+    return ids[0] if ids else None
+
+
+def _added(
+    bench: Workbench,
+    id_: str,
+    result: Mapping[str, Any],
+    subject: str | None,
+    trial: str,
+    condition: str,
+    mapping: Mapping[str, Any] | None,
+) -> dict[str, Any]:
+    """Add a recording, whose file is there, to the project."""
+    data = {
+        **row_of(result),
+        "name": unique_name(bench.database.all("recording"), result["name"], 120),
+        "subject": subject,
+        "side": result["side"],
+        "trial": trial,
+        "condition": condition,
+        "files": result["files"],
+        "mapping": mapping,
+    }
+    bench.project.add("recording", data, id_)
+    bench.events.changed("recordings")
+    return shown_recording(bench, bench.project.need("recording", id_))
+
+
+def _imported(
+    body: ImportRequest, bench: Workbench, browser: BrowserSession, output: str | None
+) -> dict[str, Any]:
+    mapping = body.mapping.model_dump(mode="json")
+    wanted = dict.fromkeys(upload["upload"] for upload in mapping["channels"].values())
+    uploads = [_upload(bench, browser, id_) for id_ in wanted]
+    files = _files(bench, browser, uploads)
+    result: dict[str, Any] = bench.workers.ask(
+        "imports:imported", files=files, mapping=mapping, output=output
+    )
+    return result
+
+
+def _uploads(bench: Workbench, browser: BrowserSession) -> list[Thing]:
+    return [upload for upload in bench.database.all("upload") if upload["session"] == browser.key]
+
+
+def _upload(bench: Workbench, browser: BrowserSession, id_: str) -> Thing:
+    upload = bench.database.get("upload", id_)
+    if upload is None or upload["session"] != browser.key:
+        raise not_found("upload")
+    return upload
+
+
+def _files(bench: Workbench, browser: BrowserSession, uploads: list[Thing]) -> list[dict[str, str]]:
+    folder = bench.project.uploads(browser.key)
+    return [
+        {"id": upload["id"], "path": str(folder / upload["id"]), "name": upload["name"]}
+        for upload in uploads
+    ]
+
+
+def _shown(upload: Thing) -> dict[str, Any]:
+    about = {key: upload[key] for key in ("id", "name", "bytes", "sha256")}
+    return {**about, "created": when(upload["created"])}

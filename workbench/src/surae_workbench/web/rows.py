@@ -1,0 +1,243 @@
+"""What the rows of project.db hold, kind by kind: a project may be a stranger's, or damaged.
+
+A row that is not as it should be is shown as damaged; all others are as they were.
+"""
+
+import json
+import math
+import re
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from surae import api
+from surae.errors import InputError
+from surae_workbench.web.schemas import DraftChange, ProtocolSettings
+
+#: A thing: its content with its `id` and `created`.
+Thing = dict[str, Any]
+
+ID = re.compile(r"[0-9a-f]{16}")
+#: Longest content of a row [characters].
+_LONGEST = 16 * 2**20
+#: Until the year 9999 [s].
+_LAST = 253_402_300_799
+
+_Id = Annotated[str, Field(pattern=r"^[0-9a-f]{16}$")]
+_Time = Annotated[float, Field(ge=0, le=_LAST)]
+
+
+class _Row(BaseModel):
+    """Nothing is taken for what it is not; what a newer surae adds is left as it is."""
+
+    model_config = ConfigDict(strict=True, extra="allow", allow_inf_nan=False)
+
+
+class _Subject(_Row):
+    code: str
+    group: str
+    notes: str
+    body_mass: float | None
+
+
+class _Channel(_Row):
+    role: str
+    unit: str
+    n: int
+    rate_hz: float
+    source: str
+
+
+class _File(_Row):
+    name: str
+    sha256: str
+
+
+class _Recording(_Row):
+    name: str
+    subject: _Id | None
+    side: str | None
+    trial: str
+    condition: str
+    duration_s: float
+    emg: str | None
+    fixed: dict[str, float]
+    channels: list[_Channel]
+    files: list[_File]
+    mapping: dict[str, Any] | None
+    findings: list[dict[str, Any]] | None = None
+    first: dict[str, Any] | None = None
+    version: int = 0
+    version_sha256: str | None = None
+    latest: int = 0
+
+
+class _Estimate(_Row):
+    value: float | None
+    sem: float | None
+    low: float | None
+    high: float | None
+    verdict: str
+
+
+class _Fit(_Row):
+    name: str
+    model: str
+    status: str
+    vaf: float | None
+    ipde: float | None
+    seconds: float
+    recordings: Annotated[list[_Id], Field(min_length=1)]
+    names: list[str]
+    starts: int
+    agreeing: int | None
+    parameters: dict[str, _Estimate]
+    settings: dict[str, Any]
+    profiles: dict[str, dict[str, Any]] = {}
+    versions: dict[str, int] = {}
+
+
+class _Adequacy(_Row):
+    grade: str
+
+
+class _SessionContent(_Row):
+    adequacy: _Adequacy | None = None
+
+
+class _Session(_Row):
+    name: str
+    recordings: Annotated[list[_Id], Field(min_length=1)]
+    fits: dict[str, _Id]
+    content: _SessionContent
+    settings: dict[str, Any]
+
+
+class _Comparison(_Row):  # of surae 0.1; kept as they are
+    conclusion: str
+    recordings: list[_Id]
+    models: list[str]
+    fit: _Id | None = None
+
+
+class _Study(_Row):
+    name: str
+    toml: str
+    rows: int
+
+
+class _Protocol(_Row):
+    name: str
+    settings: dict[str, Any]
+
+
+class _Upload(_Row):
+    name: str
+    bytes: int
+    sha256: str
+    session: str
+
+
+class _Job(_Row):
+    kind: Literal["fit", "profile", "session", "compare", "study", "design"]
+    label: str
+    state: Literal["queued", "running", "done", "failed", "cancelled", "interrupted"]
+    session: str
+    task: dict[str, Any]
+    about: str | None
+    message: str
+    result: str | None
+    started: _Time | None
+    ended: _Time | None
+
+
+class _Trash(_Row):
+    kind: str
+    files: list[str]
+    day: int
+    content: Any
+
+
+#: The form of each kind; others, of a newer surae, are not looked at.
+KINDS: dict[str, type[_Row]] = {
+    "subject": _Subject,
+    "recording": _Recording,
+    "fit": _Fit,
+    "session": _Session,
+    "comparison": _Comparison,
+    "study": _Study,
+    "protocol": _Protocol,
+    "upload": _Upload,
+    "job": _Job,
+    "trash": _Trash,
+}
+
+
+def thing(kind: str, id_: object, created: object, text: object) -> Thing:
+    """A row as a thing.
+
+    A ValueError says what is wrong with it, in a few words.
+    """
+    if not isinstance(id_, str) or not ID.fullmatch(id_):
+        raise ValueError("its id is none of ours")
+    if not isinstance(created, float | int) or not 0 <= created <= _LAST:
+        raise ValueError("its time is impossible")
+    content = plain(text)
+    if not isinstance(content, dict):
+        raise ValueError("it holds no table")
+    form = KINDS.get(kind)
+    if form is not None:
+        try:
+            form.model_validate(content)
+            if kind == "protocol":
+                ProtocolSettings(**content["settings"])
+        except ValidationError as error:
+            first = error.errors()[0]
+            place = ".".join(str(part)[:40] for part in first["loc"][:4])
+            raise ValueError(f"{place}: {first['msg']}".removeprefix(": ")) from None
+    if kind == "study":
+        try:
+            api.parse_study(content["toml"])
+        except InputError as error:
+            raise ValueError(str(error)) from None
+    return {**content, "id": id_, "created": created}
+
+
+def plain(text: object) -> Any:
+    """What a text of JSON holds.
+
+    It raises ValueError for no JSON, and for numbers that are none.
+    """
+    if not isinstance(text, str):
+        raise ValueError("it is no text")
+    if len(text) > _LONGEST:
+        raise ValueError(f"it is longer than {_LONGEST / 2**20:g} MiB")
+    try:
+        return _DECODER.decode(text)
+    except (ValueError, RecursionError):
+        raise ValueError("it is no JSON that can be read") from None
+
+
+def draft_parts(data: object) -> dict[str, Any]:
+    """The keys of a draft that are as they should be."""
+    if not isinstance(data, dict):
+        return {}
+    good = {}
+    for key, value in data.items():
+        try:
+            DraftChange.model_validate({key: value})
+        except ValidationError:
+            continue
+        good[key] = value
+    return good
+
+
+def _finite(text: str) -> float:
+    """A number that JSON can say again."""
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(text)
+    return number
+
+
+_DECODER = json.JSONDecoder(parse_constant=_finite, parse_float=_finite)

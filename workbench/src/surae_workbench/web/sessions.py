@@ -1,0 +1,320 @@
+"""Browsers kept apart: each has its own draft, uploads and history, found by a secret cookie."""
+
+import json
+import secrets
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from hashlib import sha256
+from typing import Any
+
+from surae.errors import SuraeError
+from surae_workbench.web.draft import Draft, changed, empty_draft, shown, upgraded
+from surae_workbench.web.events import Events
+from surae_workbench.web.http_errors import RefusedError
+from surae_workbench.web.places import plural
+from surae_workbench.web.project import Project
+from surae_workbench.web.rows import draft_parts, plain
+
+#: Steps that can be undone.
+_STEPS = 200
+#: Sessions that did nothing are forgotten after a day on which the project was used, others when
+#: unseen on so many.
+_IDLE, _UNSEEN = 1, 365
+#: `seen` is written no more often than this [s].
+_SEEN = 600.0
+
+
+@dataclass(frozen=True, slots=True)
+class BrowserSession:
+    """One browser: `key`, which names it on disk but opens nothing, and its CSRF token."""
+
+    key: str
+    csrf: str
+
+    @classmethod
+    def new(cls) -> "tuple[BrowserSession, str]":
+        """A new session, and the cookie that opens it, which is kept nowhere here."""
+        cookie = secrets.token_urlsafe(32)
+        return cls(key_of(cookie), secrets.token_urlsafe(32)), cookie
+
+
+def key_of(cookie: str) -> str:
+    """The key of the session that a cookie opens."""
+    return sha256(cookie.encode("utf-8", "surrogateescape")).hexdigest()
+
+
+class BrowserSessions:
+    """All sessions of a project."""
+
+    def __init__(self, project: Project, events: Events) -> None:
+        self._project, self._database, self._events = project, project.database, events
+        #: Names the project among others on the same computer; takes its place out of messages.
+        self.project_id, self.hidden = project.id, project.hidden
+        self._forget()
+
+    def open(self, cookies: Sequence[str]) -> BrowserSession | None:
+        """The session of the first cookie that has one; None where none has."""
+        for cookie in cookies:
+            key = key_of(cookie)
+            row = self._database.row("SELECT csrf, seen FROM session WHERE key = ?", key)
+            if row is None or not isinstance(row[0], str):
+                continue
+            if not isinstance(row[1], float) or not 0 <= time.time() - row[1] <= _SEEN:
+                with suppress(SuraeError):  # another program holds the file: reading goes on
+                    self._database.write(
+                        "UPDATE session SET seen = ? WHERE key = ?", time.time(), key
+                    )
+            return BrowserSession(key, row[0])
+        return None
+
+    def make(self) -> tuple[BrowserSession, str]:
+        """A new session, and the cookie that opens it, which is kept nowhere here."""
+        session, cookie = BrowserSession.new()
+        self._database.write(
+            "INSERT INTO session VALUES (?, ?, ?, 0, ?)",
+            session.key, session.csrf, json.dumps(empty_draft()), time.time(),
+        )  # fmt: skip
+        return session, cookie
+
+    def draft(self, session: BrowserSession) -> Draft:
+        """What the session is working on."""
+        return self._read(session)[0]
+
+    def state(self, session: BrowserSession) -> dict[str, Any]:
+        """The draft, its revision, and what undo and redo would do."""
+        draft, revision = self._read(session)
+        undo, redo = self._next(session, done=1), self._next(session, done=0)
+        return {
+            "revision": revision,
+            "undo": None if undo is None else undo[1],
+            "redo": None if redo is None else redo[1],
+            "draft": shown(draft),
+        }
+
+    def change(
+        self,
+        session: BrowserSession,
+        change: Mapping[str, Any],
+        label: str,
+        *,
+        revision: int | None = None,
+        merge: bool = False,
+    ) -> None:
+        """Change the draft, as one step that can be undone.
+
+        It is refused where somebody else, another tab, has changed it since `revision`.
+        """
+        with self._database.transaction():
+            draft, now = self._read(session)
+            if revision is not None and revision != now:
+                raise RefusedError(
+                    409, "another tab has changed this work meanwhile; load it again and repeat"
+                )
+            after_change = changed(draft, change)
+            keys = [key for key in after_change if after_change[key] != draft.get(key)]
+            if not keys:
+                return
+            before = {key: draft[key] for key in keys}
+            after = {key: after_change[key] for key in keys}
+            last = self._next(session, done=1)
+            if merge and last is not None and last[1] == label and last[2] == "draft":
+                before |= plain(last[3])
+                after = {key: after_change[key] for key in before}
+                self._database.write("DELETE FROM step WHERE id = ?", last[0])
+            self._record(session, label, "draft", before, after)
+            self._write(session, after_change, now + 1)
+        self._tell(session, now + 1)
+
+    def delete(self, session: BrowserSession, kind: str, id_: str, label: str) -> None:
+        """Delete a thing, so that undo brings it back."""
+        with self._changed(session) as draft:
+            self._mark(session, kind, id_, deleted=True)
+            reference = {"kind": kind, "id": id_}
+            self._record(session, label, "deleted", reference, reference)
+            if kind == "recording":
+                draft["recordings"] = [other for other in draft["recordings"] if other != id_]
+
+    def describe(
+        self,
+        session: BrowserSession,
+        before: Mapping[str, Mapping[str, Any]],
+        after: Mapping[str, Mapping[str, Any]],
+        firsts: Mapping[str, Mapping[str, Any]],
+        label: str,
+    ) -> None:
+        """Give recordings, by id, other descriptions, as one step that can be undone.
+
+        It is refused where one has meanwhile been described by somebody else.
+        """
+        with self._changed(session):
+            if not self._switch(before, after):
+                raise RefusedError(
+                    409, "somebody else has described it meanwhile; load the page again and repeat"
+                )
+            for id_, first in firsts.items():
+                self._database.update("recording", id_, {"first": first})
+            self._record(session, label, "described", {"rows": before}, {"rows": after})
+
+    def next_version(self, id_: str) -> int:
+        """A number that no other description of a recording has, whoever asks at the same time."""
+        with self._database.transaction():
+            row = self._database.get("recording", id_) or {}
+            number = int(row.get("latest", 0)) + 1
+            self._database.update("recording", id_, {"latest": number})
+        return number
+
+    def _switch(self, now: Mapping[str, Any], then: Mapping[str, Any]) -> bool:
+        """Let recordings be as they are `then`, if all are as they are `now`; whether it did."""
+        for id_, fields in now.items():
+            row = self._database.get("recording", id_)
+            if row is None or row.get("version", 0) != (fields["version"] or 0):
+                return False
+        for id_, fields in then.items():
+            self._database.update("recording", id_, {**fields, "version": fields["version"] or 0})
+        return True
+
+    def undo(self, session: BrowserSession) -> None:
+        """Take the last step back."""
+        self._move(session, back=True)
+
+    def redo(self, session: BrowserSession) -> None:
+        """Do the step again that was taken back last."""
+        self._move(session, back=False)
+
+    def _move(self, session: BrowserSession, *, back: bool) -> None:
+        with self._database.transaction():
+            step = self._next(session, done=int(back))
+            if step is None:
+                raise RefusedError(409, f"there is nothing to {'undo' if back else 'redo'}")
+            id_, _, kind, before, after = step
+            draft, now = self._read(session)
+            what = plain(before if back else after)
+            moved = True
+            if kind == "draft":
+                draft |= {key: part for key, part in draft_parts(what).items() if key in draft}
+            elif kind == "described":
+                now_, then = (after, before) if back else (before, after)
+                moved = self._switch(plain(now_)["rows"], plain(then)["rows"])
+            else:
+                moved = self._mark(session, what["kind"], what["id"], deleted=not back)
+            if moved:
+                self._database.write("UPDATE step SET done = ? WHERE id = ?", int(not back), id_)
+                self._write(session, draft, now + 1)
+            else:  # it is in the way of the steps before it
+                self._database.write("DELETE FROM step WHERE id = ?", id_)
+        if not moved:
+            raise RefusedError(
+                409,
+                "somebody else has deleted it, brought it back or described it meanwhile: it stays "
+                "so, and this step is left out",
+            )
+        if kind != "draft":
+            self._events.changed("recordings" if kind == "described" else plural(what["kind"]))
+        self._tell(session, now + 1)
+
+    def _mark(self, session: BrowserSession, kind: str, id_: str, *, deleted: bool) -> bool:
+        """Delete a thing again, or bring it back if this session deleted it; whether it did."""
+        row = self._database.get(kind, id_, deleted=True)
+        if row is None or (not deleted and row.get("deleted_by", session.key) != session.key):
+            return False
+        marked = self._database.mark(kind, id_, deleted=deleted)
+        if marked and deleted:
+            self._database.update(kind, id_, {"deleted_by": session.key})
+        return marked
+
+    def _record(
+        self,
+        session: BrowserSession,
+        label: str,
+        kind: str,
+        before: Mapping[str, Any],
+        after: Mapping[str, Any],
+    ) -> None:
+        """Add a step, drop those that were taken back, and the oldest."""
+        key = session.key
+        self._database.write("DELETE FROM step WHERE session = ? AND done = 0", key)
+        self._database.write(
+            "INSERT INTO step (session, done, label, kind, before, after) "
+            "VALUES (?, 1, ?, ?, ?, ?)",
+            key, label, kind, json.dumps(before), json.dumps(after),
+        )  # fmt: skip
+        self._database.write(
+            "DELETE FROM step WHERE session = ? AND id <= "
+            "(SELECT id FROM step WHERE session = ? ORDER BY id DESC LIMIT 1 OFFSET ?)",
+            key, key, _STEPS,
+        )  # fmt: skip
+
+    def _next(self, session: BrowserSession, *, done: int) -> tuple[int, str, str, str, str] | None:
+        """The step to take back (done) or to do again; damaged ones are passed over."""
+        order = "DESC" if done else "ASC"
+        for row in self._database.rows(
+            "SELECT id, label, kind, before, after FROM step WHERE session = ? AND done = ? "
+            f"ORDER BY id {order} LIMIT {_STEPS}",
+            session.key, done,
+        ):  # fmt: skip
+            id_, label, kind, before, after = row
+            with suppress(ValueError):
+                tables = [plain(text) for text in (before, after)]
+                known = {"draft": (), "deleted": ("kind", "id"), "described": ()}.get(kind)
+                if known is None or not all(isinstance(table, dict) for table in tables):
+                    continue
+                if kind == "described" and not all(map(_are_rows, tables)):
+                    continue
+                if all(isinstance(table.get(key), str) for table in tables for key in known):
+                    return int(id_), str(label), str(kind), before, after
+        return None
+
+    @contextmanager
+    def _changed(self, session: BrowserSession) -> Iterator[Draft]:
+        """The draft, to be changed within; all of it is kept, and its browser told, or nothing."""
+        with self._database.transaction():
+            draft, revision = self._read(session)
+            yield draft
+            self._write(session, draft, revision + 1)
+        self._tell(session, revision + 1)
+
+    def _read(self, session: BrowserSession) -> tuple[Draft, int]:
+        """The draft and its revision; keys of it that make no sense are as in a new one."""
+        row = self._database.row("SELECT draft, revision FROM session WHERE key = ?", session.key)
+        if row is None:
+            raise RefusedError(403, "this session has ended; load the page again")
+        saved: Any = None
+        with suppress(ValueError):
+            saved = plain(row[0])
+        revision = row[1] if isinstance(row[1], int) and 0 <= row[1] < 2**53 else 0
+        return {**empty_draft(), **draft_parts(upgraded(saved))}, revision
+
+    def _write(self, session: BrowserSession, draft: Draft, revision: int) -> None:
+        self._database.write(
+            "UPDATE session SET draft = ?, revision = ? WHERE key = ?",
+            json.dumps(draft, allow_nan=False), revision, session.key,
+        )  # fmt: skip
+
+    def _tell(self, session: BrowserSession, revision: int) -> None:
+        self._events.tell(f"session:{session.key}", "draft", {"revision": revision})
+
+    def _forget(self) -> None:
+        """Remove sessions that nobody will miss; what they had uploaded goes to the trash."""
+        idle, unseen = self._project.before(_IDLE), self._project.before(_UNSEEN)
+        old = self._database.rows(
+            "SELECT key FROM session WHERE seen < ? OR (revision = 0 AND seen < ?)",
+            -1.0 if unseen is None else unseen, -1.0 if idle is None else idle,
+        )  # fmt: skip
+        for (key,) in old:
+            for upload in self._database.all("upload"):
+                if upload["session"] == key:
+                    self._project.discard("upload", upload["id"])
+            with self._database.transaction():
+                self._database.write("DELETE FROM step WHERE session = ?", key)
+                self._database.write("DELETE FROM session WHERE key = ?", key)
+
+
+def _are_rows(table: Mapping[str, Any]) -> bool:
+    """Whether a step tells what recordings were like."""
+    rows = table.get("rows")
+    return isinstance(rows, dict) and all(
+        isinstance(fields, dict) and isinstance(fields.get("version"), int | None)
+        for fields in rows.values()
+    )

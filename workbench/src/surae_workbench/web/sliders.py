@@ -1,0 +1,116 @@
+"""The modelled torque under the sliders, at once."""
+
+import threading
+import time
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from surae import api
+from surae.errors import InputError
+from surae.units import FloatArray
+from surae_workbench.web.caches import Cache
+from surae_workbench.web.curves import plain, within
+from surae_workbench.web.draft import Draft, spec_of, values_of
+
+#: Longest signals that a slider simulates at their full rate; longer ones are thinned.
+_RIGID, _COMPLIANT = 400_000, 12_000
+PARTS = ("tissue_tri", "tissue_tib", "neural_tri", "neural_tib", "inertial", "gravitational")
+
+#: Memory for simulators [bytes].
+_KEPT = 300e6
+_simulators: Cache[tuple[api.ModelInputs, api.Simulator, threading.Lock]] = Cache(
+    _KEPT, lambda fewer_inputs: 250.0 * fewer_inputs[0].n
+)
+
+
+def live(
+    inputs: api.ModelInputs,
+    draft: Draft,
+    values: Mapping[str, float],
+    *,
+    points: int,
+    parts: bool,
+    start: float | None,
+    end: float | None,
+    key: object,
+) -> dict[str, Any]:
+    """The torque of a draft's model with some values changed.
+
+    `values` are by parameter, all others and the model the draft's; at most so many `points` are
+    given, from `start` to `end` [s], with the torque's `parts` or without; `key` names `inputs`.
+    """
+    begin = time.perf_counter()
+    spec, options = spec_of(draft), api.ModelOptions.of(**draft["options"])
+    for name in values:
+        if name not in spec.names:
+            known = ", ".join(spec.names)
+            raise InputError(f"model {spec.name!r} has no parameter {name!r}; it has: {known}")
+    chosen = {**values_of(draft, inputs.emg_unit, inputs.fixed), **values}
+    table = api.adapted(spec.parameters, options, inputs.emg_unit)
+    for name, p in table.items():
+        api.check_value(p, chosen[name], spec)
+    vector = np.array([chosen[name] for name in spec.names], dtype=float)
+
+    def tie() -> tuple[api.ModelInputs, api.Simulator, threading.Lock]:
+        most = _RIGID if spec.parent is None else _COMPLIANT
+        fewer = api.thinned(inputs, -(-inputs.n // most)) if inputs.n > most else inputs
+        return fewer, spec.simulator(fewer, options), threading.Lock()
+
+    fewer_inputs, simulator, lock = _simulators.get((key, spec.name, spec.names, options), tie)
+    with lock, np.errstate(all="ignore"):
+        if parts:
+            split = simulator.parts(vector)
+            torque = split.total
+        else:
+            torque = simulator.torque(vector)
+    part = within(fewer_inputs.time, start, end)
+    step = max(-(-(part.stop - part.start) // points), 1)
+    shown = slice(part.start, part.stop, step)
+    vaf = rmse = None
+    measured = fewer_inputs.torque
+    if measured is not None:
+        counted = _counted(fewer_inputs.time, draft["exclusions"].get(_recording(key), []))
+        error = (measured - torque)[counted]
+        power = float(np.sum(measured[counted] ** 2))
+        left = float(np.sum(error**2))
+        if np.isfinite(left) and power > 0:
+            vaf, rmse = 100.0 * (1.0 - left / power), float(np.sqrt(left / len(error)))
+    return {
+        "t": plain(fewer_inputs.time[shown]),
+        "modelled": plain(torque[shown]),
+        "measured": None if measured is None else plain(measured[shown]),
+        "parts": {name: plain(getattr(split, name)[shown]) for name in PARTS} if parts else None,
+        "vaf": vaf,
+        "rmse": rmse,
+        "milliseconds": round(1e3 * (time.perf_counter() - begin), 3),
+    }
+
+
+def _recording(key: object) -> str:
+    return str(key[0]) if isinstance(key, tuple) else str(key)
+
+
+def _counted(times: FloatArray, spans: list[list[float]]) -> Any:
+    counted = np.ones(len(times), dtype=bool)
+    for begin, end in spans:
+        counted &= ~((times >= begin) & (times <= end))
+    return counted if counted.any() else np.ones(len(times), dtype=bool)
+
+
+def warm() -> None:
+    """Run every model once on a short made-up signal."""
+    n = 64
+    t = np.arange(n) / 128.0
+    zeros = np.zeros(n)
+    inputs = api.ModelInputs(
+        name="warm", rate_hz=128.0, time=t, angle=0.1 * np.sin(t), velocity=0.1 * np.cos(t),
+        acceleration=zeros, emg=np.full((n, 4), 1e-5), emg_unit="V", torque=zeros,
+    )  # fmt: skip
+    for spec in api.MODELS.values():
+        options = api.ModelOptions()
+        vector = np.array([p.start for p in api.adapted(spec.parameters, options).values()])
+        simulator = spec.simulator(inputs, options)
+        simulator.torque(vector)
+        simulator.parts(vector)

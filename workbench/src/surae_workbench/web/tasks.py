@@ -1,0 +1,219 @@
+"""What workers do: fits, profiles, studies and designs, each by its kind; reports.
+
+A job takes its task, which is plain data, tells what happens, and returns plain data.
+"""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+from surae import api
+from surae.files import write_json
+from surae.processes import tell
+from surae_workbench.web import imports, sliders
+from surae_workbench.web.draft import settings_of, upgraded
+from surae_workbench.web.places import file_of, recording_suffix
+
+Task = Mapping[str, Any]
+
+
+def _file(task: Task, folder: str, id_: str, suffix: str) -> Path:
+    """A file of the project that the task belongs to."""
+    return file_of(Path(task["root"]), folder, id_, suffix)
+
+
+def _read(task: Task, ids: Sequence[str]) -> list[api.Recording]:
+    """Recordings of the project."""
+    recordings = []
+    for id_ in ids:
+        tell({"phase": "reading"})
+        suffix = recording_suffix(task.get("versions", {}).get(id_, 0))
+        recordings.append(imports.read_recording(_file(task, "recordings", id_, suffix)))
+    return recordings
+
+
+def _asked(
+    task: Task,
+) -> "tuple[api.FitSettings, list[api.Recording], tuple[api.ModelInputs, ...]]":
+    """What the draft of a task asks, its recordings, and what a model reads of them."""
+    draft = upgraded(task["draft"])
+    settings = settings_of(draft, task["recordings"])
+    recordings = _read(task, task["recordings"])
+    contractions = _read(task, draft["mvc"])
+    tell({"phase": "preparing"})
+    return settings, recordings, settings.inputs(recordings, contractions)
+
+
+def _compiling() -> AbstractContextManager[None]:
+    """Tell when the models have to be compiled, which takes some ten seconds, once."""
+    return api.on_compilation(lambda: tell({"phase": "compiling"}))
+
+
+def fit(task: Task) -> dict[str, Any]:
+    """Fit, as `surae fit` does, and write FIT.json."""
+    settings, recordings, inputs = _asked(task)
+    from surae_workbench.web.fit_progress import FitProgress
+
+    quality = [api.check(recording, prepared=settings.prepared) for recording in recordings]
+    news = FitProgress(inputs, task["recordings"], settings)
+    with _compiling():
+        fitted = api.fit_inputs(inputs, settings, quality, progress=news.start, follow=news.point)
+    fitted.save(_file(task, "fits", task["id"], ".json"))
+    return {
+        "message": fitted.message,
+        "interrupted": fitted.result.starts[-1].outcome == "interrupted",
+        "summary": summary(fitted),
+    }
+
+
+def session(task: Task) -> dict[str, Any]:
+    """Fit trials each and all together as `surae session` does, and write fits and report."""
+    recordings = [
+        replace(recording, name=task["names"][id_])
+        for id_, recording in zip(task["recordings"], _read(task, task["recordings"]), strict=True)
+    ]
+
+    settings = settings_of(upgraded(task["draft"]), ())
+    efforts = {task["names"][id_]: effort for id_, effort in task["efforts"].items()}
+    leg = api.session(recordings, name=task["name"], efforts=efforts)
+
+    def progress(step: "api.Step") -> None:
+        tell({"what": step.what, "done": step.done, "total": step.total})
+
+    with _compiling():
+        result = leg.run(None, settings, told=progress)
+    fits = {**result.fits, **({} if result.joint is None else {"joint": result.joint})}
+    for name, fitted in fits.items():
+        fitted.save(_file(task, "fits", task["fits"][name], ".json"))
+    for suffix in (".html", *((".pdf",) if api.has_typst() else ())):
+        result.report(_file(task, "sessions", task["id"], suffix))
+    write_json(_file(task, "sessions", task["id"], ".json"), result.blocks())
+    graded = None if result.main is None else {"grade": str(result.main.adequacy.grade)}
+    return {
+        "message": f"{len(result.fits)} of {len(recordings)} trials fitted"
+        + ("" if result.joint is None else f", {len(result.joined)} together"),
+        "interrupted": result.interrupted,
+        "summaries": {name: summary(fitted) for name, fitted in fits.items()},
+        "joined": list(result.joined),
+        "content": {"adequacy": graded},
+    }
+
+
+def summary(fitted: "api.Fit") -> dict[str, Any]:
+    """What lists and tables show of a fit."""
+    from math import isfinite
+
+    return {
+        "model": fitted.result.problem.spec.name,
+        "status": fitted.status,
+        "vaf": fitted.vaf if isfinite(fitted.vaf) else None,
+        "ipde": fitted.ipde,
+        "seconds": fitted.result.seconds,
+        "names": [recording.name for recording in fitted.assessment.recordings],
+        "starts": len(fitted.result.starts),
+        "agreeing": fitted.result.agreeing,
+        "parameters": {
+            p.name: {
+                "value": p.value,
+                "sem": p.trusted_sem,
+                "low": None if p.ci95 is None else p.ci95[0],
+                "high": None if p.ci95 is None else p.ci95[1],
+                "verdict": str(p.verdict),
+            }
+            for p in fitted.parameters.values()
+        },
+    }
+
+
+def profile(task: Task) -> dict[str, Any]:
+    """Profile parameters of a fit, and write them."""
+    fitted = api.load(_file(task, "fits", task["fit"], ".json"))
+
+    def progress(name: str, done: int, total: int) -> None:
+        tell({"parameter": name, "done": done, "total": total})
+
+    with _compiling():
+        profiles = api.profile(fitted, task["parameters"], workers=1, progress=progress)
+    profiles.save(_file(task, "fits", task["id"], ".profiles.json"))
+    missing = ", ".join(profiles.missing)
+    return {
+        "message": f"stopped before {missing}" if missing else f"{len(profiles.profiles)} profiles",
+        "interrupted": bool(profiles.missing),
+    }
+
+
+def _counting(before: int = 0, total: int | None = None) -> Callable[..., None]:
+    """Tells how many parts are done, not too often; after `before` others, of so many in all."""
+    last = 0.0
+
+    def count(done: int, of: int, *_: object) -> None:
+        nonlocal last
+        if time.monotonic() - last > 0.2 or done == of:
+            last = time.monotonic()
+            tell({"done": before + done, "total": total or of})
+
+    return count
+
+
+def study(task: Task) -> dict[str, Any]:
+    """Run a study, or go on with it."""
+    with api.Store(_file(task, "studies", task["study"], ".db"), write=True) as store:
+        finished = api.run_study(api.parse_study(task["toml"]), store, progress=_counting())
+    return {"message": f"{finished.fits} fits, all there", "interrupted": False}
+
+
+def design(task: Task) -> dict[str, Any]:
+    """Search a protocol of each duration; the best until it is stopped is kept."""
+    settings, designs, each = task["settings"], list[dict[str, Any]](), task["evaluations"]
+    for k, seconds in enumerate(task["durations"]):
+        with _compiling():
+            designed = api.design(
+                seconds, device=settings["device"], range=tuple(settings["range"]),
+                rate_hz=settings["rate_hz"], evaluations=each,
+                progress=_counting(k * each, each * len(task["durations"])),
+                **{key: task[key] for key in ("model", "population", "noise", "aim", "effort")},
+            )  # fmt: skip
+        designs.append({"name": f"designed {seconds:g} s {task['aim']}", **designed.to_json()})
+        if designed.stopped:
+            break
+    expectation = designs[-1]["expectation"]
+    worst = "unknown" if expectation["worst"] is None else f"{100 * expectation['worst']:.2g} %"
+    return {
+        "message": f"largest error {worst} ({expectation['weakest']})",
+        "interrupted": designed.stopped,
+        "designs": designs,
+    }
+
+
+def report(fit: str, output: str, language: str | None = None) -> None:
+    """Write a fit's report, or, in a language, its page for clinicians."""
+    if language is None:
+        api.load(fit).report(output)
+    else:
+        api.write_clinical_page(output, [api.load(fit)], language=language)
+
+
+def change(before: str, after: str) -> str:
+    """What changed between two visits, as the leg's page shows it."""
+    return api.change_part(before, after)
+
+
+def short(fit: str, language: str) -> dict[str, Any]:
+    """What a fit's page for clinicians says, to be shown by a page of ours."""
+    return asdict(api.clinical_page([api.load(fit)], language=language))
+
+
+def warm() -> None:
+    """Load what a report needs, which takes longer than the report."""
+    sliders.warm()
+    api.png(api.new_figure(1.0))
+
+
+def demo(trial: int, output: str) -> dict[str, Any]:
+    """Make a recording of the virtual subject, and keep it."""
+    recording = api.example(trial=trial)
+    api.write_hdf5(output, recording)
+    return imports.described(recording)

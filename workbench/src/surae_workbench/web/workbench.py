@@ -1,0 +1,122 @@
+"""Everything that a running server has: the project, its browsers, its workers and its caches."""
+
+import threading
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import Any
+
+from surae import api
+from surae.files import PathLike
+from surae_workbench.web.caches import Cache
+from surae_workbench.web.curves import Curves, Pyramid
+from surae_workbench.web.events import Events
+from surae_workbench.web.http_errors import RefusedError
+from surae_workbench.web.imports import read_recording
+from surae_workbench.web.jobs import Jobs
+from surae_workbench.web.places import plural
+from surae_workbench.web.project import Project
+from surae_workbench.web.request_workers import RequestWorkers
+from surae_workbench.web.rows import Thing
+from surae_workbench.web.sessions import BrowserSession, BrowserSessions
+
+#: Memory for curves, for what models read, for fits and for reports [bytes].
+_CURVES, _PREPARED, _FITS, _REPORTS = 400e6, 400e6, 400e6, 40e6
+
+
+class Workbench:
+    """The server's state, behind all routes.
+
+    Parameters
+    ----------
+    folder : path
+        The project's.
+    workers : int
+        Fits at a time.
+    """
+
+    def __init__(self, folder: PathLike, workers: int) -> None:
+        self.project = Project(folder)
+        self.database = self.project.database
+        self.events = Events()
+        self.sessions = BrowserSessions(self.project, self.events)
+        self.jobs = Jobs(self.project, self.events, {"fits": workers, "studies": 1})
+        self.workers = RequestWorkers(self.events.queue)
+        self.reports: Cache[bytes] = Cache(_REPORTS, len)
+        self._closed = False
+        self._curves: Cache[Curves] = Cache(_CURVES, lambda kept: kept.bytes)
+        self._prepared: Cache[api.ModelInputs] = Cache(_PREPARED, lambda kept: 80.0 * kept.n)
+        self._fits: Cache[api.Fit] = Cache(
+            _FITS, lambda kept: sum(250.0 * inputs.n for inputs in kept.result.problem.inputs)
+        )
+
+    def warm(self) -> None:
+        """Load what sliders and reports need, before somebody waits for it."""
+        threading.Thread(target=self._load, name="warm", daemon=True).start()
+
+    def _load(self) -> None:
+        with suppress(Exception):
+            from surae_workbench.web.sliders import warm
+
+            warm()
+            self.workers.ask("tasks:warm")
+
+    def stop(self) -> None:
+        """End streams, jobs and what requests wait for."""
+        self.events.close()
+        self.workers.close()
+        self.jobs.close()
+
+    def close(self) -> None:
+        """Let go of everything; once is enough."""
+        if self._closed:
+            return
+        self._closed = True
+        self.stop()
+        self.project.close()
+
+    def recording(self, id_: str) -> api.Recording:
+        """A recording of the project."""
+        return self.curves(id_).recording
+
+    def curves(self, id_: str) -> Curves:
+        """A recording of the project, with its pyramids."""
+        row = self.project.need("recording", id_)
+
+        def make() -> Curves:
+            recording = read_recording(self.project.recording_path(row))
+            pyramids = {
+                role: Pyramid(kept.time, kept.values) for role, kept in recording.channels.items()
+            }
+            return Curves(recording, pyramids)
+
+        return self._curves.get((id_, row.get("version", 0)), make)
+
+    def prepared(self, id_: str, settings: "api.FitSettings") -> "api.ModelInputs":
+        """What a model reads of a recording, prepared as a fit asks, EMG in its own unit."""
+        version = self.project.need("recording", id_).get("version", 0)
+        key = (id_, version, settings.prepared, settings.preparation)
+        return self._prepared.get(key, lambda: settings.prepare(self.recording(id_)))
+
+    def fit(self, id_: str) -> "api.Fit":
+        """A fit of the project, as it was saved."""
+        self.project.need("fit", id_)
+
+        def make() -> "api.Fit":
+
+            return api.load(self.project.path("fits", id_, ".json"))
+
+        return self._fits.get(id_, make)
+
+    def delete(self, session: BrowserSession, kind: str, id_: str, label: str) -> None:
+        """Delete a thing so that undo brings it back; its files stay."""
+        self.project.need(kind, id_)
+        if self.jobs.of(id_):
+            raise RefusedError(409, f"a job is at work on this {kind}; cancel it first")
+        self.sessions.delete(session, kind, id_, label)
+        self.events.changed(plural(kind))
+
+    def draft_recordings(self, draft: Mapping[str, Any]) -> list[Thing]:
+        """The recordings of a draft."""
+        if not draft["recordings"]:
+            raise RefusedError(400, "no recording is chosen; choose at least one")
+        return [self.project.need("recording", id_) for id_ in draft["recordings"]]
