@@ -2,6 +2,7 @@
 
 import json
 import struct
+import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -10,6 +11,8 @@ import pytest
 import surae
 from surae.recording import write_csv
 from surae_workbench.web.curves import Pyramid
+
+from .conftest import PATIENCE, LentChild
 
 
 def test_an_upload_is_looked_into_and_imported(browser, trial) -> None:
@@ -34,19 +37,29 @@ def test_an_upload_is_looked_into_and_imported(browser, trial) -> None:
     assert recording["mapping"]["channels"]["angle"]["column"] == "angle_rad"
 
 
-def test_inspections_wait_in_a_queue_that_shows_its_length(server, browser, trial) -> None:
+def test_inspections_wait_in_a_queue_that_shows_its_length(
+    server, browser, trial, monkeypatch
+) -> None:
     """Of 40 at once 26 were once refused, and pages waited behind the others."""
+    go_on, call = threading.Event(), LentChild.call
+
+    def held(self, *asked, **more):
+        assert go_on.wait(PATIENCE)
+        return call(self, *asked, **more)
+
     id_ = browser.upload(trial)
     path, other = f"/api/uploads/{id_}/inspect", server.browser()
+    monkeypatch.setattr(LentChild, "call", held)
     with ThreadPoolExecutor(40) as threads, other.stream("GET", "/api/events") as events:
         answers = [threads.submit(browser.get, path) for _ in range(40)]
         lines, seen = events.iter_lines(), 0
         while seen < 38:  # two are at work
             if next(lines) == "event: queue":
-                seen = max(seen, json.loads(next(lines).removeprefix("data: "))["waiting"])
-        assert 0 < other.get("/api/queue").json()["waiting"] <= 38
-        assert other.get("/api/draft").status_code == 200
-        assert sum(answer.done() for answer in answers) < 30  # pages do not wait behind them
+                seen = json.loads(next(lines).removeprefix("data: "))["waiting"]
+        assert other.get("/api/queue").json() == {"waiting": 38}
+        assert other.get("/api/draft").status_code == 200  # pages do not wait behind them
+        assert not any(answer.done() for answer in answers)
+        go_on.set()
         assert [answer.result().status_code for answer in answers] == [200] * 40
     assert other.get("/api/queue").json() == {"waiting": 0}
 

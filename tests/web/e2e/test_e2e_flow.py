@@ -196,7 +196,10 @@ def test_a_protocol_is_designed(desk: Desk) -> None:
     figures = page.locator("#figures")
     assert page.locator("#prediction tbody tr").count() == PARAMETERS + 2  # auto: the tendons
     before = figures.text_content()
-    page.get_by_label("Chirp amplitude").fill("0")
+    chirp = page.get_by_label("Chirp amplitude")
+    expect(chirp).to_be_disabled()  # what was designed has no chirp
+    page.get_by_label("Profile").select_option("multiple-holds")
+    expect(chirp).to_be_enabled()
     expect(figures).not_to_have_text(before)
     after = figures.text_content()
     page.reload()

@@ -19,7 +19,7 @@ LEVELS = {
     "light": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"],
     "dark": {"type": "rule", "values": ["color-contrast", "link-in-text-block"]},
 }
-TABS = ("torque", "correlations", "profiles", "validation", "models", "details")
+TABS = ("unsure", "torque", "correlations", "profiles", "validation", "details")
 #: A telephone, a tablet and a laptop.
 SCREENS = ((390, 844), (820, 1180), (1280, 800))
 #: What says that a page has been filled.

@@ -198,15 +198,16 @@ def _attend(sampler: Any, work: _Work, progress: Progress | None, total: int) ->
 
 
 def _kept(trace: Any, *, whole: bool) -> tuple[list[int], int]:
-    """Chains and draws to keep of a trace: the rectangle that holds the most draws."""
+    """Chains and draws to keep of a trace: of two chains or more, those that hold the most draws."""
     if "z" not in getattr(trace, "posterior", {}):
         raise KeyboardInterrupt
     drawn = np.isfinite(trace.posterior["z"].values).all(axis=2).sum(axis=1)
     if whole:
         return list(range(len(drawn))), int(drawn.min())
     lengths = sorted((int(n) for n in drawn), reverse=True)
-    chains, draws = max(enumerate(lengths, 1), key=lambda pair: pair[0] * pair[1])
-    if chains < _FEWEST_CHAINS or draws < _FEWEST_DRAWS:
+    enough = list(enumerate(lengths, 1))[_FEWEST_CHAINS - 1 :]
+    chains, draws = max(enough, key=lambda pair: pair[0] * pair[1], default=(0, 0))
+    if draws < _FEWEST_DRAWS:
         raise KeyboardInterrupt
     return [i for i, n in enumerate(drawn) if n >= draws], draws
 

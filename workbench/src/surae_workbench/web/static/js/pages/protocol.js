@@ -75,6 +75,8 @@ const preview = latest(async () => {
   localStorage.setItem(KEPT, JSON.stringify(asked));
   for (const [id, list] of [["profile", choices.profiles], ["task", choices.tasks]]) byId(`${id}-said`).textContent = list.find((one) => one.name === byId(id).value)?.description ?? "";
   byId("adapt").disabled = asked.settings.device === null;
+  const whole = kept !== null || choices.profiles.find((one) => one.name === byId("profile").value)?.designed;
+  byId("chirp_amplitude").disabled = byId("chirp_rate").disabled = whole; // a designed movement has none
   byId("said").textContent = "Working it out …";
   try {
     show(await post("/api/protocols/preview", asked));
