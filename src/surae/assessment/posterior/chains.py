@@ -198,7 +198,7 @@ def _attend(sampler: Any, work: _Work, progress: Progress | None, total: int) ->
 
 
 def _kept(trace: Any, *, whole: bool) -> tuple[list[int], int]:
-    """Chains and draws to keep of a trace: of two chains or more, those that hold the most draws."""
+    """Chains and draws to keep of a trace: the most draws that two chains or more hold."""
     if "z" not in getattr(trace, "posterior", {}):
         raise KeyboardInterrupt
     drawn = np.isfinite(trace.posterior["z"].values).all(axis=2).sum(axis=1)
@@ -206,7 +206,7 @@ def _kept(trace: Any, *, whole: bool) -> tuple[list[int], int]:
         return list(range(len(drawn))), int(drawn.min())
     lengths = sorted((int(n) for n in drawn), reverse=True)
     enough = list(enumerate(lengths, 1))[_FEWEST_CHAINS - 1 :]
-    chains, draws = max(enough, key=lambda pair: pair[0] * pair[1], default=(0, 0))
+    _, draws = max(enough, key=lambda pair: pair[0] * pair[1], default=(0, 0))
     if draws < _FEWEST_DRAWS:
         raise KeyboardInterrupt
     return [i for i, n in enumerate(drawn) if n >= draws], draws
