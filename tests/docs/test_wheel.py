@@ -44,6 +44,6 @@ def test_it_holds_the_licences(wheel):
     source, names = wheel
     vendored = {name.rsplit("/", 1)[0] for name in names if "/static/vendor/" in name}
     folders = {folder for folder in vendored if not folder.endswith("/vendor")}
-    assert bool(folders) == (source.parent.name == "workbench")
+    assert bool(folders) == (source.parent == ROOT)
     assert [folder for folder in folders if f"{folder}/LICENSE" not in names] == []
-    assert any("/licenses/" in name for name in names)
+    assert any("/licenses/" in name for name in names) == (source.parent == ROOT)

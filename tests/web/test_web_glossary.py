@@ -5,7 +5,6 @@ from pathlib import Path
 
 from surae.model import MODELS
 from surae_workbench.web import glossary
-from surae_workbench.web.routes.pages import STATIC
 
 
 def test_every_entry_of_the_glossary_is_read() -> None:
@@ -24,7 +23,10 @@ def test_every_parameter_has_its_meaning_and_what_pages_point_at_exists() -> Non
     for spec in MODELS.values():
         for parameter in spec.parameters:
             assert parameter.meaning in meanings[parameter.name]
-    scripts = [path.read_text(encoding="utf-8") for path in STATIC.glob("js/**/*.js")]
+    scripts = [
+        path.read_text(encoding="utf-8")
+        for path in Path(glossary.__file__).parent.glob("static/js/**/*.js")
+    ]
     told = {key for text in scripts for key in re.findall(r'meant\("([^"]+)"', text)}
     assert told
     assert told <= set(meanings)

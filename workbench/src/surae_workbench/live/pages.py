@@ -27,6 +27,7 @@ from surae.processes import one_line
 from surae_workbench.live.room import Room, RoomOptions, known
 from surae_workbench.live.showing import Showing, roles_of
 from surae_workbench.live.target import KIND
+from surae_workbench.web import STATIC
 from surae_workbench.web.events import Events
 from surae_workbench.web.security import Policy, Security
 from surae_workbench.web.server import run, token_for
@@ -214,7 +215,7 @@ def create_app(served: ServedRoom, policy: Policy, subject: str | None) -> ASGIA
             Route("/api/subject", subject_state),
             Route("/api/subject/events", stream("subject")),
             Mount("/static/live", StaticFiles(directory=_HERE / "static")),
-            Mount("/static", StaticFiles(packages=[("surae_workbench.web", "static")])),
+            Mount("/static", StaticFiles(packages=STATIC)),
         ],
         exception_handlers={
             SuraeError: _refused,

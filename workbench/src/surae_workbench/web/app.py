@@ -18,6 +18,7 @@ from surae._version import __version__
 from surae.database import UnavailableError
 from surae.errors import InputError, SuraeError
 from surae.processes import FULL, NO_ROOM, one_line, where
+from surae_workbench.web import STATIC
 from surae_workbench.web.fits import keep_designs, keep_fit, keep_profile, keep_study
 from surae_workbench.web.http_errors import RefusedError
 from surae_workbench.web.jobs import Kind
@@ -95,7 +96,7 @@ def create_app(bench: Workbench, policy: Policy) -> ASGIApp:
         protocols, studies, pages,
     ):  # fmt: skip
         app.include_router(module.router)
-    app.mount("/static", _Static(directory=pages.STATIC, check_dir=False), name="static")
+    app.mount("/static", _Static(packages=STATIC), name="static")
     app.add_exception_handler(SuraeError, _surae_error)
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(HTTPException, _http_error)

@@ -2,7 +2,6 @@
 
 import json
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
@@ -17,8 +16,6 @@ from surae_workbench.web.routes.common import Bench, Browser, PathId
 from surae_workbench.web.sessions import BrowserSession
 
 router = APIRouter(include_in_schema=False)
-
-STATIC = Path(__file__).resolve().parents[1] / "static"
 
 
 def page(
