@@ -30,6 +30,7 @@ exclude_patterns = [
     "_build",
     "images",
     "reproduction-table.md",
+    "how-to/mapping-table.md",
     "how-to/quality-codes.md",
     "methods/measure-table.md",
     "methods/source-table.md",

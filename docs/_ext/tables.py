@@ -1,5 +1,6 @@
 """Tables of the documentation, made of the program itself at every build."""
 
+import json
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -16,6 +17,8 @@ from surae.model.parameters import (
     Parameter,
 )
 from surae.model.sources import SOURCES, source_of
+from surae.recording.described import MappedChannel, MappedRecording
+from surae.setting import default_of, settings_of
 
 PARAMETERS: dict[str, Iterable[Parameter]] = {
     "muscle": MUSCLE_PARAMETERS,
@@ -52,6 +55,22 @@ def sources() -> str:
     return f"{head}|---|---|---|---|---|\n" + "".join(rows)
 
 
+def mapping() -> str:
+    """Two tables in Markdown: what a TOML mapping may say of a recording, and of a channel."""
+    tables = []
+    for kind in (MappedRecording, MappedChannel):
+        rows = "".join(
+            f"| `{each.name}` | {record.meaning} | {_plain(default_of(each))} |\n"
+            for each, record in settings_of(kind)
+        )
+        tables.append(f"| key | what it says | by default |\n|---|---|---|\n{rows}")
+    return "At the top:\n\n{}\nIn the table of a channel:\n\n{}".format(*tables)
+
+
+def _plain(default: object) -> str:
+    return "–" if default in (None, "", {}) else f"`{json.dumps(default)}`"
+
+
 def priors() -> str:
     """A table in Markdown: what is known of a leg's parameters before it is measured."""
     head = "| parameter | median | spread | source |\n|---|--:|--:|---|\n"
@@ -77,6 +96,7 @@ def write(app: Sphinx) -> None:
         "methods/measure-table.md": measures(),
         "methods/source-table.md": sources(),
         "methods/prior-table.md": priors(),
+        "how-to/mapping-table.md": mapping(),
         "how-to/quality-codes.md": quality_table.table(),
         **{f"models/parameters-{name}.md": of_parameters(p) for name, p in PARAMETERS.items()},
     }

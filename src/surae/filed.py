@@ -14,6 +14,7 @@ class Form:
     without: frozenset[str] = frozenset()
     sparse: frozenset[str] = frozenset()
     types: str = ""
+    strict: bool = False
     names: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -22,17 +23,22 @@ FORMS: dict[type, Form] = {}
 
 
 def filed(
-    *without: str, sparse: tuple[str, ...] = (), types: str = "", **names: str
+    *without: str,
+    sparse: tuple[str, ...] = (),
+    types: str = "",
+    strict: bool = False,
+    **names: str,
 ) -> Callable[[type[T]], type[T]]:
     """Say how files have a record.
 
     Fields `without` are not written, and read as their default or None; `sparse` ones are written
     only where they are not their default; `names` are what files call a field, or a property that
-    is written too. `types` is the module of types that are imported for type checkers alone.
+    is written too. `types` is the module of types that are imported for type checkers alone. Of a
+    `strict` one other keys are refused.
     """
 
     def noted(kind: Any) -> Any:
-        FORMS[kind] = Form(frozenset(without), frozenset(sparse), types, names)
+        FORMS[kind] = Form(frozenset(without), frozenset(sparse), types, strict, names)
         return kind
 
     return noted

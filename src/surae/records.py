@@ -85,7 +85,8 @@ def _reason(error: BaseException) -> str:
             if hasattr(note, "name"):
                 where += f".{form.names.get(note.name, note.name)}"
             elif hasattr(note, "index"):
-                where += f"[{note.index}]" if isinstance(note.index, int) else f".{note.index}"
+                key = note.index
+                where += f"[{key}]" if isinstance(key, int) else f".{shown(str(key)[:60])}"
     text = " ".join(str(error).split()) or type(error).__name__
     if isinstance(error, KeyError):
         key = str(error.args[0])
@@ -120,7 +121,7 @@ def check_format(data: Mapping[str, Any], path: PathLike) -> None:
     """Refuse a file whose layout a newer surae made: it may mean what this one does not know."""
     layout = data.get("format", FORMAT)
     if isinstance(layout, bool) or not isinstance(layout, int):
-        raise InputError(f"{shown(path)}: format: {layout!r:.40} is not a whole number; fit again")
+        raise InputError(f"{shown(path)}: format: {brief(layout)} is not a whole number; fit again")
     if layout > FORMAT:
         raise InputError(
             f"{shown(path)}: written by surae {data.get('surae', '?')} in format {layout}, newer "
@@ -144,9 +145,19 @@ class Saved:
 
 def real(value: object) -> float:
     """A finite number; text, true and false are none."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise ValueError(f"{value!r:.40} is not a finite number")
-    return float(value)
+    with suppress(OverflowError, ValueError, TypeError):
+        if isinstance(value, int | float) and math.isfinite(value) and not isinstance(value, bool):
+            return float(value)
+    raise ValueError(f"{brief(value)} is not a finite number")
+
+
+def brief(value: object) -> str:
+    """A value as it appears in a message."""
+    try:
+        text = repr(value)
+    except ValueError:
+        return "a number of thousands of digits"
+    return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def finite(value: float) -> float | None:
@@ -176,7 +187,7 @@ def decode(packed: Mapping[str, Any]) -> FloatArray:
     """
     shape = packed["shape"]
     if packed["encoding"] != _ENCODING or not all(type(n) is int and n >= 0 for n in shape):
-        raise ValueError(f"an array is packed as {packed['encoding']!r:.40}, {shape!r:.40}")
+        raise ValueError(f"an array is packed as {brief(packed['encoding'])}, {brief(shape)}")
     size = 8 * math.prod(shape)
     unpacker = zlib.decompressobj()
     try:
@@ -193,7 +204,7 @@ def _array(value: Any, _: object) -> FloatArray:
         return decode(value)
     array = np.array(value)
     if not isinstance(value, np.ndarray | list) or (array.size and array.dtype.kind not in "fiu"):
-        raise ValueError(f"{value!r:.40} is no list of numbers")
+        raise ValueError(f"{brief(value)} is no list of numbers")
     return read_only(array)
 
 
@@ -242,18 +253,19 @@ def _is(*wanted: type) -> Callable[[Any], bool]:
 def _as_it_is(value: Any, kind: Any) -> Any:
     """What is there already, and not read from a file."""
     if isinstance(kind, type) and not isinstance(value, kind):
-        raise ValueError(f"{value!r:.40} is no {kind.__name__}")
+        raise ValueError(f"{brief(value)} is no {kind.__name__}")
     return value
 
 
-_SORTS = {str: "a text", int: "a whole number", bool: "true or false"}
+_SORTS: Mapping[Any, str] = {str: "a text", int: "a whole number", bool: "true or false",
+                             float: "a number", tuple: "a list"}  # fmt: skip
 
 
 def _exactly(value: Any, kind: type) -> Any:
     if issubclass(kind, Enum):
         return kind(_one_of(value, list(kind)))
     if type(value) is not kind:
-        raise ValueError(f"{value!r:.40} is not {_SORTS[kind]}")
+        raise ValueError(f"{brief(value)} is not {_SORTS[kind]}")
     return value
 
 
@@ -262,9 +274,10 @@ def _word_in(kind: Any) -> Any:
 
 
 def _one_of(value: Any, words: Sequence[str]) -> Any:
-    if value not in words:
-        raise ValueError(f"{value!r:.40} is none of: {', '.join(map(str, words))}")
-    return value
+    for word in words:
+        if word == value and not isinstance(value, bool):
+            return word
+    raise ValueError(f"{brief(value)} is none of: {', '.join(map(str, words))}")
 
 
 def _mapping_in(kind: Any) -> Any:
@@ -274,7 +287,7 @@ def _mapping_in(kind: Any) -> Any:
 
     def structure(value: Any, _: object) -> Any:
         if not isinstance(value, Mapping):
-            raise ValueError(f"{value!r:.40} is no table of names and values")
+            raise ValueError(f"{brief(value)} is no table of names and values")
         return read(value, kind)
 
     return structure
@@ -294,11 +307,11 @@ def _tuple_in(kind: Any) -> Any:
 
     def structure(value: Any, _: object) -> Any:
         if not isinstance(value, list | tuple):
-            raise ValueError(f"{value!r:.40} is no list")
+            raise ValueError(f"{brief(value)} is no list")
         if len(parts) == 2 and parts[1] is Ellipsis:
             return tuple(several(value, kind))
         if len(parts) != len(value):
-            raise ValueError(f"{value!r:.40} are {len(value)} values, not {len(parts)}")
+            raise ValueError(f"{brief(value)} are {len(value)} values, not {len(parts)}")
         made = [_converter().structure(v, part) for v, part in zip(value, parts, strict=True)]
         return kind(*made) if named else tuple(made)
 
@@ -324,6 +337,12 @@ def _union_in(kind: Any) -> Any:
         for part in kinds[:-1]:
             with suppress(Exception):
                 return _converter().structure(value, part)
+        if len(kinds) > 1 and all((get_origin(part) or part) in _SORTS for part in kinds):
+            try:
+                return _converter().structure(value, kinds[-1])
+            except Exception:
+                sorts = dict.fromkeys(_SORTS[get_origin(part) or part] for part in kinds)
+                raise ValueError(f"{brief(value)} is none of: {', '.join(sorts)}") from None
         return _converter().structure(value, kinds[-1])
 
     return structure
@@ -378,7 +397,10 @@ def _record_in(kind: Any) -> Any:
         if isinstance(value, kind):
             return value
         if not isinstance(value, Mapping):
-            raise ValueError(f"{value!r:.40} is no table of names and values")
+            raise ValueError(f"{brief(value)} is no table of names and values")
+        known = [form.names.get(field.name, field.name) for field in fields(kind)]
+        if form.strict and (other := next((key for key in value if key not in known), None)):
+            raise ValueError(f"key {brief(other)} is not known; use: {', '.join(known)}")
         return read()({**dict.fromkeys(form.without & absent), **value}, kind)
 
     return structure

@@ -9,7 +9,8 @@ ROOT = Path(__file__).parents[2]
 #: Made at every build, of docstrings and examples that have tests of their own.
 _MADE = (
     "docs/_build", "docs/gallery", "docs/api/generated", "docs/models/parameters-",
-    "docs/how-to/quality-codes", "docs/methods/prior-table", "docs/methods/source-table",
+    "docs/how-to/mapping-table", "docs/how-to/quality-codes", "docs/methods/prior-table",
+    "docs/methods/source-table",
     "docs/reproduction-table",
 )  # fmt: skip
 PAGES = tuple(

@@ -110,9 +110,9 @@ def test_what_differs_in_one_trial_is_a_line(leg):
     [
         ("b.torqe.sign = -1", "trials.b: key 'torqe' is not known"),
         ("b.torque = -1", "trials.b.torque is -1; write what differs"),
-        ("b.effort = 'lazy'", "effort is 'lazy'; use one of: passive, active, maximal"),
-        ("b = 3", "b must be a table"),
-        ("b.torque.sign = 2", "channels.torque, trials.b: sign is 2"),
+        ("b.effort = 'lazy'", "trials.b: effort: 'lazy' is none of: passive, active, maximal"),
+        ("b = 3", "trials.b: 3 is no table"),
+        ("b.torque.sign = 2", "trials.b: channels.torque.sign: 2 is none of: 1, -1"),
     ],
 )
 def test_a_wrong_line_is_named(leg, line, says):
@@ -207,7 +207,7 @@ def test_zero_from_a_quiet_stretch(tmp_path):
         ("zero = [3.0, 0.5]", "is no stretch of time"),
         ("zero = [100.0, 101.0]", "holds no finite samples"),
         ('zero = "none.csv"', "no such file"),
-        ("zero = 3.0", "name a quiet trial"),
+        ("zero = 3.0", "3.0 is none of: a text, a list"),
         ("zero = [0.0, 1.0]\noffset = 2.0", "zero and offset both"),
     ],
 )

@@ -121,12 +121,12 @@ from surae.recording import write_csv as write_csv
 from surae.recording import write_hdf5 as write_hdf5
 from surae.recording import write_mapping as write_mapping
 from surae.recording import write_sto as write_sto
+from surae.recording.described import toml_text as toml_text
 from surae.recording.formats import data_files as data_files
 from surae.recording.formats import open_table as open_table
 from surae.recording.inspected_trials import InspectedTrials as InspectedTrials
 from surae.recording.inspected_trials import inspect_trials as inspect_trials
 from surae.recording.inspected_trials import trials_text as trials_text
-from surae.recording.mapping_text import toml_value as toml_value
 from surae.recording.reading import is_mapping as is_mapping
 from surae.recording.reading import open_mapping as open_mapping
 from surae.recording.source import open_source as open_source

@@ -14,7 +14,8 @@ from surae.errors import InputError
 from surae.files import PathLike, shown
 from surae.model.laboratory import AUTO
 from surae.recording import Recording
-from surae.recording.mapping import Description, TrialDescription
+from surae.recording.described import TrialDescription
+from surae.recording.mapping import Description
 from surae.recording.reading import open_mapping, read
 from surae.settings import FitSettings
 from surae.trials import Reading, TrialSet, prepared_for, reading_of, sorted_trials, trial_files

@@ -2,16 +2,17 @@
 
 import math
 import tomllib
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 
 from surae.errors import InputError
-from surae.filed import FORMS, filed
+from surae.filed import filed
 from surae.files import PathLike, read_bytes, shown
 from surae.records import from_plain
 
 
 @filed(
+    strict=True,
     max_velocity="max_velocity_rad_s",
     max_acceleration="max_acceleration_rad_s2",
     max_torque="max_torque_Nm",
@@ -106,10 +107,6 @@ def read_device(path: PathLike) -> Device:
         toml = tomllib.loads(read_bytes(path).decode("utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{where}: not a TOML file ({error})") from None
-    keys = {FORMS[Device].names.get(field.name, field.name) for field in fields(Device)}
-    for key in toml.keys() - keys:
-        known = ", ".join(sorted(keys))
-        raise InputError(f"{where}: {key} is not known of a device; use: {known}")
     if not toml.get("name"):
         raise InputError(f'{where}: give the device a name, e.g. name = "my robot"')
     amplitudes = toml.get("chirp_amplitudes_rad", {})

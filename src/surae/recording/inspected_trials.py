@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from surae.files import PathLike, shown
+from surae.recording.described import toml_value
 from surae.recording.inspected import Inspection
 from surae.recording.inspection import inspect
 from surae.recording.mapping_reader import TRIAL
-from surae.recording.mapping_text import mapping_text, toml_value
+from surae.recording.mapping_text import mapping_text
 from surae.recording.table import some
 
 #: Rates [Hz] that are the same but for rounding, relatively.

@@ -1,12 +1,11 @@
 """An inspection as a mapping: TOML that a fit takes, with comments on what to check."""
 
-import json
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from surae.errors import InputError
 from surae.files import PathLike, shown, write_atomic
+from surae.recording.described import toml_value
 from surae.recording.emg_kind import amplified
 from surae.recording.inspected import InspectedChannel, Inspection
 from surae.recording.recording import FILM_ROLES, MUSCLES, ROLES
@@ -230,32 +229,6 @@ def _relative(file: str, folder: PathLike) -> str:
     if shared == Path(shared.anchor):
         return target.as_posix()
     return Path(os.path.relpath(target, base)).as_posix()
-
-
-def toml_value(value: object) -> str:
-    """A text, number, switch or list as TOML says it, which is as JSON does.
-
-    Parameters
-    ----------
-    value : object
-        The value.
-
-    Returns
-    -------
-    str
-        On one line.
-
-    Raises
-    ------
-    InputError
-        TOML cannot hold it.
-    """
-    try:
-        text = json.dumps(value, ensure_ascii=False, allow_nan=False)
-        text.encode()
-    except ValueError:  # a character that is none, or a number
-        raise InputError(f"{shown(str(value))}: TOML cannot hold it; rename it") from None
-    return text.replace("\x7f", "\\u007f")
 
 
 def _line(text: str) -> str:

@@ -20,7 +20,7 @@ from surae.quality.numeric import quantile, smooth
 from surae.quality.registry import unfit
 from surae.quality.trial import Signals, signals_of
 from surae.recording import MUSCLES, Recording
-from surae.recording.mapping import EFFORTS, TrialDescription
+from surae.recording.described import EFFORTS, TrialDescription
 from surae.recording.roles import words_of
 from surae.records import FileName
 

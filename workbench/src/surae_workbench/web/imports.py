@@ -320,33 +320,20 @@ def _toml(mapping: Mapping[str, Any], names: Mapping[str, str]) -> str:
     channels = mapping["channels"]
     if mapping.get("emg") is None and any(role.startswith("emg_") for role in channels):
         raise InputError("EMG is raw or an envelope: choose which, its samples do not say")
-    lines = _lines({key: mapping.get(key) for key in ("name", "emg", "side")})
-    for table in ("fixed", "prepare"):
-        lines += [f"[{table}]", *_lines(mapping.get(table) or {})]
+    kept = ("column", "unit", "sign", "scale", "offset", "zero")
+    described = {}
     for role, channel in channels.items():
         if channel["upload"] not in names:
             raise InputError(f"channels.{role}: its file is not among the uploads; upload it")
-        kept = [
-            "column",
-            "unit",
-            "sign",
-            "scale",
-            "offset" if channel.get("zero") is None else "zero",
-        ]
-        lines += [
-            f"[channels.{api.toml_value(role)}]",
-            f"file = {api.toml_value(names[channel['upload']])}",
-        ]
-        lines += _lines({key: channel.get(key) for key in kept})
-    return "\n".join(lines) + "\n"
-
-
-def _lines(table: Mapping[str, Any]) -> list[str]:
-    return [
-        f"{api.toml_value(key)} = {api.toml_value(value)}"
-        for key, value in table.items()
-        if value is not None
-    ]
+        left = "offset" if channel.get("zero") is not None else "zero"
+        described[role] = {"file": names[channel["upload"]]}
+        described[role] |= {
+            key: channel[key] for key in kept if key != left and channel.get(key) is not None
+        }
+    whole = {key: mapping.get(key) for key in ("name", "emg", "side", "fixed", "prepare")}
+    return api.toml_text(
+        {**{key: value for key, value in whole.items() if value is not None}, "channels": described}
+    )
 
 
 def preview(time: FloatArray, values: FloatArray) -> dict[str, Any]:

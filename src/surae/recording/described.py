@@ -1,0 +1,128 @@
+"""What a TOML mapping may say, one field each: its reader and its documentation are made of them.
+
+`surae.recording.mapping` reads it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import tomli_w
+
+from surae.errors import InputError
+from surae.filed import filed
+from surae.files import shown
+from surae.frozen import FrozenDict
+from surae.recording.recording import ROLES
+from surae.records import brief
+from surae.setting import setting
+
+EFFORTS = ("passive", "active", "maximal")
+#: A setting that whoever uses it knows by its name.
+_Plain = str | bool | int | float | tuple[str | bool | int | float, ...]
+
+
+@filed(strict=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MappedChannel:
+    """A channel: ``sign * (scale * raw + offset)`` in its unit, which is then brought to SI."""
+
+    file: str | None = setting(
+        None, "Its file, as seen from the mapping; in a mapping of many trials with `{trial}` in "
+        "it, or left out where each trial is one file.",
+    )  # fmt: skip
+    column: str = setting("", "Its name in that file.")
+    unit: str | None = setting(None, "Its unit, where the file does not state it.")
+    sign: Literal[1, -1] = setting(1, "-1 where the file counts the other direction as positive.")
+    scale: float = setting(1.0, "What the file's numbers are multiplied by first.")
+    offset: float = setting(0.0, "What is added then, before the sign.")
+    zero: str | tuple[float, float] | None = setting(
+        None, "Instead of an offset: a file in which it is zero, or `[start, end]` of such a "
+        "stretch in s.",
+    )  # fmt: skip
+    time: str | None = setting(None, "The column with its times, where it has a clock of its own.")
+    start_s: float | None = setting(None, "Or the time of its first sample.")
+    rate_hz: float | None = setting(None, "And its samples a second.")
+
+    def __post_init__(self) -> None:
+        """Refuse what contradicts itself."""
+        if self.file == "":
+            raise InputError("file is empty; name it, or leave it out")
+        if self.scale == 0.0:
+            raise InputError("scale is 0, which would erase the signal")
+        if self.zero is not None and self.offset:
+            raise InputError("zero and offset both say where the zero is; give one")
+        if self.zero == "":
+            raise InputError('zero is empty; name a quiet trial, as "Pas_0.mat"')
+        if isinstance(self.zero, tuple) and self.zero[1] <= self.zero[0]:
+            start, end = self.zero
+            raise InputError(f"zero: {start:g} to {end:g} s is no stretch of time")
+        if self.rate_hz is not None and self.rate_hz <= 0.0:
+            raise InputError(f"rate_hz is {self.rate_hz:g}; it must be above 0")
+        if self.time is not None and (self.start_s, self.rate_hz) != (None, None):
+            raise InputError("time and start_s or rate_hz both say when; give one")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrialDescription:
+    """What a mapping says of a trial beside its signals; None where it says nothing."""
+
+    side: Literal["left", "right"] | None = setting(None, "The leg.")
+    date: str | None = setting(None, "Of the session.")
+    condition: str | None = setting(None, "What was done to the leg, or where, in a few words.")
+    notes: str | None = setting(None, "Anything else.")
+    effort: Literal["passive", "active", "maximal"] | None = setting(
+        None, "What the subject did, where the data are not to decide it."
+    )
+    use: bool = setting(True, "False leaves the trial out.")
+
+
+@filed(strict=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MappedRecording(TrialDescription):
+    """All that a mapping says of one recording, or of every trial of a session."""
+
+    name: str | None = setting(None, "What the recording or session is called.")
+    emg: Literal["raw", "envelope"] = setting("raw", "Whether EMG is as measured or smoothed.")
+    fixed: Mapping[str, float] = setting(
+        FrozenDict, "Parameters that are known, with their values."
+    )
+    device: Mapping[str, _Plain] = setting(FrozenDict, "Of the robot.")
+    prepare: Mapping[str, _Plain] = setting(FrozenDict, "Settings of `surae.Preparation`.")
+    channels: Mapping[str, MappedChannel] = setting(
+        FrozenDict, "A table for each signal: `[channels.angle]`, `[channels.torque]`, …"
+    )
+    trials: Mapping[str, Mapping[str, object]] = setting(
+        FrozenDict, "What differs in single trials, as `b.torque.sign = -1` or `b.emg_ta = false`."
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse what is no signal, or no recording."""
+        for role in self.channels:
+            if role not in ROLES:
+                raise InputError(
+                    f"channels: key {brief(role)} is not known; use: {', '.join(ROLES)}"
+                )
+        if "angle" not in self.channels:
+            raise InputError("channels.angle is missing; every recording needs the angle")
+
+
+def toml_text(table: Mapping[str, object]) -> str:
+    """A table as TOML.
+
+    Raises
+    ------
+    InputError
+        TOML cannot hold a character in it.
+    """
+    text = tomli_w.dumps(table)
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise InputError(f"{shown(text.strip())}: TOML cannot hold it; rename it") from None
+    return text
+
+
+def toml_value(value: object) -> str:
+    """A text, number or switch as TOML says it, on one line."""
+    return toml_text({"value": value}).removeprefix("value = ").rstrip("\n")
