@@ -7,10 +7,10 @@ from pathlib import Path
 import playwright
 import pytest
 
-import surae
+import surae_workbench
 
 UNITS = Path(__file__).parent / "js"
-SCRIPTS = Path(surae.__file__).parent / "web" / "static" / "js"
+SCRIPTS = Path(surae_workbench.__file__).parent / "web" / "static" / "js"
 
 
 @pytest.mark.parametrize("unit", sorted(path.name for path in UNITS.glob("*.test.mjs")))
