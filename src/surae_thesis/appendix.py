@@ -10,11 +10,11 @@ import numpy as np
 
 from surae.assessment import Covariance, covariance
 from surae.estimation import minimise
-from surae.protocol import DEVICES, Protocol, chirp_rate, generate
+from surae.protocol import generate
 from surae.report.figures import correlation_figure
 from surae.units import FloatArray
 from surae_thesis.claims import Ruling, judge_all
-from surae_thesis.legs import NOISE
+from surae_thesis.legs import NOISE, protocol
 from surae_thesis.section import Context, Drawing, Result
 
 #: Position, velocity and acceleration, shape (3, n).
@@ -51,15 +51,8 @@ class FittedSpring:
 
 def protocol_motion(*, filtered: bool = True) -> Motion:
     """The thesis's richest movement about its mean, as the manipulator can follow it or not."""
-    motion = generate(
-        Protocol(
-            profile="multi-sine-holds",
-            chirp_amplitude=0.2,
-            chirp_rate=chirp_rate(0.5),
-            rate_hz=256.0,
-            device=DEVICES["achilles"] if filtered else None,
-        )
-    )
+    device = "achilles" if filtered else ""
+    motion = generate(protocol("multi-sine-holds", rate_hz=256.0, device=device))
     return np.stack([motion.angle - motion.angle.mean(), motion.velocity, motion.acceleration])
 
 

@@ -12,7 +12,15 @@ from surae import ComputationError, ModelInputs
 from surae.assessment import assess, covariance, ipde, vaf
 from surae.estimation import FitSettings, make_problem, solve
 from surae.model import ModelOptions, get_model
-from surae.protocol import DIRECTIONS, TASKS, Protocol, Trajectory, chirp_rate, generate
+from surae.protocol import (
+    DIRECTIONS,
+    TASKS,
+    Protocol,
+    Trajectory,
+    chirp_rate,
+    generate,
+    named_device,
+)
 from surae.recording import MUSCLES
 from surae.studies import VirtualSubject, stream, virtual_subject, virtual_trial
 from surae.units import FloatArray
@@ -60,6 +68,21 @@ def fit_cell(
     return {"torque": torque, "off": off, **{key: fit[key] for key in ("vaf", "ipde", "sem")}}
 
 
+def protocol(
+    profile: str, task: str = "part-passive", amplitude: float = 0.2, factor: float | None = 0.5,
+    rate_hz: float = 512.0, device: str = "",
+) -> Protocol:  # fmt: skip
+    """A profile with the thesis's chirp A·sin(s·t²), for a device without limits or a named one."""
+    return Protocol(
+        profile=profile,
+        task=task,
+        chirp_amplitude=amplitude,
+        chirp_rate=chirp_rate(factor or 0.5),
+        rate_hz=rate_hz,
+        device=named_device(device) if device else None,
+    )
+
+
 @lru_cache(4)
 def motion(
     profile: str, task: str, amplitude: float, factor: float | None, rate_hz: float,
@@ -69,15 +92,7 @@ def motion(
 
     In turn: each burst of the triceps is of one head instead of all three.
     """
-    whole = generate(
-        Protocol(
-            profile=profile,
-            task="part-passive",
-            chirp_amplitude=amplitude,
-            chirp_rate=chirp_rate(factor or 0.5),
-            rate_hz=rate_hz,
-        )
-    )
+    whole = generate(protocol(profile, "part-passive", amplitude, factor, rate_hz))
     effort = _in_turn(whole.effort) if in_turn else whole.effort
     first = 0
     if task == "active":

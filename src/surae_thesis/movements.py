@@ -7,58 +7,49 @@ import numpy as np
 from surae.protocol import (
     L0_TRI,
     Adaptation,
-    Protocol,
     Trajectory,
     chirp,
     chirp_rate,
     generate,
-    named_device,
     triceps_path,
 )
 from surae.recording import MUSCLES
 from surae.report.figures import BLUE, GREY, INK, OCHRE, RED
 from surae.studies import POPULATIONS
 from surae_thesis.claims import Ruling, judge_all
+from surae_thesis.legs import protocol
 from surae_thesis.plots import Panel, PlotLine, draw
 from surae_thesis.section import Context, Drawing, Result
+from surae_thesis.simulation.cells import (
+    AMPLITUDES,
+    CHOSEN,
+    CHOSEN_AMPLITUDE,
+    CHOSEN_FACTOR,
+    FACTORS,
+    PROFILES,
+)
 
 #: The five basic profiles of the simulation study (2.5.1) after the one in use before it (2.1).
-NAMES = (
-    "ramp-and-hold", "sine", "multiple-holds", "multi-sine", "multi-sine-holds", "scaled-chirp",
-)  # fmt: skip
-#: The two that were chosen for the subjects, with their chirp (4.1.5).
-CHOSEN = ("multiple-holds", "multi-sine-holds")
-AMPLITUDE, FACTOR = 0.2, 0.5
-#: Fine enough that no peak of a velocity is missed.
-RATE_HZ = 512.0
+NAMES = ("ramp-and-hold", *PROFILES)
 #: Full plantarflexion and dorsiflexion count as reached within this part of the range.
 _REACHED = 0.001
 #: Speed that a muscle cannot exceed [l0/s], equation (17), and what Figure 38 shows of it.
 _VMAX, _SHOWN = 8.0, 5.0
-#: The factors of the grid end at the one that the thesis calls the highest possible.
-_HIGHEST = 0.6
 
 
 @cache
 def basic(profile: str, task: str = "part-passive") -> Trajectory:
     """A profile without a chirp."""
-    return generate(Protocol(profile=profile, task=task, rate_hz=RATE_HZ))
+    return generate(protocol(profile, task, 0.0))
 
 
 @cache
 def chirped(
-    profile: str, amplitude: float = AMPLITUDE, factor: float = FACTOR, device: str = ""
-) -> Trajectory:
+    profile: str, amplitude: float = CHOSEN_AMPLITUDE, factor: float = CHOSEN_FACTOR,
+    device: str = "",
+) -> Trajectory:  # fmt: skip
     """A profile with the chirp, for a device without limits or for the thesis's manipulator."""
-    return generate(
-        Protocol(
-            profile=profile,
-            chirp_amplitude=amplitude,
-            chirp_rate=chirp_rate(factor),
-            rate_hz=RATE_HZ,
-            device=named_device(device) if device else None,
-        )
-    )
+    return generate(protocol(profile, "part-passive", amplitude, factor, device=device))
 
 
 def for_achilles(profile: str) -> Trajectory:
@@ -90,7 +81,7 @@ def span(_: None) -> Ruling:
 
 def highest_factor(_: None, near: float) -> Ruling:
     """The speed that the fastest of the simulated triceps reach at the highest factor."""
-    fastest = max(_peak(name, 0.3, _HIGHEST) for name in CHOSEN) * L0_TRI
+    fastest = max(_peak(name, AMPLITUDES[-1], FACTORS[-1]) for name in CHOSEN) * L0_TRI
     speed = {name: fastest / POPULATIONS[name]["l0_tri"][0] for name in ("healthy", "patient")}
     text = ", ".join(f"{value:.1f} l0/s ({name})" for name, value in speed.items())
     holds = near * _VMAX <= speed["patient"] <= _VMAX

@@ -4,23 +4,22 @@ import hashlib
 import inspect
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from surae import InputError, __version__
+from surae.filed import filed
 from surae.files import csv_row, read_bytes, require_writable, shown, write_atomic, write_json
+from surae.records import from_plain, to_plain
 from surae_thesis.claims import CAUSES, VERDICTS, JudgedClaim
-
-if TYPE_CHECKING:  # matplotlib is imported by what draws
-    from matplotlib.figure import Figure
 
 #: Told what is being computed, how many parts of it are there, and how many there are.
 Progress = Callable[[str, int, int], None]
 #: A cell of a table: None where there is no number, and the table says why.
-Cell = str | float | int | None
+Cell = str | int | float | None
 #: Plain data that JSON holds without loss: numbers finite, keys texts.
 Plain = Any
 
@@ -84,6 +83,7 @@ class Context:
         )
 
 
+@filed("figure")
 @dataclass(frozen=True, slots=True)
 class Drawing:
     """A figure, None where it is in the file of its name; `alt` is for those who do not see it."""
@@ -92,7 +92,7 @@ class Drawing:
     title: str
     caption: str
     alt: str
-    figure: "Figure | None" = None
+    figure: Any = None  # matplotlib's, which is imported by what draws
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,12 +224,10 @@ def keep(context: Context, section: Section, result: Result) -> None:
         path = context.inner("tables") / f"{table.name}.csv"
         write_atomic(path, "".join(map(csv_row, (table.columns, *table.rows))))
     plain = replace(
-        result,
-        figures=tuple(replace(drawing, figure=None) for drawing in result.figures),
-        tables=tuple(replace(t, rows=()) if t.long else t for t in result.tables),
+        result, tables=tuple(replace(t, rows=()) if t.long else t for t in result.tables)
     )
     path = context.inner("sections") / f"{section.name}.json"
-    write_json(path, {"settings": _settings(context), **asdict(plain)})
+    write_json(path, {"settings": _settings(context), **to_plain(plain)})
 
 
 def chapters(context: Context) -> Chapters:
@@ -248,7 +246,7 @@ def chapters(context: Context) -> Chapters:
         try:
             data = json.loads(read_bytes(path))
             if data.pop("settings") == _settings(context):
-                there.append((section, _result(**data)))
+                there.append((section, from_plain(Result, data)))
         except (ValueError, KeyError, TypeError, AttributeError):
             raise InputError(
                 f"{shown(path)} is not what a section writes; remove it and run the section again"
@@ -259,27 +257,6 @@ def chapters(context: Context) -> Chapters:
 def _settings(context: Context) -> dict[str, Any]:
     """What sections on one page have in common."""
     return {"surae": __version__, "seed": context.seed, "quick": context.quick}
-
-
-def _result(
-    insights: list[str], notes: list[str], findings: list[Plain], figures: list[Plain],
-    tables: list[Plain],
-) -> Result:  # fmt: skip
-    """What `keep` wrote."""
-    return Result(
-        insights=tuple(insights),
-        notes=tuple(notes),
-        findings=tuple(
-            JudgedClaim(**f | {"ours": {v: (bool(a), str(b)) for v, (a, b) in f["ours"].items()}})
-            for f in findings
-        ),
-        figures=tuple(Drawing(**drawing) for drawing in figures),
-        tables=tuple(
-            Table(t["name"], t["title"], tuple(t["columns"]), tuple(map(tuple, t["rows"])),
-                  t["long"])
-            for t in tables
-        ),
-    )  # fmt: skip
 
 
 def counts(chapters: Chapters) -> dict[str, int]:

@@ -10,13 +10,14 @@ import numpy as np
 import surae
 from surae import ModelInputs
 from surae.model import TendonState
-from surae.protocol import Protocol, chirp_rate, generate
+from surae.protocol import generate
 from surae.report.figures import GREY, INK, OCHRE, RED
 from surae.studies import VirtualSubject, virtual_subject, virtual_trial
 from surae.units import FloatArray
 from surae_thesis.claims import Ruling, judge_all
 from surae_thesis.cohort.members import make_cohort
 from surae_thesis.cohort.work import inputs_of
+from surae_thesis.legs import protocol
 from surae_thesis.plots import Panel, PlotLine, draw
 from surae_thesis.section import Context, Drawing, Result
 
@@ -47,20 +48,9 @@ def subject() -> VirtualSubject:
 
 
 @cache
-def trial(
-    rate_hz: float,
-    profile: str = "multiple-holds",
-    amplitude: float = 0.2,
-    task: str = "part-passive",
-) -> ModelInputs:
+def trial(rate_hz: float, profile: str = "multiple-holds", **which: Any) -> ModelInputs:
     """A trial without noise; by default that on which both schemes are compared."""
-    motion = Protocol(
-        profile=profile,
-        task=task,
-        chirp_amplitude=amplitude,
-        chirp_rate=chirp_rate(0.5),
-        rate_hz=rate_hz,
-    )
+    motion = protocol(profile, rate_hz=rate_hz, **which)
     return virtual_trial(subject(), generate(motion), model=MODEL, noise=0.0)
 
 
@@ -117,7 +107,7 @@ def _taken(state: TendonState) -> list[float]:
 
 
 def _passive(strain: str = "thesis") -> list[float]:
-    inputs = trial(256.0, "ramp-and-hold", 0.0, "passive")
+    inputs = trial(256.0, "ramp-and-hold", task="passive", amplitude=0.0)
     return _taken(states(inputs, tendon_strain=strain))
 
 

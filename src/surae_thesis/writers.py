@@ -1,6 +1,7 @@
 """The folder of a reproduction: the page, its PDF, and the verdicts as Markdown."""
 
 from collections.abc import Sequence
+from itertools import starmap
 from pathlib import Path
 
 from surae import __version__
@@ -44,55 +45,38 @@ def write(context: Context) -> list[Path]:
         Something cannot be written.
     """
     there = chapters(context)
-    texts: dict[str, str | bytes | None] = {
-        PAGE: page(context, there),
-        MARKDOWN: markdown(there),
-        PDF: pdf(context, there),
-    }
-    written = []
-    for name, text in texts.items():
-        if text is not None:
-            write_atomic(context.folder / name, text)
-            written.append(context.folder / name)
-    return written
+    texts = {PAGE: page(context, there), MARKDOWN: markdown(there), PDF: pdf(context, there)}
+    written = {context.folder / name: text for name, text in texts.items() if text is not None}
+    for path, text in written.items():
+        write_atomic(path, text)
+    return list(written)
 
 
 def document(context: Context, there: Chapters) -> Document:
     """The sections as a page or paper shows them."""
     quick = ", quick: a part of the fits" if context.quick else ""
-    contents = ListBlock(
-        "",
-        tuple(f"{s.title} ({s.source}): {len(result.findings)} claims" for s, result in there),
-        links=tuple(section.name for section, _ in there),
-    )
+    contents = [f"{s.title} ({s.source}): {len(result.findings)} claims" for s, result in there]
     summary: tuple[Block, ...] = (
         KeyFigures(tuple((verdict, str(n), "") for verdict, n in counts(there).items())),
         *paragraphs(filter(None, [_causes(there)])),
         TextBlock(
-            "Each claim has a numeric rule for when it holds, printed with it. The first column "
-            "that it is judged in is how we read the thesis, and decides; the others show, ✓ where "
-            "it holds, what another reading or the thesis's integrator changes. What is random has "
-            "one seed, which was not chosen for its results."
+            "Each claim has the thesis's sentence and a numeric rule for when it holds, printed "
+            "with it. The first column that it is judged in is how we read the thesis, and "
+            "decides; the others show, ✓ where it holds, what another reading or the thesis's "
+            "integrator changes. What is random has one seed, which was not chosen for its results."
         ),
-        contents,
+        ListBlock("", tuple(contents), links=tuple(section.name for section, _ in there)),
     )
     return Document(
         kicker="Reproduction",
         heading=_TITLE,
-        under=(
-            "Estimating ankle muscle parameters (van de Poll, 2015), every claim beside ours. "
-            f"surae {__version__}, seed {context.seed}{quick}."
-        ),
+        under="Estimating ankle muscle parameters (van de Poll, 2015), every claim beside ours. "
+        f"surae {__version__}, seed {context.seed}{quick}.",
         title=_TITLE,
-        blocks=(
-            SectionBlock("Summary", summary, "summary"),
-            *(_chapter(section, result) for section, result in there),
-        ),
-        footer=(
-            "Made by surae for research. SEM: equation (34); IPDE: equation (35) as the root of "
-            "the sum of squares over the upper triangle of the normalised covariance; VAF: "
-            "equation (31)."
-        ),
+        blocks=(SectionBlock("Summary", summary, "summary"), *starmap(_chapter, there)),
+        footer="Made by surae for research. SEM: equation (34); IPDE: equation (35) as the root of "
+        "the sum of squares over the upper triangle of the normalised covariance; VAF: equation "
+        "(31).",
     )
 
 
@@ -127,7 +111,7 @@ def _chapter(section: Section, result: Result) -> SectionBlock:
 
 
 def _claim_rows(finding: JudgedClaim, views: Sequence[str]) -> tuple[TableRow, TableRow]:
-    """A claim beside ours in every view, and below it when it holds and what explains it."""
+    """A claim beside ours in every view, and below it its sentence, when it holds, and why."""
     badge = (f"verdict {CLASSES[finding.verdict]}", finding.said)
     return (
         (
@@ -137,7 +121,7 @@ def _claim_rows(finding: JudgedClaim, views: Sequence[str]) -> tuple[TableRow, T
             *(_view(finding, name) for name in views),
             TableCell(badge=badge),
         ),
-        (TableCell(meaning=f"Holds when: {finding.rule}", why=finding.reason),),
+        (TableCell(meaning=_judged_by(finding), why=finding.reason),),
     )
 
 
@@ -171,13 +155,7 @@ def _figures(context: Context, there: Chapters, ending: str) -> dict[str, bytes]
 def markdown(there: Chapters) -> str:
     """All findings as Markdown: a table for each section, a column for each view, reasons below."""
     total = ", ".join(f"{number} {verdict}" for verdict, number in counts(there).items())
-    lines = [
-        f"# {_TITLE}",
-        "",
-        f"Verdicts: {total}.",
-        _causes(there),
-        "",
-    ]
+    lines = [f"# {_TITLE}", "", f"Verdicts: {total}.", _causes(there), ""]
     for section, result in there:
         lines += [f"## {_plain(section.title)}", "", f"Thesis: {_plain(section.source)}.", ""]
         lines += [f"**{_plain(insight)}**\n" for insight in result.insights]
@@ -189,18 +167,23 @@ def markdown(there: Chapters) -> str:
             cells = [f"{f.statement} ({f.source})", f.number]
             cells += [_view(f, name) for name in views]
             lines.append(f"| {' | '.join(map(_plain, cells))} | **{_plain(f.said)}** |")
-        explained = [f for f in result.findings if f.reason]
-        lines += ["", *(f"- *{_plain(f.statement)}* {_plain(f.reason)}" for f in explained), ""]
+        lines.append("")
+        for f in result.findings:
+            lines.append(f"- *{_plain(f.statement)}* {_plain(f'{_judged_by(f)} {f.reason}')}")
+        lines.append("")
     return "\n".join(lines).rstrip() + "\n"
+
+
+def _judged_by(finding: JudgedClaim) -> str:
+    """The thesis's sentence and, beside it, the rule that judges it."""
+    return f"“{finding.says}” Holds when: {finding.rule}"
 
 
 def _causes(there: Chapters) -> str:
     """What a second look at the claims that differ found, in a sentence; empty where none does."""
-    causes_text = ", ".join(
-        f"{number} by {cause}" for cause, number in causes(there).items() if number
-    )
-    causes_text = causes_text.replace("by unexplained", "unexplained")
-    return f"Of those that differ, {causes_text}." if causes_text else ""
+    some = [f"{number} by {cause}" for cause, number in causes(there).items() if number]
+    text = ", ".join(some).replace("by unexplained", "unexplained")
+    return f"Of those that differ, {text}." if some else ""
 
 
 def _view(finding: JudgedClaim, name: str) -> str:

@@ -18,7 +18,7 @@ def above_one(value: float | None) -> Ruling:
 
 
 CLAIM = Claim(
-    id="c", source="3.1", statement="It rises.", number="2", rule="It is above 1.",
+    id="c", source="3.1", statement="It rises.", number="2", says="It rose.", rule="It is above 1.",
     ours=above_one, why="So it is.", note=lambda value, claim: f"{claim.id} from {value}.",
 )  # fmt: skip
 
@@ -88,7 +88,7 @@ def test_every_row_is_a_whole_claim_under_views_that_there_are(section) -> None:
     assert len({claim.id for claim in claims}) == len(claims) > 0
     for claim in claims:
         assert re.fullmatch(r"[a-z0-9-]+", claim.id)
-        texts = (claim.source, claim.statement, claim.number, claim.rule)
+        texts = (claim.source, claim.statement, claim.number, claim.says, claim.rule)
         assert all(texts)
         assert "{" not in "".join((*texts, claim.why))
         assert set(claim.views) <= VIEWS.get(section, set())

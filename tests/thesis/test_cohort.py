@@ -10,7 +10,7 @@ from surae.errors import ComputationError, InputError
 from surae.model import ModelOptions, get_model
 from surae.protocol import generate, named_device
 from surae.studies import Imperfections
-from surae_thesis.cohort import members as cohort
+from surae_thesis import legs
 from surae_thesis.cohort.members import (
     COMPLETED,
     GAIN,
@@ -152,7 +152,7 @@ def test_a_trial_that_stops_the_device_is_redone_with_less_effort(monkeypatch):
     free = signals(cohort_recording(TWO, HOLDS, 1))
     limit = 0.95 * np.abs(free["torque"]).max()
     weaker = replace(named_device("achilles"), max_torque=limit)
-    monkeypatch.setattr(cohort, "named_device", lambda _: weaker)
+    monkeypatch.setattr(legs, "named_device", lambda _: weaker)
     redone = signals(cohort_recording(TWO, HOLDS, 1))
     assert np.abs(redone["torque"]).max() < limit
     assert np.abs(redone["emg_sol"]).mean() < np.abs(free["emg_sol"]).mean()
@@ -161,7 +161,7 @@ def test_a_trial_that_stops_the_device_is_redone_with_less_effort(monkeypatch):
 @pytest.mark.slow
 def test_a_subject_who_cannot_keep_the_limit_is_told(monkeypatch):
     monkeypatch.setattr(
-        cohort, "named_device", lambda name: replace(named_device(name), max_torque=1.0)
+        legs, "named_device", lambda name: replace(named_device(name), max_torque=1.0)
     )
     with pytest.raises(ComputationError, match=r"exceeds 1 Nm in 12 attempts"):
         cohort_recording(TWO, PASSIVE, 1)

@@ -35,8 +35,8 @@ def finding_of(name: str, *views: bool | None, ours: str = NASTY) -> JudgedClaim
         return Ruling(holds, ours)
 
     claim = Claim(
-        id=name, source="3.1", statement=NASTY, number=NASTY, rule=NASTY, ours=rule, why=NASTY,
-        cause="our cohort",
+        id=name, source="3.1", statement=NASTY, number=NASTY, says=NASTY, rule=NASTY,
+        ours=rule, why=NASTY, cause="our cohort",
     )  # fmt: skip
     names = ["", NASTY][: len(views)]
     return judge(claim, dict(zip(names, views, strict=True)))

@@ -160,12 +160,12 @@ def test_each_claim_differs_where_the_grid_does(name, spoilt) -> None:
 
 
 def noisy(vaf=0.0, sem=0.0, ipde=0.0, profile="multiple-holds"):
-    """Five repeats, the last of which is off by so much."""
+    """Five repeats that spread evenly by so much."""
     return [
         GridCell(
             model="muscle", profile=profile, task="part-passive", amplitude=0.1, factor=factor,
-            subject=1, repeat=repeat, vaf=99.9 + vaf * (repeat == 5),
-            ipde=2.6 + ipde * (repeat == 5), sem={"k_tri": 1.0 + sem * (repeat == 5)},
+            subject=1, repeat=repeat, vaf=99.9 + vaf * repeat / 4,
+            ipde=2.6 + ipde * repeat / 4, sem={"k_tri": 1.0 + sem * repeat / 4},
             off={"k_tri": 0.0}, torque=(10.0, 8.0, 12.0),
         )
         for factor in (0.3, 0.6)

@@ -1,16 +1,17 @@
 """The claims of the thesis, rows of data in this folder's TOML files, and their one judge.
 
-A row has an id and the thesis's place, claim and number (``thesis``), the rule by which it holds,
-the function that decides (``ours``) and what that is given (``given``), the group of views that it
-is judged under (the file's first, if none), what explains our number (``why``, ``note``), and why
-it differs (``cause``). Texts may name what is given in braces, so that a rule in words and its
-computation read the same number; ``each`` makes several claims of one row.
+A row has an id and the thesis's place, claim and number (``thesis``), its sentence (``says``) and
+beside it the rule by which the claim holds, the function that decides (``ours``) and what that is
+given (``given``), the group of views that it is judged under (the file's first, if none), what
+explains our number (``why``, ``note``), and why it differs (``cause``). Texts may name what is
+given in braces, so that a rule in words and its computation read the same number; ``each`` makes
+several claims of one row.
 """
 
 import tomllib
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import partial
 from importlib import import_module
 from importlib.resources import files
@@ -41,18 +42,25 @@ class Ruling:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Claim:
-    """What the thesis says, its number, and the rule by which our number holds, in one view.
-
-    `why` and `note` explain our number, the latter from the view that decides; `cause` is one of
-    `CAUSES`, where the claim differs; `views` are those that it is judged under, all if none.
-    """
+class Stated:
+    """What the thesis says: the place, our short claim, its number and sentence, and our rule."""
 
     id: str
     source: str
     statement: str
     number: str
+    says: str
     rule: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Claim(Stated):
+    """How it is decided in one view of the numbers.
+
+    `why` and `note` explain our number, the latter from the view that decides; `cause` is one of
+    `CAUSES`, where the claim differs; `views` are those that it is judged under, all if none.
+    """
+
     ours: Callable[[Any], Ruling]
     why: str = ""
     cause: str = ""
@@ -60,55 +68,13 @@ class Claim:
     note: "Callable[[Any, Claim], str] | None" = None
 
 
-def judge_all(section: str, views: Mapping[str, Any], *modules: str) -> "tuple[JudgedClaim, ...]":
-    """Judge every claim of a section; see `read_claims` and `judge`."""
-    return tuple(judge(claim, views) for claim in read_claims(section, *modules))
-
-
-def rows(section: str) -> list[dict[str, Any]]:
-    """The rows of a section's file, ``each`` taken apart and texts filled in."""
-    text = files(__name__).joinpath(f"{section}.toml").read_text(encoding="utf-8")
-    content = tomllib.loads(text)
-    groups = content.get("views", {"": ()})
-    first = next(iter(groups))
-    every = []
-    for row in content["claim"]:
-        for case in row.pop("each", [{}]):
-            one = {"given": {}, "views": first, **row, **case}
-            filled = {**one, **one["given"]}
-            named = zip(("id", "source", "statement", "number"), one.pop("thesis"), strict=True)
-            texts = {**dict(named), **{k: t for k, t in one.items() if isinstance(t, str)}}
-            texts = {key: text.format(**filled) for key, text in texts.items()}
-            every.append({**one, **texts, "views": tuple(groups[one["views"]])})
-    return every
-
-
-def read_claims(section: str, *modules: str) -> tuple[Claim, ...]:
-    """The claims of a section, whose functions are in modules of these names."""
-    rules = {k: v for name in modules for k, v in vars(import_module(name)).items()}
-    texts = ("id", "source", "statement", "number", "rule", "why", "cause", "views")
-    return tuple(
-        Claim(
-            ours=partial(rules[row["ours"]], **row["given"]),
-            note=rules[row["note"]] if "note" in row else None,
-            **{key: row[key] for key in texts if key in row},
-        )
-        for row in rows(section)
-    )
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
-class JudgedClaim:
+class JudgedClaim(Stated):
     """What became of a claim, as plain data; `said` is the verdict in full, with views or cause.
 
     By view, `ours` says whether it holds and our number; its one key is empty where there is one.
     """
 
-    id: str
-    source: str
-    statement: str
-    number: str
-    rule: str
     verdict: str
     said: str
     ours: Mapping[str, tuple[bool, str]] = field(default_factory=dict)
@@ -118,6 +84,41 @@ class JudgedClaim:
         """Refuse a verdict that there is not: a damaged file."""
         if self.verdict not in VERDICTS:
             raise ValueError(self.verdict)
+
+
+def judge_all(section: str, views: Mapping[str, Any], *modules: str) -> tuple[JudgedClaim, ...]:
+    """Judge every claim of a section; see `read_claims` and `judge`."""
+    return tuple(judge(claim, views) for claim in read_claims(section, *modules))
+
+
+def rows(section: str) -> list[dict[str, Any]]:
+    """The rows of a section's file, ``each`` taken apart and texts filled in."""
+    content = tomllib.loads(files(__name__).joinpath(f"{section}.toml").read_text(encoding="utf-8"))
+    groups = content.get("views", {"": ()})
+    every = []
+    for row in content["claim"]:
+        for case in row.pop("each", [{}]):
+            one = {"given": {}, "views": next(iter(groups)), **row, **case}
+            texts = ("id", "source", "statement", "number")
+            one |= zip(texts, one.pop("thesis"), strict=True)
+            filled = {**one, **one["given"]}
+            one |= {key: t.format(**filled) for key, t in one.items() if isinstance(t, str)}
+            every.append({**one, "views": tuple(groups[one["views"]])})
+    return every
+
+
+def read_claims(section: str, *modules: str) -> tuple[Claim, ...]:
+    """The claims of a section, whose functions are in modules of these names."""
+    rules = {k: v for name in modules for k, v in vars(import_module(name)).items()}
+    texts = {f.name for f in fields(Claim)} - {"ours", "note"}
+    return tuple(
+        Claim(
+            ours=partial(rules[row["ours"]], **row["given"]),
+            note=rules[row["note"]] if "note" in row else None,
+            **{key: row[key] for key in texts if key in row},
+        )
+        for row in rows(section)
+    )
 
 
 def judge(claim: Claim, views: Mapping[str, Any]) -> JudgedClaim:
@@ -154,7 +155,5 @@ def judge(claim: Claim, views: Mapping[str, Any]) -> JudgedClaim:
     if claim.note and reading in rulings:
         with suppress(NotThereError):
             reason = f"{claim.note(views[reading], claim)} {reason}"
-    return JudgedClaim(
-        id=claim.id, source=claim.source, statement=claim.statement, number=claim.number,
-        rule=claim.rule, verdict=verdict, said=said, ours=rulings, reason=reason.strip(),
-    )  # fmt: skip
+    same = {f.name: getattr(claim, f.name) for f in fields(Stated)}
+    return JudgedClaim(**same, verdict=verdict, said=said, ours=rulings, reason=reason.strip())

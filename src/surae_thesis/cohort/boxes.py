@@ -19,7 +19,7 @@ from surae.report.figures import (
     new_figure,
     shared_legend,
 )
-from surae_thesis.cohort.results import Point
+from surae_thesis.cohort.results import Points
 
 _LINE: dict[str, Any] = {"color": RED, "linewidth": 1.0, "linestyle": (0, (5, 2)), "zorder": 1}
 _MEDIAN: dict[str, Any] = {"color": INK, "linewidth": 1.3}
@@ -31,7 +31,7 @@ class Box:
     """One box: numbers of recordings, and the thesis's mean beside it, where it gives one."""
 
     label: str
-    points: Sequence[Point]
+    points: Points
     thesis: float | None = None
 
 
@@ -47,17 +47,17 @@ def vaf_figure(
     dress(axes, "VAF [%]")
     heading(axes, title)
     for at, box in enumerate(boxes):
-        _box(axes, at, [point.value for point in box.points])
+        _box(axes, at, list(box.points.values()))
         for noted, marker, label in (
             (False, "o", "a recording"), (True, "x", "knee moves or ankle misaligned"),
         ):  # fmt: skip
-            values = [p.value for p in box.points if (p.subject in remarked) == noted]
+            values = [v for (who, _), v in box.points.items() if (who in remarked) == noted]
             places = at + np.linspace(-0.2, 0.2, max(len(values), 1))[: len(values)]
             axes.plot(places, values, marker, color=MUTED, markersize=3.6, label=label,
                       markerfacecolor="none", markeredgewidth=0.7, zorder=3)  # fmt: skip
         if box.thesis is not None:
             axes.plot([at + 0.38], [box.thesis], "<", color=INK, label="thesis's mean")
-        below = sum(point.value < low for point in box.points)
+        below = sum(value < low for value in box.points.values())
         if below:
             axes.text(at, low, f"{below} lower", ha="center", va="bottom", fontsize=7, color=INK)
     axes.plot([], [], label="median", **_MEDIAN)

@@ -23,7 +23,7 @@ from surae_thesis.cohort.members import (
     FAST_PROTOCOL,
     PASSIVE_PROTOCOL,
 )
-from surae_thesis.cohort.results import Fits, Point, Ways
+from surae_thesis.cohort.results import Fits, Ways
 from surae_thesis.cohort.rules import (
     ACTIVE,
     PASSIVE,
@@ -80,7 +80,7 @@ def vaf_drawings(fits: Fits) -> Iterator[Drawing]:
     figures: dict[str, list[Mapping[str, Any]]] = {}
     for row in rows("subjects"):
         if row["ours"] == "vaf_level":
-            figures.setdefault(row["of"], []).append(row["given"])
+            figures.setdefault(row["source"].split()[-1], []).append(row["given"])
     for number, (title, caption, lowest) in _VAF.items():
         boxes = [
             Box(f"{PROTOCOLS[g['protocol']]}\n[{g['model']}]".replace(" ", "\n", 1),
@@ -95,12 +95,11 @@ def vaf_drawings(fits: Fits) -> Iterator[Drawing]:
 
 def integrator_drawing(ways: Ways) -> Drawing:
     """Model 2.0 on the multiple holds by both integrators."""
-    wide = [Point(subject, 1, value) for subject, value in ways.wide.items()]
-    first = [p for p in ways.wandering.vaf("2.0") if p.repetition == 1]
+    first = {which: vaf for which, vaf in ways.wandering.vaf("2.0").items() if which[1] == 1}
     boxes = [
         Box("implicit", first, thesis_means()["fit", "2.0", ACTIVE_PROTOCOL]),
         Box("explicit,\nusual differences", ways.explicit.vaf("2.0")),
-        Box("explicit,\nwide differences", wide),
+        Box("explicit,\nwide differences", ways.wide),
     ]
     return Drawing(
         "figure-23-integrator", "Model 2.0, the same recordings by two integrators",

@@ -34,14 +34,14 @@ from typing import Literal
 import numpy as np
 
 from surae.errors import InputError
-from surae.protocol import Protocol, chirp_rate, named_device
+from surae.protocol import Protocol
 from surae.studies import (
     Imperfections,
     VirtualSubject,
     realistic_imperfections,
     stream,
 )
-from surae_thesis.legs import thesis_leg
+from surae_thesis.legs import protocol, thesis_leg
 
 #: Subjects of the thesis, how many of them are women, their ages [years] (2.6).
 SUBJECTS, WOMEN, AGES = 14, 4, (20, 30)
@@ -193,12 +193,6 @@ def cohort_protocol(name: str, range_of_motion: tuple[float, float], rate_hz: fl
     if name not in COMPLETED:
         raise InputError(f"cohort: protocol {name!r}; use one of: {', '.join(COMPLETED)}")
     passive = name == PASSIVE_PROTOCOL
-    return Protocol(
-        profile=name,
-        task="passive" if passive else "part-passive",
-        chirp_amplitude=0.0 if passive else 0.2,
-        chirp_rate=chirp_rate(0.5),
-        range_of_motion=range_of_motion,
-        rate_hz=rate_hz,
-        device=named_device("achilles"),
-    )
+    task, amplitude = ("passive", 0.0) if passive else ("part-passive", 0.2)
+    asked = protocol(name, task, amplitude, rate_hz=rate_hz, device="achilles")
+    return replace(asked, range_of_motion=range_of_motion)

@@ -1,6 +1,6 @@
 """What came of the fits of the cohort, to be asked by model and protocol."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -44,13 +44,8 @@ class Size:
         return cls(context.seed, 2, 2, 1, 2, 2) if context.quick else cls(context.seed)
 
 
-@dataclass(frozen=True, slots=True)
-class Point:
-    """A number of one recording."""
-
-    subject: str
-    repetition: int
-    value: float
+#: Numbers of recordings, by subject and repetition.
+Points = Mapping[tuple[str, int], float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,26 +67,20 @@ class Fits:
                 if (of_model, of_protocol) == (model, protocol):
                     yield subject, int(repetition), fit
 
-    def vaf(self, model: str, protocol: str = ACTIVE_PROTOCOL) -> list[Point]:
+    def vaf(self, model: str, protocol: str = ACTIVE_PROTOCOL) -> Points:
         """VAF of every recording [%]."""
-        return [
-            Point(subject, repetition, fit["vaf"])
-            for subject, repetition, fit in self.of(model, protocol)
-            if fit["vaf"] is not None
-        ]
+        return {(who, r): fit["vaf"] for who, r, fit in self.of(model, protocol) if fit["vaf"]}
 
-    def predicted(
-        self, model: str, protocol: str = ACTIVE_PROTOCOL, target: str = ""
-    ) -> list[Point]:
+    def predicted(self, model: str, protocol: str = ACTIVE_PROTOCOL, target: str = "") -> Points:
         """VAF [%] of the other repetitions, or of `target`, as repetition 1 predicts them."""
-        return [
-            Point(subject, prediction["repetition"], prediction["vaf"])
-            for subject, _, fit in self.of(model, protocol)
+        return {
+            (who, prediction["repetition"]): prediction["vaf"]
+            for who, _, fit in self.of(model, protocol)
             for prediction in fit["predicted"]
             if prediction["protocol"] == (target or protocol) and prediction["vaf"] is not None
-        ]
+        }
 
-    def onto_passive(self, model: str, _: str = "") -> list[Point]:
+    def onto_passive(self, model: str, _: str = "") -> Points:
         """The ramp and hold as predicted from repetition 1 of the multiple holds."""
         return self.predicted(model, target=PASSIVE_PROTOCOL)
 
@@ -112,13 +101,13 @@ class Ways:
     """Fits of the cohort whose gain wanders and of the one whose does not, and by the thesis.
 
     The latter with the thesis's integrator and optimiser; `wide` has its VAF of model 2.0 on the
-    multiple holds with finite differences that look past the chatter, by subject.
+    multiple holds with finite differences that look past the chatter.
     """
 
     wandering: Fits
     constant: Fits
     explicit: Fits
-    wide: Mapping[str, float]
+    wide: Points
 
 
 def thesis_fits(context: Context) -> Ways:
@@ -131,61 +120,48 @@ def thesis_fits(context: Context) -> Ways:
         if p == ACTIVE_PROTOCOL or m in ("1.0", "2.0")
     }
     baselines = context.calls("cohort-baselines", work.baseline_job, jobs, also=MADE_BY)
+    cohorts = {
+        "wandering": make_cohort(size.seed, size.subjects, GAIN),
+        "constant": make_cohort(size.seed, size.constant),
+    }
     kept = {"seed": size.seed, "repetitions": size.repetitions}
-    made = context.calls(
-        "cohort-fits",
-        work.member_job,
-        {
-            f"{name} {n}": {**kept, "member": n, "gain": gain, "explicit": gain > 0.0}
-            for name, gain, count in (
-                ("wandering", GAIN, size.subjects), ("constant", 0.0, size.constant),
-            )
-            for n in range(count)
-        },
-        also=MADE_BY,
-    )  # fmt: skip
+    jobs = {
+        f"{name} {n}": {**kept, "member": n, "gain": gain, "explicit": gain > 0.0}
+        for name, who in cohorts.items()
+        for n, gain in enumerate(member.imperfections.gain_variation for member in who)
+    }
+    made = context.calls("cohort-fits", work.member_job, jobs, also=MADE_BY)
 
-    def fits(cohort: str, way: str, gain: float, count: int) -> Fits:
-        those = make_cohort(size.seed, count, gain)
+    def fits(name: str, *ways: str) -> Fits:
         single = {
             who.id: {
-                label.removeprefix(f"{way} "): fit
-                for label, fit in made[f"{cohort} {number}"].items()
-                if label.startswith(way)
+                label.partition(" ")[2]: fit
+                for label, fit in made[f"{name} {number}"].items()
+                if label.startswith(ways)
             }
-            for number, who in enumerate(those)
+            for number, who in enumerate(cohorts[name])
         }
-        return Fits(those, single, baselines)
+        return Fits(cohorts[name], single, baselines)
 
-    wandering = fits("wandering", "implicit", GAIN, size.subjects)
-    explicit = fits("wandering", "explicit", GAIN, size.subjects)
-    rigid = {
-        who: {k: f for k, f in of.items() if k.startswith("1.0 ")} | dict(explicit.single[who])
-        for who, of in wandering.single.items()
-    }
-    wide = fits("wandering", "wide", GAIN, size.subjects).vaf("2.0")
     return Ways(
-        wandering,
-        fits("constant", "implicit", 0.0, size.constant),
-        Fits(wandering.members, rigid, baselines),
-        {point.subject: point.value for point in wide},
+        wandering=fits("wandering", "implicit"),
+        constant=fits("constant", "implicit"),
+        explicit=fits("wandering", "explicit", "implicit 1.0"),
+        wide=fits("wandering", "wide").vaf("2.0"),
     )
 
 
-def values(points: Iterable[Point]) -> FloatArray:
+def values(points: Points) -> FloatArray:
     """The numbers alone."""
-    return np.array([point.value for point in points], dtype=np.float64)
+    return np.array(list(points.values()), dtype=np.float64)
 
 
-def paired(first: Iterable[Point], second: Iterable[Point]) -> FloatArray:
+def paired(first: Points, second: Points) -> FloatArray:
     """Second minus first, of the recordings that are in both."""
-    left = {(point.subject, point.repetition): point.value for point in first}
-    both = [point for point in second if (point.subject, point.repetition) in left]
-    before = np.array([left[point.subject, point.repetition] for point in both])
-    return np.asarray(values(both) - before)
+    return np.array([value - first[which] for which, value in second.items() if which in first])
 
 
-def clearly_lower(first: Iterable[Point], second: Iterable[Point]) -> bool:
+def clearly_lower(first: Points, second: Points) -> bool:
     """Whether the first mean lies below the second by more than twice the difference's error.
 
     Subjects count as independent, repetitions of one subject do not: its mean counts once.
@@ -197,8 +173,8 @@ def clearly_lower(first: Iterable[Point], second: Iterable[Point]) -> bool:
     return bool(means[0].mean() < means[1].mean() - 2.0 * error)
 
 
-def _by_subject(points: Iterable[Point]) -> FloatArray:
+def _by_subject(points: Points) -> FloatArray:
     several: dict[str, list[float]] = {}
-    for point in points:
-        several.setdefault(point.subject, []).append(point.value)
+    for (subject, _), value in points.items():
+        several.setdefault(subject, []).append(value)
     return np.array([np.mean(of_subject) for of_subject in several.values()], dtype=np.float64)

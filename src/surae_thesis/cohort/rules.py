@@ -19,7 +19,7 @@ from surae_thesis.cohort.members import (
     REPETITIONS,
     CohortSubject,
 )
-from surae_thesis.cohort.results import Fits, Point, clearly_lower, paired, values
+from surae_thesis.cohort.results import Fits, Points, clearly_lower, paired, values
 from surae_thesis.cohort.trials import RECORDED_HZ, cohort_recording
 
 #: Views beside the thesis's integrator: of the cohort whose gain from EMG to torque wanders within
@@ -38,7 +38,7 @@ PROTOCOLS = {
 _SEGMENT = 8.0
 
 
-def described(points: Sequence[Point], digits: int = 1) -> str:
+def described(points: Points, digits: int = 1) -> str:
     """Mean, median and lowest of numbers in percent, and how many."""
     if not points:
         raise NotThereError("No such fit is there.")
@@ -58,14 +58,11 @@ def thesis_means() -> dict[tuple[str, str, str], float]:
 
     The last is the ramp and hold, predicted from the multiple holds.
     """
-    return {
-        (given["kind"], given["model"], given["protocol"]): given["mean"]
-        for row in rows("subjects")
-        if "mean" in (given := row["given"])
-    }
+    every = [row["given"] for row in rows("subjects") if row["ours"] == "vaf_level"]
+    return {(given["kind"], given["model"], given["protocol"]): given["mean"] for given in every}
 
 
-def points_of(fits: Fits, kind: str, model: str, protocol: str = ACTIVE_PROTOCOL) -> list[Point]:
+def points_of(fits: Fits, kind: str, model: str, protocol: str = ACTIVE_PROTOCOL) -> Points:
     """VAFs of a kind, see `thesis_means`."""
     every = {"fit": fits.vaf, "validation": fits.predicted, "onto": fits.onto_passive}
     return every[kind](model, protocol)
@@ -80,13 +77,16 @@ def vaf_level(
     return Ruling(abs(_mean(points) - mean) <= within, text)
 
 
-def _mean(points: Sequence[Point]) -> float:
+def _mean(points: Points) -> float:
     return float(values(points).mean())
 
 
-def change(fits: Fits, first: str, second: str, sign: str) -> Ruling:
-    """The median change from the first to the second, of the same recordings."""
-    several = paired(*(points_of(fits, *which.split()) for which in (first, second)))
+def change(
+    fits: Fits, first: str, second: str, sign: str, kind: str = "fit",
+    protocol: str = ACTIVE_PROTOCOL,
+) -> Ruling:  # fmt: skip
+    """The median change from a model to another, of the same recordings."""
+    several = paired(*(points_of(fits, kind, model, protocol) for model in (first, second)))
     if not len(several):
         raise NotThereError("No such fit is there.")
     middle = float(np.median(several))
@@ -98,28 +98,28 @@ def change(fits: Fits, first: str, second: str, sign: str) -> Ruling:
     return Ruling(holds.get(sign, abs(middle) <= 1.0), text)
 
 
-def highest(fits: Fits, points: list[str]) -> Ruling:
-    """Whether the first mean is the highest."""
-    groups = [points_of(fits, *which.split()) for which in points]
-    text = " against ".join(map(described, groups))
-    return Ruling(_mean(groups[0]) > max(map(_mean, groups[1:])), text)
-
-
-def below(fits: Fits, points: list[str], clearly: bool) -> Ruling:
-    """Whether the first mean lies below the second, clearly: by more than chance."""
-    first, second = (points_of(fits, *which.split()) for which in points)
-    text = f"{described(first)} against {described(second)}"
-    holds = clearly_lower(first, second) if clearly else _mean(first) < _mean(second)
-    return Ruling(holds, text)
+def lower(fits: Fits, points: list[str], clearly: bool = False) -> Ruling:
+    """Whether the last mean is the highest, clearly: by more than chance."""
+    *groups, highest = (points_of(fits, *which.split()) for which in points)
+    text = " against ".join(map(described, (*groups, highest)))
+    if clearly:
+        return Ruling(all(clearly_lower(group, highest) for group in groups), text)
+    return Ruling(max(map(_mean, groups)) < _mean(highest), text)
 
 
 def remarked(fits: Fits) -> Ruling:
-    """Whether low VAFs are those of subjects with a remark."""
+    """Whether recordings below the whisker of Figure 17's box are of subjects with a remark."""
     noted = {member.id for member in fits.members if member.remarks}
     points = fits.vaf("1.0", ACTIVE_PROTOCOL)
-    groups = [[p for p in points if (p.subject in noted) == is_noted] for is_noted in (True, False)]
-    text = " against ".join(described(group, 2) for group in groups)
-    return Ruling(clearly_lower(*groups), text)
+    low, high = np.percentile(values(points), [25, 75])
+    outliers = [who for (who, _), value in points.items() if value < low - 1.5 * (high - low)]
+    of_noted = sum(who in noted for who in outliers)
+    share = len(noted) / len(fits.members)
+    text = (
+        f"{of_noted} of {len(outliers)} outliers, of {len(points)} recordings; "
+        f"{100 * share:.0f} % of the subjects are such"
+    )
+    return Ruling(of_noted == len(outliers) > 0, text)
 
 
 # Standard errors

@@ -43,10 +43,10 @@ def run(context: Context) -> Result:
 
 def _integrator(ways: Ways) -> str:
     """What the thesis's scheme and optimiser make of the same recordings."""
-    tried = {p.subject for p in ways.explicit.vaf("2.0")}
+    tried = ways.explicit.vaf("2.0")
 
     def mean(fits: Fits, model: str) -> float:
-        return fmean(p.value for p in fits.vaf(model) if p.repetition == 1 and p.subject in tried)
+        return fmean(vaf for which, vaf in fits.vaf(model).items() if which in tried)
 
     return (
         f"Solved implicitly, model 2.0 follows the multiple holds with a VAF of "
