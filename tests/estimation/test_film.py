@@ -9,14 +9,15 @@ from surae.assessment.fascicles import followed
 from surae.estimation import make_problem
 from surae.estimation.family import _BEGIN, _Search, _white
 from surae.estimation.posterior import LogPosterior
-from surae.estimation.result import Seen
 from surae.frozen import read_only
-from surae.model import ModelOptions, get_model
+from surae.model import ModelOptions, get_model, with_optional
 from surae.protocol import Protocol, generate
 from surae.signals import Film
 from surae.studies import virtual_subject, virtual_trial
 
-TIBIALIS = Seen(scale=0.02, zero=3e-3)
+SCALE, ZERO = 0.02, 3e-3
+SEEN = {f"film_scale_{at}": SCALE for at in ("tib", "gm")}
+SEEN |= {f"film_zero_{at}": ZERO for at in ("tib", "gm")}
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +34,7 @@ def filmed():
     rng = np.random.default_rng(1)
     films = []
     for channel, length in zip(("fascicle_gm", "fascicle_tib"), state.muscle_length, strict=True):
-        seen = (1.0 + TIBIALIS.scale) * np.interp(time, plain.time, length) + TIBIALIS.zero
+        seen = (1.0 + SCALE) * np.interp(time, plain.time, length) + ZERO
         noisy = seen + rng.normal(0.0, 2e-4, len(time))
         films.append(Film(channel, read_only(time), read_only(noisy)))
     return replace(plain, films=tuple(films)), values
@@ -121,12 +122,12 @@ def test_a_film_tells_the_length_of_its_muscle(filmed, posterior) -> None:
 def test_what_is_followed_is_reported_in_millimetres(filmed) -> None:
     recording, values = filmed
     spec, options = get_model("muscle-tendon"), ModelOptions()
-    seen = {"fascicle_gm": TIBIALIS, "fascicle_tib": TIBIALIS}
-    own = followed(spec, options, values, recording, seen)
+    filmed = with_optional(spec, SEEN)
+    own = followed(filmed, options, values | SEEN, recording)
     assert [film.channel for film in own] == ["fascicle_gm", "fascicle_tib"]
     for film in own:
         assert film.quality.n == len(recording.films[0].time)
         assert film.quality.rmse_mm == pytest.approx(0.2, rel=0.15)
-    other = followed(spec, options, values, recording, {})[1]
+    other = followed(spec, options, values, recording)[1]
     assert other.quality.bias_mm == pytest.approx(3.0 + 0.02 * 1e3 * 0.06, abs=1.0)
-    assert followed(get_model("muscle"), options, values, recording, seen) == ()
+    assert followed(get_model("muscle"), options, values, recording) == ()

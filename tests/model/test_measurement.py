@@ -47,6 +47,7 @@ VALUES = {
     "length_zero_tri": 0.002,
     "length_zero_tib": -0.004,
     "emg_power": -0.25,
+    **{name: 0.01 for group in OPTIONAL if group.startswith("film_") for name in OPTIONAL[group]},
 }
 CURVES = {
     "fl_short_tri": 0.3, "fl_short_tib": -0.2, "fl_long_tri": 0.4, "fl_long_tib": 0.1,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.estimation import FitResult
-from surae.estimation.result import Seen
+from surae.estimation.film import group_of_film, seen_by
 from surae.frozen import Comparable
 from surae.model import ModelOptions, ModelSpec
 from surae.signals import ModelInputs
@@ -43,12 +43,11 @@ class Fascicles(Comparable):
 
 def fascicles_of(result: FitResult) -> tuple[Fascicles, ...]:
     """The films of a fit's recordings."""
-    seen = {} if result.family is None else result.family.films
     problem = result.problem
     return tuple(
         each
         for recording in problem.inputs
-        for each in followed(problem.spec, problem.options, result.values, recording, seen)
+        for each in followed(problem.spec, problem.options, result.values, recording)
     )
 
 
@@ -57,9 +56,8 @@ def followed(
     options: ModelOptions,
     values: Mapping[str, float],
     recording: ModelInputs,
-    seen: Mapping[str, Seen],
 ) -> tuple[Fascicles, ...]:
-    """A recording's films, by parameters and how each was `seen`; none of a rigid tendon's model.
+    """A recording's films and what parameters say of them; none of a rigid tendon's model.
 
     A film that the fit did not have is taken for the group's own length.
     """
@@ -73,9 +71,7 @@ def followed(
         inside = (film.time >= recording.time[0]) & (film.time <= recording.time[-1])
         if not inside.any():
             continue
-        how = seen.get(film.channel, Seen())
-        length = state.muscle_length[int(film.channel.endswith("_tib"))]
-        time = film.time[inside]
-        modelled = (1.0 + how.scale) * np.interp(time, recording.time, length) + how.zero
+        time, length = film.time[inside], state.muscle_length[group_of_film(film.channel)]
+        modelled = seen_by(film.channel, values, np.interp(time, recording.time, length))
         each.append(Fascicles(recording.name, film.channel, time, film.length[inside], modelled))
     return tuple(each)

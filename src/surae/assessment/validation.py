@@ -98,12 +98,11 @@ def predict_others(result: FitResult, inputs: Sequence[ModelInputs]) -> tuple[Pr
                     f"estimated; add the channel emg_{muscle}"
                 )
     predicted = predict(problem.spec, problem.options, result.values, inputs)
-    seen = {} if result.family is None else result.family.films
     return tuple(
         replace(
             prediction,
             adequacy=judge_prediction(result, recording, prediction.torque),
-            fascicles=followed(problem.spec, problem.options, result.values, recording, seen),
+            fascicles=followed(problem.spec, problem.options, result.values, recording),
         )
         for prediction, recording in zip(predicted, inputs, strict=True)
     )

@@ -11,12 +11,13 @@
 """
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from surae.estimation.evidence import Subset, subsets
+from surae.estimation.film import names_of_film
 from surae.estimation.fit import fit_problem
 from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.latent import SOURCES, Latents
@@ -108,12 +109,13 @@ class _Search:
             for muscle, weight in zip(MUSCLES, problem.spec.weights, strict=True)
             if weight in held and not problem.base[problem.spec.names.index(weight)]
         }
+        filmed = {n for r in problem.inputs for f in r.films for n in names_of_film(f.channel)}
         self._beliefs = {
             name: belief
             for name, belief in laboratory(
                 problem.settings.nuisances, quiet_levels(problem.inputs)
             ).items()
-            if name not in held and not _needless(name, self._silent)
+            if name not in held and not _needless(name, self._silent, filmed)
         }
         self._options = problem.options
         if self._options.emg_ref is None:
@@ -383,7 +385,6 @@ def _summed(
                 }
             ),
             recordings=_each(post, point, blocks, change) if len(inputs) > 1 else (),
-            films=FrozenDict(post.films_seen(point)),
         ),
     )  # fmt: skip
 
@@ -462,8 +463,10 @@ def _searched(name: str, belief: Belief) -> Belief:
     return Belief(float(np.log(belief.mean)) - 0.5 * spread**2, spread)
 
 
-def _needless(name: str, silent: frozenset[str]) -> bool:
-    """Whether a nuisance touches nothing, since a muscle is silent or has no EMG."""
+def _needless(name: str, silent: frozenset[str], filmed: Collection[str]) -> bool:
+    """Whether a nuisance touches nothing: a muscle is silent, has no EMG, or was not filmed."""
+    if name.startswith("film_"):
+        return name not in filmed
     if name.startswith("xt_"):
         return bool(set(name.split("_")[1:]) & silent)
     return name.startswith("emg_rest_") and name.rsplit("_", maxsplit=1)[-1] in silent

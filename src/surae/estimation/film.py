@@ -3,12 +3,13 @@
     y = (1 + scale)·l + zero + drift(t) + noise
 
 l is the length of the muscle group in the model, path and tendon included. A fascicle is one of
-many, deeper or shallower and pennate: it has a scale and a zero of its own. Trackers drift by a
+many, deeper or shallower and pennate: it has a scale and a zero of its own, which are parameters
+(`film_scale_tib`, `film_zero_tib` …) and the same in all trials of a mounting. Trackers drift by a
 millimetre or two within seconds; what is left is correlated from frame to frame and is whitened as
 the noise of the torque is.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,16 +19,11 @@ from surae.model.activation import IntArray
 from surae.signals import Film, ModelInputs
 from surae.units import FloatArray
 
-#: Standard deviations of a fascicle's scale and zero [m], by how well the group's length is its
-#: own: the tibialis has one belly, the triceps is three muscles.
-_SCALE, _ZERO = {0: 0.06, 1: 0.03}, {0: 6e-3, 1: 4e-3}
 #: A tracker's drift [m], its correlation time and the distance of its hats [s].
 _DRIFT, _DRIFT_S, _STEP_S, _MOST = 1e-3, 5.0, 2.5, 40
 #: Noise from which a search begins, and the least [m]; largest order of its model; frames a second
 #: that are used, and the fewest of a film.
 _BEGIN, _LEAST, _ORDER, _RATE, _FEWEST = 1.5e-3, 1e-4, 8, 40.0, 20
-#: Latent values before those of the drift: the scale, then the zero.
-OWN = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +36,7 @@ class FilmView:
     before: IntArray  #: The sample before each frame, shape (k,).
     part: FloatArray  #: How far each frame is from there to the next sample, shape (k,).
     drift: FloatArray  #: Hats over time, shape (h, k).
-    inverse: FloatArray  #: Inverse covariance of scale, zero and drift, shape (2 + h, 2 + h).
+    inverse: FloatArray  #: Inverse covariance of the drift, shape (h, h).
     noise: NoiseModel
 
     @classmethod
@@ -57,35 +53,24 @@ class FilmView:
         before = np.clip(at.astype(np.int64), 0, recording.n - 2)
         first, last = float(film.time[0]), float(film.time[-1])  # the same at every rate
         knots = np.linspace(first, last, min(max(2, round((last - first) / _STEP_S) + 1), _MOST))
-        group = int(film.channel.endswith("_tib"))
-        inverse = np.zeros((OWN + len(knots), OWN + len(knots)))
-        inverse[0, 0], inverse[1, 1] = _SCALE[group] ** -2, _ZERO[group] ** -2
         apart = np.abs(knots[:, None] - knots) / _DRIFT_S
         drift = _DRIFT**2 * (np.exp(-apart) + 1e-6 * np.eye(len(knots)))
-        inverse[OWN:, OWN:] = np.linalg.inv(drift)
         return cls(
-            film.channel, group, length, before, at - before,
-            np.stack([np.interp(time, knots, row) for row in np.eye(len(knots))]), inverse,
+            film.channel, group_of_film(film.channel), length, before, at - before,
+            np.stack([np.interp(time, knots, row) for row in np.eye(len(knots))]),
+            np.asarray(np.linalg.inv(drift), dtype=float),
             NoiseModel(np.zeros(0), _BEGIN**2, np.array([_BEGIN**2]), float(len(frames))),
         )  # fmt: skip
 
     @property
-    def size(self) -> int:
-        """Number of latent values."""
-        return len(self.inverse)
+    def names(self) -> tuple[str, str]:
+        """Its scale and zero among the parameters."""
+        return names_of_film(self.channel)
 
     def at_frames(self, rows: FloatArray) -> FloatArray:
         """What is known at the samples, (…, n), at the frames, (…, k)."""
         here = rows[..., self.before]
         return np.asarray(here + self.part * (rows[..., self.before + 1] - here))
-
-    def residual(self, length: FloatArray, c: FloatArray) -> FloatArray:
-        """Modelled minus measured length [m], of the muscle's at the frames."""
-        return np.asarray((1.0 + c[0]) * length + c[1] + c[OWN:] @ self.drift - self.length)
-
-    def rows(self, length: FloatArray) -> FloatArray:
-        """Derivatives by the latent values, shape (2 + h, k)."""
-        return np.concatenate([length[None], np.ones((1, len(length))), self.drift])
 
     def short(self, columns: FloatArray, first: IntArray) -> tuple[FloatArray, IntArray]:
         """Columns that begin at samples `first`, (j, size), at the frames from their first on.
@@ -113,6 +98,23 @@ def views(recording: ModelInputs) -> tuple[FilmView, ...]:
     return tuple(view for view in each if view is not None)
 
 
+def names_of_film(channel: str) -> tuple[str, str]:
+    """Names of the parameters that are a film's scale and zero."""
+    muscle = channel.rpartition("_")[2]
+    return f"film_scale_{muscle}", f"film_zero_{muscle}"
+
+
+def group_of_film(channel: str) -> int:
+    """The muscle group that a film is of: 0 is the triceps, 1 the tibialis."""
+    return int(channel.endswith("_tib"))
+
+
+def seen_by(channel: str, values: Mapping[str, float], length: FloatArray) -> FloatArray:
+    """What a film shows of its muscle's length [m], without the tracker's drift."""
+    scale, zero = (values.get(name, 0.0) for name in names_of_film(channel))
+    return np.asarray((1.0 + scale) * length + zero)
+
+
 def noise_of_film(residual: FloatArray, taken: FloatArray) -> NoiseModel:
     """The noise behind a film's residual [m]; `taken` is as of `noise_behind`."""
     model = noise_behind(residual, taken, min(_ORDER, len(residual) // 10))
@@ -121,6 +123,6 @@ def noise_of_film(residual: FloatArray, taken: FloatArray) -> NoiseModel:
 
 def slices_of(films: Sequence[FilmView], start: int) -> tuple[slice, ...]:
     """Where the latent values of each film are, from `start` on."""
-    ends = start + np.cumsum([film.size for film in films], dtype=int)
+    ends = start + np.cumsum([len(film.drift) for film in films], dtype=int)
     each = zip(films, ends.tolist(), strict=True)
-    return tuple(slice(end - film.size, end) for film, end in each)
+    return tuple(slice(end - len(film.drift), end) for film, end in each)

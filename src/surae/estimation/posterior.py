@@ -29,14 +29,13 @@ from surae.estimation.banded import (
     solve_band_transposed,
 )
 from surae.estimation.evidence import Quadratic, root
-from surae.estimation.film import OWN, noise_of_film
+from surae.estimation.film import noise_of_film, seen_by
 from surae.estimation.interrupt import checkpoint
 from surae.estimation.latent import SOURCES, TAIL_S, Latents
 from surae.estimation.least_squares import box_quadratic
 from surae.estimation.noise import NoiseModel, level_above, noise_behind, whitened
 from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import simulators, stiffness_valleys
-from surae.estimation.result import Seen
 from surae.model.activation import IntArray
 from surae.model.laboratory import Belief
 from surae.model.parameters import CROSSTALK, OPTIONAL_PARAMETERS
@@ -343,21 +342,25 @@ class LogPosterior:
         with np.errstate(over="ignore", invalid="ignore"):
             lengths, jacobians = simulator.length_jacobian(values, self._columns)
         response = simulator.drive_response(values)
+        by_name = dict(zip(self.problem.spec.names, values.tolist(), strict=True))
         q, each = len(self.names), []
         for film, at in zip(latents.films, latents.own_of_films(), strict=True):
-            grown = 1.0 + c[at][0]
+            grown = 1.0 + by_name.get(film.names[0], 0.0)
             rows = np.zeros((len(z) + latents.size + 1, recording.n))
             rows[:q] = jacobians[film.group] * self.scale(z)[:, None]
             self._gain_rows(response, recording, latents, rows[len(z) : -1], film.group)
             rows = grown * film.at_frames(rows)
             length = film.at_frames(lengths[film.group])
-            rows[len(z) + at.start : len(z) + at.stop] = film.rows(length)
-            rows[-1] = film.residual(length, c[at])
+            for name, by in zip(film.names, (length, 1.0), strict=True):
+                if name in self.names:
+                    rows[self.names.index(name)] = by
+            rows[len(z) + at.start : len(z) + at.stop] = film.drift
+            rows[-1] = seen_by(film.channel, by_name, length) + c[at] @ film.drift - film.length
             rows = whitened(rows, film.noise)
             quick = None
             if self.fast is not None:
-                columns, first = self._fast_lengths(response, values, number, film.group)
-                quick = film.short(grown * columns, first)
+                short, first = self._fast_lengths(response, values, number, film.group)
+                quick = film.short(grown * short, first)
             each.append((rows[: len(z)], rows[len(z) : -1], rows[-1], quick))
         return each
 
@@ -585,29 +588,20 @@ class LogPosterior:
         for number, (c, w, b) in enumerate(zip(point.c, point.w, blocks, strict=True)):
             latents, films = self.latents[number], []
             lower = np.linalg.cholesky(cho_solve(b.factor, np.eye(len(c))))
-            rows, lengths = self.film_rows(point.z, c, w, number), self.lengths(point, number)
+            rows = self.film_rows(point.z, c, w, number)
+            simulator, _, _, values = self._set(point.z, c, w, number)
+            lengths = simulator.tendon(values).muscle_length
             for film, at, (Jz, Jc, _, _) in zip(
                 latents.films, latents.own_of_films(), rows, strict=True
             ):
                 taken = np.concatenate([root.T @ (Jz - b.solved.T @ Jc), lower.T @ Jc])
-                e = film.residual(film.at_frames(lengths[film.group]), c[at])
+                seen = seen_by(
+                    film.channel, self.by_name(point.z), film.at_frames(lengths[film.group])
+                )
+                e = seen + c[at] @ film.drift - film.length
                 films.append(replace(film, noise=noise_of_film(e, taken)))
             learnt.append(replace(latents, films=tuple(films)))
         return tuple(learnt)
-
-    def films_seen(self, point: Point) -> dict[str, Seen]:
-        """Scale and zero of the films, by channel; of several recordings the mean."""
-        found: dict[str, list[FloatArray]] = {}
-        for latents, c in zip(self.latents, point.c, strict=True):
-            for film, at in zip(latents.films, latents.own_of_films(), strict=True):
-                found.setdefault(film.channel, []).append(c[at][:OWN])
-        means = {channel: np.mean(own, axis=0).tolist() for channel, own in found.items()}
-        return {channel: Seen(*mean) for channel, mean in means.items()}
-
-    def lengths(self, point: Point, number: int) -> FloatArray:
-        """Lengths of a recording's muscle groups [m], shape (2, n)."""
-        simulator, _, _, values = self._set(point.z, point.c[number], point.w[number], number)
-        return np.asarray(simulator.tendon(values).muscle_length)
 
     def learnt_noise(self, point: Point, *, white: bool = False) -> tuple[NoiseModel, ...]:
         """The noise of each recording, of its residual and what estimates have taken of it.

@@ -73,14 +73,6 @@ class OfRecording:
     sem: Mapping[str, float]  #: Their standard errors: noise, and what each trial has anew.
 
 
-@dataclass(frozen=True, slots=True)
-class Seen:
-    """How a filmed fascicle sees the length l of its muscle group: (1 + scale)·l + zero."""
-
-    scale: float = 0.0
-    zero: float = 0.0  #: [m]
-
-
 @filed(beliefs="priors")
 @dataclass(frozen=True, slots=True, eq=False)
 class Family(Comparable):
@@ -101,8 +93,6 @@ class Family(Comparable):
     population: Mapping[str, float] = field(default_factory=FrozenDict)
     #: Of each recording, in the order of the problem's; empty for a single one.
     recordings: tuple[OfRecording, ...] = ()
-    #: How each film sees its muscle, by channel: the mean of the recordings.
-    films: Mapping[str, Seen] = field(default_factory=FrozenDict)
 
 
 @filed("problem", "values", "residuals")

@@ -21,7 +21,7 @@ from surae.units import FloatArray
 #: muscles without an electrode move that: all were set on virtual legs (decision 16).
 _DYNAMICS, _ORDER, _ERRING, _UNHEARD = ("f0", "beta"), 0.02, 0.05, 0.10
 #: What the latents are called among the sources.
-_CALLED = {"gain": "emg_gain", "drift": "torque_drift", "misfit": "left_out", "film": "film"}
+_CALLED = {"gain": "emg_gain", "drift": "torque_drift", "misfit": "left_out", "film": "film_drift"}
 #: Weight below which a set of departures is not looked at.
 UNSUPPORTED = 0.005
 

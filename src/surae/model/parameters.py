@@ -171,6 +171,14 @@ OPTIONAL_PARAMETERS: tuple[Parameter, ...] = (
     _measurement("fv_curve", "-", "logarithm of the force–velocity curve's bend", -1.0, 1.0),
     _measurement("fv_stretch", "-", "logarithm of the force gained in stretch", -1.0, 1.0),
     _measurement("emg_power", "-", "power of force over EMG, less one", -0.7, 1.0),
+    *(
+        _measurement(f"film_{name}_{at}", unit, f"{meaning}, {muscle}", -limit, limit)
+        for at, muscle in (("tib", _GROUPS["tib"]), *list(_ELECTRODES.items())[1:])
+        for name, unit, meaning, limit in (
+            ("scale", "-", "filmed fascicle's changes of length over the muscle's, less one", 0.3),
+            ("zero", "m", "filmed fascicle's length beyond the muscle's", 0.03),
+        )
+    ),
 )
 #: The same by the name under which all parameters of a group are freed.
 OPTIONAL: dict[str, tuple[str, ...]] = {
@@ -194,6 +202,10 @@ OPTIONAL: dict[str, tuple[str, ...]] = {
         "fv_speed", "fv_curve", "fv_stretch",
     ),
     "emg_power": ("emg_power",),
+    **{
+        f"film_{at}": (f"film_scale_{at}", f"film_zero_{at}")
+        for at in ("tib", *list(_ELECTRODES)[1:])
+    },
 }  # fmt: skip
 
 #: Parameters that are off at 0: what they stand for is then not there.

@@ -10,7 +10,7 @@ from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.frozen import Comparable, read_only
 from surae.model import ModelOptions, ModelSpec, get_model, with_optional
-from surae.model.laboratory import AUTO, COMPLIANT, NONE, Belief, laboratory, richest
+from surae.model.laboratory import AUTO, COMPLIANT, NONE, Belief, group_of, laboratory, richest
 from surae.signals import ModelInputs, emg_levels
 from surae.studies.leg import EMG_FULL, EMG_REST
 from surae.studies.populations import POPULATIONS, TENDONS, check_population, virtual_subject
@@ -150,7 +150,7 @@ def _asked(
     base = get_model(richest(model))
     if nuisances is None:
         nuisances = "all" if model == AUTO else NONE
-    known = {name for name in laboratory() if name not in base.free}
+    known = {name for name in laboratory() if name not in base.free and group_of(name) != "film"}
     beliefs = {n: b for n, b in laboratory(nuisances).items() if n in known}
     spec = with_optional(base, beliefs)
     beliefs = {n: b for n, b in beliefs.items() if n in spec.names}

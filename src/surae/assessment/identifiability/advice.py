@@ -78,6 +78,10 @@ OPTIONAL_ADVICE: dict[str, str] = {
     **dict.fromkeys((*OPTIONAL["arm"], *OPTIONAL["length_zero"]), "give the leg's own geometry"),
     **dict.fromkeys(OPTIONAL["curves"], "efforts at more angles and velocities"),
     "emg_power": "weak and strong efforts of the same muscle",
+    **dict.fromkeys(
+        (name for group, names in OPTIONAL.items() if group.startswith("film_") for name in names),
+        "film several places of the muscle",
+    ),
 }
 
 
