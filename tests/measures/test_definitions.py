@@ -6,6 +6,9 @@ from scipy import optimize, signal
 
 from surae.errors import InputError
 from surae.measures import DEFINITIONS, measures_of_values
+from surae.measures.leg import Leg, NotDefinedError
+from surae.measures.passive import tendon_secant_tib
+from surae.model import ModelOptions, get_model
 from surae.studies import virtual_subject
 
 STEP = 1e-3  # degrees
@@ -218,3 +221,29 @@ def test_every_measure_says_what_it_is() -> None:
 def test_an_angle_that_no_ankle_has_is_refused(angle) -> None:
     with pytest.raises(InputError, match="angle"):
         measures_of_values(random_leg(1), "muscle-tendon", angles=[angle])
+
+
+def test_a_tendons_secant_is_that_of_its_curve_over_the_recordings_force(clean) -> None:
+    p, options = random_leg(1), ModelOptions()
+    spec = get_model("muscle-tendon-toe")
+    vector = spec.vector({n: v for n, v in p.items() if n in spec.names}, options)
+    leg = Leg(spec, options, dict(zip(spec.names, vector.tolist(), strict=True)), (clean,))
+    pull = spec.simulator(clean, options).tendon(vector).tendon_force
+    for group, most in zip(("tri", "tib"), np.percentile(pull, 99.0, axis=1), strict=True):
+        low, high = (
+            optimize.brentq(lambda e, f=part * most: tendon(p, group, e) - f, 0, 0.1)  # noqa: B023
+            for part in (0.2, 0.8)
+        )
+        told = next(d for d in DEFINITIONS if d.name == f"tendon_secant_{group}").compute(leg, 0.0)
+        assert told == pytest.approx(1e-3 * 0.6 * most / (high - low), rel=1e-3)
+
+
+def test_a_filmed_fascicle_has_an_optimal_length_of_its_own_and_an_unfilmed_one_none() -> None:
+    optimal = next(d for d in DEFINITIONS if d.name == "optimal_fascicle_tib").compute
+    spec, own = get_model("muscle"), {"l0_tib": 0.07}
+    filmed = own | {"film_scale_tib": 0.02, "film_zero_tib": -3e-3}
+    assert optimal(Leg(spec, ModelOptions(), filmed), 0.0) == pytest.approx(68.4)
+    with pytest.raises(NotDefinedError, match="not filmed"):
+        optimal(Leg(spec, ModelOptions(), own), 0.0)
+    with pytest.raises(NotDefinedError, match="rigid"):
+        tendon_secant_tib(Leg(spec, ModelOptions(), own), 0.0)

@@ -24,7 +24,7 @@ from surae.units import FloatArray
 
 #: Triceps surae and tibialis anterior, in the order of everything that has two groups.
 GROUPS = ("tri", "tib")
-#: Percentile of the active state that counts as the largest activity of a recording.
+#: Percentile of active state and force that counts as the largest of a recording.
 _LARGEST = 99.0
 #: The slow stretch: from, beyond the end of, and by [deg]; its speed [deg/s].
 _STRETCH, _STRETCHING = (-30.0, 40.1, 0.2), 5.0
@@ -210,6 +210,15 @@ class Leg:
         states = [tie.active_states(self._vector) for tie in self._simulators]
         alpha = np.concatenate(states, axis=1)
         return dict(zip(GROUPS, np.percentile(alpha, _LARGEST, axis=1).tolist(), strict=True))
+
+    @cached_property
+    def largest_force(self) -> Mapping[str, float]:
+        """Largest force on each tendon in the recordings [N]: its 99th percentile."""
+        if not self.inputs:
+            raise NotDefinedError("no recording says how hard the tendons were pulled")
+        states = [tie.tendon(self._vector) for tie in self._simulators]
+        force = np.concatenate([s.tendon_force for s in states if s is not None], axis=1)
+        return dict(zip(GROUPS, np.percentile(force, _LARGEST, axis=1).tolist(), strict=True))
 
     @cached_property
     def parts(self) -> tuple[TorqueParts, ...]:

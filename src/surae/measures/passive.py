@@ -163,6 +163,35 @@ def tendon_stiffness_tib(leg: Leg, at: float) -> float:
     return _tendon_stiffness(leg, "tib", at)
 
 
+def tendon_secant_tri(leg: Leg, _: float) -> float:
+    """Stiffness of the Achilles tendon between 20 % and 80 % of the session's largest force.
+
+    (F₈₀ − F₂₀)/(e₈₀ − e₂₀), e from equation (18), of the 99th percentile of the tendon's force. A
+    tendon is softer at low force, so that stiffness goes with the range it is taken over (Seynnes
+    et al. 2015, J. Appl. Physiol. 118).
+    """
+    return _tendon_secant(leg, "tri")
+
+
+def tendon_secant_tib(leg: Leg, _: float) -> float:
+    """Stiffness of the tibialis tendon between 20 % and 80 % of the session's largest force.
+
+    As of tendon_secant_tri.
+    """
+    return _tendon_secant(leg, "tib")
+
+
+def optimal_fascicle_tib(leg: Leg, _: float) -> float:
+    """Length that the filmed fascicle of the tibialis shows when the muscle has its optimal length.
+
+    (1 + film_scale_tib)·l0_tib + film_zero_tib. It rests on the film, not on the assumed path.
+    """
+    if "film_scale_tib" not in leg.values:
+        raise NotDefinedError("the tibialis was not filmed")
+    scale, zero = (leg.values[f"film_{of}_tib"] for of in ("scale", "zero"))
+    return 1e3 * ((1.0 + scale) * leg.optimal_length("tib") + zero)
+
+
 def tendon_strain_tri(leg: Leg, at: float) -> float:
     """Strain of the Achilles tendon at a force.
 
@@ -196,6 +225,15 @@ def _slack(leg: Leg, group: str) -> float:
     if name not in leg.values:
         raise NotDefinedError("the tibialis of this model has no tissue")
     return leg.values[name]
+
+
+def _tendon_secant(leg: Leg, group: str) -> float:
+    curve = leg.tendon(group)
+    low, high = (part * leg.largest_force[group] for part in (0.2, 0.8))
+    stretched = elongation(curve, high) - elongation(curve, low)
+    if not stretched > 0.0:
+        raise NotDefinedError("nothing pulls this tendon in the recordings")
+    return 1e-3 * (high - low) / stretched
 
 
 def _tendon_stiffness(leg: Leg, group: str, force: float) -> float:

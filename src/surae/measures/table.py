@@ -47,6 +47,7 @@ def _paragraphs(function: Compute) -> list[str]:
 
 
 _EFFORT = "it goes with the effort of each session"
+_FILM = "another session films another fascicle"
 _MOVEMENT = "it goes with the movement and effort of each session"
 #: Why a measure in units of EMG says nothing of two sessions.
 ELECTRODES = (
@@ -93,6 +94,9 @@ DEFINITIONS: tuple[Definition, ...] = (
     _D("neural_work_share", "%", active.neural_work_share, of_recordings=True, alone=_MOVEMENT),
     _D("tendon_stiffness_tri", "N/mm", passive.tendon_stiffness_tri, "N", (500.0,)),
     _D("tendon_stiffness_tib", "N/mm", passive.tendon_stiffness_tib, "N", (100.0,)),
+    _D("tendon_secant_tri", "N/mm", passive.tendon_secant_tri, of_recordings=True, alone=_EFFORT),
+    _D("tendon_secant_tib", "N/mm", passive.tendon_secant_tib, of_recordings=True, alone=_EFFORT),
+    _D("optimal_fascicle_tib", "mm", passive.optimal_fascicle_tib, of_recordings=True, alone=_FILM),
     _D("tendon_strain_tri", "%", passive.tendon_strain_tri, "N", (500.0,)),
     _D("tendon_strain_tib", "%", passive.tendon_strain_tib, "N", (100.0,)),
 )  # fmt: skip
