@@ -240,7 +240,9 @@ def test_a_tendons_secant_is_that_of_its_curve_over_the_recordings_force(clean) 
 
 def test_a_filmed_fascicle_has_an_optimal_length_of_its_own_and_an_unfilmed_one_none() -> None:
     optimal = next(d for d in DEFINITIONS if d.name == "optimal_fascicle_tib").compute
-    spec, own = get_model("muscle"), {"l0_tib": 0.07}
+    spec = get_model("muscle")
+    own = {name: value for name, value in random_leg(1).items() if name in spec.names}
+    own["l0_tib"] = 0.07
     filmed = own | {"film_scale_tib": 0.02, "film_zero_tib": -3e-3}
     assert optimal(Leg(spec, ModelOptions(), filmed), 0.0) == pytest.approx(68.4)
     with pytest.raises(NotDefinedError, match="not filmed"):
