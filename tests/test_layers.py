@@ -54,6 +54,7 @@ LAYERS = (
     ("trials",),
     ("assessment",),
     ("measures",),
+    ("exchange",),
     ("studies",),
     ("planning",),
     ("report",),

@@ -12,6 +12,7 @@ from surae.api import design as design
 from surae.api import design_session as design_session
 from surae.api import example as example
 from surae.api import expect as expect
+from surae.api import export as export
 from surae.api import fit as fit
 from surae.api import leave_one_out as leave_one_out
 from surae.api import load as load

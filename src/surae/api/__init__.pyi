@@ -16,6 +16,7 @@ from surae.api.designing import measure_next as measure_next
 from surae.api.expecting import expect as expect
 from surae.api.expecting import protocol_trajectory as protocol_trajectory
 from surae.api.expecting import ready_trajectory as ready_trajectory
+from surae.api.exporting import export as export
 from surae.api.fitted import Fit as Fit
 from surae.api.fitting import fit as fit
 from surae.api.fitting import fit_inputs as fit_inputs

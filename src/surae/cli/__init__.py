@@ -31,6 +31,7 @@ COMMANDS = {
     "fit": ("surae.cli.fit", "Estimate a model's parameters from recordings."),
     "session": ("surae.cli.session", "Fit the trials of one leg, each and all together."),
     "measures": ("surae.cli.measures", "Tell stiffness, torque and more in Nm and degrees."),
+    "export": ("surae.cli.export", "Write the leg as a model of OpenSim or MuJoCo."),
     "change": ("surae.cli.change", "Tell what has changed in a leg between two sessions."),
     "cohort": ("surae.cli.cohort", "Tell what many legs have in common, and how groups differ."),
     "profile": ("surae.cli.profile", "Find intervals that follow the model's own curves."),

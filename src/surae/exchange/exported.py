@@ -1,0 +1,153 @@
+"""A fit as a model file of another simulator, with how far it may be believed."""
+
+import math
+from dataclasses import dataclass, replace
+
+from surae.assessment import Assessment
+from surae.errors import InputError
+from surae.estimation import FitResult
+from surae.exchange.joint import GAINS, Joint, joint_of
+from surae.exchange.mjcf import mjcf
+from surae.exchange.osim import osim
+from surae.exchange.text import NAMES
+from surae.files import PathLike, write_atomic
+from surae.measures.leg import Leg, measured_range
+
+#: Format by name: how it is called, how its files end, and whether tissue is springs there.
+FORMATS = {"osim": ("OpenSim", ".osim", False), "mjcf": ("MuJoCo", ".xml", True)}
+_WRITERS = {"osim": osim, "mjcf": mjcf}
+
+
+@dataclass(frozen=True, slots=True)
+class ExportedModel:
+    """A model file for another simulator.
+
+    Attributes
+    ----------
+    to : {"osim", "mjcf"}
+        Format of the file.
+    text : str
+        The file.
+    rms : float
+        Root mean square of the difference between its torque and ours [Nm], held still over the
+        range that was moved, at rest and at four activities of each muscle group.
+    largest : float
+        The largest of our torques there [Nm].
+    moving : float or None
+        The same difference over the recordings, where tissue relaxes and muscles move; None where
+        tendons of OpenSim give way.
+    missing : tuple of str
+        Parameters of the fit that the file leaves out.
+    missing_rms : float
+        Root mean square of the torque that these make over the recordings [Nm].
+    """
+
+    to: str
+    text: str
+    rms: float
+    largest: float
+    moving: float | None
+    missing: tuple[str, ...]
+    missing_rms: float
+
+    @property
+    def said(self) -> str:
+        """How near the torque is, as a sentence or two."""
+        name, part = FORMATS[self.to][0], 100.0 * self.rms / self.largest
+        text = (
+            f"Held still, the torque in {name} differs from ours by {self.rms:.3g} Nm rms "
+            f"({part:.2g} % of the largest)"
+        )
+        if self.moving is None:
+            text += ". Movement was not compared."
+        else:
+            text += f"; over the recordings, moving, by {self.moving:.3g} Nm rms."
+        if self.missing:
+            text += (
+                f" The file leaves out {', '.join(self.missing)}: over the recordings these make "
+                f"{self.missing_rms:.3g} Nm rms more."
+            )
+        return text
+
+    def save(self, path: PathLike) -> None:
+        """Write the file.
+
+        Parameters
+        ----------
+        path : path
+            Where to; by custom an ``.osim`` or an ``.xml``.
+
+        Raises
+        ------
+        InputError
+            It cannot be written.
+        """
+        write_atomic(path, self.text)
+
+
+def exported(result: FitResult, assessment: Assessment, to: str) -> ExportedModel:
+    """The leg of a fit as a model file.
+
+    Raises
+    ------
+    InputError
+        The format is not known, or the model has no muscles to give away.
+    """
+    if to not in FORMATS:
+        raise InputError(f"to is {to!r}; use one of: {', '.join(FORMATS)}")
+    problem = result.problem
+    leg = Leg(problem.spec, problem.options, result.values, problem.inputs)
+    if leg.is_of_2010:
+        raise InputError(
+            "the model of 2010 has a triceps without active force-length curve; fit `muscle` or "
+            "`muscle-tendon`, and export that"
+        )
+    joint = joint_of(leg, measured_range(result), springs=FORMATS[to][2])
+    near = ExportedModel(
+        to, "", joint.rms, joint.largest, joint.moving, joint.missing, joint.missing_rms
+    )
+    text = _WRITERS[to](joint, [near.said, *_comments(joint, leg, to), *_values(assessment)])
+    return replace(near, text=text)
+
+
+def _comments(joint: Joint, leg: Leg, to: str) -> list[str]:
+    """What a reader has to know, a sentence or two each."""
+    low, high = (math.degrees(end) for end in joint.moved)
+    told = [
+        f"An ankle that surae fitted ({leg.spec.name}). It is true from {low:.3g}° to {high:.3g}°, "
+        "where the leg was moved; dorsiflexion is positive.",
+        "The ground is the shank, upright. The foot is a point mass with the foot plate in it: "
+        "take the plate's mass off for a leg without one.",
+        "Muscles run straight from shank to foot, with the moment arms of the fit. Lengths are "
+        "along these lines, so that an optimal length is not the fit's where the fit's muscle does "
+        "not lengthen by its arm.",
+        "Tissue is relaxed, without the relaxation of equation (10): before it relaxes it pulls "
+        f"{1.0 / leg.relaxed:.3g} times as much.",
+        "Activation is a filter of first order with the mean delay of ours, which is of second "
+        "order."
+        + (
+            f" EMG comes {1e3 * leg.values['emd']:.0f} ms earlier: delay it."
+            if leg.values.get("emd")
+            else ""
+        ),
+    ]
+    for muscle in joint.muscles:
+        unit = "V" if not leg.has_normalised_emg else "1"
+        channels = {"g1": "ta", "g2": "gl", "g3": "sol", "g4": "gm"}
+        sums = " + ".join(
+            f"{leg.values[gain] / muscle.scale:.6g}·emg_{channels[gain]}"
+            for gain in GAINS[muscle.group]
+        )
+        told.append(f"Excitation of {NAMES[muscle.group]}: {sums}, EMG's envelope in {unit}.")
+    if leg.is_compliant and not FORMATS[to][2]:
+        told.append("Its tendons find no balance at an activation of 0: keep it at 0.01 or above.")
+    return told
+
+
+def _values(assessment: Assessment) -> list[str]:
+    """The fit's parameters with their intervals, a line each."""
+    lines = []
+    for p in assessment.parameters.values():
+        between = "" if p.ci95 is None else f", 95 % {p.ci95[0]:.6g} to {p.ci95[1]:.6g}"
+        lines.append(f"{p.name} = {p.value:.6g} {p.unit}{between}, {p.verdict}: {p.meaning}")
+    return lines

@@ -1,0 +1,304 @@
+"""What muscles are in other simulators, fitted to those of a leg.
+
+There a muscle runs along its path: its moment arm is the derivative of the length, which of the
+printed geometry it is not. Lengths are therefore those along the path, longer than ours by the
+ratio of arm to slope.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from surae.model.contraction import FECC, MVSH
+from surae.units import FloatArray
+
+#: Length of a path at 0 rad, or of its straight part [m]: long enough for muscle and tendon.
+_LENGTH = 0.5
+#: Degree of the polynomial of an arm by the angle.
+_DEGREE = 5
+#: What is left on the cylinder where the path is shortest [rad]; from there to the insertion [m].
+_WRAPPED, _END = 0.3, 0.01
+#: Curves of De Groote et al. (2016) as OpenSim has them: three bells of force over length, force
+#: over velocity and its slope at rest, scale of the tendon's, smoothing between rise and fall.
+_FL = (
+    (0.8150671134243542, 1.055033428970575, 0.162384573599574, 0.063303448465465),
+    (0.433004984392647, 0.716775413397760, -0.029947116970696, 0.200356847296188),
+    (0.1, 1.0, 0.5 * 0.5**0.5, 0.0),
+)
+_FV = (-0.3211346127989808, -8.149, -0.374, 0.8825327733249912)
+_FV_SLOPE = _FV[0] * _FV[1] / (1.0 + _FV[2] ** 2) ** 0.5
+_TENDON, _SMOOTHING = 0.2, 0.1
+#: Halvings in which force balance is found; 40 leave 1e-12 of the largest force.
+_HALVINGS = 40
+#: Ends of what is fitted of a muscle: optimum [optimal lengths from where it is assumed], widths.
+_SHIFT, _WIDE = 3.0, 4.0
+
+
+@dataclass(frozen=True, slots=True)
+class PolynomialPath:
+    """A path whose length is a polynomial of the angle, as ``FunctionBasedPath`` of OpenSim."""
+
+    coefficients: tuple[float, ...]  #: Of the length [m, m/rad, …], the constant first.
+
+    @classmethod
+    def through(cls, angle: FloatArray, arm: FloatArray) -> "PolynomialPath":
+        """The path whose arm is nearest to these [m], signed as torque is."""
+        fit = np.polynomial.Polynomial.fit(angle, arm, _DEGREE).convert()
+        return cls(tuple(fit.integ(k=_LENGTH).coef.tolist()))
+
+    def length(self, angle: FloatArray) -> FloatArray:
+        """Length at angles of the ankle [m]."""
+        length: FloatArray = np.polynomial.Polynomial(self.coefficients)(angle)
+        return length
+
+    def arm(self, angle: FloatArray) -> FloatArray:
+        """Its derivative by the angle, the signed moment arm [m]."""
+        arm: FloatArray = np.polynomial.Polynomial(self.coefficients).deriv()(angle)
+        return arm
+
+
+@dataclass(frozen=True, slots=True)
+class WrappedPath:
+    """A straight line from the shank, round a cylinder of the foot, to the foot.
+
+    A cylinder about the axis has a constant arm; beside the axis it has one that changes with the
+    angle, nearly straight.
+    """
+
+    sign: float  #: 1 behind the ankle, where dorsiflexion lengthens it; −1 before it.
+    radius: float  #: Of the cylinder [m].
+    #: `forward`, `up`: its middle at 0 rad, from the ankle's axis [m].
+    forward: float
+    up: float
+    last: float  #: Where it leaves the cylinder, turned from behind (or before) down [rad].
+
+    @classmethod
+    def through(cls, angle: FloatArray, arm: FloatArray) -> "WrappedPath":
+        """The path whose arm is nearest to these [m], signed as torque is."""
+        sign, mean = (1.0 if float(np.mean(arm)) > 0 else -1.0), float(np.mean(np.abs(arm)))
+        last = float(np.max(-sign * angle)) + _WRAPPED
+
+        def of(at: FloatArray) -> WrappedPath:
+            radius, forward, up = at.tolist()
+            return cls(sign, radius, forward, up, last)
+
+        def missing(at: FloatArray) -> FloatArray:
+            return (of(at).arm(angle) - arm) / mean
+
+        bounds = ([0.2 * mean, -mean, -mean], [3.0 * mean, mean, mean])
+        fit = least_squares(missing, (mean, 0.0, 0.0), bounds=bounds, x_scale=mean)
+        return of(fit.x)
+
+    def length(self, angle: FloatArray) -> FloatArray:
+        """Length at angles of the ankle [m]."""
+        away, toward = self._seen(angle)
+        turned = self.last + self.sign * angle + toward - np.arccos(self.radius / away)
+        length: FloatArray = np.sqrt(away**2 - self.radius**2) + self.radius * turned + _END
+        return length
+
+    def arm(self, angle: FloatArray) -> FloatArray:
+        """Its derivative by the angle, the line's signed distance from the axis [m]."""
+        away, _ = self._seen(angle)
+        across, along = self._middle(angle)
+        free = np.sqrt(away**2 - self.radius**2)
+        # the line from the origin is that to the middle, turned by asin(R/away)
+        below = _LENGTH - along
+        arm: FloatArray = _LENGTH * (self.radius * below + free * across) / away**2
+        return self.sign * arm
+
+    def _middle(self, angle: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Middle of the cylinder: towards the path's side, and up [m]."""
+        cos, sin = np.cos(angle), np.sin(angle)
+        forward, up = self.forward * cos - self.up * sin, self.forward * sin + self.up * cos
+        return -self.sign * forward, up
+
+    def _seen(self, angle: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Distance of the origin from the middle, and its direction there, from the side [rad]."""
+        across, up = self._middle(angle)
+        return np.hypot(across, _LENGTH - up), np.arctan2(_LENGTH - up, -across)
+
+    @property
+    def origin(self) -> float:
+        """Where it begins, straight above the ankle's axis [m]."""
+        return _LENGTH
+
+    @property
+    def side(self) -> tuple[float, float]:
+        """A point on the path's side of the cylinder at 0 rad, forward and up [m]."""
+        return self.forward - self.sign * 1.5 * self.radius, self.up
+
+    @property
+    def insertion(self) -> tuple[float, float]:
+        """Where it ends at 0 rad, forward and up of the axis [m]."""
+        # from the side, turned down, and on along the tangent
+        cos, sin, radius = np.cos(self.last), np.sin(self.last), self.radius
+        outward, down = radius * cos - _END * sin, radius * sin + _END * cos
+        return float(self.forward - self.sign * outward), float(self.up - down)
+
+
+@dataclass(frozen=True, slots=True)
+class HeldMuscle:
+    """A muscle group of a leg that holds still, along its path."""
+
+    length: FloatArray  #: Of the path [m], shape (n,).
+    tissue: FloatArray  #: Force of relaxed tissue [N], shape (n,).
+    states: FloatArray  #: Active states α [N], shape (k,).
+    active: FloatArray  #: What each adds to the force [N], shape (k, n).
+    optimum: float  #: Length of the path at which the muscle is about as long as optimal [m].
+    optimal: float  #: Optimal length along the path [m].
+    peak: float  #: The largest active state that there is [N].
+    speed: float  #: Largest speed of shortening [optimal lengths/s].
+    lag: float  #: Time by which the active state is later than the excitation [s].
+    stretch: float  #: Of the tendon at `peak`, along the path [m]; 0 of a rigid one.
+
+
+class ForeignMuscle(Protocol):
+    """A muscle of another simulator, without its passive tissue."""
+
+    @property
+    def peak(self) -> float:
+        """Force at activation 1 and optimal length [N]."""
+
+    def force(self, length: FloatArray, speed: FloatArray, activation: FloatArray) -> FloatArray:
+        """Force [N] where its path is so long [m] and lengthens so fast [m/s]."""
+
+    def activation(self, excitation: FloatArray, dt: float) -> FloatArray:
+        """Activation after an excitation of shape (n,), a sample each dt [s]; from its first."""
+
+
+@dataclass(frozen=True, slots=True)
+class DeGrooteMuscle:
+    """``DeGrooteFregly2016Muscle`` of OpenSim.
+
+    Its passive fibre stands on the optimal length and is left out.
+
+    F. De Groote, A. L. Kinney, A. V. Rao, B. J. Fregly (2016). Evaluation of direct collocation
+    optimal control problem formulations for solving the muscle redundancy problem. Annals of
+    Biomedical Engineering 44(10):2922-2936.
+    """
+
+    peak: float  #: As of `ForeignMuscle`.
+    optimal: float  #: Optimal fibre length [m].
+    slack: float  #: Slack length of the tendon [m].
+    strain: float  #: Of the tendon at `peak`; 0 where it is rigid.
+    speed: float  #: Largest speed of shortening [optimal lengths/s].
+    lag: float  #: Time constant of activation and deactivation [s].
+
+    @classmethod
+    def fitted(cls, held: HeldMuscle) -> "DeGrooteMuscle":
+        """The muscle whose active force, held still, is nearest."""
+        # both curves of speed fall alike at rest
+        speed = held.speed * _FV_SLOPE / (1.0 + 1.0 / MVSH)
+        still, share = np.zeros_like(held.length), held.states / held.peak
+
+        def of(at: FloatArray) -> DeGrooteMuscle:
+            # its curve has no width of its own: that is the optimal length's
+            optimal, peak = float(at[2] * held.optimal), float(at[1] * held.peak)
+            slack = float(held.optimum + at[0] * held.optimal) - optimal
+            strain = float(at[3] * held.stretch / slack)
+            return cls(peak, optimal, slack, strain, float(speed / at[2]), held.lag)
+
+        def missing(at: FloatArray) -> FloatArray:
+            own = of(at)
+            forces = [own.force(held.length, still, s + still) for s in share]
+            return np.concatenate(forces - held.active) / held.peak
+
+        # muscle and tendon fill the path
+        bounds = ([-1.0, 0.5, 0.1, 0.1], [_SHIFT, 2.0, 2.0, 10.0])
+        return of(least_squares(missing, (0.0, 1.0, 1.0, 1.0), bounds=bounds).x)
+
+    def force(self, length: FloatArray, speed: FloatArray, activation: FloatArray) -> FloatArray:
+        """As of `ForeignMuscle`; tendon and muscle are in balance, at the speed of the path."""
+        bent = _FV[1] * speed / (self.speed * self.optimal) + _FV[2]
+        moving = activation * (_FV[0] * np.arcsinh(bent) + _FV[3])
+        low, high = np.zeros_like(length), np.full_like(length, FECC)
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            fibre = (length - self.slack * (1.0 + self._stretched(middle))) / self.optimal
+            more = moving * self._held(fibre) > middle
+            low, high = np.where(more, middle, low), np.where(more, high, middle)
+        return self.peak * 0.5 * (low + high)
+
+    def activation(self, excitation: FloatArray, dt: float) -> FloatArray:
+        """As of `ForeignMuscle`; the rate depends a little on what is active already."""
+        out = np.empty_like(excitation)
+        state = float(excitation[0])
+        for i, wanted in enumerate(np.clip(excitation, 0.0, 1.0).tolist()):
+            bent, rises = 0.5 + 1.5 * state, 0.5 * np.tanh(_SMOOTHING * (wanted - state))
+            rate = (0.5 + rises) / bent + (0.5 - rises) * bent
+            state -= (wanted - state) * np.expm1(-dt * rate / self.lag)
+            out[i] = state
+        return out
+
+    def _held(self, fibre: FloatArray) -> FloatArray:
+        """Force-length curve."""
+        bells = (
+            b1 * np.exp(-0.5 * ((fibre - b2) / (b3 + b4 * fibre)) ** 2) for b1, b2, b3, b4 in _FL
+        )
+        held: FloatArray = sum(bells, start=np.zeros_like(fibre))
+        return held
+
+    def _stretched(self, force: FloatArray) -> FloatArray:
+        """Strain of the tendon at a part of the largest force."""
+        strain: FloatArray = self.strain * np.log1p(force / _TENDON) / np.log1p(1.0 / _TENDON)
+        return strain
+
+
+@dataclass(frozen=True, slots=True)
+class MujocoMuscle:
+    """``muscle`` of MuJoCo, on a tendon that is rigid there; its activation filter is linear.
+
+    Its passive force stands on the same optimal length and is left out.
+    """
+
+    peak: float  #: As of `ForeignMuscle`.
+    optimal: float  #: L0 [m].
+    slack: float  #: LT [m].
+    lmin: float  #: Shortest and longest length with an active force [L0].
+    lmax: float
+    speed: float  #: Largest speed of shortening [L0/s].
+    lag: float  #: Time constant of the activation [s].
+
+    @classmethod
+    def fitted(cls, held: HeldMuscle) -> "MujocoMuscle":
+        """The muscle whose active force, held still, is nearest."""
+        # both curves of speed fall alike at rest: ours by 1 + 1/mvsh, that of MuJoCo by 2
+        speed = held.speed * 2.0 / (1.0 + 1.0 / MVSH)
+        still, share = np.zeros_like(held.length), held.states / held.peak
+
+        def of(at: FloatArray) -> MujocoMuscle:
+            slack = float(held.optimum + (at[0] - 1.0) * held.optimal)
+            low, high, peak = float(1.0 - at[2]), float(1.0 + at[3]), float(at[1] * held.peak)
+            return cls(peak, held.optimal, slack, low, high, speed, held.lag)
+
+        def missing(at: FloatArray) -> FloatArray:
+            own = of(at)
+            forces = [own.force(held.length, still, s + still) for s in share]
+            return np.concatenate(forces - held.active) / held.peak
+
+        start = 0.5 * held.stretch / held.optimal, 1.0, 0.6, 0.6
+        bounds = ([-_SHIFT, 0.5, 0.1, 0.1], [_SHIFT, 2.0, _WIDE, _WIDE])
+        return of(least_squares(missing, start, bounds=bounds).x)
+
+    def force(self, length: FloatArray, speed: FloatArray, activation: FloatArray) -> FloatArray:
+        """As of `ForeignMuscle`."""
+        fibre, along = (length - self.slack) / self.optimal, speed / (self.optimal * self.speed)
+        # a bump of four parabolas between lmin, 1 and lmax
+        side = np.where(fibre < 1.0, 1.0 - self.lmin, self.lmax - 1.0)
+        away = np.abs(fibre - 1.0) / side
+        bump = np.where(away < 0.5, 1.0 - 2.0 * away**2, 2.0 * np.maximum(1.0 - away, 0.0) ** 2)
+        most = FECC - 1.0
+        shorter = (np.clip(along, -1.0, 0.0) + 1.0) ** 2
+        longer = FECC - (most - np.clip(along, 0.0, most)) ** 2 / most
+        return self.peak * activation * bump * np.where(along < 0.0, shorter, longer)
+
+    def activation(self, excitation: FloatArray, dt: float) -> FloatArray:
+        """As of `ForeignMuscle`."""
+        from scipy.signal import lfilter
+
+        kept = float(np.exp(-dt / self.lag))
+        wanted = np.clip(excitation, 0.0, 1.0)
+        out: FloatArray = lfilter([1.0 - kept], [1.0, -kept], wanted, zi=[kept * wanted[0]])[0]
+        return out

@@ -1,0 +1,96 @@
+"""A leg as a model of OpenSim and MuJoCo: its torque there is the one that the file speaks of."""
+
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from surae.exchange.joint import joint_of
+from surae.exchange.mjcf import mjcf
+from surae.exchange.osim import osim
+from surae.measures.leg import Leg
+from surae.model import ModelOptions, get_model
+from surae.studies import virtual_subject
+
+MOVED = (-30.0, 20.0)
+#: A tendon of OpenSim finds no balance at exactly 0.
+ACTIVE = ((0.01, 0.01), (0.4, 0.01), (0.01, 0.4), (0.2, 0.2))
+ANGLES = np.radians(np.linspace(*MOVED, 7))
+
+
+def leg_of(seed: int, model: str = "muscle") -> Leg:
+    drawn = virtual_subject(seed, "patient" if seed % 2 else "healthy", tendons=True)
+    known = {**drawn.parameters, **drawn.tendons}
+    spec = get_model(model)
+    starts = {p.name: p.start for p in spec.parameters}
+    return Leg(spec, ModelOptions(theta_foot=0.2), {n: known.get(n, starts[n]) for n in spec.names})
+
+
+def torque(joint) -> np.ndarray:
+    """What the joint's closed form says that a manipulator measures, held still."""
+    still = np.zeros_like(ANGLES)
+    weight = joint.mass * 9.81 * 0.15 * np.cos(ANGLES - joint.theta_foot)
+    return np.array(
+        [
+            sum(
+                m.torque(ANGLES, still, still + a) for m, a in zip(joint.muscles, both, strict=True)
+            )
+            + weight
+            for both in ACTIVE
+        ]
+    )
+
+
+@pytest.mark.parametrize("springs", [False, True])
+def test_muscles_keep_the_torque(springs):
+    joint = joint_of(leg_of(1), MOVED, springs=springs)
+    assert 0.0 < joint.rms < 0.015 * joint.largest
+    write = mjcf if springs else osim
+    ElementTree.fromstring(write(joint, ["two -- hyphens"]).encode())
+
+
+@pytest.mark.parametrize("springs", [False, True])
+def test_an_arm_is_the_derivative_of_its_length(springs):
+    for muscle in joint_of(leg_of(2), MOVED, springs=springs).muscles:
+        step = 1e-6
+        slope = muscle.path.length(ANGLES + step) - muscle.path.length(ANGLES - step)
+        np.testing.assert_allclose(slope / (2.0 * step), muscle.path.arm(ANGLES), rtol=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("seed", "model"), [(1, "muscle"), (2, "muscle"), (3, "muscle-tendon")])
+def test_mujoco_has_this_torque(seed, model):
+    mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra `simulators`)")
+    joint = joint_of(leg_of(seed, model), MOVED, springs=True)
+    simulated = mujoco.MjModel.from_xml_string(mjcf(joint, []))
+    state, found = mujoco.MjData(simulated), []
+    for both in ACTIVE:
+        for angle in ANGLES:
+            state.qpos[0], state.qvel[0], state.act[:], state.ctrl[:] = angle, 0.0, both, both
+            mujoco.mj_forward(simulated, state)
+            state.qacc[0] = 0.0
+            mujoco.mj_inverse(simulated, state)
+            found.append(state.qfrc_inverse[0] - state.qfrc_actuator[0])
+    np.testing.assert_allclose(np.reshape(found, (len(ACTIVE), -1)), torque(joint), atol=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("seed", "model"), [(1, "muscle"), (2, "muscle"), (3, "muscle-tendon")])
+def test_opensim_has_this_torque(seed, model, tmp_path):
+    opensim = pytest.importorskip("opensim", reason="OpenSim is not installed (extra `simulators`)")
+    opensim.Logger.setLevelString("off")
+    joint, path = joint_of(leg_of(seed, model), MOVED, springs=False), tmp_path / "leg.osim"
+    path.write_text(osim(joint, []), encoding="utf-8")
+    simulated = opensim.Model(str(path))
+    state = simulated.initSystem()
+    ankle, found = simulated.getCoordinateSet().get(0), []
+    inertia = joint.mass * 0.15**2 + 1e-6
+    for both in ACTIVE:
+        for angle in ANGLES:
+            ankle.setValue(state, angle)
+            for muscle, active in enumerate(both):
+                simulated.getMuscles().get(muscle).setActivation(state, active)
+            simulated.equilibrateMuscles(state)
+            simulated.realizeAcceleration(state)
+            found.append(-ankle.getAccelerationValue(state) * inertia)
+    np.testing.assert_allclose(np.reshape(found, (len(ACTIVE), -1)), torque(joint), atol=0.01)
