@@ -9,7 +9,7 @@ from surae.exchange.joint import joint_of
 from surae.exchange.mjcf import mjcf
 from surae.exchange.osim import osim
 from surae.measures.leg import Leg
-from surae.model import ModelOptions, get_model
+from surae.model import ModelOptions, get_model, with_optional
 from surae.studies import virtual_subject
 
 MOVED = (-30.0, 20.0)
@@ -55,6 +55,20 @@ def test_an_arm_is_the_derivative_of_its_length(springs):
         step = 1e-6
         slope = muscle.path.length(ANGLES + step) - muscle.path.length(ANGLES - step)
         np.testing.assert_allclose(slope / (2.0 * step), muscle.path.arm(ANGLES), rtol=1e-6)
+
+
+def test_departures_of_the_leg_are_in_the_file_and_the_laboratorys_are_named():
+    plain = leg_of(3, "muscle-tendon")
+    own = {"arm_scale_tri": 0.2, "length_zero_tri": 0.004, "fl_long_tri": -0.8}
+    spec = with_optional(plain.spec, [*own, "plate_cos"])
+    leg = Leg(spec, plain.options, {**plain.values, **own, "plate_cos": 3.0})
+    joint, without = (joint_of(of, MOVED, springs=False) for of in (leg, plain))
+    grown = joint.muscles[0].path.arm(ANGLES) / without.muscles[0].path.arm(ANGLES)
+    np.testing.assert_allclose(grown, np.exp(0.2), rtol=1e-3)
+    assert joint.muscles[0].muscle != without.muscles[0].muscle
+    assert joint.missing == ("plate_cos",)
+    narrow = joint_of(leg.with_values({"fl_long_tri": 0.0}), MOVED, springs=False)
+    assert joint.largest != narrow.largest
 
 
 @pytest.mark.slow

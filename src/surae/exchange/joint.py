@@ -187,13 +187,13 @@ def _excitation(leg: Leg, group: str, recording: int) -> FloatArray:
 def _force(leg: Leg, group: str, degrees: float, alpha: float) -> float:
     """Force of a muscle group held still, with the force-length curve of its own [N]."""
     values = leg.values
-    widths = [values.get(f"fl_{side}_{group}", 0.0) for side in ("short", "long")]
-    if not any(widths):
+    short, long = (values.get(f"fl_{side}_{group}", 0.0) for side in ("short", "long"))
+    if not (short or long):
         return leg.hold(group, degrees, alpha).force
     x, l0 = leg.rigid_length(group, degrees), leg.optimal_length(group)
     own = values[f"k_{group}"], values[f"x0_{group}"], l0, leg.options.vmax_factor * l0
     start = x, x, _STILL, leg.relaxed, 0.0, alpha
-    solved, _, here = solve(0.0, (*own, *widths, MVSH, FECC - 1.0), leg.tendon(group), start)
+    solved, _, here = solve(0.0, (*own, short, long, MVSH, FECC - 1.0), leg.tendon(group), start)
     if not solved:
         raise ComputationError("muscle and tendon have no finite balance with these parameters")
     return float(here[2])
