@@ -29,6 +29,12 @@ def length(group: str, angle: float) -> float:
     return l_m - factor * arm(group, angle)
 
 
+def lift(p, group: str, x: float) -> float:
+    l0 = p[f"l0_{group}"]
+    side = "short" if x < l0 else "long"
+    return np.exp(-((x - l0) ** 2) / (0.1 * l0**2 * np.exp(2 * p.get(f"fl_{side}_{group}", 0))))
+
+
 def tendon(p, group: str, e: float) -> float:
     f_max, eps, toe, k = (8000.0 if group == "tri" else 1400.0), p[f"dlt_{group}"], None, 4.0
     toe = p[f"pt_{group}"]
@@ -50,8 +56,7 @@ def force(p, group: str, degrees: float, alpha: float = 0.0, relaxed: bool = Tru
     def muscle(x: float) -> float:
         elastic = np.exp(p[f"k_{group}"] * (x - p[f"x0_{group}"]))
         held = elastic / (1 + p["k_rel"]) if relaxed else elastic - kept
-        l0 = p[f"l0_{group}"]
-        return held + alpha * np.exp(-((x - l0) ** 2) / (0.1 * l0**2))
+        return held + alpha * lift(p, group, x)
 
     if "dlt_tri" not in p:
         return muscle(whole), whole
@@ -110,9 +115,8 @@ def expected(p) -> dict[str, float]:
         told[f"slack_angle_{group}"] = np.degrees(((l_m - p[f"x0_{group}"]) / factor - r0) / r1)
         told[f"optimal_angle_{group}"] = optimal_angle(p, group)
         weights = ("g2", "g3", "g4") if group == "tri" else ("g1",)
-        x, l0 = force(p, group, 0.0)[1], p[f"l0_{group}"]
-        lift = np.exp(-((x - l0) ** 2) / (0.1 * l0**2))
-        told[f"torque_per_emg_{group}"] = 1e-3 * arm(group, 0) * lift * sum(p[w] for w in weights)
+        per_volt = lift(p, group, force(p, group, 0.0)[1]) * sum(p[w] for w in weights)
+        told[f"torque_per_emg_{group}"] = 1e-3 * arm(group, 0) * per_volt
     relaxation = signal.TransferFunction([p["tau_rel"], 1], [p["tau_rel"], 1 + p["k_rel"]])
     t = np.linspace(0, 10, 20001)
     response = signal.step(relaxation, T=t)[1]
@@ -141,6 +145,8 @@ def expected(p) -> dict[str, float]:
 )
 def test_measures_are_what_small_steps_of_the_printed_equations_give(seed, compliant) -> None:
     p = random_leg(seed)
+    if compliant and seed == 1:  # curves of its own
+        p |= {"fl_short_tri": 0.5, "fl_long_tri": -0.6, "fl_short_tib": -0.4, "fl_long_tib": 0.3}
     if not compliant:
         p = {n: v for n, v in p.items() if not n.startswith(("dlt", "pt"))}
     told = measures_of_values(p, "muscle-tendon" if compliant else "muscle")
@@ -154,17 +160,21 @@ def test_measures_are_what_small_steps_of_the_printed_equations_give(seed, compl
 @pytest.mark.parametrize("compliant", [False, True])
 def test_damping_is_what_a_slow_movement_adds(compliant) -> None:
     """Torque in slow lengthening less that in slow shortening, the tendon's part included."""
-    p = random_leg(3)
-    if not compliant:
+    p, (fast, curve, more) = random_leg(3), (0.2, -0.3, 0.25) if compliant else (0.0, 0.0, 0.0)
+    if compliant:
+        p |= {"fl_short_tri": 0.3, "fv_speed": fast, "fv_curve": curve, "fv_stretch": more}
+    else:
         p = {n: v for n, v in p.items() if not n.startswith(("dlt", "pt"))}
     told = measures_of_values(p, "muscle-tendon" if compliant else "muscle")["damping@20Nm"]
     alpha = optimize.brentq(lambda a: active(p, "tri", 0.0, a) - 20.0, 0, 5e4)
-    vmax, speed = 8 * p["l0_tri"], 1e-3  # rad/s
+    vmax, speed = 8 * p["l0_tri"] * np.exp(fast), 1e-3  # rad/s
+    bend, gain = 0.25 * np.exp(curve), 0.5 * np.exp(more)
 
     def moving(sign: float) -> float:
         x_slow = [force(p, "tri", np.degrees(a), alpha=alpha)[1] for a in (-1e-4, 1e-4)]
         v = sign * speed * (x_slow[1] - x_slow[0]) / 2e-4
-        f_v = (v + vmax) / (vmax - v / 0.25) if v < 0 else 1 + 1.125 * 0.5 * v / (0.125 * vmax + v)
+        longer = 1 + (1 + 0.5 * bend) * gain * v / (0.5 * bend * vmax + v)
+        f_v = (v + vmax) / (vmax - v / bend) if v < 0 else longer
         return torque(p, "tri", 0.0, alpha=alpha * f_v)
 
     # the force that velocity adds stretches the tendon: its part of it is taken up at once

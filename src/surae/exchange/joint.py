@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surae.errors import ComputationError
 from surae.exchange.muscles import (
     DeGrooteMuscle,
     ForeignMuscle,
@@ -14,8 +13,6 @@ from surae.exchange.muscles import (
     WrappedPath,
 )
 from surae.measures.leg import GROUPS, Leg, elongation
-from surae.model.contraction import FECC, MVSH
-from surae.model.equilibrium import solve
 from surae.model.parameters import OPTIONAL_PARAMETERS
 from surae.units import FloatArray
 
@@ -28,8 +25,6 @@ _DEGREE = 3
 #: How optional parameters begin that are in the file: the leg's own paths and force-length curve,
 #: and in a comment the delay of its EMG.
 _KEPT = ("arm_", "path_", "length_", "fl_", "emd")
-#: 1/h of an implicit step so long that nothing moves [1/s].
-_STILL = 1e-9
 #: Weights of the EMG of each group, and its channels.
 GAINS = {"tri": ("g2", "g3", "g4"), "tib": ("g1",)}
 _CHANNELS = {"tri": slice(1, 4), "tib": slice(0, 1)}
@@ -164,8 +159,8 @@ def _held(leg: Leg, group: str, degrees: FloatArray, length: FloatArray) -> Held
     peaks = [float(np.max(_excitation(leg, group, i))) for i in range(len(leg.inputs))]
     peak = max([*peaks, largest]) if largest > 0.0 else _NO_PEAK
     states = (largest or peak) * np.array(_PARTS)
-    tissue = np.array([_force(leg, group, at, 0.0) for at in every])
-    active = np.array([[_force(leg, group, at, s) for at in every] for s in states.tolist()])
+    tissue = np.array([leg.hold(group, at).force for at in every])
+    active = np.array([[leg.hold(group, at, s).force for at in every] for s in states.tolist()])
     # our lengths along the path: straight enough over the range
     x = np.array([leg.rigid_length(group, at) for at in every])
     ratio, offset = np.polyfit(x, length, 1).tolist()
@@ -182,21 +177,6 @@ def _excitation(leg: Leg, group: str, recording: int) -> FloatArray:
     gains = np.array([leg.values[name] for name in GAINS[group]])
     excitation: FloatArray = leg.inputs[recording].emg[:, _CHANNELS[group]] @ gains
     return excitation
-
-
-def _force(leg: Leg, group: str, degrees: float, alpha: float) -> float:
-    """Force of a muscle group held still, with the force-length curve of its own [N]."""
-    values = leg.values
-    short, long = (values.get(f"fl_{side}_{group}", 0.0) for side in ("short", "long"))
-    if not (short or long):
-        return leg.hold(group, degrees, alpha).force
-    x, l0 = leg.rigid_length(group, degrees), leg.optimal_length(group)
-    own = values[f"k_{group}"], values[f"x0_{group}"], l0, leg.options.vmax_factor * l0
-    start = x, x, _STILL, leg.relaxed, 0.0, alpha
-    solved, _, here = solve(0.0, (*own, short, long, MVSH, FECC - 1.0), leg.tendon(group), start)
-    if not solved:
-        raise ComputationError("muscle and tendon have no finite balance with these parameters")
-    return float(here[2])
 
 
 def _moving(leg: Leg, muscles: tuple[JointMuscle, JointMuscle]) -> float | None:

@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from surae.measures.leg import Leg, NotDefinedError, elongation
-from surae.model.contraction import FECC, MVSH, MVSHL, force_length
+from surae.model.contraction import MVSHL
 
 #: Most that an active state is raised to for a stated torque [N].
 _STRONGEST = 1e5
@@ -76,11 +76,11 @@ def damping(leg: Leg, at: float) -> float:
     equation (17).
     """
     alpha = _alpha(leg, at)
-    hold, l0 = leg.hold("tri", 0.0, alpha), leg.optimal_length("tri")
-    a = MVSH * MVSHL
-    branches = (1.0 + 1.0 / MVSH, (1.0 + a) * (FECC - 1.0) / a)
-    slope = 0.5 * sum(branches) / (leg.options.vmax_factor * l0)
-    force = alpha * force_length(hold.length, l0) * slope * hold.given**2
+    hold, (_, _, bend, gain) = leg.hold("tri", 0.0, alpha), leg.curves("tri")
+    a = bend * MVSHL
+    branches = (1.0 + 1.0 / bend, (1.0 + a) * gain / a)
+    slope = 0.5 * sum(branches) / leg.greatest_speed("tri")
+    force = alpha * hold.lift * slope * hold.given**2
     return float(np.radians(hold.arm * force * hold.slope))
 
 
@@ -124,8 +124,7 @@ def reflex_gain(leg: Leg, at: float) -> float:
     if "reflex_tri" not in leg.values:
         raise NotDefinedError("this fit has no reflex")
     hold = leg.hold("tri", at)
-    lift = force_length(hold.length, leg.optimal_length("tri"))
-    return float(np.radians(hold.arm * lift * leg.values["reflex_tri"] * hold.slope))
+    return float(np.radians(hold.arm * hold.lift * leg.values["reflex_tri"] * hold.slope))
 
 
 def tissue_share(leg: Leg, _: float) -> float:
@@ -199,8 +198,7 @@ def _share(leg: Leg, name: str, *, work: bool = False) -> float:
 def _per_emg(leg: Leg, group: str, at: float, weights: tuple[str, ...]) -> float:
     hold = leg.hold(group, at)
     gain = sum(leg.values[name] for name in weights)
-    lift = force_length(hold.length, leg.optimal_length(group))
-    per_volt = abs(hold.arm) * lift * gain
+    per_volt = abs(hold.arm) * hold.lift * gain
     return float(per_volt * (1e-3 if not leg.has_normalised_emg else 1.0))
 
 

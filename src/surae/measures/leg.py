@@ -14,8 +14,8 @@ import numpy as np
 
 from surae.errors import ComputationError
 from surae.estimation import FitResult
-from surae.model import ModelOptions, ModelSpec, Simulator, TorqueParts, get_model
-from surae.model.contraction import CF, CURVES
+from surae.model import ModelOptions, ModelSpec, Simulator, TorqueParts, get_model, with_optional
+from surae.model.contraction import CF, FECC, MVSH
 from surae.model.equilibrium import solve
 from surae.model.geometry import paths
 from surae.model.tendon import SLACK_TIB, SLACK_TRI, TendonCurve, tendon_curve, tendon_force
@@ -31,6 +31,8 @@ _STRETCH, _STRETCHING = (-30.0, 40.1, 0.2), 5.0
 #: 1/h of an implicit step so long that nothing moves [1/s].
 _STILL = 1e-9
 _DEGREE = np.pi / 180.0
+#: How parameters begin that are the paths and curves of a leg.
+_OF_LEG = ("arm_", "path_", "length_", "fl_", "fv_")
 #: Angles beyond which no length is looked for [deg].
 _TURN = 150.0
 
@@ -53,6 +55,7 @@ class MuscleHold(NamedTuple):
     arm: float
     slope: float
     arm_slope: float  #: Moment arm by the angle [m/rad].
+    lift: float  #: Force-length factor (16) [-].
 
     @property
     def torque(self) -> float:
@@ -152,9 +155,22 @@ class Leg:
                 self.optimal_length(group),
                 self.relaxed,
                 v.get("F0", 0.0) if pulls else 0.0,
+                self.curves(group),
                 curve,
             )
         return self._muscles[group]
+
+    def curves(self, group: str) -> tuple[float, float, float, float]:
+        """What shapes (16) and (17), as of `surae.model.equilibrium`: widths, mvsh, fecc − 1."""
+        of = self.values.get
+        bend, gain = math.exp(of("fv_curve", 0.0)), math.exp(of("fv_stretch", 0.0))
+        widths = of(f"fl_short_{group}", 0.0), of(f"fl_long_{group}", 0.0)
+        return *widths, MVSH * bend, (FECC - 1.0) * gain
+
+    def greatest_speed(self, group: str) -> float:
+        """Greatest speed of shortening, vmax of (17) [m/s]."""
+        factor = self.options.vmax_factor * math.exp(self.values.get("fv_speed", 0.0))
+        return factor * self.optimal_length(group)
 
     def hold(self, group: str, degrees: float, alpha: float = 0.0) -> MuscleHold:
         """A muscle group at an angle with an active state α [N], tissue fully relaxed."""
@@ -164,27 +180,26 @@ class Leg:
         return self._holds[key]
 
     def _held(self, group: str, degrees: float, alpha: float) -> MuscleHold:
-        path, k, x0, l0, relaxed, shift, curve = muscle = self._muscle(group)
+        path, k, x0, l0, relaxed, shift, shape, curve = muscle = self._muscle(group)
         angle = degrees * _DEGREE
         x, slope = path.length(angle), path.lengthening(angle)
         arm, arm_slope = path.arm_at(angle)
         if curve is None:
-            elastic, (lift, lift_slope) = muscle.elastic(x), _force_length(x, l0)
+            elastic, (lift, lift_slope) = muscle.elastic(x), muscle.lift(x)
             own, force = alpha * lift_slope, relaxed * elastic + shift + alpha * lift
             slow, quick = relaxed * k * elastic + own, k * elastic + own
-            return MuscleHold(force, slow, quick, x, 1.0, arm, slope, arm_slope)
+            return MuscleHold(force, slow, quick, x, 1.0, arm, slope, arm_slope, lift)
         step = (x, x, _STILL, relaxed, 0.0, alpha)
-        solved, e, here = solve(
-            0.0, (k, x0, l0, self.options.vmax_factor * l0, *CURVES), curve, step
-        )
+        solved, e, here = solve(0.0, (k, x0, l0, self.greatest_speed(group), *shape), curve, step)
         if not solved:
             raise ComputationError("muscle and tendon have no finite balance with these parameters")
         force, stiff, elastic = here[2], here[3], muscle.elastic(x - e)
-        own = alpha * _force_length(x - e, l0)[1]
+        lift, lift_slope = muscle.lift(x - e)
+        own = alpha * lift_slope
         slow, quick = relaxed * k * elastic + own, k * elastic + own
         return MuscleHold(
             force, _series(stiff, slow), _series(stiff, quick), x - e, stiff / (stiff + slow), arm,
-            slope, arm_slope,
+            slope, arm_slope, lift,
         )  # fmt: skip
 
     def active_torque(self, group: str, degrees: float, alpha: float) -> float:
@@ -200,7 +215,7 @@ class Leg:
         if muscle.curve is not None:
             x = self.rigid_length(group, degrees) - elongation(muscle.curve, force)
             tissue = self.relaxed * muscle.elastic(x)
-        return (force - tissue) / _force_length(x, muscle.l0)[0]
+        return (force - tissue) / muscle.lift(x)[0]
 
     @cached_property
     def largest_activity(self) -> Mapping[str, float]:
@@ -239,7 +254,8 @@ class Leg:
 
     def passive_torque(self, degrees: Sequence[float], rate_hz: float) -> FloatArray:
         """Passive torque [Nm] of a leg without activity that is turned so, shape (n,)."""
-        names, simulator = _turned(self.spec.name, self.options, tuple(degrees), rate_hz)
+        own = tuple(name for name in self.spec.optional if name.startswith(_OF_LEG))
+        names, simulator = _turned(self.spec.name, own, self.options, tuple(degrees), rate_hz)
         at_rest = [0.0 if name == "m" else self.values[name] for name in names]  # no limb
         return simulator.torque(np.array(at_rest))
 
@@ -263,10 +279,14 @@ class Leg:
 
 @lru_cache(maxsize=8)
 def _turned(
-    model: str, options: ModelOptions, degrees: tuple[float, ...], rate_hz: float
+    model: str,
+    own: tuple[str, ...],
+    options: ModelOptions,
+    degrees: tuple[float, ...],
+    rate_hz: float,
 ) -> tuple[tuple[str, ...], Simulator]:
     """A model's parameters, and the model tied to a leg without activity that is turned so."""
-    spec, angle = get_model(model), np.array(degrees) * _DEGREE
+    spec, angle = with_optional(get_model(model), own), np.array(degrees) * _DEGREE
     n, velocity = len(angle), np.gradient(angle, 1.0 / rate_hz)
     inputs = ModelInputs(
         "turned", rate_hz, np.arange(n) / rate_hz, angle, velocity, np.zeros(n), np.zeros((n, 4)),
@@ -326,6 +346,7 @@ class _Muscle(NamedTuple):
     l0: float  #: Optimal length [m].
     relaxed: float  #: As of `Leg`.
     shift: float  #: F0 of the model of 2010 [N].
+    shape: tuple[float, float, float, float]  #: Of its curves, as of `Leg.curves`.
     curve: TendonCurve | None  #: Of its tendon; None where that is rigid.
 
     def elastic(self, x: float) -> float:
@@ -336,6 +357,13 @@ class _Muscle(NamedTuple):
             return math.exp(self.k * (x - self.x0))
         except OverflowError:
             return math.inf
+
+    def lift(self, x: float) -> tuple[float, float]:
+        """Force-length factor (16) and its slope [1/m]."""
+        u = (x - self.l0) / self.l0
+        width = CF * math.exp(2.0 * self.shape[u >= 0.0])
+        value = math.exp(-u * u / width)
+        return value, -2.0 * u / (width * self.l0) * value
 
 
 def slack_length(group: str) -> float:
@@ -349,13 +377,6 @@ def elongation(curve: TendonCurve, force: float) -> float:
     if force <= tendon_force(e_toe, curve)[0]:
         return float(np.log1p(force / scale) / bend)
     return (force - offset) / k_lin
-
-
-def _force_length(x: float, l0: float) -> tuple[float, float]:
-    """Force-length factor (16) and its slope [1/m]."""
-    u = (x - l0) / l0
-    value = math.exp(-u * u / CF)
-    return value, -2.0 * u / (CF * l0) * value
 
 
 def _series(a: float, b: float) -> float:
