@@ -56,6 +56,29 @@ def test_what_a_format_does_not_keep_is_said(files, run):
     refused(run("convert", "map.toml", "trial.csv"), "is read by this command")
 
 
+def test_a_film_is_kept_or_said_to_be_left_out(files, run):
+    (files / "film.csv").write_text(
+        "frame,FL\n" + "".join(f"{i},{60 + i % 7}\n" for i in range(60))
+    )
+    (files / "map.toml").write_text(
+        "".join(
+            f'[channels.{role}]\nfile = "trial.csv"\ncolumn = "{role}_{unit}"\nunit = "{unit}"\n'
+            for role, unit in (("angle", "rad"), ("torque", "Nm"), ("emg_ta", "V"))
+        )
+        + '[channels.fascicle_tib]\nfile = "film.csv"\ncolumn = "FL"\nunit = "mm"\n'
+        "start_s = 0.5\nrate_hz = 30.0\n",
+        encoding="utf-8",
+    )
+    for how in ((), ("--prepare",)):
+        kept = f"kept{len(how)}.h5"
+        assert "not kept" not in run("convert", "map.toml", kept, *how).out
+        film, again = read("map.toml").films["fascicle_tib"], read(kept).films["fascicle_tib"]
+        np.testing.assert_array_equal(film.values, again.values)
+        np.testing.assert_array_equal(film.time, again.time)
+        said = run("convert", "map.toml", f"left{len(how)}.csv", *how).out
+        assert "not kept in this format: fascicle_tib" in said
+
+
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [

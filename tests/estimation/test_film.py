@@ -128,6 +128,11 @@ def test_what_is_followed_is_reported_in_millimetres(filmed) -> None:
     for film in own:
         assert film.quality.n == len(recording.films[0].time)
         assert film.quality.rmse_mm == pytest.approx(0.2, rel=0.15)
+        assert film.quality.noise_mm == pytest.approx(0.2, rel=0.15)
+        assert film.quality.correlation > 0.99
+        np.testing.assert_allclose(film.filmed_stretch, film.stretch, atol=1e-3)
     other = followed(spec, options, values, recording)[1]
     assert other.quality.bias_mm == pytest.approx(3.0 + 0.02 * 1e3 * 0.06, abs=1.0)
-    assert followed(get_model("muscle"), options, values, recording) == ()
+    rigid = followed(get_model("muscle"), options, values, recording)[1]
+    assert not rigid.stretch.any()
+    assert rigid.quality.rmse_mm > 2.0

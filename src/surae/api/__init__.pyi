@@ -43,6 +43,7 @@ from surae.assessment import Adequacy as Adequacy
 from surae.assessment import PooledPrediction as PooledPrediction
 from surae.assessment import Prediction as Prediction
 from surae.assessment.assess import assess as assess
+from surae.assessment.fascicles import FascicleQuality as FascicleQuality
 from surae.assessment.likelihood.profile import check_profiled as check_profiled
 from surae.assessment.likelihood.profiles import Profiles as Profiles
 from surae.assessment.parameter import ParameterEstimate as ParameterEstimate

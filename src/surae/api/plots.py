@@ -81,6 +81,19 @@ class Plots:
         shade_excluded(axes, traces.time, traces.excluded)
         return axes
 
+    def film(self, recording: int = 0) -> "Sequence[Axes]":
+        """A filmed fascicle beside the model's, over time and against force."""
+        from surae.report.figures.film import HEIGHT, film_figure
+        from surae.report.figures.style import WIDTH
+
+        traces = self._traces(recording)
+        if not traces.films:
+            raise InputError(f"{traces.name} has no film: map a channel such as fascicle_tib")
+        from matplotlib import pyplot
+
+        figure = pyplot.figure(figsize=(WIDTH, HEIGHT), layout="constrained")
+        return list(film_figure(traces, traces.films[0], figure).axes)
+
     def parameters(self, *, ax: "Axes | None" = None) -> "Axes":
         """Every estimate with its 95 % interval, between its bounds (0 and 1 of the axis).
 

@@ -12,6 +12,7 @@ residual structure the part of the residual that angle, velocity and activation 
                    the leg and not to noise: the model leaves something out
 bounds             an estimate at its bound is where the search ended, not what the data say
 cross-prediction   several recordings of a leg should follow one set of parameters alike
+filmed fascicles   the model's muscle should shorten as the film shows, but for the tracker's drift
 ================== =================================================================================
 """
 
@@ -21,6 +22,7 @@ from enum import StrEnum
 
 import numpy as np
 
+from surae.assessment.fascicles import fascicles_of
 from surae.assessment.residual import centred_r2
 from surae.assessment.uncertainty.covariance import covariance
 from surae.estimation import FitResult
@@ -46,6 +48,8 @@ _ODD = 2.9
 _CONTRADICTS = 5.0
 #: Errors of a prediction, in those that the fit promises, from which on it does not keep its word.
 _BEYOND = 2.0
+#: Standard deviation [mm] from which on a filmed fascicle departs by more than trackers drift.
+_OFF_FILM = 2.5
 #: Below this cut-off [Hz] EMG is taken for what the muscle makes of it.
 _ACTIVATION_HZ = 2.0
 
@@ -95,6 +99,7 @@ def judge_adequacy(result: FitResult) -> Adequacy:
         _bounds(result),
         _laboratory(result),
         _agreement(inputs, residuals, r2),
+        _films(result),
     ):
         for serious, reason in reasons:
             (grave if serious else doubts).append(reason)
@@ -200,6 +205,21 @@ def _agreement(
             reasons.append(
                 (own < _NOT_FOLLOWED, f"{recording.name} is not followed (R² {own:.1f} %)")
             )
+    return reasons
+
+
+def _films(result: FitResult) -> list[_Reason]:
+    """Trackers drift by 1 to 2 mm: what departs by more is not how the muscle moves."""
+    reasons = []
+    for film in fascicles_of(result):
+        away = 1e3 * float(np.std(film.measured - film.modelled))
+        if away > _OFF_FILM:
+            why = "its tendon is rigid" if not film.stretch.any() else "or the film is wrong"
+            reasons.append((
+                False,
+                f"{film.channel} of {film.recording}: the film shows the muscle move "
+                f"otherwise than the model, by {away:.1f} mm (standard deviation): {why}",
+            ))  # fmt: skip
     return reasons
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.estimation import FitResult
-from surae.estimation.film import group_of_film, seen_by
+from surae.estimation.film import group_of_film, names_of_film, seen_by
 from surae.frozen import Comparable
 from surae.model import ModelOptions, ModelSpec
 from surae.signals import ModelInputs
@@ -21,24 +21,33 @@ class FascicleQuality:
     n: int  #: Number of frames.
     rmse_mm: float  #: Of measured minus modelled length.
     bias_mm: float
+    correlation: float | None = None  #: Of both lengths; None where one of them never changes.
+    noise_mm: float | None = None  #: Standard deviation of the tracker from frame to frame.
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fascicles(Comparable):
-    """One film and what the model says of it, over time."""
+    """One film and what the model says of it, over time; arrays of shape (k,)."""
 
     recording: str
     channel: str
-    time: FloatArray  #: Of the frames that fall into the recording [s], shape (k,).
-    measured: FloatArray  #: Fascicle length [m], shape (k,).
-    modelled: FloatArray  #: What the film should show [m], shape (k,).
+    time: FloatArray  #: Of the frames that fall into the recording [s].
+    measured: FloatArray  #: Fascicle length [m].
+    modelled: FloatArray  #: What the film should show [m].
+    stretch: FloatArray  #: How far the tendon is stretched in the model [m]; 0 where it is rigid.
+    filmed_stretch: FloatArray  #: The path's length in the model less what the film shows [m].
+    force: FloatArray  #: On the tendon in the model [N].
+    torque: FloatArray  #: Measured [Nm].
 
     @property
     def quality(self) -> FascicleQuality:
         """The figures."""
         error = 1e3 * (self.measured - self.modelled)
         rmse, bias = float(np.sqrt(np.mean(error**2))), float(error.mean())
-        return FascicleQuality(self.channel, len(error), rmse, bias)
+        changes = min(np.ptp(self.measured), np.ptp(self.modelled)) > 0.0
+        alike = float(np.corrcoef(self.measured, self.modelled)[0, 1]) if changes else None
+        noise = float(np.std(np.diff(error)) / np.sqrt(2.0)) if len(error) > 2 else None
+        return FascicleQuality(self.channel, len(error), rmse, bias, alike, noise)
 
 
 def fascicles_of(result: FitResult) -> tuple[Fascicles, ...]:
@@ -57,21 +66,39 @@ def followed(
     values: Mapping[str, float],
     recording: ModelInputs,
 ) -> tuple[Fascicles, ...]:
-    """A recording's films and what parameters say of them; none of a rigid tendon's model.
+    """A recording's films and what parameters say of them.
 
     A film that the fit did not have is taken for the group's own length.
     """
     if not recording.films:
         return ()
-    state = spec.simulator(recording, options).tendon(spec.vector(values, options))
-    if state is None:
-        return ()
+    lengths, stretches, forces = spec.simulator(recording, options).muscles(
+        spec.vector(values, options)
+    )
+    measured = np.full(recording.n, np.nan) if recording.torque is None else recording.torque
     each = []
     for film in recording.films:
         inside = (film.time >= recording.time[0]) & (film.time <= recording.time[-1])
         if not inside.any():
             continue
-        time, length = film.time[inside], state.muscle_length[group_of_film(film.channel)]
-        modelled = seen_by(film.channel, values, np.interp(time, recording.time, length))
-        each.append(Fascicles(recording.name, film.channel, time, film.length[inside], modelled))
+        group, time, seen = group_of_film(film.channel), film.time[inside], film.length[inside]
+        length, stretch, force, torque = (
+            np.interp(time, recording.time, row)
+            for row in (lengths[group], stretches[group], forces[group], measured)
+        )
+        modelled = seen_by(film.channel, values, length)
+        grown = 1.0 + values.get(names_of_film(film.channel)[0], 0.0)
+        each.append(
+            Fascicles(
+                recording.name,
+                film.channel,
+                time,
+                seen,
+                modelled,
+                stretch,
+                stretch + (modelled - seen) / grown,
+                force,
+                torque,
+            )
+        )
     return tuple(each)

@@ -1,5 +1,6 @@
 """`surae convert`."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -43,6 +44,10 @@ def command(recording: str, output: str, mapping: str | None, prepared: bool) ->
         if prepared:
             progress.describe(f"preparing {recording}")
             measured = _prepared(measured)
+        left_out = _films_of_another_clock(measured) if suffix in (".csv", ".sto") else []
+        if left_out:
+            kept = {role: c for role, c in measured.channels.items() if role not in left_out}
+            measured = replace(measured, channels=kept)
         progress.describe(f"writing {output}")
         if suffix in (".h5", ".hdf5"):
             api.write_hdf5(output, measured)
@@ -60,14 +65,19 @@ def command(recording: str, output: str, mapping: str | None, prepared: bool) ->
     again = "; fit it with --prepared, or it is filtered again" if prepared else ""
     show_line(f"converted: {shown(output)}{again}")
     lost = [name for name in ("fixed", "prepare", "side", "device") if getattr(measured, name)]
+    lost += left_out
     if lost and suffix not in (".h5", ".hdf5"):
         show_line(f"not kept in this format: {', '.join(lost)}; .h5 keeps all")
 
 
+def _films_of_another_clock(recording: "api.Recording") -> list[str]:
+    """Films that have not a frame at every sample of the first channel."""
+    time = next(iter(recording.channels.values())).time.tolist()
+    return [role for role, film in recording.films.items() if film.time.tolist() != time]
+
+
 def _prepared(recording: "api.Recording") -> "api.Recording":
     """The recording as a model reads it."""
-    from dataclasses import replace
-
     from surae.units import SI
 
     inputs = api.prepare(recording)
@@ -95,6 +105,7 @@ def _prepared(recording: "api.Recording") -> "api.Recording":
         for role, signal in values.items()
         if signal is not None
     }
+    channels |= recording.films  # on their own clock, as they came
     prepared = api.Recording(
         name=recording.name, channels=channels, emg="envelope", fixed=recording.fixed
     )

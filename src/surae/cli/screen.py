@@ -58,6 +58,7 @@ def show_fit(fit: "api.Fit") -> None:
             f"RMSE {api.significant(quality.rmse, 3)} Nm, "
             f"{quality.n} samples at {quality.rate_hz:g} Hz"
         )
+        show_films(quality.name, quality.fascicles)
     if len(fit.assessment.recordings) > 1:
         show_line(f"all together: VAF {api.percentage(fit.vaf)} %{_weighted(fit.vaf_weighted)}")
     for line in _requests(fit):
@@ -136,6 +137,21 @@ def show_predictions(
         if (judged := prediction.adequacy) is not None:
             why = "; ".join(judged.reasons) or "it errs no more than the fit promises"
             show_line(f"{name}: {judged.grade}: {why}")
+        show_films(name, [film.quality for film in prediction.fascicles])
+
+
+def show_films(name: str, films: "Sequence[api.FascicleQuality]") -> None:
+    """How well each film of a recording is followed."""
+    for film in films:
+        parts = [
+            f"RMS {api.significant(film.rmse_mm, 2)} mm",
+            f"bias {api.significant(film.bias_mm, 2)} mm",
+        ]
+        if film.correlation is not None:
+            parts.append(f"correlation {film.correlation:.3f}")
+        if film.noise_mm is not None:
+            parts.append(f"tracker noise {api.significant(film.noise_mm, 2)} mm")
+        show_line(f"{name}: {film.channel}: {', '.join(parts)}, {film.n} frames")
 
 
 def _figures(prediction: "api.Prediction | api.PooledPrediction") -> tuple[str, str, str]:

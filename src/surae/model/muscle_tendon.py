@@ -157,6 +157,11 @@ class MuscleTendonSimulator(TiedModel):
             unsolved=(first[0], first[1]),
         )
 
+    def muscles(self, values: FloatArray) -> FloatArray:
+        """Muscle length [m], tendon elongation [m] and force [N] of both groups, (3, 2, n)."""
+        state = self.tendon(values)
+        return np.stack([state.muscle_length, state.elongation, state.tendon_force])
+
     def _force(
         self, p: FloatArray, group: int, muscle: MusclePath, active: ActiveState
     ) -> FloatArray:

@@ -196,6 +196,10 @@ class Simulator(Protocol):
         """What muscles and tendons do over time; None from a model whose tendons are rigid."""
         ...
 
+    def muscles(self, values: FloatArray) -> FloatArray:
+        """Muscle length [m], tendon elongation [m] and force [N] of both groups, (3, 2, n)."""
+        ...
+
 
 def check_finite_torque(torque: FloatArray, inputs: ModelInputs) -> None:
     """Refuse a modelled torque that is not finite everywhere, naming its first such sample.

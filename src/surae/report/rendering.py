@@ -26,6 +26,7 @@ from surae.report.figures import (
     torque_figure,
 )
 from surae.report.figures.budget import budget_figure
+from surae.report.figures.film import film_figure
 from surae.report.session import session_report
 from surae.report.traces import Traces, traces_of
 from surae.report.typeset import check_report, is_pdf, require_typst, typeset
@@ -90,6 +91,8 @@ def drawings(
         yield f"residual-{number}", residual
         if trial.tendon is not None:
             yield f"tendon-{number}", tendon_figure(trial, trial.tendon)
+        for place, film in enumerate(trial.films):
+            yield f"film-{number}-{place}", film_figure(trial, film)
     for number, prediction in enumerate(predictions):
         yield f"prediction-{number}", prediction_figure(prediction)
     if budget.rows:

@@ -28,11 +28,14 @@ from surae.report.document import (
 )
 from surae.report.figures import Figure
 from surae.report.figures.budget import budget_figure
+from surae.report.figures.film import film_figure
 from surae.report.figures.session import trials_figure
 from surae.report.figures.style import WIDTH
 from surae.report.figures.torques import fit_figure
 from surae.report.leg import AssessedFit, is_known, leg_answers
 from surae.report.parameters import parameters_section, shown_parameters
+from surae.report.recordings import film_block
+from surae.report.traces import traces_of
 from surae.trials import Crossed, Trial, common_errors
 
 _USES = {
@@ -133,6 +136,11 @@ def session_report(
             shown[0], [f"R² {percentage(each.r2)} %" for each in shown[1].recordings]
         )
         details += [_torques_section(), _measures_section(shown)]
+        for number, trial in enumerate(traces_of(shown[0])):
+            for place, film in enumerate(trial.films):
+                drawn = f"film-{number}-{place}"
+                figures[drawn] = film_figure(trial, film)
+                details.append(film_block(drawn, film))
         budget = budget_section(*shown)
         if budget.rows:
             figures["budget"] = budget_figure(budget)

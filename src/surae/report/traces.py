@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
+from surae.assessment.fascicles import Fascicles, followed
 from surae.estimation import FitResult
 from surae.frozen import read_only
 from surae.model import TendonState
@@ -34,6 +35,7 @@ class Traces:
     #: Optimal lengths of triceps surae and tibialis anterior [m]; NaN where the model has none.
     optimal: tuple[float, float]
     weight: FloatArray | None  #: What each sample counts in the fit.
+    films: tuple[Fascicles, ...] = ()  #: Filmed fascicles, beside the model's.
 
     @property
     def counted(self) -> npt.NDArray[np.bool_]:
@@ -74,6 +76,7 @@ def traces_of(result: FitResult) -> tuple[Traces, ...]:
             tendon=simulator.tendon(vector),
             optimal=(result.values.get("l0_tri", np.nan), result.values.get("l0_tib", np.nan)),
             weight=recording.weight,
+            films=followed(problem.spec, problem.options, result.values, recording),
         )
         for (recording, simulator), residual in zip(tied, result.residuals, strict=True)
         if recording.torque is not None
