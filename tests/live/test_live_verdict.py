@@ -7,16 +7,19 @@ from dataclasses import replace
 from pathlib import Path
 from threading import Event
 
+import numpy as np
 import pytest
-from streaming import Quick, waited
+from streaming import Quick, described, waited
 
+import surae
 from surae.errors import InputError
 from surae.processes import End
 from surae.protocol import Protocol, generate
 from surae.quality import Finding, Quality
 from surae.recording import write_hdf5
+from surae.recording.xdf_writing import XdfLog
 from surae.studies import virtual_recording, virtual_subject
-from surae_workbench.live.judge import verdict
+from surae_workbench.live.judge import judge, verdict
 from surae_workbench.live.room import Room, _files
 from surae_workbench.live.stream import Stream
 from surae_workbench.live.trials import Trials, mapping_of
@@ -325,3 +328,31 @@ def test_a_range_is_the_subjects_and_the_device_must_reach_it(lsl, tmp_path, mon
         Room(tmp_path / "out", device=str(tmp_path / "short.toml"), span=(-0.5, 0.1))
     with pytest.raises(InputError, match="not known"):
         Room(tmp_path / "out", device="nobody's")
+
+
+def test_a_trackers_stream_is_recorded_as_a_film_on_its_own_clock(tmp_path) -> None:
+    motion = generate(Protocol(profile="multiple-holds", duration=12.0, rate_hz=1024.0))
+    robot = virtual_recording(virtual_subject(1), motion).channels
+    still = replace(robot["angle"], values=0.0 * robot["angle"].values)
+    robot = {**robot, "angle": still}  # so that nothing is fitted
+    frames = 1.0 + np.arange(300) / 30.0
+    lengths = 60.0 + np.sin(frames)
+    lengths[50:60] = np.nan  # the tracker lost it
+    log = XdfLog(tmp_path / "trial.xdf")
+    told = []
+    for number, (name, labels, at, values) in enumerate((
+        ("robot", {r: c.unit for r, c in robot.items()}, robot["angle"].time,
+         np.column_stack([c.values for c in robot.values()])),
+        ("tracker", {"fascicle_tib": "mm"}, frames, lengths[:, None]),
+    ), 1):  # fmt: skip
+        log.stream(number, described(name, labels, 1.0 / float(at[1] - at[0])))
+        log.clock(number, float(at[0]), 0.0)
+        log.samples(number, at, values)
+        told.append(stream(list(labels), list(labels.values()), name=name))
+    log.close()
+    (tmp_path / "map.toml").write_text(mapping_of(told), encoding="utf-8")
+    judge(str(log.path), str(tmp_path / "trial.h5"), mapping=str(tmp_path / "map.toml"), begin=0.5)
+    film = surae.read(tmp_path / "trial.h5").films["fascicle_tib"]
+    found = np.isfinite(lengths)
+    np.testing.assert_allclose(film.values, 1e-3 * lengths[found])
+    np.testing.assert_allclose(np.diff(film.time), np.diff(frames[found]), atol=1e-3)
