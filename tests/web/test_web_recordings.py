@@ -139,6 +139,27 @@ def test_a_zero_becomes_the_offset_that_it_means(serve, trial, tmp_path, zero) -
     assert any("its zero is that of" in note for note in told["notes"])
 
 
+@pytest.mark.parametrize("clock", ["", "start_s = 0.5\nrate_hz = 30.0\n"])
+def test_a_film_comes_with_its_trial(browser, trial, tmp_path, clock) -> None:
+    film, frames = tmp_path / "film.csv", np.arange(90)
+    stamps = {"frame": frames} if clock else {"time_s": 0.5 + frames / 30.0}
+    write_csv(film, {**stamps, "fascicle_tib_mm": 60.0 + np.sin(0.1 * frames)})
+    ids = [browser.upload(path) for path in (trial, film)]
+    if clock:
+        toml = 'emg = "envelope"\n[channels.fascicle_tib]\nfile = "film.csv"\nunit = "mm"\n'
+        toml += f'column = "fascicle_tib_mm"\n{clock}'
+        for role, unit in (("angle", "rad"), ("torque", "Nm")):
+            toml += f'[channels.{role}]\nfile = "{trial.name}"\ncolumn = "{role}_{unit}"\n'
+            toml += f'unit = "{unit}"\n'
+        ids = [browser.post("/api/uploads", params={"name": "map.toml"}, content=toml).json()["id"]]
+    told = browser.get(f"/api/uploads/{ids[0]}/inspect", params={"also": ids[-1]}).json()
+    assert "fascicle_tib" in told["mapping"]["channels"]
+    told["mapping"]["emg"] = "envelope"
+    made = browser.post("/api/imports", json={"mapping": told["mapping"]}).json()
+    (seen,) = (c for c in made["channels"] if c["role"] == "fascicle_tib")
+    assert (seen["n"], round(seen["rate_hz"], 6)) == (90, 30.0)
+
+
 def test_subjects(serve, trial) -> None:
     browser = serve().browser()
     made = browser.post("/api/subjects", json={"code": "S01", "group": "patient"}).json()

@@ -172,6 +172,10 @@ class ChannelEntry(Strict):
     sign: Literal[1, -1] = 1
     scale: Number = 1.0
     offset: Number = 0.0
+    #: `time`, `start_s`, `rate_hz`: the clock of a film in another file.
+    time: Annotated[str, StringConstraints(max_length=500, pattern=r"^[^\x00]+$")] | None = None
+    start_s: Number | None = None
+    rate_hz: Annotated[float, Field(gt=0, lt=1e6)] | None = None
 
 
 class MappingTable(Strict):
