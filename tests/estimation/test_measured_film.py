@@ -5,6 +5,8 @@ import pytest
 
 import surae
 from surae.assessment.fascicles import fascicles_of
+from surae.planning.filming import covariance_if_filmed
+from surae.report.budget import what_would_help
 
 TRIALS = {"PL_50_01": "dynamometer", "PL_0_01": "repeats"}
 MAPPED = {"angle": ("Angle", "deg"), "torque": ("Torque", "Nm"), "emg_ta": ("EMG_TA", "V")}
@@ -85,3 +87,21 @@ def test_without_its_film_a_fit_does_not_contradict_it(compliant, measured) -> N
             assert of_blind.ci95[0] <= known.ci95[1], name
             assert of_blind.ci95[1] >= known.ci95[0], name
     assert fascicles_of(blind.result) == ()
+
+
+@pytest.mark.slow
+def test_a_film_is_advised_where_there_is_none_and_keeps_its_word(compliant, measured) -> None:
+    assert not any("ilm the tibialis" in h for h in what_would_help(*_of(compliant)))
+    blind = surae.fit(measured("PL_0_01", film=False), quality=())
+    (advice,) = (h for h in what_would_help(*_of(blind)) if "ilm the tibialis" in h)
+    assert "instead of" in advice
+    told = covariance_if_filmed(blind.result, "tib")
+    at = blind.result.problem.free.index("dlt_tib")
+    promised = np.sqrt(told[at, at]) / blind.result.values["dlt_tib"]
+    low, high = compliant.parameters["dlt_tib"].ci95
+    kept = np.log(high / low) / 3.92
+    assert 0.5 < kept / promised < 2.0
+
+
+def _of(fit: surae.Fit):
+    return fit.result, fit.assessment

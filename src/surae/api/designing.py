@@ -3,12 +3,13 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from surae.api.expecting import asked_legs
+from surae.api.expecting import asked_legs, muscles_of
 from surae.api.fitted import Fit
 from surae.errors import InputError
 from surae.files import PathLike
 from surae.model.laboratory import AUTO
 from surae.planning.design import Design, make_design
+from surae.planning.filming import filmed
 from surae.planning.next import NextTrial, known_from, measure_next_of
 from surae.planning.ready import start_for
 from surae.planning.sitting import SessionPlan, plan_session, possible_trials
@@ -43,6 +44,7 @@ def design(
     seed: int = 0,
     evaluations: int | None = None,
     progress: SearchProgress | None = None,
+    film: str | Sequence[str] = (),
     **options: Any,
 ) -> Design:
     """Find the movement and effort that tell most, within the limits of a device and a subject.
@@ -84,6 +86,8 @@ def design(
         Plans that are judged; more is better and takes longer.
     progress : callable, optional
         Told (plans judged, of how many, best cost).
+    film : str or sequence of str
+        Muscles whose fascicles will be filmed, as of `expect`.
     **options
         Model options, see `surae.model.ModelOptions`.
 
@@ -110,6 +114,7 @@ def design(
     first = _SEARCH_SEEDS if who is None else 1
     legs, level = asked_legs(*who_and_noise, count, options, rate_hz, first=first)
     unseen, _ = asked_legs(*who_and_noise, _JUDGED, options, rate_hz)
+    legs, unseen = (filmed(each, muscles_of(film)) for each in (legs, unseen))
     start = start_for(duration, AUTO if chosen == AUTO else chosen, aim, effort == "levels")
     limits = as_device(device)
     return make_design(

@@ -1,6 +1,6 @@
 """What a protocol will tell, before anybody is measured."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from surae.api.fitted import Fit
@@ -9,6 +9,7 @@ from surae.files import PathLike
 from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
 from surae.planning.expectation import LEGS, NOISE, Expectation, expected
+from surae.planning.filming import filmed
 from surae.planning.legs import Legs, fit_legs, population_legs
 from surae.planning.ready import ready_protocols
 from surae.protocol import (
@@ -41,6 +42,7 @@ def expect(
     noise: float | None = None,
     nuisances: str | Mapping[str, tuple[float, float]] | None = None,
     legs: int = LEGS,
+    film: str | Sequence[str] = (),
     **options: Any,
 ) -> Expectation:
     """Standard errors, intervals and verdicts that a protocol will give, over many legs.
@@ -67,6 +69,8 @@ def expect(
         As of `surae.fit`.
     legs : int
         How many legs are drawn.
+    film : str or sequence of str
+        Muscles whose fascicles would be filmed: ``"tib"``, ``"gm"``, ``"gl"``, ``"sol"``.
     **options
         Model options, see `surae.model.ModelOptions`.
 
@@ -83,7 +87,12 @@ def expect(
     trajectory = as_trajectory(protocol)
     rate_hz = trajectory.settings.rate_hz
     who, level = asked_legs(model, population, fit, noise, nuisances, legs, options, rate_hz)
-    return expected(trajectory, who, level)
+    return expected(trajectory, filmed(who, muscles_of(film)), level)
+
+
+def muscles_of(film: str | Sequence[str]) -> tuple[str, ...]:
+    """Names of muscles, one or several, or with commas between."""
+    return tuple(filter(None, film.split(","))) if isinstance(film, str) else tuple(film)
 
 
 def as_trajectory(protocol: str | PathLike | Trajectory) -> Trajectory:

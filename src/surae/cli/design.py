@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from surae import api
-from surae.cli.options import SEED, Number, Picture, Whole, model_options, range_option
+from surae.cli.options import FILM, SEED, Number, Picture, Whole, model_options, range_option
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.protocol import device_of, device_options, file_kind
@@ -47,6 +47,7 @@ from surae.names import FITTED, NUISANCES, POPULATIONS
               help="Samples per second.")  # fmt: skip
 @click.option("--evaluations", type=Whole(1, 10_000_000), metavar="N",
               help="Plans that are judged: more is better and slower.")  # fmt: skip
+@FILM
 @SEED
 @model_options
 @click.option("--output", required=True, metavar="P.csv|P.mat|FOLDER",
@@ -99,7 +100,8 @@ def command(
     }
     if minutes is not None:
         single = {"--duration": duration, "--target": target, "--figure": figure,
-                  "--evaluations": settings.pop("evaluations")}  # fmt: skip
+                  "--evaluations": settings.pop("evaluations"),
+                  "--film": settings.pop("film") or None}  # fmt: skip
         refused = [option for option, value in single.items() if value is not None]
         if refused:
             raise InputError(f"{refused[0]} is of a single trial; leave it out, or --session")

@@ -5,7 +5,7 @@ from typing import Any
 import click
 
 from surae import api
-from surae.cli.options import Number, Whole, model_options
+from surae.cli.options import FILM, Number, Whole, model_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_answer, show_files
@@ -30,6 +30,7 @@ from surae.names import AUTO, FITTED, NUISANCES, POPULATIONS
               "[default: all for auto]")  # fmt: skip
 @click.option("--legs", type=Whole(1, 10_000), default=20, show_default=True, metavar="N",
               help="How many legs are drawn.")  # fmt: skip
+@FILM
 @model_options
 @click.option("--output", metavar="E.json", help="Write what is expected.")
 def command(

@@ -324,6 +324,8 @@ def engine_of(dask: str | None, workers: int | None, kind: str | None = None) ->
     return Engine("dask", address=dask)
 
 
+FILM = click.option("--film", default="", metavar="MUSCLE,…",
+                    help="Fascicles that are filmed: tib, gm, gl, sol.")  # fmt: skip
 SEED = click.option("--seed", type=Whole(0), default=0, metavar="N",
                     help="Of what is random.  [default: 0]")  # fmt: skip
 

@@ -20,7 +20,7 @@ from surae.signals import Film, ModelInputs
 from surae.units import FloatArray
 
 #: A tracker's drift [m], its correlation time and the distance of its hats [s].
-_DRIFT, _DRIFT_S, _STEP_S, _MOST = 1e-3, 5.0, 2.5, 40
+DRIFT, DRIFT_S, _STEP_S, _MOST = 1e-3, 5.0, 2.5, 40
 #: Noise from which a search begins, and the least [m]; largest order of its model; frames a second
 #: that are used, and the fewest of a film.
 _BEGIN, _LEAST, _ORDER, _RATE, _FEWEST = 1.5e-3, 1e-4, 8, 40.0, 20
@@ -53,8 +53,8 @@ class FilmView:
         before = np.clip(at.astype(np.int64), 0, recording.n - 2)
         first, last = float(film.time[0]), float(film.time[-1])  # the same at every rate
         knots = np.linspace(first, last, min(max(2, round((last - first) / _STEP_S) + 1), _MOST))
-        apart = np.abs(knots[:, None] - knots) / _DRIFT_S
-        drift = _DRIFT**2 * (np.exp(-apart) + 1e-6 * np.eye(len(knots)))
+        apart = np.abs(knots[:, None] - knots) / DRIFT_S
+        drift = DRIFT**2 * (np.exp(-apart) + 1e-6 * np.eye(len(knots)))
         return cls(
             film.channel, group_of_film(film.channel), length, before, at - before,
             np.stack([np.interp(time, knots, row) for row in np.eye(len(knots))]),

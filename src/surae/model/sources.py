@@ -361,10 +361,10 @@ _SOURCES = (
     UncertaintySource(
         "lengths", "muscle lengths", "how much longer the leg’s muscles are than assumed",
         Text(
-            "Film the muscle’s fascicles, or give the leg’s own geometry.",
-            "Film de spiervezels met echografie, of geef de eigen geometrie van het been.",
-            "Die Muskelfasern filmen, oder die eigene Geometrie des Beins angeben.",
-            "Filmer les fascicules du muscle, ou donner la géométrie propre de la jambe.",
+            "Give the length of the leg’s own muscles, from images or a scaled model.",
+            "Geef de lengte van de spieren van het been, uit beelden of een geschaald model.",
+            "Die Länge der Muskeln des Beins angeben, aus Bildern oder einem skalierten Modell.",
+            "Donner la longueur des muscles de la jambe, d’images ou d’un modèle à l’échelle.",
         ),
         Fill("series-2", "-"),
         Nuisance(

@@ -1,4 +1,4 @@
-"""What a trial tells of a leg: the Fisher information of its torque, by exact sensitivities.
+"""What a trial tells of a leg: the Fisher information of torque and films, by exact sensitivities.
 
 The torque's noise is white, so the information is JᵀJ/σ². Priors of nuisances are added by whoever
 uses it: those that the trials of a session share count once, however many trials there are.
@@ -12,6 +12,7 @@ import numpy as np
 from surae.assessment.uncertainty.covariance import Covariance, covariance
 from surae.frozen import Comparable, read_only
 from surae.model.laboratory import EACH_TRIAL, group_of
+from surae.planning.filming import rows_of_films
 from surae.planning.legs import Legs
 from surae.protocol import Trajectory
 from surae.signals import ModelInputs, inputs_as_given, thinned
@@ -63,6 +64,9 @@ def information(
             torque, jacobian = simulator.torque_jacobian(values, columns)
             torques[k] = torque.min(), torque.max()
             matrices[k] = jacobian @ jacobian.T / variance
+            if legs.films:
+                seen = legs.films, simulator, legs.spec, legs.free, values, inputs.time
+                matrices[k] += sum(rows @ rows.T for rows in rows_of_films(*seen))
     return Information(legs.free, read_only(matrices), read_only(torques))
 
 

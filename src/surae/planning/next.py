@@ -68,9 +68,10 @@ def known_from(result: FitResult, assessment: Assessment, legs: Legs) -> FloatAr
     """
     free = legs.free
     own = {n for n in free if n in legs.beliefs and group_of(n) in EACH_TRIAL}
-    known = np.diag([legs.beliefs[n].sd ** -2.0 if n in own else 0.0 for n in free])
+    alone = own | {n for n in free if n not in result.problem.free}  # another film
+    known = np.diag([legs.beliefs[n].sd ** -2.0 if n in alone else 0.0 for n in free])
     if result.family is not None:
-        names, matrix = free, result.family.covariance
+        names, matrix = result.problem.free, result.family.covariance
     else:
         believed = assessment.robust if assessment.robust is not None else assessment.covariance
         names, matrix = believed.names, believed.matrix

@@ -3,12 +3,15 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from surae.assessment import Assessment, ParameterEstimate, Verdict
 from surae.assessment.adequacy import Grade
 from surae.assessment.parameter import percent
 from surae.assessment.uncertainty.budget import budgets
 from surae.estimation import FitResult
 from surae.model.sources import SOURCES, Fill
+from surae.planning.filming import covariance_if_filmed
 from surae.report.document import (
     Block,
     ListBlock,
@@ -26,6 +29,8 @@ from surae.report.document import (
 _SHOWN, _WORTH = 0.005, 0.25
 #: A remedy is told of where the interval shrinks to less than this part.
 _SHRINKS = 0.8
+#: Muscles that may be filmed, and what sentences call them.
+_MUSCLES = {"tib": "tibialis", "gm": "gastrocnemius"}
 #: Parameters that are named with one remedy.
 _NAMED = 4
 
@@ -158,8 +163,30 @@ def what_would_help(result: FitResult, assessment: Assessment) -> tuple[str, ...
                 after = f"{name} would be known to ±{percent(part * before)}"
                 text = f"{after} instead of ±{percent(before)}"
                 gains.setdefault(source, []).append((part, text))
-    ranked = sorted(gains.items(), key=lambda gain: -sum(1.0 - part for part, _ in gain[1]))
-    return tuple(_sentence(SOURCES[source].advice, sorted(narrowed)) for source, narrowed in ranked)
+    by_remedy = {SOURCES[source].advice: narrowed for source, narrowed in gains.items()}
+    by_remedy |= _films(result, assessment)
+    ranked = sorted(by_remedy.items(), key=lambda gain: -sum(1.0 - part for part, _ in gain[1]))
+    return tuple(_sentence(remedy, sorted(narrowed)) for remedy, narrowed in ranked)
+
+
+def _films(result: FitResult, assessment: Assessment) -> dict[str, list[tuple[float, str]]]:
+    """What a film of each muscle that has none would narrow."""
+    gains: dict[str, list[tuple[float, str]]] = {}
+    for muscle, words in _MUSCLES.items():
+        filmed = covariance_if_filmed(result, muscle)
+        if filmed is None or result.family is None:
+            continue
+        for j, name in enumerate(result.problem.free):
+            p = assessment.parameters.get(name)
+            if p is None or p.ci95 is None or p.verdict not in (Verdict.WEAK, Verdict.UNDETERMINED):
+                continue
+            part = float(np.sqrt(filmed[j, j] / result.family.covariance[j, j]))
+            before = _relative(p)
+            if part < _SHRINKS and part * before <= 1.0:
+                text = f"{name} would be known to ±{percent(part * before)}"
+                text = f"{text} instead of ±{percent(before)}"
+                gains.setdefault(f"film the {words}", []).append((part, text))
+    return gains
 
 
 def what_to_measure(assessment: Assessment) -> tuple[str, ...]:
