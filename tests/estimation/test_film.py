@@ -4,10 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from surae.assessment.fascicles import followed
 from surae.estimation import make_problem
 from surae.estimation.family import _BEGIN, _Search, _white
+from surae.estimation.film import noise_of_film
+from surae.estimation.noise import NoiseModel
 from surae.estimation.posterior import LogPosterior
 from surae.frozen import read_only
 from surae.model import ModelOptions, get_model, with_optional
@@ -110,8 +113,13 @@ def test_a_film_tells_the_length_of_its_muscle(filmed, posterior) -> None:
     recording, _ = filmed
     search = _Search(make_problem([replace(recording, films=())], "auto"), None)
     blind = search._posterior(("arm", "curves"), 64.0, posterior.noise, _BEGIN)
+    known = NoiseModel(np.zeros(0), 2e-4**2, np.array([2e-4**2]), 300.0)
+    latents = tuple(
+        replace(each, films=tuple(replace(film, noise=known) for film in each.films))
+        for each in posterior.latents
+    )
     spread = []
-    for each in (blind, posterior):
+    for each in (blind, posterior.having(latents=latents)):
         z = each.start({})
         H, _ = each.reduced(z, each.blocks(z, each.still(), each.expected()))
         V = np.linalg.inv(H + np.diag(each.weight**2))
@@ -136,3 +144,29 @@ def test_what_is_followed_is_reported_in_millimetres(filmed) -> None:
     rigid = followed(get_model("muscle"), options, values, recording)[1]
     assert not rigid.stretch.any()
     assert rigid.quality.rmse_mm > 2.0
+
+
+def test_frames_count_for_as_little_as_the_slow_part_of_their_noise_says() -> None:
+    rng = np.random.default_rng(3)
+    slow = lfilter([1.0], [1.0, -0.97], 1e-4 * rng.standard_normal(2000))
+    model = noise_of_film(slow, np.zeros((1, 2000)))
+    assert model.order == 0
+    assert model.variance > 4.0 * np.var(np.diff(slow))
+
+
+def test_a_filmed_muscles_travel_is_left_to_the_film(filmed) -> None:
+    recording, _ = filmed
+    alone = replace(recording, films=recording.films[1:])  # the tibialis
+    sd = {
+        name: belief.sd
+        for name, belief in _Search(make_problem([alone], "auto"), None)._beliefs.items()
+    }
+    assert sd["path_scale_tib"] > 2.0 * sd["path_scale_tri"]
+    asked = make_problem([alone], "auto", nuisances={"path_scale_tib": (0.0, 0.05)})
+    assert _Search(asked, None)._beliefs["path_scale_tib"].sd == 0.05
+
+
+def test_the_trackers_drift_is_followed_faster_than_it_forgets(posterior) -> None:
+    film = posterior.latents[0].films[0]
+    apart = np.diff([film.length.size * row.argmax() / row.size for row in film.drift]) / 30.0
+    assert apart.max() < 0.3 * 5.0

@@ -64,6 +64,7 @@ def unsure(auto, source):
 def test_the_sentence_follows_from_the_budget(auto, monkeypatch):
     result, assessment, budget, name = unsure(auto, "zero")
     monkeypatch.setattr("surae.report.budget.budgets", lambda *_: budget)
+    monkeypatch.setattr("surae.report.budget.covariance_if_filmed", lambda *_: None)
     assert what_would_help(result, assessment) == (
         f"Measure the zero of the torque sensor, and {name} would be known to ±3 % instead of "
         "±12 %.",
@@ -85,7 +86,27 @@ def test_the_sentence_is_not_said(auto, monkeypatch, why):
     else:
         result = replace(result, family=None)
     monkeypatch.setattr("surae.report.budget.budgets", lambda *_: {name: budget})
+    monkeypatch.setattr("surae.report.budget.covariance_if_filmed", lambda *_: None)
     assert what_would_help(result, assessment) == ()
+
+
+@pytest.mark.parametrize("why", ["", "inadequate", "identified", "little gain", "filmed"])
+def test_filming_is_advised_with_what_it_would_narrow(auto, monkeypatch, why):
+    result, assessment, _, name = unsure(auto, "zero")
+    at = result.problem.free.index(name)
+    narrowed = result.family.covariance.copy()
+    narrowed[at, at] *= 0.9**2 if why == "little gain" else 0.25**2
+    if why == "inadequate":
+        assessment = graded(assessment, Grade.INADEQUATE)
+    elif why == "identified":
+        assessment = with_parameters(assessment, **{name: {"verdict": Verdict.IDENTIFIED}})
+    answers = {"tib": None if why == "filmed" else narrowed}
+    monkeypatch.setattr("surae.report.budget.budgets", lambda *_: {})
+    monkeypatch.setattr(
+        "surae.report.budget.covariance_if_filmed", lambda _, muscle: answers.get(muscle)
+    )
+    said = f"Film the tibialis, and {name} would be known to ±3 % instead of ±12 %."
+    assert what_would_help(result, assessment) == (() if why else (said,))
 
 
 def test_a_named_model_says_that_noise_is_all_it_knows(plain):

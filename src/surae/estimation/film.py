@@ -20,10 +20,14 @@ from surae.signals import Film, ModelInputs
 from surae.units import FloatArray
 
 #: A tracker's drift [m], its correlation time and the distance of its hats [s].
-DRIFT, DRIFT_S, _STEP_S, _MOST = 1e-3, 5.0, 2.5, 40
+DRIFT, DRIFT_S, _STEP_S, _MOST = 1e-3, 5.0, 1.0, 60
+#: Standard deviation of the logarithm of a filmed muscle's travel over the assumed one: the film
+#: shows it, and geometries disagree by half (thesis and virtual work).
+TRAVEL = 0.3
 #: Noise from which a search begins, and the least [m]; largest order of its model; frames a second
 #: that are used, and the fewest of a film.
 _BEGIN, _LEAST, _ORDER, _RATE, _FEWEST = 1.5e-3, 1e-4, 8, 40.0, 20
+_COUNTED = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +122,8 @@ def seen_by(channel: str, values: Mapping[str, float], length: FloatArray) -> Fl
 def noise_of_film(residual: FloatArray, taken: FloatArray) -> NoiseModel:
     """The noise behind a film's residual [m]; `taken` is as of `noise_behind`."""
     model = noise_behind(residual, taken, min(_ORDER, len(residual) // 10))
-    return replace(model, variance=max(model.variance, _LEAST**2))
+    slow = model.below(_COUNTED / _RATE)
+    return replace(model, coefficients=np.zeros(0), variance=max(slow, model.variance, _LEAST**2))
 
 
 def slices_of(films: Sequence[FilmView], start: int) -> tuple[slice, ...]:

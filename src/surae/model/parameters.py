@@ -154,7 +154,7 @@ OPTIONAL_PARAMETERS: tuple[Parameter, ...] = (
             ("arm_scale", "-", "logarithm of the moment arm over the assumed one", 0.4),
             ("arm_slope", "1/rad", "slope of the moment arm over the assumed one", 0.6),
             ("arm_bend", "1/rad²", "curvature of the moment arm over the assumed one", 0.8),
-            ("path_scale", "-", "logarithm of the path's slope over the assumed one", 0.5),
+            ("path_scale", "-", "logarithm of the path's slope over the assumed one", 0.9),
             ("length_zero", "m", "muscle length at θ = 0 beyond the assumed one", 0.02),
         )
         for group, muscle in _GROUPS.items()
