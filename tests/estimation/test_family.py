@@ -87,8 +87,8 @@ def test_a_family_survives_a_file(fitted, tmp_path):
     assert assess(again) == assess(fitted)
 
 
-def test_a_static_hold_identifies_nothing(leg):
-    one = leg.inputs
+def test_a_static_hold_identifies_nothing(short):
+    one = short.inputs
     still = replace(
         one,
         angle=read_only(np.full(one.n, -0.4) + 1e-3 * np.sin(one.time)),
@@ -100,8 +100,9 @@ def test_a_static_hold_identifies_nothing(leg):
     assert not any(p.verdict is Verdict.IDENTIFIED for p in worth.parameters.values())
 
 
-def test_what_is_fixed_stays_and_what_is_known_is_no_nuisance(leg):
-    result = solve(make_problem([leg.inputs], "auto", fixed={"beta": 1.0, "torque_zero": leg.zero}))
+def test_what_is_fixed_stays_and_what_is_known_is_no_nuisance(short):
+    fixed = {"beta": 1.0, "torque_zero": short.zero}
+    result = solve(make_problem([short.inputs], "auto", fixed=fixed))
     assert result.values["beta"] == 1.0
     assert "torque_zero" not in result.family.beliefs
 
@@ -160,7 +161,7 @@ def test_emg_at_rest_is_as_unsure_as_an_electrode_is_quiet():
     assert (told["emg_rest_ta"].mean, told["emg_rest_ta"].sd) == (0.5e-6, 2e-6)
 
 
-@pytest.mark.parametrize("lifted", [0.004, 0.01])
+@pytest.mark.parametrize("lifted", [0.004, pytest.param(0.01, marks=pytest.mark.slow)])
 def test_what_electrodes_show_at_rest_is_not_claimed_of_the_leg(leg, lifted):
     emg = leg.inputs.emg + lifted * np.percentile(leg.inputs.emg, 99.0, axis=0)
     fit = solve(make_problem([replace(leg.inputs, emg=read_only(emg))], "auto"))
@@ -230,7 +231,7 @@ def test_noise_of_the_emg_biases_a_fit_and_that_is_taken_away():
 
 def test_a_leg_of_other_muscles_is_not_called_known(tmp_path):
     """Its residual follows movement and effort: what that hides is in the intervals."""
-    trial = richer_leg(62, drifting=True, foreign=True, rate_hz=THIN)
+    trial = richer_leg(62, drifting=True, foreign=True, rate_hz=THIN, duration=SHORT)
     trial.write(tmp_path / "leg.csv")
     result = solve(make_problem([prepare(read(tmp_path / "leg.csv"))], "auto"))
     worth = assess(result)
@@ -265,7 +266,9 @@ def test_what_fits_again_believes_what_the_search_did(fitted):
     assert with_laboratory(plain) is plain
 
 
-@pytest.mark.parametrize("profile", ["multiple-holds", "ramp-and-hold"])
+@pytest.mark.parametrize(
+    "profile", ["ramp-and-hold", pytest.param("multiple-holds", marks=pytest.mark.slow)]
+)
 def test_data_without_noise_are_no_reason_to_fail(profile):
     subject = virtual_subject(seed=1)
     trajectory = generate(Protocol(profile=profile, rate_hz=64.0, chirp_amplitude=0.1))

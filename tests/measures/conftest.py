@@ -13,15 +13,16 @@ def fitted(tmp_path_factory):
     """Makes the fit of a leg that is richer than every model, through a file; with its truth."""
     folder, done = tmp_path_factory.mktemp("legs"), {}
 
-    def make(seed: int, trial: int = 0, rate_hz: float = 128.0):
-        if (seed, trial) not in done:
+    def make(seed: int, trial: int = 0, rate_hz: float = 64.0):
+        key = seed, trial, rate_hz
+        if key not in done:
             leg = richer_leg(seed, trial=trial, rate_hz=rate_hz)
             one = leg.inputs
             columns = {"time_s": one.time, "angle_rad": one.angle, "torque_Nm": one.torque}
             columns |= {f"emg_{m}_V": np.maximum(one.emg[:, i], 0) for i, m in enumerate(MUSCLES)}
             path = folder / f"{seed}-{trial}.csv"
             surae.write_csv(path, columns, ["emg: envelope"])
-            done[seed, trial] = surae.fit(path, quality=()), {**leg.parameters, "emd": leg.delay}
-        return done[seed, trial]
+            done[key] = surae.fit(path, quality=()), {**leg.parameters, "emd": leg.delay}
+        return done[key]
 
     return make

@@ -96,7 +96,7 @@ def test_intervals_hold_the_truth_of_richer_legs(fitted) -> None:
     """Twelve legs; the count over many more is in the page on measures."""
     held, claimed = [], []
     for seed in range(12):
-        fit, truth = fitted(seed)
+        fit, truth = fitted(seed, rate_hz=128.0)
         true = measures_of_values(truth, "muscle-tendon")
         for m in fit.measures().values():
             if m.name in true and m.ci95 and not m.name.startswith("torque_per_emg"):
