@@ -46,7 +46,15 @@ QUICKER = {
 }
 #: Targets of the Makefile, and extras of the package.
 TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), flags=re.MULTILINE))
-EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+
+
+def extras_of(folder: str = "") -> dict[str, list[str]]:
+    """The extras of the package that a folder of ours is."""
+    described = tomllib.loads((ROOT / folder / "pyproject.toml").read_text(encoding="utf-8"))
+    return described["project"]["optional-dependencies"]
+
+
+EXTRAS = extras_of()
 
 
 @pytest.fixture
@@ -105,9 +113,10 @@ def _check_other(words: list[str]) -> None:
         assert rest[0] in TARGETS
     elif program == "pip":
         assert rest[0] == "install"
-        match = re.fullmatch(r"surae(?:\[([a-z,]+)\])?", rest[1])
+        match = re.fullmatch(r"(surae|surae-workbench)(?:\[([a-z,]+)\])?", rest[1])
         assert match, rest
-        assert set((match[1] or "all").split(",")) <= set(EXTRAS)
+        extras = EXTRAS if match[1] == "surae" else extras_of("workbench/")
+        assert set(filter(None, (match[2] or "").split(","))) <= set(extras)
     elif program == "python" and rest[0] == "-m":
         assert find_spec(f"{rest[1]}.__main__"), rest
     elif program == "python" and rest[0] == "-c":

@@ -219,7 +219,7 @@ def test_devices_are_data(tmp_path) -> None:
     ("text", "complaint"),
     [
         ("max_velocity_rad_s = 1", "give the device a name"),
-        ('name = "a"\nspeed = 1', "speed is not known"),
+        ('name = "a"\nspeed = 1', "'speed' is not known"),
         ('name = "a"\nmax_torque_Nm = "big"', "max_torque_Nm: 'big' is not a finite number"),
         ('name = "a"\nmax_torque_Nm = -1', "use more than 0"),
         ('name = "a"\nrange_rad = [1]', "range_rad"),
