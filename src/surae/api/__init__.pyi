@@ -3,9 +3,9 @@
 from surae.api.answers import change as change
 from surae.api.answers import change_part as change_part
 from surae.api.answers import check_clinical_page as check_clinical_page
-from surae.api.answers import clinical_page as clinical_page
 from surae.api.answers import cohort as cohort
 from surae.api.answers import fit_of as fit_of
+from surae.api.answers import predictions_part as predictions_part
 from surae.api.answers import write_clinical_page as write_clinical_page
 from surae.api.answers import write_cohort_page as write_cohort_page
 from surae.api.answers import write_curve_figure as write_curve_figure
@@ -141,7 +141,6 @@ from surae.report import check_report as check_report
 from surae.report import has_typst as has_typst
 from surae.report import part_of as part_of
 from surae.report import style as style
-from surae.report.budget import budget_section as budget_section
 from surae.report.budget import what_would_help as what_would_help
 from surae.report.figures import figure_bytes as figure_bytes
 from surae.report.figures import png as png
@@ -154,13 +153,10 @@ from surae.report.figures.protocol import protocol_figure as protocol_figure
 from surae.report.figures.study import study_figure as study_figure
 from surae.report.figures.style import new_figure as new_figure
 from surae.report.laboratory import family_section as family_section
-from surae.report.laboratory import laboratory_section as laboratory_section
 from surae.report.laboratory import trials_section as trials_section
 from surae.report.parameters import repeatable as repeatable
 from surae.report.parameters import shown_parameters as shown_parameters
 from surae.report.provenance import MANY_OUTLIERS as MANY_OUTLIERS
-from surae.report.provenance import excluded_spans as excluded_spans
-from surae.report.provenance import fit_settings as fit_settings
 from surae.report.references import always_cited as always_cited
 from surae.report.references import cited_by as cited_by
 from surae.report.session import trial_row as trial_row

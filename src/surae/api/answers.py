@@ -18,6 +18,7 @@ from surae.runner import Engine
 from surae.trials.folder import fit_in
 
 if TYPE_CHECKING:
+    from surae.assessment import Prediction
     from surae.report.clinical import ClinicalPage
 
 #: Where changes are asked unless told otherwise [deg].
@@ -193,6 +194,27 @@ def change_part(before: Fit | PathLike, after: Fit | PathLike) -> str:
 
     first, second = ((fit.result, fit.assessment) for fit in map(fit_of, (before, after)))
     return part_of(change_blocks(first, second), {})
+
+
+def predictions_part(fit: Fit, predictions: "Sequence[Prediction]") -> str:
+    """How other recordings are predicted, as a part of a page.
+
+    Parameters
+    ----------
+    fit : Fit
+        Whose parameters predict.
+    predictions : sequence of Prediction
+        As `validate` makes them.
+
+    Returns
+    -------
+    str
+        HTML.
+    """
+    from surae.report import part_of
+    from surae.report.rendering import prediction_blocks  # matplotlib
+
+    return part_of(*prediction_blocks(fit.assessment, predictions))
 
 
 def write_curve_figure(

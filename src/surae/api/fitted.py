@@ -330,17 +330,21 @@ class Fit(Tabular):
         validation : sequence of Prediction, optional
             Predictions of other recordings to show, as `validate` makes them.
         """
-        from datetime import datetime
-
         from surae.report import write_report
 
-        now = datetime.now().astimezone()
         write_report(
-            path,
-            self.result,
-            self.assessment,
-            versions=self.result.versions,
-            created=now,
-            predictions=validation,
-            quality=self.quality,
+            path, self.result, self.assessment, predictions=validation, **self._about_report()
         )
+
+    def blocks(self) -> dict[str, Any]:
+        """The report as plain data: its blocks, its images as data URLs, and its signals."""
+        from surae.report.rendering import fit_blocks
+
+        return fit_blocks(self.result, self.assessment, **self._about_report())
+
+    def _about_report(self) -> dict[str, Any]:
+        """What a report says beside the fit."""
+        from datetime import datetime
+
+        now = datetime.now().astimezone()
+        return {"versions": self.result.versions, "created": now, "quality": self.quality}

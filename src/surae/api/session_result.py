@@ -149,7 +149,7 @@ class SessionResult:
         write_session_report(path, **self._told(before))
 
     def blocks(self) -> dict[str, Any]:
-        """The leg's page as plain data: its blocks, and its images as data URLs."""
+        """The leg's page as plain data: its blocks, its images as data URLs, and its signals."""
         from surae.report.rendering import session_blocks
 
         return session_blocks(**self._told(None))
@@ -158,7 +158,7 @@ class SessionResult:
         """The leg's page, as a notebook's cell shows it."""
         from surae.report import part_of, style
 
-        shown = part_of(**self.blocks())
+        shown = part_of(**self.blocks() | {"signals": ""})
         return f'<style>{style()}</style><div class="report">{shown}</div>'
 
     @property

@@ -50,14 +50,17 @@ def write_report(
 def style() -> str:
     """The style sheet of reports, of what stands within an element of class ``report``."""
     text = files("surae.report").joinpath("templates", "report.css").read_text(encoding="utf-8")
+    text = text.replace(".live .", ".live & .")  # the class of the whole page, once plots are drawn
     light = "& { background: #fff; color: var(--ink); padding: .2rem; }"
     return f".report {{\n{text.replace(':root', '&', 1)}{light}\n}}\n"
 
 
-def part_of(blocks: Sequence[Any], images: Mapping[str, str]) -> str:
+def part_of(blocks: Sequence[Any], images: Mapping[str, str], signals: str = "") -> str:
     """Blocks of a report as a part of another page, whose headings begin at the second level.
 
     All texts are escaped; blocks may be as they were or plain data, `images` are data URLs.
+    `signals` is what ``explore.js`` draws to be zoomed into, where the page has that script.
     """
     macros: Any = template("blocks.html.j2", "surae.report").module
-    return str(macros.show_all(blocks, images, 2))
+    data = f'<script type="application/json" id="signals">{signals}</script>' if signals else ""
+    return f"{macros.show_all(blocks, images, 2)}{data}"

@@ -44,9 +44,8 @@ def explorer(recordings: Sequence[Traces]) -> Explorer:
 @cache
 def _vendored() -> tuple[tuple[str, ...], str]:
     """The library of the plots, which the workbench has too, and the script that uses it."""
-    package = files("surae.report")
-    library = package / "static" / "vendor" / "uplot"
-    own = package / "templates" / "explore.js"
+    package = files("surae.report") / "static"
+    library, own = package / "vendor" / "uplot", package / "explore.js"
     scripts = tuple(
         path.read_text(encoding="utf-8").strip() for path in (library / "uPlot.iife.min.js", own)
     )

@@ -1,7 +1,7 @@
 """Reports of fits and sessions: one HTML file that asks nothing of the outside, or a PDF."""
 
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from importlib.resources import files
 from pathlib import Path
@@ -12,7 +12,7 @@ from surae.estimation import FitResult
 from surae.files import PathLike, template, write_atomic
 from surae.report.budget import BudgetSection, budget_section
 from surae.report.content import fit_document
-from surae.report.document import Document
+from surae.report.document import Document, SectionBlock
 from surae.report.explore import explorer
 from surae.report.figures import (
     Figure,
@@ -27,14 +27,17 @@ from surae.report.figures import (
 )
 from surae.report.figures.budget import budget_figure
 from surae.report.figures.film import film_figure
+from surae.report.sections import predictions_section
 from surae.report.session import session_report
 from surae.report.traces import Traces, traces_of
 from surae.report.typeset import check_report, is_pdf, require_typst, typeset
 
 __all__ = [
     "drawings",
+    "fit_blocks",
     "page_of",
     "paper_of",
+    "prediction_blocks",
     "render",
     "render_pdf",
     "session_blocks",
@@ -52,11 +55,38 @@ def render(
 ) -> str:
     """The page; the arguments are those of `surae.report.write_report`."""
     document, figures, traces = _of_fit(result, assessment, predictions, **about)
+    return page_of(document, _urls(figures), traces)
+
+
+def fit_blocks(result: FitResult, assessment: Assessment, **about: Any) -> dict[str, Any]:
+    """The report of a fit as plain data for `surae.report.part_of`; arguments as of `render`."""
+    document, figures, traces = _of_fit(result, assessment, (), **about)
+    return _plain(document, _urls(figures), traces)
+
+
+def prediction_blocks(
+    assessment: Assessment, predictions: Sequence[Prediction]
+) -> tuple[tuple[SectionBlock, ...], dict[str, str]]:
+    """How other recordings are predicted, and its images."""
+    drawn = ((f"prediction-{k}", prediction_figure(p)) for k, p in enumerate(predictions))
+    return predictions_section(assessment, predictions), _urls(drawn)
+
+
+def _urls(figures: Iterable[tuple[str, Figure]]) -> dict[str, str]:
+    """Figures as data URLs."""
     images = {}
     for name, figure in figures:
         kind, data = ("svg+xml", svg(figure)) if name in _DRAWN else ("png", png(figure, _DPI))
         images[name] = data_url(data, kind)
-    return page_of(document, images, traces)
+    return images
+
+
+def _plain(
+    document: Document, images: Mapping[str, str], traces: Sequence[Traces]
+) -> dict[str, Any]:
+    """What `surae.report.part_of` takes."""
+    signals = explorer(traces).data if traces else ""
+    return {"blocks": asdict(document)["blocks"], "images": images, "signals": signals}
 
 
 def render_pdf(
@@ -155,6 +185,6 @@ def session_blocks(**about: Any) -> dict[str, Any]:
 
     `about` is as of `write_session_report`.
     """
-    report = session_report(**about)
+    report, joint = session_report(**about), about["joint"]
     urls = {name: data_url(svg(figure)) for name, figure in report.figures.items()}
-    return {"blocks": asdict(report.document)["blocks"], "images": urls}
+    return _plain(report.document, urls, () if joint is None else traces_of(joint[0]))

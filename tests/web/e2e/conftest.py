@@ -112,6 +112,12 @@ class Desk:
         self.page.locator("#undo[aria-label]").wait_for()
         return self.page
 
+    def research(self, on: bool) -> None:
+        """Show, from the next page on, what research needs."""
+        if self.page.url == "about:blank":
+            self.go("/live")
+        self.page.evaluate("on => localStorage.setItem('surae.research', on)", "on" if on else "")
+
     def api(self, method: str, path: str, body: Any = None) -> Any:
         """What a page's own script would get."""
         if self.page.url == "about:blank":

@@ -59,12 +59,11 @@ def test_a_csv_becomes_a_report(desk: Desk, csv: Path) -> None:
     page.get_by_role("link", name="Open the result").click()
 
     page.wait_for_url("**/fits/*")
-    page.get_by_role("tab", name="Parameters").click()
-    rows = page.locator("#parameter-table tbody tr")
+    rows = page.locator(".report .parameters tbody tr:not(.group, .below)")
     rows.first.wait_for()
     assert rows.count() == PARAMETERS
-    assert page.locator("#parameter-table .mark.identified").count() >= PARAMETERS // 2
-    expect(page.locator("#figures")).to_contain_text("converged")
+    assert page.locator(".report .parameters .verdict.identified").count() >= PARAMETERS // 2
+    expect(page.locator(".report")).to_contain_text("converged")
     with page.expect_download() as report:
         page.get_by_role("button", name="Report (HTML)").click()
     text = Path(report.value.path()).read_text(encoding="utf-8")
@@ -171,8 +170,7 @@ def test_a_stopped_fit_keeps_the_best_and_a_reload_goes_on(desk: Desk, csv: Path
     page.get_by_text("Stopped; the best so far is kept.").wait_for()
     page.get_by_role("link", name="Open the result").click()
     page.wait_for_url("**/fits/*")
-    page.get_by_role("tab", name="Parameters").click()
-    page.locator("#parameter-table tbody tr").first.wait_for()
+    page.locator(".report .parameters tbody tr").first.wait_for()
 
 
 @pytest.mark.slow
@@ -191,7 +189,7 @@ def test_two_browsers_see_each_other_and_keep_their_own_work(
 
 
 def test_a_protocol_is_designed(desk: Desk) -> None:
-    page = desk.go("/protocol")
+    page = desk.go("/plan")
     page.get_by_text("Worked out in").wait_for()
     figures = page.locator("#figures")
     assert page.locator("#prediction tbody tr").count() == PARAMETERS + 2  # auto: the tendons
@@ -214,7 +212,7 @@ def test_a_protocol_is_designed(desk: Desk) -> None:
 
 def design_for_long(desk: Desk, first: dict[str, Any] | None = None) -> Any:
     """The page, with a search that takes minutes begun, after another one, which becomes a job."""
-    page = desk.go("/protocol")
+    page = desk.go("/plan")
     page.get_by_text("Worked out in").wait_for()
     page.get_by_label("Durations").fill("20")
     page.locator("#evaluations").select_option("long")

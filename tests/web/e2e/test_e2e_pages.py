@@ -19,7 +19,6 @@ LEVELS = {
     "light": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"],
     "dark": {"type": "rule", "values": ["color-contrast", "link-in-text-block"]},
 }
-TABS = ("unsure", "torque", "correlations", "profiles", "validation", "details")
 #: A telephone, a tablet and a laptop.
 SCREENS = ((390, 844), (820, 1180), (1280, 800))
 #: What says that a page has been filled.
@@ -28,12 +27,12 @@ FILLED = {
     "/import": "#drop",
     "/recordings/{recording}": "#plots canvas",
     "/fit": "#parameters tbody tr",
-    "/fits/{fit}": "#parameter-table tbody tr",
-    "/compare?fits={fit}": "#side tbody tr",
-    "/session": "#trials tbody tr",
+    "/fits/{fit}": ".report .uplot canvas",
+    "/live": "code",
+    "/analyse": "#trials tbody tr",
     "/sessions/{session}": ".report .card",
     "/cohort": "#table tbody tr",
-    "/protocol": "#prediction tbody tr",
+    "/plan": "#prediction tbody tr",
     "/studies": "#list tbody tr",
     "/glossary": "#k_tri",
     "/studies/{study}": "#toml:not(:empty)",
@@ -42,32 +41,25 @@ FILLED = {
 
 
 def pages(desk: Desk, done: dict[str, str]) -> Any:
-    """Every page, filled; then every tab of a result, of which only itself is new."""
+    """Every page, filled, with all that research needs lying open."""
+    desk.research(True)
     for path, sign in FILLED.items():
         page = desk.go(path.format(**done))
         page.locator(sign).first.wait_for(state="attached")
-        yield path, page, "html"
-    page = desk.go(f"/fits/{done['fit']}")
-    page.locator("#tab-parameters").click()
-    page.locator("#parameter-table tbody tr").first.wait_for()  # all tabs are filled with it
-    for tab in TABS:
-        page.locator(f"#tab-{tab}").click()
-        page.locator(f"#{tab} .card").first.wait_for()
-        if tab == "torque":
-            page.locator("#traces canvas").first.wait_for()
-        yield f"result: {tab}", page, f"#{tab}"
+        page.evaluate("document.querySelectorAll('details').forEach(one => (one.open = true))")
+        yield path, page
+    desk.research(False)
 
 
-def shut_out(page: Any, name: str, scheme: str, part: str = "html") -> list[str]:
-    """What keeps somebody from using a part of a page, as axe finds it."""
+def shut_out(page: Any, name: str, scheme: str) -> list[str]:
+    """What keeps somebody from using a page, as axe finds it."""
     page.emulate_media(color_scheme=scheme)
     expect(page.locator("html")).to_have_attribute("data-theme", scheme)
     if not page.evaluate("'axe' in window"):
         page.evaluate(AXE)
     told = page.evaluate(
-        """([part, levels]) => axe.run(part,
-             { runOnly: levels, resultTypes: ['violations'], preload: false })""",
-        [part, LEVELS[scheme]],
+        """levels => axe.run({ runOnly: levels, resultTypes: ['violations'], preload: false })""",
+        LEVELS[scheme],
     )
     return [
         f"{name}: {violation['id']} ({violation['help']}) at "
@@ -84,12 +76,14 @@ def test_pages_shut_nobody_out_fit_the_screen_and_ask_nobody_else(
     desk: Desk, done: dict[str, str]
 ) -> None:
     violations = []
-    for name, page, part in pages(desk, done):
+    for name, page in pages(desk, done):
         for width, height in SCREENS:
             page.set_viewport_size({"width": width, "height": height})
-            assert page.evaluate("document.documentElement.scrollWidth") <= width, name
+            page.wait_for_function(
+                "width => document.documentElement.scrollWidth <= width", arg=width
+            )
         assert page.locator("#main > .alert:visible").count() == (name == "/nowhere"), name
-        violations += shut_out(page, name, "light", part)
+        violations += shut_out(page, name, "light")
     assert violations == []
 
 
@@ -101,29 +95,38 @@ def test_what_shuts_somebody_out_is_found(desk: Desk) -> None:
 
 @pytest.mark.slow
 def test_pages_shut_nobody_out_in_the_dark(desk: Desk, done: dict[str, str]) -> None:
-    told = [shut_out(page, name, "dark", part) for name, page, part in pages(desk, done)]
+    told = [shut_out(page, name, "dark") for name, page in pages(desk, done)]
     assert not any(told), told
 
 
-def test_the_report_is_shown_within_the_page(desk: Desk, done: dict[str, str]) -> None:
-    page = desk.go(f"/fits/{done['fit']}#report")
-    page.get_by_role("button", name="Show the report here").click()
-    frame = page.frame_locator("iframe")
-    frame.get_by_role("heading", level=1).wait_for()
-    frame.locator(".uplot canvas").first.wait_for()  # its own scripts run, by their hashes
-
-
-def test_a_symbol_says_what_it_means_and_leads_to_the_glossary(
-    desk: Desk, done: dict[str, str]
-) -> None:
+def test_the_report_is_the_page_and_is_zoomed_into(desk: Desk, done: dict[str, str]) -> None:
     page = desk.go(f"/fits/{done['fit']}")
-    assert page.evaluate("document.activeElement === document.body")  # no frame at first
-    page.get_by_role("tab", name="Parameters").click()
-    symbol = page.locator("#parameter-table").get_by_role("link", name="k_tri")
-    symbol.hover()
-    expect(symbol).to_have_attribute("title", "stiffness coefficient, triceps surae [1/m]")
-    symbol.click()
-    page.wait_for_url("**/glossary#k_tri")
+    page.locator(".report").get_by_role("heading", name="Summary").wait_for()
+    page.locator(".report .uplot canvas").first.wait_for()
+
+
+def test_research_is_there_for_whoever_switches_it_on(desk: Desk, done: dict[str, str]) -> None:
+    page = desk.go(f"/fits/{done['fit']}")
+    hidden = page.get_by_role("link", name="Studies"), page.locator("#profiles")
+    for each in hidden:
+        expect(each).to_be_hidden()
+    page.get_by_role("checkbox", name="Research").check()
+    for each in hidden:
+        expect(each).to_be_visible()
+    page.reload()
+    expect(hidden[1]).to_be_visible()
+    page.get_by_role("checkbox", name="Research").uncheck()
+    expect(hidden[1]).to_be_hidden()
+
+
+def test_other_trials_are_predicted(desk: Desk, done: dict[str, str]) -> None:
+    desk.research(True)
+    page = desk.go(f"/fits/{done['fit']}")
+    page.get_by_text("Predict other trials").click()
+    page.locator("#validate-list").get_by_role("checkbox").first.check()
+    page.get_by_role("button", name="Predict", exact=True).click()
+    page.locator("#predictions figure img").first.wait_for()
+    desk.research(False)
 
 
 def test_a_study_is_made_without_toml(desk: Desk) -> None:
@@ -157,44 +160,27 @@ def test_one_click_mends_what_the_check_is_sure_of(desk: Desk, csv: Path, tmp_pa
     page.get_by_role("button", name="Turn the torque").wait_for()
 
 
-def test_a_result_begins_with_the_page_for_clinicians(desk: Desk, done: dict[str, str]) -> None:
-    page = desk.go(f"/fits/{done['fit']}")
-    short = page.locator("#short-page")
-    short.get_by_text("Stiffness and strength of the ankle").wait_for()
-    page.get_by_label("Language").select_option("nl")
-    short.get_by_text("Stijfheid en kracht van de enkel").wait_for()
-
-
-def test_what_to_measure_next_is_said_when_it_is_asked_for(
+def test_the_page_for_clinicians_comes_in_the_language_that_is_chosen(
     desk: Desk, done: dict[str, str]
 ) -> None:
     page = desk.go(f"/fits/{done['fit']}")
-    page.get_by_role("tab", name="What makes it unsure").click()
-    said = page.locator("#budget").get_by_role("status")
-    expect(said).to_be_empty()
-    page.get_by_role("button", name="Measure next").click()
-    first = re.compile(r"^Measure \S+ next \(\d+ s: .+\): \w+ from (±[\d.]+ %|unknown) to ±")
-    expect(said.locator("p").first).to_have_text(first)
-    told = desk.api("GET", f"/api/fits/{done['fit']}/next")["sentences"]
-    expect(said.locator("p")).to_have_text(told)
+    with page.expect_download() as file:
+        page.get_by_label("One page for clinicians").select_option("nl")
+    text = Path(file.value.path()).read_text(encoding="utf-8")
+    assert "Stijfheid en kracht van de enkel" in text
 
 
 @pytest.mark.parametrize("medium", ["screen", "print"])
-def test_the_page_for_clinicians_is_read_on_paper_and_on_a_telephone(
+def test_a_leg_is_read_on_paper_and_on_a_telephone(
     desk: Desk, done: dict[str, str], medium: str
 ) -> None:
     page = desk.page
     page.set_viewport_size({"width": 390, "height": 844})
-    desk.go(f"/fits/{done['fit']}")
+    desk.go(f"/sessions/{done['session']}")
     page.emulate_media(media=medium)
-    short = page.locator("#short-page")
-    short.locator("tbody tr").first.wait_for()
-    for part in (short.locator(".answer"), short.locator("img").first):
+    for part in (page.locator(".report .card h2").first, page.locator(".report .card img").first):
         expect(part).to_be_visible()
-        # A frame of its own would be empty here: it has to be the page's own content.
         assert len(colours(part.screenshot())) > 10, medium
-    expect(short.locator("img").first).to_have_js_property("complete", True)
-    assert short.locator("img").first.evaluate("img => img.naturalWidth") > 0
 
 
 def colours(png: bytes) -> set[tuple[int, ...]]:

@@ -2,26 +2,17 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from surae import api
-from surae.errors import InputError
 from surae.names import AUTO
-from surae_workbench.web.curves import plain, within
 from surae_workbench.web.draft import settings_of, shown, upgraded
 from surae_workbench.web.project import unique_name, when
 from surae_workbench.web.rows import Thing
 from surae_workbench.web.sessions import BrowserSession
-from surae_workbench.web.sliders import PARTS
 
 if TYPE_CHECKING:
     from surae_workbench.web.workbench import Workbench
-
-#: Of a FIT.json, what pages do not need: it is long.
-_LONG = ("R", "traces", "outliers")
 
 
 def submit_fit(
@@ -171,71 +162,21 @@ def _older(bench: "Workbench", fit: Thing) -> list[str]:
 
 
 def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
-    """All that is shown of a fit but its curves."""
-    path = bench.project.path("fits", fit["id"], ".json")
-    try:
-        whole = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        raise InputError("the file of this fit is missing or damaged; fit again") from None
-    steps = [trace["steps"] for trace in whole.get("traces", [])]
+    """What the page of a fit needs beside its report."""
     return {
         "summary": fit_summary(bench, fit),
-        **_report_sections(bench.fit(fit["id"])),
-        "fit": {key: value for key, value in whole.items() if key not in _LONG},
-        "steps": steps,
+        "parameters": {
+            name: {"value": p["value"], "free": p["verdict"] != "fixed", **described(name)}
+            for name, p in fit["parameters"].items()
+        },
         "settings": shown(upgraded(fit["settings"])),
         "profiles": fit.get("profiles", {}),
     }
 
 
-def _report_sections(fit: "api.Fit") -> dict[str, Any]:
-    """What the report says of the whole fit, of what makes it unsure, and of what was searched."""
-    result, assessment = fit.result, fit.assessment
-    sections: dict[str, Any] = {
-        "adequacy": api.adequacy_words(fit.adequacy),
-        "budget": api.budget_section(result, assessment),
-        "laboratory": api.laboratory_section(result, assessment),
-        "family": api.family_section(result, assessment),
-        "trials": api.trials_section(result, assessment),
-    }
-    texts = {name: None if each is None else asdict(each) for name, each in sections.items()}
-    made = api.fit_settings(result, assessment)
-    return texts | {"made": [{"label": label, "value": value} for label, value in made]}
-
-
-def fit_traces(
-    fitted: "api.Fit", number: int, start: float | None, end: float | None, points: int
-) -> dict[str, Any]:
-    """The curves of one recording of a fit, at common instants."""
-    parts = fitted.parts(number)  # refuses a wrong number
-    recording = fitted.result.problem.inputs[number]
-    residual = fitted.result.residuals[number]
-    measured = np.zeros(recording.n) if recording.torque is None else recording.torque
-    modelled = measured - residual
-    inside = within(recording.time, start, end)
-    # Every point is a sample: parts add up to the torque, and no swing of a chirp is lost.
-    shown = inside.start + api.extremes(
-        [each[inside] for each in (measured, modelled, recording.angle)], points
-    )
-    return {
-        "name": recording.name,
-        "n": recording.n,
-        "rate_hz": recording.rate_hz,
-        "t": plain(recording.time[shown]),
-        "measured": plain(measured[shown]),
-        "modelled": plain(modelled[shown]),
-        "residual": plain(residual[shown]),
-        "angle": plain(recording.angle[shown]),
-        "emg": [plain(recording.emg[shown, column]) for column in range(recording.emg.shape[1])],
-        "emg_unit": recording.emg_unit,
-        "parts": {name: plain(getattr(parts, name)[shown]) for name in PARTS},
-        "excluded": _excluded(recording.time, recording.weight),
-    }
-
-
-def _excluded(time: Any, weight: Any) -> list[list[float]]:
-    """Spans that were left out [s]."""
-    if weight is None:
-        return []
-
-    return [[float(time[a]), float(time[b])] for a, b in api.excluded_spans(weight)]
+def described(name: str) -> dict[str, str]:
+    """Unit and meaning of a parameter."""
+    known = {p.name: p for p in api.OPTIONAL_PARAMETERS}
+    known |= {p.name: p for spec in api.MODELS.values() for p in reversed(spec.parameters)}
+    p = known.get(name)
+    return {"unit": "" if p is None else p.unit, "meaning": "" if p is None else p.meaning}

@@ -1,4 +1,4 @@
-"""What terms and symbols mean, for the page and for whoever points at one."""
+"""What terms and symbols mean, for the page."""
 
 import re
 from dataclasses import dataclass, replace
@@ -73,10 +73,3 @@ def _shortly(models: tuple[str, ...], every: tuple[str, ...]) -> tuple[str, ...]
     if len(missing) > 1:
         return models
     return (" but the ".join(("every model", *missing)),)
-
-
-def meanings() -> dict[str, str]:
-    """A line for each symbol and term, by what a page calls it."""
-    lines = {term.key: f"{term.name}: {term.text}" for term in terms()}
-    units = {symbol.name: f" [{symbol.unit}]" if symbol.unit != "-" else "" for symbol in symbols()}
-    return lines | {symbol.name: f"{symbol.meaning}{units[symbol.name]}" for symbol in symbols()}

@@ -6,7 +6,7 @@ A job takes its task, which is plain data, tells what happens, and returns plain
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -196,14 +196,21 @@ def report(fit: str, output: str, language: str | None = None) -> None:
         api.write_clinical_page(output, [api.load(fit)], language=language)
 
 
+def fit_part(fit: str) -> str:
+    """A fit's report, as its page shows it."""
+    return api.part_of(**api.load(fit).blocks())
+
+
+def predictions(fit: str, recordings: Mapping[str, str]) -> str:
+    """How a fit predicts other recordings, by name and file, as its page shows it."""
+    fitted = api.load(fit)
+    others = [replace(imports.read_recording(path), name=name) for name, path in recordings.items()]
+    return api.predictions_part(fitted, api.validate(fitted, others))
+
+
 def change(before: str, after: str) -> str:
     """What changed between two visits, as the leg's page shows it."""
     return api.change_part(before, after)
-
-
-def short(fit: str, language: str) -> dict[str, Any]:
-    """What a fit's page for clinicians says, to be shown by a page of ours."""
-    return asdict(api.clinical_page([api.load(fit)], language=language))
 
 
 def warm() -> None:

@@ -1,4 +1,4 @@
-"""All subjects in one table, and chosen fits side by side."""
+"""All subjects in one table."""
 
 from typing import Annotated, Any, Literal
 
@@ -6,7 +6,7 @@ from fastapi import APIRouter, Query, Response
 
 from surae import api
 from surae.files import csv_row
-from surae_workbench.web.fits import fit_summary, model_title
+from surae_workbench.web.fits import model_title
 from surae_workbench.web.project import when
 from surae_workbench.web.routes.common import ERRORS, Bench, Responses, attachment
 from surae_workbench.web.rows import Thing
@@ -88,38 +88,3 @@ def _row(fit: Thing, recording: Thing, subject: Thing | None) -> dict[str, Any]:
         **{key: fit[key] for key in ("model", "status", "vaf", "ipde", "parameters")},
         "created": when(fit["created"]),
     }
-
-
-@router.get("/compare")
-def get_compare(bench: Bench, fits: Annotated[str, Query(max_length=340)]) -> dict[str, Any]:
-    """Several fits side by side, parameter by parameter."""
-    chosen = [bench.project.need("fit", id_) for id_ in dict.fromkeys(fits.split(","))]
-    names: dict[str, None] = {}
-    for fit in chosen:
-        names |= dict.fromkeys(fit["parameters"])
-    return {
-        "fits": [fit_summary(bench, fit) for fit in chosen],
-        "parameters": [
-            {
-                "name": name,
-                **_described(name),
-                "estimates": [_estimate(model, name) for model in chosen],
-            }
-            for name in names
-        ],
-    }
-
-
-def _described(name: str) -> dict[str, str]:
-    known = {p.name: p for p in api.OPTIONAL_PARAMETERS}
-    known |= {p.name: p for spec in api.MODELS.values() for p in reversed(spec.parameters)}
-    p = known.get(name)
-    return {"unit": "" if p is None else p.unit, "meaning": "" if p is None else p.meaning}
-
-
-def _estimate(fit: Thing, name: str) -> dict[str, Any] | None:
-    answer = fit["parameters"].get(name)
-    if answer is None:
-        return None
-    ci95 = None if answer["low"] is None else [answer["low"], answer["high"]]
-    return {**{key: answer[key] for key in ("value", "sem", "verdict")}, "ci95": ci95}

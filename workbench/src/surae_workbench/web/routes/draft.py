@@ -94,14 +94,6 @@ def get_parameters(bench: Bench, browser: Browser) -> dict[str, Any]:
     }
 
 
-@router.get("/glossary")
-def get_glossary() -> dict[str, str]:
-    """What every symbol and term means, in a line."""
-    from surae_workbench.web.glossary import meanings
-
-    return meanings()
-
-
 @router.get("/models")
 def get_models() -> dict[str, Any]:
     """The models with their parameters, and the settings of a fit."""

@@ -1,6 +1,5 @@
 """Fits: asked for, understood, tried on other recordings, reported."""
 
-import json
 from operator import itemgetter
 from typing import Annotated, Any, Literal
 
@@ -8,11 +7,9 @@ from fastapi import APIRouter, Query, Response
 from fastapi.responses import FileResponse
 
 from surae import api
-from surae_workbench.web.curves import plain
 from surae_workbench.web.fits import (
     fit_detail,
     fit_summary,
-    fit_traces,
     model_title,
     submit_fit,
 )
@@ -29,11 +26,9 @@ from surae_workbench.web.routes.common import (
     made_file,
     offer_deletion,
 )
-from surae_workbench.web.routes.recordings import Instant
 from surae_workbench.web.schemas import (
     FitRequest,
     NameRequest,
-    Points,
     ProfileRequest,
     ValidateRequest,
 )
@@ -41,10 +36,6 @@ from surae_workbench.web.workbench import Workbench
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["fits"])
 
-_NONE = "'none'"
-
-#: Points of a predicted curve.
-_SHOWN = 2000
 _HTML: Responses = {200: {"content": {"text/html": {}}}}
 _PDF: Responses = {200: {"content": {"application/pdf": {}}}}
 
@@ -81,7 +72,7 @@ def get_fits(
 
 @router.get("/fits/{id}")
 def get_fit(id: PathId, bench: Bench) -> dict[str, Any]:
-    """All about one but its curves."""
+    """What its page needs beside the report."""
     return fit_detail(bench, bench.project.need("fit", id))
 
 
@@ -107,25 +98,6 @@ def get_fit_json(id: PathId, bench: Bench) -> FileResponse:
     return FileResponse(path, media_type="application/json", headers=headers)
 
 
-@router.get("/fits/{id}/traces")
-def get_traces(
-    id: PathId,
-    bench: Bench,
-    recording: Annotated[int, Query(ge=0, le=1000)] = 0,
-    start: Instant = None,
-    end: Instant = None,
-    points: Annotated[Points, Query()] = 2000,
-) -> dict[str, Any]:
-    """A fit's curves at common instants: measured, modelled, residual, parts."""
-    return fit_traces(bench.fit(id), recording, start, end, points)
-
-
-@router.get("/fits/{id}/next")
-def get_next(id: PathId, bench: Bench) -> dict[str, Any]:
-    """The ready trial that adds most to what is weak, in words and numbers."""
-    return api.measure_next(bench.fit(id)).to_json()
-
-
 @router.post("/fits/{id}/profile", status_code=202)
 def post_profile(
     id: PathId, body: ProfileRequest, bench: Bench, browser: Browser
@@ -142,54 +114,23 @@ def post_profile(
 
 
 @router.post("/fits/{id}/validate")
-def post_validate(id: PathId, body: ValidateRequest, bench: Bench) -> dict[str, Any]:
-    """Predict other recordings with its parameters."""
-    fitted, predictions = bench.fit(id), []
-    for recording in dict.fromkeys(body.recordings):
-        name = bench.project.need("recording", recording)["name"]
-        inputs = bench.prepared(recording, fitted.settings)
-        (prediction,) = api.validate(fitted, [inputs])
-        assert inputs.torque is not None  # else it could not be validated
-        shown = api.extremes([inputs.torque, prediction.torque], _SHOWN)
-        predictions.append(
-            {
-                "recording": recording,
-                "name": name,
-                "vaf": prediction.vaf,
-                "rmse_Nm": prediction.rmse,
-                "bias_Nm": prediction.bias,
-                "t": plain(inputs.time[shown]),
-                "measured": plain(inputs.torque[shown]),
-                "predicted": plain(prediction.torque[shown]),
-            }
-        )
-    return {"predictions": predictions}
+def post_validate(id: PathId, body: ValidateRequest, bench: Bench) -> dict[str, str]:
+    """How its parameters predict other recordings, as the report shows it."""
+    bench.project.need("fit", id)
+    rows = [bench.project.need("recording", each) for each in dict.fromkeys(body.recordings)]
+    others = {row["name"]: str(bench.project.recording_path(row)) for row in rows}
+    fit = str(bench.project.path("fits", id, ".json"))
+    return {"html": bench.workers.ask("tasks:predictions", fit=fit, recordings=others)}
 
 
 @router.get("/fits/{id}/report.html", response_class=Response, responses=_HTML)
-def get_report(id: PathId, bench: Bench, inline: bool = False) -> Response:
-    """A fit's report: one file to keep, or, inline, to be shown within a page."""
+def get_report(id: PathId, bench: Bench) -> Response:
+    """A fit's report: one file to keep."""
     name, data = _report(bench, id, "html")
-    if not inline:
-        return Response(data, media_type="text/html", headers=attachment(name, ".html"))
-    return Response(data, media_type="text/html", headers=_framed(data.decode()))
+    return Response(data, media_type="text/html", headers=attachment(name, ".html"))
 
 
 Language = Literal["en", "nl", "de", "fr"]
-
-
-@router.get("/fits/{id}/clinical")
-def get_short(id: PathId, bench: Bench, language: Language = "en") -> Response:
-    """What a fit's page for clinicians says: sentences, a table, and its figures as SVG."""
-    bench.project.need("fit", id)
-    fit = bench.project.path("fits", id, ".json")
-
-    def make() -> bytes:
-        page = bench.workers.ask("tasks:short", fit=str(fit), language=language)
-        return json.dumps(page).encode()
-
-    page = bench.reports.get((id, f"short-{language}"), make)  # a fit never changes
-    return Response(page, media_type="application/json")
 
 
 @router.get("/fits/{id}/clinical.html", response_class=Response, responses=_HTML)
@@ -220,22 +161,3 @@ def _report(
         )
 
     return name, bench.reports.get((id_, kind + (language or "")), make)  # a fit never changes
-
-
-def _framed(page: str) -> dict[str, str]:
-    """Headers of a report within a page: its own styles and scripts by their hashes, walled in."""
-    import base64
-    import hashlib
-    import re
-
-    def allowed(tag: str) -> str:
-        parts = re.findall(f"<{tag}>(.*?)</{tag}>", page, re.DOTALL)
-        digests = (hashlib.sha256(part.encode()).digest() for part in parts)
-        return " ".join(f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests)
-
-    policy = (
-        f"default-src 'none'; img-src data:; style-src {allowed('style') or _NONE}; "
-        f"script-src {allowed('script') or _NONE}; base-uri 'none'; form-action 'none'; "
-        "frame-ancestors 'self'; sandbox allow-scripts"
-    )
-    return {"content-security-policy": policy, "x-frame-options": "SAMEORIGIN"}

@@ -10,6 +10,7 @@ from markupsafe import Markup
 
 from surae import api
 from surae._version import __version__
+from surae.errors import InputError
 from surae.files import template
 from surae_workbench.web.glossary import symbols, terms
 from surae_workbench.web.routes.common import Bench, Browser, PathId
@@ -51,26 +52,44 @@ for _page in (
     ("/import", "import", ""),
     ("/recordings/{id}", "recording", "recording"),
     ("/fit", "fit", ""),
-    ("/fits/{id}", "result", "fit"),
-    ("/session", "session", ""),
-    ("/compare", "compare", ""),
+    ("/analyse", "analyse", ""),
+    ("/live", "live", ""),
     ("/cohort", "cohort", ""),
-    ("/protocol", "protocol", ""),
+    ("/plan", "plan", ""),
     ("/studies", "studies", ""),
     ("/studies/{id}", "study", "study"),
 ):
     _offer(*_page)
 
 
-@router.get("/sessions/{id}", name="session_result")
+@router.get("/sessions/{id}", name="leg")
 def session_page(id: PathId, request: Request, bench: Bench, browser: Browser) -> Response:
     """A leg: what its report shows."""
     bench.project.need("session", id)
     kept, shown = bench.project.path("sessions", id, ".json"), ""
     with suppress(OSError, ValueError, KeyError, TypeError, UndefinedError):  # missing, or damaged
         blocks = json.loads(kept.read_text(encoding="utf-8"))
-        shown = api.part_of(blocks["blocks"], blocks["images"])
-    return page(request, "session_result", browser, id=id, report=Markup(shown))
+        shown = api.part_of(**blocks)
+    return page(request, "leg", browser, id=id, report=Markup(shown))
+
+
+@router.get("/fits/{id}", name="result")
+def fit_page(id: PathId, request: Request, bench: Bench, browser: Browser) -> Response:
+    """A fit: its report, and what else can be tried."""
+    name, problem, shown = bench.project.need("fit", id)["name"], "", ""
+    fit = str(bench.project.path("fits", id, ".json"))
+
+    def make() -> bytes:
+        part: str = bench.workers.ask("tasks:fit_part", fit=fit)
+        return part.encode()
+
+    try:
+        shown = bench.reports.get((id, "part"), make).decode()  # a fit never changes
+    except InputError as error:
+        problem = bench.project.hidden(str(error))
+    return page(
+        request, "result", browser, id=id, called=name, problem=problem, report=Markup(shown)
+    )
 
 
 @router.get("/report.css")

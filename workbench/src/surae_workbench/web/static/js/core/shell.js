@@ -58,20 +58,20 @@ async function readJobs() {
   showJobs();
 }
 
-// What symbols mean is asked for once, when somebody points at one.
-let meanings = null;
-async function explain({ target }) {
-  const pointed = target.closest?.("[data-meant]");
-  if (!pointed || pointed.title) return;
-  meanings ??= get("/api/glossary").catch(() => ({}));
-  pointed.title = (await meanings)[pointed.dataset.meant] ?? "";
-}
-for (const kind of ["pointerover", "focusin"]) addEventListener(kind, explain);
-
 byId("undo").addEventListener("click", () => history("undo", box));
 byId("redo").addEventListener("click", () => history("redo", box));
 addEventListener("keydown", keys);
 themeButton(byId("theme"));
+const research = byId("research");
+research.checked = document.documentElement.hasAttribute("data-research");
+research.addEventListener("change", () => {
+  document.documentElement.toggleAttribute("data-research", research.checked);
+  try {
+    localStorage.setItem("surae.research", research.checked ? "on" : "off");
+  } catch {
+    // Without storage it holds for this page.
+  }
+});
 onDraft(showHistory);
 onJob(note);
 onQueue((waiting) => {

@@ -270,7 +270,7 @@ async function importTrials(analyse = false) {
     return complain(box.mapping, new Error(failed.join("; ")));
   }
   sessionStorage.removeItem(KEPT);
-  location.href = analyse ? "/session" : fit.length ? "/fit" : "/";
+  location.href = analyse ? "/analyse" : fit.length ? "/fit" : "/";
 }
 
 byId("mapping-card").addEventListener("submit", async (event) => {

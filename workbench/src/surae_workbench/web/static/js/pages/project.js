@@ -14,7 +14,7 @@ import { editSubject } from "../ui/dialog.js";
 import { paged } from "../ui/paged.js";
 import { deleteButton, sortable } from "../ui/table.js";
 
-const boxes = Object.fromEntries(["recordings", "fits", "subjects", "running"].map((k) => [k, byId(`${k}-error`)]));
+const boxes = Object.fromEntries(["sessions", "recordings", "fits", "subjects", "running"].map((k) => [k, byId(`${k}-error`)]));
 let people = [];
 const code = (id) => people.find((one) => one.id === id)?.code ?? null;
 
@@ -34,14 +34,14 @@ async function useForFit(recording) {
   });
 }
 
-const drop = (kind, thing, label) => deleteButton(`/api/${kind}/${thing.id}`, label, boxes[kind], () => refresh());
+const drop = (kind, thing, label, more) => deleteButton(`/api/${kind}/${thing.id}`, label, boxes[kind], () => refresh(), more);
 
 const pages = Object.fromEntries(["recordings", "fits"].map((kind) => [kind, paged(kind, () => refresh())]));
-const recordingsTable = sortable("Recordings of the project", [
-  { key: "name", title: "Recording", value: (r) => r.name, show: (r) => h("a", { href: `/recordings/${r.id}` }, r.name) },
+const recordingsTable = sortable("Trials of the project", [
+  { key: "name", title: "Trial", value: (r) => r.name, show: (r) => h("a", { href: `/recordings/${r.id}` }, r.name) },
   { key: "subject", title: "Subject", value: (r) => code(r.subject), show: subjectOf },
   { key: "side", title: "Side", value: (r) => r.side, show: (r) => r.side ?? "—" },
-  { key: "trial", title: "Trial", value: (r) => r.trial, show: (r) => [r.trial, r.condition].filter(Boolean).join(", ") || "—" },
+  { key: "trial", title: "Number, condition", value: (r) => r.trial, show: (r) => [r.trial, r.condition].filter(Boolean).join(", ") || "—" },
   { key: "duration_s", title: "Length", numeric: true, value: (r) => r.duration_s, show: (r) => seconds(r.duration_s) },
   { key: "fits", title: "Fits", numeric: true, value: (r) => r.fits, show: (r) => String(r.fits) },
   { key: "created", title: "Imported", value: (r) => r.created, show: (r) => when(r.created) },
@@ -51,6 +51,16 @@ const recordingsTable = sortable("Recordings of the project", [
       h("div", { class: "button-row" }, button("Fit", () => useForFit(r), { class: "small", "aria-label": `Fit ${r.name}` }), drop("recordings", r, r.name)),
   },
 ], pages.recordings.order);
+
+const legsTable = sortable("Legs of the project", [
+  { title: "Leg and visit", value: (s) => s.name, show: (s) => h("a", { href: `/sessions/${s.id}` }, s.name) },
+  { title: "Subject", value: (s) => code(s.subject), show: (s) => code(s.subject) ?? "—" },
+  { title: "Side", value: (s) => s.side, show: (s) => s.side ?? "—" },
+  { title: "Trials", numeric: true, value: (s) => s.trials, show: (s) => String(s.trials) },
+  { title: "All together", value: (s) => s.grade, show: (s) => s.grade ?? "no fit" },
+  { title: "Analysed", value: (s) => s.created, show: (s) => when(s.created) },
+  { title: "", show: (s) => drop("sessions", s, s.name, ", and none of its fits") },
+]);
 
 const fitsTable = sortable("Fits of the project", [
   { key: "name", title: "Fit", value: (f) => f.name, show: (f) => h("a", { href: `/fits/${f.id}` }, f.name) },
@@ -92,7 +102,8 @@ async function edit(person) {
 }
 
 const nothing = {
-  recordings: () => empty("No recordings yet.", "Import a file with angle, torque and EMG, or look around with a made-up leg.", h("a", { class: "button primary", href: "/import" }, "Import a file"), demoButton(boxes.recordings)),
+  sessions: () => empty("No legs yet.", "Add the trials of a leg, and analyse them."),
+  recordings: () => empty("No trials yet.", "Drop the folder of a leg, or look around with a made-up one.", h("a", { class: "button primary", href: "/import" }, "Add trials"), demoButton(boxes.recordings)),
   fits: () => empty("No fits yet.", "Open a recording, check it, and choose “Fit this recording”."),
   subjects: () => empty("No subjects yet.", "Add one under a code, for example S01; names of people do not belong here."),
 };
@@ -112,8 +123,9 @@ function show(kind, table, rows, none = !rows.length) {
 // One at a time: an answer that is late never takes the place of a later one.
 const refresh = latest(() =>
   attempt(boxes.recordings, async () => {
-    const [subjects, recordings, fits] = await Promise.all([get("/api/subjects"), pages.recordings.read(), pages.fits.read()]);
+    const [subjects, { sessions }, recordings, fits] = await Promise.all([get("/api/subjects"), get("/api/sessions"), pages.recordings.read(), pages.fits.read()]);
     people = subjects.subjects;
+    show("sessions", legsTable, sessions);
     show("subjects", subjectsTable, people);
     show("recordings", recordingsTable, recordings.rows, recordings.none);
     show("fits", fitsTable, fits.rows, fits.none);
@@ -141,7 +153,7 @@ function note(job) {
 }
 
 byId("add-subject").addEventListener("click", () => edit(null));
-onChanged(["recordings", "fits", "subjects"], () => refresh());
+onChanged(["sessions", "recordings", "fits", "subjects"], () => refresh());
 onJob(note);
 attempt(boxes.recordings, async () => {
   await refresh();

@@ -10,6 +10,3 @@ export const status = (name) => h("span", { class: `mark ${name === "converged" 
 /** A fit of recordings that mean something else now. */
 export const older = (fit) =>
   fit.older.length > 0 && h("span", { class: "mark warning", title: `Described anew since: ${fit.older.join(", ")}` }, "older description");
-
-/** A symbol or a term of the glossary: its meaning comes where it is pointed at, and in full where it is chosen. */
-export const meant = (name, text = name) => h("a", { class: "meant", href: `/glossary#${name}`, "data-meant": name }, text);

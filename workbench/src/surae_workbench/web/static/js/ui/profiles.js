@@ -6,14 +6,14 @@ import { quantity, unitText } from "../core/format.js";
 import { attempt } from "../core/notice.js";
 import { lines } from "../plot/lines.js";
 import { onTheme } from "../core/theme.js";
-import { active, jobControls, progressText } from "../ui/jobs.js";
+import { active, jobControls, progressText } from "./jobs.js";
 
 /** Rise of the deviance that ends a 95 % interval. */
 const RISE = 3.841;
 
 export function profiles(id, result, reread) {
   const box = byId("profile-error");
-  const free = Object.entries(result().fit.parameters).filter(([, p]) => p.free);
+  const free = Object.entries(result().parameters).filter(([, p]) => p.free);
   replace(byId("profile-name"), h("option", { value: "" }, "all free ones"), free.map(([name]) => h("option", { value: name }, name)));
   byId("profile-name").value = free[0]?.[0] ?? "";
 
@@ -28,7 +28,7 @@ export function profiles(id, result, reread) {
 
   function draw() {
     const known = Object.entries(result().profiles);
-    replace(byId("profile-plots"), known.length ? known.map(([name, one]) => card(name, one, result().fit.parameters[name])) : h("p", { class: "empty" }, "No profiles yet. Choose a parameter above, and Profile."));
+    replace(byId("profile-plots"), known.length ? known.map(([name, one]) => card(name, one, result().parameters[name])) : h("p", { class: "empty" }, "No profiles yet. Choose a parameter above, and Profile."));
   }
 
   byId("profile-form").addEventListener("submit", (event) => {

@@ -1,12 +1,10 @@
 // Do the parameters predict trials they were not fitted to?
 
 import { post } from "../core/api.js";
-import { byId, h, replace, tick } from "../core/dom.js";
-import { number, vaf } from "../core/format.js";
+import { byId, h, html, replace, tick } from "../core/dom.js";
 import { attempt, complain } from "../core/notice.js";
 import { latest } from "../core/pace.js";
-import { torquePlot } from "../plot/torque.js";
-import { paged } from "../ui/paged.js";
+import { paged } from "./paged.js";
 
 export function validation(id, { summary }) {
   const box = byId("validate-error");
@@ -32,18 +30,6 @@ export function validation(id, { summary }) {
       return;
     }
     const told = await attempt(box, () => post(`/api/fits/${id}/validate`, { recordings: chosen }), byId("validate-start"));
-    if (told) replace(byId("predictions"), told.predictions.map(show));
+    if (told) replace(byId("predictions"), html(told.html));
   });
-}
-
-function show(one) {
-  const plot = torquePlot({ height: 180, modelled: "predicted" });
-  plot.show(one.t, one.measured, one.predicted);
-  return h(
-    "article",
-    { class: "panel" },
-    h("h3", {}, one.name),
-    h("p", {}, `VAF ${vaf(one.vaf)} · RMSE ${number(one.rmse_Nm, 3)} Nm · bias ${number(one.bias_Nm, 2)} Nm`),
-    plot.element,
-  );
 }

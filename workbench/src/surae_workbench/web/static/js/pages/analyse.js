@@ -1,15 +1,14 @@
-// Sessions: which trials of a leg, what each of them is, and their fits.
+// Analyse a leg: which trials, what each of them is, and the fits at work.
 
 import { get, post } from "../core/api.js";
 import { byId, empty, h, replace, select, table, tick } from "../core/dom.js";
 import { onChanged } from "../core/events.js";
-import { seconds, when } from "../core/format.js";
+import { seconds } from "../core/format.js";
 import { attempt, complain } from "../core/notice.js";
 import { latest } from "../core/pace.js";
 import { demoButton } from "../ui/demo.js";
 import { active, cancel, follow, progressText } from "../ui/jobs.js";
 import { paged } from "../ui/paged.js";
-import { deleteButton, sortable } from "../ui/table.js";
 
 const pages = paged("recordings", () => refresh(), () => [...(chosen ?? [])]);
 const box = { page: byId("error"), fit: byId("new-error") };
@@ -19,15 +18,6 @@ let chosen = null;
 let job = null;
 /** Efforts that were told, by recording. */
 const efforts = {};
-
-const list = sortable("All sessions of the project", [
-  { title: "Session", value: (s) => s.name, show: (s) => h("a", { href: `/sessions/${s.id}` }, s.name) },
-  { title: "Trials", numeric: true, value: (s) => s.trials, show: (s) => String(s.trials) },
-  { title: "Fitted", numeric: true, value: (s) => s.fits, show: (s) => String(s.fits) },
-  { title: "All together", value: (s) => s.grade, show: (s) => s.grade ?? "no fit" },
-  { title: "Made", value: (s) => s.created, show: (s) => when(s.created) },
-  { title: "", show: (s) => deleteButton(`/api/sessions/${s.id}`, s.name, box.page, () => refresh(), ", and none of its fits") },
-]);
 
 /** What belongs together at first: the recordings of the newest one's leg. */
 function leg() {
@@ -118,22 +108,19 @@ byId("start").addEventListener("click", () => attempt(box.fit, async () => watch
 byId("stop").addEventListener("click", () => job && attempt(box.fit, () => cancel(job.id), byId("stop")));
 
 const refresh = latest(() => attempt(box.page, async () => {
-  const [all, subjects, sessions] = await Promise.all([pages.read(), get("/api/subjects"), get("/api/sessions")]);
+  const [all, subjects] = await Promise.all([pages.read(), get("/api/subjects")]);
   recordings = all.rows;
   people = subjects.subjects;
-  byId("list-card").hidden = sessions.sessions.length === 0;
-  list.update(sessions.sessions);
-  replace(byId("list"), list.element);
   byId("new").hidden = all.none;
   byId("empty").hidden = !all.none;
-  if (all.none) return replace(byId("empty"), empty("No recordings yet.", "A session needs some.", h("a", { class: "button primary", href: "/import" }, "Import files"), demoButton(box.page)));
+  if (all.none) return replace(byId("empty"), empty("No trials yet.", "Add those of a leg.", h("a", { class: "button primary", href: "/import" }, "Add trials"), demoButton(box.page)));
   const known = new Set(recordings.map((one) => one.id));
   chosen = new Set(chosen ? [...chosen].filter((id) => known.has(id)) : leg());
   showRecordings();
   return sort();
 }));
 
-onChanged(["recordings", "subjects", "sessions"], () => refresh());
+onChanged(["recordings", "subjects"], () => refresh());
 attempt(box.page, async () => {
   const [models, { draft }] = await Promise.all([get("/api/models"), get("/api/draft")]);
   const title = Object.fromEntries(models.settings.find((one) => one.path[0] === "model").choices)[draft.model] ?? draft.model;
