@@ -57,7 +57,7 @@ def test_every_verdict_and_finding_has_its_word_colour_and_advice() -> None:
         assert f".verdict.{word}" in paper
         assert re.search(rf'"?{word}"?: "', js)
     for grade in Grade:
-        assert f".adequacy.{grade}" in css
+        assert f".adequacy.{grade}" in paper
     assert Text._fields == LANGUAGES
     for kind in KINDS.values():
         assert kind.looks_for

@@ -72,8 +72,8 @@ def test_cancelling_keeps_the_best_so_far(browser, recorded) -> None:
     assert browser.post(f"/api/jobs/{job['id']}/cancel").status_code == 200
     job = wait(browser, job["id"], "cancelled")
     fit = browser.get(f"/api/fits/{job['result']}").json()
-    assert fit["fit"]["vaf"] > 50
-    assert "stopped by the user" in fit["fit"]["message"]
+    assert fit["summary"]["vaf"] > 50
+    assert "stopped by the user" in browser.get(f"/api/fits/{job['result']}/fit.json").text
     assert browser.post(f"/api/jobs/{job['id']}/cancel").status_code == 409
 
 
