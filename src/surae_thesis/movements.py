@@ -17,7 +17,7 @@ from surae.recording import MUSCLES
 from surae.report.figures import BLUE, GREY, INK, OCHRE, RED
 from surae.studies import POPULATIONS
 from surae_thesis.claims import Ruling, judge_all
-from surae_thesis.legs import protocol
+from surae_thesis.legs import motion, protocol
 from surae_thesis.plots import Panel, PlotLine, draw
 from surae_thesis.section import Context, Drawing, Result
 from surae_thesis.simulation.cells import (
@@ -72,9 +72,9 @@ def _peak(profile: str, amplitude: float, factor: float) -> float:
 def span(_: None) -> Ruling:
     """Every profile's part of the range."""
     spans = []
-    for motion in [*map(basic, NAMES), *map(chirped, CHOSEN)]:
-        low, high = motion.settings.range_of_motion
-        spans.append(float(np.ptp(motion.angle)) / (high - low))
+    for done in [*map(basic, NAMES), *map(chirped, CHOSEN)]:
+        low, high = done.settings.range_of_motion
+        spans.append(float(np.ptp(done.angle)) / (high - low))
     least = min(spans)
     return Ruling(least >= 1 - 2 * _REACHED, f"{100 * least:.2f} % of the range at least")
 
@@ -91,8 +91,8 @@ def highest_factor(_: None, near: float) -> Ruling:
 def plane_visited(_: None) -> Ruling:
     """Part of the length–velocity plane, as simulated, and as the manipulator can follow."""
     low, high, filtered = (
-        triceps_path(motion).coverage.share
-        for motion in (
+        triceps_path(done).coverage.share
+        for done in (
             basic("ramp-and-hold"), chirped("multi-sine-holds"), for_achilles("multi-sine-holds"),
         )
     )  # fmt: skip
@@ -186,9 +186,9 @@ def drawings() -> tuple[Drawing, ...]:
         Drawing("figure-9", "Figure 9: the two EMG tasks",
             "Bursts alternate between the triceps surae's three heads and the tibialis "
             f"anterior; the largest effort is {_FULL:g} µV, as in the thesis.",
-            "Bursts of the four muscles, above from 11 s on, below from the start.",
+            "Bursts of the four muscles, above from 11 s on, below from the start to 24 s.",
             draw([_efforts("part-passive", "9A. relaxed to 11 s, then alternating", ""),
-                  _efforts("active", "9B. alternating throughout", "Time [s]")], 5.2,
+                  _efforts("active", "9B. the active part alone", "Time [s]")], 5.2,
                  shared=4, sharex=True)),
         _adapted("figure-36", "multiple-holds", "Figure 36: multiple holds for the manipulator"),
         _adapted("figure-37", "multi-sine-holds",
@@ -198,16 +198,16 @@ def drawings() -> tuple[Drawing, ...]:
     )  # fmt: skip
 
 
-def _position(motion: Trajectory, title: str, *, last: bool = True) -> Panel:
+def _position(done: Trajectory, title: str, *, last: bool = True) -> Panel:
     """Angle from full plantarflexion, as the thesis draws it."""
-    low, high = motion.settings.range_of_motion
+    low, high = done.settings.range_of_motion
     at = {"ylim": (-0.06, high - low + 0.06), "yticks": [0.0, 0.5, 1.0, 1.5]}
-    lines = [PlotLine(motion.time, motion.angle - low)]
+    lines = [PlotLine(done.time, done.angle - low)]
     return Panel("Ankle angle\n[rad]", lines, "Time [s]" if last else "", title, at)
 
 
-def _map(name: str, title: str, motion: Trajectory) -> Drawing:
-    path = triceps_path(motion)
+def _map(name: str, title: str, done: Trajectory) -> Drawing:
+    path = triceps_path(done)
     share = f"{100 * path.coverage.share:.2g} % of the"
     cloud = {"color": BLUE, "marker": ".", "markersize": 2.6, "markeredgewidth": 0,
              "linestyle": "none", "rasterized": True}  # fmt: skip
@@ -226,13 +226,13 @@ def _map(name: str, title: str, motion: Trajectory) -> Drawing:
 
 
 def _efforts(task: str, title: str, xlabel: str) -> Panel:
-    motion = basic("multiple-holds", task)
+    done = motion("multiple-holds", task, 0.0, None, 512.0)
     lines = [
-        PlotLine(motion.time, _FULL * motion.effort[:, MUSCLES.index(muscle)], label,
+        PlotLine(done.time, _FULL * done.effort[:, MUSCLES.index(muscle)], label,
              {"color": colour, "linestyle": dashes})
         for muscle, (colour, dashes, label) in _LOOKS.items()
     ]  # fmt: skip
-    return Panel("EMG [µV]", lines, xlabel, title, {"xlim": (0.0, motion.time[-1])})
+    return Panel("EMG [µV]", lines, xlabel, title, {"xlim": (0.0, 35.0)})
 
 
 def _adapted(name: str, profile: str, title: str) -> Drawing:

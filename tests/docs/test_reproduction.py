@@ -51,3 +51,36 @@ def test_readme_and_page_give_these_counts() -> None:
         holds = section.count("holds")
         numbers = [int(cell) for cell in row.split("|") if cell.strip().isdigit()]
         assert numbers[:3] == [holds, len(section) - holds - differs, differs]
+
+
+def test_the_list_of_before_and_after_has_the_verdicts_of_the_table() -> None:
+    page = (ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8")
+    listed = re.findall(
+        r"^\| (.+?) \| [^|]+ \| ([^|]+) \|$", page.split("| now |")[1], re.MULTILINE
+    )
+    now = {claim: said.strip("*") for claim, said in listed if "---" not in claim}
+    rows = re.findall(r"^\| ([A-Z].*?\.) \(.*\*\*([^*]+)\*\* \|$", TABLE, flags=re.MULTILINE)
+    assert now == {claim.replace("\\", ""): said for claim, said in rows}
+    assert len(now) == len(EVERY) == 101
+
+
+def test_each_unexplained_claim_has_a_paragraph_and_causes_are_counted() -> None:
+    page = (ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8")
+    head, why = page.split("\n##")[0], page.split("## What differs, and why")[1].split("\n## ")[0]
+    counts = [EVERY.count(f"differs: {cause}") for cause in CAUSES]
+    found = re.search(
+        r"(\d+) differ: (\d+) by .*?, (\d+) by .*?, (\d+)\s+.*?, (\d+) we", head, re.DOTALL
+    )
+    assert found is not None
+    assert list(map(int, found.groups())) == [COUNTS["differs"], *filter(None, counts)]
+    paragraphs = re.findall(r"^\*\*([A-Z].*?)\*\*", why, flags=re.MULTILINE)
+    beside = {"A chirp of 0.3 rad", "The size of a standard error"}  # no claim that differs
+    assert len(set(paragraphs) - beside) == EVERY.count("differs: unexplained")
+
+
+def test_numbers_of_the_findings_are_those_of_the_table() -> None:
+    page = (ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8").split("\n##")[0]
+    findings = " ".join(page.split())
+    for text in re.findall(r"^\*\*(?:A low SEM|Solved|Table 2).*$", TABLE, flags=re.MULTILINE):
+        for number in re.findall(r"[\d.]+ %|\d+ to \d+ Nm", text):
+            assert re.search(rf"(?<![\d.]){re.escape(number)}", findings), number

@@ -99,8 +99,8 @@ def run(context: Context) -> Result:
         tables=(_ways_table(ways),) if joint else (),
         notes=(
             f"Joint fits of {len(joint)} subjects take all protocols and repetitions but the last, "
-            "which they predict. Freed are, in turn, none, the triceps' ε0, and ε0 of both muscles "
-            "with the triceps' toe force. The thesis's way is one recording, repetition 1 of the "
+            "which they predict. Freed are none, or ε0 of both muscles and the triceps' toe force. "
+            "The thesis's way is one recording, repetition 1 of the "
             "multiple holds. EMG weights are left out: crosstalk and muscles without electrodes "
             "are part of what a weight stands for. The gain from EMG to torque is constant.",
         ),

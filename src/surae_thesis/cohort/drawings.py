@@ -106,7 +106,7 @@ def integrator_drawing(ways: Ways) -> Drawing:
         "VAF of fits of model 2.0 to repetition 1 of the multiple holds: implicit integration of "
         f"the tendon, and the thesis's explicit one with an optimiser of its kind. {_BOXES}",
         "Box plots of the VAF of model 2.0 for two integrators.",
-        vaf_figure(boxes, 60.0, noted(ways.wandering)),
+        vaf_figure(boxes, 40.0, noted(ways.wandering)),
     )  # fmt: skip
 
 

@@ -282,21 +282,10 @@ def example(members: Sequence[CohortSubject]) -> tuple[int, CohortSubject]:
     return min(enumerate(members), key=lambda who: (-len(who[1].completed), bool(who[1].remarks)))
 
 
-_SPECTRA: dict[str, list[tuple[FloatArray, FloatArray]]] = {}
-
-
 def spectra_of(who: CohortSubject) -> list[tuple[FloatArray, FloatArray]]:
     """`spectrum` of the torque of a subject's multiple holds, by repetition."""
-    key = f"{who.subject.seed} {who.imperfections.gain_variation}"
-    if key not in _SPECTRA:
-        _SPECTRA[key] = [
-            spectrum(
-                np.asarray(cohort_recording(who, ACTIVE_PROTOCOL, r).channels["torque"].values),
-                RECORDED_HZ,
-            )
-            for r in range(1, REPETITIONS + 1)
-        ]
-    return _SPECTRA[key]
+    each = (cohort_recording(who, ACTIVE_PROTOCOL, r) for r in range(1, REPETITIONS + 1))
+    return [spectrum(np.asarray(one.channels["torque"].values), RECORDED_HZ) for one in each]
 
 
 def spectrum(signal: FloatArray, rate_hz: float) -> tuple[FloatArray, FloatArray]:

@@ -40,9 +40,7 @@ MODELS = {
 }
 #: Ways to fit several recordings together: model, and what it frees beside its own parameters.
 JOINT: Mapping[str, tuple[str, tuple[str, ...]]] = {
-    "joint 1.0": ("1.0", ()),
     "joint 2.0": ("2.0", ()),
-    "joint + ε0": ("2.0", ("dlt_tri",)),
     "joint + tendons": ("2.0", ("dlt_tri", "dlt_tib", "pt_tri")),
 }
 #: Samples of the largest torque that count as its peaks.

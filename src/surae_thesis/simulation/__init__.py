@@ -21,7 +21,7 @@ def run(context: Context) -> Result:
         raise ComputationError("simulation-grid: no fit succeeded")
     return Result(
         findings=judge_all("simulation", views, *RULES),
-        figures=drawings(views),
+        figures=drawings(views[SIGNED]),
         tables=(_grid(views[SIGNED]),),
         notes=_notes(context, views[SIGNED]),
     )

@@ -1,28 +1,16 @@
 """Figures 11 to 16 of the thesis from our grid, and what explains where they differ."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
-from surae.report.figures import (
-    BLUE,
-    GREY,
-    MUTED,
-    RED,
-    Figure,
-    dress,
-    heading,
-    line,
-    new_figure,
-)
+from surae.report.figures import BLUE, GREY, MUTED, RED, Figure, dress, heading, line, new_figure
 from surae.studies import POPULATIONS
-from surae_thesis.claims import INTEGRATOR
 from surae_thesis.plots import Panel, PlotLine, draw
 from surae_thesis.section import Drawing
 from surae_thesis.simulation import cells as c
 from surae_thesis.simulation.cells import Cells, GridCell, Study, normalised, select
-from surae_thesis.simulation.rules import GOOD_VAF
 
 _SEM = "SEM / its mean [-]"
 _FACTOR, _AMPLITUDE = "chirp factor [-]", "chirp amplitude [rad]"
@@ -34,9 +22,9 @@ _IPDE = {"muscle": (2.60, 2.80), "muscle-tendon": (3.45,)}
 _MARKED = "Markers of fifteen parameters above each profile, with their mean as a line."
 
 
-def drawings(views: Mapping[str, Study]) -> tuple[Drawing, ...]:
-    """All figures of the section, from the cells under each reading of the noise."""
-    study, grid = views[c.SIGNED], views[c.SIGNED].grid
+def drawings(study: Study) -> tuple[Drawing, ...]:
+    """All figures of the section."""
+    grid = study.grid
     return (
         Drawing("figure-11", "Figure 11: SEM against the chirp’s factor",
             "Multiple holds, chirp of 0.2 rad, part-passive task: SEM of each parameter over its "
@@ -60,15 +48,8 @@ def drawings(views: Mapping[str, Study]) -> tuple[Drawing, ...]:
             "Five repeats of the noise at each factor, chirp of 0.1 rad, muscle model. A: VAF, B: "
             "SEM of k_tri, both with multiple holds; C: IPDE with multiple holds, D: with "
             "multi-sine-holds. Boxes from the first to the third quartile, line at the median, "
-            "whiskers to the outermost value.", "Four panels of box plots against the chirp’s "
-            "factor.", _noise(study.noise)),
-        Drawing("explicit-scheme", "The thesis’s explicit scheme against an implicit one",
-            "1 − VAF of the muscle-tendon model over the chirp’s amplitude at factor 0.5, "
-            "part-passive, simulated and fitted by the same scheme: explicit Euler at 1000 Hz "
-            "(4.4) with the thesis’s kind of optimiser from the default start, and ours. Below "
-            "the line: the thesis’s success.",
-            "The explicit scheme lies above the line, the implicit one near or below it.",
-            _explicit(grid, views[INTEGRATOR].grid)),
+            "whiskers to the outermost value but for outliers (+).",
+            "Four panels of box plots against the chirp’s factor.", _noise(study.noise)),
     )  # fmt: skip
 
 
@@ -149,30 +130,10 @@ def _noise(noise: Cells) -> Figure:
             if value is not None and cell.factor is not None:
                 groups.setdefault(cell.factor, []).append(value)
         axes.boxplot(
-            list(groups.values()), positions=list(groups), widths=0.014, whis=(0, 100),
+            list(groups.values()), positions=list(groups), widths=0.014, sym="+",
             manage_ticks=False, patch_artist=True,
             boxprops={"facecolor": "#c9d6e8", "edgecolor": BLUE}, medianprops={"color": RED},
             whiskerprops={"color": MUTED}, capprops={"color": MUTED},
         )  # fmt: skip
         axes.ticklabel_format(axis="y", useOffset=False)
     return figure
-
-
-def _explicit(grid: Cells, explicit: Cells) -> Figure:
-    some = select(grid, model="muscle-tendon", task="part-passive")
-    implicit = tuple(cell for cell in some if cell.factor in (None, c.CHOSEN_FACTOR))
-    several = (
-        ("explicit Euler, 1000 Hz", explicit, ("^", RED, "none")),
-        ("implicit, 256 Hz", implicit, ("o", BLUE, BLUE)),
-    )
-    lines = [
-        PlotLine([cell.amplitude + 0.008 * (number - 0.5) for cell in cells],
-             [100.0 - cell.vaf for cell in cells], label,
-             {"marker": marker, "color": colour, "markersize": 5, "linestyle": "none",
-              "markerfacecolor": inside})
-        for number, (label, cells, (marker, colour, inside)) in enumerate(several)
-    ]  # fmt: skip
-    at = {"yscale": "log", "xticks": c.AMPLITUDES}
-    panel = Panel("1 − VAF [%]", lines, _AMPLITUDE, "", at, (100.0 - GOOD_VAF,))
-    note = f"A marker for each profile; line: VAF {GOOD_VAF} %."
-    return draw([panel], 4.2, shared=2, note=note)
