@@ -84,7 +84,7 @@ def one(model, name, protocol, r, subject, vaf, sem, bound, correlation, short):
     targets = [(protocol, k) for k in (2, 3)] if r == 1 else []
     targets += [(PASSIVE, k) for k in (1, 2, 3)] if r == 1 and protocol == HOLDS else []
     return {
-        "status": "converged", "n": 9000, "first_start": True,
+        "n": 9000, "first_start": True,
         "vaf": vaf("fit", model, protocol, subject),
         "parameters": {
             n: {

@@ -38,15 +38,12 @@ PROTOCOLS = {
 _SEGMENT = 8.0
 
 
-def described(points: Points, digits: int = 1) -> str:
+def described(points: Points) -> str:
     """Mean, median and lowest of numbers in percent, and how many."""
     if not points:
         raise NotThereError("No such fit is there.")
     v = values(points)
-    return (
-        f"{v.mean():.{digits}f} % (median {np.median(v):.{digits}f}, lowest "
-        f"{v.min():.{digits}f}, n = {len(v)})"
-    )
+    return f"{v.mean():.1f} % (median {np.median(v):.1f}, lowest {v.min():.1f}, n = {len(v)})"
 
 
 # Means and orders

@@ -129,7 +129,6 @@ def fit_record(
     measured = np.concatenate([_measured(inputs) for inputs in fit.result.problem.inputs])
     missing = np.concatenate(fit.result.residuals)
     return {
-        "status": fit.status,
         "n": fit.result.problem.n,
         "vaf": _finite(fit.vaf),
         # Whether the default start alone finds the best minimum, to a thousandth of its sum.
@@ -180,7 +179,6 @@ def _explicit(
             share = None
         predicted.append({"protocol": other, "repetition": r, "vaf": share})
     return {
-        "status": "converged",
         "vaf": _finite(fit["vaf"]),
         "parameters": {
             name: {
