@@ -170,3 +170,17 @@ def test_the_trackers_drift_is_followed_faster_than_it_forgets(posterior) -> Non
     film = posterior.latents[0].films[0]
     apart = np.diff([film.length.size * row.argmax() / row.size for row in film.drift]) / 30.0
     assert apart.max() < 0.3 * 5.0
+
+
+def test_a_joint_fit_has_one_zero_of_each_film(filmed) -> None:
+    recording, _ = filmed
+    search = _Search(make_problem([recording, replace(recording, name="again")], "auto"), None)
+    joint = search._posterior((), 64.0, _white(search._asked, 0.05), _BEGIN)
+    at = joint.names.index("film_zero_tib")
+    assert joint.names.count("film_zero_tib") == 1
+    z, c, w = joint.start({}), joint.still(), joint.expected()
+    for number in range(2):
+        films = joint.film_rows(z, c[number], w[number], number)
+        seen = {view.channel: rows[0][at].any() for view, rows in
+                zip(joint.latents[number].films, films, strict=True)}  # fmt: skip
+        assert seen == {"fascicle_gm": False, "fascicle_tib": True}
