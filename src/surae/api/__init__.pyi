@@ -13,6 +13,7 @@ from surae.api.designing import as_device as as_device
 from surae.api.designing import design as design
 from surae.api.designing import design_session as design_session
 from surae.api.designing import measure_next as measure_next
+from surae.api.examples import example_leg as example_leg
 from surae.api.expecting import expect as expect
 from surae.api.expecting import protocol_trajectory as protocol_trajectory
 from surae.api.expecting import ready_trajectory as ready_trajectory

@@ -25,6 +25,7 @@ from surae.errors import InputError, SuraeError
 #: `surae.commands`; and its one-line help.
 COMMANDS = {
     "demo": ("surae.cli.demo", "Fit an embedded virtual subject and write its report."),
+    "example": ("surae.cli.example", "Write trials of a virtual leg, to try surae with."),
     "inspect": ("surae.cli.inspect", "List a file's channels and guess which signal each is."),
     "convert": ("surae.cli.convert", "Write a recording in another format."),
     "check": ("surae.cli.check", "Look for faults in recordings before they are fitted."),

@@ -1,15 +1,12 @@
 """`surae demo`."""
 
-from pathlib import Path
-
 import click
 
 from surae import api
 from surae.cli.fit import judge_end, show_fitted
-from surae.cli.paths import check_outputs
+from surae.cli.paths import check_outputs, make_folder
 from surae.cli.progress import compilation_notice, work
 from surae.cli.screen import show_line
-from surae.errors import InputError
 from surae.files import shown, write_json
 
 
@@ -20,12 +17,7 @@ def command(output: str) -> None:
 
     The subject's true parameters are known; they are written beside the fit, as true.json.
     """
-    folder = Path(output)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"cannot make the folder {shown(output)}: {reason.lower()}") from None
+    folder = make_folder(output)
     fitted, report, true = (str(folder / f) for f in ("fit.json", "report.html", "true.json"))
     check_outputs({"fit": fitted, "report": report, "true values": true}, ())
 

@@ -160,7 +160,8 @@ def _moved(trial: Trial, signals: Signals) -> Trial:
     hold = Hold(
         float(signals.angle.mean()), float(signals.torque.mean()), float(signals.torque.std())
     )
-    return replace(trial, hold=hold, why=f"a static hold, it moves {degrees}")
+    moves = f", it moves {degrees}" if high - low > np.radians(0.1) else ""
+    return replace(trial, hold=hold, why=f"a static hold{moves}")
 
 
 def _levels(signals: Signals) -> dict[str, _Level]:

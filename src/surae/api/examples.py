@@ -1,0 +1,71 @@
+"""A folder of trials of one virtual leg, as a laboratory would keep it."""
+
+from pathlib import Path
+
+import numpy as np
+
+from surae.files import PathLike
+from surae.protocol import Given, Protocol, Trajectory, generate, named_device
+from surae.recording import csv_columns, write_csv
+from surae.studies import realistic_imperfections, virtual_recording, virtual_subject
+
+#: Sampling rate of all channels [Hz].
+_RATE = 1024.0
+#: Held angles [deg], and for how long [s].
+_HELD, _HOLD = (-15, 0, 10, 18), 8.0
+#: Trials that move: name, profile, effort, duration [s].
+_MOVED = (
+    ("slow_stretch", "ramp-and-hold", "passive", 30.0),
+    ("active_1", "multiple-holds", "active", 25.0),
+    ("active_2", "multi-sine-holds", "active", 25.0),
+)
+
+
+def example_leg(folder: PathLike) -> tuple[Path, ...]:
+    """Write trials of one virtual leg into a folder: holds, a slow stretch and active trials.
+
+    The leg has what real measurements have: crosstalk, noise, an axis that is off, effort that
+    varies.
+
+    Parameters
+    ----------
+    folder : path
+        Where to; it is made where it is missing.
+
+    Returns
+    -------
+    tuple of Path
+        The files, always the same.
+
+    Raises
+    ------
+    InputError
+        A file cannot be written.
+    """
+    leg = virtual_subject(seed=1)
+    movements = {f"held_{angle}deg": _held(angle) for angle in _HELD}
+    for name, profile, task, seconds in _MOVED:
+        movements[name] = generate(
+            Protocol(profile=profile, task=task, duration=seconds, rate_hz=_RATE,
+                     device=named_device("achilles"))
+        )  # fmt: skip
+    files = []
+    for number, (name, movement) in enumerate(movements.items()):
+        recording = virtual_recording(
+            leg, movement, seed=number, imperfections=realistic_imperfections(leg)
+        )
+        files.append(Path(folder) / f"{name}.csv")
+        write_csv(files[-1], csv_columns(recording), [f"name: {name}", "emg: raw", "side: right"])
+    return tuple(files)
+
+
+def _held(degrees: int) -> Trajectory:
+    """The ankle held still and relaxed."""
+    time = np.arange(round(_HOLD * _RATE)) / _RATE
+    still, angle = np.zeros(len(time)), np.radians(degrees)
+    around = (angle - 0.01, angle + 0.01)
+    return Trajectory(
+        settings=Given(profile="hold", task="passive", range_of_motion=around, rate_hz=_RATE),
+        time=time, angle=still + angle, velocity=still, acceleration=still,
+        effort=np.zeros((len(time), 4)),
+    )  # fmt: skip
