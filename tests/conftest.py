@@ -33,6 +33,14 @@ settings.register_profile(
 settings.load_profile("repeatable")
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Tests in a browser come first: at the end the workers would share them, and what they need.
+
+    Their server, its window and the project with its fits would be made twice or thrice.
+    """
+    items.sort(key=lambda item: "/e2e/" not in item.nodeid)
+
+
 def pytest_collection_finish() -> None:
     """Let the collector of garbage leave alone what is there to the end: modules, tests, kernels.
 

@@ -67,7 +67,7 @@ def test_a_trial_by_keyboard_on_both_pages(chromium, address) -> None:
     page.keyboard.press("Space")
     expect(page.locator("#clock")).to_contain_text("Trial 1", timeout=PATIENCE)
     expect(subject.locator("#say")).to_have_text(re.compile("Ready …|Push down|Pull up"))
-    expect(subject.locator("#say")).to_have_text(re.compile("Push down|Pull up"), timeout=20_000)
+    expect(subject.locator("#say")).to_have_text(re.compile("Push down|Pull up"), timeout=PATIENCE)
     assert "Nm" not in subject.inner_text("body")
     page.keyboard.press("m")
 

@@ -36,7 +36,7 @@ _ADDRESS = re.compile(r"http://\S+?(?=/? )")
 WHOLE = {"model": "muscle", "starts": 1}
 MUSCLES = ("ta", "gl", "sol", "gm")
 #: Milliseconds that a page may take on a busy computer, the first compilation of kernels included.
-PATIENCE = 240_000
+PATIENCE = 120_000
 
 
 class Server:
