@@ -19,6 +19,8 @@ LOSSES = ("huber", "soft-l1", "tukey")
 POPULATIONS = ("healthy", "patient")
 NORMALISATIONS = ("session", "mvc")
 FOOT_SHARES = ("winter", "de-leva-female", "de-leva-male")
+#: Whose the table of a geometry is.
+GEOMETRY_OF = ("generic", "person")
 #: Languages of the page for clinicians.
 LANGUAGES = ("en", "nl", "de", "fr")
 #: What a peak is one of, where peaks count more.

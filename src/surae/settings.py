@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from surae.errors import InputError
 from surae.filed import filed
-from surae.model.options import ModelOptions
+from surae.model.options import ModelOptions, with_geometry
 from surae.names import (
     AUTO,
     FITTED,
     FOOT_SHARES,
+    GEOMETRY_OF,
     LOSSES,
     NORMALISATIONS,
     NUISANCES,
@@ -159,6 +160,13 @@ class FitSettings:
         "bounds.", least=1, most=_MOST_STARTS, help="Number of starts of a fit.", label="Starts",
     )  # fmt: skip
     seed: int = setting(0, "Seed of the random starts.", least=0, label="Seed")
+    geometry_of: str = setting(
+        GEOMETRY_OF[0], "Whose the table of `geometry` is: with the person's own, `auto` holds "
+        "moment arms and muscle lengths closer to it.", choices=GEOMETRY_OF, needs=f"model={AUTO}",
+        help="Whose the geometry's table is; auto departs less from the person's own.",
+        label="The geometry’s file is", words={"generic": "of a generic model",
+        "person": "of this person"},
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         """Freeze what was given, and refuse what no model could mean."""
@@ -180,6 +188,13 @@ class FitSettings:
                 rule = f"use one of: {', '.join(record.choices)}"
                 raise InputError(f"{name} is {value!r}; {rule}")
         laboratory(self.nuisances)
+        if self.geometry_of != GEOMETRY_OF[0]:
+            if self.geometry_of not in GEOMETRY_OF:
+                raise InputError(
+                    f"geometry_of is {self.geometry_of!r}; use one of: {', '.join(GEOMETRY_OF)}"
+                )
+            if isinstance(self.options.geometry, str):
+                raise InputError("geometry_of has no effect without a geometry's file; give one")
         free: Any = self.free
         object.__setattr__(self, "free", (free,) if isinstance(free, str) else tuple(free))
         if isinstance(self.weights, Sequence):
@@ -227,7 +242,7 @@ class FitSettings:
         base = model if isinstance(model, FitSettings) else cls(model)
         given = {name: value for name, value in asked.items() if value is not None}
         options = given.pop("options", base.options)
-        switches = {name: given.pop(name) for name in _OPTIONS if name in given}
+        switches = with_geometry({n: given.pop(n) for n in _OPTIONS if n in given})
         if "priors" in given:
             given |= _believed(given["priors"])
         known = [f.name for f in fields(cls)]

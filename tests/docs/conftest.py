@@ -67,6 +67,7 @@ def prepared(tmp_path_factory) -> Path:
         shutil.copy(folder / "trial.csv", folder / "cohort" / person / "trial.csv")
     columns = _columns(trials["trial"])
     write_csv(folder / "lab.csv", {_LAB[n]: _TO_LAB.get(n, 1.0) * columns[n] for n in columns})
+    shutil.copy(Path(__file__).parents[1] / "data" / "geometry.csv", folder)
     (folder / "leg").mkdir()
     for name, source in {"trial1": "trial", "trial2": "other", "rest": "trial"}.items():
         own = _columns(trials[source])

@@ -6,6 +6,7 @@ import pydoc
 import re
 from dataclasses import fields
 from inspect import signature
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -21,6 +22,7 @@ from surae.studies import virtual_subject, virtual_trial
 from surae_workbench.web.draft import changed, empty_draft, settings_of
 from surae_workbench.web.schemas import DraftChange
 
+TABLE = Path(__file__).parents[1] / "data" / "geometry.csv"
 WEIGHTS = Weighting(((-math.inf, 1.0, 0.0), (3.0, 4.0, 2.0)), 4.0, "emg")
 #: How each field is reached: keywords of `surae.fit`, options of `surae fit`, keys of a draft.
 REACHED: dict[str, tuple[dict[str, Any], str, dict[str, Any]]] = {
@@ -75,6 +77,17 @@ REACHED: dict[str, tuple[dict[str, Any], str, dict[str, Any]]] = {
     "nuisances": ({"nuisances": "none"}, "--nuisances none", {"nuisances": "none"}),
     "starts": ({"starts": 3}, "--starts 3", {"starts": 3}),
     "seed": ({"seed": 5}, "--seed 5", {"seed": 5}),
+    "geometry_of": (
+        {"geometry": TABLE, "vmax_factor": 9.0, "geometry_of": "person"},
+        f"--geometry {TABLE} --vmax-factor 9 --geometry-of person",
+        {
+            "options": {
+                "geometry": {"name": TABLE.name, "text": TABLE.read_text(encoding="utf-8")},
+                "vmax_factor": 9.0,
+            },
+            "geometry_of": "person",
+        },
+    ),
 }
 
 

@@ -68,6 +68,7 @@ from surae.measures.cohort import Cohort as Cohort
 from surae.measures.norms import placed as placed
 from surae.measures.norms import read_norms as read_norms
 from surae.model import MODELS as MODELS
+from surae.model import GeometryTable as GeometryTable
 from surae.model import ModelSpec as ModelSpec
 from surae.model import Parameter as Parameter
 from surae.model import Simulator as Simulator
@@ -75,6 +76,7 @@ from surae.model import adapted as adapted
 from surae.model import check_value as check_value
 from surae.model import get_model as get_model
 from surae.model import with_optional as with_optional
+from surae.model.geometry_file import geometry_of_text as geometry_of_text
 from surae.model.jit import cache_folder as cache_folder
 from surae.model.jit import on_compilation as on_compilation
 from surae.model.laboratory import richest as richest

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -134,6 +135,20 @@ class Name(OptionType):
         return text.strip()
 
 
+class ChoiceOrFile(OptionType):
+    """One of several words, or the path of a file that exists."""
+
+    def __init__(self, choices: tuple[str, ...]) -> None:
+        self.choices = choices
+
+    def read(self, text: str, where: str) -> str:
+        """Give the word or the path."""
+        if text not in self.choices and not Path(text).is_file():
+            words, option = " or ".join(self.choices), where.partition(" ")[0]
+            raise InputError(f"{option}: {text!r} is no file; give one, or {words}")
+        return text
+
+
 class Span(OptionType):
     """A stretch of time, START:END, either of which may be left away; with a weight START:END:W."""
 
@@ -226,7 +241,12 @@ def _option(each: "Field[Any]", record: Setting) -> dict[str, Any]:
     kind = kind_of(each)
     metavar = record.metavar or ("N" if kind == "whole" else None)
     how: dict[str, Any] = {"help": record.help or record.meaning, "metavar": metavar}
-    if record.choices:
+    if record.file:
+        how |= {
+            "type": ChoiceOrFile(record.choices),
+            "metavar": "|".join((*record.choices, "FILE")),
+        }
+    elif record.choices:
         how["type"] = click.Choice(record.choices)
     elif kind == "flag":
         return how | {"is_flag": True}

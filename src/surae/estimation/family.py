@@ -113,7 +113,9 @@ class _Search:
         self._beliefs = {
             name: belief
             for name, belief in laboratory(
-                problem.settings.nuisances, quiet_levels(problem.inputs)
+                problem.settings.nuisances,
+                quiet_levels(problem.inputs),
+                measured=problem.settings.geometry_of == "person",
             ).items()
             if name not in held and not _needless(name, self._silent, filmed)
         }

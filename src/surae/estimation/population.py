@@ -194,7 +194,7 @@ def population_priors(
     return {
         name: (prior.median / (_SLACK.get(name, 1.0) if strain else 1.0), prior.spread)
         for name, prior in KNOWN[population].items()
-        if options.geometry == "thesis" or name not in _PRINTED_GEOMETRY
+        if options.travel == "thesis" or name not in _PRINTED_GEOMETRY
     }
 
 
@@ -211,7 +211,7 @@ def wide_priors(
     wide = {name: (median, WIDENED * spread) for name, (median, spread) in health.items()}
     wide["f"] = wide["f0"]  # the model of 2010 calls it so
     own = dict(WIDE)
-    if options.geometry == "virtual-work":
+    if options.travel == "virtual-work":
         own |= WIDE_VIRTUAL_WORK
     if emg_unit == "1":
         own |= dict.fromkeys(_WEIGHTS, WIDE_NORMALISED)

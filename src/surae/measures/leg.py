@@ -33,8 +33,8 @@ _STILL = 1e-9
 _DEGREE = np.pi / 180.0
 #: How parameters begin that are the paths and curves of a leg.
 _OF_LEG = ("arm_", "path_", "length_", "fl_", "fv_")
-#: Angles beyond which no length is looked for [deg].
-_TURN = 150.0
+#: Angles between which a length is looked for [deg].
+_ENDS = (-150.0, 150.0)
 
 
 class NotDefinedError(Exception):
@@ -115,24 +115,23 @@ class Leg:
         """Length of muscle and tendon together beyond the tendon's slack length [m]."""
         return self._path(group).length(degrees * _DEGREE)
 
-    def _path(self, group: str) -> "_StraightPath":
+    def _path(self, group: str) -> "_Path":
         """Path of a group, with an arm and a length of its own where the leg has them."""
         own = (
             self.values.get(f"{name}_{group}", 0.0)
             for name in ("arm_scale", "arm_slope", "arm_bend", "path_scale", "length_zero")
         )
-        return _straight_path(group, self.options)._replace(own=tuple(own))
+        return _Path(group, self.options, tuple(own))
 
     def angle_of(self, group: str, length: float) -> float:
         """Angle [deg] at which muscle and tendon, but for its slack length, are so long."""
+        from scipy.optimize import brentq
+
         path = self._path(group)
-        ends = [path.length(sign * _TURN * _DEGREE) - length for sign in (-1.0, 1.0)]
+        ends = [path.length(end * _DEGREE) - length for end in _ENDS]
         if not ends[0] * ends[1] < 0.0:
             raise NotDefinedError("no angle of the ankle makes the muscle so long")
-        # Of both roots of the quadratic, that between which and 0 the length turns nowhere.
-        missing, slope = (length - path.length(0.0)) / math.exp(path.own[3]), path.slope
-        root = math.sqrt(slope * slope + 2.0 * path.bend * missing)
-        return 2.0 * missing / (slope + math.copysign(root, slope)) / _DEGREE
+        return float(brentq(lambda at: path.length(at * _DEGREE) - length, *_ENDS, xtol=1e-12))
 
     def tendon(self, group: str) -> TendonCurve:
         """The tendon's curve, as `surae.model.tendon.tendon_force` takes it."""
@@ -292,55 +291,61 @@ def _turned(
         "turned", rate_hz, np.arange(n) / rate_hz, angle, velocity, np.zeros(n), np.zeros((n, 4)),
         "V", None, prepared=True,
     )  # fmt: skip
-    return spec.names, spec.simulator(inputs, options)
+    return spec.names, spec.simulator(inputs, options, beyond=True)
 
 
-class _StraightPath(NamedTuple):
-    """Path of a muscle group: its assumed arm is a straight line, its length a parabola."""
+class _Assumed(NamedTuple):
+    """Path of a muscle group as the geometry assumes it, at an angle."""
 
-    #: `rest`, `slope`, `bend`: length of muscle and tendon [m] at 0 rad and its derivatives.
-    rest: float
+    #: `length`, `slope`: length of muscle and tendon [m] and its derivative.
+    length: float
     slope: float
-    bend: float
-    #: `arm`, `arm_slope`: moment arm [m] at 0 rad and its derivative.
+    #: `arm`, `arm_slope`: moment arm [m] and its derivative.
     arm: float
     arm_slope: float
+
+
+class _Path(NamedTuple):
+    """Path of a muscle group of a leg."""
+
+    group: str
+    options: ModelOptions
     #: What the leg's own differ by, as of `surae.model.movement`: scale, slope and bend of the arm,
     #: scale of the path, and the length's zero.
     own: tuple[float, ...] = (0.0,) * 5
 
     def length(self, angle: float) -> float:
         """Length of muscle and tendon beyond the tendon's slack length [m]."""
-        travel = (self.slope + 0.5 * self.bend * angle) * angle
-        return self.rest + self.own[4] + math.exp(self.own[3]) * travel
+        rest = _assumed(self.group, self.options, 0.0).length
+        travel = _assumed(self.group, self.options, angle).length - rest
+        return rest + self.own[4] + math.exp(self.own[3]) * travel
 
     def lengthening(self, angle: float) -> float:
         """Its derivative by the angle [m/rad]."""
-        return math.exp(self.own[3]) * (self.slope + self.bend * angle)
+        return math.exp(self.own[3]) * _assumed(self.group, self.options, angle).slope
 
     def arm_at(self, angle: float) -> tuple[float, float]:
         """Moment arm [m] and its derivative by the angle [m/rad]."""
         scale, slope, bend = self.own[:3]
-        grown, assumed = math.exp(scale), self.arm + self.arm_slope * angle
+        assumed = _assumed(self.group, self.options, angle)
+        grown = math.exp(scale)
         bent = 1.0 + (slope + bend * angle) * angle
-        turned = self.arm_slope * bent + assumed * (slope + 2.0 * bend * angle)
-        return grown * assumed * bent, grown * turned
+        turned = assumed.arm_slope * bent + assumed.arm * (slope + 2.0 * bend * angle)
+        return grown * assumed.arm * bent, grown * turned
 
 
-@lru_cache(maxsize=64)
-def _straight_path(group: str, options: ModelOptions) -> _StraightPath:
-    still = np.zeros(1)
-    path = paths(angle=still, velocity=still, options=options)[GROUPS.index(group)]
-    return _StraightPath(
-        float(path.length[0]), float(path.slope[0]), float(path.bend), float(path.arm[0]),
-        float(path.arm_slope),
-    )  # fmt: skip
+@lru_cache(maxsize=4096)
+def _assumed(group: str, options: ModelOptions, angle: float) -> _Assumed:
+    at = np.array([angle])
+    path = paths(angle=at, velocity=np.zeros(1), options=options)[GROUPS.index(group)]
+    arm_slope = float(np.broadcast_to(path.arm_slope, 1)[0])
+    return _Assumed(float(path.length[0]), float(path.slope[0]), float(path.arm[0]), arm_slope)
 
 
 class _Muscle(NamedTuple):
     """A muscle group of a leg, at any angle."""
 
-    path: _StraightPath  #: Where it goes.
+    path: _Path  #: Where it goes.
     k: float  #: Stiffness coefficient [1/m].
     x0: float  #: Slack length [m]; infinite where it has no tissue.
     l0: float  #: Optimal length [m].

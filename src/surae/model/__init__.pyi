@@ -1,5 +1,7 @@
 """What the package offers, one line each, and where it is made."""
 
+from surae.model.geometry_file import read_geometry as read_geometry
+from surae.model.geometry_table import GeometryTable as GeometryTable
 from surae.model.options import ModelOptions as ModelOptions
 from surae.model.parameters import Parameter as Parameter
 from surae.model.parameters import adapted as adapted

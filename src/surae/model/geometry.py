@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surae.model.geometry_table import GeometryTable
 from surae.model.options import ModelOptions
 from surae.units import FloatArray
 
@@ -107,6 +108,10 @@ class Path:
 
 def paths(*, angle: FloatArray, velocity: FloatArray, options: ModelOptions) -> tuple[Path, Path]:
     """Paths of the triceps surae and of the tibialis anterior, in this order."""
+    if isinstance(options.geometry, GeometryTable):
+        rest = (options.x_ref_tri, options.x_ref_tib)
+        tri, tib = (_of_table(options.geometry, g, angle, velocity, rest[g]) for g in (0, 1))
+        return tri, tib
     x_tri, slope_tri = length_tri(angle, options)
     x_tib, slope_tib = length_tib(angle, options)
     # by virtual work the slope is the arm and bends with it; the printed product does not bend
@@ -116,6 +121,16 @@ def paths(*, angle: FloatArray, velocity: FloatArray, options: ModelOptions) -> 
         Path(arm_tri(angle), x_tri, slope_tri * velocity, slope_tri, bends * by_tri, by_tri),
         Path(-arm_tib(angle), x_tib, slope_tib * velocity, slope_tib, bends * by_tib, by_tib),
     )
+
+
+def _of_table(
+    table: GeometryTable, group: int, angle: FloatArray, velocity: FloatArray, at_rest: float
+) -> Path:
+    """Path of a group by a table; its length at 0 rad is as assumed where no tendon's is stated."""
+    length, slope, bend, arm, arm_slope = table.at(group, angle)
+    if not table.slack:
+        length = length + (at_rest - float(table.at(group, np.zeros(1))[0][0]))
+    return Path(arm, length, slope * velocity, slope, bend, arm_slope)
 
 
 #: R, from the device's axis to where the foot is strapped to the plate [m], as `ARM_LIMB` of (6).

@@ -40,6 +40,8 @@ def richest(model: str) -> str:
 def laboratory(
     nuisances: str | Mapping[str, tuple[float, float]] = ALL,
     quiet: Sequence[float] | None = None,
+    *,
+    measured: bool = False,
 ) -> dict[str, Belief]:
     """The priors of all nuisances, by parameter.
 
@@ -47,10 +49,13 @@ def laboratory(
     rest keep theirs. A standard deviation of 0 takes one out.
     `quiet` is the level of each electrode at its quietest, in the EMG's unit: the priors of EMG at
     rest are in parts of it. Where it is zero, or not given, that is taken for known.
+    `measured`: the geometry is the person's own, so that its priors are narrower.
     """
     if nuisances == NONE:
         return {}
     beliefs = {name: n.prior_of(name) for n in _NUISANCES.values() for name in n.parameters}
+    if measured:
+        beliefs |= {name: b for n in _NUISANCES.values() for name, b in n.measured.items()}
     if isinstance(nuisances, str):
         if nuisances != ALL:
             raise InputError(f"nuisances is {nuisances!r}; use 'all', 'none' or a mapping")

@@ -29,7 +29,7 @@ import numpy as np
 from surae.errors import InputError
 from surae.model.activation import ActiveState
 from surae.model.contraction import contraction
-from surae.model.geometry import length_tib, length_tri
+from surae.model.geometry import paths
 from surae.model.movement import MusclePath
 from surae.model.options import ModelOptions
 from surae.model.parameters import MUSCLE_2010_PARAMETERS
@@ -64,7 +64,8 @@ class Muscle2010Simulator(TiedModel):
             emg=integrated(inputs), cutoff="f", damping="",
         )  # fmt: skip
         neutral = np.zeros(1)
-        self._l0 = [float(length(neutral, options)[0][0]) for length in (length_tri, length_tib)]
+        rest = paths(angle=neutral, velocity=neutral, options=options)
+        self._l0 = [float(path.length[0]) for path in rest]
         self._contractions: dict[int, FloatArray] = {}
 
     def _forces(

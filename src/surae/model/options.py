@@ -1,12 +1,16 @@
 """The documented switches of the models, with their allowed values."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from numbers import Real
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 from surae.errors import InputError
 from surae.filed import filed
+from surae.model.geometry_table import GeometryTable
 from surae.names import CHOICES
 from surae.setting import documented, kind_of, setting, settings_of
 
@@ -22,9 +26,13 @@ class ModelOptions:
     {settings}
     """
 
-    geometry: str = setting(
-        "thesis", "Muscle length: equation (9) as printed, or the integral of the moment arm.",
-        choices=CHOICES["geometry"], help="How muscle length is read.", label="Geometry",
+    geometry: str | GeometryTable = setting(
+        "thesis", "Muscle length: equation (9) as printed, the integral of the moment arm, or a "
+        "table of lengths and moment arms; as a keyword also its file, see "
+        "`surae.model.read_geometry`.", type='{"thesis", "virtual-work"}, path or GeometryTable',
+        choices=CHOICES["geometry"], file=True, label="Geometry",
+        help="How muscle length is read: as in the thesis, by virtual work, or a table of lengths "
+        "and moment arms (CSV, OpenSim's MuscleAnalysis).",
     )  # fmt: skip
     tendon_strain: str = setting(
         "thesis", "ε0 in metres as the printed equations take it, or a strain times the slack "
@@ -60,8 +68,10 @@ class ModelOptions:
         """Refuse values that are not among the choices or not physical."""
         for each, record in settings_of(type(self)):
             name, value = each.name, getattr(self, each.name)
+            if isinstance(value, GeometryTable):
+                continue
             if record.choices and value not in record.choices:
-                allowed = ", ".join(record.choices)
+                allowed = ", ".join(record.choices) + ", or a file's path" * record.file
                 raise InputError(f"option {name} is {value!r}; use one of: {allowed}")
             if kind_of(each) != "number":
                 continue
@@ -98,7 +108,14 @@ class ModelOptions:
         for name in given:
             if name not in known:
                 raise InputError(f"unknown option {name!r}; known options: {', '.join(known)}")
-        return cls(**given)
+        return cls(**with_geometry(given))
+
+    @property
+    def travel(self) -> str:
+        """The named geometry in which muscles travel about as far; which starts and priors hold."""
+        if isinstance(self.geometry, GeometryTable):
+            return CHOICES["geometry"][self.geometry.travels_far]
+        return self.geometry
 
     def as_dict(self) -> dict[str, Any]:
         """The options as plain data, without those that are not given."""
@@ -106,3 +123,19 @@ class ModelOptions:
 
         plain: dict[str, Any] = to_plain(self)
         return plain
+
+
+def with_geometry(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Keywords with the geometry that they name as a file, or hold as plain data, read."""
+    geometry = given.get("geometry")
+    if isinstance(geometry, Mapping):
+        from surae.records import from_plain
+
+        return {**given, "geometry": from_plain(GeometryTable, geometry)}
+    if geometry in CHOICES["geometry"] or not isinstance(geometry, str | PathLike):
+        return dict(given)
+    if Path(geometry).suffix or Path(geometry).is_file():
+        from surae.model.geometry_file import read_geometry
+
+        return {**given, "geometry": read_geometry(geometry)}
+    return dict(given)

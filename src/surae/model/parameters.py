@@ -245,14 +245,16 @@ def adapted(
     parameters : tuple of Parameter
         The model's parameters.
     options : ModelOptions
-        The virtual-work geometry has other starts and bounds for lengths and stiffnesses; the
-        tendon's ε0 is a length or a strain.
+        The virtual-work geometry, and a table in which muscles travel as far, has other starts and
+        bounds for lengths and stiffnesses; the tendon's ε0 is a length or a strain.
     emg_unit : {"V", "1"}
         Weights of a normalised envelope are in N and of another magnitude.
     """
     changes: dict[str, Mapping[str, object]] = {}
-    if options.geometry == "virtual-work":
-        for name, (start, lower, upper) in _VIRTUAL_WORK.items():
+    if options.travel == "virtual-work":
+        longer = _longer(options)
+        for name, (usual, lower, upper) in _VIRTUAL_WORK.items():
+            start = min(max(usual + longer.get(name, 0.0), lower), upper)
             changes[name] = {"start": start, "lower": lower, "upper": upper}
     if options.tendon_strain == "slack-length":
         for name, (start, lower, upper) in _SLACK_LENGTH.items():
@@ -264,3 +266,13 @@ def adapted(
                 fields = ("unit", "start", "lower", "upper")
                 changes[p.name] = dict(zip(fields, units[p.unit], strict=True))
     return {p.name: replace(p, **changes.get(p.name, {})) for p in parameters}  # type: ignore[arg-type]
+
+
+def _longer(options: ModelOptions) -> dict[str, float]:
+    """By how much muscles of a table are longer than is assumed otherwise [m]."""
+    table = options.geometry
+    if isinstance(table, str) or not table.slack:
+        return {}
+    assumed = {"tri": options.x_ref_tri, "tib": options.x_ref_tib}
+    rest = {group: table.rest(row) - assumed[group] for row, group in enumerate(assumed)}
+    return {f"{of}_{group}": rest[group] for of in ("l0", "x0") for group in rest}

@@ -9,6 +9,7 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.frozen import Comparable
+from surae.model.geometry_table import GeometryTable
 from surae.model.options import ModelOptions
 from surae.model.parameters import (
     MUSCLE_2010_PARAMETERS,
@@ -78,8 +79,15 @@ class ModelSpec(Comparable):
         """Names of all parameters."""
         return tuple(p.name for p in self.parameters)
 
-    def simulator(self, inputs: ModelInputs, options: ModelOptions) -> Simulator:
-        """The model tied to a recording, with its optional parameters."""
+    def simulator(
+        self, inputs: ModelInputs, options: ModelOptions, *, beyond: bool = False
+    ) -> Simulator:
+        """The model tied to a recording, with its optional parameters.
+
+        A movement `beyond` the angles of a geometry's table is refused unless it is wanted.
+        """
+        if isinstance(options.geometry, GeometryTable) and not beyond:
+            options.geometry.check_covers(inputs)
         module, _, name = self.tie.partition(":")
         tied: Simulator = getattr(import_module(module), name)(inputs, options, self.optional)
         return tied

@@ -45,6 +45,8 @@ class Nuisance:
     of_leg: bool = False  #: Whether it belongs to the leg, and not to what measures it.
     #: Priors of single parameters that differ from `prior`.
     own: Mapping[str, Belief] = field(default_factory=FrozenDict)
+    #: Priors where the geometry is the person's own, see `geometry_of` of a fit.
+    measured: Mapping[str, Belief] = field(default_factory=FrozenDict)
     departs: bool = False  #: Whether it is in the model only where the data ask for it.
 
     def prior_of(self, parameter: str) -> Belief:
@@ -356,6 +358,13 @@ _SOURCES = (
                 {f"arm_scale_{g}": Belief(0.0, 0.06) for g in ("tri", "tib")}
                 | {f"path_scale_{g}": Belief(0.0, 0.1) for g in ("tri", "tib")}
             ),
+            # two readers of one image differ by 3 %; what else is assumed
+            measured=FrozenDict(
+                {f"{of}_{g}": Belief(0.0, 0.03) for of in ("arm_scale", "path_scale")
+                 for g in ("tri", "tib")}
+                | {f"{of}_{g}": Belief(0.0, 0.05) for of in ("arm_slope", "arm_bend")
+                   for g in ("tri", "tib")}
+            ),
         ),
     ),
     UncertaintySource(
@@ -370,6 +379,7 @@ _SOURCES = (
         Nuisance(
             "length", OPTIONAL["length_zero"], Belief(0.0, 0.005), "m",
             "fascicles are 10 to 20 % off what size predicts (Ward et al. 2009)", of_leg=True,
+            measured=FrozenDict({f"length_zero_{g}": Belief(0.0, 0.0025) for g in ("tri", "tib")}),
         ),
     ),
     UncertaintySource(

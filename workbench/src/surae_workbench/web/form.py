@@ -38,6 +38,7 @@ def _fields(kind: Any, *within: str) -> list[dict[str, Any]]:
             "optional": NoneType in parts_of(each.type),
             "needs": record.needs,
             "first": record.first,
+            "file": record.file,
         }
         for each, record in settings_of(kind)
         if record.label

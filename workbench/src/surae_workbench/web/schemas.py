@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, create_model
 
 from surae import api, names
+from surae.records import to_plain
 from surae.setting import Setting, default_of, settings_of
 
 #: No control characters, nor those that break lines or turn the direction of writing.
@@ -92,6 +93,30 @@ class WeightingTable(Strict):
     activity: Literal[names.ACTIVITIES] = "torque"  # type: ignore[valid-type]
 
 
+#: Numbers over the angle.
+Row = Annotated[list[Number], Field(max_length=2000)]
+
+
+class Geometry(Strict):
+    """The text of a geometry's file, or its table, see `surae.model.GeometryTable`."""
+
+    name: Named
+    text: Annotated[str, StringConstraints(max_length=1_000_000)] | None = None
+    angle: Row | None = None
+    length: tuple[Row, Row] | None = None
+    arm: tuple[Row, Row] | None = None
+    tolerance: Part | None = None
+    slack: bool | None = None
+    source: Notes | None = None
+
+    def plain(self) -> dict[str, Any]:
+        """The table; a text is read."""
+        if self.text is not None:
+            table: dict[str, Any] = to_plain(api.geometry_of_text(self.name, self.text))
+            return table
+        return self.model_dump(mode="json", exclude_none=True)
+
+
 def limited(annotation: Any, record: Setting) -> Any:
     """The type of a setting with its limits, as a request holds it."""
     kind: Any = get_origin(annotation) or annotation
@@ -111,6 +136,8 @@ def limited(annotation: Any, record: Setting) -> Any:
         kind = Annotated[GenericAlias(list, (Name,)), Field(max_length=60)]
     elif kind is tuple:
         kind = GenericAlias(tuple, tuple(parts))
+    elif kind is api.GeometryTable:
+        kind = Geometry
     elif is_dataclass(kind):
         kind = request_of(kind)
     return bool | int | Number if kind is Any else kind
@@ -145,6 +172,8 @@ class DraftChange(request_of(api.FitSettings, weights=WeightingTable)):  # type:
         plain = {key: value for key, value in data.items() if key not in empty}
         if "options" in plain:
             plain["options"] = {k: v for k, v in plain["options"].items() if v is not None}
+            if isinstance(geometry := plain["options"].get("geometry"), dict):
+                plain["options"]["geometry"] = Geometry(**geometry).plain()
         if plain.get("weights") is not None:  # what is left out of it stands for its default
             plain["weights"] = WeightingTable(**plain["weights"]).model_dump(mode="json")
         return plain

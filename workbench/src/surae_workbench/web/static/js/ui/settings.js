@@ -50,9 +50,16 @@ function setting(one, settings, draft, store) {
   if (one.kind === "choice" || one.kind === "flag") {
     const flag = one.kind === "flag";
     const listed = one.choices.some(([value]) => value === now) || now === null ? now : one.default;
-    const knob = select({ id }, one.choices, flag ? (now ? "yes" : "") : (listed ?? one.default ?? ""));
+    const own = now?.name ? [["", now.name]] : []; // a table, known by its file
+    const knob = select({ id }, [...own, ...one.choices], own.length ? "" : flag ? (now ? "yes" : "") : (listed ?? one.default ?? ""));
     knob.addEventListener("change", () => keep(flag ? knob.value === "yes" : knob.value || null, `${one.label}: ${knob.selectedOptions[0].textContent}`));
-    return field(one.label, knob);
+    if (!one.file) return field(one.label, knob);
+    const file = h("input", { type: "file", accept: ".csv,.txt", "aria-label": `${one.label}: a file` });
+    file.addEventListener("change", async () => {
+      const [picked] = file.files;
+      if (picked) keep({ name: picked.name, text: await picked.text() }, `${one.label}: ${picked.name}`);
+    });
+    return field(one.label, h("div", {}, knob, file));
   }
   const off = one.optional && one.path.length > 1; // 0 switches it off
   const knob = h("input", {

@@ -1,0 +1,208 @@
+"""A geometry from a file: our CSV, or the tables that OpenSim's MuscleAnalysis writes."""
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from surae.errors import InputError
+from surae.files import PathLike
+from surae.model.geometry_table import TOLERANCE, GeometryTable
+from surae.recording import delimited, opensim
+from surae.recording.source import Source, open_source
+from surae.recording.table import some
+from surae.units import FACTORS, FloatArray
+
+#: Muscles of each group, and the part of each in the cross-section of the group: 51.8, 21.1 and
+#: 9.7 cm² (Ward et al. 2009, Clinical Orthopaedics and Related Research 467:1074-1082).
+_SHARES = ({"sol": 0.627, "gm": 0.255, "gl": 0.118}, {"ta": 1.0})
+_GROUPS = ("tri", "tib")
+#: What OpenSim's models call them.
+_OPENSIM = {
+    "sol": r"sol(eus)?",
+    "gm": r"gas_?med|med_?gas|gasmed|gastroc_?m\w*|gm",
+    "gl": r"gas_?lat|lat_?gas|gaslat|gastroc_?l\w*|gl",
+    "ta": r"tib_?ant|tibialis_?anterior|ta",
+}
+_COLUMN = re.compile(r"(length|arm)_(tri|tib|ta|gl|gm|sol)_(mm|cm|m)")
+_NOTE = re.compile(r"#\s*(tolerance|slack_tri|slack_tib)_(mm|cm|m)\s*=\s*([-+.\deE]+)\s*")
+_SOURCE = re.compile(r"#\s*source\s*[:=]\s*(.*?)\s*")
+_ANALYSIS = re.compile(r"(.*)_MuscleAnalysis_(?:Length|MomentArm_\w+)\.sto", re.IGNORECASE)
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
+
+Columns = Mapping[tuple[str, str], FloatArray]
+
+
+def read_geometry(path: PathLike) -> GeometryTable:
+    """Lengths and moment arms over the angle, from a file.
+
+    A CSV has the columns ``angle_deg`` (or ``_rad``) and ``length_tri_mm``, ``arm_tri_mm``,
+    ``length_tib_mm``, ``arm_tib_mm`` (or ``_m``), or those of single muscles (``sol``, ``gm``,
+    ``gl``, ``ta``). One of length and arm is enough: the other is its integral or slope. Of
+    OpenSim's MuscleAnalysis give the ``…_Length.sto``; its moment arms and the angles of the
+    Kinematics analysis are found beside it.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+
+    Returns
+    -------
+    GeometryTable
+        For the option `geometry`.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, or is no geometry.
+    """
+    if _ANALYSIS.fullmatch(Path(path).name):
+        return _of_opensim(Path(path))
+    return geometry_of(open_source(path))
+
+
+def geometry_of_text(name: str, text: str) -> GeometryTable:
+    """The geometry in the text of a CSV, called by its file's name; see `read_geometry`."""
+    return geometry_of(Source(name, text.encode(), ""))
+
+
+def geometry_of(source: Source) -> GeometryTable:
+    """The geometry in a CSV; see `read_geometry`."""
+    table = delimited.open_table(source, timed=False)
+    where, name = source.shown, Path(source.path).name
+    angles = [n for n in table.names if n in ("angle_rad", "angle_deg")]
+    known = [n for n in table.names if _COLUMN.fullmatch(n)]
+    if len(angles) != 1 or not known:
+        raise InputError(
+            f"{where}: a geometry needs angle_deg (or angle_rad) and columns like length_tri_mm "
+            f"and arm_tri_mm; columns found: {some(table.names)}"
+        )
+    loaded = table.load([*angles, *known])
+    columns: dict[tuple[str, str], FloatArray] = {}
+    for each in known:
+        what, muscle, unit = each.split("_")
+        columns[what, muscle] = loaded[each].values * FACTORS["length"][unit]
+    notes, stated = dict[str, float](), ""
+    for line in source.lines():
+        if match := _NOTE.fullmatch(line.strip()):
+            notes[match[1]] = _number(match[3], where) * FACTORS["length"][match[2]]
+        elif match := _SOURCE.fullmatch(line.strip()):
+            stated = match[1]
+    angle = loaded[angles[0]].values * FACTORS["angle"][angles[0].rpartition("_")[2]]
+    return _table(name, where, angle, columns, notes, stated)
+
+
+def _number(text: str, where: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"{where}: {text!r} is not a number") from None
+
+
+def _table(
+    name: str, where: str, angle: FloatArray, columns: Columns, notes: Mapping[str, float],
+    source: str,
+) -> GeometryTable:  # fmt: skip
+    """Both groups, from columns of groups or of their muscles."""
+    order = np.argsort(angle, kind="stable")
+    angle = angle[order]
+    lengths, arms = [], []
+    for group, shares, sign in zip(_GROUPS, _SHARES, (1.0, -1.0), strict=True):
+        length, arm = (
+            None if found is None else found[order]
+            for found in (_group(what, group, shares, columns, where) for what in ("length", "arm"))
+        )
+        if length is None and arm is None:
+            raise InputError(f"{where}: no length and no arm of {_words(group, shares)}")
+        if arm is not None:
+            arm = sign * np.abs(arm)
+        elif length is not None:
+            arm = _spline(angle, length, where).derivative()(angle)
+        if length is None:
+            integral = _spline(angle, arm, where).antiderivative()
+            length = integral(angle) - integral(0.0)
+        lengths.append(tuple((length - notes.get(f"slack_{group}", 0.0)).tolist()))
+        assert arm is not None
+        arms.append(tuple(arm.tolist()))
+    slack = {f"slack_{group}" for group in _GROUPS} <= notes.keys()
+    return GeometryTable(
+        name, tuple(angle.tolist()), (lengths[0], lengths[1]), (arms[0], arms[1]),
+        notes.get("tolerance", TOLERANCE), slack, source,
+    )  # fmt: skip
+
+
+def _spline(angle: FloatArray, values: FloatArray | None, where: str) -> "CubicSpline":
+    from scipy.interpolate import CubicSpline
+
+    try:
+        return CubicSpline(angle, values)
+    except ValueError:
+        raise InputError(f"{where}: angles must differ, and be numbers") from None
+
+
+def _group(
+    what: str, group: str, shares: Mapping[str, float], columns: Columns, where: str
+) -> FloatArray | None:
+    """A group's own column, or that of its muscles by their parts in its cross-section."""
+    if (what, group) in columns:
+        return columns[what, group]
+    found = {muscle: columns[what, muscle] for muscle in shares if (what, muscle) in columns}
+    if not found:
+        return None
+    if missing := [muscle for muscle in shares if muscle not in found]:
+        raise InputError(f"{where}: {what} of {', '.join(found)}, but not of {', '.join(missing)}")
+    whole: FloatArray = np.sum([shares[m] * values for m, values in found.items()], axis=0)
+    return whole
+
+
+def _words(group: str, shares: Mapping[str, float]) -> str:
+    return f"{group} (or of {', '.join(shares)})"
+
+
+def _of_opensim(path: Path) -> GeometryTable:
+    """Lengths, moment arms and angles, from the three tables of one analysis."""
+    match = _ANALYSIS.fullmatch(path.name)
+    assert match is not None
+    prefix = match[1]
+    arms = sorted(path.parent.glob(f"{prefix}_MuscleAnalysis_MomentArm_*ankle*angle*.sto"))
+    files = {
+        "lengths": path.parent / f"{prefix}_MuscleAnalysis_Length.sto",
+        "moment arms of the ankle": arms[0] if arms else None,
+        "angles": path.parent / f"{prefix}_Kinematics_q.sto",
+    }
+    for what, file in files.items():
+        if file is None or not file.exists():
+            named = f" in {file.name}" if file is not None else ""
+            raise InputError(
+                f"{path}: no {what}{named} beside it; run MuscleAnalysis and Kinematics together"
+            )
+    length, arm, kinematics = (open_source(file) for file in files.values() if file is not None)
+    coordinate = Path(arm.path).name.split("_MomentArm_")[1].removesuffix(".sto")
+    table = opensim.open_table(kinematics)
+    if coordinate not in table.names:
+        raise InputError(f"{kinematics.shown}: no column {coordinate!r}; {some(table.names)}")
+    factor = FACTORS["angle"][table.units_of_kind.get("angle", "rad")]
+    angle = table.load([coordinate])[coordinate].values * factor
+    side = coordinate[-2:] if coordinate[-2:] in ("_r", "_l") else ""
+    columns: dict[tuple[str, str], FloatArray] = {}
+    for what, source in (("length", length), ("arm", arm)):
+        found = opensim.open_table(source)
+        for muscle, pattern in _OPENSIM.items():
+            called = re.compile(rf"(?:{pattern}){side}", re.IGNORECASE)
+            match_of = [n for n in found.names if called.fullmatch(n)]
+            if len(match_of) != 1:
+                which = f"{len(match_of)} columns are" if match_of else "no column is"
+                raise InputError(
+                    f"{source.shown}: {which} the {muscle} muscle; columns: {some(found.names)}"
+                )
+            columns[what, muscle] = found.load(match_of)[match_of[0]].values
+    if len(angle) != len(columns["length", "sol"]):
+        raise InputError(f"{kinematics.shown}: not as many rows as {length.shown}")
+    kept = np.unique(np.round(angle, 9), return_index=True)[1]
+    columns = {key: values[kept] for key, values in columns.items()}
+    return _table(path.name, length.shown, angle[kept], columns, {}, f"OpenSim, {prefix}")

@@ -1,0 +1,211 @@
+"""Geometry as data: splines, their derivatives, what is refused, and what a fit makes of it."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import surae
+from surae.errors import InputError
+from surae.model import (
+    GeometryTable,
+    ModelOptions,
+    adapted,
+    get_model,
+    read_geometry,
+    with_optional,
+)
+from surae.model.geometry import paths
+from surae.model.laboratory import laboratory
+from surae.settings import FitSettings
+
+DEGREES = np.arange(-60.0, 45.0, 5.0)
+
+
+def table_of(options: ModelOptions, *, tolerance: float = 0.05, slack: bool = True):
+    """The table that a geometry of the thesis is."""
+    angle = np.radians(DEGREES)
+    both = paths(angle=angle, velocity=np.zeros_like(angle), options=options)
+    return GeometryTable(
+        "thesis.csv", tuple(angle.tolist()),
+        tuple(tuple(p.length.tolist()) for p in both),
+        tuple(tuple(p.arm.tolist()) for p in both), tolerance, slack,
+    )  # fmt: skip
+
+
+def csv_of(table: GeometryTable, path, *notes: str):
+    rows = ["angle_deg,length_tri_mm,arm_tri_mm,length_tib_mm,arm_tib_mm"]
+    for i, angle in enumerate(table.angle):
+        cells = [math.degrees(angle)]
+        for group in (0, 1):
+            cells += [1e3 * table.length[group][i], abs(1e3 * table.arm[group][i])]
+        rows.append(",".join(f"{cell!r}" for cell in cells))
+    path.write_text("\n".join([*notes, *rows]) + "\n", encoding="utf-8")
+    return path
+
+
+BENT = GeometryTable(
+    "bent.csv",
+    tuple(np.radians(DEGREES).tolist()),
+    tuple(
+        tuple((sign * (0.045 * a + 0.004 * np.sin(2 * a))).tolist())
+        for a, sign in ((np.radians(DEGREES), 1.0), (np.radians(DEGREES), -1.0))
+    ),
+    tuple(
+        tuple((sign * (0.045 + 0.008 * np.cos(2 * a))).tolist())
+        for a, sign in ((np.radians(DEGREES), 1.0), (np.radians(DEGREES), -1.0))
+    ),
+)
+
+
+@pytest.mark.parametrize("low", [-1.0, -2.0])  # within the table, and beyond its ends
+def test_derivatives_are_those_of_small_steps(low):
+    angle, step = np.linspace(low, -0.6 * low, 41), 1e-6
+    options = ModelOptions(geometry=BENT)
+    at, before, after = (
+        paths(angle=angle + d, velocity=np.full_like(angle, 2.0), options=options)
+        for d in (0.0, -step, step)
+    )
+    for here, one, two in zip(at, before, after, strict=True):
+        for value, slope in (("length", "slope"), ("slope", "bend"), ("arm", "arm_slope")):
+            small = (getattr(two, value) - getattr(one, value)) / (2 * step)
+            np.testing.assert_allclose(getattr(here, slope), small, atol=2e-8)
+        np.testing.assert_allclose(here.speed, 2.0 * here.slope)
+
+
+@pytest.mark.parametrize("of", ["arm_scale_tri", "length_zero_tib", "angle_zero", "l0_tri"])
+@pytest.mark.parametrize("model", ["muscle", "muscle-tendon"])
+def test_the_torque_over_a_table_has_exact_sensitivities(of, model, trial):
+    spec = with_optional(get_model(model), [of])
+    options = ModelOptions(geometry=BENT)
+    start = {n: p.start for n, p in adapted(spec.parameters, options).items()}
+    tied, column = spec.simulator(trial, options), spec.names.index(of)
+    vector = spec.vector(start, options)
+    _, (row,) = tied.torque_jacobian(vector, [column])
+    step = 1e-6
+    low, high = (tied.torque(vector + step * s * np.eye(len(vector))[column]) for s in (-1, 1))
+    slope = (high - low) / (2 * step)
+    np.testing.assert_allclose(row, slope, atol=2e-4 * np.abs(slope).max() + 1e-9)
+
+
+@pytest.fixture(scope="module")
+def trial():
+    return surae.prepare(surae.example())
+
+
+@pytest.mark.parametrize("geometry", ["thesis", "virtual-work"])
+def test_a_table_of_the_thesis_gives_its_torque(geometry, trial):
+    plain = ModelOptions(geometry=geometry)
+    table = ModelOptions(geometry=table_of(plain))
+    spec = get_model("muscle")
+    starts = [adapted(spec.parameters, options) for options in (plain, table)]
+    assert starts[0] == starts[1]
+    vector = spec.vector({n: p.start for n, p in starts[0].items()}, plain)
+    one, two = (spec.simulator(trial, options).torque(vector) for options in (plain, table))
+    np.testing.assert_allclose(two, one, atol=1e-8)
+
+
+def test_a_file_is_read_and_kept_by_the_fit(tmp_path, trial):
+    table = table_of(ModelOptions())
+    notes = (
+        "# source: van de Poll 2015",
+        "# tolerance_mm = 50",
+        "# slack_tri_mm=0",
+        "# slack_tib_mm=0",
+    )
+    path = csv_of(table, tmp_path / "thesis.csv", *notes)
+    read = read_geometry(path)
+    assert read.source == "van de Poll 2015"
+    np.testing.assert_allclose(read.length, table.length, atol=1e-15)
+    np.testing.assert_allclose(read.arm, table.arm, atol=1e-15)
+    plain = surae.fit(trial, model="muscle", starts=1)
+    fit = surae.fit(trial, model="muscle", starts=1, geometry=path)
+    for name, p in plain.parameters.items():
+        assert fit.parameters[name].value == pytest.approx(p.value, rel=1e-5), name
+    fit.save(tmp_path / "fit.json")
+    loaded = surae.load(tmp_path / "fit.json")
+    assert loaded.result.problem.options.geometry == read
+    assert loaded.predict(trial).vaf == fit.predict(trial).vaf
+    measured = fit.measures(angles=[0.0])
+    for name, measure in plain.measures(angles=[0.0]).items():
+        if measure.value is not None:
+            assert measured[name].value == pytest.approx(measure.value, rel=1e-3, abs=1e-6), name
+
+
+def test_muscles_make_a_group_by_their_cross_section(tmp_path):
+    path = tmp_path / "muscles.csv"
+    head = "angle_rad,arm_sol_m,arm_gm_cm,arm_gl_mm,length_ta_m"
+    rows = [f"{a},0.05,4,30,{0.3 - 0.04 * a}" for a in np.linspace(-1, 1, 9)]
+    path.write_text("\n".join([head, *rows]))
+    table = read_geometry(path)
+    np.testing.assert_allclose(table.arm[0], 0.627 * 0.05 + 0.255 * 0.04 + 0.118 * 0.03)
+    np.testing.assert_allclose(table.arm[1], -0.04, atol=1e-12)
+    travel = table.length[0][-1] - table.length[0][0]
+    assert travel == pytest.approx(2 * table.arm[0][0])
+    assert not table.slack
+
+
+def test_opensims_tables_are_one_geometry(tmp_path):
+    """Lengths, moment arms and angles stand in three files, and muscles have names of its own."""
+    angle = np.linspace(-30.0, 30.0, 13)
+    rad, head = np.radians(angle), "{}\nversion=1\ninDegrees={}\nendheader\ntime\t{}\n"
+    names = "soleus_r\tgasmed_r\tgaslat_r\ttibant_r\tother_r".replace("tibant", "tib_ant")
+    slopes = np.array([0.05, 0.04, 0.03, -0.035, 0.01])
+
+    def write(called, degrees, columns, rows):
+        body = "\n".join("\t".join(map(str, (0.1 * i, *row))) for i, row in enumerate(rows))
+        (tmp_path / called).write_text(head.format(called, degrees, columns) + body + "\n")
+
+    write("leg_MuscleAnalysis_Length.sto", "no", names, 0.3 + rad[:, None] * slopes)
+    lengths = tmp_path / "leg_MuscleAnalysis_Length.sto"
+    with pytest.raises(InputError, match="run MuscleAnalysis and Kinematics together"):
+        read_geometry(lengths)
+    arms = np.tile(-slopes, (len(angle), 1))
+    write("leg_MuscleAnalysis_MomentArm_ankle_angle_r.sto", "no", names, arms)
+    write("leg_Kinematics_q.sto", "yes", "knee_angle_r\tankle_angle_r", np.stack([angle, angle], 1))
+    table = read_geometry(lengths)
+    np.testing.assert_allclose(table.angle, rad, atol=1e-9)
+    np.testing.assert_allclose(table.arm[0], 0.627 * 0.05 + 0.255 * 0.04 + 0.118 * 0.03)
+    np.testing.assert_allclose(table.arm[1], -0.035)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"angle": BENT.angle[::-1]}, "must rise"),
+        ({"length": BENT.length[::-1]}, "everywhere: turn the sign of the angle"),
+        ({"tolerance": 1e-6}, "off the slope of its length"),
+        ({"angle": BENT.angle[:3]}, "at least 4"),
+        ({"arm": (tuple(-a for a in BENT.arm[0]), BENT.arm[1])}, "moment arm of the triceps"),
+        ({"length": ((math.nan, *BENT.length[0][1:]), BENT.length[1])}, "not finite"),
+    ],
+)
+def test_what_is_no_geometry_is_refused(change, said):
+    with pytest.raises(InputError, match=said) as refusal:
+        replace(BENT, **change)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_movement_beyond_the_table_is_refused(trial):
+    keep = slice(8, -4)  # −20° to 20°
+    narrow = GeometryTable(
+        "narrow.csv", BENT.angle[keep], tuple(r[keep] for r in BENT.length),
+        tuple(r[keep] for r in BENT.arm),
+    )  # fmt: skip
+    with pytest.raises(InputError, match=r"known from -20° to 20°; give a table"):
+        surae.fit(trial, model="muscle", geometry=narrow)
+
+
+def test_a_persons_own_geometry_narrows_what_is_believed():
+    generic, own = laboratory(), laboratory(measured=True)
+    narrower = {name for name in generic if own[name].sd < generic[name].sd}
+    assert {"arm_scale_tri", "path_scale_tib", "length_zero_tri"} <= narrower
+    assert all(own[name] == generic[name] for name in generic.keys() - narrower)
+    with pytest.raises(InputError, match="no effect without a geometry's file"):
+        FitSettings.of(geometry_of="person")
+    settings = FitSettings.of(geometry=BENT, geometry_of="person")
+    assert FitSettings.from_dict(settings.as_dict()) == settings
+    older = FitSettings().as_dict()
+    del older["geometry_of"]
+    assert FitSettings.from_dict(older) == FitSettings()
