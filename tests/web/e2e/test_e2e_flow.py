@@ -63,7 +63,7 @@ def test_a_csv_becomes_a_report(desk: Desk, csv: Path) -> None:
     rows.first.wait_for()
     assert rows.count() == PARAMETERS
     assert page.locator(".report .parameters .verdict.identified").count() >= PARAMETERS // 2
-    expect(page.locator(".report")).to_contain_text("converged")
+    expect(page.locator("article.report")).to_contain_text("converged")
     with page.expect_download() as report:
         page.get_by_role("button", name="Report (HTML)").click()
     text = Path(report.value.path()).read_text(encoding="utf-8")
@@ -245,6 +245,7 @@ def test_a_design_that_is_stopped_keeps_the_best_so_far(desk: Desk) -> None:
     expect(page.locator("#saved")).not_to_contain_text("designed 20 s worst")
 
 
+@pytest.mark.slow
 def test_a_design_that_is_stopped_before_it_began_keeps_nothing(desk: Desk) -> None:
     settings = {"profile": "designed", "device": "achilles", "range": [-0.9, 0.6]}
     first = {"settings": settings, "durations": [20], "evaluations": 12000}
