@@ -127,6 +127,10 @@ def test_a_file_is_read_and_kept_by_the_fit(tmp_path, trial):
     loaded = surae.load(tmp_path / "fit.json")
     assert loaded.result.problem.options.geometry == read
     assert loaded.predict(trial).vaf == fit.predict(trial).vaf
+    fit.report(tmp_path / "report.html")
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "thesis.csv (van de Poll 2015), a generic one." in page
+    assert page.count('alt="Moment arm and length of both muscle groups over the angle"') == 1
     measured = fit.measures(angles=[0.0])
     for name, measure in plain.measures(angles=[0.0]).items():
         if measure.value is not None:

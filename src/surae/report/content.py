@@ -37,6 +37,7 @@ from surae.report.provenance import provenance_section
 from surae.report.recordings import recording_section
 from surae.report.sections import (
     correlation_section,
+    geometry_section,
     predictions_section,
     quality_section,
     snsem_section,
@@ -97,6 +98,7 @@ def fit_document(
             identifiability_section(result, assessment),
             *snsem_section(assessment),
             *predictions_section(assessment, predictions),
+            *geometry_section(result),
             starts_section(result),
             provenance_section(result, assessment, versions),
         ),

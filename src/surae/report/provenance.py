@@ -119,6 +119,8 @@ def prior_span(prior: Prior) -> tuple[float, float, float]:
 def _option(value: Any) -> str:
     if isinstance(value, list | tuple):
         return " / ".join(short(level) for level in value)
+    if isinstance(value, Mapping):  # a table, known by its file
+        return str(value["name"])
     return value if isinstance(value, str) else short(value)
 
 

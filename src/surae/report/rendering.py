@@ -4,12 +4,14 @@ import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from importlib.resources import files
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from surae.assessment import Assessment, Prediction
 from surae.estimation import FitResult
 from surae.files import PathLike, template, write_atomic
+from surae.model import GeometryTable
 from surae.report.budget import BudgetSection, budget_section
 from surae.report.content import fit_document
 from surae.report.document import Document, SectionBlock
@@ -27,6 +29,8 @@ from surae.report.figures import (
 )
 from surae.report.figures.budget import budget_figure
 from surae.report.figures.film import film_figure
+from surae.report.figures.geometry import geometry_figure
+from surae.report.recordings import GROUPS
 from surae.report.sections import predictions_section
 from surae.report.session import session_report
 from surae.report.traces import Traces, traces_of
@@ -105,7 +109,10 @@ def _of_fit(
     traces = traces_of(result)
     document = fit_document(result, assessment, traces, predictions=predictions, **about)
     budget = budget_section(result, assessment)
-    return document, drawings(budget, traces, assessment, predictions), traces
+    figures = drawings(budget, traces, assessment, predictions)
+    if isinstance(result.problem.options.geometry, GeometryTable):
+        figures = chain(figures, [("geometry", geometry_figure(result.problem.options, GROUPS))])
+    return document, figures, traces
 
 
 def drawings(

@@ -76,6 +76,22 @@ def correlation_section(assessment: Assessment) -> SectionBlock:
     )
 
 
+def geometry_section(result: FitResult) -> tuple[SectionBlock, ...]:
+    """The geometry that a fit was given, beside the thesis's; nothing for those that have names."""
+    table = result.problem.options.geometry
+    if isinstance(table, str):
+        return ()
+    whose = "this person’s" if result.problem.settings.geometry_of == "person" else "a generic one"
+    origin = f" ({table.source})" if table.source else ""
+    text = f"Lengths and moment arms are those of {table.name}{origin}, {whose}."
+    picture = PictureBlock(
+        "geometry",
+        "Moment arm and length of both muscle groups over the angle",
+        "Moment arm and change of length over the angle: those given, and those of the thesis.",
+    )
+    return (SectionBlock("Geometry", (TextBlock(text), picture), "geometry"),)
+
+
 def starts_section(result: FitResult) -> SectionBlock:
     """The starts in the order in which they were made: how each ended, and which agree."""
     order = sorted(range(len(result.starts)), key=lambda i: _finite(result.starts[i].sse))
