@@ -68,7 +68,7 @@ _ODDS = 0.3
 #: How far EMG at rest may be from what is expected, in standard deviations.
 _REST = 6.0
 #: Bounds that are wider than those of a named model's search.
-_WIDER = {"m": MASSES, "dlt_tri": (5e-4, 0.3), "dlt_tib": (2e-4, 0.3)}
+_WIDER = {"m": MASSES, "dlt_tri": (1e-5, 0.3), "dlt_tib": (1e-5, 0.3)}
 
 
 def fit_family(problem: FitProblem, *, progress: SearchProgress | None = None) -> FitResult:

@@ -2,8 +2,10 @@
 
 Each step is a stiffly accurate two-stage SDIRK with γ = 1 − 1/√2 (Alexander 1977): second order and
 L-stable, so that nothing rings and no clamp is needed where the active state vanishes and the
-length of the muscle becomes an algebraic variable. A stage is one scalar equation, solved in
-`surae.model.equilibrium`. The sensitivities are those of the discrete solution, by the implicit
+length of the muscle becomes an algebraic variable. The rule is applied to the tendon's elongation,
+and the speed of the whole unit is taken as it is: on a tendon that hardly gives way the muscle then
+has the unit's speed, and not a difference of lengths, of the first order only. A stage is one scalar
+equation, solved in `surae.model.equilibrium`. The sensitivities are those of the discrete solution, by the implicit
 function theorem on every stage.
 
 Steps are the recording's samples and are never divided: halving them changes a torque at 128 Hz by
@@ -46,6 +48,26 @@ GAMMA = 1.0 - 0.5**0.5
 _RHO = (1.0 - GAMMA) / GAMMA
 
 
+def stages(length: FloatArray, speed: FloatArray, dt: float) -> FloatArray:
+    """Lengths of a unit at both stages of every step, and how it moves on, shape (…, 4, n).
+
+    Between samples the length is a cubic Hermite spline. The last two rows are by how much the
+    stage's rule, ẋ = (x − x_before)/(γ·dt), misses the unit's own speed, in metres.
+    """
+    s = GAMMA
+    begin, end, slow, fast = length[..., :-1], length[..., 1:], speed[..., :-1], speed[..., 1:]
+    staged = np.zeros((*length.shape[:-1], 4, length.shape[-1]))
+    staged[..., :2, :] = length[..., None, :]
+    between = (1 + 2 * s) * (1 - s) ** 2 * begin + s**2 * (3 - 2 * s) * end
+    between += dt * s * (1 - s) * ((1 - s) * slow - s * fast)
+    there = 6 * s * (1 - s) * (end - begin) / dt + (1 - s) * (1 - 3 * s) * slow
+    there += s * (3 * s - 2) * fast
+    staged[..., 0, 1:] = between
+    staged[..., 2, 1:] = between - begin - s * dt * there
+    staged[..., 3, 1:] = end - begin - _RHO * (between - begin) - s * dt * fast
+    return staged
+
+
 @jit
 def compliant_states(
     p: FloatArray, slots: IntArray, strain_length: float, arm: FloatArray, lengths: FloatArray,
@@ -68,13 +90,14 @@ def compliant_states(
         What ε0 is multiplied by to be an elongation in metres: 1, or the slack length.
     arm : ndarray, shape (n,)
         Signed moment arm [m].
-    lengths : ndarray, shape (2, n)
-        Muscle length on a rigid tendon, lmt − lt0 [m].
+    lengths : ndarray, shape (4, n)
+        Muscle length on a rigid tendon, lmt − lt0 [m], at both stages; then by how much it moves on
+        otherwise than the stage's rule has it (`stages`), so that the rule is the tendon's.
     alphas : ndarray, shape (2, n)
         Active state [N].
     alpha_slopes, alpha_slots : ndarray, shape (q, 2, n) and (q,)
         Its derivatives, and the rows of the jacobian they go to.
-    length_slopes, length_slots : ndarray, shape (s, 2, n) and (s,)
+    length_slopes, length_slots : ndarray, shape (s, 4, n) and (s,)
         Those of the lengths.
     factor : float
         vmax in optimal lengths per second.
@@ -160,18 +183,20 @@ def compliant_states(
                 alpha = max(raw, 0.0)
                 pulling = 1.0 if raw >= 0.0 else 0.0
                 if stage == 0:
-                    rigid, x_before, z_before = lengths[0, i], x_now, z_now
+                    rigid, x_before, z_before = lengths[0, i], x_now + lengths[2, i], z_now
                     guess = e_2 + 2.0 / _RHO * (e_2 - e_1) - (e_1 - e_0)
                     for j in range(size):
                         x_b[j], z_b[j] = x_n[j], z_n[j]
                 else:
                     rigid = lengths[1, i]
-                    x_before = x_now + _RHO * (x_1 - x_now)
+                    x_before = x_now + _RHO * (x_1 - x_now) + lengths[3, i]
                     z_before = z_now + _RHO * (z_1 - z_now)
                     guess = e_2 + 2.0 * _RHO * (e_2 - e_1) - (e_1 - e_0)
                     for j in range(size):
                         x_b[j] = x_n[j] + _RHO * (x_s[j] - x_n[j])
                         z_b[j] = z_n[j] + _RHO * (z_s[j] - z_n[j])
+                for j in range(by_length):
+                    x_b[last + j] += length_slopes[j, 2 + stage, i]
             held = keep * z_before
             solved, e, here = solve(
                 guess, own, curve, (rigid, x_before, per_h, 1.0 - take, held, alpha)

@@ -19,6 +19,7 @@ from surae.model.compliant import (
     TISSUE,
     compliant_states,
     drive_columns,
+    stages,
 )
 from surae.model.euler import explicit_states
 from surae.model.movement import MusclePath
@@ -249,21 +250,10 @@ class MuscleTendonSimulator(TiedModel):
         """Lengths and their slopes at the stages; once, where no parameter touches them."""
         if group not in self._staged or not self._movement.is_fixed:
             self._staged[group] = (
-                self._at_stages(muscle.length, muscle.speed),
-                self._at_stages(muscle.length_slopes, muscle.speed_slopes),
+                stages(muscle.length, muscle.speed, self._dt),
+                stages(muscle.length_slopes, muscle.speed_slopes, self._dt),
             )
         return self._staged[group]
-
-    def _at_stages(self, length: FloatArray, speed: FloatArray) -> FloatArray:
-        """Lengths or slopes at both stages of every step, shape (…, 2, n): cubic Hermite."""
-        s = GAMMA
-        staged = np.stack([length, length], axis=-2)
-        staged[..., 0, 1:] = (
-            (1 + 2 * s) * (1 - s) ** 2 * length[..., :-1]
-            + s**2 * (3 - 2 * s) * length[..., 1:]
-            + self._dt * s * (1 - s) * ((1 - s) * speed[..., :-1] - s * speed[..., 1:])
-        )
-        return staged
 
     def _law(self, values: FloatArray, group: int) -> TendonLaw:
         eps0, *others = (float(value) for value in values[_COLUMNS[group][EPS0:]])
