@@ -141,8 +141,8 @@ def test_a_stiff_tendon_is_model_1(make_inputs) -> None:
     ever_stiffer = [distance(dlt, 8192.0) for dlt in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)]
     assert ever_stiffer == sorted(ever_stiffer, reverse=True)
     assert ever_stiffer[-1] < 1e-4
-    # what is left is the speed, which an implicit step knows to first order only
-    assert distance(1e-6, 256.0) < 3e-3
+    # the muscle has the unit's own speed, not a difference of lengths: few samples do as well
+    assert distance(1e-6, 64.0) < 1e-3
 
 
 def test_an_underdamped_filter_does_not_make_a_muscle_push(make_inputs) -> None:

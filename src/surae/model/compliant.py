@@ -3,10 +3,10 @@
 Each step is a stiffly accurate two-stage SDIRK with γ = 1 − 1/√2 (Alexander 1977): second order and
 L-stable, so that nothing rings and no clamp is needed where the active state vanishes and the
 length of the muscle becomes an algebraic variable. The rule is applied to the tendon's elongation,
-and the speed of the whole unit is taken as it is: on a tendon that hardly gives way the muscle then
-has the unit's speed, and not a difference of lengths, of the first order only. A stage is one scalar
-equation, solved in `surae.model.equilibrium`. The sensitivities are those of the discrete solution, by the implicit
-function theorem on every stage.
+and the speed of the whole unit is taken as it is: on a tendon that hardly gives way the muscle has
+the unit's speed, where a difference of lengths would be of the first order. A stage is one scalar
+equation, solved in `surae.model.equilibrium`. The sensitivities are those of the discrete solution,
+by the implicit function theorem on every stage.
 
 Steps are the recording's samples and are never divided: halving them changes a torque at 128 Hz by
 some hundredths of a percent, and sub-steps chosen by an error estimate would make the torque jump
