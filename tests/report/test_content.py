@@ -127,7 +127,8 @@ def test_fixed_and_bounded_parameters_say_why(joint):
     assert shown["Fixed parameters"] == "beta = 1"
     assert shown["Bounds"] == "f0: 0.3 … 1.5 instead of 0.3 … 15"
     assert "f0" in parts.text(parts.section(content, "Correlation"))
-    assert sum(b.title.startswith("Recording:") for b in content.blocks) == 2
+    details = next(b for b in content.blocks if b.title == "Details")
+    assert sum(b.title.startswith("Recording:") for b in details.blocks) == 2
 
 
 def test_a_parameter_without_influence_says_so(silent):

@@ -43,7 +43,8 @@ def test_it_holds_findings_and_predictions(fit, noisy, tmp_path, monkeypatch) ->
 
     monkeypatch.setattr(rendering, "typeset", keep)
     fit.report(tmp_path / "report.pdf", validation=surae.validate(fit, [noisy, noisy]))
-    sections = {block["title"]: block["blocks"] for block in seen["blocks"]}
+    inner = [b for block in seen["blocks"] if block.get("look") == "more" for b in block["blocks"]]
+    sections = {block["title"]: block["blocks"] for block in (*seen["blocks"], *inner)}
     _, section = sections["Recording quality"]
     assert section["title"].endswith(f": {fit.quality[0].summary}")
     ((_, rows),) = section["blocks"][0]["groups"]

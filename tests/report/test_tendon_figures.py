@@ -105,7 +105,7 @@ def test_the_table_has_the_extremes(traces):
 
 
 def test_the_page_shows_them_with_words_for_the_figure(elastic):
-    assert elastic.words.count("<h3>Muscles and tendons</h3>") == 1
+    assert elastic.words.count("<h4>Muscles and tendons</h4>") == 1
     section = parts.section(content_of(elastic), "Muscles and tendons")
     picture = section.blocks[1]
     for group, row in parts.rows(section).items():

@@ -208,7 +208,7 @@ def test_the_page_has_all_of_it(auto):
     page = render(result, assessment, versions={}, created=datetime(2026, 1, 5, 14, 3))
     for heading in ("What makes each parameter unsure", "The laboratory’s imperfections",
                     "Which model the data support"):  # fmt: skip
-        assert page.count(f">{heading}</h2>") == 1
+        assert page.count(f">{heading}</h3>") == 1
     assert "The search looked from both valleys" in page
     assert "SEM (34)</th>" not in page.split("Correlation of the estimates")[0].split("unsure")[0]
     assert "random within the bounds" not in page

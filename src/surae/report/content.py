@@ -87,20 +87,36 @@ def fit_document(
         title=f"Ankle muscle parameters: {', '.join(names)}",
         blocks=(
             _summary(result, assessment, traces),
-            *quality_section(quality, traces),
-            *recordings,
-            parameters_section(result, assessment, next_anchor=NEXT if budget.helps else ""),
-            budget_blocks(budget),
-            *laboratory_blocks(laboratory_section(result, assessment)),
-            *family_blocks(family_section(result, assessment)),
-            *trials_blocks(trials_section(result, assessment)),
-            correlation_section(assessment),
-            identifiability_section(result, assessment),
-            *snsem_section(assessment),
             *predictions_section(assessment, predictions),
-            *geometry_section(result),
-            starts_section(result),
-            provenance_section(result, assessment, versions),
+            SectionBlock(
+                "Details",
+                (
+                    parameters_section(
+                        result, assessment, next_anchor=NEXT if budget.helps else ""
+                    ),
+                    *quality_section(quality, traces),
+                    *recordings,
+                ),
+                "details",
+                "more",
+            ),
+            SectionBlock(
+                "Research",
+                (
+                    budget_blocks(budget),
+                    *laboratory_blocks(laboratory_section(result, assessment)),
+                    *family_blocks(family_section(result, assessment)),
+                    *trials_blocks(trials_section(result, assessment)),
+                    correlation_section(assessment),
+                    identifiability_section(result, assessment),
+                    *snsem_section(assessment),
+                    *geometry_section(result),
+                    starts_section(result),
+                    provenance_section(result, assessment, versions),
+                ),
+                "research",
+                "more",
+            ),
         ),
         footer=(
             "Made by surae for research. VAF is the part of the torque’s mean square that the "

@@ -60,7 +60,7 @@ def test_a_csv_becomes_a_report(desk: Desk, csv: Path) -> None:
 
     page.wait_for_url("**/fits/*")
     rows = page.locator(".report .parameters tbody tr:not(.group, .below)")
-    rows.first.wait_for()
+    rows.first.wait_for(state="attached")
     assert rows.count() == PARAMETERS
     assert page.locator(".report .parameters .verdict.identified").count() >= PARAMETERS // 2
     expect(page.locator("article.report")).to_contain_text("converged")
@@ -170,7 +170,7 @@ def test_a_stopped_fit_keeps_the_best_and_a_reload_goes_on(desk: Desk, csv: Path
     page.get_by_text("Stopped; the best so far is kept.").wait_for()
     page.get_by_role("link", name="Open the result").click()
     page.wait_for_url("**/fits/*")
-    page.locator(".report .parameters tbody tr").first.wait_for()
+    page.locator(".report .parameters tbody tr").first.wait_for(state="attached")
 
 
 @pytest.mark.slow
