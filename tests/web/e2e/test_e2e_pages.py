@@ -102,6 +102,7 @@ def test_pages_shut_nobody_out_in_the_dark(desk: Desk, done: dict[str, str]) -> 
 def test_the_report_is_the_page_and_is_zoomed_into(desk: Desk, done: dict[str, str]) -> None:
     page = desk.go(f"/fits/{done['fit']}")
     page.locator(".report").get_by_role("heading", name="Summary").wait_for()
+    page.locator("article.report summary", has_text="Details").first.click()
     page.locator(".report .uplot canvas").first.wait_for()
 
 
@@ -201,6 +202,7 @@ def test_a_kept_reports_plots_are_zoomed_and_read_without_any_server(
     context.on("request", lambda request: asked.append(request.url))
     kept = context.new_page()
     kept.goto((tmp_path / "report.html").as_uri())
+    kept.locator("summary", has_text="Details").first.click()
     plot = kept.locator(".uplot").first
     plot.scroll_into_view_if_needed()
     box = plot.locator(".u-over").bounding_box()
