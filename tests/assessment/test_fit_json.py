@@ -458,3 +458,13 @@ def test_what_is_damaged_is_named(place, wrong, says, text, tmp_path):
     with pytest.raises(InputError, match=r"fit\.json: " + says) as caught:
         load_text(json.dumps(data), tmp_path)
     assert "\n" not in str(caught.value)
+
+
+def test_a_fit_names_no_file_to_be_read(text, tmp_path):
+    """A geometry is kept as a table: a fit from somebody else opens nothing here."""
+    (tmp_path / "arms.csv").write_text("angle_deg,length_tri_mm\n")
+    data = json.loads(text)
+    data["options"]["geometry"] = str(tmp_path / "arms.csv")
+    (tmp_path / "fit.json").write_text(json.dumps(data))
+    with pytest.raises(InputError, match="option geometry is"):
+        load_saved(tmp_path / "fit.json")
