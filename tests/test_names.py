@@ -10,6 +10,8 @@ from surae.estimation import LOSSES
 from surae.estimation.population import KNOWN
 from surae.model import MODELS, ModelOptions, laboratory
 from surae.model.anthropometry import FOOT_SHARE
+from surae.planning.ready import ready_protocols
+from surae.protocol import DEVICES, PROFILES, TASKS
 from surae.studies.populations import POPULATIONS
 
 
@@ -20,6 +22,10 @@ def test_names_are_those_of_what_they_name() -> None:
     assert set(names.LOSSES) == set(LOSSES)
     assert set(names.POPULATIONS) == set(KNOWN) == set(POPULATIONS)
     assert set(names.FOOT_SHARES) == set(FOOT_SHARE)
+    assert (*names.PROFILES,) == (*PROFILES,)
+    assert (*names.DESIGNED,) == (*ready_protocols(),)
+    assert (*names.TASKS,) == (*TASKS,)
+    assert (*names.DEVICES,) == (*DEVICES,)
 
 
 def test_the_first_choice_is_the_default() -> None:

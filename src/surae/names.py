@@ -31,3 +31,19 @@ CHOICES = {
     "tendon_strain": ("thesis", "slack-length"),
     "integrator": ("implicit", "explicit-euler"),
 }
+#: Tasks and devices of protocols, those that come with surae, and their profiles.
+TASKS = ("part-passive", "active", "passive")
+DEVICES = ("achilles",)
+PROFILES = (
+    "ramp-and-hold",
+    "sine",
+    "multiple-holds",
+    "multi-sine",
+    "multi-sine-holds",
+    "scaled-chirp",
+)
+DESIGNED = ("compliant-35", "everything-35", "passive-20", "relaxed-35", "tendon-60")
+#: What a subject can do, where a protocol is designed.
+EFFORTS = ("levels", "none")
+#: Rise of a chirp's frequency where none is given: that of the thesis's factor 0.5, rounded [Hz/s].
+CHIRP_RATE = 0.159

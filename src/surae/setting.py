@@ -1,10 +1,14 @@
 """One record for each setting: option, form, schema, keyword and documentation are made from it."""
 
+import math
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
 from inspect import Parameter, signature
+from numbers import Integral, Real
 from types import NoneType, UnionType
 from typing import Any, TypeVar, get_args, get_origin
+
+from surae.errors import InputError
 
 T = TypeVar("T")
 F = TypeVar("F", bound=Callable[..., Any])
@@ -49,11 +53,46 @@ def default_of(each: "Field[Any]") -> Any:
 
 
 def kind_of(each: "Field[Any]") -> str:
-    """What a field holds, None apart: flag, whole, number, text, names, mapping or record."""
-    kinds = {bool: "flag", int: "whole", float: "number", str: "text", tuple: "names"}
+    """What a field holds, None apart: flag, whole, number, text, names, numbers, range, …."""
+    kinds = {bool: "flag", int: "whole", float: "number", str: "text"}
     kind = next(part for part in parts_of(each.type) if part is not NoneType)
     base = get_origin(kind) or kind
+    if base is tuple:
+        return {(float, ...): "numbers", (float, float): "range"}.get(get_args(kind), "names")
     return kinds.get(base, "mapping" if base is Mapping else "record")
+
+
+class Request:
+    """What is asked, of settings alone: a value that one may not have is refused in a line."""
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        """Check each."""
+        for each, record in settings_of(type(self)):
+            value = getattr(self, each.name)
+            if isinstance(value, Mapping) or (value is None and default_of(each) is None):
+                continue
+            if record.choices and value not in record.choices:
+                rule = f"use one of: {', '.join(record.choices)}"
+                raise InputError(f"{each.name} is {value!r}; {rule}")
+            if kind_of(each) in ("whole", "number"):
+                checked(each.name, value, record, whole=kind_of(each) == "whole")
+
+
+def checked(name: str, value: Any, record: Setting, *, whole: bool) -> Any:
+    """A number, of NumPy's too, that a setting may have."""
+    kind: Any
+    kind, known = (Integral, "a whole number") if whole else (Real, "a number")
+    if isinstance(value, bool) or not isinstance(value, kind) or not math.isfinite(value):
+        raise InputError(f"{name} is {value!r}; give {known}")
+    if record.least is not None and value < record.least:
+        raise InputError(f"{name} is {value}; give at least {record.least:g}")
+    if record.above is not None and value <= record.above:
+        raise InputError(f"{name} is {value}; give more than {record.above:g}")
+    if record.most is not None and value > record.most:
+        raise InputError(f"{name} is {value}; give at most {record.most:g}")
+    return int(value) if whole else float(value)
 
 
 def parts_of(annotation: Any) -> tuple[Any, ...]:

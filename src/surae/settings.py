@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
 from surae.errors import InputError
@@ -18,7 +17,7 @@ from surae.names import (
     NUISANCES,
     POPULATIONS,
 )
-from surae.setting import default_of, documented, kind_of, setting, settings_of
+from surae.setting import checked, default_of, documented, kind_of, setting, settings_of
 
 if TYPE_CHECKING:  # what computes comes when it is needed: help reads the fields alone
     from surae.recording import Recording
@@ -182,7 +181,7 @@ class FitSettings:
                 frozen = FrozenDict((k, _frozen(v)) for k, v in value.items())
                 object.__setattr__(self, name, frozen)
             elif kind == "whole":
-                object.__setattr__(self, name, _whole(name, value, record.least))
+                object.__setattr__(self, name, checked(name, value, record, whole=True))
             elif record.choices and each.default is None and value not in (None, *record.choices):
                 # What else is to choose is refused by what reads it.
                 rule = f"use one of: {', '.join(record.choices)}"
@@ -384,15 +383,6 @@ class FitSettings:
 def _frozen(value: Any) -> Any:
     """A pair as a tuple; anything else as it is, to be refused where it is used."""
     return tuple(value) if isinstance(value, list) or hasattr(value, "__array__") else value
-
-
-def _whole(name: str, value: Any, least: float | None) -> int:
-    """A whole number, of NumPy's too, as Python's."""
-    if isinstance(value, bool) or not isinstance(value, Integral):
-        raise InputError(f"{name} is {value!r}; give a whole number")
-    if least is not None and value < least:
-        raise InputError(f"{name} is {value}; give at least {least:g}")
-    return int(value)
 
 
 def _believed(given: Any) -> dict[str, Any]:

@@ -8,13 +8,9 @@ import numpy as np
 import pytest
 from scipy.io import loadmat
 
-from surae.cli.protocol import DEVICE_NAMES, PROFILE_NAMES, READY_NAMES, TASK_NAMES
 from surae.planning.demand import asked_limits
-from surae.planning.ready import ready_protocols
 from surae.protocol import (
-    DEVICES,
     PROFILES,
-    TASKS,
     Protocol,
     generate,
     named_device,
@@ -255,13 +251,6 @@ def test_wrong_use(run, tmp_path, arguments, says) -> None:
 
 def test_the_output_is_required(run) -> None:
     refused(run("protocol", "sine"), "--output")
-
-
-def test_the_help_names_what_there_is() -> None:
-    assert PROFILE_NAMES.replace(" or ", ", ").split(", ") == [*PROFILES]
-    assert READY_NAMES.replace(" or ", ", ").split(", ") == [*ready_protocols()]
-    assert TASK_NAMES.split("|") == [*TASKS]
-    assert DEVICE_NAMES.split("|") == [*DEVICES]
 
 
 def test_help_imports_nothing_that_computes() -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from surae.api.fitted import Fit
 from surae.api.fitting import load
@@ -14,7 +14,9 @@ from surae.measures.cohort import Cohort, borrowed, pool
 from surae.measures.members import measured, read_table, refitted
 from surae.measures.quantity import Quantities, quantities
 from surae.progress import Progress
+from surae.requests import ChangeSettings, CohortSettings
 from surae.runner import Engine
+from surae.setting import takes
 from surae.trials.folder import fit_in
 
 if TYPE_CHECKING:
@@ -25,13 +27,13 @@ if TYPE_CHECKING:
 CHANGE_ANGLES = (0.0, 10.0)
 
 
+@takes(ChangeSettings)
 def change(
     before: Fit | PathLike,
     after: Fit | PathLike,
     *,
     baselines: Sequence[Fit | PathLike] = (),
-    angles: Sequence[float] | None = None,
-    legs: bool = False,
+    **asked: Any,
 ) -> Change:
     """Whether a leg has changed between two sessions, or how its two legs differ.
 
@@ -42,12 +44,7 @@ def change(
     baselines : sequence of Fit or path
         Further sessions of the leg from before anything changed; they tell how much sessions
         differ by themselves.
-    angles : sequence of float, optional
-        Where torque and stiffness are asked [deg]; by default 0 and 10. Each adds differences that
-        are looked at, which asks more of all.
-    legs : bool
-        Whether they are two legs of one person. What two sessions of a leg are wrong in alike
-        cancels; of two legs it does not.
+    {settings}
 
     Returns
     -------
@@ -60,22 +57,24 @@ def change(
         A file cannot be read, both are one, an angle is out of reach, or baselines are given of
         two legs.
     """
+    settings = ChangeSettings(**asked)
     places = [
         id(each) if isinstance(each, Fit) else _file_of(each).resolve() for each in (before, after)
     ]
     if places[0] == places[1]:
         raise InputError("before and after are the same fit; give two sessions, or two legs")
-    sides = [_quantities(each, angles or CHANGE_ANGLES) for each in (before, after, *baselines)]
-    return compare_sessions(sides[0], sides[1], sides[2:], legs=legs)
+    angles = settings.angles or CHANGE_ANGLES
+    sides = [_quantities(each, angles) for each in (before, after, *baselines)]
+    return compare_sessions(sides[0], sides[1], sides[2:], legs=settings.legs)
 
 
+@takes(CohortSettings)
 def cohort(
     table: PathLike,
     *,
-    refit: bool = False,
-    angles: Sequence[float] = (10.0,),
     engine: Engine | None = None,
     progress: Progress | None = None,
+    **asked: Any,
 ) -> Cohort:
     """What many legs tell together: groups, differences, change, and each leg among them.
 
@@ -85,14 +84,11 @@ def cohort(
         A CSV with the columns ``fit`` (a FIT.json or the folder of a session, from where the table
         is), ``subject``, and as far as there are ``side``, ``group``, ``session``; every other
         column is a clinical scale.
-    refit : bool
-        Learn the population from the fits and fit every leg again with it, until both rest.
-    angles : sequence of float
-        Where torque and stiffness are asked [deg].
     engine : Engine, optional
         Where the work is done; by default in one process.
     progress : callable, optional
         Called with legs done and all legs.
+    {settings}
 
     Returns
     -------
@@ -104,13 +100,13 @@ def cohort(
     InputError
         The table is damaged, or has no fit that can be read.
     """
-    where = engine or Engine("threads", 1)
+    settings, where = CohortSettings(**asked), engine or Engine("threads", 1)
     rows = read_table(table)
-    members = measured(rows, angles, where, told=progress)
+    members = measured(rows, settings.angles, where, told=progress)
     pooled = pool(members)
-    if not refit:
+    if not settings.refit:
         return pooled
-    again, rounds = refitted(rows, members, angles, where, progress)
+    again, rounds = refitted(rows, members, settings.angles, where, progress)
     return borrowed(pooled, again, rounds)
 
 

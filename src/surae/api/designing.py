@@ -1,12 +1,13 @@
 """Protocols that tell most: designed for a device, and what to measure after a fit."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
-from surae.api.expecting import asked_legs, muscles_of
+from surae.api.expecting import asked_legs, muscles_of, parted
 from surae.api.fitted import Fit
 from surae.errors import InputError
 from surae.files import PathLike
+from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
 from surae.planning.design import Design, make_design
 from surae.planning.filming import filmed
@@ -15,6 +16,8 @@ from surae.planning.ready import start_for
 from surae.planning.sitting import SessionPlan, plan_session, possible_trials
 from surae.progress import SearchProgress
 from surae.protocol import DEVICES, Device, allowed_range, named_device, read_device
+from surae.requests import DesignSettings, LegSettings, SittingSettings
+from surae.setting import takes
 
 #: Legs that a design is searched for, of a rigid and of a compliant model, and those that it is
 #: judged by.
@@ -27,25 +30,15 @@ _EVALUATIONS, _EVALUATIONS_COMPLIANT = 8000, 10_000
 _SEARCH_SEEDS = -500_000
 
 
+@takes(DesignSettings, ModelOptions)
 def design(
     duration: float = 35.0,
     *,
     device: str | PathLike | Device | None = "achilles",
-    model: str = "muscle",
-    population: str | None = None,
     fit: Fit | None = None,
     after: Fit | None = None,
-    range: tuple[float, float] | None = None,
-    noise: float | None = None,
-    nuisances: str | Mapping[str, tuple[float, float]] | None = None,
-    aim: str = "worst",
-    effort: str = "levels",
-    rate_hz: float = 256.0,
-    seed: int = 0,
-    evaluations: int | None = None,
     progress: SearchProgress | None = None,
-    film: str | Sequence[str] = (),
-    **options: Any,
+    **asked: Any,
 ) -> Design:
     """Find the movement and effort that tell most, within the limits of a device and a subject.
 
@@ -58,38 +51,13 @@ def design(
     device : str, path, Device or None
         Whose limits hold: a name, a TOML file, or a `surae.protocol.Device`. None designs within
         moderate limits, and `Design.write` then asks for a reason.
-    model : str
-        Which model's parameters are to be known; ``"auto"``: with the laboratory's imperfections.
-    population : {"healthy", "patient"}, optional
-        Whose legs; by default as many of each.
     fit : Fit, optional
-        Instead: one leg, as far as this fit knows it.
+        Instead of a population: one leg, as far as this fit knows it.
     after : Fit, optional
         The same, and what the fit knows already counts: the trial that adds most.
-    range : (float, float), optional
-        The subject's full plantarflexion and dorsiflexion [rad]; by default what the fit's
-        recordings reached, or -0.9 … 0.6 rad, as far as the device reaches. Patients' is asked for.
-    noise : float, optional
-        Standard deviation of the torque's noise [Nm], as of `expect`.
-    nuisances : str or mapping, optional
-        As of `surae.fit`.
-    aim : str
-        ``"worst"``: the largest relative standard error; ``"mean"``: the mean of their logarithms;
-        or names of parameters and measures with commas between, e.g. ``"passive_stiffness@10deg"``.
-    effort : {"levels", "none"}
-        What the subject can do: bursts of any level, or nothing.
-    rate_hz : float
-        Sampling rate [Hz].
-    seed : int
-        Of the search.
-    evaluations : int, optional
-        Plans that are judged; more is better and takes longer.
     progress : callable, optional
-        Told (plans judged, of how many, best cost).
-    film : str or sequence of str
-        Muscles whose fascicles will be filmed, as of `expect`.
-    **options
-        Model options, see `surae.model.ModelOptions`.
+        Called with (plans judged, of how many, best cost).
+    {settings}
 
     Returns
     -------
@@ -101,57 +69,44 @@ def design(
     InputError
         Something given is unusable, or the device cannot do it: then what to give up.
     """
-    if not 5.0 <= duration <= 600.0:
-        raise InputError(f"duration {duration!r} s: design a trial of 5 to 600 s")
-    if evaluations is not None and evaluations < 1:
-        raise InputError(f"evaluations is {evaluations!r}; judge at least one plan")
-    _check(effort, rate_hz, fit, after)
-    who = after if after is not None else fit
-    chosen = model if who is None else who.result.problem.spec.name
+    settings, options = parted(DesignSettings, {"duration": duration, **asked})
+    who = _leg(fit, after)
+    chosen = settings.model if who is None else who.result.problem.spec.name
     rigid = chosen == "muscle"
     count = _SEARCHED if rigid else _SEARCHED_COMPLIANT
-    who_and_noise = (model, population, who, noise, nuisances)
     first = _SEARCH_SEEDS if who is None else 1
-    legs, level = asked_legs(*who_and_noise, count, options, rate_hz, first=first)
-    unseen, _ = asked_legs(*who_and_noise, _JUDGED, options, rate_hz)
-    legs, unseen = (filmed(each, muscles_of(film)) for each in (legs, unseen))
-    start = start_for(duration, AUTO if chosen == AUTO else chosen, aim, effort == "levels")
+    rate_hz, effort = settings.rate_hz, settings.effort == "levels"
+    legs, level = asked_legs(settings, who, count, options, rate_hz, first=first)
+    unseen, _ = asked_legs(settings, who, _JUDGED, options, rate_hz)
+    legs, unseen = (filmed(each, muscles_of(settings.film)) for each in (legs, unseen))
     limits = as_device(device)
     return make_design(
         name=f"design of {duration:g} s",
         seconds=float(duration),
         rate_hz=rate_hz,
         device=limits,
-        range_of_motion=_range_of(limits, range, population, who),
+        range_of_motion=_range_of(limits, settings.range, settings.population, who),
         legs=legs,
         unseen=unseen,
         noise=level,
-        aim=aim,
-        effort=effort == "levels",
-        evaluations=evaluations or (_EVALUATIONS if rigid else _EVALUATIONS_COMPLIANT),
-        seed=seed,
+        aim=settings.aim,
+        effort=effort,
+        evaluations=settings.evaluations or (_EVALUATIONS if rigid else _EVALUATIONS_COMPLIANT),
+        seed=settings.seed,
         known=None if after is None else known_from(after.result, after.assessment, legs),
-        start=start,
+        start=start_for(duration, AUTO if chosen == AUTO else chosen, settings.aim, effort),
         progress=progress,
     )
 
 
+@takes(SittingSettings, ModelOptions)
 def design_session(
     minutes: float = 10.0,
     *,
-    pause: float = 30.0,
     device: str | PathLike | Device | None = "achilles",
-    model: str = "auto",
-    population: str | None = None,
     fit: Fit | None = None,
     after: Fit | None = None,
-    range: tuple[float, float] | None = None,
-    noise: float | None = None,
-    nuisances: str | Mapping[str, tuple[float, float]] | None = None,
-    aim: str = "worst",
-    effort: str = "levels",
-    rate_hz: float = 128.0,
-    **options: Any,
+    **asked: Any,
 ) -> SessionPlan:
     """Which trials to make, and how often, in the minutes that there are.
 
@@ -161,12 +116,9 @@ def design_session(
     ----------
     minutes : float
         Of the session, pauses included.
-    pause : float
-        After each trial [s].
-    device, model, population, fit, after, range, noise, nuisances, aim, effort, rate_hz
+    device, fit, after
         As of `design`.
-    **options
-        Model options, see `surae.model.ModelOptions`.
+    {settings}
 
     Returns
     -------
@@ -178,19 +130,14 @@ def design_session(
     InputError
         Something given is unusable, or there is no time for any trial.
     """
-    if not 0.1 <= minutes <= 240.0:
-        raise InputError(f"minutes is {minutes!r}; plan a session of up to 240 minutes")
-    if not 0.0 <= pause <= 3600.0:
-        raise InputError(f"pause is {pause!r} s; use 0 to 3600")
-    _check(effort, rate_hz, fit, after)
-    who = after if after is not None else fit
-    who_and_noise = (model, population, who, noise, nuisances)
-    legs, level = asked_legs(*who_and_noise, _PLANNED, options, rate_hz)
+    settings, options = parted(SittingSettings, {"minutes": minutes, **asked})
+    who, rate_hz = _leg(fit, after), settings.rate_hz
+    legs, level = asked_legs(settings, who, _PLANNED, options, rate_hz)
     limits = as_device(device)
-    angles = _range_of(limits, range, population, who)
-    trials = possible_trials(limits, angles, rate_hz, legs, effort=effort == "levels")
+    angles = _range_of(limits, settings.range, settings.population, who)
+    trials = possible_trials(limits, angles, rate_hz, legs, effort=settings.effort == "levels")
     return plan_session(
-        trials, legs, seconds=60.0 * minutes, pause=pause, noise=level, aim=aim,
+        trials, legs, seconds=60.0 * minutes, pause=settings.pause, noise=level, aim=settings.aim,
         known=None if after is None else known_from(after.result, after.assessment, legs),
     )  # fmt: skip
 
@@ -234,7 +181,7 @@ def measure_next(
     InputError
         The fit failed, or something given is unusable.
     """
-    legs, level = asked_legs(AUTO, None, fit, noise, None, _SEARCHED, {}, 256.0)
+    legs, level = asked_legs(LegSettings(noise=noise), fit, _SEARCHED, ModelOptions(), 256.0)
     limits = as_device(device)
     return measure_next_of(
         fit.result, fit.assessment, legs, noise=level, device=limits,
@@ -242,13 +189,11 @@ def measure_next(
     )  # fmt: skip
 
 
-def _check(effort: str, rate_hz: float, fit: Fit | None, after: Fit | None) -> None:
-    if effort not in ("levels", "none"):
-        raise InputError(f"effort is {effort!r}; use 'levels' or 'none'")
-    if not 20.0 <= rate_hz <= 2048.0:
-        raise InputError(f"rate {rate_hz!r} Hz: use 20 to 2048 Hz")
+def _leg(fit: Fit | None, after: Fit | None) -> Fit | None:
+    """The one leg that is meant; None where it is a population's."""
     if fit is not None and after is not None:
         raise InputError("give fit or after, not both: after counts what the fit knows, too")
+    return fit if after is None else after
 
 
 def _range_of(

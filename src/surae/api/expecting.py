@@ -1,14 +1,14 @@
 """What a protocol will tell, before anybody is measured."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 from surae.api.fitted import Fit
 from surae.errors import InputError
 from surae.files import PathLike
 from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
-from surae.planning.expectation import LEGS, NOISE, Expectation, expected
+from surae.planning.expectation import NOISE, Expectation, expected
 from surae.planning.filming import filmed
 from surae.planning.legs import Legs, fit_legs, population_legs
 from surae.planning.ready import ready_protocols
@@ -22,6 +22,8 @@ from surae.protocol import (
     named_device,
     read_protocol,
 )
+from surae.requests import ExpectSettings, LegSettings
+from surae.setting import settings_of, takes
 
 #: Legs by which the torque of a ready protocol is held to a device's.
 _CHECKED = 40
@@ -29,21 +31,16 @@ _CHECKED = 40
 _MOST_SAMPLES = 1_200_000
 #: The motion is shaped at this rate at least [Hz], whatever rate is asked for.
 _SHAPED_HZ = 2000.0
-#: No sensor has less noise [Nm]; with much less, information is beyond all numbers.
-_LEAST_NOISE = 1e-6
+S = TypeVar("S", bound=LegSettings)
 
 
+@takes(ExpectSettings, ModelOptions)
 def expect(
     protocol: str | PathLike | Trajectory,
     model: str = AUTO,
     *,
-    population: str | None = None,
     fit: Fit | None = None,
-    noise: float | None = None,
-    nuisances: str | Mapping[str, tuple[float, float]] | None = None,
-    legs: int = LEGS,
-    film: str | Sequence[str] = (),
-    **options: Any,
+    **asked: Any,
 ) -> Expectation:
     """Standard errors, intervals and verdicts that a protocol will give, over many legs.
 
@@ -58,21 +55,10 @@ def expect(
     model : str
         Name of a model; ``"auto"``: muscles on compliant tendons with all that the laboratory
         cannot rule out, under its priors.
-    population : {"healthy", "patient"}, optional
-        Whose legs; by default as many of each.
     fit : Fit, optional
-        Instead: one leg, as far as this fit knows it; model and noise are then the fit's too.
-    noise : float, optional
-        Standard deviation of the torque's noise [Nm], white, sample by sample at the protocol's
-        rate; by default 0.5, or what the fit's residual comes to.
-    nuisances : str or mapping, optional
-        As of `surae.fit`.
-    legs : int
-        How many legs are drawn.
-    film : str or sequence of str
-        Muscles whose fascicles would be filmed: ``"tib"``, ``"gm"``, ``"gl"``, ``"sol"``.
-    **options
-        Model options, see `surae.model.ModelOptions`.
+        Instead of a population: one leg, as far as this fit knows it; model and noise are then the
+        fit's too.
+    {settings}
 
     Returns
     -------
@@ -85,14 +71,22 @@ def expect(
         Something given is unknown, contradictory or unusable.
     """
     trajectory = as_trajectory(protocol)
+    settings, options = parted(ExpectSettings, {"model": model, **asked})
     rate_hz = trajectory.settings.rate_hz
-    who, level = asked_legs(model, population, fit, noise, nuisances, legs, options, rate_hz)
-    return expected(trajectory, filmed(who, muscles_of(film)), level)
+    who, level = asked_legs(settings, fit, settings.legs, options, rate_hz)
+    return expected(trajectory, filmed(who, muscles_of(settings.film)), level)
 
 
 def muscles_of(film: str | Sequence[str]) -> tuple[str, ...]:
     """Names of muscles, one or several, or with commas between."""
     return tuple(filter(None, film.split(","))) if isinstance(film, str) else tuple(film)
+
+
+def parted(kind: type[S], asked: Mapping[str, Any]) -> tuple[S, ModelOptions]:
+    """Settings and switches of the model, of keywords for both."""
+    own = {each.name for each, _ in settings_of(kind)}
+    switches = {name: value for name, value in asked.items() if name not in own}
+    return kind(**{k: v for k, v in asked.items() if k in own}), ModelOptions.of(**switches)
 
 
 def as_trajectory(protocol: str | PathLike | Trajectory) -> Trajectory:
@@ -143,34 +137,25 @@ def ready_trajectory(
 
 
 def asked_legs(
-    model: str,
-    population: str | None,
+    asked: LegSettings,
     fit: Fit | None,
-    noise: float | None,
-    nuisances: str | Mapping[str, tuple[float, float]] | None,
     count: int,
-    options: Mapping[str, Any],
+    options: ModelOptions,
     rate_hz: float,
     *,
     first: int = 0,
 ) -> tuple[Legs, float]:
-    """Whose legs are meant, and the noise of their torque."""
-    if noise is not None and not _LEAST_NOISE <= noise < float("inf"):
-        raise InputError(
-            f"noise is {noise!r}; give the torque's noise in Nm, {_LEAST_NOISE:g} or more"
-        )
-    if count < 1:
-        raise InputError(f"legs is {count!r}; draw at least one")
+    """Whose legs are meant, so many of them, and the noise of their torque."""
     if fit is None:
-        chosen = ModelOptions.of(**options)
         who = population_legs(
-            model, population, count, first=first, nuisances=nuisances, options=chosen
-        )
-        return who, NOISE if noise is None else noise
-    if population is not None:
+            asked.model, asked.population, count, first=first, nuisances=asked.nuisances,
+            options=options,
+        )  # fmt: skip
+        return who, asked.noise or NOISE
+    if asked.population is not None:
         raise InputError("give a population or a fit, not both")
     who = fit_legs(fit.result, fit.assessment, count, seed=first)
-    return who, fit_noise(fit, rate_hz) if noise is None else noise
+    return who, asked.noise or fit_noise(fit, rate_hz)
 
 
 def fit_noise(fit: Fit, rate_hz: float) -> float:

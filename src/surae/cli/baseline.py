@@ -1,16 +1,19 @@
 """`surae baseline`."""
 
+from dataclasses import asdict
 from functools import partial
 from typing import Any
 
 import click
 
 from surae import api, names
-from surae.cli.options import MODEL_NAMES, SEED, Number, Whole, model_options
+from surae.cli.options import MODEL_NAMES, SEED, Number, Whole, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice, work
-from surae.cli.protocol import DEVICE_NAMES, TASK_NAMES, chirp_rise, chirp_rise_options
+from surae.cli.protocol import CHIRP_FACTOR, chirp_rise
 from surae.cli.screen import show_files, show_line
+from surae.requests import BaselineMotion
+from surae.setting import settings_of
 
 #: More subjects than this are a slip of the keyboard.
 _MOST_SUBJECTS = 10_000
@@ -27,20 +30,15 @@ _MOST_SUBJECTS = 10_000
 @click.option("--noise", type=Number(0.0, 1.0), default=0.05, show_default=True, metavar="PART",
               help="Of EMG and torque, part of each signal's mean size.")  # fmt: skip
 @SEED
-@click.option("--task", default="part-passive", show_default=True, metavar=TASK_NAMES,
-              help="What the subjects are asked to do.")  # fmt: skip
-@click.option("--chirp-amplitude", type=Number(), default=0.2, show_default=True, metavar="A",
-              help="Of the added chirp, in rad.")  # fmt: skip
-@chirp_rise_options
-@click.option("--rate", "rate_hz", type=Number(), default=125.0, show_default=True, metavar="HZ",
-              help="Samples per second.")  # fmt: skip
-@click.option("--device", metavar=DEVICE_NAMES, help="Adapt the motion to its limits.")
+@settings_options(
+    BaselineMotion, api.ModelOptions, without=("range_of_motion", "duration", "adapt")
+)
+@CHIRP_FACTOR
+@click.option("--device", metavar="|".join(names.DEVICES), help="Adapt the motion to its limits.")
 @click.option("--output", required=True, metavar="B.json", help="Where the baseline goes.")
-@model_options
 def command(
     name: str,
     model: str,
-    chirp_rate: float | None,
     chirp_factor: float | None,
     device: str | None,
     output: str,
@@ -55,12 +53,13 @@ def command(
     check_outputs({"--output": output}, [])
 
     api.get_model(model)
-    motion = {key: settings.pop(key) for key in ("task", "chirp_amplitude", "rate_hz")}
+    motion = {each.name for each, _ in settings_of(BaselineMotion)} & options.keys()
+    given: dict[str, Any] = {name: options.pop(name) for name in motion}
+    given["chirp_rate"] = chirp_rise(given.get("chirp_rate"), chirp_factor)
     protocol = api.Protocol(
         profile=name,
-        chirp_rate=chirp_rise(chirp_rate, chirp_factor),
         device=None if device is None else api.named_device(device),
-        **motion,
+        **asdict(BaselineMotion(**given)),
     )
 
     with work() as progress, compilation_notice():

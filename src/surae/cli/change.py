@@ -1,12 +1,15 @@
 """`surae change`."""
 
+from typing import Any
+
 import click
 
 from surae import api
-from surae.cli.options import LANGUAGE, Number
+from surae.cli.options import LANGUAGE, settings_options
 from surae.cli.paths import check_outputs, spare_fits
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_answer, show_files
+from surae.requests import ChangeSettings
 
 
 @click.command("change")
@@ -14,11 +17,7 @@ from surae.cli.screen import show_answer, show_files
 @click.argument("after", metavar="AFTER")
 @click.option("--baseline", "baselines", multiple=True, metavar="FIT.json|DIR",
               help="A further session before anything changed; may be repeated.")  # fmt: skip
-@click.option("--angle", "angles", type=Number(), multiple=True, metavar="DEG",
-              help="Where torque and stiffness are compared; may be repeated.  "
-              "[default: 0, 10]")  # fmt: skip
-@click.option("--legs", is_flag=True,
-              help="BEFORE and AFTER are two legs of one person.")  # fmt: skip
+@settings_options(ChangeSettings)
 @click.option("--output", metavar="C.json", help="Write the comparison.")
 @click.option("--report", metavar="C.html", help="Write the page for clinicians.")
 @LANGUAGE
@@ -26,11 +25,10 @@ def command(
     before: str,
     after: str,
     baselines: tuple[str, ...],
-    angles: tuple[float, ...],
-    legs: bool,
     output: str | None,
     report: str | None,
     language: str,
+    options: dict[str, Any],
 ) -> None:
     """Tell what has changed in a leg between two sessions, or what differs between two legs.
 
@@ -44,12 +42,13 @@ def command(
 
     api.check_clinical_page(report)
     with compilation_notice():
-        change = api.change(before, after, baselines=baselines, angles=angles or None, legs=legs)
+        change = api.change(before, after, baselines=baselines, **options)
 
     if output is not None:
         change.save(output)
     show_answer(change.as_table())
     if report is not None:
+        angles = options.get("angles", ())
         angle = angles[0] if len(angles) == 1 else 10.0
         sides = [api.fit_of(before), api.fit_of(after)]
         api.write_clinical_page(report, sides, language=language, angle=angle, told=change)

@@ -1,34 +1,32 @@
 """`surae cohort`."""
 
 from functools import partial
+from typing import Any
 
 import click
 
 from surae import api
-from surae.cli.options import DASK, Number, engine_of, workers_option
+from surae.cli.options import DASK, engine_of, settings_options, workers_option
 from surae.cli.paths import check_outputs, spare_fits
 from surae.cli.progress import compilation_notice, work
 from surae.cli.screen import Columns, show_files, show_line, show_verdicts
+from surae.requests import CohortSettings
 
 
 @click.command("cohort")
 @click.argument("table", metavar="COHORT.csv")
-@click.option("--refit", is_flag=True,
-              help="Learn the population and fit every leg again with it.")  # fmt: skip
-@click.option("--angle", type=Number(), default=10.0, metavar="DEG",
-              help="Where torque and stiffness are told.  [default: 10]")  # fmt: skip
+@settings_options(CohortSettings)
 @workers_option("Legs")
 @DASK
 @click.option("--output", metavar="C.json", help="Write the cohort.")
 @click.option("--report", metavar="C.html", help="Write a page with its tables and figures.")
 def command(
     table: str,
-    refit: bool,
-    angle: float,
     workers: int | None,
     dask: str | None,
     output: str | None,
     report: str | None,
+    options: dict[str, Any],
 ) -> None:
     """Tell what many legs have in common, how groups differ, and what changed over sessions.
 
@@ -44,8 +42,7 @@ def command(
     api.check_clinical_page(report)
     with work() as progress, compilation_notice():
         cohort = api.cohort(
-            table, refit=refit, angles=[angle], engine=engine,
-            progress=partial(progress.parts, "legs"),
+            table, **options, engine=engine, progress=partial(progress.parts, "legs"),
         )  # fmt: skip
 
     if output is not None:

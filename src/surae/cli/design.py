@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from surae import api
-from surae.cli.options import FILM, SEED, Number, Picture, Whole, model_options, range_option
+from surae.cli.options import Number, Picture, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import StoppedError, compilation_notice, work
 from surae.cli.protocol import device_of, device_options, file_kind
@@ -14,62 +14,34 @@ from surae.cli.screen import show_answer, show_files, show_line
 from surae.errors import InputError
 from surae.files import shown, write_json
 from surae.formatting import part
-from surae.names import FITTED, NUISANCES, POPULATIONS
+from surae.requests import DesignSettings, SittingSettings
+from surae.setting import default_of, settings_of
 
 
 @click.command("design")
-@click.option("--model", type=click.Choice(FITTED), default="muscle", metavar="M",
-              help="Whose parameters are to be known.  [default: muscle]")  # fmt: skip
-@click.option("--population", type=click.Choice(POPULATIONS), metavar="P",
-              help="healthy or patient legs.  [default: as many of each]")  # fmt: skip
+@click.option("--session", "minutes", type=Number(above=0.0), metavar="MIN",
+              help="Instead of a trial: which trials, and how often, in so many "
+              "minutes.")  # fmt: skip
 @click.option("--fit", "fitted", metavar="FIT.json|DIR",
               help="For one leg instead, as far as a fit, or a session, knows it.")  # fmt: skip
 @click.option("--after", metavar="FIT.json|DIR",
               help="The same, and what it knows counts: what adds most.")  # fmt: skip
-@click.option("--duration", type=Number(above=0.0), metavar="S",
-              help="Of the trial, in s.  [default: 35]")  # fmt: skip
-@click.option("--session", "minutes", type=Number(above=0.0), metavar="MIN",
-              help="Instead of a trial: which trials, and how often, in so many "
-              "minutes.")  # fmt: skip
-@click.option("--pause", type=Number(), metavar="S",
-              help="After each trial of a session, in s.  [default: 30]")  # fmt: skip
 @device_options
-@range_option("the fit's, or -0.9:0.6 as far as the device", whose="; asked for of patients")
-@click.option("--noise", type=Number(above=0.0), metavar="NM",
-              help="Of the torque, white.  [default: 0.5, or the fit's]")  # fmt: skip
-@click.option("--nuisances", type=click.Choice(NUISANCES), metavar="all|none",
-              help="The laboratory's imperfections.  [default: all for auto]")  # fmt: skip
-@click.option("--aim", default="worst", show_default=True, metavar="worst|mean|NAME,…",
-              help="What is to be known: parameters and measures by name.")  # fmt: skip
-@click.option("--effort", type=click.Choice(("levels", "none")), default="levels",
-              show_default=True, help="What the subject can do.")  # fmt: skip
-@click.option("--rate", type=Number(above=0.0), default=256.0, show_default=True, metavar="HZ",
-              help="Samples per second.")  # fmt: skip
-@click.option("--evaluations", type=Whole(1, 10_000_000), metavar="N",
-              help="Plans that are judged: more is better and slower.")  # fmt: skip
-@FILM
-@SEED
-@model_options
+@settings_options(DesignSettings, SittingSettings, api.ModelOptions)
 @click.option("--output", required=True, metavar="P.csv|P.mat|FOLDER",
               help="Where the protocol goes, or all of a session's.")  # fmt: skip
 @click.option("--target", metavar="T.csv", help="Where the target for the subject's screen goes.")
 @click.option("--figure", type=Picture(), metavar="P.svg|pdf|png", help="Draw it.")
 def command(
-    model: str,
     fitted: str | None,
     after: str | None,
-    duration: float | None,
-    minutes: float | None,
-    pause: float | None,
     device: str,
     without_limits: str | None,
-    range: tuple[float, float] | None,
-    rate: float,
+    minutes: float | None,
     output: str,
     target: str | None,
     figure: str | None,
     options: dict[str, Any],
-    **settings: Any,
 ) -> None:
     """Find the movement and effort that tell most of a leg, within a device's limits.
 
@@ -78,7 +50,7 @@ def command(
     folder = Path(output)
     if minutes is None:
         file_kind("--output", output, ".csv", ".mat")
-        if pause is not None:
+        if "pause" in options:
             raise InputError("--pause is between the trials of a session; give --session MIN too")
     elif folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
         raise InputError(f"--output {shown(output)}: name a new or an empty folder")
@@ -90,31 +62,27 @@ def command(
         raise InputError("--fit and --after: give one of them; --after counts what it knows, too")
     limiting = device_of(device, without_limits)
 
-    who: dict[str, Any] = {
+    options |= {
         "device": limiting,
-        "model": model,
         "fit": None if fitted is None else api.fit_of(fitted),
         "after": None if after is None else api.fit_of(after),
-        "range": range,
-        "rate_hz": rate,
     }
     if minutes is not None:
-        single = {"--duration": duration, "--target": target, "--figure": figure,
-                  "--evaluations": settings.pop("evaluations"),
-                  "--film": settings.pop("film") or None}  # fmt: skip
-        refused = [option for option, value in single.items() if value is not None]
+        refused = [
+            f"--{name}" for name in ("duration", "evaluations", "seed", "film") if name in options
+        ]
+        refused += ["--target"] * (target is not None) + ["--figure"] * (figure is not None)
         if refused:
             raise InputError(f"{refused[0]} is of a single trial; leave it out, or --session")
-        settings.pop("seed")
-        _plan(minutes, 30.0 if pause is None else pause, output, without_limits,
-              **who, **settings, **options)  # fmt: skip
+        defaults = {each.name: default_of(each) for each, _ in settings_of(DesignSettings)}
+        alike = {name: defaults[name] for name in ("model", "rate_hz")}
+        _plan(output, without_limits, minutes=minutes, **alike | options)
         return
 
     with work() as progress, compilation_notice():
         design = api.design(
-            35.0 if duration is None else duration, **who, **settings, **options,
-            progress=lambda done, total, _: progress.parts("plans judged", done, total),
-        )  # fmt: skip
+            **options, progress=lambda done, total, _: progress.parts("plans judged", done, total)
+        )
     design.write(output, without_limits=without_limits)
     if target is not None:
         api.write_protocol_target(design.trajectory, target)
@@ -132,12 +100,10 @@ def command(
         raise StoppedError("stopped by the user; the best so far is kept")
 
 
-def _plan(
-    minutes: float, pause: float, output: str, without_limits: str | None, **settings: Any
-) -> None:
+def _plan(output: str, without_limits: str | None, **settings: Any) -> None:
     """Plan a session, and write its trials into a folder."""
     with compilation_notice():
-        plan = api.design_session(minutes, pause=pause, **settings)
+        plan = api.design_session(**settings)
     folder = Path(output)
     folder.mkdir(parents=True, exist_ok=True)
     for k, trial in enumerate(plan.trials, 1):

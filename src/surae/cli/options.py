@@ -217,7 +217,8 @@ _WEIGHTS = (
                  help="A sample at a peak counts 1 + P times as much as one at rest."),
     click.option("--peaks-of", type=click.Choice(names.ACTIVITIES),
                  help="Peaks of what.  [default: torque]"),
-    click.option("--robust", is_flag=True, help="Outliers count less: the same as --loss huber."),
+    click.option("--robust", is_flag=True, default=None,
+                 help="Outliers count less: the same as --loss huber."),
 )  # fmt: skip
 
 
@@ -231,9 +232,14 @@ def options_of(request: Any, *without: str) -> list[Callable[[Any], Any]]:
         if each.name == "weights":
             made += _WEIGHTS
         if (record.help or record.label) and each.name not in without:
-            name = (record.option or each.name).replace("_", "-")
+            name = flag_of(each, record)
             made.append(click.option(f"--{name}", each.name, **_option(each, record)))
     return made
+
+
+def flag_of(each: "Field[Any]", record: Setting) -> str:
+    """The option of a setting, without its dashes."""
+    return (record.option or each.name).replace("_", "-")
 
 
 def _option(each: "Field[Any]", record: Setting) -> dict[str, Any]:
@@ -249,7 +255,13 @@ def _option(each: "Field[Any]", record: Setting) -> dict[str, Any]:
     elif record.choices:
         how["type"] = click.Choice(record.choices)
     elif kind == "flag":
-        return how | {"is_flag": True}
+        return how | {"is_flag": True, "flag_value": not default_of(each), "default": None}
+    elif kind == "numbers":
+        return how | {"type": Number(), "multiple": True}
+    elif kind == "range":
+        return how | {"type": Range()}
+    elif kind == "text":
+        pass
     elif kind == "names":
         return how | {"type": Name(), "multiple": True}
     elif kind == "mapping":
@@ -262,7 +274,7 @@ def _option(each: "Field[Any]", record: Setting) -> dict[str, Any]:
     else:
         how["type"] = Number(-math.inf if record.above is None else record.above)
     default = default_of(each)
-    if default is not None:
+    if default not in (None, ""):
         how["help"] += f"  [default: {f'{default:g}' if kind == 'number' else default}]"
     return how
 
@@ -297,13 +309,6 @@ def workers_option(what: str, *, many: str = "all processors") -> Callable[[F], 
     """How many of something are made at a time; by default as `many` says."""
     help = f"{what} at a time.  [default: {many}]"
     return click.option("--workers", type=WORKERS, metavar="N", help=help)
-
-
-def range_option(default: str, *, whose: str = "") -> Callable[[F], F]:
-    """The subject's range of motion; what it is by default, and who has to give it."""
-    help = "Full plantarflexion and dorsiflexion of the subject, in rad"
-    help += f"{whose}.  [default: {default}]"
-    return click.option("--range", type=Range(), metavar="LOW:HIGH", help=help)
 
 
 def server_options(port: int) -> Callable[[F], F]:
@@ -344,8 +349,6 @@ def engine_of(dask: str | None, workers: int | None, kind: str | None = None) ->
     return Engine("dask", address=dask)
 
 
-FILM = click.option("--film", default="", metavar="MUSCLE,…",
-                    help="Fascicles that are filmed: tib, gm, gl, sol.")  # fmt: skip
 SEED = click.option("--seed", type=Whole(0), default=0, metavar="N",
                     help="Of what is random.  [default: 0]")  # fmt: skip
 
@@ -356,7 +359,7 @@ def _collected(options: Sequence[Callable[[Any], Any]]) -> Callable[[F], F]:
     def decorate(function: F) -> F:
         def command(**values: Any) -> Any:
             own = {param.name: values.pop(param.name) for param in added}
-            used = {n: v for n, v in own.items() if v not in (None, (), {}) and v is not False}
+            used = {n: v for n, v in own.items() if v not in (None, (), {})}
             return function(**values, options=used)
 
         command.__doc__ = function.__doc__
@@ -370,9 +373,13 @@ def _collected(options: Sequence[Callable[[Any], Any]]) -> Callable[[F], F]:
     return decorate
 
 
-def settings_options(request: Any) -> Callable[[F], F]:
-    """Add options of all settings of a request; those that are used arrive as `options`."""
-    return _collected(options_of(request))
+def settings_options(*requests: Any, without: Sequence[str] = ()) -> Callable[[F], F]:
+    """Add options of all settings of requests; those that are used arrive as `options`."""
+    made, seen = list[Callable[[Any], Any]](), list(without)
+    for request in requests:
+        made += options_of(request, *seen)
+        seen += [each.name for each, _ in settings_of(request)]
+    return _collected(made)
 
 
 #: Adds the switches of the models.

@@ -1,35 +1,33 @@
 """`surae protocol`."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
 from surae import api
-from surae.cli.options import Number, Picture, range_option
+from surae.cli.options import Number, Picture, flag_of, settings_options
 from surae.cli.paths import check_outputs
 from surae.cli.progress import compilation_notice
 from surae.cli.screen import show_files, show_line
 from surae.errors import InputError
 from surae.files import shown
+from surae.names import CHIRP_RATE, DESIGNED, DEVICES, PROFILES
+from surae.requests import MotionSettings
+from surae.setting import settings_of
 
 Command = Callable[..., Any]
 
-#: Every profile, task and device by name; written out, since help must not import what knows them.
-PROFILE_NAMES = "ramp-and-hold, sine, multiple-holds, multi-sine, multi-sine-holds or scaled-chirp"
-READY_NAMES = "compliant-35, everything-35, passive-20, relaxed-35 or tendon-60"
-TASK_NAMES = "part-passive|active|passive"
-DEVICE_NAMES = "achilles"
+
+def or_(names: Sequence[str]) -> str:
+    """Names as a sentence has them."""
+    return f"{', '.join(names[:-1])} or {names[-1]}"
 
 
-def chirp_rise_options(function: Command) -> Command:
-    """Add --chirp-rate and --chirp-factor, which `chirp_rise` reads."""
-    rate = click.option("--chirp-rate", type=Number(), metavar="R",
-                        help="Rise of its frequency, in Hz/s.  [default: 0.159]")  # fmt: skip
-    factor = click.option("--chirp-factor", type=Number(), metavar="S",
-                          help="Instead, the thesis's s of A·sin(s·t²): S/π Hz/s.")  # fmt: skip
-    return rate(factor(function))
+#: Instead of --chirp-rate; `chirp_rise` reads both.
+CHIRP_FACTOR = click.option("--chirp-factor", type=Number(), metavar="S",
+                            help="Instead, the thesis's s of A·sin(s·t²): S/π Hz/s.")  # fmt: skip
 
 
 def chirp_rise(rate: float | None, factor: float | None) -> float:
@@ -38,14 +36,14 @@ def chirp_rise(rate: float | None, factor: float | None) -> float:
         raise InputError("--chirp-rate and --chirp-factor say the same; give one of them")
     if factor is not None:
         return api.chirp_rate(factor)
-    return api.DEFAULT_RATE if rate is None else rate
+    return CHIRP_RATE if rate is None else rate
 
 
 def device_options(function: Command) -> Command:
     """Add --device and --without-limits, which `device_of` reads."""
     device = click.option("--device", default="achilles", show_default=True,
                           metavar="NAME|FILE.toml|none",
-                          help=f"Whose limits hold: {DEVICE_NAMES}, or yours.")  # fmt: skip
+                          help=f"Whose limits hold: {', '.join(DEVICES)}, or yours.")  # fmt: skip
     reason = click.option("--without-limits", metavar="REASON",
                           help="Why a protocol for no device is written all the "
                           "same.")  # fmt: skip
@@ -56,24 +54,16 @@ def device_options(function: Command) -> Command:
     "protocol",
     help=f"""Make a measurement protocol: the motion and the effort to ask for.
 
-    NAME is {PROFILE_NAMES};
-    or one that was designed: {READY_NAMES}.
+    NAME is {or_(PROFILES)};
+    or one that was designed: {or_(DESIGNED)}.
     The file holds time_s, angle_rad and the target effort 0…1 of the four muscles,
     emg_ta … emg_gm.
     """,
 )
 @click.argument("name", metavar="NAME")
-@click.option("--task", metavar=TASK_NAMES,
-              help="What the subject is asked to do.  [default: part-passive]")  # fmt: skip
-@click.option("--chirp-amplitude", type=Number(), metavar="A",
-              help="Of the added chirp, in rad.  [default: 0]")  # fmt: skip
-@chirp_rise_options
-@range_option("-0.9:0.6, as far as the device")
-@click.option("--duration", type=Number(), metavar="S", help="In s.  [default: the profile's own]")
-@click.option("--rate", "rate_hz", type=Number(), default=256.0, show_default=True, metavar="HZ",
-              help="Samples per second.")  # fmt: skip
+@settings_options(MotionSettings)
+@CHIRP_FACTOR
 @device_options
-@click.option("--no-adapt", is_flag=True, help="Refuse what the device cannot follow instead.")
 @click.option("--despite", metavar="REASON",
               help="Why efforts and range stay as they are though legs would ask more torque than "
               "the device has; goes into the file.")  # fmt: skip
@@ -81,23 +71,23 @@ def device_options(function: Command) -> Command:
 @click.option("--figure", type=Picture(), metavar="P.svg|pdf|png", help="Draw it.")
 def command(
     name: str,
-    task: str | None,
-    chirp_amplitude: float | None,
-    chirp_rate: float | None,
     chirp_factor: float | None,
-    range: tuple[float, float] | None,
-    duration: float | None,
-    rate_hz: float,
     device: str,
     without_limits: str | None,
-    no_adapt: bool,
     despite: str | None,
     output: str,
     figure: str | None,
+    options: dict[str, Any],
 ) -> None:
     """Make a measurement protocol."""
-    rise = chirp_rise(chirp_rate, chirp_factor)
-    limiting = device_of(device, without_limits)
+    own = sorted(
+        f"--{flag_of(each, record)}"
+        for each, record in settings_of(MotionSettings)
+        if each.name in options and each.name not in ("range_of_motion", "rate_hz")
+    )
+    own += ["--chirp-factor"] * (chirp_factor is not None)
+    options["chirp_rate"] = chirp_rise(options.get("chirp_rate"), chirp_factor)
+    limiting, no_adapt = device_of(device, without_limits), "adapt" in options
     if no_adapt and limiting is None:
         raise InputError("--no-adapt has no effect without the limits of a device")
     if despite is not None and not despite.strip():
@@ -108,35 +98,23 @@ def command(
     check_outputs({"--output": output, "--figure": figure}, [])
 
     limits = api.as_device(limiting)
-    angles = api.allowed_range(limits, range)
+    options["range_of_motion"] = api.allowed_range(limits, options.get("range_of_motion"))
     if name in api.ready_protocols():
-        chosen = {
-            "--task": task, "--chirp-amplitude": chirp_amplitude, "--chirp-rate": chirp_rate,
-            "--chirp-factor": chirp_factor, "--duration": duration, "--no-adapt": no_adapt or None,
-            "--despite": despite,
-        }  # fmt: skip
-        fixed = [option for option, value in chosen.items() if value is not None]
+        fixed = own + ["--despite"] * (despite is not None)
         if fixed:
             raise InputError(
                 f"{fixed[0]}: {name} was designed as a whole; leave {', '.join(fixed)} out, or "
                 "design your own: surae design"
             )
         with compilation_notice():
-            trajectory = api.ready_trajectory(name, limits, angles, rate_hz)
+            trajectory = api.ready_trajectory(
+                name, limits, options["range_of_motion"],
+                options.get("rate_hz", api.Protocol(profile="sine").rate_hz),
+            )  # fmt: skip
         ready = api.ready_protocols()[name]
         table, model = [f"{name}: {ready.description}"], ready.model
     else:
-        settings = api.Protocol(
-            profile=name,
-            task=task or "part-passive",
-            chirp_amplitude=chirp_amplitude or 0.0,
-            chirp_rate=rise,
-            range_of_motion=angles,
-            duration=duration,
-            rate_hz=rate_hz,
-            device=limits,
-            adapt=not no_adapt,
-        )
+        settings = api.Protocol(profile=name, device=limits, **options)
         trajectory = api.protocol_trajectory(settings)
         given_up: tuple[str, ...] = (
             () if despite is None else ("Nothing is given up for its torque.",)

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from surae.errors import InputError
+from surae.names import CHIRP_RATE
 from surae.units import FloatArray
 
 #: Time in which a ramp gains or loses its speed [s].
@@ -210,8 +211,7 @@ def named_profile(name: str) -> Profile:
     return PROFILES[name]
 
 
-#: Rise of the frequency [Hz/s] where none is given: that of the thesis's factor 0.5, rounded.
-DEFAULT_RATE = 0.159
+DEFAULT_RATE = CHIRP_RATE
 
 
 def chirp_rate(factor: float) -> float:

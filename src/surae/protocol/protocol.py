@@ -10,9 +10,11 @@ import numpy as np
 from surae.errors import InputError
 from surae.frozen import read_only
 from surae.protocol.adaptation import Adaptation, Motion, fit_device, peaks, refusal
-from surae.protocol.device import TYPICAL_RANGE, Device, allowed_range
+from surae.protocol.device import Device, allowed_range
 from surae.protocol.effort import effort, named_task
-from surae.protocol.profiles import DEFAULT_RATE, base_range, chirp, named_profile
+from surae.protocol.profiles import base_range, chirp, named_profile
+from surae.requests import MotionSettings
+from surae.setting import documented
 from surae.units import FloatArray
 
 #: The motion is shaped on a grid at least this fine [Hz], a multiple of the rate asked for, so that
@@ -20,35 +22,18 @@ from surae.units import FloatArray
 _FINE_RATE = 2000.0
 
 
+@documented
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Protocol:
+class Protocol(MotionSettings):
     """Settings of a measurement protocol.
 
     Attributes
     ----------
     profile : str
         A name of `PROFILES`.
-    task : str
-        A name of `TASKS`.
-    chirp_amplitude : float
-        Amplitude of the added chirp [rad], less than half the range of motion; 0 for none.
-        Without a device it goes on to the last sample and stops there; a motion that is filtered
-        for a device ends at rest.
-    chirp_rate : float
-        Rise of the chirp's frequency [Hz/s]; irrelevant at amplitude 0. The thesis's factors are
-        converted by `surae.protocol.chirp_rate`.
-    range_of_motion : (float, float)
-        The subject's angles of full plantarflexion and full dorsiflexion [rad], within the
-        device's.
-    duration : float or None
-        None for the profile's own; another value plays the profile slower or faster, while the
-        chirp and the task keep their own time [s].
-    rate_hz : float
-        Sampling rate [Hz].
     device : Device or None
         Whose limits the motion must keep; None for no limits.
-    adapt : bool
-        Adapt a motion that the device cannot follow, instead of refusing it.
+    {settings}
 
     Raises
     ------
@@ -57,14 +42,7 @@ class Protocol:
     """
 
     profile: str
-    task: str = "part-passive"
-    chirp_amplitude: float = 0.0
-    chirp_rate: float = DEFAULT_RATE
-    range_of_motion: tuple[float, float] = TYPICAL_RANGE
-    duration: float | None = None
-    rate_hz: float = 256.0
     device: Device | None = None
-    adapt: bool = True
 
     def __post_init__(self) -> None:
         """Check the settings."""

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from surae.cli.options import Number, Whole, range_option, server_options
+from surae.cli.options import Number, Range, Whole, server_options
 from surae.errors import InputError
 
 
@@ -23,7 +23,9 @@ from surae.errors import InputError
 @click.option("--mapping", metavar="MAP.toml", help="Which channel of the streams is which signal.")
 @click.option("--device", default="achilles", show_default=True, metavar="NAME|FILE.toml",
               help="What moves the leg.")  # fmt: skip
-@range_option("-0.9:0.6, as far as the device")
+@click.option("--range", type=Range(), metavar="LOW:HIGH",
+              help="Full plantarflexion and dorsiflexion of the subject, in rad.  "
+              "[default: -0.9:0.6, as far as the device]")  # fmt: skip
 @click.option("--output", default="surae-live", show_default=True, metavar="DIR",
               help="Where the trials are kept.")  # fmt: skip
 @server_options(8766)
