@@ -58,11 +58,11 @@ def test_a_richer_leg_is_found_with_its_laboratory(whole, fitted):
     assert fitted.problem.spec.name == "muscle-tendon-strain"
     assert {"torque_zero", "emd", "xt_gl_sol"} <= set(fitted.family.beliefs)
     assert np.std(fitted.residuals[0]) == pytest.approx(whole.noise, rel=0.1)
-    assert fitted.values["torque_zero"] == pytest.approx(whole.zero, abs=0.2)
+    assert fitted.values["torque_zero"] == pytest.approx(whole.zero, abs=0.1)
     assert fitted.values["emd"] == pytest.approx(whole.delay, abs=5e-3)
     worth = assess(fitted)
     claimed, hits = truth_in(worth, whole.parameters)
-    assert claimed >= 5
+    assert claimed >= 9
     assert hits >= claimed - 1
     assert set(worth.nuisances) == set(fitted.family.beliefs)
     assert not set(worth.nuisances) & set(worth.parameters)
@@ -110,7 +110,7 @@ def test_what_is_fixed_stays_and_what_is_known_is_no_nuisance(short):
 def test_several_recordings_have_their_own_zeros(short, tmp_path):
     other = richer_leg(0, trial=1, rate_hz=THIN, duration=SHORT)
     result = solve(make_problem([short.inputs, other.inputs], "auto"))
-    assert result.family.zeros == pytest.approx((short.zero, other.zero), abs=1.0)
+    assert result.family.zeros == pytest.approx((short.zero, other.zero), abs=0.3)
     worth = assess(result)
     claimed, hits = truth_in(worth, short.parameters)
     assert claimed >= 5
@@ -165,9 +165,12 @@ def test_emg_at_rest_is_as_unsure_as_an_electrode_is_quiet():
 def test_what_electrodes_show_at_rest_is_not_claimed_of_the_leg(leg, lifted):
     emg = leg.inputs.emg + lifted * np.percentile(leg.inputs.emg, 99.0, axis=0)
     fit = solve(make_problem([replace(leg.inputs, emg=read_only(emg))], "auto"))
-    worth = assess(fit)
-    claimed, hits = truth_in(worth, leg.parameters)
-    assert hits >= claimed - 1
+    worth, without = assess(fit), assess(solve(make_problem([leg.inputs], "auto")))
+    claimed = [p for p in worth.parameters.values() if p.verdict is Verdict.IDENTIFIED]
+    assert len(claimed) >= 9
+    for p in claimed:  # the leg is the same, whatever its electrodes show
+        half = (p.ci95[1] - p.ci95[0]) / 2.0
+        assert abs(p.value - without.parameters[p.name].value) < 0.25 * half, p.name
     assert worth.parameters["k_tri"].budget["emg_rest"] > 0.0
     rest = fit.values["emg_rest_sol"] / np.percentile(leg.inputs.emg[:, 2], 99.0)
     assert rest == pytest.approx(lifted, abs=0.006)
