@@ -7,7 +7,7 @@ BIN    := $(VENV)/bin
 SHARED := -n 2 --dist worksteal
 READY  := $(VENV)/.ready
 
-.PHONY: demo test test-all check bench docs dist wheel lock browser clean
+.PHONY: demo test test-all check bench docs release wheel lock browser clean
 
 demo: $(READY)          ## fit the embedded virtual subject, write demo/report.html
 	@$(BIN)/surae demo --output demo
@@ -31,10 +31,8 @@ docs: $(READY)          ## the documentation site, its examples executed, in doc
 	$(BIN)/python -m sphinx -E -W --keep-going -q -b html docs docs/_build/html
 	@echo "The site is docs/_build/html/index.html"
 
-dist: $(READY)          ## wheels and source archives, in dist
-	@rm -rf dist
-	$(BIN)/python -m build --no-isolation
-	$(BIN)/python -m build --no-isolation --outdir dist workbench
+release: $(READY)      ## all that a release must pass; wheels and source archives in dist
+	@$(BIN)/python .ci/release
 
 wheel: $(READY)         ## the wheel on the oldest and the newest Python and dependencies
 	@.ci/wheel
