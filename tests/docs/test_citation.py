@@ -1,4 +1,4 @@
-"""CITATION.cff: what its schema requires, and what the package says of itself."""
+"""CITATION.cff: what its schema requires, and what the package says; the paper's counts."""
 
 import re
 import tomllib
@@ -44,3 +44,22 @@ def test_every_reference_has_what_the_format_asks_for():
     for entry in entries:
         keys = set(re.findall(r"^(?:    )?([a-z-]+):", entry, flags=re.MULTILINE))
         assert keys >= {"type", "title", "authors"}
+
+
+def test_the_papers_counts_are_those_of_the_documentation():
+    paper = (ROOT / "paper" / "paper.md").read_text(encoding="utf-8")
+    rows = [line for line in paper.splitlines() if line.startswith("|")]
+    pages = [
+        ROOT / "docs" / "how-to" / "when-to-believe-a-number.md",
+        ROOT / "docs" / "methods" / "film.md",
+    ]
+    known = {line for page in pages for line in page.read_text(encoding="utf-8").splitlines()}
+    assert len(rows) > 12
+    assert [row for row in rows if row not in known] == []
+
+
+def test_what_the_paper_cites_is_in_its_bibliography():
+    paper = (ROOT / "paper" / "paper.md").read_text(encoding="utf-8")
+    bibliography = (ROOT / "paper" / "paper.bib").read_text(encoding="utf-8")
+    cited = set(re.findall(r"@([a-z]+\d{4})", paper))
+    assert cited == set(re.findall(r"^@\w+\{(\w+),", bibliography, flags=re.MULTILINE))
