@@ -42,7 +42,10 @@ def test_allowed_values(name, value) -> None:
             {"geometry": "cylinder"},
             "option geometry is 'cylinder'; use one of: thesis, virtual-work, or a file's path",
         ),
-        ({"geometry": None}, "option geometry is None; use one of: thesis, virtual-work, or a file's path"),
+        (
+            {"geometry": None},
+            "option geometry is None; use one of: thesis, virtual-work, or a file's path",
+        ),
         (
             {"tendon_strain": "metres"},
             "option tendon_strain is 'metres'; use one of: thesis, slack-length",

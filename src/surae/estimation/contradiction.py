@@ -21,7 +21,6 @@ from surae.estimation.result import FitResult, is_at_bound
 from surae.frozen import FrozenDict
 from surae.model import adapted, get_model, with_optional
 from surae.model.laboratory import COMPLIANT, RIGID, Belief, group_of, laboratory
-from surae.model.parameters import OPTIONAL
 from surae.signals import ModelInputs
 from surae.signals.prepare import sharpened, smoothed
 from surae.units import FloatArray
@@ -31,7 +30,7 @@ _HELD_AGAINST = ("zero", "delay", "crosstalk")
 #: What is known of the tendons, as they are searched.
 TENDONS = {"dlt_tri": Belief(np.log(0.025), 1.0), "dlt_tib": Belief(np.log(0.010), 1.0)}
 #: Parameters that are not on a logarithm: none is no contradiction.
-_STRAIGHT = {*STRAIGHT, *OPTIONAL["emd"], *OPTIONAL["crosstalk"], "pt_tri", "pt_tib"}
+_STRAIGHT = {*STRAIGHT, "pt_tri", "pt_tib"} - TENDONS.keys()
 #: Standard deviation of what has no prior: of the logarithm, or in parts of its bounds' distance.
 _VAGUE = 3.0
 #: Largest order of the noise's autoregression, and what is slow of it [Hz].

@@ -23,10 +23,18 @@ from surae.estimation.interrupt import postponed_interrupt
 from surae.estimation.latent import SOURCES, Latents
 from surae.estimation.least_squares import Outcome
 from surae.estimation.noise import NoiseModel
-from surae.estimation.population import wide_priors
+from surae.estimation.population import WIDENED, wide_priors
 from surae.estimation.posterior import STRAIGHT, Block, LogPosterior, Point
 from surae.estimation.problem import FitProblem
-from surae.estimation.result import Candidate, Family, FitResult, OfRecording, Start, is_at_bound
+from surae.estimation.result import (
+    TENDONS,
+    Candidate,
+    Family,
+    FitResult,
+    OfRecording,
+    Start,
+    at_bounds,
+)
 from surae.estimation.uncertainty import (
     UNSUPPORTED,
     between_subsets,
@@ -216,6 +224,8 @@ class _Search:
     def _leg(self, problem: FitProblem) -> dict[str, Belief]:
         """What is known of the leg's own parameters, as they are searched."""
         wide = wide_priors(problem.options, problem.inputs[0].emg_unit)
+        for name in TENDONS:  # widened, a Gaussian would believe as much in a rigid one
+            wide[name] = (wide[name][0], wide[name][1] / WIDENED)
         wide |= {name: (weight, 1.0) for name, weight in self._weights.items()}
         wide |= {n: (p.median, p.spread) for n, p in problem.priors.items()}
         return {
@@ -344,11 +354,7 @@ def _summed(
     roots = [1.0 if recording.weight is None else recording.weight for recording in inputs]
     sse = sum(float(np.sum(w * e**2)) for w, e in zip(roots, residuals, strict=True))
     finite = bool(np.isfinite(sse) and np.isfinite(covariance).all())
-    bound = [
-        name
-        for name, low, high in zip(problem.free, problem.lower, problem.upper, strict=True)
-        if group_of(name) is None and is_at_bound(values[name], low, high)
-    ]
+    bound = [n for n in at_bounds(problem, values, of_family=True) if group_of(n) is None]
     status = "failed" if not finite else "at-bounds" if bound else "converged"
     free = {name: values[name] for name in problem.free}
     initial = dict(zip(problem.free, problem.start.tolist(), strict=True))

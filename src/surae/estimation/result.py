@@ -14,6 +14,9 @@ from surae.model.laboratory import Belief
 from surae.records import OrInfinite
 from surae.units import FloatArray
 
+#: Stretches of tendons.
+TENDONS = ("dlt_tri", "dlt_tib")
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Start(Comparable):
@@ -151,12 +154,7 @@ class FitResult(Comparable):
     @property
     def at_bound(self) -> tuple[str, ...]:
         """Free parameters that lie at a bound."""
-        p = self.problem
-        return tuple(
-            name
-            for name, low, high in zip(p.free, p.lower, p.upper, strict=True)
-            if is_at_bound(self.values[name], low, high)
-        )
+        return at_bounds(self.problem, self.values, of_family=self.family is not None)
 
     @property
     def bounded(self) -> dict[str, float]:
@@ -193,7 +191,21 @@ def with_laboratory(result: FitResult) -> FitResult:
     )
 
 
+def at_bounds(
+    problem: FitProblem, values: Mapping[str, float], *, of_family: bool
+) -> tuple[str, ...]:
+    """Free parameters that lie at a bound.
+
+    A tendon that hardly stretches is a limit that a family reaches, and no end of its search.
+    """
+    return tuple(
+        name
+        for name, low, high in zip(problem.free, problem.lower, problem.upper, strict=True)
+        if is_at_bound(values[name], -np.inf if of_family and name in TENDONS else low, high)
+    )
+
+
 def is_at_bound(value: float, lower: float, upper: float) -> bool:
     """Whether a value lies at one of its bounds, to a millionth of their distance."""
-    margin = 1e-6 * (upper - lower)
+    margin = 1e-6 * (upper - lower) if np.isfinite(lower) else 0.0
     return value <= lower + margin or value >= upper - margin
