@@ -66,7 +66,7 @@ def test_a_compliant_tendon_follows_the_film_and_predicts_another(compliant, mea
     assert not _said_of_films(compliant)
     (other,) = compliant.predict(measured("PL_50_01")).fascicles
     assert other.quality.rmse_mm < 2.0
-    assert other.quality.correlation > 0.99
+    assert other.quality.correlation > 0.98
 
 
 @pytest.mark.slow
