@@ -8,6 +8,7 @@ import quality_table
 from sphinx.application import Sphinx
 
 from surae.estimation.population import KNOWN, WIDENED
+from surae.estimation.result import TENDONS
 from surae.measures import DEFINITIONS
 from surae.model.parameters import (
     MUSCLE_2010_PARAMETERS,
@@ -74,8 +75,12 @@ def _plain(default: object) -> str:
 def priors() -> str:
     """A table in Markdown: what is known of a leg's parameters before it is measured."""
     head = "| parameter | median | spread | source |\n|---|--:|--:|---|\n"
+
+    def spread(name: str, of_health: float) -> float:
+        return of_health if name in TENDONS else WIDENED * of_health
+
     return head + "".join(
-        f"| `{name}` | {known.median:g} | {WIDENED * known.spread:.2g} | {known.source} |\n"
+        f"| `{name}` | {known.median:g} | {spread(name, known.spread):.2g} | {known.source} |\n"
         for name, known in KNOWN["healthy"].items()
         if source_of(name) is None or name in SOURCES["tendon"].leg
     )

@@ -277,6 +277,8 @@ def test_data_without_noise_are_no_reason_to_fail(profile):
     trajectory = generate(Protocol(profile=profile, rate_hz=64.0, chirp_amplitude=0.1))
     fit = solve(make_problem([virtual_trial(subject, trajectory, noise=0.0)], "auto"))
     assert fit.status in ("converged", "at-bounds")
+    claimed, hits = truth_in(assess(fit), subject.parameters)
+    assert claimed - hits <= 1
     # What decides where there is no noise are the priors of what this leg does not have.
     for name in ("k_tri", "x0_tri", "l0_tri", "f0"):
         assert fit.values[name] == pytest.approx(subject.parameters[name], rel=0.08)

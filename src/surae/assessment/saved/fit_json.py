@@ -133,8 +133,6 @@ def load_saved(path: PathLike) -> SavedFit:
 def _result(file: _File, data: Mapping[str, Any]) -> FitResult:
     table, starts = {**file.parameters, **file.nuisances}, file.starts.all
     spec = with_optional(get_model(file.model), table)
-    if isinstance(data["options"].get("geometry"), str):  # a table, never a file to be read
-        ModelOptions(geometry=data["options"]["geometry"])
     ModelOptions.of(**data["options"])  # what this surae does not know is another model
     for name in spec.names:
         if name not in table:
