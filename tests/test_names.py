@@ -10,8 +10,8 @@ from surae.estimation import LOSSES
 from surae.estimation.population import KNOWN
 from surae.model import MODELS, ModelOptions, laboratory
 from surae.model.anthropometry import FOOT_SHARE
-from surae.planning.ready import ready_protocols
 from surae.protocol import DEVICES, PROFILES, TASKS
+from surae.protocol.planning.ready import ready_protocols
 from surae.studies.populations import POPULATIONS
 
 

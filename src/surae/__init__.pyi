@@ -41,7 +41,6 @@ from surae.recording import Inspection as Inspection
 from surae.recording import Recording as Recording
 from surae.recording import inspect as inspect
 from surae.recording import read as read
-from surae.recording import write_bids as write_bids
 from surae.recording import write_csv as write_csv
 from surae.recording import write_sto as write_sto
 from surae.settings import FitSettings as FitSettings

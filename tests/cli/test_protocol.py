@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.io import loadmat
 
-from surae.planning.demand import asked_limits
 from surae.protocol import (
     PROFILES,
     Protocol,
@@ -16,6 +15,7 @@ from surae.protocol import (
     named_device,
     read_protocol,
 )
+from surae.protocol.planning.demand import asked_limits
 
 from .conftest import refused
 from .test_startup import COMPUTING, imported

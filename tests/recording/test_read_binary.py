@@ -313,14 +313,14 @@ def test_xdf_refuses(table, data, says):
 
 
 @pytest.mark.parametrize(
-    ("parse", "package", "arguments"),
-    [(c3d.parse, "ezc3d", ()), (edf.parse, "edfio", (0.0,)), (xdf.parse, "pyxdf", ())],
+    ("parse", "package"),
+    [(c3d.parse, "ezc3d"), (edf.parse, "edfio"), (xdf.parse, "pyxdf")],
 )
-def test_a_missing_library_names_the_extra(monkeypatch, parse, package, arguments):
+def test_a_missing_library_names_the_extra(monkeypatch, parse, package):
     data = SEEDS[parse.__module__.rpartition(".")[2]][0]()
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(InputError, match=rf'package {package}; .*"surae\[formats\]"'):
-        parse(data, "x", *arguments)
+        parse(data, "x")
 
 
 def test_a_reader_that_hangs_or_eats_memory_is_ended_and_the_next_file_is_read(table, monkeypatch):

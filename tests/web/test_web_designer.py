@@ -8,8 +8,8 @@ import pytest
 
 import surae
 from surae.names import FITTED
-from surae.planning.ready import ready_protocols
 from surae.protocol import PROFILES, Protocol, generate, named_device, write_protocol_csv
+from surae.protocol.planning.ready import ready_protocols
 
 from .conftest import PATIENCE, least
 

@@ -83,11 +83,6 @@ from surae.model.laboratory import richest as richest
 from surae.model.options import ModelOptions as ModelOptions
 from surae.model.parameters import OPTIONAL as OPTIONAL
 from surae.model.parameters import OPTIONAL_PARAMETERS as OPTIONAL_PARAMETERS
-from surae.planning.demand import asked_limits as asked_limits
-from surae.planning.demand import held_to_torque as held_to_torque
-from surae.planning.expectation import Expectation as Expectation
-from surae.planning.plan import Plan as Plan
-from surae.planning.ready import ready_protocols as ready_protocols
 from surae.protocol import DEVICES as DEVICES
 from surae.protocol import PROFILES as PROFILES
 from surae.protocol import TASKS as TASKS
@@ -105,6 +100,11 @@ from surae.protocol import write_protocol_target as write_protocol_target
 from surae.protocol.adaptation import peaks as peaks
 from surae.protocol.coverage import TricepsPath as TricepsPath
 from surae.protocol.coverage import triceps_path as triceps_path
+from surae.protocol.planning.demand import asked_limits as asked_limits
+from surae.protocol.planning.demand import held_to_torque as held_to_torque
+from surae.protocol.planning.expectation import Expectation as Expectation
+from surae.protocol.planning.plan import Plan as Plan
+from surae.protocol.planning.ready import ready_protocols as ready_protocols
 from surae.protocol.profiles import DEFAULT_RATE as DEFAULT_RATE
 from surae.protocol.profiles import chirp_rate as chirp_rate
 from surae.protocol.profiles import smooth_step as smooth_step
@@ -121,7 +121,6 @@ from surae.recording import csv_columns as csv_columns
 from surae.recording import inspect as inspect
 from surae.recording import mapping_text as mapping_text
 from surae.recording import read as read
-from surae.recording import write_bids as write_bids
 from surae.recording import write_csv as write_csv
 from surae.recording import write_hdf5 as write_hdf5
 from surae.recording import write_mapping as write_mapping

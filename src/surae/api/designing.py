@@ -9,13 +9,13 @@ from surae.errors import InputError
 from surae.files import PathLike
 from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
-from surae.planning.design import Design, make_design
-from surae.planning.filming import filmed
-from surae.planning.next import NextTrial, known_from, measure_next_of
-from surae.planning.ready import start_for
-from surae.planning.sitting import SessionPlan, plan_session, possible_trials
 from surae.progress import SearchProgress
 from surae.protocol import DEVICES, Device, allowed_range, named_device, read_device
+from surae.protocol.planning.design import Design, make_design
+from surae.protocol.planning.filming import filmed
+from surae.protocol.planning.next import NextTrial, known_from, measure_next_of
+from surae.protocol.planning.ready import start_for
+from surae.protocol.planning.sitting import SessionPlan, plan_session, possible_trials
 from surae.requests import DesignSettings, LegSettings, SittingSettings
 from surae.setting import takes
 

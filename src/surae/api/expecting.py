@@ -8,10 +8,6 @@ from surae.errors import InputError
 from surae.files import PathLike
 from surae.model import ModelOptions
 from surae.model.laboratory import AUTO
-from surae.planning.expectation import NOISE, Expectation, expected
-from surae.planning.filming import filmed
-from surae.planning.legs import Legs, fit_legs, population_legs
-from surae.planning.ready import ready_protocols
 from surae.protocol import (
     PROFILES,
     Device,
@@ -22,6 +18,10 @@ from surae.protocol import (
     named_device,
     read_protocol,
 )
+from surae.protocol.planning.expectation import NOISE, Expectation, expected
+from surae.protocol.planning.filming import filmed
+from surae.protocol.planning.legs import Legs, fit_legs, population_legs
+from surae.protocol.planning.ready import ready_protocols
 from surae.requests import ExpectSettings, LegSettings
 from surae.setting import settings_of, takes
 

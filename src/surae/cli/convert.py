@@ -25,22 +25,19 @@ _SUFFIXES = (".h5", ".hdf5", ".csv", ".sto")
 def command(recording: str, output: str, mapping: str | None, prepared: bool) -> None:
     """Write a recording in another format, in SI units with our signs.
 
-    OUT ends in .h5 (keeps everything), .csv or .sto (one time axis), or is a new folder, which is
-    written as BIDS: BDF at 24 bits with its sidecars.
+    OUT ends in .h5, which keeps everything, or in .csv or .sto, which have one time axis.
     """
     suffix = Path(output).suffix.lower()
-    if suffix not in ("", *_SUFFIXES):
+    if suffix not in _SUFFIXES:
         raise InputError(
-            f"{shown(output)}: {suffix} is not written; end it in .h5, .csv or .sto, or give the "
-            "name of a new folder (BIDS)"
+            f"{shown(output)}: {suffix or 'no ending'} is not written; end it in .h5, .csv or .sto"
         )
-    if suffix:
-        check_outputs({"OUT": output}, [recording])
+    check_outputs({"OUT": output}, [recording])
 
     with work() as progress:
         progress.describe(f"reading {recording}")
         measured = api.read(recording, mapping=mapping)
-        check_outputs({"OUT": output} if suffix else {}, [file.path for file in measured.files])
+        check_outputs({"OUT": output}, [file.path for file in measured.files])
         if prepared:
             progress.describe(f"preparing {recording}")
             measured = _prepared(measured)
@@ -57,10 +54,8 @@ def command(recording: str, output: str, mapping: str | None, prepared: bool) ->
             api.write_csv(
                 output, api.csv_columns(measured), [f"name: {name}", f"emg: {measured.emg}"]
             )
-        elif suffix == ".sto":
-            api.write_sto(output, measured)
         else:
-            api.write_bids(output, measured)
+            api.write_sto(output, measured)
 
     again = "; fit it with --prepared, or it is filtered again" if prepared else ""
     show_line(f"converted: {shown(output)}{again}")

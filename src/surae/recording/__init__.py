@@ -1,6 +1,5 @@
 """Files to recordings: readers, units and signs, provenance."""
 
-from surae.recording.bids import write_bids
 from surae.recording.hdf5 import write_hdf5
 from surae.recording.inspected import InspectedChannel, Inspection
 from surae.recording.inspection import inspect
@@ -31,7 +30,6 @@ __all__ = [
     "inspect",
     "mapping_text",
     "read",
-    "write_bids",
     "write_csv",
     "write_hdf5",
     "write_mapping",

@@ -2,21 +2,16 @@
 
 What edfio passes over is looked at here: a signal without calibration, a file that ends early, and
 the gaps of an interrupted recording (EDF+D), whose parts it joins. Time counts from the first
-sample, or as the JSON says that BIDS keeps beside ``…_emg.bdf``.
+sample.
 """
 
-import json
-import math
 import re
 from collections.abc import Iterator
-from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from surae.errors import InputError
-from surae.files import read_bytes, shown
 from surae.recording.foreign import Parsed, foreign_table, optional, packed, untrusted
 from surae.recording.samples import instants
 from surae.recording.source import Source
@@ -30,8 +25,6 @@ _BEFORE_SAMPLES = 216
 #: Records are unpacked in parts of about so many bytes: edfio needs many times a BDF file's size.
 _PART = 2**20
 _ONSET = re.compile(rb"([+-]\d{1,9}(?:\.\d{1,9})?)\x14")
-#: Data that BIDS describes in a JSON beside it.
-_BIDS = ("_emg.bdf", "_emg.edf")
 
 
 def recognises(source: Source) -> bool:
@@ -46,13 +39,10 @@ def open_table(source: Source) -> Table:
 
     A file that is damaged or cut short, or a signal without calibration, is refused.
     """
-    start_s, envelope = _beside(source.path)
-    name = "BDF" if source.data.startswith(_BDF) else "EDF"
-    table = foreign_table(source, name, "edf", start_s=start_s)
-    return replace(table, notes={"emg": "envelope"}) if envelope else table
+    return foreign_table(source, "BDF" if source.data.startswith(_BDF) else "EDF", "edf")
 
 
-def parse(data: bytes, shown: str, start_s: float) -> dict[str, Any]:
+def parse(data: bytes, shown: str) -> dict[str, Any]:
     """The signals of a file."""
     with untrusted(shown):
         file = _File(data, shown)
@@ -64,9 +54,9 @@ def parse(data: bytes, shown: str, start_s: float) -> dict[str, Any]:
             per_record = signal.samples_per_data_record
             rate = per_record / file.duration_s
             if per_record not in times:
-                times[per_record] = (start_s, rate)
+                times[per_record] = (0.0, rate)
                 if begins is not None:
-                    within = instants(start_s, rate, per_record)
+                    within = instants(0.0, rate, per_record)
                     times[per_record] = (begins[:, None] + within[None, :]).reshape(-1)
             label, unit = signal.label, signal.physical_dimension
             columns.append(Parsed(label, values, times[per_record], unit, gaps))
@@ -158,24 +148,3 @@ class _File:
             part = data[begin : begin + count * self._record]
         whole = head[:236] + str(count).ljust(8).encode() + head[244:] + part
         return read(whole, header_encoding="latin-1")
-
-
-def _beside(path: str) -> tuple[float, bool]:
-    """First instant [s], and whether the EMG is an envelope, as the JSON beside BIDS data says.
-
-    Without it, files of one recording that begin at different times would be laid one upon the
-    other, and an envelope would be rectified once more.
-    """
-    beside = Path(path).with_suffix(".json")
-    if not path.casefold().endswith(_BIDS) or not beside.is_file():
-        return 0.0, False
-    try:
-        sidecar = json.loads(read_bytes(beside))
-    except (ValueError, RecursionError):
-        sidecar = None
-    if not isinstance(sidecar, dict):
-        raise InputError(f"{shown(beside)}: no JSON object, which BIDS keeps beside its data")
-    start, filters = sidecar.get("StartTime"), sidecar.get("SoftwareFilters")
-    if not isinstance(start, int | float) or isinstance(start, bool) or not math.isfinite(start):
-        start = 0.0
-    return float(start), isinstance(filters, dict) and "envelope" in filters

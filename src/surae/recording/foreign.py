@@ -56,17 +56,16 @@ def packed(columns: Sequence[Parsed]) -> dict[str, Any]:
     return {"columns": plain, "times": list(times.values())}
 
 
-def foreign_table(source: Source, format_name: str, module: str, **more: Any) -> Table:
+def foreign_table(source: Source, format_name: str, module: str) -> Table:
     """The table that ``surae.recording.<module>:parse`` makes of a file.
 
-    `more` are further arguments of ``parse``. A reader that crashes, or takes too long or too much
-    memory, is an InputError too.
+    A reader that crashes, or takes too long or too much memory, is an InputError too.
     """
     size = len(source.data)
     try:
         plain = guarded(
             f"surae.recording.{module}:parse",
-            {"data": source.data, "shown": source.shown, **more},
+            {"data": source.data, "shown": source.shown},
             seconds=_SECONDS + _SECONDS_PER_BYTE * size,
             memory=_MEMORY + _MEMORY_PER_BYTE * size,
         )

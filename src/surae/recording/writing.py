@@ -133,7 +133,6 @@ def shared_time(recording: Recording, where: str) -> FloatArray:
                 f"{where}: {channels[0].role} and {channel.role} have times of their own "
                 f"({channels[0].rate_hz:.6g} and {channel.rate_hz:.6g} Hz, from "
                 f"{channels[0].time[0]:.6g} and {channel.time[0]:.6g} s), but the file has one "
-                "column of times; prepare the recording first (--prepare), or write .h5 or a "
-                "BIDS folder"
+                "column of times; prepare the recording first (--prepare), or write .h5"
             )
     return time

@@ -11,7 +11,7 @@ from surae.assessment.parameter import percent
 from surae.assessment.uncertainty.budget import budgets
 from surae.estimation import FitResult
 from surae.model.sources import SOURCES, Fill
-from surae.planning.filming import covariance_if_filmed
+from surae.protocol.planning.filming import covariance_if_filmed
 from surae.report.document import (
     Block,
     ListBlock,

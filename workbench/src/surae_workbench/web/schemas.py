@@ -313,7 +313,7 @@ class ValidateRequest(Strict):
 
 
 class ProtocolPlan(Strict):
-    """A protocol that was designed, and the limits of its movement, see `surae.planning.plan`."""
+    """A protocol that was designed, and the limits of its movement: `surae.api.Plan`."""
 
     name: Annotated[str, StringConstraints(max_length=120)]
     seconds: Annotated[float, Field(gt=0, le=600)]

@@ -15,16 +15,16 @@ from surae.assessment.parameter import percent
 from surae.errors import InputError
 from surae.filed import filed
 from surae.frozen import Comparable, FrozenDict, read_only
-from surae.planning.aim import Aim, make_aim
-from surae.planning.expectation import Expectation, expected_of
-from surae.planning.information import Information, information, prior_precision, shared
-from surae.planning.legs import Legs
-from surae.planning.plan import Plan, limits_of
-from surae.planning.ready import ready_protocols
-from surae.planning.search import VAGUE
-from surae.planning.torque import within_torque
 from surae.protocol import Device, Trajectory
 from surae.protocol.effort import Burst
+from surae.protocol.planning.aim import Aim, make_aim
+from surae.protocol.planning.expectation import Expectation, expected_of
+from surae.protocol.planning.information import Information, information, prior_precision, shared
+from surae.protocol.planning.legs import Legs
+from surae.protocol.planning.plan import Plan, limits_of
+from surae.protocol.planning.ready import ready_protocols
+from surae.protocol.planning.search import VAGUE
+from surae.protocol.planning.torque import within_torque
 from surae.records import to_plain
 from surae.threads import one_blas_thread
 from surae.units import FloatArray

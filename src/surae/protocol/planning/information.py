@@ -12,9 +12,9 @@ import numpy as np
 from surae.assessment.uncertainty.covariance import Covariance, covariance
 from surae.frozen import Comparable, read_only
 from surae.model.laboratory import EACH_TRIAL, group_of
-from surae.planning.filming import rows_of_films
-from surae.planning.legs import Legs
 from surae.protocol import Trajectory
+from surae.protocol.planning.filming import rows_of_films
+from surae.protocol.planning.legs import Legs
 from surae.signals import ModelInputs, inputs_as_given, thinned
 from surae.units import FloatArray
 

@@ -7,10 +7,10 @@ import pytest
 
 import surae
 from surae.errors import InputError
-from surae.planning.information import information, prior_precision, shared
-from surae.planning.legs import population_legs
-from surae.planning.sitting import PlannedTrial, plan_session
 from surae.protocol import Protocol, generate
+from surae.protocol.planning.information import information, prior_precision, shared
+from surae.protocol.planning.legs import population_legs
+from surae.protocol.planning.sitting import PlannedTrial, plan_session
 
 RATE = 32.0
 

@@ -13,9 +13,9 @@ from surae.formatting import part
 from surae.frozen import Comparable, FrozenDict, read_only
 from surae.model import adapted
 from surae.model.sources import SOURCES, source_of
-from surae.planning.information import Information, estimated, information, prior_precision
-from surae.planning.legs import Legs
 from surae.protocol import Trajectory
+from surae.protocol.planning.information import Information, estimated, information, prior_precision
+from surae.protocol.planning.legs import Legs
 from surae.records import to_plain
 from surae.tables import Tabular, TextTable
 from surae.threads import one_blas_thread

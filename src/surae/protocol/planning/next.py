@@ -16,10 +16,10 @@ from surae.filed import filed
 from surae.files import PathLike
 from surae.frozen import Comparable, FrozenDict
 from surae.model.laboratory import EACH_TRIAL, group_of
-from surae.planning.information import estimated, information, shared
-from surae.planning.legs import Legs
-from surae.planning.ready import Ready, ready_protocols
 from surae.protocol import Device, Trajectory, write_protocol
+from surae.protocol.planning.information import estimated, information, shared
+from surae.protocol.planning.legs import Legs
+from surae.protocol.planning.ready import Ready, ready_protocols
 from surae.records import to_plain
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
@@ -49,7 +49,7 @@ class NextTrial(Comparable):
     trajectory: Trajectory | None  #: The trial.
 
     def write(self, path: PathLike, *, without_limits: str | None = None) -> None:
-        """Write the trial for a device, as `surae.planning.design.Design.write` does."""
+        """Write the trial for a device, as `surae.protocol.planning.design.Design.write` does."""
         if self.trajectory is None:
             raise InputError("there is no trial to write: " + self.sentences[0])
         write_protocol(self.trajectory, path, without_limits=without_limits)

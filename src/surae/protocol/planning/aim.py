@@ -8,7 +8,7 @@ import numpy as np
 from surae.errors import InputError
 from surae.frozen import Comparable, read_only
 from surae.measures import measures_of_values
-from surae.planning.legs import Legs
+from surae.protocol.planning.legs import Legs
 from surae.units import FloatArray
 
 #: Aims that are about all parameters: the largest error, or the mean of the errors' logarithms.

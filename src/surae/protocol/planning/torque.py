@@ -14,11 +14,11 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.frozen import read_only
-from surae.planning.information import model_inputs
-from surae.planning.legs import Legs
-from surae.planning.plan import EXACT, Limits, Plan, eased
 from surae.protocol import Device, Protocol, Trajectory, generate
 from surae.protocol.effort import GAP, Burst, burst_effort, named_task, task_bursts
+from surae.protocol.planning.information import model_inputs
+from surae.protocol.planning.legs import Legs
+from surae.protocol.planning.plan import EXACT, Limits, Plan, eased
 from surae.units import FloatArray
 
 #: Part of the range that is given up without asking, and the steps in which it is looked for.

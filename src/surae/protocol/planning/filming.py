@@ -15,7 +15,7 @@ from surae.estimation.film import DRIFT, DRIFT_S, group_of_film, names_of_film
 from surae.frozen import FrozenDict, read_only
 from surae.model import ModelSpec, with_optional
 from surae.model.laboratory import laboratory
-from surae.planning.legs import Legs
+from surae.protocol.planning.legs import Legs
 from surae.recording.recording import FILMED
 from surae.signals import thinned
 from surae.units import FloatArray

@@ -11,17 +11,17 @@ import numpy as np
 from surae.filed import filed
 from surae.files import PathLike
 from surae.frozen import Comparable, FrozenDict
-from surae.planning.aim import MEAN, WORST, make_aim
-from surae.planning.expectation import Expectation, expected
-from surae.planning.genes import Genes
-from surae.planning.information import SINGULAR, information, prior_precision
-from surae.planning.legs import Legs
-from surae.planning.plan import Limits, Plan, highest_hz, limits_of
-from surae.planning.ready import Ready
-from surae.planning.search import SEARCH_RATE, search
-from surae.planning.torque import within_torque
 from surae.progress import SearchProgress
 from surae.protocol import Device, Trajectory, write_protocol
+from surae.protocol.planning.aim import MEAN, WORST, make_aim
+from surae.protocol.planning.expectation import Expectation, expected
+from surae.protocol.planning.genes import Genes
+from surae.protocol.planning.information import SINGULAR, information, prior_precision
+from surae.protocol.planning.legs import Legs
+from surae.protocol.planning.plan import Limits, Plan, highest_hz, limits_of
+from surae.protocol.planning.ready import Ready
+from surae.protocol.planning.search import SEARCH_RATE, search
+from surae.protocol.planning.torque import within_torque
 from surae.records import to_plain
 from surae.units import FloatArray
 

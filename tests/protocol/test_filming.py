@@ -5,10 +5,10 @@ import pytest
 
 import surae
 from surae.errors import InputError
-from surae.planning.filming import filmed
-from surae.planning.information import information
-from surae.planning.legs import population_legs
 from surae.protocol import Protocol, generate
+from surae.protocol.planning.filming import filmed
+from surae.protocol.planning.information import information
+from surae.protocol.planning.legs import population_legs
 
 
 @pytest.fixture(scope="module")

@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from surae.planning.information import model_inputs
-from surae.planning.legs import population_legs
-from surae.planning.plan import Limits
-from surae.planning.torque import ProfilePlan, within_torque
 from surae.protocol import Protocol, Trajectory, generate
+from surae.protocol.planning.information import model_inputs
+from surae.protocol.planning.legs import population_legs
+from surae.protocol.planning.plan import Limits
+from surae.protocol.planning.torque import ProfilePlan, within_torque
 
 #: Virtual legs that the torque is looked at of.
 _LEGS = 20

@@ -16,9 +16,9 @@ import numpy as np
 
 from surae.errors import InputError
 from surae.frozen import read_only
-from surae.planning.kernels import plan_motion
 from surae.protocol import Device, Given, Trajectory, allowed_range
 from surae.protocol.effort import Burst, burst_effort
+from surae.protocol.planning.kernels import plan_motion
 from surae.protocol.profiles import Ramp
 from surae.records import from_plain
 from surae.units import FloatArray

@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 
 from surae.frozen import Comparable, read_only
-from surae.planning.genes import Genes
-from surae.planning.legs import Legs
-from surae.planning.plan import highest_hz, limits_of
-from surae.planning.torque import within_torque
 from surae.protocol import Device, Trajectory
+from surae.protocol.planning.genes import Genes
+from surae.protocol.planning.legs import Legs
+from surae.protocol.planning.plan import highest_hz, limits_of
+from surae.protocol.planning.torque import within_torque
 from surae.units import FloatArray
 
 _FILES = Path(__file__).parent / "ready"

@@ -43,7 +43,7 @@ class Legs(Comparable):
     emg_rest: FloatArray
     emg_full: FloatArray
     emg_unit: str = "V"  #: "V", "1": Volts, or a normalised envelope.
-    films: tuple[str, ...] = ()  #: Muscles that are filmed (`surae.planning.filming`).
+    films: tuple[str, ...] = ()  #: Muscles that are filmed (`surae.protocol.planning.filming`).
 
     @property
     def own(self) -> tuple[str, ...]:

@@ -1,9 +1,9 @@
 """The search for the plan that tells most, by an evolution strategy.
 
-The cost of a plan is that of its information (`surae.planning.aim`) on several legs at once, for
-nobody knows whose leg comes. It has many valleys and kinks where limits are met: covariance matrix
-adaptation with a diagonal matrix (Ros and Hansen 2008) crosses them. Torque beyond the device's
-limit costs; what is left of it is taken out afterwards.
+The cost of a plan is that of its information (`aim.py`) on several legs at once, for nobody knows
+whose leg comes. It has many valleys and kinks where limits are met: covariance matrix adaptation
+with a diagonal matrix (Ros and Hansen 2008) crosses them. Torque beyond the device's limit costs;
+what is left of it is taken out afterwards.
 """
 
 import time
@@ -13,11 +13,11 @@ import numpy as np
 
 from surae.estimation.interrupt import checkpoint, postponed_interrupt
 from surae.frozen import Comparable, read_only
-from surae.planning.aim import Aim
-from surae.planning.genes import Genes
-from surae.planning.information import information
-from surae.planning.legs import Legs
 from surae.progress import SearchProgress
+from surae.protocol.planning.aim import Aim
+from surae.protocol.planning.genes import Genes
+from surae.protocol.planning.information import information
+from surae.protocol.planning.legs import Legs
 from surae.threads import one_blas_thread
 from surae.units import FloatArray
 

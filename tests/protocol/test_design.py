@@ -7,10 +7,6 @@ import pytest
 
 import surae
 from surae.errors import InputError
-from surae.planning.genes import REST, SHORTEST, Genes, effort_budget
-from surae.planning.legs import population_legs
-from surae.planning.plan import limits_of
-from surae.planning.torque import torques, within_torque
 from surae.protocol import (
     DEVICES,
     TASKS,
@@ -22,6 +18,10 @@ from surae.protocol import (
     write_protocol_target,
 )
 from surae.protocol.effort import effort
+from surae.protocol.planning.genes import REST, SHORTEST, Genes, effort_budget
+from surae.protocol.planning.legs import population_legs
+from surae.protocol.planning.plan import limits_of
+from surae.protocol.planning.torque import torques, within_torque
 
 QUICK = {"evaluations": 20, "rate_hz": 64.0}
 

@@ -1,4 +1,4 @@
-"""Movement of a plan, sample by sample; the equations are those of `surae.planning.plan`."""
+"""Movement of a plan, sample by sample; the equations are those of `plan.py`."""
 
 import math
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from surae.errors import InputError
-from surae.planning.plan import Limits, Plan, Shake
 from surae.protocol import DIRECTIONS, TASKS
 from surae.protocol.effort import GAP, Burst, head_share, task_bursts
+from surae.protocol.planning.plan import Limits, Plan, Shake
 from surae.protocol.profiles import BLEND, Ramp
 from surae.units import FloatArray
 
