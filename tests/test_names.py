@@ -7,9 +7,9 @@ from pathlib import Path
 import surae
 from surae import names
 from surae.estimation import LOSSES
-from surae.estimation.population import KNOWN
 from surae.model import MODELS, ModelOptions, laboratory
 from surae.model.anthropometry import FOOT_SHARE
+from surae.model.parameters import PARAMETERS
 from surae.protocol import DEVICES, PROFILES, TASKS
 from surae.protocol.planning.ready import ready_protocols
 from surae.studies.populations import POPULATIONS
@@ -20,7 +20,8 @@ def test_names_are_those_of_what_they_name() -> None:
     assert names.AUTO == laboratory.AUTO
     assert names.NUISANCES == (laboratory.ALL, laboratory.NONE)
     assert set(names.LOSSES) == set(LOSSES)
-    assert set(names.POPULATIONS) == set(KNOWN) == set(POPULATIONS)
+    assert set(names.POPULATIONS) == set(POPULATIONS)
+    assert {of for p in PARAMETERS.values() for of in (*p.known, *p.drawn)} == set(POPULATIONS)
     assert set(names.FOOT_SHARES) == set(FOOT_SHARE)
     assert (*names.PROFILES,) == (*PROFILES,)
     assert (*names.DESIGNED,) == (*ready_protocols(),)

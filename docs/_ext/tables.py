@@ -7,7 +7,7 @@ from pathlib import Path
 import quality_table
 from sphinx.application import Sphinx
 
-from surae.estimation.population import KNOWN, WIDENED
+from surae.estimation.population import WIDENED
 from surae.estimation.result import TENDONS
 from surae.measures import DEFINITIONS
 from surae.model.parameters import (
@@ -16,6 +16,9 @@ from surae.model.parameters import (
     OPTIONAL_PARAMETERS,
     TENDON_PARAMETERS,
     Parameter,
+)
+from surae.model.parameters import (
+    PARAMETERS as EVERY,
 )
 from surae.model.sources import SOURCES, source_of
 from surae.recording.described import MappedChannel, MappedRecording
@@ -81,8 +84,9 @@ def priors() -> str:
 
     return head + "".join(
         f"| `{name}` | {known.median:g} | {spread(name, known.spread):.2g} | {known.source} |\n"
-        for name, known in KNOWN["healthy"].items()
-        if source_of(name) is None or name in SOURCES["tendon"].leg
+        for name, p in EVERY.items()
+        if (known := p.known.get("healthy"))
+        and (source_of(name) is None or name in SOURCES["tendon"].leg)
     )
 
 

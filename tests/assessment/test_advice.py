@@ -2,27 +2,22 @@
 
 import pytest
 
-from surae.assessment.identifiability.advice import (
-    OPTIONAL_ADVICE,
-    PARAMETER_ADVICE,
-    TRADE_OFFS,
-    trade_off,
-)
+from surae.assessment.identifiability.advice import TRADE_OFFS, trade_off
 from surae.model import MODELS
-from surae.model.parameters import OPTIONAL_PARAMETERS
+from surae.model.parameters import PARAMETERS
 
 
-def test_every_parameter_has_advice_and_no_advice_is_left_over():
+def test_every_parameter_has_advice_and_trade_offs_are_of_parameters():
     names = {name for spec in MODELS.values() for name in spec.names}
-    assert set(PARAMETER_ADVICE) == names
-    assert set(OPTIONAL_ADVICE) == {p.name for p in OPTIONAL_PARAMETERS}
+    assert all(p.advice for p in PARAMETERS.values())
+    assert all(p.advice for spec in MODELS.values() for p in spec.parameters)
     for known in TRADE_OFFS:
         assert known.names | known.beside <= names
         assert not known.names & known.beside
 
 
 @pytest.mark.parametrize(
-    "text", [*PARAMETER_ADVICE.values(), *OPTIONAL_ADVICE.values(), *(t.advice for t in TRADE_OFFS)]
+    "text", [*(p.advice for p in PARAMETERS.values()), *(t.advice for t in TRADE_OFFS)]
 )
 def test_advice_is_part_of_a_sentence(text):
     assert text == text.strip()

@@ -7,14 +7,13 @@ from surae.assessment import assess
 from surae.errors import InputError
 from surae.estimation import Prior, fit_problem, make_problem
 from surae.estimation.population import (
-    KNOWN,
     WIDENED,
     population_of,
     population_priors,
     wide_priors,
 )
 from surae.model import ModelOptions, get_model
-from surae.model.parameters import MUSCLE_PARAMETERS, TENDON_PARAMETERS
+from surae.model.parameters import MUSCLE_PARAMETERS, PARAMETERS, TENDON_PARAMETERS
 from surae.protocol import Protocol, generate
 from surae.studies import POPULATIONS, virtual_subject, virtual_trial
 from surae.studies.populations import TENDONS
@@ -23,14 +22,16 @@ from surae.studies.populations import TENDONS
 @pytest.mark.parametrize("population", POPULATIONS)
 def test_priors_lie_in_the_middle_of_the_virtual_population_and_are_as_wide(population):
     ranges = POPULATIONS[population] | TENDONS[population]
-    for name, known in KNOWN[population].items():
+    records = {name: p.known[population] for name, p in PARAMETERS.items() if p.known}
+    assert len(records) > 12
+    for name, known in records.items():
         low, high = ranges[name]
         assert known.median == pytest.approx(np.sqrt(low * high), rel=0.02), name
         assert known.spread >= 0.98 * np.log(high / low) / 2, name
         assert len(known.source) > 20
 
 
-@pytest.mark.parametrize("population", KNOWN)
+@pytest.mark.parametrize("population", POPULATIONS)
 def test_every_parameter_but_the_weights_has_a_prior_within_its_bounds(population):
     table = {p.name: p for p in (*MUSCLE_PARAMETERS, *TENDON_PARAMETERS)}
     known = population_priors(population)
@@ -41,8 +42,8 @@ def test_every_parameter_but_the_weights_has_a_prior_within_its_bounds(populatio
 
 
 def test_populations_have_the_same_parameters():
-    assert len({frozenset(known) for known in KNOWN.values()}) == 1
-    assert set(KNOWN) == set(POPULATIONS)
+    for p in PARAMETERS.values():
+        assert not p.known or set(p.known) == set(POPULATIONS)
 
 
 def test_priors_follow_the_model_options():
@@ -79,7 +80,7 @@ def test_only_free_parameters_get_one_and_given_ones_go_first(noisy, model):
     )
     assert problem.priors["k_tri"] == Prior(180.0, 0.1)
     free = set(get_model(model).free) - {"m"}
-    assert set(problem.priors) == free & set(KNOWN["patient"])
+    assert set(problem.priors) == free & set(population_priors("patient"))
     assert problem.priors["x0_tri"] == Prior(0.0155, 0.12)
 
 

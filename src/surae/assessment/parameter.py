@@ -9,7 +9,7 @@ import numpy as np
 
 from surae.assessment.uncertainty.covariance import Covariance
 from surae.filed import filed
-from surae.model.parameters import OFF_AT_ZERO
+from surae.model.parameters import PARAMETERS
 
 #: Half-width of the 95 % interval, as a part of the value, up to which a parameter is identified.
 IDENTIFIED = 0.10
@@ -48,7 +48,7 @@ def judge_interval(
         return Verdict.IDENTIFIED, f"known to ±{percent(relative)}"
     verdict = Verdict.WEAK if relative <= 1.0 else Verdict.UNDETERMINED
     # A part of a value that may as well be 0 says nothing.
-    nothing = name in OFF_AT_ZERO and half >= abs(value)
+    nothing = name in PARAMETERS and PARAMETERS[name].off_at_zero and half >= abs(value)
     if nothing:
         known = f"not distinguishable from 0 (95 %: {_interval(value, half, unit)})"
     elif verdict is Verdict.WEAK:

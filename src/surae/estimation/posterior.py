@@ -38,14 +38,12 @@ from surae.estimation.problem import FitProblem
 from surae.estimation.residuals import simulators, stiffness_valleys
 from surae.model.activation import IntArray
 from surae.model.laboratory import Belief
-from surae.model.parameters import OPTIONAL_PARAMETERS
+from surae.model.parameters import PARAMETERS
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 
 #: Parameters that are searched as they are; all others on a logarithm.
-STRAIGHT = {
-    "m", "x0_tri", "x0_tib", "dlt_tri", "dlt_tib", *(p.name for p in OPTIONAL_PARAMETERS)
-}  # fmt: skip
+STRAIGHT = {name for name, p in PARAMETERS.items() if p.straight}
 #: Least value of a parameter on a logarithm whose bound is zero, as a part of its prior's median.
 _FLOOR = 1e-2
 #: Largest order of the autoregression that tells the noise's slow part, and what is slow [Hz].

@@ -18,7 +18,8 @@ from surae.model import ModelOptions, ModelSpec, Simulator, TorqueParts, get_mod
 from surae.model.contraction import CF, FECC, MVSH
 from surae.model.equilibrium import solve
 from surae.model.geometry import paths
-from surae.model.tendon import SLACK_TIB, SLACK_TRI, TendonCurve, tendon_curve, tendon_force
+from surae.model.parameters import SLACK_TIB, SLACK_TRI
+from surae.model.tendon import TendonCurve, tendon_curve, tendon_force
 from surae.signals import ModelInputs
 from surae.units import FloatArray
 

@@ -29,11 +29,13 @@ from surae.model.parameters import (
     MUSCLE_PARAMETERS,
     OPTIONAL,
     OPTIONAL_PARAMETERS,
+    SLACK_TIB,
+    SLACK_TRI,
     TENDON_PARAMETERS,
 )
 from surae.model.rigid import K_REL, TAU
 from surae.model.simulator import TendonLaw, TendonState
-from surae.model.tendon import SLACK_TIB, SLACK_TRI, tendon_curve
+from surae.model.tendon import tendon_curve
 from surae.model.tied import Sums, TiedModel
 from surae.signals import ModelInputs
 from surae.units import FloatArray

@@ -1,9 +1,35 @@
-"""Every parameter of every model, once: name, unit, meaning, start and bounds."""
+"""Every parameter of every model, once: one record each, of which all that names them is made."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from itertools import chain
+from typing import Any, NamedTuple, TypeVar
 
+from surae.frozen import FrozenDict
 from surae.model.options import ModelOptions
+
+T = TypeVar("T")
+#: Slack lengths lt0 of the Achilles and the tibialis tendon [m] (thesis Table 2).
+SLACK_TRI = 0.415
+SLACK_TIB = 0.216
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """What is known of a parameter beforehand: a Gaussian on its logarithm, and its source."""
+
+    median: float  #: In the parameter's unit.
+    spread: float  #: Standard deviation of the logarithm.
+    source: str
+
+
+class OtherReading(NamedTuple):
+    """A parameter where an option reads the thesis otherwise."""
+
+    start: float
+    lower: float
+    upper: float
+    spread: float = 0.0  #: Of the prior about `start` of a leg of which nothing is known.
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +54,23 @@ class Parameter:
         Whether any use of the model needs a value above zero; otherwise zero is allowed too.
     signed : bool
         Whether values below zero have a meaning as well.
+    advice : str
+        What to measure, or to fix, where it is not known well enough, as an imperative.
+    known : mapping of str to Known
+        Its prior in each population; empty where a population says nothing of it.
+    wide : Known or None
+        Its prior of a leg of which nothing is known, where that is not the healthy one, widened.
+    drawn : mapping of str to (float, float)
+        Range from which virtual subjects of each population are drawn.
+    straight : bool
+        Whether a posterior is searched along it; otherwise along its logarithm.
+    travel : OtherReading or None
+        In the virtual-work geometry, whose muscles travel about 2.8 times (triceps) and 1.5 times
+        (tibialis) as far per radian.
+    strain : OtherReading or None
+        Of ε0 as a strain, times the slack length (Thelen 2003).
+    slack : float
+        That slack length [m].
     """
 
     name: str
@@ -39,27 +82,107 @@ class Parameter:
     upper: float
     positive: bool = True
     signed: bool = False
+    advice: str = ""
+    known: Mapping[str, Known] = FrozenDict()
+    wide: Known | None = None
+    drawn: Mapping[str, tuple[float, float]] = FrozenDict()
+    straight: bool = False
+    travel: OtherReading | None = None
+    strain: OtherReading | None = None
+    slack: float = 1.0
 
+    @property
+    def off_at_zero(self) -> bool:
+        """Whether what it stands for is not there at 0."""
+        return self.lower <= 0.0 <= self.upper
+
+
+def _people(healthy: T, patient: T | None = None) -> Mapping[str, T]:
+    """By population; patients are as healthy people are unless it says otherwise."""
+    return FrozenDict({"healthy": healthy, "patient": healthy if patient is None else patient})
+
+
+_CHUNG = (
+    "triceps passive torque at 10° dorsiflexion, 6.2 ± 3.6 Nm healthy, 9.5 ± 4.8 Nm spastic "
+    "(Chung et al. 2004, Arch. Phys. Med. Rehabil. 85), through equations (8) and (9)"
+)
+_WARD = (
+    "middle of equation (9)'s range; fibre lengths of legs differ by about 20 % in the triceps and "
+    "11 % in the tibialis anterior (Ward et al. 2009, Clin. Orthop. Relat. Res. 467)"
+)
+_SHORTER = "shorter than in health (van de Poll 2015, 2.5.4); spread as in health"
+_ASSUMED = "assumed, around the thesis's starting values (van de Poll 2015); no measurement known"
+_FILTER = "about 2 Hz, near critical damping (van de Poll 2015, Table 1); spread assumed"
+_TOE = "Table 2 (van de Poll 2015), after Thelen 2003; spread assumed"
+_ELECTRODES_GIVE = (
+    "up to about 80 Nm at envelopes of 6·10⁻⁴ V (van de Poll 2015, Figures 9, 18 to 20)"
+)
+_TABLE = "Table 2 (van de Poll 2015); spread assumed"
+_TRAVEL = "for the muscles' larger travel by virtual work; spread assumed, no measurement known"
+_REFLEX = "assumed: some Nm at a stretch of 3 rad/s; none known"
+
+_STRETCH_TRI = "stretch the relaxed triceps further: more dorsiflexion"
+_STRETCH_TIB = "stretch the relaxed tibialis further: more plantarflexion"
+_HOLD = "hold the stretched angle longer, with a passive part in the trial"
+_FORCE_TRI = "higher forces of the triceps, past the toe of its tendon, or fix it"
+_FORCE_TIB = "higher forces of the tibialis, past the toe of its tendon, or fix it"
+_STRAIN = "fix it, and let the strain factor vary instead"
 
 _P = Parameter
 #: The fifteen parameters of the muscle model (thesis Table 1, right), in the order of the thesis.
 MUSCLE_PARAMETERS: tuple[Parameter, ...] = (
-    _P("m", "kg", "mass of foot and footplate", "limb", 2.0, 1.2, 3.0, positive=False),
-    _P("k_tri", "1/m", "stiffness coefficient, triceps surae", "passive", 150.0, 20.0, 600.0),
-    _P("k_tib", "1/m", "stiffness coefficient, tibialis anterior", "passive", 100.0, 20.0, 600.0),
-    _P("x0_tri", "m", "slack length, triceps surae", "passive", 0.016, 0.002, 0.06),
-    _P("x0_tib", "m", "slack length, tibialis anterior", "passive", 0.060, 0.010, 0.12),
-    _P("tau_rel", "s", "relaxation time constant", "passive", 3.0, 0.1, 30.0),
-    _P("k_rel", "-", "relaxation factor", "passive", 0.3, 0.0, 3.0, positive=False),
-    _P("g1", "N/V", "EMG weight, tibialis anterior", "active", 1e6, 0.0, 2e7, positive=False),
-    _P("g2", "N/V", "EMG weight, gastrocnemius lateralis", "active", 1e6, 0.0, 2e7, positive=False),
-    _P("g3", "N/V", "EMG weight, soleus", "active", 1e6, 0.0, 2e7, positive=False),
-    _P("g4", "N/V", "EMG weight, gastrocnemius medialis", "active", 1e6, 0.0, 2e7, positive=False),
-    _P("l0_tri", "m", "optimal length, triceps surae", "active", 0.042, 0.020, 0.070),
-    _P("l0_tib", "m", "optimal length, tibialis anterior", "active", 0.080, 0.040, 0.130),
-    _P("f0", "Hz", "cut-off frequency of the activation filter", "active", 2.5, 0.3, 15.0),
-    _P("beta", "-", "relative damping of the activation filter", "active", 1.0, 0.2, 4.0),
-)
+    _P("m", "kg", "mass of foot and footplate", "limb", 2.0, 1.2, 3.0, positive=False,
+       straight=True, drawn=_people((1.5, 2.7), (1.25, 2.0)), known=_people(
+           Known(2.0, 0.30, "foot 1.45 % of 50 … 100 kg (Winter 2009), footplate about 1 kg"),
+           Known(1.58, 0.30, "less than in health (van de Poll 2015, 2.5.4)")),
+       advice="move faster, with a chirp of more acceleration, or weigh foot and footplate and fix "
+       "it"),
+    _P("k_tri", "1/m", "stiffness coefficient, triceps surae", "passive", 150.0, 20.0, 600.0,
+       known=_people(Known(198.0, 0.20, _CHUNG), Known(211.0, 0.20, _CHUNG)),
+       drawn=_people((170.0, 230.0), (190.0, 235.0)),
+       travel=OtherReading(60.0, 10.0, 300.0, 0.6), advice=_STRETCH_TRI),
+    _P("k_tib", "1/m", "stiffness coefficient, tibialis anterior", "passive", 100.0, 20.0, 600.0,
+       known=_people(Known(108.0, 0.30, _ASSUMED), Known(139.0, 0.30, _ASSUMED)),
+       drawn=_people((90.0, 130.0), (120.0, 160.0)),
+       travel=OtherReading(70.0, 10.0, 400.0, 0.6), advice=_STRETCH_TIB),
+    _P("x0_tri", "m", "slack length, triceps surae", "passive", 0.016, 0.002, 0.06, straight=True,
+       known=_people(Known(0.0170, 0.12, _CHUNG), Known(0.0155, 0.12, _CHUNG)),
+       drawn=_people((0.016, 0.018), (0.0145, 0.0165)),
+       travel=OtherReading(0.030, 0.001, 0.15, 0.6), advice=_STRETCH_TRI),
+    _P("x0_tib", "m", "slack length, tibialis anterior", "passive", 0.060, 0.010, 0.12,
+       known=_people(Known(0.0645, 0.12, _ASSUMED), Known(0.0600, 0.12, _ASSUMED)),
+       drawn=_people((0.062, 0.067), (0.058, 0.062)), straight=True,
+       travel=OtherReading(0.075, 0.005, 0.20, 0.6), advice=_STRETCH_TIB),
+    _P("tau_rel", "s", "relaxation time constant", "passive", 3.0, 0.1, 30.0, advice=_HOLD,
+       known=_people(Known(2.45, 0.90, _ASSUMED)), drawn=_people((1.0, 6.0))),
+    _P("k_rel", "-", "relaxation factor", "passive", 0.3, 0.0, 3.0, positive=False, advice=_HOLD,
+       known=_people(Known(0.346, 0.55, _ASSUMED)), drawn=_people((0.2, 0.6))),
+    *(
+        _P(f"g{number}", "N/V", f"EMG weight, {muscle}", "active", 1e6, 0.0, 2e7, positive=False,
+           wide=Known(median, 1.0, _ELECTRODES_GIVE), drawn=_people(drawn),
+           advice=f"more effort of the {muscle.removesuffix(' anterior')}")
+        for number, muscle, median, drawn in (
+            (1, "tibialis anterior", 6e5, (4e5, 8e5)),
+            (2, "gastrocnemius lateralis", 1e6, (6e5, 1.2e6)),
+            (3, "soleus", 1e6, (9e5, 1.7e6)),
+            (4, "gastrocnemius medialis", 1e6, (7e5, 1.3e6)),
+        )
+    ),
+    _P("l0_tri", "m", "optimal length, triceps surae", "active", 0.042, 0.020, 0.070,
+       known=_people(Known(0.0447, 0.20, _WARD), Known(0.0378, 0.20, _SHORTER)),
+       drawn=_people((0.040, 0.050), (0.034, 0.042)), travel=OtherReading(0.080, 0.030, 0.20, 0.4),
+       advice="use more of the range of motion while the triceps is active"),
+    _P("l0_tib", "m", "optimal length, tibialis anterior", "active", 0.080, 0.040, 0.130,
+       known=_people(Known(0.0794, 0.15, _WARD), Known(0.0671, 0.15, _SHORTER)),
+       drawn=_people((0.070, 0.090), (0.060, 0.075)), travel=OtherReading(0.105, 0.040, 0.25, 0.4),
+       advice="use more of the range of motion while the tibialis is active"),
+    _P("f0", "Hz", "cut-off frequency of the activation filter", "active", 2.5, 0.3, 15.0,
+       known=_people(Known(1.96, 0.25, _FILTER)), drawn=_people((1.6, 2.4)),
+       advice="faster bursts of effort"),
+    _P("beta", "-", "relative damping of the activation filter", "active", 1.0, 0.2, 4.0,
+       known=_people(Known(0.98, 0.25, _FILTER)), drawn=_people((0.8, 1.2)),
+       advice="faster bursts of effort, or fix it at 1, critical damping"),
+)  # fmt: skip
 
 _BY_NAME = {p.name: p for p in MUSCLE_PARAMETERS}
 #: The ten parameters of the model of 2010 (thesis Table 1, left), in the order of the thesis.
@@ -67,35 +190,47 @@ MUSCLE_2010_PARAMETERS: tuple[Parameter, ...] = (
     _BY_NAME["m"],
     _BY_NAME["k_tri"],
     replace(_BY_NAME["x0_tri"], meaning="length shift, triceps surae"),
-    replace(_BY_NAME["g1"], name="e1", meaning="IEMG weight, tibialis anterior"),
-    replace(_BY_NAME["g2"], name="e2", meaning="IEMG weight, gastrocnemius lateralis"),
-    replace(_BY_NAME["g3"], name="e3", meaning="IEMG weight, soleus"),
-    replace(_BY_NAME["g4"], name="e4", meaning="IEMG weight, gastrocnemius medialis"),
-    replace(_BY_NAME["f0"], name="f"),
-    _P("b_tri", "N·s/m", "viscosity, triceps surae", "passive", 500.0, 0.0, 2e4, positive=False),
-    _P("F0", "N", "force shift, triceps surae", "passive", 0.0, -500.0, 500.0, False, True),
-)
+    *(
+        replace(_BY_NAME[f"g{n}"], name=f"e{n}", meaning="I" + _BY_NAME[f"g{n}"].meaning)
+        for n in (1, 2, 3, 4)
+    ),
+    replace(_BY_NAME["f0"], name="f", known=FrozenDict(), wide=Known(1.96, 0.375, _FILTER)),
+    _P("b_tri", "N·s/m", "viscosity, triceps surae", "passive", 500.0, 0.0, 2e4, positive=False,
+       wide=Known(500.0, 1.5, "assumed, around the start of the model of 2010; none known"),
+       advice="stretch the relaxed triceps faster, and at several speeds"),
+    _P("F0", "N", "force shift, triceps surae", "passive", 0.0, -500.0, 500.0, False, True,
+       "add a passive part with the triceps slack: plantarflexion at rest"),
+)  # fmt: skip
 
 #: The tendons (thesis Table 2), after the fifteen; slack lengths matter to no torque and are
 #: constants. ε0 is in metres as the printed equations take it.
 TENDON_PARAMETERS: tuple[Parameter, ...] = (
-    _P("dlt_tri", "m", "tendon strain factor, triceps surae", "tendon", 0.04, 0.005, 0.2),
-    _P("dlt_tib", "m", "tendon strain factor, tibialis anterior", "tendon", 0.04, 0.002, 0.2),
-    _P("pt_tri", "-", "tendon toe force, triceps surae", "tendon", 0.3, 0.05, 0.9),
-    _P("pt_tib", "-", "tendon toe force, tibialis anterior", "tendon", 0.3, 0.05, 0.9),
-    _P("kt_tri", "-", "tendon toe shape, triceps surae", "tendon", 4.0, 1.0, 10.0),
-    _P("kt_tib", "-", "tendon toe shape, tibialis anterior", "tendon", 4.0, 1.0, 10.0),
-    _P("fmax_tri", "N", "tendon force at dlt, triceps surae", "tendon", 8e3, 2e3, 2e4),
-    _P(
-        "fmax_tib",
-        "N",
-        "tendon force at dlt, tibialis anterior",
-        "tendon",
-        1.4e3,
-        300.0,
-        6e3,
-    ),
-)
+    _P("dlt_tri", "m", "tendon strain factor, triceps surae", "tendon", 0.04, 0.005, 0.2,
+       straight=True, known=_people(
+           Known(0.0374, 0.45, "430 ± 200 N/mm (Peltonen et al. 2010, J. Exp. Biol. 213)"),
+           Known(0.0561, 0.45,
+                 "42 % less stiff than in health (Zhao et al. 2015, J. Appl. Physiol. 118)")),
+       drawn=_people((0.028, 0.050), (0.045, 0.070)),
+       strain=OtherReading(0.10, 0.01, 0.5), slack=SLACK_TRI, advice=_FORCE_TRI),
+    _P("dlt_tib", "m", "tendon strain factor, tibialis anterior", "tendon", 0.04, 0.002, 0.2,
+       straight=True, known=_people(
+           Known(0.0120, 0.45,
+                 "161 N/mm (Maganaris and Paul 1999, J. Physiol. 521); spread assumed")),
+       drawn=_people((0.008, 0.018)),
+       strain=OtherReading(0.035, 0.005, 0.5), slack=SLACK_TIB, advice=_FORCE_TIB),
+    _P("pt_tri", "-", "tendon toe force, triceps surae", "tendon", 0.3, 0.05, 0.9,
+       known=_people(Known(0.283, 0.35, _TOE)), drawn=_people((0.2, 0.4)), advice=_FORCE_TRI),
+    _P("pt_tib", "-", "tendon toe force, tibialis anterior", "tendon", 0.3, 0.05, 0.9,
+       known=_people(Known(0.283, 0.35, _TOE)), drawn=_people((0.2, 0.4)), advice=_FORCE_TIB),
+    _P("kt_tri", "-", "tendon toe shape, triceps surae", "tendon", 4.0, 1.0, 10.0,
+       wide=Known(4.0, 0.4, _TABLE), advice=_FORCE_TRI),
+    _P("kt_tib", "-", "tendon toe shape, tibialis anterior", "tendon", 4.0, 1.0, 10.0,
+       wide=Known(4.0, 0.4, _TABLE), advice=_FORCE_TIB),
+    _P("fmax_tri", "N", "tendon force at dlt, triceps surae", "tendon", 8e3, 2e3, 2e4,
+       wide=Known(8e3, 0.3, _TABLE), advice=_STRAIN),
+    _P("fmax_tib", "N", "tendon force at dlt, tibialis anterior", "tendon", 1.4e3, 300.0, 6e3,
+       wide=Known(1.4e3, 0.3, _TABLE), advice=_STRAIN),
+)  # fmt: skip
 
 _ELECTRODES = {
     "ta": "tibialis anterior",
@@ -112,137 +247,163 @@ CROSSTALK: dict[tuple[int, int], str] = {
 }
 _NAMES = tuple(_ELECTRODES)
 _GROUPS = {"tri": "triceps surae", "tib": "tibialis anterior"}
+#: Muscles whose fascicles may be filmed, as their channels are named.
+FILMED = {"tib": _GROUPS["tib"]} | {at: _ELECTRODES[at] for at in _NAMES[1:]}
 
 
-def _measurement(name: str, unit: str, meaning: str, lower: float, upper: float) -> Parameter:
+def _measurement(
+    name: str, unit: str, meaning: str, lower: float, upper: float, advice: str
+) -> Parameter:
     """What the laboratory cannot rule out: nothing at 0, where a fit starts."""
-    return Parameter(name, unit, meaning, "measurement", 0.0, lower, upper, False, lower < 0.0)
+    return Parameter(name, unit, meaning, "measurement", 0.0, lower, upper, False, lower < 0.0,
+                     advice, straight=True)  # fmt: skip
 
 
+def _both(advice: str, *rows: tuple[str, str, str, float]) -> tuple[Parameter, ...]:
+    """Of each muscle group: name, unit, meaning, limit to either side."""
+    return tuple(
+        _measurement(f"{name}_{group}", unit, f"{meaning}, {muscle}", -limit, limit, advice)
+        for name, unit, meaning, limit in rows
+        for group, muscle in _GROUPS.items()
+    )
+
+
+_GEOMETRY = "give the leg's own geometry"
+_LEVELS = "weak and strong efforts of the same muscle"
+_AXIS = "measure where the ankle lies from the device's axis, and fix it"
+_PLATE = "move the plate without the foot, and take its torque away"
+_ANGLES = "efforts at more angles and velocities"
+_M = _measurement
 #: What a model takes beside its own parameters: other drives of the muscles, and what the
-#: laboratory cannot rule out. All are off at these starts (but for the delay of a reflex that is),
-#: and no part of a model that is not asked for them (`surae.model.registry.with_optional`).
-OPTIONAL_PARAMETERS: tuple[Parameter, ...] = (
-    _P("emd", "s", "electromechanical delay of the EMG", "active", 0.0, 0.0, 0.2, positive=False),
-    _P("reflex_tri", "N·s/m", "reflex gain, triceps surae", "active", 0.0, 0.0, 1e5, False),
-    _P("reflex_tib", "N·s/m", "reflex gain, tibialis anterior", "active", 0.0, 0.0, 1e5, False),
-    _P("reflex_delay", "s", "delay of the reflex", "active", 0.05, 0.02, 0.15, positive=False),
-    *(
-        _measurement(name, "-", f"crosstalk of {_NAMES[of]} at {_NAMES[hears]}", 0.0, 0.3)
+#: laboratory cannot rule out, by the name under which all of a group are freed. All are off at
+#: these starts (but for the delay of a reflex that is), and no part of a model that is not asked
+#: for them (`surae.model.registry.with_optional`).
+_OPTIONAL: dict[str, tuple[Parameter, ...]] = {
+    "emd": (
+        _P("emd", "s", "electromechanical delay of the EMG", "active", 0.0, 0.0, 0.2,
+           positive=False, straight=True, wide=Known(
+               0.03, 0.7, "20 to 100 ms with the surface EMG (Cavanagh and Komi 1979); assumed"),
+           advice="faster bursts of effort, or fix it at a measured delay"),
+    ),
+    "reflex": (
+        _P("reflex_tri", "N·s/m", "reflex gain, triceps surae", "active", 0.0, 0.0, 1e5, False,
+           straight=True, wide=Known(2e3, 1.5, _REFLEX),
+           advice="faster stretches of the relaxed triceps, at several speeds"),
+        _P("reflex_tib", "N·s/m", "reflex gain, tibialis anterior", "active", 0.0, 0.0, 1e5, False,
+           straight=True, wide=Known(2e3, 1.5, _REFLEX),
+           advice="faster stretches of the relaxed tibialis, at several speeds"),
+        _P("reflex_delay", "s", "delay of the reflex", "active", 0.05, 0.02, 0.15, positive=False,
+           straight=True,
+           wide=Known(0.05, 0.4, "short latency 40 ms and the muscle's own delay; assumed"),
+           advice="faster and shorter stretches at rest, held for half a second after each"),
+    ),
+    "crosstalk": tuple(
+        _M(name, "-", f"crosstalk of {_NAMES[of]} at {_NAMES[hears]}", 0.0, 0.3,
+           "efforts of one muscle at a time, which show what the other electrodes hear of it")
         for (hears, of), name in CROSSTALK.items()
     ),
-    *(
-        _measurement(f"emg_rest_{at}", "V", f"EMG at rest, {muscle}", -1e-4, 1e-4)
+    "emg_rest": tuple(
+        _M(f"emg_rest_{at}", "V", f"EMG at rest, {muscle}", -1e-4, 1e-4,
+           "a part in which all muscles are at rest")
         for at, muscle in _ELECTRODES.items()
     ),
-    *(
-        _measurement(f"emg_drift_{at}", "-", f"drift of the EMG, {muscle}", -0.5, 0.5)
+    "emg_drift": tuple(
+        _M(f"emg_drift_{at}", "-", f"drift of the EMG, {muscle}", -0.5, 0.5,
+           "the same efforts early and late in the trial")
         for at, muscle in _ELECTRODES.items()
     ),
-    _measurement("emg_shape", "-", "curvature of force over EMG", -5.0, 1.0),
-    _measurement("torque_zero", "Nm", "zero of the torque", -30.0, 30.0),
-    _measurement("angle_zero", "rad", "zero of the angle", -0.35, 0.35),
-    _measurement("axis_forward", "m", "ankle's axis before the device's", -0.03, 0.03),
-    _measurement("axis_up", "m", "ankle's axis above the device's", -0.03, 0.03),
-    _measurement("plate_inertia", "kg·m²", "inertia of the plate beside the foot's", -0.1, 0.1),
-    _measurement("plate_cos", "Nm", "weight of the plate, times cos θ", -20.0, 20.0),
-    _measurement("plate_sin", "Nm", "weight of the plate, times sin θ", -20.0, 20.0),
-    _measurement("plate_give", "rad/Nm", "angle by which the foot plate gives way", 0.0, 4e-3),
-    *(
-        _measurement(f"{name}_{group}", unit, f"{meaning}, {muscle}", -limit, limit)
-        for name, unit, meaning, limit in (
-            ("arm_scale", "-", "logarithm of the moment arm over the assumed one", 0.4),
-            ("arm_slope", "1/rad", "slope of the moment arm over the assumed one", 0.6),
-            ("arm_bend", "1/rad²", "curvature of the moment arm over the assumed one", 0.8),
-            ("path_scale", "-", "logarithm of the path's slope over the assumed one", 0.9),
-            ("length_zero", "m", "muscle length at θ = 0 beyond the assumed one", 0.02),
-        )
-        for group, muscle in _GROUPS.items()
+    "emg_shape": (_M("emg_shape", "-", "curvature of force over EMG", -5.0, 1.0, _LEVELS),),
+    "torque_zero": (
+        _M("torque_zero", "Nm", "zero of the torque", -30.0, 30.0,
+           "measure the zero of the torque's sensor, without a foot, and fix it"),
     ),
-    *(
-        _measurement(f"{name}_{group}", "-", f"{meaning}, {muscle}", -1.5, 1.5)
-        for name, meaning in (
-            ("fl_short", "logarithm of the force–length curve's width below l0"),
-            ("fl_long", "logarithm of the force–length curve's width above l0"),
-        )
-        for group, muscle in _GROUPS.items()
+    "angle_zero": (
+        _M("angle_zero", "rad", "zero of the angle", -0.35, 0.35,
+           "measure the angle at which the foot is perpendicular to the shank, and fix it"),
     ),
-    _measurement("fv_speed", "-", "logarithm of the greatest speed over the assumed", -1.0, 1.0),
-    _measurement("fv_curve", "-", "logarithm of the force–velocity curve's bend", -1.0, 1.0),
-    _measurement("fv_stretch", "-", "logarithm of the force gained in stretch", -1.0, 1.0),
-    _measurement("emg_power", "-", "power of force over EMG, less one", -0.7, 1.0),
-    *(
-        _measurement(f"film_{name}_{at}", unit, f"{meaning}, {muscle}", -limit, limit)
-        for at, muscle in (("tib", _GROUPS["tib"]), *list(_ELECTRODES.items())[1:])
-        for name, unit, meaning, limit in (
-            ("scale", "-", "filmed fascicle's changes of length over the muscle's, less one", 0.3),
-            ("zero", "m", "filmed fascicle's length beyond the muscle's", 0.03),
-        )
+    "axis": (
+        _M("axis_forward", "m", "ankle's axis before the device's", -0.03, 0.03, _AXIS),
+        _M("axis_up", "m", "ankle's axis above the device's", -0.03, 0.03, _AXIS),
     ),
-)
-#: The same by the name under which all parameters of a group are freed.
-OPTIONAL: dict[str, tuple[str, ...]] = {
-    "emd": ("emd",),
-    "reflex": ("reflex_tri", "reflex_tib", "reflex_delay"),
-    "crosstalk": tuple(CROSSTALK.values()),
-    "emg_rest": tuple(f"emg_rest_{at}" for at in _ELECTRODES),
-    "emg_drift": tuple(f"emg_drift_{at}" for at in _ELECTRODES),
-    "emg_shape": ("emg_shape",),
-    "torque_zero": ("torque_zero",),
-    "angle_zero": ("angle_zero",),
-    "axis": ("axis_forward", "axis_up"),
-    "plate": ("plate_inertia", "plate_cos", "plate_sin"),
-    "plate_give": ("plate_give",),
-    "arm": tuple(
-        f"{of}_{g}" for of in ("arm_scale", "arm_slope", "arm_bend", "path_scale") for g in _GROUPS
+    "plate": (
+        _M("plate_inertia", "kg·m²", "inertia of the plate beside the foot's", -0.1, 0.1, _PLATE),
+        _M("plate_cos", "Nm", "weight of the plate, times cos θ", -20.0, 20.0, _PLATE),
+        _M("plate_sin", "Nm", "weight of the plate, times sin θ", -20.0, 20.0, _PLATE),
     ),
-    "length_zero": tuple(f"length_zero_{g}" for g in _GROUPS),
+    "plate_give": (
+        _M("plate_give", "rad/Nm", "angle by which the foot plate gives way", 0.0, 4e-3,
+           "strap the foot tighter, or measure the angle at the ankle"),
+    ),
+    "arm": _both(
+        _GEOMETRY,
+        ("arm_scale", "-", "logarithm of the moment arm over the assumed one", 0.4),
+        ("arm_slope", "1/rad", "slope of the moment arm over the assumed one", 0.6),
+        ("arm_bend", "1/rad²", "curvature of the moment arm over the assumed one", 0.8),
+        ("path_scale", "-", "logarithm of the path's slope over the assumed one", 0.9),
+    ),
+    "length_zero": _both(
+        _GEOMETRY, ("length_zero", "m", "muscle length at θ = 0 beyond the assumed one", 0.02)
+    ),
     "curves": (
-        *(f"fl_{of}_{g}" for of in ("short", "long") for g in _GROUPS),
-        "fv_speed", "fv_curve", "fv_stretch",
+        *_both(
+            _ANGLES,
+            ("fl_short", "-", "logarithm of the force–length curve's width below l0", 1.5),
+            ("fl_long", "-", "logarithm of the force–length curve's width above l0", 1.5),
+        ),
+        _M("fv_speed", "-", "logarithm of the greatest speed over the assumed", -1.0, 1.0, _ANGLES),
+        _M("fv_curve", "-", "logarithm of the force–velocity curve's bend", -1.0, 1.0, _ANGLES),
+        _M("fv_stretch", "-", "logarithm of the force gained in stretch", -1.0, 1.0, _ANGLES),
     ),
-    "emg_power": ("emg_power",),
+    "emg_power": (_M("emg_power", "-", "power of force over EMG, less one", -0.7, 1.0, _LEVELS),),
     **{
-        f"film_{at}": (f"film_scale_{at}", f"film_zero_{at}")
-        for at in ("tib", *list(_ELECTRODES)[1:])
+        f"film_{at}": tuple(
+            _M(f"film_{name}_{at}", unit, f"{meaning}, {muscle}", -limit, limit,
+               "film several places of the muscle")
+            for name, unit, meaning, limit in (
+                ("scale", "-",
+                 "filmed fascicle's changes of length over the muscle's, less one", 0.3),
+                ("zero", "m", "filmed fascicle's length beyond the muscle's", 0.03),
+            )
+        )
+        for at, muscle in FILMED.items()
     },
 }  # fmt: skip
-
-#: Parameters that are off at 0: what they stand for is then not there.
-OFF_AT_ZERO = frozenset(
-    p.name
-    for p in (
-        *MUSCLE_PARAMETERS, *MUSCLE_2010_PARAMETERS, *TENDON_PARAMETERS, *OPTIONAL_PARAMETERS
-    )
-    if p.lower <= 0.0 <= p.upper
-)  # fmt: skip
-
-#: Start and bounds that differ in the virtual-work geometry, whose muscles travel about 2.8 times
-#: (triceps) and 1.5 times (tibialis) as far per radian.
-_VIRTUAL_WORK = {
-    "k_tri": (60.0, 10.0, 300.0),
-    "k_tib": (70.0, 10.0, 400.0),
-    "x0_tri": (0.030, 0.001, 0.15),
-    "x0_tib": (0.075, 0.005, 0.20),
-    "l0_tri": (0.080, 0.030, 0.20),
-    "l0_tib": (0.105, 0.040, 0.25),
+OPTIONAL_PARAMETERS: tuple[Parameter, ...] = tuple(chain(*_OPTIONAL.values()))
+#: The names of each group.
+OPTIONAL: dict[str, tuple[str, ...]] = {
+    group: tuple(p.name for p in members) for group, members in _OPTIONAL.items()
 }
-#: ε0 as a strain, times the slack length (Thelen 2003).
-_SLACK_LENGTH = {"dlt_tri": (0.10, 0.01, 0.5), "dlt_tib": (0.035, 0.005, 0.5)}
-#: The weights of a normalised EMG envelope (unit "1") are forces [N].
-_NORMALISED_WEIGHT = (1e3, 0.0, 2e4)
-#: And their level at rest is a part of 1.
-_NORMALISED_REST = (0.0, -0.2, 0.2)
+#: All by name; where a name means something else in another model, as in the muscle model.
+PARAMETERS: dict[str, Parameter] = {
+    p.name: p
+    for p in (
+        *MUSCLE_PARAMETERS,
+        *TENDON_PARAMETERS,
+        *OPTIONAL_PARAMETERS,
+        *(p for p in MUSCLE_2010_PARAMETERS if p.name not in _BY_NAME),
+    )
+}
+
+#: What differs where the EMG is normalised (unit "1"): weights are forces, rest is a part of 1.
+_NORMALISED: dict[str, dict[str, Any]] = {
+    "N/V": {
+        "unit": "N", "start": 1e3, "lower": 0.0, "upper": 2e4,
+        "wide": Known(
+            1e3, 1.0, "assumed, a muscle's force at full effort; no measurement known"
+        ),
+    },
+    "V": {"unit": "-", "start": 0.0, "lower": -0.2, "upper": 0.2},
+}  # fmt: skip
 
 
 def adapted(
-    parameters: tuple[Parameter, ...], options: ModelOptions, emg_unit: str = "V"
+    parameters: Iterable[Parameter], options: ModelOptions, emg_unit: str = "V"
 ) -> dict[str, Parameter]:
-    """The parameters by name, start, bounds and unit adapted to options and EMG unit.
+    """The parameters by name, start, bounds, unit and priors adapted to options and EMG unit.
 
     Parameters
     ----------
-    parameters : tuple of Parameter
+    parameters : iterable of Parameter
         The model's parameters.
     options : ModelOptions
         The virtual-work geometry, and a table in which muscles travel as far, has other starts and
@@ -250,22 +411,24 @@ def adapted(
     emg_unit : {"V", "1"}
         Weights of a normalised envelope are in N and of another magnitude.
     """
-    changes: dict[str, Mapping[str, object]] = {}
-    if options.travel == "virtual-work":
-        longer = _longer(options)
-        for name, (usual, lower, upper) in _VIRTUAL_WORK.items():
-            start = min(max(usual + longer.get(name, 0.0), lower), upper)
-            changes[name] = {"start": start, "lower": lower, "upper": upper}
-    if options.tendon_strain == "slack-length":
-        for name, (start, lower, upper) in _SLACK_LENGTH.items():
-            changes[name] = {"unit": "-", "start": start, "lower": lower, "upper": upper}
-    if emg_unit == "1":
-        units = {"N/V": ("N", *_NORMALISED_WEIGHT), "V": ("-", *_NORMALISED_REST)}
-        for p in parameters:
-            if p.unit in units:
-                fields = ("unit", "start", "lower", "upper")
-                changes[p.name] = dict(zip(fields, units[p.unit], strict=True))
-    return {p.name: replace(p, **changes.get(p.name, {})) for p in parameters}  # type: ignore[arg-type]
+    return {p.name: _adapted(p, options, emg_unit) for p in parameters}
+
+
+def _adapted(p: Parameter, options: ModelOptions, emg_unit: str) -> Parameter:
+    if p.travel is not None and options.travel == "virtual-work":
+        usual, lower, upper, spread = p.travel
+        start = min(max(usual + _longer(options).get(p.name, 0.0), lower), upper)
+        wide = Known(usual, spread, _TRAVEL)
+        return replace(p, start=start, lower=lower, upper=upper, known=FrozenDict(), wide=wide)
+    if p.strain is not None and options.tendon_strain == "slack-length":
+        start, lower, upper, _ = p.strain
+        known = FrozenDict(
+            {of: replace(each, median=each.median / p.slack) for of, each in p.known.items()}
+        )
+        return replace(p, unit="-", start=start, lower=lower, upper=upper, known=known)
+    if emg_unit == "1" and p.unit in _NORMALISED:
+        return replace(p, **_NORMALISED[p.unit])
+    return p
 
 
 def _longer(options: ModelOptions) -> dict[str, float]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 from surae.frozen import FrozenDict
-from surae.model.parameters import OPTIONAL
+from surae.model.parameters import FILMED, OPTIONAL
 from surae.words import Text
 
 
@@ -95,9 +95,6 @@ class UncertaintySource:
 #: Part of the variance by what two trials share that differs between them: it shifts estimates
 #: otherwise where movement and effort differ. Set on twelve virtual legs (decision 16).
 SHARED = 0.15
-
-#: Muscles whose fascicles may be filmed, as their channels are named.
-_FILMED = ("tib", "gl", "sol", "gm")
 
 _SOURCES = (
     UncertaintySource(
@@ -261,12 +258,12 @@ _SOURCES = (
         ),
         Fill("series-1", "."),
         Nuisance(
-            "film", tuple(f"film_{of}_{at}" for at in _FILMED for of in ("scale", "zero")),
+            "film", tuple(name for at in FILMED for name in OPTIONAL[f"film_{at}"]),
             Belief(0.0, 0.06), "",
             "fascicles of one muscle differ by some millimetres and percent, those of the three "
             "calf muscles by more; assumed", anew="mounting",
             own=FrozenDict(
-                {f"film_zero_{at}": Belief(0.0, 0.006) for at in _FILMED}
+                {f"film_zero_{at}": Belief(0.0, 0.006) for at in FILMED}
                 | {"film_scale_tib": Belief(0.0, 0.03), "film_zero_tib": Belief(0.0, 0.004)}
             ),
         ),

@@ -4,10 +4,6 @@ import math
 
 from surae.model.jit import jit
 
-#: Slack lengths lt0 of the Achilles and the tibialis tendon [m] (thesis Table 2).
-SLACK_TRI = 0.415
-SLACK_TIB = 0.216
-
 TendonCurve = tuple[float, float, float, float, float]
 TendonShape = tuple[float, float, float, float, float, float, float, float]
 

@@ -24,54 +24,25 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from surae import names
 from surae.errors import InputError
 from surae.model import ModelOptions, get_model
+from surae.model.parameters import MUSCLE_PARAMETERS, PARAMETERS, TENDON_PARAMETERS
 
 Ranges = dict[str, tuple[float, float]]
 
+#: The ranges by population and parameter.
 POPULATIONS: dict[str, Ranges] = {
-    "healthy": {
-        "m": (1.5, 2.7),
-        "k_tri": (170.0, 230.0),
-        "k_tib": (90.0, 130.0),
-        "x0_tri": (0.016, 0.018),
-        "x0_tib": (0.062, 0.067),
-        "tau_rel": (1.0, 6.0),
-        "k_rel": (0.2, 0.6),
-        "g1": (4e5, 8e5),
-        "g2": (6e5, 1.2e6),
-        "g3": (9e5, 1.7e6),
-        "g4": (7e5, 1.3e6),
-        "l0_tri": (0.040, 0.050),
-        "l0_tib": (0.070, 0.090),
-        "f0": (1.6, 2.4),
-        "beta": (0.8, 1.2),
-    },
+    of: {p.name: p.drawn[of] for p in MUSCLE_PARAMETERS} for of in names.POPULATIONS
 }
-POPULATIONS["patient"] = POPULATIONS["healthy"] | {
-    "m": (1.25, 2.0),
-    "k_tri": (190.0, 235.0),
-    "k_tib": (120.0, 160.0),
-    "x0_tri": (0.0145, 0.0165),
-    "x0_tib": (0.058, 0.062),
-    "l0_tri": (0.034, 0.042),
-    "l0_tib": (0.060, 0.075),
-}
-
 #: Tendons of a subject's own: ε0 in metres, F̄toe; what is left, ktoe and Fmax, is Table 2's.
 #: The linear part of the curve has the stiffness 1.92·Fmax/ε0. Triceps: 550 to 310 N/mm in health
 #: (430 ± 200, Peltonen et al. 2010, *J. Exp. Biol.* 213) and 340 to 220 N/mm in patients, whose
 #: Achilles tendon is about 42 % less stiff (Zhao et al. 2015). Tibialis: 340 to 150 N/mm (161 N/mm
 #: and 4.1 mm at 530 N, Maganaris and Paul 1999, *J. Physiol.* 521). F̄toe lies around Table 2's 0.3.
 TENDONS: dict[str, Ranges] = {
-    "healthy": {
-        "dlt_tri": (0.028, 0.050),
-        "dlt_tib": (0.008, 0.018),
-        "pt_tri": (0.2, 0.4),
-        "pt_tib": (0.2, 0.4),
-    },
+    of: {p.name: p.drawn[of] for p in TENDON_PARAMETERS if p.drawn} for of in names.POPULATIONS
 }
-TENDONS["patient"] = TENDONS["healthy"] | {"dlt_tri": (0.045, 0.070)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,12 +72,10 @@ class VirtualSubject:
         A tendon of the subject's own is left out of a model without tendons; ε0 is a strain where
         `options.tendon_strain` is ``"slack-length"``.
         """
-        from surae.model.tendon import SLACK_TIB, SLACK_TRI  # imports the compiler
-
-        known, slack = get_model(model).names, {"dlt_tri": SLACK_TRI, "dlt_tib": SLACK_TIB}
+        known = get_model(model).names
         strain = (options or ModelOptions()).tendon_strain == "slack-length"
         own = {
-            name: value / slack[name] if strain and name in slack else value
+            name: value / PARAMETERS[name].slack if strain else value
             for name, value in self.tendons.items()
             if name in known
         }

@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-from surae.model.parameters import OPTIONAL
-
 
 @dataclass(frozen=True, slots=True)
 class TradeOff:
@@ -21,73 +19,6 @@ class TradeOff:
         return (first in self.names and second in beside) or (
             second in self.names and first in beside
         )
-
-
-#: What tells more of each parameter, of every model.
-PARAMETER_ADVICE: dict[str, str] = {
-    "m": "move faster, with a chirp of more acceleration, or weigh foot and footplate and fix it",
-    "k_tri": "stretch the relaxed triceps further: more dorsiflexion",
-    "x0_tri": "stretch the relaxed triceps further: more dorsiflexion",
-    "k_tib": "stretch the relaxed tibialis further: more plantarflexion",
-    "x0_tib": "stretch the relaxed tibialis further: more plantarflexion",
-    "tau_rel": "hold the stretched angle longer, with a passive part in the trial",
-    "k_rel": "hold the stretched angle longer, with a passive part in the trial",
-    "b_tri": "stretch the relaxed triceps faster, and at several speeds",
-    "F0": "add a passive part with the triceps slack: plantarflexion at rest",
-    "g1": "more effort of the tibialis",
-    "g2": "more effort of the gastrocnemius lateralis",
-    "g3": "more effort of the soleus",
-    "g4": "more effort of the gastrocnemius medialis",
-    "e1": "more effort of the tibialis",
-    "e2": "more effort of the gastrocnemius lateralis",
-    "e3": "more effort of the soleus",
-    "e4": "more effort of the gastrocnemius medialis",
-    "l0_tri": "use more of the range of motion while the triceps is active",
-    "l0_tib": "use more of the range of motion while the tibialis is active",
-    "f0": "faster bursts of effort",
-    "beta": "faster bursts of effort, or fix it at 1, critical damping",
-    "f": "faster bursts of effort",
-    "dlt_tri": "higher forces of the triceps, past the toe of its tendon, or fix it",
-    "pt_tri": "higher forces of the triceps, past the toe of its tendon, or fix it",
-    "kt_tri": "higher forces of the triceps, past the toe of its tendon, or fix it",
-    "fmax_tri": "fix it, and let the strain factor vary instead",
-    "dlt_tib": "higher forces of the tibialis, past the toe of its tendon, or fix it",
-    "pt_tib": "higher forces of the tibialis, past the toe of its tendon, or fix it",
-    "kt_tib": "higher forces of the tibialis, past the toe of its tendon, or fix it",
-    "fmax_tib": "fix it, and let the strain factor vary instead",
-}
-
-_ONE_BY_ONE = "efforts of one muscle at a time, which show what the other electrodes hear of it"
-#: The same of the optional parameters, a group's where they all ask for the same.
-OPTIONAL_ADVICE: dict[str, str] = {
-    "emd": "faster bursts of effort, or fix it at a measured delay",
-    "reflex_tri": "faster stretches of the relaxed triceps, at several speeds",
-    "reflex_tib": "faster stretches of the relaxed tibialis, at several speeds",
-    "reflex_delay": "faster and shorter stretches at rest, held for half a second after each",
-    **dict.fromkeys(OPTIONAL["crosstalk"], _ONE_BY_ONE),
-    **dict.fromkeys(OPTIONAL["emg_rest"], "a part in which all muscles are at rest"),
-    **dict.fromkeys(OPTIONAL["emg_drift"], "the same efforts early and late in the trial"),
-    "emg_shape": "weak and strong efforts of the same muscle",
-    "torque_zero": "measure the zero of the torque's sensor, without a foot, and fix it",
-    "angle_zero": "measure the angle at which the foot is perpendicular to the shank, and fix it",
-    **dict.fromkeys(
-        OPTIONAL["axis"], "measure where the ankle lies from the device's axis, and fix it"
-    ),
-    **dict.fromkeys(OPTIONAL["plate"], "move the plate without the foot, and take its torque away"),
-    "plate_give": "strap the foot tighter, or measure the angle at the ankle",
-    **dict.fromkeys((*OPTIONAL["arm"], *OPTIONAL["length_zero"]), "give the leg's own geometry"),
-    **dict.fromkeys(OPTIONAL["curves"], "efforts at more angles and velocities"),
-    "emg_power": "weak and strong efforts of the same muscle",
-    **dict.fromkeys(
-        (name for group, names in OPTIONAL.items() if group.startswith("film_") for name in names),
-        "film several places of the muscle",
-    ),
-}
-
-
-def advice_on(name: str) -> str | None:
-    """What tells more of a parameter, as an imperative; None where nothing is known."""
-    return PARAMETER_ADVICE.get(name) or OPTIONAL_ADVICE.get(name)
 
 
 #: The best known ones; the first that holds a parameter and one it trades off with is told.

@@ -6,7 +6,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from surae.assessment.identifiability.advice import advice_on, trade_off
+from surae.assessment.identifiability.advice import trade_off
 from surae.assessment.identifiability.directions import (
     SINGULAR,
     Direction,
@@ -21,6 +21,7 @@ from surae.assessment.parameter import IDENTIFIED
 from surae.assessment.uncertainty.covariance import half_width
 from surae.estimation import FitResult
 from surae.frozen import read_only
+from surae.model.parameters import PARAMETERS
 from surae.units import FloatArray
 
 #: Correlation from which a parameter is a partner, and partners at most.
@@ -222,7 +223,8 @@ def _identified(
 
 def _advice(name: str, cause: Cause, partners: Mapping[str, float | None]) -> str:
     """What to do to know a parameter better, in one sentence."""
-    more = advice_on(name) or "another movement or effort, or fix it"
+    parameter = PARAMETERS.get(name)
+    more = parameter.advice if parameter else "another movement or effort, or fix it"
     fewer = more.removesuffix(", or fix it")
     others = [
         partner if r is None else f"{partner} ({r:+.2f})".replace("-", "−")

@@ -176,7 +176,5 @@ def fit_detail(bench: "Workbench", fit: Thing) -> dict[str, Any]:
 
 def described(name: str) -> dict[str, str]:
     """Unit and meaning of a parameter."""
-    known = {p.name: p for p in api.OPTIONAL_PARAMETERS}
-    known |= {p.name: p for spec in api.MODELS.values() for p in reversed(spec.parameters)}
-    p = known.get(name)
+    p = api.PARAMETERS.get(name)
     return {"unit": "" if p is None else p.unit, "meaning": "" if p is None else p.meaning}
