@@ -30,6 +30,7 @@ LAYERS = (
         "formatting",
         "frozen",
         "names",
+        "normal",
         "processes",
         "progress",
         "records",

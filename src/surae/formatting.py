@@ -3,6 +3,8 @@
 import math
 from typing import NamedTuple
 
+from surae.normal import NORMAL, standard_error_of
+
 #: What stands for a number that there is not.
 NO_NUMBER = "—"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -40,6 +42,11 @@ def estimate(value: float, sem: float | None, ci95: tuple[float, float] | None) 
     )
 
 
+def of_interval(value: float, ci95: tuple[float, float] | None) -> EstimateText:
+    """An estimate of which the 95 % interval is known, or none; see `estimate`."""
+    return estimate(value, None if ci95 is None else standard_error_of(ci95), ci95)
+
+
 def ends(value: float, ci95: tuple[float, float]) -> tuple[str, str]:
     """Both ends of a 95 % interval, each by itself.
 
@@ -55,7 +62,7 @@ def _end(end: float, value: float, away: float) -> str:
     if not math.isfinite(end):
         return NO_NUMBER
     order = _order(end)
-    first = _order(float(f"{away / 1.96:.1e}")) if away and math.isfinite(away) else order
+    first = _order(float(f"{away / NORMAL:.1e}")) if away and math.isfinite(away) else order
     if away > abs(value):
         first = max(first, order)
     shift = _shift(_order(value or end))

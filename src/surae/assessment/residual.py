@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from surae.filed import filed
 from surae.frozen import Comparable
+from surae.normal import NORMAL
 from surae.units import FloatArray
 
 #: Probability with which the test calls white noise coloured.
@@ -72,7 +73,7 @@ def whiteness(
     n = len(residual)
     mask = np.ones(n, dtype=bool) if counted is None else counted
     samples = max(int(np.count_nonzero(mask)), 1)
-    band = 1.96 / math.sqrt(samples)
+    band = NORMAL / math.sqrt(samples)
     sums, pairs = autocovariance(residual, mask, n - 1)
     if not np.isfinite(sums[0]):
         nothing = np.full(2, np.nan)

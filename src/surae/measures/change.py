@@ -30,7 +30,7 @@ from surae.assessment.adequacy import Grade
 from surae.assessment.parameter import percent
 from surae.errors import InputError
 from surae.filed import filed
-from surae.formatting import NO_NUMBER, estimate, significant
+from surae.formatting import NO_NUMBER, of_interval, significant
 from surae.frozen import FrozenDict
 from surae.measures.quantity import Quantities, Quantity
 from surae.records import Saved
@@ -132,7 +132,7 @@ class Change(Tabular, Saved):
                     reasons.setdefault(d.note, []).append(d.name)
                 continue
             values = [significant(math.nan if v is None else v, 3) for v in (d.before, d.after)]
-            text = estimate(d.difference, (d.ci95[1] - d.ci95[0]) / 3.92, d.ci95)
+            text = of_interval(d.difference, d.ci95)
             judged = d.smallest is not None
             shown = significant(math.nan if d.smallest is None else d.smallest, 2)
             rows.append((

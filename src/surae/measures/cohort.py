@@ -23,7 +23,7 @@ from surae.frozen import FrozenDict
 from surae.measures.change import compare_sessions, holm
 from surae.measures.quantity import Quantities, Quantity
 from surae.measures.reml import FEWEST, Effects, random_effects
-from surae.measures.spread import NORMAL
+from surae.normal import NORMAL, standard_error_of
 from surae.records import Saved, to_plain
 
 #: Legs of a group beside whose interval the errors that all fits share are no longer small: 94 %
@@ -234,7 +234,7 @@ def _among(member: CohortMember, value: float, variance: float, effects: Effects
     sd = math.sqrt(variance)
     drawn, own = (value, sd) if effects is None else effects.shrunken(value, variance)
     return Among(
-        member.leg, member.group, value, sd, drawn, (drawn - 1.96 * own, drawn + 1.96 * own)
+        member.leg, member.group, value, sd, drawn, (drawn - NORMAL * own, drawn + NORMAL * own)
     )
 
 
@@ -271,7 +271,7 @@ def _changes(
         compared = compare_sessions(before, after)
         for d in (*compared.measures.values(), *compared.parameters.values()):
             if d.difference is not None and d.ci95 is not None:
-                sd = (d.ci95[1] - d.ci95[0]) / 3.92
+                sd = standard_error_of(d.ci95)
                 groups = by_quantity.setdefault(d.name, {})
                 groups.setdefault(each[0].group, []).append((d.difference, sd**2))
     return by_quantity

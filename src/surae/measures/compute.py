@@ -13,10 +13,11 @@ from surae.estimation import FitResult
 from surae.frozen import FrozenDict
 from surae.measures.leg import Leg, NotDefinedError, measured_range
 from surae.measures.measure import Measure, Measures
-from surae.measures.spread import NORMAL, Spread, spread_of
+from surae.measures.spread import Spread, spread_of
 from surae.measures.table import DEFINITIONS, Definition
 from surae.model import ModelOptions, get_model, with_optional
 from surae.model.laboratory import OUTSIDE, group_of
+from surae.normal import NORMAL
 from surae.units import FloatArray
 
 #: Angles at which measures are asked unless told otherwise, and those that can be asked [deg].

@@ -9,8 +9,9 @@ from surae.estimation import FitResult
 from surae.frozen import Comparable, read_only
 from surae.measures.compute import Evaluated, MeasurePoint, deviation, evaluate
 from surae.measures.leg import measured_range
-from surae.measures.spread import NORMAL, Spread, spread_of
+from surae.measures.spread import Spread, spread_of
 from surae.measures.table import DEFINITIONS
+from surae.normal import NORMAL
 from surae.units import FloatArray
 
 #: Angles of the curve, at most, and the farthest that an ankle is drawn [deg].

@@ -10,7 +10,7 @@ from surae.assessment import Adequacy, Verdict
 from surae.errors import InputError
 from surae.filed import filed
 from surae.files import PathLike, csv_row, shown, write_atomic, write_json
-from surae.formatting import estimate
+from surae.formatting import of_interval
 from surae.frozen import FrozenDict
 from surae.records import to_plain
 from surae.tables import Tabular, TextTable
@@ -89,8 +89,7 @@ class Measures(Tabular, Mapping[str, Measure]):
         rows = []
         for m in self.values():
             if m.value is not None:
-                sem = None if m.ci95 is None else (m.ci95[1] - m.ci95[0]) / 3.92
-                text = estimate(m.value, sem, m.ci95)
+                text = of_interval(m.value, m.ci95)
                 rows.append((m.name, text.value, text.interval, m.unit, m.note, str(m.verdict)))
         return TextTable(
             ("measure", "value", "95 % interval", "unit", "note", "verdict"),

@@ -16,7 +16,7 @@ from surae.assessment import Grade, Verdict
 from surae.errors import InputError
 from surae.files import PathLike, read_bytes, shown
 from surae.measures.measure import Measures
-from surae.measures.spread import NORMAL
+from surae.normal import standard_error_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +114,7 @@ def placed(measures: Measures, norms: Sequence[Norm]) -> tuple[Placed, ...]:
         usable = m is not None and m.verdict is Verdict.IDENTIFIED and m.unit == norm.unit
         if m is None or not usable or m.value is None or m.ci95 is None:
             continue
-        own = (m.ci95[1] - m.ci95[0]) / (2.0 * NORMAL)
+        own = standard_error_of(m.ci95)
         scale = math.sqrt(norm.sd**2 * (1.0 + 1.0 / norm.n) + own**2)
         below = float(stdtr(norm.n - 1, (m.value - norm.mean) / scale))
         among.append(Placed(norm, m.value, below))

@@ -10,9 +10,10 @@ from surae.assessment import Adequacy, Assessment, Grade
 from surae.estimation import FitResult
 from surae.frozen import FrozenDict
 from surae.measures.compute import ANGLES, deviation, extrapolated, judged_measures
-from surae.measures.spread import NORMAL, spread_of
+from surae.measures.spread import spread_of
 from surae.measures.table import ELECTRODES
 from surae.model.laboratory import group_of
+from surae.normal import standard_error_of
 from surae.records import OrNaN
 
 
@@ -79,7 +80,7 @@ def quantities(
                 deviation(g, V) for V in (spread.total, spread.session, spread.model)
             )
             # where the measure bends too much for the covariance, draws are wider or narrower
-            bent = (m.ci95[1] - m.ci95[0]) / (2.0 * NORMAL * total) if total > 0.0 else 1.0
+            bent = standard_error_of(m.ci95) / total if total > 0.0 else 1.0
             total, session, model = (max(bent, 1.0) * sd for sd in (total, session, model))
             why = why or alone or extrapolated(evaluated, result)
         between = bool(alone) and alone != ELECTRODES and why == alone

@@ -17,9 +17,6 @@ from surae.estimation.posterior import straight
 from surae.frozen import Comparable
 from surae.units import FloatArray
 
-#: Half of a 95 % interval, in standard deviations.
-NORMAL = 1.959964
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Spread(Comparable):

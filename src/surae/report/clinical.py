@@ -18,7 +18,7 @@ from surae.assessment.parameter import percent
 from surae.errors import InputError
 from surae.estimation import FitResult
 from surae.files import PathLike, template
-from surae.formatting import NO_NUMBER, ends, estimate, significant
+from surae.formatting import NO_NUMBER, ends, of_interval, significant
 from surae.measures.change import Change, ChangeVerdict, Difference
 from surae.measures.compute import measures
 from surae.measures.curve import TorqueCurve, torque_curve
@@ -316,7 +316,7 @@ def _texts(m: Measure, words: Words) -> tuple[str, str, str]:
     if m.value is None or m.ci95 is None:
         return (NO_NUMBER if m.value is None else words.number(significant(m.value, 3)),
                 NO_NUMBER, NO_NUMBER)  # fmt: skip
-    text = estimate(m.value, (m.ci95[1] - m.ci95[0]) / 3.92, m.ci95)
+    text = of_interval(m.value, m.ci95)
     value, low, high = map(words.number, (text.value, *ends(m.value, m.ci95)))
     return value, low, high
 
@@ -340,7 +340,7 @@ def _differing(d: Difference, words: Words, *, legs: bool) -> ShownRow:
     if d.difference is None or d.ci95 is None:
         change = (NO_NUMBER, NO_NUMBER)
     else:
-        text = estimate(d.difference, (d.ci95[1] - d.ci95[0]) / 3.92, d.ci95)
+        text = of_interval(d.difference, d.ci95)
         change = (words.number(text.value), words.number(text.interval))
     strong = d.verdict is ChangeVerdict.CHANGED
     judged = d.smallest is not None or d.difference is None

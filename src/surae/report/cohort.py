@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from datetime import datetime
 
 from surae.files import natural_order
-from surae.formatting import estimate, significant
+from surae.formatting import estimate, of_interval, significant
 from surae.measures.cohort import Cohort, CohortMember, Contrast, Pooled, sessions_of
 from surae.report.document import (
     Document,
@@ -116,7 +116,7 @@ def _texts(row: Iterable[object]) -> tuple[str, ...]:
 
 
 def _contrast(c: Contrast) -> tuple[str, str, str, int]:
-    text = estimate(c.difference, (c.ci95[1] - c.ci95[0]) / 3.92, c.ci95)
+    text = of_interval(c.difference, c.ci95)
     return text.value, text.interval, f"{c.p:.2g}", c.k
 
 

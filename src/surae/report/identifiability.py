@@ -7,6 +7,7 @@ from surae.assessment.identifiability.identified import Identified, identifiabil
 from surae.assessment.parameter import IDENTIFIED
 from surae.estimation import FitResult
 from surae.formatting import NO_NUMBER, significant
+from surae.normal import NORMAL
 from surae.report.document import (
     AnyCell,
     SectionBlock,
@@ -22,7 +23,7 @@ from surae.report.document import (
 _DIRECTIONS, _SETS = 6, 6
 #: Relative standard error from which a direction makes its parameters weak: about 1.96 of them are
 #: the half-width of an interval.
-_WEAK = IDENTIFIED / 1.96
+_WEAK = IDENTIFIED / NORMAL
 _NOTE = (
     "Combinations are eigenvectors of the information matrix, each parameter measured in its own "
     "value; the change is one standard error along them. Influence δ: root mean square change of "

@@ -7,7 +7,7 @@ import numpy as np
 
 from surae.assessment import Assessment, Grade, Verdict
 from surae.estimation import FitResult
-from surae.formatting import estimate, percentage, significant
+from surae.formatting import of_interval, percentage, significant
 from surae.measures import Measure, Measures, measures
 from surae.measures.change import ChangeVerdict, Difference, compare_sessions
 from surae.measures.curve import TorqueCurve, torque_curve
@@ -196,7 +196,7 @@ def _stiff(
     m = None if of_fit is None else of_fit[f"passive_stiffness@{at:g}deg"]
     lines: list[Block] = []
     if of_fit is not None and m is not None and m.value is not None:
-        text = estimate(m.value, (m.ci95[1] - m.ci95[0]) / 3.92 if m.ci95 else None, m.ci95)
+        text = of_interval(m.value, m.ci95)
         where = f"at {_where(at)}, relaxed · 95 %: {_span(text.interval)}"
         lines.append(TextBlock(where, "say", f"{text.value} Nm/°"))
         lines += paragraphs(
@@ -290,7 +290,7 @@ def _tendon(of_fit: Measures) -> tuple[Block, ...]:
     m = of_fit.get("tendon_strain_tri@500N")
     if m is None or not is_known(m) or m.value is None or m.ci95 is None:
         return (TextBlock("Tendon: not measured; film the muscle with ultrasound.", "note"),)
-    text = estimate(m.value, (m.ci95[1] - m.ci95[0]) / 3.92, m.ci95)
+    text = of_interval(m.value, m.ci95)
     return (
         TextBlock(f"The calf’s tendon lengthens by {text.value} % at 500 N ({_span(text.interval)})"
                   ".", "note"),
@@ -347,7 +347,7 @@ def _differing(d: Difference, words: str, unit: str) -> tuple[str | TableCell, .
     sides = ["—" if v is None else significant(v, 2) for v in (d.before, d.after)]
     if d.difference is None or d.ci95 is None:
         return (f"{words} [{unit}]", *sides, "—")
-    text = estimate(d.difference, (d.ci95[1] - d.ci95[0]) / 3.92, d.ci95)
+    text = of_interval(d.difference, d.ci95)
     return (f"{words} [{unit}]", *sides, TableCell(text.value, under=_span(text.interval)))
 
 

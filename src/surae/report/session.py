@@ -7,7 +7,7 @@ from datetime import datetime
 import numpy as np
 
 from surae.assessment import Assessment, ParameterEstimate, Verdict
-from surae.formatting import NO_NUMBER, estimate, percentage, signed, significant
+from surae.formatting import NO_NUMBER, estimate, of_interval, percentage, signed, significant
 from surae.measures import Measure, measures
 from surae.quality import Finding, Quality
 from surae.report.budget import budget_blocks, budget_section
@@ -249,7 +249,7 @@ def _measures_section(fit: AssessedFit) -> SectionBlock:
 def _measured(m: Measure) -> tuple[str, str]:
     assert m.value is not None
     assert m.ci95 is not None
-    text = estimate(m.value, (m.ci95[1] - m.ci95[0]) / 3.92, m.ci95)
+    text = of_interval(m.value, m.ci95)
     return text.value, text.interval
 
 

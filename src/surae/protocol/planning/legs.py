@@ -11,6 +11,7 @@ from surae.estimation import FitResult
 from surae.frozen import Comparable, read_only
 from surae.model import ModelOptions, ModelSpec, get_model, with_optional
 from surae.model.laboratory import AUTO, COMPLIANT, NONE, Belief, group_of, laboratory, richest
+from surae.normal import standard_error_of
 from surae.signals import ModelInputs, emg_levels
 from surae.studies.leg import EMG_FULL, EMG_REST
 from surae.studies.populations import POPULATIONS, TENDONS, check_population, virtual_subject
@@ -162,7 +163,7 @@ def _spread(name: str, assessment: Assessment) -> float:
     """Standard deviation of a parameter's logarithm, by the fit, or by both populations."""
     estimate = assessment.parameters[name]
     if estimate.ci95 is not None and estimate.value:
-        sd = (estimate.ci95[1] - estimate.ci95[0]) / 3.92
+        sd = standard_error_of(estimate.ci95)
         return min(sd / abs(estimate.value), float(_WIDEST))
     ranges = [p[name] for p in (*POPULATIONS.values(), *TENDONS.values()) if name in p]
     if not ranges:

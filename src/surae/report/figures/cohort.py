@@ -6,6 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from surae.measures.cohort import Pooled
+from surae.normal import NORMAL
 from surae.report.figures.style import BLUE, GREY, INK, MUTED, OCHRE, RED, dress, new_figure
 
 _COLOURS = (INK, BLUE, OCHRE, RED)
@@ -24,7 +25,7 @@ def forest_figure(pooled: Pooled) -> Figure:
     axes = figure.subplots()
     for row, leg in enumerate(legs):
         look = groups.index(leg.group) % len(_COLOURS)
-        axes.plot([leg.value - 1.96 * leg.sd, leg.value + 1.96 * leg.sd], [row, row],
+        axes.plot([leg.value - NORMAL * leg.sd, leg.value + NORMAL * leg.sd], [row, row],
                   color=GREY, linewidth=1.0)  # fmt: skip
         axes.plot([leg.value], [row], marker=_MARKERS[look], markersize=3, color=GREY)
         axes.plot(leg.ci95, [row, row], color=_COLOURS[look], linewidth=1.4)

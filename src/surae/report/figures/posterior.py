@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from surae.assessment.posterior.sample import Marginal, Posterior
 from surae.formatting import significant
+from surae.normal import standard_error_of
 from surae.report.figures.style import (
     BLUE,
     GREY,
@@ -34,9 +35,8 @@ _NEARLY = 0.995
 _BARS, _POINTS, _CLOUD = 40, 200, 1500
 #: What an axis leaves out at either end, of the draws.
 _BEYOND = 0.002
-#: Half the width of a Gaussian's 95 % interval, in standard deviations, and of an ellipse that
-#: holds 95 % of its two coordinates.
-_HALF, _ELLIPSE = 1.96, 2.448
+#: Half the width, in standard deviations, of an ellipse that holds 95 % of two coordinates.
+_ELLIPSE = 2.448
 
 
 def posterior_figure(posterior: Posterior) -> Figure:
@@ -88,7 +88,7 @@ def _marginal(axes: Axes, marginal: Marginal, draws: FloatArray, *, leftmost: bo
     top = float(np.max(density))
     x = np.linspace(*axes.get_xlim(), _POINTS)
     if marginal.from_covariance is not None:
-        sem = (marginal.from_covariance[1] - marginal.from_covariance[0]) / (2 * _HALF)
+        sem = standard_error_of(marginal.from_covariance)
         curve = np.exp(-(((x - marginal.value) / sem) ** 2) / 2) / (sem * np.sqrt(2 * np.pi))
         axes.plot(x, curve, color=BLUE, linewidth=1.3, linestyle=(0, (5, 1.5)),
                   label="covariance")  # fmt: skip
