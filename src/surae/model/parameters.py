@@ -1,12 +1,19 @@
 """Every parameter of every model, once: one record each, of which all that names them is made."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain
-from typing import Any, NamedTuple, TypeVar
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
+
+import numpy as np
 
 from surae.frozen import FrozenDict
 from surae.model.options import ModelOptions
+from surae.units import FloatArray
+
+if TYPE_CHECKING:
+    from surae.signals import ModelInputs
 
 T = TypeVar("T")
 #: Slack lengths lt0 of the Achilles and the tibialis tendon [m] (thesis Table 2).
@@ -21,6 +28,13 @@ class Known:
     median: float  #: In the parameter's unit.
     spread: float  #: Standard deviation of the logarithm.
     source: str
+
+
+class Added(NamedTuple):
+    """A torque that is proportional to a parameter, whatever the muscles do."""
+
+    part: Literal["zero", "inertial", "gravitational"]  #: What it belongs to, see `TorqueParts`.
+    of: Callable[["ModelInputs"], FloatArray]  #: Of one unit of the parameter [Nm], shape (n,).
 
 
 class OtherReading(NamedTuple):
@@ -71,6 +85,8 @@ class Parameter:
         Of ε0 as a strain, times the slack length (Thelen 2003).
     slack : float
         That slack length [m].
+    torque : Added or None
+        The torque that it adds by itself.
     """
 
     name: str
@@ -90,6 +106,7 @@ class Parameter:
     travel: OtherReading | None = None
     strain: OtherReading | None = None
     slack: float = 1.0
+    torque: Added | None = None
 
     @property
     def off_at_zero(self) -> bool:
@@ -252,11 +269,17 @@ FILMED = {"tib": _GROUPS["tib"]} | {at: _ELECTRODES[at] for at in _NAMES[1:]}
 
 
 def _measurement(
-    name: str, unit: str, meaning: str, lower: float, upper: float, advice: str
+    name: str,
+    unit: str,
+    meaning: str,
+    lower: float,
+    upper: float,
+    advice: str,
+    torque: Added | None = None,
 ) -> Parameter:
     """What the laboratory cannot rule out: nothing at 0, where a fit starts."""
     return Parameter(name, unit, meaning, "measurement", 0.0, lower, upper, False, lower < 0.0,
-                     advice, straight=True)  # fmt: skip
+                     advice, straight=True, torque=torque)  # fmt: skip
 
 
 def _both(advice: str, *rows: tuple[str, str, str, float]) -> tuple[Parameter, ...]:
@@ -266,6 +289,18 @@ def _both(advice: str, *rows: tuple[str, str, str, float]) -> tuple[Parameter, .
         for name, unit, meaning, limit in rows
         for group, muscle in _GROUPS.items()
     )
+
+
+def _constant(inputs: "ModelInputs") -> FloatArray:
+    return np.ones(inputs.n)
+
+
+def _cosine(inputs: "ModelInputs") -> FloatArray:
+    return np.cos(inputs.angle)
+
+
+def _sine(inputs: "ModelInputs") -> FloatArray:
+    return np.sin(inputs.angle)
 
 
 _GEOMETRY = "give the leg's own geometry"
@@ -315,7 +350,8 @@ _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
     "emg_shape": (_M("emg_shape", "-", "curvature of force over EMG", -5.0, 1.0, _LEVELS),),
     "torque_zero": (
         _M("torque_zero", "Nm", "zero of the torque", -30.0, 30.0,
-           "measure the zero of the torque's sensor, without a foot, and fix it"),
+           "measure the zero of the torque's sensor, without a foot, and fix it",
+           Added("zero", _constant)),
     ),
     "angle_zero": (
         _M("angle_zero", "rad", "zero of the angle", -0.35, 0.35,
@@ -326,9 +362,12 @@ _OPTIONAL: dict[str, tuple[Parameter, ...]] = {
         _M("axis_up", "m", "ankle's axis above the device's", -0.03, 0.03, _AXIS),
     ),
     "plate": (
-        _M("plate_inertia", "kg·m²", "inertia of the plate beside the foot's", -0.1, 0.1, _PLATE),
-        _M("plate_cos", "Nm", "weight of the plate, times cos θ", -20.0, 20.0, _PLATE),
-        _M("plate_sin", "Nm", "weight of the plate, times sin θ", -20.0, 20.0, _PLATE),
+        _M("plate_inertia", "kg·m²", "inertia of the plate beside the foot's", -0.1, 0.1, _PLATE,
+           Added("inertial", attrgetter("acceleration"))),
+        _M("plate_cos", "Nm", "weight of the plate, times cos θ", -20.0, 20.0, _PLATE,
+           Added("gravitational", _cosine)),
+        _M("plate_sin", "Nm", "weight of the plate, times sin θ", -20.0, 20.0, _PLATE,
+           Added("gravitational", _sine)),
     ),
     "plate_give": (
         _M("plate_give", "rad/Nm", "angle by which the foot plate gives way", 0.0, 4e-3,

@@ -27,7 +27,7 @@ from surae.units import FloatArray
 _WEIGHTS = ("g1", "g2", "g3", "g4")
 _WEIGHTS_2010 = ("e1", "e2", "e3", "e4")
 #: Optional parameters in which the torque is linear.
-_LINEAR = ("reflex_tri", "reflex_tib", "torque_zero", *OPTIONAL["plate"])
+_LINEAR = ("reflex_tri", "reflex_tib", *(p.name for p in OPTIONAL_PARAMETERS if p.torque))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,7 +16,7 @@ from surae.model.activation import ActivationFilter, ActiveState, IntArray
 from surae.model.excitation import Excitation
 from surae.model.movement import LegMovement, Movement, MusclePath
 from surae.model.options import ModelOptions
-from surae.model.parameters import OPTIONAL
+from surae.model.parameters import PARAMETERS
 from surae.model.simulator import TorqueParts
 from surae.signals import ModelInputs
 from surae.units import FloatArray
@@ -60,16 +60,9 @@ class TiedModel:
         self._dt, self._lags = 1.0 / inputs.rate_hz, lags
         self._factor = float(options.vmax_factor)
         self._cutoff, self._damping = self._at[cutoff], self._at.get(damping, -1)
-        self._zero = self._at.get("torque_zero")
-        self._plate = {
-            self._at[name]: row
-            for name, row in zip(
-                OPTIONAL["plate"],
-                (inputs.acceleration, np.cos(inputs.angle), np.sin(inputs.angle)),
-                strict=True,
-            )
-            if name in self._at
-        }
+        added = ((self._at[name], PARAMETERS[name].torque) for name in optional)
+        #: Part, column and torque of one unit of all that adds a torque by itself.
+        self._added = [(a.part, column, a.of(inputs)) for column, a in added if a is not None]
         self._movement = Movement(inputs, options, self._at)
         self._excitation = Excitation(
             inputs, options, at=self._at, weights=weights, emg=inputs.emg.T if emg is None else emg
@@ -80,9 +73,7 @@ class TiedModel:
         p = np.array(values, dtype=np.float64)
         leg = self._movement.at(p)
         torque: FloatArray = p[0] * (leg.inertia + leg.gravity)
-        if self._zero is not None:
-            torque += p[self._zero]
-        for column, row in self._plate.items():
+        for _, column, row in self._added:
             torque += p[column] * row
         for group, active in enumerate(self._active(p, leg)):
             muscle = leg.muscles[group]
@@ -102,10 +93,7 @@ class TiedModel:
         torque: FloatArray = p[0] * limb
         jacobian = np.zeros((len(columns) + 1, len(limb)))  # the last row is of what is not wanted
         jacobian[slots[0]] = limb
-        if self._zero is not None:
-            torque += p[self._zero]
-            jacobian[slots[self._zero]] = 1.0
-        for column, row in self._plate.items():
+        for _, column, row in self._added:
             torque += p[column] * row
             jacobian[slots[column]] = row
         turned = slots[np.array(leg.columns, dtype=np.int64)]
@@ -129,17 +117,20 @@ class TiedModel:
                 share = np.divide(by_reflex, alpha, out=np.zeros_like(alpha), where=alpha != 0.0)
                 reflex.append(share * split[-1][1])
         (tissue_tri, neural_tri), (tissue_tib, neural_tib) = split
-        swung, *weighed = [p[column] * row for column, row in self._plate.items()] or [0.0]
+        added = {
+            part: sum(p[column] * row for of, column, row in self._added if of == part)
+            for part, _, _ in self._added
+        }
         return TorqueParts(
             tissue_tri=tissue_tri,
             tissue_tib=tissue_tib,
             neural_tri=neural_tri,
             neural_tib=neural_tib,
-            inertial=p[0] * leg.inertia + swung,
-            gravitational=p[0] * leg.gravity + sum(weighed),
+            inertial=p[0] * leg.inertia + added.get("inertial", 0.0),
+            gravitational=p[0] * leg.gravity + added.get("gravitational", 0.0),
             reflex_tri=reflex[0] if reflex else None,
             reflex_tib=reflex[1] if reflex else None,
-            zero=None if self._zero is None else np.full(len(tissue_tri), p[self._zero]),
+            zero=added.get("zero"),
         )
 
     def active_states(self, values: FloatArray) -> FloatArray:
